@@ -1,0 +1,99 @@
+"""The ideal bearing: geometry, materials, masses and operating point; the one description all others use."""
+
+from dataclasses import dataclass
+from math import pi
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """Isotropic linear elastic material. Pa, -, kg/m³."""
+
+    youngs_modulus: float
+    poisson_ratio: float
+    density: float
+
+    @property
+    def plane_strain_modulus(self) -> float:
+        """E' = E/(1 − ν²), Pa."""
+        return self.youngs_modulus / (1.0 - self.poisson_ratio**2)
+
+    @property
+    def lame_lambda(self) -> float:
+        """First Lamé constant (three-dimensional, hence plane strain), Pa."""
+        E, nu = self.youngs_modulus, self.poisson_ratio
+        return E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+
+    @property
+    def lame_mu(self) -> float:
+        """Shear modulus, Pa."""
+        return self.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
+
+    @property
+    def dilatational_wave_speed(self) -> float:
+        """Speed of plane dilatational waves, m/s."""
+        return ((self.lame_lambda + 2.0 * self.lame_mu) / self.density) ** 0.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bearing:
+    """Cross-section of a cylindrical roller bearing. Lengths in m.
+
+    The x axis points right, y up; angles are counter-clockwise from +x.
+    """
+
+    n_rollers: int
+    roller_radius: float
+    roller_length: float
+    inner_raceway_radius: float
+    outer_raceway_radius: float
+    bore_radius: float
+    outside_radius: float
+    roller: Material
+    inner_ring: Material
+    outer_ring: Material
+
+    def __post_init__(self):
+        if not 0.0 < self.bore_radius < self.inner_raceway_radius:
+            raise ValueError(
+                f"bore radius {self.bore_radius:.4g} m must lie between 0 and the inner raceway radius "
+                f"{self.inner_raceway_radius:.4g} m"
+            )
+        if not self.outer_raceway_radius < self.outside_radius:
+            raise ValueError(
+                f"outside radius {self.outside_radius:.4g} m must exceed the outer raceway radius "
+                f"{self.outer_raceway_radius:.4g} m"
+            )
+        if self.n_rollers < 1 or self.roller_radius <= 0.0 or self.roller_length <= 0.0:
+            raise ValueError("number, radius and length of the rollers must be positive")
+
+    @property
+    def radial_clearance(self) -> float:
+        """Gap left at the outer raceway when a roller touches the inner one of a centred bearing, m; < 0 is preload."""
+        return self.outer_raceway_radius - self.inner_raceway_radius - 2.0 * self.roller_radius
+
+    @property
+    def pitch_radius(self) -> float:
+        """Mean radius of the rollers' centres, m."""
+        return 0.5 * (self.inner_raceway_radius + self.outer_raceway_radius)
+
+    @property
+    def roller_mass(self) -> float:
+        """Mass of one roller, kg."""
+        return self.roller.density * pi * self.roller_radius**2 * self.roller_length
+
+    @property
+    def inner_ring_mass(self) -> float:
+        """Mass of the inner ring alone (bore to raceway), kg."""
+        area = pi * (self.inner_raceway_radius**2 - self.bore_radius**2)
+        return self.inner_ring.density * area * self.roller_length
+
+
+@dataclass(frozen=True, kw_only=True)
+class Operation:
+    """How the bearing is run. The load acts along −y on the centre of the inner ring."""
+
+    speed: float  # of the inner ring, rad/s, counter-clockwise positive
+    radial_load: float  # N
+    inner_mass: float  # inner ring and shaft, m_in + m_R, kg
+    gravity: float  # m/s²
+    first_roller_angle: float  # of roller 0, rad from +x

@@ -1,0 +1,57 @@
+"""Kinematics of an ideal bearing: rolling without slip, outer ring fixed."""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from lagrange.bearing import Bearing
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kinematics:
+    """Angular speeds of rolling without slip, rad/s, signed (counter-clockwise positive).
+
+    Source: Harris, Rolling Bearing Analysis (4th ed. 2001), chapter 8, for zero contact angle.
+    """
+
+    shaft: float
+    cage: float  # of the rollers' centres
+    roller: float  # of a roller about its own axis, in the fixed frame
+    n_rollers: int
+
+    @property
+    def frequencies(self) -> dict[str, float]:
+        """Kinematic lines, Hz, positive, by the vibration engineer's name.
+
+        FTF: cage; BSF: a roller's spin relative to the cage; BPFO, BPFI: rollers passing a point of a ring.
+        """
+        cage = abs(self.cage) / (2.0 * pi)
+        shaft = abs(self.shaft) / (2.0 * pi)
+        return {
+            "shaft": shaft,
+            "FTF": cage,
+            "BSF": abs(self.roller - self.cage) / (2.0 * pi),
+            "BPFO": self.n_rollers * cage,
+            "BPFI": self.n_rollers * abs(shaft - cage),
+        }
+
+
+def kinematics(bearing: Bearing, speed: float) -> Kinematics:
+    """Rolling without slip of a bearing whose inner ring turns at `speed`, rad/s.
+
+    With clearance the rollers run on the pitch circle, midway between the raceways.
+    """
+    surface_speed = speed * bearing.inner_raceway_radius
+    cage = 0.5 * surface_speed / bearing.pitch_radius
+    return Kinematics(
+        shaft=speed,
+        cage=cage,
+        roller=-0.5 * surface_speed / bearing.roller_radius,
+        n_rollers=bearing.n_rollers,
+    )
+
+
+def roller_angles(bearing: Bearing, first_roller_angle: float) -> np.ndarray:
+    """Equally spaced angles of the rollers' centres, (n_rollers,), rad: equation (20) of the paper."""
+    return first_roller_angle + 2.0 * pi * np.arange(bearing.n_rollers) / bearing.n_rollers

@@ -1,0 +1,263 @@
+"""The scene file: TOML in the bearing engineer's units, validated, given out as SI objects.
+
+It stands on the ground floor because both the solver and the checker read it, and neither may know the other.
+"""
+
+import difflib
+import tomllib
+from math import asin, pi, radians, sin
+from pathlib import Path
+from typing import Any, Literal
+
+import tomli_w
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from lagrange.bearing import Bearing, Material, Operation
+
+RPM = 2.0 * pi / 60.0
+MM = 1e-3
+
+
+class SceneError(ValueError):
+    """The scene can't be used; the text names file, key, value and limit, one fault a line."""
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
+
+
+class BearingTable(_Table):
+    rollers: int = Field(13, ge=3, le=200)
+    roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0)
+    roller_length_mm: float = Field(10.0, ge=0.1, le=2000.0)
+    inner_raceway_diameter_mm: float = Field(36.0, gt=0.0, le=10_000.0)
+    outer_raceway_diameter_mm: float = Field(56.0, gt=0.0, le=10_000.0)
+    bore_diameter_mm: float = Field(25.0, gt=0.0, le=10_000.0)
+    outside_diameter_mm: float = Field(65.0, gt=0.0, le=10_000.0)
+
+    @model_validator(mode="after")
+    def _fits_together(self):
+        roller, inner, outer = self.roller_diameter_mm, self.inner_raceway_diameter_mm, self.outer_raceway_diameter_mm
+        if self.bore_diameter_mm >= inner:
+            raise ValueError(f"bore_diameter_mm = {self.bore_diameter_mm} must be below inner_raceway_diameter_mm = {inner}")
+        if self.outside_diameter_mm <= outer:
+            raise ValueError(f"outside_diameter_mm = {self.outside_diameter_mm} must be above outer_raceway_diameter_mm = {outer}")
+        clearance = outer - inner - 2.0 * roller
+        if clearance < -0.005 * roller:
+            raise ValueError(
+                f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is more preload than the model "
+                f"bears (at least {-0.005 * roller:.4g} mm); widen outer_raceway_diameter_mm = {outer}"
+            )
+        if clearance > 0.2 * roller:
+            raise ValueError(
+                f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is too large (at most "
+                f"{0.2 * roller:.4g} mm); lower outer_raceway_diameter_mm = {outer}"
+            )
+        pitch = 0.5 * (inner + outer)
+        room = pitch * sin(pi / self.rollers)
+        if room <= roller:
+            most = int(pi / asin(roller / pitch)) if roller < pitch else 1
+            raise ValueError(
+                f"rollers = {self.rollers} of roller_diameter_mm = {roller} do not fit on the pitch circle of {pitch:g} mm; "
+                f"at most {most}"
+            )
+        return self
+
+
+class MaterialOverride(_Table):
+    youngs_modulus_GPa: float | None = Field(None, ge=0.1, le=2000.0)
+    poisson_ratio: float | None = Field(None, ge=0.0, le=0.45)
+    density_kg_m3: float | None = Field(None, ge=100.0, le=30_000.0)
+
+
+class MaterialTable(_Table):
+    youngs_modulus_GPa: float = Field(210.0, ge=0.1, le=2000.0)
+    poisson_ratio: float = Field(0.3, ge=0.0, le=0.45)
+    density_kg_m3: float = Field(7850.0, ge=100.0, le=30_000.0)
+    roller: MaterialOverride = MaterialOverride()
+    inner_ring: MaterialOverride = MaterialOverride()
+    outer_ring: MaterialOverride = MaterialOverride()
+
+    def of(self, body: Literal["roller", "inner_ring", "outer_ring"]) -> Material:
+        """Material of one kind of body, SI."""
+        own = getattr(self, body)
+
+        def pick(key):
+            value = getattr(own, key)
+            return getattr(self, key) if value is None else value
+
+        return Material(
+            youngs_modulus=pick("youngs_modulus_GPa") * 1e9,
+            poisson_ratio=pick("poisson_ratio"),
+            density=pick("density_kg_m3"),
+        )
+
+
+class OperationTable(_Table):
+    speed_rpm: float = Field(4500.0, ge=-200_000.0, le=200_000.0)
+    radial_load_N: float = Field(2000.0, ge=0.0, le=1e7)
+    inner_ring_and_shaft_kg: float = Field(0.078, gt=0.0, le=1e6)
+    gravity_m_s2: float = Field(9.81, ge=0.0, le=1000.0)
+    first_roller_deg: float = Field(0.0, ge=-360.0, le=360.0)
+
+
+class ContactTable(_Table):
+    friction_coefficient: float = Field(0.1, ge=0.0, le=1.0)
+
+
+class NumericsTable(_Table):
+    duration_ms: float = Field(60.0, ge=0.0, le=1e6)
+    start: Literal["equilibrium", "rest"] = "equilibrium"
+    load_ramp_ms: float = Field(1.0, ge=0.0, le=1e6)
+    mesh_size_mm: float = Field(1.0, gt=0.0, le=100.0)
+    time_step_safety: float = Field(0.9, gt=0.0, lt=1.0)
+    output_interval_us: float = Field(10.0, gt=0.0, le=1e6)
+
+
+class Scene(_Table):
+    """A whole scene. Defaults are the paper's bearing."""
+
+    name: str = Field("paper", min_length=1, max_length=100, pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
+    bearing: BearingTable = BearingTable()
+    material: MaterialTable = MaterialTable()
+    operation: OperationTable = OperationTable()
+    contact: ContactTable = ContactTable()
+    numerics: NumericsTable = NumericsTable()
+
+    @model_validator(mode="after")
+    def _consistent(self):
+        ring = self.ideal_bearing().inner_ring_mass
+        if self.operation.inner_ring_and_shaft_kg <= ring:
+            raise ValueError(
+                f"operation.inner_ring_and_shaft_kg = {self.operation.inner_ring_and_shaft_kg} must exceed the mass of "
+                f"the elastic inner ring, {ring:.4g} kg"
+            )
+        coarsest = pi * self.bearing.roller_diameter_mm / 14.0
+        if self.numerics.mesh_size_mm > coarsest:
+            raise ValueError(
+                f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is too coarse for rollers of "
+                f"{self.bearing.roller_diameter_mm} mm (at most {coarsest:.3g})"
+            )
+        finest = self.bearing.roller_diameter_mm / 400.0
+        if self.numerics.mesh_size_mm < finest:
+            raise ValueError(
+                f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is finer than the sub-grid contact is made for "
+                f"(at least {finest:.3g})"
+            )
+        return self
+
+    def ideal_bearing(self) -> Bearing:
+        """The bearing in SI."""
+        b = self.bearing
+        return Bearing(
+            n_rollers=b.rollers,
+            roller_radius=0.5 * MM * b.roller_diameter_mm,
+            roller_length=MM * b.roller_length_mm,
+            inner_raceway_radius=0.5 * MM * b.inner_raceway_diameter_mm,
+            outer_raceway_radius=0.5 * MM * b.outer_raceway_diameter_mm,
+            bore_radius=0.5 * MM * b.bore_diameter_mm,
+            outside_radius=0.5 * MM * b.outside_diameter_mm,
+            roller=self.material.of("roller"),
+            inner_ring=self.material.of("inner_ring"),
+            outer_ring=self.material.of("outer_ring"),
+        )
+
+    def ideal_operation(self) -> Operation:
+        """The operating point in SI; the first roller's angle from +x."""
+        o = self.operation
+        return Operation(
+            speed=o.speed_rpm * RPM,
+            radial_load=o.radial_load_N,
+            inner_mass=o.inner_ring_and_shaft_kg,
+            gravity=o.gravity_m_s2,
+            first_roller_angle=radians(o.first_roller_deg - 90.0),
+        )
+
+    def to_toml(self) -> str:
+        """The whole scene, defaults spelt out, as TOML that `read_scene` takes back unchanged."""
+        return tomli_w.dumps(self.model_dump(exclude_none=True))
+
+
+def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) -> Scene:
+    """The scene of a TOML file (None: the paper's), with `table.key=value` overrides put on top.
+
+    Errors
+    ------
+    SceneError: unreadable file, bad TOML, unknown key (with the likely one), wrong type, value out of range,
+    values that contradict each other; all faults of the file at once.
+    """
+    name, data = "built-in scene", {}
+    if path is not None:
+        name = str(path)
+        try:
+            data = tomllib.loads(Path(path).read_bytes().decode("utf-8"))
+        except OSError as error:
+            raise SceneError(f"{name}: can't be read: {error.strerror}") from None
+        except UnicodeDecodeError as error:
+            raise SceneError(f"{name}: not UTF-8 text (byte {error.start}); is it a scene file?") from None
+        except tomllib.TOMLDecodeError as error:
+            raise SceneError(f"{name}: not valid TOML: {error}") from None
+    for override in overrides:
+        _apply(data, override)
+    return parse_scene(data, name)
+
+
+def parse_scene_text(text: str, name: str) -> Scene:
+    """A scene from TOML text, e.g. the `scene` attribute of a result file."""
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"{name}: not valid TOML: {error}") from None
+    return parse_scene(data, name)
+
+
+def parse_scene(data: dict[str, Any], name: str) -> Scene:
+    """A scene from nested tables."""
+    try:
+        return Scene.model_validate(data)
+    except ValidationError as error:
+        faults = dict.fromkeys(_explain(fault) for fault in error.errors())
+        raise SceneError("\n".join(f"{name}: {fault}" for fault in faults)) from None
+
+
+def _apply(data: dict[str, Any], override: str) -> None:
+    """Put `table.key=value` into nested tables; the value is TOML, or a plain string."""
+    key, equals, text = override.partition("=")
+    parts = [part.strip() for part in key.split(".")]
+    if not equals or not all(parts):
+        raise SceneError(f"--set {override!r}: must read table.key=value, e.g. --set operation.speed_rpm=3000")
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text.strip()
+    table = data
+    for part in parts[:-1]:
+        table = table.setdefault(part, {})
+        if not isinstance(table, dict):
+            raise SceneError(f"--set {override!r}: {part} is a value, not a table")
+    table[parts[-1]] = value
+
+
+def _explain(fault: dict[str, Any]) -> str:
+    """One pydantic fault in the user's words."""
+    place = ".".join(str(part) for part in fault["loc"])
+    if fault["type"] == "extra_forbidden":
+        return f"{place}: unknown key{_likely(fault['loc'])}"
+    value = fault["input"]
+    if fault["type"] == "value_error":
+        reason = str(fault["ctx"]["error"])
+        return f"{place}: {reason}" if place else reason
+    if isinstance(value, dict | BaseModel):
+        value = "a table"
+    reason = fault["msg"].removeprefix("Input ").replace("should", "must", 1)
+    return f"{place} = {value!r}: {reason}"
+
+
+def _likely(loc: tuple) -> str:
+    """The key that was probably meant, or the known ones."""
+    model: Any = Scene
+    for part in loc[:-1]:
+        model = model.model_fields[part].annotation
+    known = list(model.model_fields)
+    close = difflib.get_close_matches(str(loc[-1]), known, n=1, cutoff=0.5)
+    return f"; did you mean {close[0]}?" if close else f"; known here: {', '.join(known)}"

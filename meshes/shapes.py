@@ -1,0 +1,177 @@
+"""gmsh makes the cross-sections: a disc of near-equilateral triangles, an annulus of equal sectors of quadrilaterals."""
+
+from dataclasses import dataclass
+from math import cos, pi, sin
+
+import numpy as np
+
+TRIANGLE, QUADRILATERAL = 2, 3  # gmsh's element types
+
+
+@dataclass(frozen=True, kw_only=True)
+class Disc:
+    """A disc whose k-th concentric layer of nodes, from the centre, has 6k nodes; the surface has 6·layers.
+
+    Layers one surface spacing apart make triangles that are nearly equilateral everywhere, which gives the largest
+    critical time step a mesh of that surface spacing can have.
+    """
+
+    radius: float  # m
+    layers: int
+
+    @property
+    def surface_nodes(self) -> int:
+        return 6 * self.layers
+
+    @property
+    def surface_spacing(self) -> float:
+        """Arc between neighbouring surface nodes, m."""
+        return 2.0 * pi * self.radius / self.surface_nodes
+
+
+@dataclass(frozen=True, kw_only=True)
+class Annulus:
+    """An annulus cut into equal sectors; node rows are concentric, the innermost first."""
+
+    inner_radius: float  # m
+    outer_radius: float  # m
+    sectors: int
+    layers: int  # radial element layers
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mesh:
+    """A plane mesh. Points (n_points, 2), m; cells (n_cells, 3 or 4), counter-clockwise node indices."""
+
+    points: np.ndarray
+    cells: np.ndarray
+
+
+def make(shape: Disc | Annulus) -> Mesh:
+    """Mesh a shape with gmsh; nodes ordered by radius, then by angle from 0.
+
+    Errors
+    ------
+    RuntimeError: gmsh can't be loaded or returned a mesh other than the shape asks for.
+    """
+    gmsh = _load_gmsh()
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        # "initial mesh only": a layer of the disc has the nodes of its two circles and no others between them
+        gmsh.option.setNumber("Mesh.Algorithm", 3)
+        if isinstance(shape, Disc):
+            _draw_disc(gmsh.model, shape)
+            kind, corners = TRIANGLE, 3
+        else:
+            _draw_annulus(gmsh.model, shape)
+            kind, corners = QUADRILATERAL, 4
+        gmsh.model.mesh.generate(2)
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        _, nodes = gmsh.model.mesh.getElementsByType(kind)
+    finally:
+        gmsh.finalize()
+    return _ordered(tags, coordinates.reshape(-1, 3)[:, :2], nodes.reshape(-1, corners), shape)
+
+
+def _load_gmsh():
+    try:
+        import gmsh
+    except (ImportError, OSError) as error:
+        raise RuntimeError(
+            f"gmsh can't be loaded ({error}); install its system libraries: apt-get install --no-install-recommends "
+            "libgl1 libglu1-mesa libxft2 libxcursor1 libxinerama1 libgomp1"
+        ) from None
+    return gmsh
+
+
+def _circle(model, centre, radius, nodes, parts):
+    """A circle of equally spaced nodes as `parts` arcs; returns the arcs and their start points."""
+    angles = [2.0 * pi * part / parts for part in range(parts)]
+    points = [model.geo.addPoint(radius * cos(a), radius * sin(a), 0.0) for a in angles]
+    arcs = [model.geo.addCircleArc(points[i], centre, points[(i + 1) % parts]) for i in range(parts)]
+    for arc in arcs:
+        model.geo.mesh.setTransfiniteCurve(arc, nodes // parts + 1)
+    return arcs, points
+
+
+def _draw_disc(model, disc: Disc) -> None:
+    """Concentric circles of 6, 12, 18 ... nodes; the annuli between them are triangulated without further nodes."""
+    centre = model.geo.addPoint(0.0, 0.0, 0.0)
+    inner_loop = None
+    for layer in range(1, disc.layers + 1):
+        arcs, points = _circle(model, centre, disc.radius * layer / disc.layers, 6 * layer, 6)
+        loop = model.geo.addCurveLoop(arcs)
+        if inner_loop is None:
+            spokes = [model.geo.addLine(centre, point) for point in points]
+            for i in range(6):
+                side = model.geo.addCurveLoop([spokes[i], arcs[i], -spokes[(i + 1) % 6]])
+                model.geo.addPlaneSurface([side])
+            for spoke in spokes:
+                model.geo.mesh.setTransfiniteCurve(spoke, 2)
+        else:
+            model.geo.addPlaneSurface([loop, inner_loop])
+        inner_loop = loop
+    model.geo.synchronize()
+
+
+def _draw_annulus(model, ring: Annulus) -> None:
+    centre = model.geo.addPoint(0.0, 0.0, 0.0)
+    inside, start = _circle(model, centre, ring.inner_radius, ring.sectors, 4)
+    outside, end = _circle(model, centre, ring.outer_radius, ring.sectors, 4)
+    spokes = [model.geo.addLine(start[i], end[i]) for i in range(4)]
+    for spoke in spokes:
+        model.geo.mesh.setTransfiniteCurve(spoke, ring.layers + 1)
+    for i in range(4):
+        loop = model.geo.addCurveLoop([spokes[i], outside[i], -spokes[(i + 1) % 4], -inside[i]])
+        surface = model.geo.addPlaneSurface([loop])
+        model.geo.mesh.setTransfiniteSurface(surface)
+        model.geo.mesh.setRecombine(2, surface)
+    model.geo.synchronize()
+
+
+def expected_points(shape: Disc | Annulus) -> np.ndarray:
+    """Where the nodes of a shape belong, (n_points, 2), m: by radius, then by angle from 0."""
+    if isinstance(shape, Disc):
+        rows = [(0.0, 1)] + [(shape.radius * k / shape.layers, 6 * k) for k in range(1, shape.layers + 1)]
+    else:
+        radii = np.linspace(shape.inner_radius, shape.outer_radius, shape.layers + 1)
+        rows = [(radius, shape.sectors) for radius in radii]
+    angles = [2.0 * pi * np.arange(count) / count for _, count in rows]
+    return np.concatenate(
+        [radius * np.column_stack([np.cos(a), np.sin(a)]) for (radius, _), a in zip(rows, angles, strict=True)]
+    )
+
+
+def _ordered(tags, points, cells, shape) -> Mesh:
+    """Renumber gmsh's nodes to the order of `expected_points` and drop those no cell uses (arc centres)."""
+    index = np.full(int(tags.max()) + 1, -1)
+    index[tags] = np.arange(tags.size)
+    cells = index[cells.astype(np.int64)]
+    used = np.unique(cells)
+    wanted = expected_points(shape)
+    scale = np.abs(wanted).max()
+    distance, nearest = _nearest(points[used], wanted)
+    if used.size != len(wanted) or np.unique(nearest).size != used.size or distance.max() > 1e-7 * scale:
+        raise RuntimeError(
+            f"gmsh returned {used.size} nodes, up to {distance.max():.2e} m off, where {shape} has {len(wanted)}"
+        )
+    number = np.full(len(points), -1)
+    number[used] = nearest
+    cells = _counter_clockwise(wanted, number[cells])
+    return Mesh(points=wanted, cells=cells[np.lexsort(cells.T[::-1])])
+
+
+def _nearest(points, wanted):
+    from scipy.spatial import cKDTree
+
+    return cKDTree(wanted).query(points)
+
+
+def _counter_clockwise(points, cells):
+    """Cells counter-clockwise, starting at their smallest node: the same mesh gives the same array."""
+    first, second, third = (points[cells[:, k]] for k in range(3))
+    (ax, ay), (bx, by) = (second - first).T, (third - first).T
+    cells = np.where((ax * by - ay * bx < 0.0)[:, None], cells[:, ::-1], cells)
+    start = np.argmin(cells, axis=1)
+    return cells[np.arange(len(cells))[:, None], (np.arange(cells.shape[1]) + start[:, None]) % cells.shape[1]]

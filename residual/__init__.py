@@ -1,0 +1,39 @@
+"""The check of Lagrange's equations against a simulated or measured trajectory.
+
+trajectory     `Trajectory`: the arrays all else works on, and their checks
+sources        result file or trajectory table -> `Trajectory`
+differentiate  accelerations by central stencils of high order, with their error floor
+budget         error forces of equations (22) and (23) and what they are made of
+spectrum       power spectral density, peaks, kinematic lines
+evaluation     the whole check as one call -> `Evaluation`
+figures        the paper's figures and the ones it lacks
+tables         the rows of the report's and the terminal's tables
+report         the self-contained HTML page
+store          residual.nc, summary.json, the report folder
+cli            the command `check-residual`
+
+    from residual import evaluate, read_result, write_report
+    write_report(evaluate(read_result("runs/paper.nc"), law="harris"), "report")
+
+Names are loaded when first used, so that the command line starts quickly.
+"""
+
+from importlib import import_module
+
+_HOME = {
+    "Trajectory": "trajectory",
+    "InputError": "trajectory",
+    "read_result": "sources",
+    "read_table": "sources",
+    "Evaluation": "evaluation",
+    "evaluate": "evaluation",
+    "write_report": "store",
+}
+
+__all__ = ["Evaluation", "InputError", "Trajectory", "evaluate", "read_result", "read_table", "write_report"]
+
+
+def __getattr__(name: str):
+    if name not in _HOME:
+        raise AttributeError(f"module 'residual' has no attribute {name!r}")
+    return getattr(import_module(f"residual.{_HOME[name]}"), name)

@@ -1,0 +1,102 @@
+"""Error forces of equations (22) and (23), and what they are made of.
+
+Where the run tells its own contact forces, the error splits exactly:
+
+    error = differentiation + contact_law + friction + ring_flexibility
+
+differentiation   M (our acceleration − the integrator's)
+contact_law       − Σ (law − FEM's normal force): what the law costs, and that it takes each contact alone
+friction          Σ traction on the inner ring, which (22), (23) leave out
+ring_flexibility  the rest: the elastic ring's centre of mass is not the hub; the solver's own error
+
+and the momentum balance, FEM's own forces in place of the law, is differentiation + ring_flexibility.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lagrange.equations import Approaches, approaches, contact_resultant, error_forces
+from lagrange.laws import PowerLaw
+from residual.trajectory import Trajectory
+
+
+@dataclass(frozen=True, kw_only=True)
+class Budget:
+    """Error forces and their terms, each (n_times,), N. The terms of one direction add up to its error.
+
+    `momentum_*` is None where the run does not tell its forces; then the error has no terms.
+    """
+
+    error_x: np.ndarray
+    error_y: np.ndarray
+    terms_x: dict[str, np.ndarray]
+    terms_y: dict[str, np.ndarray]
+    momentum_x: np.ndarray | None
+    momentum_y: np.ndarray | None
+    law_force: np.ndarray  # (n_times, n_rollers), N, the law's
+    contacts: Approaches
+    loaded: np.ndarray  # (n_times, n_rollers), bool, inner contact closed
+
+
+def traction_resultant(contacts: Approaches, traction) -> tuple[np.ndarray, np.ndarray]:
+    """x and y components of the tangential forces on the inner ring, N, each (n_times,).
+
+    `traction`, (n_times, n_rollers), N, acts on the roller along t = (−n_y, n_x), n pointing from the inner
+    ring's centre to the roller's; the ring feels the opposite.
+    """
+    outward_x, outward_y = -contacts.direction_x, -contacts.direction_y
+    return (
+        np.sum(traction * outward_y, axis=1),
+        np.sum(-traction * outward_x, axis=1),
+    )
+
+
+def error_budget(trajectory: Trajectory, law: PowerLaw, acceleration_x, acceleration_y) -> Budget:
+    """Error forces with a contact law, and their causes.
+
+    Parameters
+    ----------
+    acceleration_x, acceleration_y : ndarray, (n_times,), m/s², of the inner ring's centre, from positions
+
+    Errors
+    ------
+    The terms add up to the error to round-off, about 1e-12 of the load.
+    """
+    operation = trajectory.operation
+    contacts = approaches(
+        trajectory.bearing, trajectory.inner_x, trajectory.inner_y, trajectory.roller_x, trajectory.roller_y
+    )
+    law_force = law.force(contacts.inner)
+    law_x, law_y = contact_resultant(contacts, law_force)
+    error_x, error_y = error_forces(operation, acceleration_x, acceleration_y, law_x, law_y)
+    terms_x, terms_y, momentum_x, momentum_y = {}, {}, None, None
+    own = (trajectory.inner_ax, trajectory.inner_ay)
+    if own[0] is not None and own[1] is not None:
+        terms_x["differentiation"] = operation.inner_mass * (acceleration_x - own[0])
+        terms_y["differentiation"] = operation.inner_mass * (acceleration_y - own[1])
+    if trajectory.inner_force is None:
+        terms_x, terms_y = {}, {}
+    else:
+        fem_x, fem_y = contact_resultant(contacts, trajectory.inner_force)
+        terms_x["contact_law"], terms_y["contact_law"] = fem_x - law_x, fem_y - law_y
+        momentum_x, momentum_y = error_x - terms_x["contact_law"], error_y - terms_y["contact_law"]
+        if trajectory.inner_traction is not None:
+            friction_x, friction_y = traction_resultant(contacts, trajectory.inner_traction)
+            terms_x["friction"], terms_y["friction"] = friction_x, friction_y
+            momentum_x, momentum_y = momentum_x - friction_x, momentum_y - friction_y
+        terms_x["ring_flexibility"] = error_x - sum(terms_x.values())
+        terms_y["ring_flexibility"] = error_y - sum(terms_y.values())
+    closed = contacts.inner > 0.0 if trajectory.inner_force is None else trajectory.inner_force > 0.0
+    return Budget(
+        error_x=error_x, error_y=error_y, terms_x=terms_x, terms_y=terms_y,
+        momentum_x=momentum_x, momentum_y=momentum_y, law_force=law_force, contacts=contacts, loaded=closed,
+    )  # fmt: skip
+
+
+def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
+    """Samples within `reach` of a contact that opens or closes, (n_times,) bool: there the order drops."""
+    change = np.zeros(loaded.shape[0], dtype=bool)
+    change[1:] = np.any(loaded[1:] != loaded[:-1], axis=1)
+    kernel = np.ones(2 * reach + 1)
+    return np.convolve(change, kernel, mode="same") > 0.5

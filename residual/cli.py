@@ -1,0 +1,176 @@
+"""The command `check-residual`. Imports little: everything heavy waits until a run is read."""
+
+import signal
+import sys
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import App, Parameter
+
+RUNS = Path("runs")
+
+
+def _version() -> str:
+    from residual.store import package_version
+
+    return package_version()
+
+
+app = App(
+    name="check-residual",
+    version=_version,
+    suppress_keyboard_interrupt=False,
+    result_action="return_value",
+    help_format="plaintext",
+    help="""Put a run's trajectories into the Lagrange equations (22) and (23) and report what is left.
+
+Writes a folder with report.html, figures, residual.nc and summary.json.
+
+Example: check-residual runs/paper.nc --law harris --start 5
+
+Exit codes: 0 done; 1 the verdict is "fails" (--tolerance); 2 unusable input; 130 interrupted; 143 terminated.
+""",
+)
+
+
+@app.default
+def _command(
+    run: Annotated[
+        Path | None, Parameter(help="result file of run-fem, or a CSV table; default: newest runs/*.nc")
+    ] = None,
+    /,
+    *,
+    output: Annotated[
+        Path | None, Parameter(help="report folder; default: <run>-residual beside the run")
+    ] = None,
+    scene: Annotated[Path | None, Parameter(help="scene file (TOML); needed for a table")] = None,
+    law: Annotated[str, Parameter(help="contact law: harris, palmgren, iso16281")] = "harris",
+    start: Annotated[
+        float | None, Parameter(help="milliseconds to skip; default: the load ramp, if any")
+    ] = None,
+    order: Annotated[Literal[4, 6, 8], Parameter(help="order of the differentiation")] = 6,
+    tolerance: Annotated[
+        float | None, Parameter(help="newtons rms; exit 1 if either error exceeds it")
+    ] = None,
+    quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
+) -> int:
+    from lagrange.laws import LAWS
+    from residual.evaluation import evaluate
+    from residual.store import check_replaceable, write_report
+    from residual.trajectory import InputError
+
+    if law not in LAWS:
+        raise InputError(f"--law {law}: unknown; known are {', '.join(LAWS)}")
+    _check_number("--start", start, "ms")
+    _check_number("--tolerance", tolerance, "N")
+    path = run if run is not None else _newest()
+    folder = output if output is not None else path.with_name(f"{path.stem}-residual")
+    trajectory = _read(path, scene)
+    check_replaceable(folder)
+    evaluation = evaluate(trajectory, law, None if start is None else 1e-3 * start, order)
+    for note in evaluation.notes:
+        print(f"warning: {path}: {note}", file=sys.stderr)
+    write_report(evaluation, folder, tolerance)
+    if not quiet:
+        _print_summary(evaluation, folder, tolerance)
+    return 1 if evaluation.fails(tolerance) else 0
+
+
+def _check_number(option: str, value: float | None, unit: str) -> None:
+    """Options that must be finite and not negative."""
+    from residual.trajectory import InputError
+
+    if value is not None and not 0.0 <= value < float("inf"):
+        raise InputError(f"{option} {value:g}: must be a number of {unit} >= 0")
+
+
+def _newest() -> Path:
+    """The newest result file in runs/."""
+    from residual.trajectory import InputError
+
+    found = sorted(RUNS.glob("*.nc"), key=lambda p: p.stat().st_mtime)
+    if not found:
+        raise InputError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")
+    return found[-1]
+
+
+def _read(path: Path, scene_path: Path | None):
+    """A trajectory from a result file, or from a table and its scene."""
+    from lagrange.scene import read_scene
+    from residual.sources import is_result, read_result, read_table
+    from residual.trajectory import InputError
+
+    scene = None if scene_path is None else read_scene(scene_path)
+    if not path.is_file() or is_result(path):
+        trajectory = read_result(path)
+        if scene is not None and (
+            (scene.bearing, scene.operation) != (trajectory.scene.bearing, trajectory.scene.operation)
+        ):
+            raise InputError(
+                f"--scene {scene_path}: its bearing or operation differs from the scene inside {path}; "
+                "leave --scene out"
+            )
+        return trajectory
+    if scene is None:
+        raise InputError(f"{path}: a trajectory table needs its scene: add --scene SCENE.toml")
+    return read_table(path, scene)
+
+
+def _print_summary(evaluation, folder: Path, tolerance: float | None) -> None:
+    """A short table on the terminal."""
+    from rich.console import Console
+    from rich.table import Table
+
+    from residual.tables import error_rows, text, verdict
+
+    console = Console(highlight=False)
+    table = Table(title=f"Residual of {evaluation.trajectory.name}", title_justify="left")
+    table.add_column("N")
+    for heading in ("mean", "rms", "std", "largest"):
+        table.add_column(heading, justify="right")
+    for row in error_rows(evaluation):
+        table.add_row(*row)
+    console.print(table)
+    low, high = evaluation.loaded_range
+    console.print(f"Loaded rollers: {low} to {high}")
+    for axis in "xy":
+        peaks = getattr(evaluation, f"peaks_{axis}")[:4]
+        named = [
+            f"{text(p.frequency)} Hz ({p.line or 'no line'}{'' if p.resolved else ', not resolved'})"
+            for p in peaks
+        ]
+        console.print(f"Peaks of error_{axis}: {'; '.join(named) or 'none stands out'}", soft_wrap=True)
+    console.print(verdict(evaluation, tolerance), soft_wrap=True)
+    console.print(f"Report: {folder / 'report.html'}", soft_wrap=True, markup=False)
+
+
+def _terminated(number, frame):
+    raise SystemExit(128 + number)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command; its exit code. A user's mistake gives a few lines on stderr, never a traceback."""
+    try:
+        result = app(arguments)
+        return result if isinstance(result, int) else 0
+    except KeyboardInterrupt:
+        print("interrupted; no report was written", file=sys.stderr)
+        return 130
+    except OSError as error:
+        print(f"error: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
+        return 2
+    except ValueError as error:
+        if type(error).__name__ not in ("InputError", "SceneError"):
+            raise
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+
+
+def check_residual() -> None:
+    """Entry point."""
+    signal.signal(signal.SIGTERM, _terminated)
+    sys.exit(main())
+
+
+if __name__ == "__main__":
+    check_residual()

@@ -1,0 +1,212 @@
+"""The paper's figures 6 to 11, in its order and with its axes."""
+
+from pathlib import Path
+
+import numpy as np
+
+from residual.differentiate import derivative
+from residual.evaluation import Evaluation
+from residual.plotting import (
+    BLUE,
+    GREY,
+    LINE_COLOURS,
+    ORANGE,
+    RED,
+    SKY,
+    Drawn,
+    family,
+    line_handles,
+    mark_lines,
+    panels,
+    save,
+)
+from residual.trajectory import Trajectory
+
+PAPER_BAND = 300.0  # Hz, the frequency axis of figures 10 and 11
+
+
+def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
+    """First and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
+    at = np.flatnonzero(loaded)
+    if at.size == 0:
+        return []
+    ends = np.flatnonzero(np.diff(at) > bridge + 1)
+    first = at[np.concatenate([[0], ends + 1])]
+    last = at[np.concatenate([ends, [at.size - 1]])]
+    return list(zip(first.tolist(), last.tolist(), strict=True))
+
+
+def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
+    """First and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
+
+    def merit(j):
+        zones = load_zones(loaded[:, j], bridge)
+        whole = sum(first > 0 and last < loaded.shape[0] - 1 for first, last in zones)
+        return len(zones), whole, int(loaded[:, j].sum())
+
+    return max(range(loaded.shape[1]), key=merit)
+
+
+def inner_ring_motion(evaluation: Evaluation, folder: Path) -> Drawn:
+    """Figure 6: x and y of the inner ring's centre."""
+    t = evaluation.trajectory
+    figure, axes = panels(2, 4.6)
+    for axis, name, value in ((axes[0], "x", t.inner_x), (axes[1], "y", t.inner_y)):
+        axis.plot(1e3 * t.time, 1e6 * value, color=BLUE)
+        axis.set_ylabel(f"{name} of the inner ring, µm")
+        axis.margins(x=0.0)
+    axes[-1].set_xlabel("time, ms")
+    caption = (
+        "Centre of the inner ring. Read off the paper's figure 6: x −80 … +60 µm, y −220 … −80 µm "
+        "(it plots millimetres)."
+    )
+    return save(figure, folder, "fig06", "Fig. 6: motion of the inner ring", caption)
+
+
+def roller_motion(evaluation: Evaluation, folder: Path) -> Drawn:
+    """Figure 7: radial position, velocity and acceleration of one roller, load zones shaded."""
+    t, order = evaluation.trajectory, evaluation.order
+    loaded = evaluation.budget.loaded
+    bridge = max(1, loaded.shape[0] // 50)
+    j = chosen_roller(loaded, bridge)
+    rho, velocity, acceleration = roller_radial(t, j, order)
+    figure, axes = panels(3, 6.2)
+    axes[0].plot(1e3 * t.time, 1e3 * rho, color=BLUE)
+    axes[1].plot(1e3 * t.time, 1e3 * velocity, color=BLUE)
+    axes[2].plot(1e3 * t.time, 1e3 * acceleration, color=BLUE)
+    labels = ("ρ, mm", "dρ/dt, mm/s", "d²ρ/dt², mm/s²")
+    zones = load_zones(loaded[:, j], bridge)
+    for axis, label in zip(axes, labels, strict=True):
+        axis.set_ylabel(label)
+        axis.margins(x=0.0)
+        for first, last in zones:
+            axis.axvspan(1e3 * t.time[first], 1e3 * t.time[last], color=ORANGE, alpha=0.18, linewidth=0)
+    span = t.time.size
+    for first, last in zones:
+        if last - first > 0.06 * span:
+            middle = 0.5e3 * (t.time[first] + t.time[last])
+            axes[0].annotate("load zone", (middle, 1.02), xycoords=("data", "axes fraction"), ha="center",
+                             va="bottom", fontsize=9.5, color="#8A5A00")  # fmt: skip
+    axes[-1].set_xlabel("time, ms")
+    caption = (
+        f"Radial position ρ of roller {j} about the outer ring's centre, its velocity and acceleration; "
+        "shaded: inner "
+        "contact closed (load zone). Read off the paper's figure 7: ρ 22.98 … 23.08 mm, ±400 mm/s, ±5·10⁶ "
+        "mm/s², the load "
+        "zone marked twice."
+    )
+    return save(figure, folder, "fig07", f"Fig. 7: radial motion of roller {j}", caption)
+
+
+def roller_radial(trajectory: Trajectory, j: int, order: int):
+    """ρ, m, of one roller, its velocity, m/s, and acceleration, m/s²."""
+    rho = np.hypot(trajectory.roller_x[:, j], trajectory.roller_y[:, j])
+    interval = trajectory.interval
+    return rho, derivative(rho, interval, 1, order), derivative(rho, interval, 2, order)
+
+
+def error_signal(evaluation: Evaluation, folder: Path, axis_name: str) -> Drawn:
+    """Figures 8 and 9: the left sides of (22) and, sign-flipped, of (23)."""
+    t, budget = evaluation.trajectory, evaluation.budget
+    load = t.operation.radial_load
+    if axis_name == "x":
+        name, number, value, level = "fig08", "22", budget.error_x, 0.0
+        label, title = "left side of (22), N", "Fig. 8: error force in x"
+        caption = (
+            "Left side of equation (22): 0 N for a perfect model (dashed). Paper: within ±3000 N around 0."
+        )
+    else:
+        name, number, value, level = "fig09", "23", load - budget.error_y, load
+        label, title = "−(left side of (23)), N", "Fig. 9: error force in y"
+        caption = (
+            f"Left side of equation (23) with its sign flipped: the load W = {load:g} N for a perfect model "
+            "(dashed). "
+            "Paper: within ±3000 N around 2000 N."
+        )
+    figure, axes = panels(1, 3.4)
+    axes[0].plot(1e3 * t.time, value, color=BLUE, linewidth=0.9, label=f"equation ({number})")
+    axes[0].axhline(
+        level, color="black", linewidth=1.1, linestyle=(0, (5, 3)), label=f"perfect model: {level:g} N"
+    )
+    mean = float(np.mean(value))
+    axes[0].axhline(mean, color=RED, linewidth=1.1, label=f"mean: {mean:.4g} N")
+    axes[0].set(xlabel="time, ms", ylabel=label)
+    axes[0].margins(x=0.0)
+    axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2, columnspacing=1.5)
+    return save(figure, folder, name, title, caption)
+
+
+def spectrum_low(evaluation: Evaluation, folder: Path, axis_name: str) -> Drawn:
+    """Figures 10 and 11: power spectral density up to 300 Hz, linear."""
+    spectrum = getattr(evaluation, f"spectrum_{axis_name}")
+    name, equation = ("fig10", "22") if axis_name == "x" else ("fig11", "23")
+    inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= PAPER_BAND + spectrum.resolution)
+    figure, axes = panels(1, 3.6)
+    axis = axes[0]
+    axis.plot(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, marker="o", markersize=3.5)
+    axis.set_xlim(0.0, PAPER_BAND)
+    axis.set_ylim(bottom=0.0)
+    axis.yaxis.get_offset_text().set_x(-0.08)  # clear of the first line's name
+    mark_lines(axis, evaluation.lines, 0.0, PAPER_BAND, labels=True)
+    axis.set(xlabel="frequency, Hz", ylabel=f"PSD of error_{axis_name}, N²/Hz")
+    low = spectrum.resolution
+    caption = (
+        f"One-sided power spectral density of the error force in {axis_name}, equation ({equation}), 0-300 "
+        "Hz; one dot "
+        f"per frequency bin, Δf = {low:.4g} Hz, Hann window: two lines nearer than {2 * low:.3g} Hz are one "
+        "peak, and a peak "
+        f"below {2 * low:.3g} Hz can't be told from drift. The paper shows a peak near 22 Hz, of height "
+        f"{'2.5·10¹⁰' if axis_name == 'x' else '1.5·10⁷'} (unit not given)."
+    )
+    number = name.removeprefix("fig")
+    return save(figure, folder, name, f"Fig. {number}: spectrum of error_{axis_name}, 0-300 Hz", caption)
+
+
+def spectrum_whole(evaluation: Evaluation, folder: Path, axis_name: str) -> Drawn:
+    """Figures 10b and 11b: the spectrum up to the Nyquist frequency, logarithmic, kinematic lines marked."""
+    spectrum = getattr(evaluation, f"spectrum_{axis_name}")
+    peaks = getattr(evaluation, f"peaks_{axis_name}")
+    name = "fig10b" if axis_name == "x" else "fig11b"
+    f, psd = spectrum.frequency[1:], spectrum.psd[1:]
+    figure, axes = panels(1, 4.2)
+    axis = axes[0]
+    axis.loglog(f, np.maximum(psd, 1e-300), color=BLUE, linewidth=0.9)
+    axis.set_xlim(f[0], f[-1])
+    top = max(psd.max(), 1e-30)
+    floor = max(np.percentile(psd, 2) / 3.0, 1e-14 * top)
+    axis.set_ylim(floor, 12.0 * top)
+    families = mark_lines(axis, evaluation.lines, f[0], f[-1], labels=False)
+    handles = line_handles(families, evaluation.lines)
+    if 0.0 < evaluation.resonance < f[-1]:
+        handles.append(
+            axis.axvline(evaluation.resonance, color=SKY, linewidth=5.0, alpha=0.4, zorder=0,
+                         label=f"ring on its contacts ≈ {evaluation.resonance / 1e3:.3g} kHz")
+        )  # fmt: skip
+    for peak in peaks:
+        colour = LINE_COLOURS[family(peak.line)] if peak.line else "black"
+        mark = axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour,
+                         markerfacecolor=colour if peak.resolved else "white", linestyle="none")  # fmt: skip
+        mark[0].set_clip_on(False)
+    axis.set(xlabel="frequency, Hz", ylabel=f"PSD of error_{axis_name}, N²/Hz")
+    axis.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.3,
+                columnspacing=1.4)  # fmt: skip
+    axis.grid(which="minor", visible=False)
+    axis.tick_params(which="minor", color=GREY)
+    caption = (
+        f"The same density up to the Nyquist frequency {f[-1] / 1e3:.4g} kHz. Dashed: kinematic lines; "
+        "dotted: their "
+        "harmonics. Triangles: peaks that stand out of the background, hollow where zero frequency or "
+        "another line lies "
+        f"within {2 * spectrum.resolution:.3g} Hz."
+    )
+    number = name.removeprefix("fig")
+    return save(figure, folder, name, f"Fig. {number}: spectrum of error_{axis_name}, whole band", caption)
+
+
+def paper_figures(evaluation: Evaluation, folder: Path) -> list[Drawn]:
+    """All of the paper's figures, in order."""
+    drawn = [inner_ring_motion(evaluation, folder), roller_motion(evaluation, folder)]
+    drawn += [error_signal(evaluation, folder, axis) for axis in "xy"]
+    for axis in "xy":
+        drawn += [spectrum_low(evaluation, folder, axis), spectrum_whole(evaluation, folder, axis)]
+    return drawn

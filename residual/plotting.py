@@ -1,0 +1,115 @@
+"""One look for all figures: style, colours, kinematic lines, saving as PNG and SVG."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+
+WIDTH = 7.0  # inches; about one page's text width, still legible when a phone shrinks it
+DPI = 170
+# Okabe and Ito's palette, told apart by colour-blind readers
+BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
+    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",
+)  # fmt: skip
+LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "BSF": ORANGE, "BPFO": RED, "BPFI": GREEN}
+STYLE = {
+    "font.family": "DejaVu Sans",
+    "font.size": 11,
+    "axes.titlesize": 11,
+    "axes.labelsize": 11,
+    "xtick.labelsize": 10,
+    "ytick.labelsize": 10,
+    "legend.fontsize": 9.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#E3E3E3",
+    "grid.linewidth": 0.7,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.1,
+    "legend.frameon": False,
+    "figure.constrained_layout.use": True,
+    "svg.hashsalt": "residual",
+    "svg.fonttype": "path",
+    "path.simplify": True,
+    "path.simplify_threshold": 0.3,
+    "agg.path.chunksize": 20000,
+    "axes.formatter.limits": (-4, 5),
+    "axes.formatter.use_mathtext": True,
+    "axes.formatter.useoffset": False,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawn:
+    """A figure on disk."""
+
+    name: str
+    title: str
+    caption: str
+    png: Path
+    svg: Path
+
+
+def panels(n_rows: int, height: float, **keywords):
+    """A figure of rows that share their x axis, and its axes."""
+    figure, axes = plt.subplots(n_rows, 1, figsize=(WIDTH, height), sharex=True, **keywords)
+    axes = np.atleast_1d(axes)
+    if n_rows > 1:
+        figure.align_ylabels(axes)
+    return figure, axes
+
+
+def save(figure, folder: Path, name: str, title: str, caption: str) -> Drawn:
+    """Write one figure as PNG and SVG, without a date, so that the same run gives the same files."""
+    png, svg = folder / f"{name}.png", folder / f"{name}.svg"
+    figure.savefig(png, dpi=DPI, metadata={"Software": None, "Title": title})
+    figure.savefig(svg, metadata={"Date": None, "Title": title}, dpi=DPI)
+    plt.close(figure)
+    return Drawn(name=name, title=title, caption=caption, png=png, svg=svg)
+
+
+def family(line: str) -> str:
+    """Kinematic line a harmonic belongs to: "3×BPFO" -> "BPFO"."""
+    return line.rpartition("×")[2]
+
+
+def mark_lines(axis, lines: dict[str, float], low: float, high: float, labels: bool) -> list[str]:
+    """Vertical marks at the kinematic lines within low … high, Hz; the families drawn."""
+    shown = sorted((f, name) for name, f in lines.items() if low <= f <= high)
+    previous, level = -np.inf, 0
+    for frequency, name in shown:
+        axis.axvline(
+            frequency,
+            color=LINE_COLOURS[family(name)],
+            linewidth=1.1 if family(name) == name else 0.8,
+            linestyle=(0, (4, 2)) if family(name) == name else (0, (1, 2)),
+            zorder=1,
+        )
+        if labels:
+            level = 1 - level if frequency - previous < 0.1 * (high - low) else 0
+            axis.annotate(
+                name,
+                (frequency, 1.02 + 0.065 * level),
+                xycoords=("data", "axes fraction"),
+                ha="center",
+                va="bottom",
+                fontsize=9.5,
+                color=LINE_COLOURS[family(name)],
+            )
+            previous = frequency
+    return list(dict.fromkeys(family(name) for _, name in shown))
+
+
+def line_handles(families: list[str], lines: dict[str, float]):
+    """Legend entries of kinematic lines."""
+    from matplotlib.lines import Line2D
+
+    return [
+        Line2D([], [], color=LINE_COLOURS[name], linestyle=(0, (4, 2)), label=f"{name} {lines[name]:.4g} Hz")
+        for name in families
+    ]

@@ -1,0 +1,79 @@
+"""The report as one self-contained HTML page: figures inside, nothing fetched from elsewhere."""
+
+import base64
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from residual.evaluation import Evaluation
+from residual.plotting import Drawn
+from residual.tables import budget_rows, error_rows, honest_notes, paper_rows, peak_rows, text, verdict
+
+TEMPLATES = Path(__file__).parent / "templates"
+LARGEST_SVG = 300_000  # bytes; a longer record's curves are embedded as pixels instead
+
+
+def render_report(evaluation: Evaluation, figures: list[Drawn], tolerance: float | None, version: str) -> str:
+    """The page's HTML text."""
+    environment = Environment(
+        loader=FileSystemLoader(TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    t = evaluation.trajectory
+    return environment.get_template("report.html.j2").render(
+        name=t.name,
+        version=version,
+        verdict=verdict(evaluation, tolerance),
+        outcome=None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
+        facts=_facts(evaluation),
+        errors=error_rows(evaluation),
+        paper=paper_rows(evaluation),
+        budget=budget_rows(evaluation),
+        peaks=[("x", peak_rows(evaluation.peaks_x)), ("y", peak_rows(evaluation.peaks_y))],
+        lines=[(name, text(f)) for name, f in evaluation.lines.items() if "×" not in name],
+        notes=honest_notes(evaluation),
+        figures=[(f, _embedded(f)) for f in figures],
+        scene=t.scene.to_toml(),
+    )
+
+
+def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
+    """Key numbers that are not errors."""
+    t = evaluation.trajectory
+    bearing, operation, scene = t.bearing, t.operation, t.scene
+    low, high = evaluation.loaded_range
+    facts = [
+        ("Source", t.source.name),
+        (
+            "Bearing",
+            f"{bearing.n_rollers} rollers Ø {text(2e3 * bearing.roller_radius)} × "
+            f"{text(1e3 * bearing.roller_length)} mm, "
+            f"raceways Ø {text(2e3 * bearing.inner_raceway_radius)} and "
+            f"{text(2e3 * bearing.outer_raceway_radius)} mm",
+        ),
+        ("Operation", f"{text(scene.operation.speed_rpm)} rpm, {text(operation.radial_load)} N along −y"),
+        (
+            "Record",
+            f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from "
+            f"{text(1e3 * evaluation.start)} ms",
+        ),
+        ("Contact law", f"{evaluation.law.name}: {evaluation.law.source}"),
+        ("Loaded rollers", f"{low} to {high}"),
+        ("Largest roller load by the law", f"{text(float(evaluation.budget.law_force.max()))} N"),
+    ]
+    if t.inner_force is not None:
+        facts.append(("Largest roller load in the run", f"{text(float(t.inner_force.max()))} N"))
+    for key, label in (("degrees_of_freedom", "Degrees of freedom"), ("status", "Status of the run")):
+        if key in t.attributes:
+            facts.append((label, str(t.attributes[key])))
+    return facts
+
+
+def _embedded(figure: Drawn) -> str:
+    """The figure as a data address: vectors unless they are too many."""
+    small = figure.svg.stat().st_size <= LARGEST_SVG
+    path, kind = (figure.svg, "svg+xml") if small else (figure.png, "png")
+    return f"data:image/{kind};base64,{base64.b64encode(path.read_bytes()).decode('ascii')}"

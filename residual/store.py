@@ -1,0 +1,222 @@
+"""The report folder: residual.nc, summary.json, figures, report.html; it appears whole or not at all."""
+
+import json
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from residual.evaluation import Evaluation, Statistics
+from residual.spectrum import Peak
+from residual.tables import floor_newtons
+from residual.trajectory import InputError
+
+PROGRAM = "check-residual"
+OURS = {"residual.nc", "summary.json", "report.html"}
+
+
+def package_version() -> str:
+    """Version of the installed distribution, or "unknown" when run from a bare checkout."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("roller-bearing-fem")
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def write_report(evaluation: Evaluation, folder: str | Path, tolerance: float | None = None) -> dict:
+    """Write the report folder and give back the summary.
+
+    Parameters
+    ----------
+    tolerance : float, N, on the rms of both errors; None: no verdict
+
+    Errors
+    ------
+    InputError: the folder holds something that is not an earlier report. OSError: it can't be written. Either
+    way an earlier report stays as it was and no part of a new one is left.
+    """
+    folder = Path(folder)
+    check_replaceable(folder)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    fresh = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    try:
+        summary = _fill(evaluation, fresh, tolerance)
+        umask = os.umask(0)
+        os.umask(umask)
+        fresh.chmod(0o777 & ~umask)
+        _move_into_place(fresh, folder)
+    except BaseException:
+        shutil.rmtree(fresh, ignore_errors=True)
+        raise
+    return summary
+
+
+def check_replaceable(folder: Path) -> None:
+    """Refuse to touch anything but a missing or empty folder, or an earlier report and nothing else."""
+    if not folder.exists():
+        return
+    if not folder.is_dir():
+        raise InputError(f"{folder}: is a file, not a folder; choose another --output")
+    names = {entry.name for entry in folder.iterdir()}
+    if not names:
+        return
+    try:
+        known = json.loads((folder / "summary.json").read_text(encoding="utf-8")).get("program") == PROGRAM
+    except (OSError, ValueError, AttributeError):
+        known = False
+    if not known:
+        raise InputError(
+            f"{folder}: not empty and no report of {PROGRAM}; choose another --output or empty it"
+        )
+    foreign = sorted(n for n in names - OURS if not n.endswith((".png", ".svg")))
+    if foreign:
+        raise InputError(
+            f"{folder}: holds {foreign[0]}, which is not part of a report; move it or choose another --output"
+        )
+
+
+def _move_into_place(fresh: Path, folder: Path) -> None:
+    """Swap a finished folder in; the old one goes last."""
+    if not folder.exists():
+        fresh.rename(folder)
+        return
+    old = fresh.with_name(fresh.name + "-old")
+    folder.rename(old)
+    try:
+        fresh.rename(folder)
+    except BaseException:
+        old.rename(folder)
+        raise
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict:
+    """Every file of the report."""
+    import matplotlib.pyplot as plt
+
+    from residual.diagnostics import extra_figures
+    from residual.figures import paper_figures
+    from residual.plotting import STYLE
+    from residual.report import render_report
+
+    version = package_version()
+    with plt.rc_context(STYLE):
+        figures = paper_figures(evaluation, folder) + extra_figures(evaluation, folder)
+    _write_arrays(evaluation, folder / "residual.nc", version)
+    page = render_report(evaluation, figures, tolerance, version)
+    (folder / "report.html").write_text(page, encoding="utf-8")
+    summary = summarise(evaluation, tolerance, version)
+    (folder / "summary.json").write_text(
+        json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8"
+    )
+    return summary
+
+
+def summarise(evaluation: Evaluation, tolerance: float | None, version: str) -> dict:
+    """The numbers of summary.json: each budget term's rms; `budget_mean_*` add up to the error's mean."""
+    t, budget = evaluation.trajectory, evaluation.budget
+    low, high = evaluation.loaded_range
+    floors = floor_newtons(evaluation)
+    summary = {
+        "program": PROGRAM,
+        "program_version": version,
+        "run": t.name,
+        "source": t.source.name,
+        "law": evaluation.law.name,
+        "samples": int(t.time.size),
+        "interval_s": t.interval,
+        "start_s": evaluation.start,
+        "order": evaluation.order,
+        "error_x": _statistics(evaluation.error_x),
+        "error_y": _statistics(evaluation.error_y),
+        "frequency_resolution_Hz": evaluation.spectrum_x.resolution,
+        "segments": evaluation.spectrum_x.segments,
+        "kinematic_lines_Hz": evaluation.lines,
+        "peaks_x": [_peak(p) for p in evaluation.peaks_x],
+        "peaks_y": [_peak(p) for p in evaluation.peaks_y],
+        "loaded_rollers": {"min": low, "max": high},
+        "differentiation_floor_N": {"x": floors[0], "y": floors[1]},
+        "tolerance_N": tolerance,
+        "verdict": None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
+        "notes": list(evaluation.notes),
+    }
+    for axis in "xy":
+        terms = dict(getattr(budget, f"terms_{axis}"))
+        summary[f"budget_mean_{axis}"] = {name: float(np.mean(v)) for name, v in terms.items()}
+        momentum = getattr(budget, f"momentum_{axis}")
+        if momentum is not None:
+            terms["momentum"] = momentum
+            summary[f"momentum_{axis}"] = _statistics(Statistics.of(momentum))
+        summary[f"budget_{axis}"] = {name: Statistics.of(v).rms for name, v in terms.items()}
+        away = getattr(evaluation, f"away_{axis}")
+        summary[f"away_from_contact_changes_{axis}"] = None if away is None else _statistics(away)
+    return summary
+
+
+def _statistics(s: Statistics) -> dict[str, float]:
+    return {"mean_N": s.mean, "rms_N": s.rms, "std_N": s.std, "max_abs_N": s.max_abs}
+
+
+def _peak(p: Peak) -> dict:
+    return {
+        "frequency_Hz": p.frequency,
+        "psd_N2_Hz": p.psd,
+        "rms_N": p.rms,
+        "line": p.line,
+        "resolved": p.resolved,
+    }
+
+
+def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
+    """residual.nc: HDF5 with dimension scales, which is NetCDF-4."""
+    import h5py
+
+    t, budget = evaluation.trajectory, evaluation.budget
+    series = {
+        "error_x": (budget.error_x, "left side of equation (22)"),
+        "error_y": (budget.error_y, "left side of equation (23), load moved over"),
+    }
+    for axis in "xy":
+        for name, value in getattr(budget, f"terms_{axis}").items():
+            series[f"budget_{axis}_{name}"] = (value, f"{name.replace('_', ' ')} term of error_{axis}")
+        momentum = getattr(budget, f"momentum_{axis}")
+        if momentum is not None:
+            series[f"momentum_{axis}"] = (momentum, f"error_{axis} with the run's own contact forces")
+    with h5py.File(path, "w", track_order=True) as file:
+        _scale(file, "time", t.time, "s", "time")
+        _scale(file, "frequency", evaluation.spectrum_x.frequency, "Hz", "frequency")
+        for name, (value, long_name) in series.items():
+            _variable(file, name, value, "time", "N", long_name)
+        count = np.sum(budget.loaded, axis=1).astype(np.int32)
+        _variable(file, "loaded_rollers", count, "time", "1", "rollers in the load zone")
+        for axis in "xy":
+            psd = getattr(evaluation, f"spectrum_{axis}").psd
+            _variable(
+                file,
+                f"psd_{axis}",
+                psd,
+                "frequency",
+                "N2 Hz-1",
+                f"one-sided PSD of error_{axis}",
+            )
+        file.attrs.update(
+            program=PROGRAM, program_version=version, run=t.name, law=evaluation.law.name,
+            order=evaluation.order,
+            frequency_resolution_Hz=evaluation.spectrum_x.resolution, window="hann", scene=t.scene.to_toml(),
+        )  # fmt: skip
+
+
+def _scale(file, name: str, value, units: str, long_name: str) -> None:
+    data = file.create_dataset(name, data=value)
+    data.attrs["units"], data.attrs["long_name"] = units, long_name
+    data.make_scale(name)
+
+
+def _variable(file, name: str, value, dimension: str, units: str, long_name: str) -> None:
+    data = file.create_dataset(name, data=value)
+    data.attrs["units"], data.attrs["long_name"] = units, long_name
+    data.dims[0].attach_scale(file[dimension])

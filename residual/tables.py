@@ -1,0 +1,176 @@
+"""Rows of the tables in the report and on the terminal: text only, no layout."""
+
+import numpy as np
+
+from lagrange.scene import Scene
+from residual.evaluation import Evaluation, Statistics
+from residual.figures import chosen_roller, roller_radial
+from residual.spectrum import MAIN_LOBE, Peak
+
+PAPER_PEAK = 22.0  # Hz
+
+
+def text(value: float, digits: int = 4) -> str:
+    """A number with so many significant digits, with a true minus sign."""
+    plain = f"{value:.{digits}g}"
+    if "e" in plain:
+        mantissa, exponent = plain.split("e")
+        plain = f"{mantissa}·10^{int(exponent)}"
+    return plain.replace("-", "−")
+
+
+def span(values, scale: float = 1.0, digits: int = 4) -> str:
+    """Smallest … largest."""
+    return f"{text(scale * float(np.min(values)), digits)} … {text(scale * float(np.max(values)), digits)}"
+
+
+def is_paper(scene: Scene) -> bool:
+    """Whether the scene's bearing and operating point are the paper's."""
+    paper = Scene()
+    return scene.bearing == paper.bearing and (
+        scene.operation.speed_rpm == paper.operation.speed_rpm
+        and scene.operation.radial_load_N == paper.operation.radial_load_N
+    )
+
+
+def verdict(evaluation: Evaluation, tolerance: float | None) -> str:
+    """The outcome in one sentence."""
+    worst = max(evaluation.error_x.rms, evaluation.error_y.rms)
+    load = evaluation.trajectory.operation.radial_load
+    share = f", at most {100.0 * worst / load:.3g} % of the load" if load > 0.0 else ""
+    found = (
+        f"with the contact law {evaluation.law.name}, equations (22) and (23) are off by "
+        f"{text(evaluation.error_x.rms)} N rms in x and {text(evaluation.error_y.rms)} N rms in y{share}"
+    )
+    if tolerance is None:
+        return f"{found}.".replace("with the", "With the", 1)
+    if evaluation.fails(tolerance):
+        return f"Fails the tolerance of {text(tolerance)} N: {found}."
+    return f"Passes the tolerance of {text(tolerance)} N: {found}."
+
+
+def error_rows(evaluation: Evaluation) -> list[list[str]]:
+    """Name, mean, rms, standard deviation, largest; N."""
+    rows = [
+        _statistics_row("error_x, equation (22)", evaluation.error_x),
+        _statistics_row("error_y, equation (23)", evaluation.error_y),
+    ]
+    for axis in "xy":
+        momentum = getattr(evaluation.budget, f"momentum_{axis}")
+        if momentum is not None:
+            rows.append(_statistics_row(f"momentum balance, {axis}", Statistics.of(momentum)))
+    return rows
+
+
+def _statistics_row(name: str, s: Statistics) -> list[str]:
+    return [name, text(s.mean), text(s.rms), text(s.std), text(s.max_abs)]
+
+
+def budget_rows(evaluation: Evaluation) -> list[list[str]]:
+    """Term, mean and rms in x, mean and rms in y; N."""
+    budget = evaluation.budget
+    rows = []
+    for name in budget.terms_x:
+        cells = [Statistics.of(terms[name]) for terms in (budget.terms_x, budget.terms_y)]
+        rows.append([name.replace("_", " "), *(text(v) for s in cells for v in (s.mean, s.rms))])
+    if rows:
+        cells = [evaluation.error_x, evaluation.error_y]
+        rows.append(["sum = error", *(text(v) for s in cells for v in (s.mean, s.rms))])
+    return rows
+
+
+def peak_rows(peaks: list[Peak]) -> list[list[str]]:
+    """Frequency, density, rms, line, resolved."""
+    return [
+        [text(p.frequency), text(p.psd, 3), text(p.rms, 3), p.line or "-", "yes" if p.resolved else "no"]
+        for p in peaks
+    ]
+
+
+def paper_rows(evaluation: Evaluation) -> list[list[str]]:
+    """Figure, quantity, range read off the paper, ours; empty for another bearing or operating point."""
+    t, budget = evaluation.trajectory, evaluation.budget
+    if not is_paper(t.scene):
+        return []
+    j = chosen_roller(budget.loaded, max(1, budget.loaded.shape[0] // 50))
+    rho, velocity, acceleration = roller_radial(t, j, evaluation.order)
+    low, high = evaluation.loaded_range
+    return [
+        ["6", "x of the inner ring, mm", "−0.08 … +0.06", span(t.inner_x, 1e3)],
+        ["6", "y of the inner ring, mm", "−0.22 … −0.08", span(t.inner_y, 1e3)],
+        ["7", f"ρ of one roller (ours: {j}), mm", "22.98 … 23.08", span(rho, 1e3, 7)],
+        ["7", "dρ/dt, mm/s", "±400", span(velocity, 1e3)],
+        ["7", "d²ρ/dt², mm/s²", "±5·10^6", span(acceleration, 1e3, 3)],
+        ["text", "rollers in the load zone", "6 … 7", f"{low} … {high}"],
+        ["8", "left side of (22), N", "±3000 around 0", span(budget.error_x)],
+        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.operation.radial_load - budget.error_y)],
+        ["10", "strongest peak of (22), 0-300 Hz", "near 22 Hz, 2.5·10^10", _band_peak(evaluation, "x")],
+        ["11", "strongest peak of (23), 0-300 Hz", "near 22 Hz, 1.5·10^7", _band_peak(evaluation, "y")],
+    ]
+
+
+def _band_peak(evaluation: Evaluation, axis: str) -> str:
+    """The strongest significant peak in the paper's band, or the strongest bin when none stands out."""
+    peaks = [p for p in getattr(evaluation, f"peaks_{axis}") if p.frequency <= 300.0]
+    if peaks:
+        return f"{text(peaks[0].frequency)} Hz, {text(peaks[0].psd, 3)} N²/Hz"
+    spectrum = getattr(evaluation, f"spectrum_{axis}")
+    band = (spectrum.frequency > 0.0) & (spectrum.frequency <= 300.0)
+    if not band.any():
+        return "no bin in this band"
+    top = float(spectrum.psd[band].max())
+    return f"none stands out (density at most {text(top, 3)} N²/Hz)"
+
+
+def floor_newtons(evaluation: Evaluation) -> tuple[float, float]:
+    """Estimated error of the inertia forces from differentiation, x and y, N."""
+    mass = evaluation.trajectory.operation.inner_mass
+    return mass * evaluation.floor_x.total, mass * evaluation.floor_y.total
+
+
+def honest_notes(evaluation: Evaluation) -> list[str]:
+    """What limits the numbers."""
+    spectrum = evaluation.spectrum_x
+    reach = MAIN_LOBE * spectrum.resolution
+    floor_x, floor_y = floor_newtons(evaluation)
+    notes = list(evaluation.notes)
+    notes.append(
+        f"Frequency resolution Δf = {text(spectrum.resolution)} Hz"
+        + (
+            f", {spectrum.segments} averaged segments"
+            if spectrum.segments > 1
+            else ", the whole record as one"
+        )
+        + f"; with the Hann window, lines nearer than {text(reach, 3)} Hz merge."
+    )
+    if reach > PAPER_PEAK:
+        notes.append(
+            "The paper's 22 Hz peak can't be resolved from a record this long: 22 Hz is "
+            f"{PAPER_PEAK / spectrum.resolution:.2g} "
+            "bins, so it can be told neither from drift nor from the cage's line. It takes at least "
+            f"{text(1e3 * MAIN_LOBE / PAPER_PEAK, 2)} ms to part 22 Hz from drift, and much longer from the "
+            "cage."
+        )
+    notes.append(
+        f"Differentiation: central stencil of order {evaluation.order}, off centre in the last "
+        f"{evaluation.order // 2} samples at either end; its error, estimated against the next lower order, "
+        "is at "
+        f"most about {text(floor_x, 2)} N rms in x and {text(floor_y, 2)} N rms in y."
+    )
+    if evaluation.away_x and evaluation.away_y:
+        notes.append(
+            "Away from contacts that open or close, where the stencil has its full order, the error is "
+            f"{text(evaluation.away_x.rms)} N rms in x and {text(evaluation.away_y.rms)} N rms in y."
+        )
+    notes.append(
+        f"The law ({evaluation.law.source}) takes each contact alone and is empirical: even an exact "
+        "simulation leaves a "
+        "mean error with it. The momentum balance, where the run tells its forces, does not depend on it."
+    )
+    if evaluation.peaks_x or evaluation.peaks_y:
+        notes.append(
+            "A peak bears the name of the nearest kinematic line within Δf; that is a matter of frequency, "
+            "not a cause. "
+            "Not resolved: zero frequency or another line lies within the window's reach."
+        )
+    return [note[0].upper() + note[1:] for note in notes]

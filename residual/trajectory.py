@@ -1,0 +1,136 @@
+"""A trajectory of the inner ring and the rollers: the arrays every other module works on, checked."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+
+import numpy as np
+
+from lagrange.bearing import Bearing, Operation
+from lagrange.scene import Scene
+
+FEWEST_SAMPLES = 32  # fewer give no statistics and hardly a spectrum
+TIME_JITTER = 1e-3  # of the interval: what rounding the times to some decimals may cost
+SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
+
+
+class InputError(ValueError):
+    """The run can't be used; the text names the file, the value, the limit and what to do."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trajectory:
+    """Motion of one run, and whatever the solver told of its forces. SI; time first.
+
+    Optional arrays are None where the source has none.
+    """
+
+    name: str
+    source: Path
+    scene: Scene
+    time: np.ndarray  # (n_times,), s, equally spaced
+    inner_x: np.ndarray  # (n_times,), m, centre of the inner ring (hub)
+    inner_y: np.ndarray
+    roller_x: np.ndarray  # (n_times, n_rollers), m, centres of mass
+    roller_y: np.ndarray
+    inner_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
+    inner_ay: np.ndarray | None = None
+    inner_force: np.ndarray | None = None  # (n_times, n_rollers), N, normal, >= 0
+    outer_force: np.ndarray | None = None
+    inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ
+    outer_traction: np.ndarray | None = None
+    energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
+    attributes: Mapping[str, object] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()  # what a user should know of how the source was read
+    precision: float = float(np.finfo(float).eps)  # relative, of the stored numbers
+
+    @property
+    def bearing(self) -> Bearing:
+        return self.scene.ideal_bearing()
+
+    @property
+    def operation(self) -> Operation:
+        return self.scene.ideal_operation()
+
+    @property
+    def interval(self) -> float:
+        """Sampling interval, s."""
+        return float((self.time[-1] - self.time[0]) / (self.time.size - 1))
+
+    def samples(self, part: slice) -> "Trajectory":
+        """The same trajectory restricted to some samples."""
+        cut = {}
+        for f in fields(self):
+            value = getattr(self, f.name)
+            if isinstance(value, np.ndarray):
+                cut[f.name] = value[part]
+        return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()})
+
+
+def checked(trajectory: Trajectory) -> Trajectory:
+    """The trajectory itself, if it makes sense.
+
+    Errors
+    ------
+    InputError: shapes that disagree, values that are not finite, time that is unsorted or irregular, a number
+    of rollers other than the scene's, rollers that are nowhere near the pitch circle, too few samples.
+    """
+    source, time = trajectory.source, trajectory.time
+    n_times, n_rollers = time.size, trajectory.bearing.n_rollers
+    if n_times < FEWEST_SAMPLES:
+        raise InputError(
+            f"{source}: {n_times} usable samples, at least {FEWEST_SAMPLES} are needed; simulate longer or "
+            "store more often"
+        )
+    arrays = {f.name: getattr(trajectory, f.name) for f in fields(trajectory)} | dict(trajectory.energies)
+    for name, value in arrays.items():
+        if isinstance(value, np.ndarray):
+            _check_array(source, name, value, n_times, n_rollers)
+    _check_time(source, time, trajectory.interval)
+    rho = np.hypot(trajectory.roller_x, trajectory.roller_y)
+    pitch = trajectory.bearing.pitch_radius
+    worst = np.unravel_index(np.argmax(np.abs(rho - pitch)), rho.shape)
+    if abs(rho[worst] - pitch) > SAME_RUN * pitch:
+        raise InputError(
+            f"{source}: roller {worst[1]} is {rho[worst]:.4g} m from the centre at sample {worst[0]}, the "
+            "scene's pitch "
+            f"radius is {pitch:.4g} m; are the positions in metres and the scene the right one?"
+        )
+    return trajectory
+
+
+def _check_array(source: Path, name: str, value: np.ndarray, n_times: int, n_rollers: int) -> None:
+    """One array's shape and values."""
+    per_roller = name.startswith(("roller", "inner_force", "outer_force", "inner_traction", "outer_traction"))
+    wanted = (n_times, n_rollers) if per_roller else (n_times,)
+    if per_roller and value.ndim == 2 and value.shape[1] != n_rollers:
+        raise InputError(f"{source}: {name} holds {value.shape[1]} rollers, its scene says {n_rollers}")
+    if value.shape != wanted:
+        raise InputError(f"{source}: {name} has shape {value.shape}, expected {wanted}; the file is damaged")
+    bad = ~np.isfinite(value)
+    if bad.any():
+        where = np.unravel_index(np.argmax(bad), value.shape)
+        raise InputError(
+            f"{source}: {name} is {value[where]} at sample {where[0]}"
+            + (f", roller {where[1]}" if len(where) > 1 else "")
+            + f" ({np.count_nonzero(bad)} such values); the run broke down there, leave those samples out"
+        )
+
+
+def _check_time(source: Path, time: np.ndarray, interval: float) -> None:
+    """Time must rise in equal steps."""
+    steps = np.diff(time)
+    if np.any(steps <= 0.0):
+        i = int(np.argmax(steps <= 0.0))
+        raise InputError(
+            f"{source}: time does not rise after sample {i} ({time[i]:.9g} s is followed by "
+            f"{time[i + 1]:.9g} s); sort it"
+        )
+    uneven = np.abs(steps - interval)
+    i = int(np.argmax(uneven))
+    if uneven[i] > TIME_JITTER * interval:
+        raise InputError(
+            f"{source}: the sampling interval after sample {i} is {steps[i]:.6g} s, the mean one "
+            f"{interval:.6g} s (may differ "
+            f"by {TIME_JITTER:g} of it); resample to equal steps"
+        )

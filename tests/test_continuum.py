@@ -1,0 +1,326 @@
+"""The exact circular bodies against Lamé, Johnson, Bentall and Johnson's layer, and collocation."""
+
+from math import log, pi
+
+import numpy as np
+import pytest
+from numpy.polynomial import chebyshev, legendre
+
+from fem import continuum
+from fem.continuum import (
+    CUBIC_BSPLINE_LOG_MOMENT,
+    cubic_bspline_patch,
+    disc_compliance,
+    disc_hertz_approach,
+    flat_patch_difference,
+    hertz_patch,
+    patch_displacement,
+    ring_compliance,
+    ring_hertz_approach,
+)
+from lagrange.bearing import Material
+
+STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
+RUBBERY = Material(youngs_modulus=3e6, poisson_ratio=0.49, density=1000.0)
+INNER = (0.018, 0.0125)  # loaded, held radius, m
+OUTER = (0.028, 0.0325)
+ROLLER = 0.005
+RINGS = pytest.mark.parametrize("ring", [INNER, OUTER, (0.05, 0.001), (0.018, 0.0175)])
+MATERIALS = pytest.mark.parametrize("material", [STEEL, RUBBERY])
+
+
+def kappa(material):
+    return 3.0 - 4.0 * material.poisson_ratio
+
+
+class PolarNavier:
+    """U, V of u_r = U cos nθ, u_θ = V sin nθ as Chebyshev series in r; Navier by divergence and curl."""
+
+    def __init__(self, n, inner, outer, degree, material):
+        self.n, self.outer, self.inner, self.degree = n, outer, inner, degree
+        self.lam, self.mu = material.lame_lambda / material.lame_mu, 1.0
+
+    def series(self, r, derivative):
+        x = (2.0 * r - self.inner - self.outer) / (self.outer - self.inner)
+        basis = (
+            chebyshev.chebder(np.eye(self.degree + 1), derivative, axis=0)
+            if derivative
+            else np.eye(self.degree + 1)
+        )
+        return chebyshev.chebval(x, basis).T * (2.0 / (self.outer - self.inner)) ** derivative
+
+    def blocks(self, r):
+        """Rows (..., 2 (degree+1)) of U, V, σ_rr, σ_rθ and of Navier's equations times r², at radii r."""
+        n, lam, mu = self.n, self.lam, self.mu
+        r = np.atleast_1d(np.asarray(r, dtype=float))
+        f, df, ddf = (self.series(r, k) for k in range(3))
+        c = r[:, None]
+        zero = np.zeros_like(f)
+        U, V = np.hstack((f, zero)), np.hstack((zero, f))
+        dU, dV = np.hstack((df, zero)), np.hstack((zero, df))
+        ddU, ddV = np.hstack((ddf, zero)), np.hstack((zero, ddf))
+        div = dU + (U + n * V) / c
+        ddiv = ddU + (dU + n * dV) / c - (U + n * V) / c**2
+        curl = dV + (V + n * U) / c
+        dcurl = ddV + (dV + n * dU) / c - (V + n * U) / c**2
+        navier_r = (lam + 2 * mu) * ddiv - mu * n / c * curl
+        navier_t = -(lam + 2 * mu) * n / c * div + mu * dcurl
+        s_rr, s_rt = lam * div + 2 * mu * dU, mu * (dV - (V + n * U) / c)
+        return U, V, s_rr, s_rt, c**2 * navier_r, c**2 * navier_t
+
+    def solve(self, conditions, force=(0.0, 0.0)):
+        """Coefficients of div σ + force = 0, collocated, with row @ coefficients = value per condition."""
+        points = (
+            0.5 * (self.inner + self.outer)
+            + 0.5 * (self.outer - self.inner) * legendre.leggauss(self.degree + 1)[0]
+        )
+        *_, navier_r, navier_t = self.blocks(points)
+        rows = np.vstack((navier_r, navier_t, *(row.reshape(1, -1) for row, _ in conditions)))
+        values = np.concatenate(
+            (-force[0] * points**2, -force[1] * points**2, [value for _, value in conditions])
+        )
+        scale = np.linalg.norm(rows, axis=1)
+        scale[scale == 0.0] = 1.0
+        coefficients = np.linalg.lstsq(rows / scale[:, None], values / scale, rcond=1e-14)[0]
+        assert np.max(np.abs((rows @ coefficients - values) / scale)) < 1e-9  # converged
+        return coefficients
+
+
+def collocated_ring(n, loaded, held, material, degree=48):
+    t = held / loaded
+    problem = PolarNavier(n, min(1.0, t), max(1.0, t), degree, material)
+    U, V, *_ = problem.blocks(t)
+    surface, _, s_rr, s_rt, *_ = problem.blocks(1.0)
+    coefficients = problem.solve([(U, 0.0), (V, 0.0), (s_rr, -1.0), (s_rt, 0.0)])
+    return np.sign(t - 1.0) * (surface @ coefficients)[0] * loaded / material.lame_mu
+
+
+def collocated_disc(n, radius, material):
+    """A polynomial is regular at the centre; n = 1 has a uniform body force and zero mean displacement."""
+    problem = PolarNavier(n, 0.0, 1.0, 24, material)
+    surface, _, s_rr, s_rt, *_ = problem.blocks(1.0)
+    conditions, force = [(s_rr, -1.0), (s_rt, 0.0)], (0.0, 0.0)
+    if n == 1:
+        x, weight = legendre.leggauss(40)
+        r = 0.5 * (1.0 + x)
+        U, V, *_ = problem.blocks(r)
+        conditions.append((((weight * r)[:, None] * (U - V)).sum(axis=0), 0.0))
+        force = (1.0, -1.0)  # along +x, against the pressure's resultant −π R p x̂ on the area π R²
+    coefficients = problem.solve(conditions, force)
+    return -(surface @ coefficients)[0] * radius / material.lame_mu
+
+
+@MATERIALS
+def test_axisymmetric_ring_and_disc_are_lames(material):
+    E, nu = material.youngs_modulus, material.poisson_ratio
+    assert disc_compliance(np.array([0]), ROLLER, material)[0] == pytest.approx(
+        ROLLER * (1 + nu) * (1 - 2 * nu) / E, rel=1e-13
+    )
+    for loaded, held in (INNER, OUTER):
+        # Lamé: pressures p on `loaded`, p_h on `held`; u(r) = (1+ν)/E [(1−2ν) A r + B/r], σ_rr = A − B/r²
+        stress = np.array([[1.0, -1.0 / loaded**2], [(1 - 2 * nu) * held, 1.0 / held]])
+        A, B = np.linalg.solve(stress, [-1.0, 0.0])
+        u = (1 + nu) / E * ((1 - 2 * nu) * A * loaded + B / loaded)
+        push = np.sign(held - loaded)
+        assert ring_compliance(np.array([0]), loaded, held, material)[0] == pytest.approx(push * u, rel=1e-12)
+
+
+@MATERIALS
+@pytest.mark.parametrize("ring", [INNER, OUTER, (0.02, 0.005), (0.018, 0.0175)])
+def test_ring_agrees_with_collocated_navier_equations(ring, material):
+    n = np.array([0, 1, 2, 3, 5, 8, 13, 20])
+    expected = [collocated_ring(k, *ring, material) for k in n]
+    np.testing.assert_allclose(ring_compliance(n, *ring, material), expected, rtol=1e-8)
+
+
+@MATERIALS
+def test_disc_agrees_with_collocated_navier_equations_and_inertia_relief(material):
+    n = np.array([0, 1, 2, 3, 4, 7, 12])
+    expected = [collocated_disc(k, ROLLER, material) for k in n]
+    np.testing.assert_allclose(disc_compliance(n, ROLLER, material), expected, rtol=1e-8)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 17])
+@pytest.mark.parametrize("t", [0.7, 1.2])
+def test_each_annulus_mode_satisfies_navier_and_its_stresses_hooke(n, t):
+    problem = PolarNavier(n, min(1.0, t), max(1.0, t), 24, STEEL)
+    nodes = 0.5 * (1.0 + t) + 0.5 * abs(1.0 - t) * np.cos(pi * (np.arange(25) + 0.5) / 25)
+    modes = np.array([continuum._annulus_modes(np.array([n]), r, t, kappa(STEEL))[0] for r in nodes])
+    interpolate = np.linalg.inv(problem.series(nodes, 0))
+    _, _, s_rr, s_rt, *navier = problem.blocks(nodes)
+    for column in range(4):
+        rows = modes[:, :, column]
+        coefficients = 0.5 * (interpolate @ rows[:, :2]).T.ravel()  # μ = 1: 2μU -> U
+        scale = n**2 * np.max(np.abs(coefficients))
+        for equation in navier:
+            assert np.max(np.abs(equation @ coefficients)) < 1e-8 * scale
+        np.testing.assert_allclose(s_rr @ coefficients, rows[:, 2], atol=1e-10 * scale, rtol=0)
+        np.testing.assert_allclose(s_rt @ coefficients, rows[:, 3], atol=1e-10 * scale, rtol=0)
+
+
+@RINGS
+def test_ring_solution_is_fixed_where_held_and_carries_the_pressure_where_loaded(ring):
+    t = ring[1] / ring[0]
+    n = np.concatenate((np.arange(1, 200), [1000, 20_000]))
+    weights = continuum._ring_coefficients(n, t, kappa(STEEL))
+    held = np.einsum("nij,nj->ni", continuum._annulus_modes(n, t, t, kappa(STEEL)), weights)
+    loaded = np.einsum("nij,nj->ni", continuum._annulus_modes(n, 1.0, t, kappa(STEEL)), weights)
+    size = np.max(np.abs(loaded[:, :2]), axis=1, keepdims=True)
+    assert np.max(np.abs(held[:, :2]) / size) < 1e-11
+    np.testing.assert_allclose(loaded[:, 2:], np.tile([-1.0, 0.0], (n.size, 1)), atol=1e-11)
+
+
+@pytest.mark.parametrize("ring", [INNER, OUTER])
+def test_first_harmonic_resultant_reaches_the_held_circle(ring):
+    t = ring[1] / ring[0]
+    n = np.array([1])
+    weights = continuum._ring_coefficients(n, t, kappa(STEEL))[0]
+    loaded, held = (r * continuum._annulus_modes(n, r, t, kappa(STEEL))[0, 2:] @ weights for r in (1.0, t))
+    # ∫ (σ_rr cos θ − σ_rθ sin θ) r dθ
+    assert held[0] - held[1] == pytest.approx(loaded[0] - loaded[1], rel=1e-11)
+
+
+@RINGS
+def test_decoupled_harmonics_equal_the_coupled_solution(ring):
+    n, t = np.arange(2, 20_001), ring[1] / ring[0]
+    surface = continuum._annulus_modes(n, 1.0, t, kappa(STEEL))[:, 0]
+    radial = np.sum(surface * continuum._ring_coefficients(n, t, kappa(STEEL)), axis=1)
+    coupled = np.sign(t - 1.0) * radial * ring[0] / (2.0 * STEEL.lame_mu)
+    np.testing.assert_allclose(ring_compliance(n, *ring, STEEL), coupled, rtol=1e-13)
+
+
+@RINGS
+def test_compliance_tends_to_the_half_planes(ring):
+    n = np.array([500, 2000, 20_000])
+    for radius, compliance in (
+        (ring[0], ring_compliance(n, *ring, STEEL)),
+        (ROLLER, disc_compliance(n, ROLLER, STEEL)),
+    ):
+        half_plane = 2.0 * radius / (STEEL.plane_strain_modulus * n)
+        assert np.all(np.abs(compliance / half_plane - 1.0) < 0.3 / n)  # (κ−1)/(κ+1) = 0.286 at ν = 0.3
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@MATERIALS
+def test_thin_ring_is_a_layer_bonded_to_a_rigid_base(sign, material):
+    depth, k = 1e-6, kappa(material)
+    wave = np.array([0.3, 1.0, 3.0]) / depth
+    n = np.round(wave).astype(int)
+    alpha = n * depth
+    # Bentall and Johnson (1968): bonded layer against the half plane
+    ratio = (2 * k * np.sinh(2 * alpha) - 4 * alpha) / (2 * k * np.cosh(2 * alpha) + 1 + k**2 + 4 * alpha**2)
+    expected = 2.0 / (material.plane_strain_modulus * n) * ratio
+    np.testing.assert_allclose(ring_compliance(n, 1.0, 1.0 + sign * depth, material), expected, rtol=2e-5)
+
+
+@pytest.mark.parametrize("half_width", [1e-6, 5e-5, 2e-4])
+def test_squeezed_disc_is_johnsons(half_width):
+    # Johnson, Contact Mechanics (1985), section 5.6, for b << R. The first-order term comes from the kink
+    # of a normal line load's displacement, γ π|θ|/4 in the even harmonics, averaged over the semi-ellipse.
+    beta = half_width / ROLLER
+    gamma = (1.0 - 2.0 * STEEL.poisson_ratio) / (2.0 - 2.0 * STEEL.poisson_ratio)
+    bracket = 2.0 * log(4.0 / beta) - 1.0
+    approach = disc_hertz_approach(ROLLER, STEEL, half_width) * pi * STEEL.plane_strain_modulus
+    assert approach == pytest.approx(bracket, rel=0.05 * beta)
+    assert approach - bracket == pytest.approx(
+        4.0 / 3.0 * gamma * beta, abs=0.5 * beta**2 * log(1.0 / beta) + 1e-8
+    )
+
+
+def hertz_density(s):
+    return 2.0 / pi * np.sqrt(1.0 - s**2)
+
+
+def spline_density(s):
+    """Cubic B-spline on [−1, 1] of unit integral."""
+    x = 2.0 * np.abs(s)
+    return 2.0 * np.where(x < 1.0, 2.0 / 3.0 - x**2 + 0.5 * x**3, (2.0 - x) ** 3 / 6.0)
+
+
+@pytest.mark.parametrize(
+    ("patch", "density"), [(hertz_patch, hertz_density), (cubic_bspline_patch, spline_density)]
+)
+def test_patch_transform_is_the_density_integrated(patch, density):
+    n, a, radius = np.array([0, 1, 10, 100, 1000]), 3e-4, 0.018
+    angle = (np.arange(20_000) + 0.5) * pi / 20_000
+    s, weight = np.cos(angle), np.sin(angle) * pi / 20_000  # smooth at the edges
+    expected = [np.sum(weight * density(s) * np.cos(k * a / radius * s)) for k in n]
+    np.testing.assert_allclose(patch(n, a, radius), expected, atol=1e-8)
+
+
+def test_spline_log_moment_agrees_with_quadrature():
+    # the kernel's autocorrelation on a fine grid; ∫ ln over each cell exactly
+    m = 4000
+    s = (np.arange(2 * m) + 0.5) / m - 1.0
+    w = spline_density(s) / m
+    correlation = np.correlate(w, w, "full")
+    edges = (np.arange(correlation.size + 1) - correlation.size / 2) / m
+    antiderivative = edges * (np.log(np.abs(edges)) - 1.0)
+    moment = np.sum(correlation * np.diff(antiderivative)) * m
+    assert moment == pytest.approx(CUBIC_BSPLINE_LOG_MOMENT, abs=1e-6)
+
+
+@pytest.mark.parametrize("half_width", [2e-5, 6e-5])
+def test_closed_form_tail_agrees_with_a_million_terms(half_width):
+    n = np.arange(1_000_001)
+    for ring in (INNER, OUTER):
+        transform = hertz_patch(n, half_width, ring[0])
+        brute = patch_displacement(ring_compliance(n, *ring, STEEL), transform, 1.0, ring[0])
+        assert ring_hertz_approach(*ring, STEEL, half_width) == pytest.approx(brute, rel=1e-6)
+    compliance, transform = disc_compliance(n, ROLLER, STEEL), hertz_patch(n, half_width, ROLLER)
+    near, far = (patch_displacement(compliance, transform, 1.0, ROLLER, angle) for angle in (0.0, pi))
+    assert disc_hertz_approach(ROLLER, STEEL, half_width) == pytest.approx(near + far, rel=1e-6)
+    assert disc_hertz_approach(ROLLER, STEEL, half_width, n_patches=1) == pytest.approx(near, rel=1e-6)
+
+
+@pytest.mark.parametrize("half_width", [1e-7, 1e-5, 6e-5])
+def test_hertz_approach_does_not_depend_on_the_number_of_harmonics(half_width, monkeypatch):
+    approach = ring_hertz_approach(*OUTER, STEEL, half_width)
+    monkeypatch.setattr(continuum, "N_HARMONICS", 1_000_000)
+    assert approach == pytest.approx(ring_hertz_approach(*OUTER, STEEL, half_width), rel=1e-8)
+
+
+def test_advised_number_of_harmonics_suffices_and_fewer_are_refused():
+    def spline_mean(n_harmonics, a=1e-3, radius=0.018):
+        n = np.arange(n_harmonics)
+        w = cubic_bspline_patch(n, a, radius)
+        return patch_displacement(ring_compliance(n, 0.018, 0.0125, STEEL), w, w, radius)
+
+    def hertz_centre(n_harmonics, b=5e-5, radius=0.018):
+        n = np.arange(n_harmonics)
+        return patch_displacement(
+            ring_compliance(n, 0.018, 0.0125, STEEL), hertz_patch(n, b, radius), 1.0, radius
+        )
+
+    assert spline_mean(15 * 18) == pytest.approx(spline_mean(10_000), rel=1e-5)
+    assert hertz_centre(150 * 360) == pytest.approx(ring_hertz_approach(*INNER, STEEL, 5e-5), rel=1e-5)
+    for too_few in (lambda: spline_mean(60), lambda: hertz_centre(2000)):
+        with pytest.raises(ValueError, match="more harmonics"):
+            too_few()
+
+
+@pytest.mark.parametrize("a", [1e-4, 4e-4, 1e-3])
+@pytest.mark.parametrize("ring", [INNER, OUTER])
+def test_hertz_and_spline_patches_differ_as_on_the_half_plane_when_small(ring, a):
+    n, b = np.arange(20_000), 5e-5
+    w = cubic_bspline_patch(n, a, ring[0])
+    spline = patch_displacement(ring_compliance(n, *ring, STEEL), w, w, ring[0])
+    scale = 2.0 / (pi * STEEL.plane_strain_modulus)
+    excess = (ring_hertz_approach(*ring, STEEL, b) - spline - flat_patch_difference(a, b, STEEL)) / scale
+    # first order in a/R: kink γ π|θ|/2 on a convex surface, −γ π|θ|/2 on a concave one, averaged
+    s = np.linspace(-1.0, 1.0, 1001)
+    weight = spline_density(s) * (s[1] - s[0])
+    mean_distance = weight @ np.abs(s[:, None] - s) @ weight
+    gamma = (1.0 - 2.0 * STEEL.poisson_ratio) / (2.0 - 2.0 * STEEL.poisson_ratio)
+    convexity = np.sign(ring[0] - ring[1])
+    first_order = convexity * gamma * pi / 2.0 * (4.0 * b / (3.0 * pi) - a * mean_distance) / ring[0]
+    assert excess == pytest.approx(first_order, abs=0.3 * (a / (ring[0] - ring[1])) ** 2)
+
+
+def test_bad_input_is_refused():
+    with pytest.raises(ValueError, match="differ"):
+        ring_compliance(np.array([1]), 0.018, 0.018, STEEL)
+    with pytest.raises(ValueError, match="integers"):
+        disc_compliance(np.array([0.5]), ROLLER, STEEL)
+    with pytest.raises(ValueError, match="half-width"):
+        disc_hertz_approach(ROLLER, STEEL, 0.004)

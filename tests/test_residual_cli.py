@@ -363,8 +363,11 @@ def test_signals_end_it_without_a_report(which, code, tmp_path):
     path = write_result(tmp_path / "made.nc", make_run(n_times=6001))
     process = subprocess.Popen(
         [sys.executable, "-m", "residual.cli", str(path)],
-        env={**os.environ, "PYTHONPATH": str(ROOT)}, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
     deadline = time.monotonic() + 60.0
     while not list(tmp_path.glob(".made-residual-*")) and time.monotonic() < deadline:
         time.sleep(0.01)

@@ -46,8 +46,7 @@ def test_known_weights_of_order_six():
 
 
 def test_stencil_is_not_the_integrators_own():
-    """A leapfrog trajectory's own second difference returns its acceleration exactly: no test. This one "
-    "differs."""
+    """A leapfrog trajectory's own second difference is its acceleration exactly: no test. This differs."""
     dt, omega = 1e-3, 600.0
     x = np.empty(400)
     x[0], x[1] = 1.0, 1.0 - 0.5 * (omega * dt) ** 2

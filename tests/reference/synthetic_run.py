@@ -35,8 +35,7 @@ def harris_force(depth, length_mm=10.0):
 
 
 def make_run(n_times=6001, interval=INTERVAL, tone=500.0, amplitude=2e-7, scene=None, kept=None):
-    """The inner ring circles at `tone`, Hz, with `amplitude`, m; the rollers carry a cos-shaped load "
-    "zone, moving on."""
+    """The inner ring circles at `tone`, Hz; the rollers carry a cos-shaped load zone, moving on."""
     scene = Scene() if scene is None else scene
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
     time = interval * np.arange(n_times)
@@ -82,8 +81,7 @@ def write_table(run, path):
 
 
 def run_variables(run, force_factor=0.95, traction=3.0):
-    """Every variable of a result file; the solver's forces are the law's times a factor, its tractions "
-    "constant."""
+    """Every variable of a result file; the solver's forces are the law's times a factor."""
     force = force_factor * run.law_force
     zero = np.zeros_like(run.time)
     omega_t = run.time

@@ -1,0 +1,113 @@
+"""The arrays the time loop works on, grouped by body. Plain named tuples: numba passes them by reference."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+INNER, OUTER, ROLLER = 0, 1, 2  # kinds of contact: inner raceway, outer raceway, roller j with j + 1
+
+
+class Rollers(NamedTuple):
+    """All rollers. Frames: see `disc_kernels`. Arrays over rollers have `columns` entries, spare ones 0."""
+
+    starts: np.ndarray  # rows of 2 x 2 blocks
+    neighbours: np.ndarray
+    blocks: np.ndarray  # −dt·M⁻¹K
+    points: np.ndarray  # (2 n_nodes,), m
+    mass: np.ndarray  # (n_nodes,), kg
+    u: np.ndarray  # (n_nodes · 2 · columns,), m
+    w: np.ndarray  # m/s
+    centre: np.ndarray  # (columns, 2), m
+    velocity: np.ndarray  # (columns, 2), m/s, at t − dt/2
+    turn: np.ndarray  # (columns,), rad, of the frames
+    cosine: np.ndarray  # of turn
+    sine: np.ndarray
+    increment: np.ndarray  # rad, the frames' next turn
+    lead: np.ndarray  # rad, by which the bodies lead their frames
+    spin: np.ndarray  # rad/s
+    impulse: np.ndarray  # (columns, 2), N s, of this step, through nodes
+    tilt: np.ndarray  # (columns, 2), N s, of this step, on the whole body
+    turn_kick: np.ndarray  # (columns,), rad/s, of the next kick
+    first_surface: int
+    n_surface: int
+    n: int
+    columns: int
+    total_mass: float
+    inertia: float
+    radius: float
+    arc: float  # 1 − Σ W cos: what a patch misses of a rotation
+
+
+class Ring(NamedTuple):
+    """One ring. Frames: see `ring_kernels`."""
+
+    table: np.ndarray  # −dt·M⁻¹K
+    u: np.ndarray  # (n_rows, 2, n_sectors + 2 HALO)
+    w: np.ndarray
+    radii: np.ndarray
+    row_mass: np.ndarray
+    cosines: np.ndarray  # (n_sectors + 2 HALO,), of the sectors' angles
+    sines: np.ndarray
+    n_sectors: int
+    first_row: int  # free rows
+    last_row: int
+    raceway: int
+    held: int
+    radius: float
+    arc: float
+
+
+class Contacts(NamedTuple):
+    """All contacts, by kind and roller; side 0 is the ring (or roller j), side 1 the roller (or roller j + 1)."""
+
+    A: np.ndarray  # (3,)
+    B: np.ndarray
+    Q_line: np.ndarray
+    half_width_factor: np.ndarray  # b²/Q
+    curvature: np.ndarray  # 1/R, 1/m
+    roller_ripple: np.ndarray
+    inner_ripple: np.ndarray
+    outer_ripple: np.ndarray
+    force: np.ndarray  # (3, n), N
+    bracket: np.ndarray  # (3, n), B with the ripples of the present positions
+    traction: np.ndarray  # (3, n), N, on side 1, along +θ (counter-clockwise about side 0)
+    base: np.ndarray  # (3, n, 2), first node of the patch
+    weight: np.ndarray  # (3, n, 2, 6)
+    across: np.ndarray  # (3, n, 6), of a ring: weight times sine of the angle to the node's radius
+    normal: np.ndarray  # (3, n, 2), unit, from side 0 to side 1 (outer contact: outward)
+    slip: np.ndarray  # (3, n), m/s, before the step's kick
+
+
+class Drive(NamedTuple):
+    """The hub and what acts on it."""
+
+    hub: np.ndarray  # (2,), m
+    velocity: np.ndarray  # (2,), m/s, at t − dt/2
+    impulse: np.ndarray  # (2,), N s, of this step, by contacts' tilt
+    ring: np.ndarray  # (4,): turn, cosine, sine; moment, N m, the drive must hold against the contacts in this step
+    work: np.ndarray  # (3,): of load, drive, friction so far, J
+    mass: float  # hub and held nodes, kg
+    speed: float  # rad/s
+    gravity: float  # m/s²
+    friction: float
+    dt: float
+    load: float  # N
+    ramp: float  # s, 0: full load at once
+
+
+class Scratch(NamedTuple):
+    """Room to work in; nothing here outlives a step."""
+
+    slope: np.ndarray  # (6,)
+    bore: np.ndarray  # (2, inner n_sectors + 2 HALO)
+    line: np.ndarray  # (2, larger n_sectors + 2 HALO)
+    torque: np.ndarray  # (columns,)
+    still: np.ndarray  # (columns,)
+    shift: np.ndarray  # (2, columns)
+    cosine: np.ndarray  # (columns,), of the frames' turn in a step
+    sine: np.ndarray
+    rollers_w: np.ndarray  # copies of velocities before a kick
+    rollers_velocity: np.ndarray
+    inner_w: np.ndarray
+    outer_w: np.ndarray
+    hub_velocity: np.ndarray  # (2,)

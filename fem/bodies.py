@@ -141,6 +141,16 @@ class RingBody:
     def angles(self) -> np.ndarray:
         return 2.0 * np.pi * np.arange(self.n_sectors) / self.n_sectors
 
+    def force(self, displacement: np.ndarray) -> np.ndarray:
+        """K·u, N; both (n_rows, 2, n_sectors), polar."""
+        force = np.zeros_like(displacement)
+        for row in range(self.n_rows):
+            for other in range(max(0, row - 1), min(self.n_rows, row + 2)):
+                for shift in (-1, 0, 1):
+                    block = self.stencil[row, other - row + 1, shift + 1]
+                    force[row] += block @ np.roll(displacement[other], -shift, axis=-1)
+        return force
+
     def harmonic_stiffness(self, harmonics: np.ndarray) -> np.ndarray:
         """Stiffness acting on u(i, k) = û(i) exp(2πi·m·k/n_sectors), (n_harmonics, 2 n_rows, 2 n_rows), complex."""
         phase = np.exp(2j * np.pi * np.outer(harmonics, [-1, 0, 1]) / self.n_sectors)

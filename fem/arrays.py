@@ -1,0 +1,211 @@
+"""Fill the time loop's arrays from a model, a start and a time step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem import disc_kernels, ring_kernels
+from fem.bodies import DiscBody, RingBody
+from fem.model import Model
+from fem.patches import N_NODES
+from fem.ring_kernels import HALO
+from fem.start import Start
+from fem.state import Contacts, Drive, Ring, Rollers, Scratch
+from lagrange import Operation
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrays:
+    """All state of a run: what the kernels change in place."""
+
+    rollers: Rollers
+    inner: Ring
+    outer: Ring
+    contacts: Contacts
+    drive: Drive
+    scratch: Scratch
+
+
+def make_arrays(
+    model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float
+) -> Arrays:
+    """Positions at t = 0 and velocities at −dt/2. `ramp` in s."""
+    inner = _ring(model.inner_ring, dt)
+    outer = _ring(model.outer_ring, dt)
+    rollers = _rollers(model.roller, model.bearing.n_rollers, dt)
+    drive = _drive(model, operation, start, dt, friction, ramp)
+    _place_inner(model.inner_ring, inner, start, operation.speed, dt)
+    _fill(outer.u, start.equilibrium.outer_ring)
+    _fill(outer.w, start.outer_rate)
+    _place_rollers(model.roller, rollers, start, dt)
+    return Arrays(
+        rollers=rollers,
+        inner=inner,
+        outer=outer,
+        contacts=_contacts(model, start),
+        drive=drive,
+        scratch=_scratch(rollers, inner, outer),
+    )
+
+
+def _rollers(disc: DiscBody, n: int, dt: float) -> Rollers:
+    starts, neighbours, blocks = disc.blocks()
+    rows = np.repeat(np.arange(disc.n_nodes), np.diff(starts))
+    columns = -(-n // disc_kernels.COLUMNS) * disc_kernels.COLUMNS
+    spacing = 2.0 * np.pi / disc.shape.surface_nodes
+    return Rollers(
+        starts=starts,
+        neighbours=neighbours,
+        blocks=np.ascontiguousarray(-dt * blocks / disc.mass[rows][:, None, None]).ravel(),
+        points=np.ascontiguousarray(disc.points).ravel(),
+        mass=disc.mass.copy(),
+        u=np.zeros(disc.n_nodes * 2 * columns),
+        w=np.zeros(disc.n_nodes * 2 * columns),
+        centre=np.zeros((columns, 2)),
+        velocity=np.zeros((columns, 2)),
+        turn=np.zeros(columns),
+        cosine=np.ones(columns),
+        sine=np.zeros(columns),
+        increment=np.zeros(columns),
+        lead=np.zeros(columns),
+        spin=np.zeros(columns),
+        impulse=np.zeros((columns, 2)),
+        tilt=np.zeros((columns, 2)),
+        turn_kick=np.zeros(columns),
+        first_surface=disc.first_surface_node,
+        n_surface=disc.shape.surface_nodes,
+        n=n,
+        columns=columns,
+        total_mass=disc.total_mass,
+        inertia=disc.polar_inertia,
+        radius=disc.shape.radius,
+        arc=_missed_by_patch(spacing),
+    )
+
+
+def _missed_by_patch(spacing: float) -> float:
+    """1 − Σ W cos of the angles to the nodes: the same for every position of the patch to O(spacing⁶)."""
+    return 1.0 - (66.0 + 52.0 * np.cos(spacing) + 2.0 * np.cos(2.0 * spacing)) / 120.0
+
+
+def _ring(ring: RingBody, dt: float) -> Ring:
+    width = ring.n_sectors + 2 * HALO
+    angle = 2.0 * np.pi * (np.arange(width) - HALO) / ring.n_sectors
+    table = ring_kernels.coefficients(ring.stencil)
+    first = 1 if ring.held_row == 0 else 0
+    return Ring(
+        table=-dt * table / ring.row_mass[:, None],
+        u=np.zeros((ring.n_rows, 2, width)),
+        w=np.zeros((ring.n_rows, 2, width)),
+        radii=ring.radii.copy(),
+        row_mass=ring.row_mass.copy(),
+        cosines=np.cos(angle),
+        sines=np.sin(angle),
+        n_sectors=ring.n_sectors,
+        first_row=first,
+        last_row=first + ring.n_rows - 1,
+        raceway=ring.raceway_row,
+        held=ring.held_row,
+        radius=ring.raceway_radius,
+        arc=_missed_by_patch(2.0 * np.pi / ring.n_sectors),
+    )
+
+
+def _fill(target: np.ndarray, values: np.ndarray) -> None:
+    target[:, :, HALO:-HALO] = values
+    target[:, :, HALO - 1] = target[:, :, -HALO - 1]
+    target[:, :, -HALO] = target[:, :, HALO]
+
+
+def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: float) -> None:
+    """Polar state about the outer ring's centre: the hub's motion, the rotation and the deformation."""
+    cosine, sine = np.cos(body.angles), np.sin(body.angles)
+
+    def polar(vector):
+        return np.stack([vector[0] * cosine + vector[1] * sine, vector[1] * cosine - vector[0] * sine])
+
+    deformed = start.equilibrium.inner_ring.copy()
+    _fill(ring.u, deformed + polar(start.equilibrium.hub))
+    position = deformed.copy()
+    position[:, 0] += body.radii[:, None]
+    turned = np.stack([-position[:, 1], position[:, 0]], axis=1)
+    velocity = start.inner_rate + speed * turned + polar(start.hub_velocity)
+    _fill(ring.w, velocity + 0.5 * dt * speed**2 * position)
+
+
+def _place_rollers(disc: DiscBody, rollers: Rollers, start: Start, dt: float) -> None:
+    n, spin, cage = rollers.n, start.kinematics.roller, start.kinematics.cage
+    rho, angle = start.equilibrium.rho, start.angle
+    rollers.centre[:n] = np.column_stack([rho * np.cos(angle), rho * np.sin(angle)])
+    rollers.velocity[:n] = start.roller_velocity + 0.5 * dt * cage**2 * rollers.centre[:n]
+    rollers.spin[:n] = spin
+    rollers.increment[:n] = spin * dt
+    position = disc.points + start.equilibrium.rollers
+    turned = np.stack([-position[..., 1], position[..., 0]], axis=-1)
+    velocity = start.roller_rate + spin * turned + 0.5 * dt * spin**2 * position
+    shape = (disc.n_nodes, 2, rollers.columns)
+    rollers.u.reshape(shape)[:, :, :n] = np.moveaxis(start.equilibrium.rollers, 0, -1)
+    rollers.w.reshape(shape)[:, :, :n] = np.moveaxis(velocity, 0, -1)
+
+
+def _contacts(model: Model, start: Start) -> Contacts:
+    n = model.bearing.n_rollers
+    laws = (model.inner_law, model.outer_law, model.roller_law)
+    force = np.zeros((3, n))
+    force[0], force[1] = start.equilibrium.inner_force, start.equilibrium.outer_force
+    return Contacts(
+        A=np.array([law.A for law in laws]),
+        B=np.array([law.B for law in laws]),
+        Q_line=np.array([law.Q_line for law in laws]),
+        half_width_factor=np.array([law.half_width_factor for law in laws]),
+        curvature=np.array([1.0 / law.relative_radius for law in laws]),
+        roller_ripple=model.roller_surface.ripple,
+        inner_ripple=model.inner_surface.ripple,
+        outer_ripple=model.outer_surface.ripple,
+        force=force,
+        bracket=np.zeros((3, n)),
+        traction=np.zeros((3, n)),
+        base=np.zeros((3, n, 2), dtype=np.int64),
+        weight=np.zeros((3, n, 2, N_NODES)),
+        across=np.zeros((3, n, N_NODES)),
+        normal=np.zeros((3, n, 2)),
+        slip=np.zeros((3, n)),
+    )
+
+
+def _drive(model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float) -> Drive:
+    ring = model.inner_ring
+    held = ring.n_sectors * ring.row_mass[ring.held_row]
+    return Drive(
+        hub=start.equilibrium.hub.copy(),
+        velocity=start.hub_velocity.copy(),
+        impulse=np.zeros(2),
+        ring=np.array([0.0, 1.0, 0.0, 0.0]),
+        work=np.zeros(3),
+        mass=float(operation.inner_mass - ring.total_mass + held),
+        speed=float(operation.speed),
+        gravity=float(operation.gravity),
+        friction=float(friction),
+        dt=float(dt),
+        load=float(operation.radial_load),
+        ramp=float(ramp),
+    )
+
+
+def _scratch(rollers: Rollers, inner: Ring, outer: Ring) -> Scratch:
+    columns = rollers.columns
+    return Scratch(
+        slope=np.zeros(N_NODES),
+        bore=np.zeros((2, inner.u.shape[2])),
+        line=np.zeros((2, max(inner.u.shape[2], outer.u.shape[2]))),
+        torque=np.zeros(columns),
+        still=np.zeros(columns),
+        shift=np.zeros((2, columns)),
+        cosine=np.ones(columns),
+        sine=np.zeros(columns),
+        rollers_w=np.zeros_like(rollers.w),
+        rollers_velocity=np.zeros_like(rollers.velocity),
+        inner_w=np.zeros_like(inner.w),
+        outer_w=np.zeros_like(outer.w),
+        hub_velocity=np.zeros(2),
+    )

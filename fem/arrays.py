@@ -165,11 +165,11 @@ def _contacts(model: Model, start: Start) -> Contacts:
         force=force,
         bracket=np.zeros((3, n)),
         traction=np.zeros((3, n)),
-        base=np.zeros((3, n, 2), dtype=np.int64),
-        weight=np.zeros((3, n, 2, N_NODES)),
-        across=np.zeros((3, n, N_NODES)),
         normal=np.zeros((3, n, 2)),
         slip=np.zeros((3, n)),
+        node=np.zeros((6 * n, N_NODES), dtype=np.int64),
+        weight=np.zeros((6 * n, N_NODES)),
+        across=np.zeros((6 * n, N_NODES)),
     )
 
 
@@ -195,7 +195,8 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, friction
 def _scratch(rollers: Rollers, inner: Ring, outer: Ring) -> Scratch:
     columns = rollers.columns
     return Scratch(
-        slope=np.zeros(N_NODES),
+        slope=np.zeros((1, N_NODES)),
+        slip=np.zeros((3, rollers.n)),
         bore=np.zeros((2, inner.u.shape[2])),
         line=np.zeros((2, max(inner.u.shape[2], outer.u.shape[2]))),
         torque=np.zeros(columns),

@@ -11,34 +11,34 @@ FIRST = -2  # the patch of position s spans nodes floor(s) − 2 ... floor(s) + 
 SPLINE_HALF_WIDTH = 2.0  # of the pressure, in surface spacings
 
 
-@njit(cache=True)
-def weights(t, out):
+@njit(cache=True, forceinline=True)
+def weights(t, out, row):
     """Quintic B-spline at the six nodes around a point a fraction t in [0, 1) beyond the third.
 
     Parameters
     ----------
-    t : float; out : ndarray, (6,), filled; the sum is 1, first moments are exact
+    t : float; out : ndarray, (n, 6), whose row is filled; the sum is 1, first moments are exact
 
     Source: Schoenberg's cardinal B-spline of degree 5.
     """
     r = 1.0 - t
     t2, r2 = t * t, r * r
-    out[0] = r2 * r2 * r / 120.0
-    out[5] = t2 * t2 * t / 120.0
-    out[1] = (1.0 + r * (5.0 + r * (10.0 + r * (10.0 + r * (5.0 - 5.0 * r))))) / 120.0
-    out[4] = (1.0 + t * (5.0 + t * (10.0 + t * (10.0 + t * (5.0 - 5.0 * t))))) / 120.0
-    out[2] = (66.0 - t2 * (60.0 - t2 * (30.0 - 10.0 * t))) / 120.0
-    out[3] = (66.0 - r2 * (60.0 - r2 * (30.0 - 10.0 * r))) / 120.0
+    out[row, 0] = r2 * r2 * r / 120.0
+    out[row, 5] = t2 * t2 * t / 120.0
+    out[row, 1] = (1.0 + r * (5.0 + r * (10.0 + r * (10.0 + r * (5.0 - 5.0 * r))))) / 120.0
+    out[row, 4] = (1.0 + t * (5.0 + t * (10.0 + t * (10.0 + t * (5.0 - 5.0 * t))))) / 120.0
+    out[row, 2] = (66.0 - t2 * (60.0 - t2 * (30.0 - 10.0 * t))) / 120.0
+    out[row, 3] = (66.0 - r2 * (60.0 - r2 * (30.0 - 10.0 * r))) / 120.0
 
 
-@njit(cache=True)
-def weight_slopes(t, out):
+@njit(cache=True, forceinline=True)
+def weight_slopes(t, out, row):
     """Derivatives of `weights` with respect to t, i.e. to the position in surface spacings."""
     r = 1.0 - t
     t2, r2 = t * t, r * r
-    out[0] = -r2 * r2 / 24.0
-    out[5] = t2 * t2 / 24.0
-    out[1] = -(1.0 + r * (4.0 + r * (6.0 + r * (4.0 - 5.0 * r)))) / 24.0
-    out[4] = (1.0 + t * (4.0 + t * (6.0 + t * (4.0 - 5.0 * t)))) / 24.0
-    out[2] = -t * (24.0 - t2 * (24.0 - 10.0 * t)) / 24.0
-    out[3] = r * (24.0 - r2 * (24.0 - 10.0 * r)) / 24.0
+    out[row, 0] = -r2 * r2 / 24.0
+    out[row, 5] = t2 * t2 / 24.0
+    out[row, 1] = -(1.0 + r * (4.0 + r * (6.0 + r * (4.0 - 5.0 * r)))) / 24.0
+    out[row, 4] = (1.0 + t * (4.0 + t * (6.0 + t * (4.0 - 5.0 * t)))) / 24.0
+    out[row, 2] = -t * (24.0 - t2 * (24.0 - 10.0 * t)) / 24.0
+    out[row, 3] = r * (24.0 - r2 * (24.0 - 10.0 * r)) / 24.0

@@ -71,11 +71,12 @@ class Contacts(NamedTuple):
     force: np.ndarray  # (3, n), N
     bracket: np.ndarray  # (3, n), B with the ripples of the present positions
     traction: np.ndarray  # (3, n), N, on side 1, along +θ (counter-clockwise about side 0)
-    base: np.ndarray  # (3, n, 2), first node of the patch
-    weight: np.ndarray  # (3, n, 2, 6)
-    across: np.ndarray  # (3, n, 6), of a ring: weight times sine of the angle to the node's radius
     normal: np.ndarray  # (3, n, 2), unit, from side 0 to side 1 (outer contact: outward)
     slip: np.ndarray  # (3, n), m/s, before the step's kick
+    # patches: row 2·(kind·n + j) + side
+    node: np.ndarray  # (6 n, 6), surface node, or sector plus HALO
+    weight: np.ndarray  # (6 n, 6); of a ring times the cosine of the angle to the node's radius
+    across: np.ndarray  # (6 n, 6), of a ring: weight times the sine
 
 
 class Drive(NamedTuple):
@@ -98,7 +99,8 @@ class Drive(NamedTuple):
 class Scratch(NamedTuple):
     """Room to work in; nothing here outlives a step."""
 
-    slope: np.ndarray  # (6,)
+    slope: np.ndarray  # (1, 6)
+    slip: np.ndarray  # (3, n)
     bore: np.ndarray  # (2, inner n_sectors + 2 HALO)
     line: np.ndarray  # (2, larger n_sectors + 2 HALO)
     torque: np.ndarray  # (columns,)

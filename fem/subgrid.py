@@ -68,7 +68,7 @@ class ContactLaw:
         return 1.0 / (self.A * max(self.B - 0.5 * log(force) - 0.5, STEEPEST))
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def contact_force(approach, A, B, Q_line, guess):
     """Force of a sub-grid approach; 0 where the surfaces are apart.
 
@@ -99,7 +99,7 @@ def contact_force(approach, A, B, Q_line, guess):
     return Q
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def contact_energy(Q, A, B, Q_line):
     """Energy stored below the grid, J: ∫ Q dδ."""
     if Q <= 0.0:
@@ -115,10 +115,10 @@ def patch(n_surface: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndar
     """Nodes, weights and angular offsets (contact minus node, rad) of the patch at an angle; each (6,)."""
     position = angle * n_surface / (2.0 * pi)
     base = int(np.floor(position))
-    weight = np.empty(N_NODES)
-    weights(position - base, weight)
+    weight = np.empty((1, N_NODES))
+    weights(position - base, weight, 0)
     nodes = base + FIRST + np.arange(N_NODES)
-    return nodes % n_surface, weight, (position - nodes) * (2.0 * pi / n_surface)
+    return nodes % n_surface, weight[0], (position - nodes) * (2.0 * pi / n_surface)
 
 
 def ring_patch_force(ring: RingBody, angle: float) -> np.ndarray:
@@ -175,7 +175,7 @@ def _spline_coefficients(samples: np.ndarray) -> np.ndarray:
     return np.fft.irfft(np.fft.rfft(samples) * 3.0 / (2.0 + np.cos(wave)), n=samples.size)
 
 
-@njit(cache=True)
+@njit(cache=True, forceinline=True)
 def ripple_at(position, coefficients):
     """Ripple of A_i·B_i and its slope per node spacing at a position in node spacings, >= 0."""
     x = position * KNOTS_PER_NODE
@@ -183,8 +183,17 @@ def ripple_at(position, coefficients):
     t = x - base
     r = 1.0 - t
     n = coefficients.size
-    c0, c1 = coefficients[(base + n - 1) % n], coefficients[base % n]
-    c2, c3 = coefficients[(base + 1) % n], coefficients[(base + 2) % n]
+    while base >= n:
+        base -= n
+    before, after = base - 1, base + 1
+    if before < 0:
+        before += n
+    if after >= n:
+        after -= n
+    beyond = after + 1
+    if beyond >= n:
+        beyond -= n
+    c0, c1, c2, c3 = coefficients[before], coefficients[base], coefficients[after], coefficients[beyond]
     value = (
         r * r * r * c0
         + (4.0 - 3.0 * t * t * (2.0 - t)) * c1

@@ -5,7 +5,7 @@ from math import cos, pi, sin
 from numba import njit
 
 from fem import disc_kernels, ring_kernels
-from fem.contact_kernels import friction_contacts, normal_contacts
+from fem.contact_kernels import friction_contacts, normal_contacts, slips
 from fem.ring_kernels import HALO
 from fem.subgrid import contact_energy
 
@@ -61,6 +61,8 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     drive.impulse[:] = 0.0
     drive.ring[3] = 0.0
     normal_contacts(rollers, inner, outer, contacts, drive, scratch.slope)
+    if drive.friction > 0.0:
+        slips(rollers, inner, outer, contacts, drive, contacts.slip)
 
     # the hub, by the reaction of the ring's held row
     bore_r, bore_t = scratch.bore[0], scratch.bore[1]
@@ -90,7 +92,7 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
         _gravity(outer, line, g, 1.0, 0.0)
     dissipated = 0.0
     if drive.friction > 0.0:
-        dissipated = friction_contacts(rollers, inner, outer, contacts, drive)
+        dissipated = friction_contacts(rollers, inner, outer, contacts, drive, scratch.slip)
     work_load = -load * dt * 0.5 * (before_y + drive.velocity[1])
     # the drive turns the held row against the ring's moment and the frame against the contacts'
     work_drive = drive.speed * (drive.ring[3] * dt - node_mass * moment * inner.radii[inner.held])

@@ -1,0 +1,150 @@
+"""What a contact reads from and writes to the surface nodes of a roller or a ring.
+
+The functions are inlined into the contact loops and take bare arrays: a named tuple taken apart here would count
+references to every array at every access, twenty times the cost of the arithmetic.
+"""
+
+from math import atan2, cos, pi, sin
+
+from numba import njit
+
+from fem.patches import FIRST, N_NODES, weight_slopes, weights
+from fem.ring_kernels import HALO
+from fem.subgrid import ripple_at
+
+
+@njit(cache=True, forceinline=True)
+def place(x, y, n_nodes):
+    """Position, in node spacings in [0, n_nodes), of a direction in a body's frame."""
+    position = atan2(y, x) * (n_nodes / (2.0 * pi))
+    if position < 0.0:
+        position += n_nodes
+    if position >= n_nodes:
+        position -= n_nodes
+    return position
+
+
+@njit(cache=True, forceinline=True)
+def _nodes(base, n_nodes, offset, node, patch):
+    """Fill the patch's six node numbers."""
+    i = base + FIRST
+    if i < 0:
+        i += n_nodes
+    for k in range(N_NODES):
+        node[patch, k] = offset + i
+        i += 1
+        if i >= n_nodes:
+            i -= n_nodes
+
+
+@njit(cache=True, forceinline=True)
+def read_roller(u, columns, first, n_surface, column, bx, by, ripples, node, weight, patch, slope):
+    """Place a roller's patch around its outward direction b (in its frame) and read the mean motion there.
+
+    Returns outward motion U·b, sideways motion U·Jb, dU/ds·b per rad, ripple of A·B, its slope per rad.
+    """
+    position = place(bx, by, n_surface)
+    base = int(position)
+    weights(position - base, weight, patch)
+    weight_slopes(position - base, slope, 0)
+    _nodes(base, n_surface, first, node, patch)
+    ux, uy, sx, sy = 0.0, 0.0, 0.0, 0.0
+    for k in range(N_NODES):
+        at = node[patch, k] * 2 * columns + column
+        x, y = u[at], u[at + columns]
+        ux += weight[patch, k] * x
+        uy += weight[patch, k] * y
+        sx += slope[0, k] * x
+        sy += slope[0, k] * y
+    ripple, ripple_slope = ripple_at(position, ripples)
+    per_radian = n_surface / (2.0 * pi)
+    return ux * bx + uy * by, uy * bx - ux * by, (sx * bx + sy * by) * per_radian, ripple, ripple_slope * per_radian
+
+
+@njit(cache=True, forceinline=True)
+def read_ring(u, raceway, n_sectors, bx, by, ripples, node, weight, across, patch, slope):
+    """Place a ring's patch around the radial direction b (in its frame); returns the same as `read_roller` along +b."""
+    position = place(bx, by, n_sectors)
+    base = int(position)
+    weights(position - base, weight, patch)
+    weight_slopes(position - base, slope, 0)
+    _nodes(base, n_sectors, HALO, node, patch)
+    step = 2.0 * pi / n_sectors
+    angle = (position - base - FIRST) * step
+    c, s = cos(angle), sin(angle)
+    turn_c, turn_s = cos(step), sin(step)
+    out, side, rate = 0.0, 0.0, 0.0
+    for k in range(N_NODES):
+        at = node[patch, k]
+        a, b = u[raceway, 0, at], u[raceway, 1, at]
+        along = a * c + b * s
+        out += weight[patch, k] * along
+        side += weight[patch, k] * (b * c - a * s)
+        rate += slope[0, k] * along
+        across[patch, k] = weight[patch, k] * s
+        weight[patch, k] *= c
+        c, s = c * turn_c + s * turn_s, s * turn_c - c * turn_s
+    ripple, ripple_slope = ripple_at(position - base, ripples)
+    per_radian = n_sectors / (2.0 * pi)
+    return out, side, rate * per_radian, ripple, ripple_slope * per_radian
+
+
+@njit(cache=True, forceinline=True)
+def push_roller(w, mass, columns, column, bx, by, node, weight, patch):
+    """Spread an impulse, N s, with components in the roller's frame over its patch."""
+    for k in range(N_NODES):
+        i = node[patch, k]
+        share = weight[patch, k] / mass[i]
+        at = i * 2 * columns + column
+        w[at] += share * bx
+        w[at + columns] += share * by
+
+
+@njit(cache=True, forceinline=True)
+def push_ring(w, raceway, node_mass, along, aside, node, weight, across, patch):
+    """Spread an impulse, N s, with components along the patch's normal and along t over a ring's patch."""
+    along /= node_mass
+    aside /= node_mass
+    for k in range(N_NODES):
+        at = node[patch, k]
+        w[raceway, 0, at] += along * weight[patch, k] - aside * across[patch, k]
+        w[raceway, 1, at] += along * across[patch, k] + aside * weight[patch, k]
+
+
+@njit(cache=True, forceinline=True)
+def sideways_roller(w, columns, column, bx, by, node, weight, patch):
+    """Mean velocity along Jb relative to the centre of mass, m/s."""
+    wx, wy = 0.0, 0.0
+    for k in range(N_NODES):
+        at = node[patch, k] * 2 * columns + column
+        wx += weight[patch, k] * w[at]
+        wy += weight[patch, k] * w[at + columns]
+    return wy * bx - wx * by
+
+
+@njit(cache=True, forceinline=True)
+def sideways_ring(w, raceway, node, weight, across, patch):
+    """Mean velocity along t, m/s."""
+    v = 0.0
+    for k in range(N_NODES):
+        at = node[patch, k]
+        v += weight[patch, k] * w[raceway, 1, at] - across[patch, k] * w[raceway, 0, at]
+    return v
+
+
+@njit(cache=True, forceinline=True)
+def mobility_roller(mass, node, weight, patch):
+    """Velocity gained by the patch mean per unit impulse, 1/kg."""
+    total = 0.0
+    for k in range(N_NODES):
+        total += weight[patch, k] * weight[patch, k] / mass[node[patch, k]]
+    return total
+
+
+@njit(cache=True, forceinline=True)
+def mobility_ring(node_mass, weight, across, patch):
+    """Velocity gained by the patch mean per unit impulse, 1/kg."""
+    total = 0.0
+    for k in range(N_NODES):
+        total += weight[patch, k] * weight[patch, k] + across[patch, k] * across[patch, k]
+    return total / node_mass

@@ -1,0 +1,230 @@
+"""The commands `run-fem` and `render-fem`. Imports little: everything heavy waits until a scene has been read."""
+
+import signal
+import sys
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+
+RUNS = Path("runs")
+OK, FAILED, UNUSABLE, INTERRUPTED, TERMINATED = 0, 1, 2, 130, 143
+
+
+class UsageError(ValueError):
+    """What the user asked for can't be done; the text says why and what to do."""
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("roller-bearing-fem")
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def _app(name: str, text: str) -> App:
+    return App(
+        name=name,
+        version=_version,
+        suppress_keyboard_interrupt=False,
+        result_action="return_value",
+        help_format="plaintext",
+        help=text,
+    )
+
+
+run_app = _app(
+    "run-fem",
+    """Simulate a roller bearing by explicit elastic finite-element contact and write one result file.
+
+Without a scene: the bearing of Rubio et al. (2007) at 4500 rpm under 2000 N, for 60 ms.
+
+Example: run-fem my-bearing.toml --mesh-size 2 --duration 10 --set operation.speed_rpm=3000
+
+Exit codes: 0 done; 1 the run failed numerically; 2 unusable input; 130 interrupted; 143 terminated.
+""",
+)
+
+
+@run_app.default
+def _run(
+    scene: Annotated[Path | None, Parameter(help="scene file (TOML); default: the paper's bearing")] = None,
+    /,
+    *,
+    output: Annotated[Path | None, Parameter(help="result file; default: runs/<scene name>.nc")] = None,
+    mesh_size: Annotated[float | None, Parameter(help="surface node distance, mm")] = None,
+    duration: Annotated[float | None, Parameter(help="simulated time, ms; 0: static equilibrium only")] = None,
+    set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
+    dry_run: Annotated[bool, Parameter(negative="", help="check, show the plan and run nothing")] = False,
+    quiet: Annotated[bool, Parameter(negative="", help="no progress, no summary")] = False,
+) -> int:
+    from lagrange.scene import read_scene
+
+    overrides = list(set or [])
+    if mesh_size is not None:
+        overrides.append(f"numerics.mesh_size_mm={mesh_size}")
+    if duration is not None:
+        overrides.append(f"numerics.duration_ms={duration}")
+    chosen = read_scene(scene, tuple(overrides))
+    path = output if output is not None else RUNS / f"{chosen.name}.nc"
+    if path.is_dir():
+        raise UsageError(f"--output {path}: is a folder; name a file in it")
+    if dry_run:
+        return _dry_run(chosen)
+    return _simulate(chosen, path, quiet)
+
+
+def _plan(scene):
+    """The plan and the seconds it took; failures here are the scene's, not the run's."""
+    import time
+
+    began = time.perf_counter()
+    from fem.simulate import make_plan
+
+    try:
+        plan = make_plan(scene)
+    except RuntimeError as error:
+        raise UsageError(str(error)) from None
+    return plan, time.perf_counter() - began
+
+
+def _dry_run(scene) -> int:
+    from fem.summary import print_plan
+
+    plan, _ = _plan(scene)
+    print_plan(plan)
+    return OK
+
+
+def _simulate(scene, path: Path, quiet: bool) -> int:
+    from fem.progress import progress_display
+    from fem.simulate import RunFailed, run
+    from fem.store import ResultFile
+    from fem.summary import print_run
+
+    plan, setup_seconds = _plan(scene)
+    stopped: list[int] = []
+    _on_signals(stopped.append)
+    seen, status, code = None, "complete", OK
+
+    def watch(progress) -> None:
+        nonlocal seen
+        seen = progress
+        show(progress)
+
+    with ResultFile(path, plan, setup_seconds) as store:
+        try:
+            with progress_display(plan, quiet) as show:
+                seen = run(plan, store.append, watch, lambda: bool(stopped))
+            if stopped and seen.samples < plan.n_samples:
+                status = "interrupted"
+                code = TERMINATED if stopped[0] == signal.SIGTERM else INTERRUPTED
+        except RunFailed as error:
+            status, code = f"failed: {error}", FAILED
+        store.finish(status, seen.steps if seen else 0, seen.wall if seen else 0.0)
+    if code == FAILED:
+        print(f"error: {status}\nsamples up to then are in {path}", file=sys.stderr)
+    elif code != OK:
+        print(f"{status} at {1e3 * seen.simulated:.3f} ms; samples up to then are in {path}", file=sys.stderr)
+    elif not quiet:
+        print_run(plan, seen, path)
+    return code
+
+
+def _on_signals(stop) -> None:
+    """Ctrl-C and SIGTERM end the run after the block of samples in work; a second one ends it at once."""
+
+    def handle(number, frame):
+        stop(number)
+        signal.signal(number, signal.SIG_DFL)
+
+    signal.signal(signal.SIGINT, handle)
+    signal.signal(signal.SIGTERM, handle)
+
+
+render_app = _app(
+    "render-fem",
+    """Draw the whole bearing at one instant, off-screen: deformation magnified, von Mises stress, contact forces.
+
+Example: render-fem runs/paper.nc --time 12.5 --output paper.png
+
+Exit codes: 0 done; 2 unusable input; 130 interrupted.
+""",
+)
+
+
+@render_app.default
+def _render(
+    run: Annotated[Path | None, Parameter(help="result file; default: the newest runs/*.nc")] = None,
+    /,
+    *,
+    output: Annotated[Path | None, Parameter(help="PNG file; default: <run>.png beside the run")] = None,
+    time: Annotated[float | None, Parameter(help="instant, ms; default: the last sample")] = None,
+    magnification: Annotated[float | None, Parameter(help="of the displacement; default: chosen and stated")] = None,
+    width: Annotated[int, Parameter(help="pixels")] = 1600,
+) -> int:
+    from fem.recover import read_instant
+    from fem.rendering_probe import check_rendering
+
+    path = run if run is not None else _newest()
+    instant = read_instant(path, None if time is None else 1e-3 * time)
+    if not 200 <= width <= 8000:
+        raise UsageError(f"--width {width}: must lie between 200 and 8000 pixels")
+    target = output if output is not None else path.with_suffix(".png")
+    check_rendering()
+    from fem.render import draw
+
+    draw(instant, target, magnification=magnification, width=width)
+    print(f"Picture: {target}")
+    return OK
+
+
+def _newest() -> Path:
+    found = sorted(RUNS.glob("*.nc"), key=lambda path: path.stat().st_mtime)
+    if not found:
+        raise UsageError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")
+    return found[-1]
+
+
+def _main(app: App, arguments: list[str] | None) -> int:
+    """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback."""
+    try:
+        result = app(arguments)
+        return result if isinstance(result, int) else OK
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except OSError as error:
+        print(f"error: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
+        return UNUSABLE
+    except ValueError as error:
+        if type(error).__name__ not in ("UsageError", "SceneError"):
+            raise
+        print(f"error: {error}", file=sys.stderr)
+        return UNUSABLE
+
+
+def run_main(arguments: list[str] | None = None) -> int:
+    """`run-fem`, its exit code."""
+    return _main(run_app, arguments)
+
+
+def render_main(arguments: list[str] | None = None) -> int:
+    """`render-fem`, its exit code."""
+    return _main(render_app, arguments)
+
+
+def run_fem() -> None:
+    """Entry point."""
+    sys.exit(run_main())
+
+
+def render_fem() -> None:
+    """Entry point."""
+    sys.exit(render_main())
+
+
+if __name__ == "__main__":
+    run_fem()

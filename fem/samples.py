@@ -1,0 +1,97 @@
+"""Rows of the time loop turned into the result file's quantities."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem import time_loop as loop
+
+
+@dataclass(frozen=True, kw_only=True)
+class Samples:
+    """A block of samples: arrays by the result file's names, time first; SI."""
+
+    values: dict[str, np.ndarray]
+    imbalance: np.ndarray  # (n,), J: stored energy less what came in
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.values[name]
+
+    def __len__(self) -> int:
+        return len(self.imbalance)
+
+    def first(self, count: int) -> "Samples":
+        """The first samples of the block."""
+        return Samples(
+            values={name: array[:count] for name, array in self.values.items()}, imbalance=self.imbalance[:count]
+        )
+
+
+class SampleReader:
+    """Reads blocks in order; carries what runs on from block to block (angles, sums, the energy at the start)."""
+
+    def __init__(self, plan):
+        self._n = plan.model.bearing.n_rollers
+        self._interval = plan.interval
+        self._stride = plan.stride
+        self._speed = plan.operation.speed
+        self._count = 0
+        self._angle = plan.start.angle
+        self._frame_work = 0.0
+        self._moment = None
+        self._base = None
+        self.largest_stored = 0.0
+
+    def read(self, rows: np.ndarray) -> Samples:
+        """Quantities of the next rows."""
+        n = self._n
+        blocks = rows[:, loop.N_SCALARS :].reshape(len(rows), len(loop.BLOCKS), n)
+        block = {name: blocks[:, i] for i, name in enumerate(loop.BLOCKS)}
+        x, y = block["roller_x"], block["roller_y"]
+        works = rows[:, [loop.WORK_LOAD, loop.WORK_GRAVITY, loop.WORK_DRIVE]].sum(axis=1) + self._frame(rows)
+        if self._base is None:
+            self._base = works[0], rows[0, loop.DISSIPATED], rows[0, [loop.KINETIC, loop.ELASTIC, loop.CONTACT]].sum()
+        work, dissipated = works - self._base[0], rows[:, loop.DISSIPATED] - self._base[1]
+        stored = rows[:, [loop.KINETIC, loop.ELASTIC, loop.CONTACT]].sum(axis=1) - self._base[2]
+        values = {
+            "time": (self._count + np.arange(len(rows))) * self._interval,
+            "inner_x": rows[:, loop.HUB_X],
+            "inner_y": rows[:, loop.HUB_Y],
+            "inner_vx": rows[:, loop.HUB_VX],
+            "inner_vy": rows[:, loop.HUB_VY],
+            "inner_ax": rows[:, loop.HUB_AX],
+            "inner_ay": rows[:, loop.HUB_AY],
+            "roller_x": x,
+            "roller_y": y,
+            "roller_rho": np.hypot(x, y),
+            "roller_theta": self._unwrap(np.arctan2(y, x)),
+            "roller_spin": block["roller_spin"],
+            "inner_force": block["inner_force"],
+            "outer_force": block["outer_force"],
+            "inner_traction": block["inner_traction"],
+            "outer_traction": block["outer_traction"],
+            "roller_roller_force": block["roller_roller_force"],
+            "energy_kinetic": rows[:, loop.KINETIC],
+            "energy_elastic": rows[:, loop.ELASTIC],
+            "energy_contact": rows[:, loop.CONTACT],
+            "work_external": work,
+            "work_dissipated": dissipated,
+        }
+        self._count += len(rows)
+        return Samples(values=values, imbalance=stored - work + dissipated)
+
+    def _unwrap(self, angle: np.ndarray) -> np.ndarray:
+        unwrapped = np.unwrap(np.concatenate([self._angle[None, :], angle]), axis=0)[1:]
+        self._angle = unwrapped[-1]
+        return unwrapped
+
+    def _frame(self, rows: np.ndarray) -> np.ndarray:
+        """Work of turning the inner ring's frame against its second-order moment, by the trapezoidal rule."""
+        moment = rows[:, loop.FRAME_MOMENT]
+        before = moment[0] if self._moment is None else self._moment
+        means = 0.5 * (np.concatenate([[before], moment[:-1]]) + moment)
+        if self._moment is None:
+            means[0] = 0.0
+        work = self._frame_work + np.cumsum(means) * self._interval * self._speed
+        self._frame_work, self._moment = float(work[-1]), float(moment[-1])
+        return work

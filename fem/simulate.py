@@ -1,0 +1,184 @@
+"""From a scene to a finished run: plan the time steps, advance in blocks, watch the energy, hand samples on."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from fem import time_loop
+from fem.arrays import Arrays, make_arrays
+from fem.critical_step import critical_time_step
+from fem.model import Model, build_model
+from fem.samples import Samples, SampleReader
+from fem.start import Start, equilibrium_start, rest_start
+from lagrange import Operation
+from lagrange.scene import Scene
+
+BLOCK_SECONDS = 0.2  # wall time between two looks at the samples
+IMBALANCE_LIMIT = 0.05  # of the elastic and contact energy; a sound run stays below 1e-4
+
+
+class RunFailed(RuntimeError):
+    """The run went wrong numerically; the text names step, time and body."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """Everything decided before the first step."""
+
+    scene: Scene
+    model: Model
+    operation: Operation
+    start: Start
+    critical_time_step: float  # s
+    time_step: float  # s
+    stride: int  # steps between samples
+    n_samples: int
+
+    @property
+    def interval(self) -> float:
+        """Between samples, s."""
+        return self.stride * self.time_step
+
+    @property
+    def steps(self) -> int:
+        return (self.n_samples - 1) * self.stride
+
+    def arrays(self) -> Arrays:
+        """Fresh arrays at the start."""
+        numerics = self.scene.numerics
+        ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
+        friction = self.scene.contact.friction_coefficient
+        return make_arrays(self.model, self.operation, self.start, self.time_step, friction, ramp)
+
+
+def make_plan(scene: Scene) -> Plan:
+    """Mesh, assemble, calibrate, solve the start, find the critical step.
+
+    The time step is the largest below safety · critical that divides the output interval.
+
+    Errors
+    ------
+    RuntimeError: no equilibrium, or gmsh is needed and missing.
+    """
+    numerics = scene.numerics
+    operation = scene.ideal_operation()
+    model = build_model(scene.ideal_bearing(), 1e-3 * numerics.mesh_size_mm)
+    start = (rest_start if numerics.start == "rest" else equilibrium_start)(model, operation)
+    expected = max(
+        float(start.equilibrium.inner_force.max()),
+        float(start.equilibrium.outer_force.max()),
+        5.0 * operation.radial_load / model.bearing.n_rollers,
+    )
+    critical = critical_time_step(model, expected)
+    interval = 1e-6 * numerics.output_interval_us
+    stride = max(1, ceil(interval / (numerics.time_step_safety * critical)))
+    return Plan(
+        scene=scene,
+        model=model,
+        operation=operation,
+        start=start,
+        critical_time_step=critical,
+        time_step=interval / stride,
+        stride=stride,
+        n_samples=1 + int(1e-3 * numerics.duration_ms / interval * (1.0 + 1e-12)),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """Where a run stands."""
+
+    samples: int
+    steps: int
+    simulated: float  # s
+    wall: float  # s, time loop only
+    imbalance: float  # energy imbalance over elastic and contact energy
+
+
+def run(
+    plan: Plan,
+    write: Callable[[Samples], None],
+    report: Callable[[Progress], None] = lambda progress: None,
+    stop: Callable[[], bool] = lambda: False,
+) -> Progress:
+    """Advance a plan to its end, or until `stop` says so, handing samples to `write` as they come.
+
+    Errors
+    ------
+    RunFailed: a velocity is not a number, or the energy no longer balances; good samples were written.
+    """
+    arrays = plan.arrays()
+    reader = SampleReader(plan)
+    width = time_loop.N_SCALARS + len(time_loop.BLOCKS) * plan.model.bearing.n_rollers
+    done, block, wall, imbalance = 0, 1, 0.0, 0.0
+    while done < plan.n_samples and not stop():
+        rows = np.zeros((min(block, plan.n_samples - done), width))
+        began = time.perf_counter()
+        status, step, body = time_loop.advance(
+            arrays.rollers, arrays.inner, arrays.outer, arrays.contacts, arrays.drive, arrays.scratch,
+            done * plan.stride, plan.stride, rows,
+        )
+        took = time.perf_counter() - began
+        wall += took
+        if status != time_loop.DONE:
+            rows = rows[: _good_rows(rows)]
+        if len(rows):
+            samples = reader.read(rows)
+            good, imbalance = _balanced(reader, samples)
+            write(samples.first(good))
+            done += good
+            if good < len(rows):
+                raise RunFailed(_energy_trouble(plan, samples, good, imbalance))
+        if status != time_loop.DONE:
+            raise RunFailed(_velocity_trouble(plan, step, body))
+        report(
+            Progress(
+                samples=done, steps=max(0, done - 1) * plan.stride, simulated=(done - 1) * plan.interval, wall=wall,
+                imbalance=imbalance,
+            )
+        )
+        per_row = took / len(rows)
+        block = max(1, min(4 * block, int(BLOCK_SECONDS / per_row))) if per_row > 0.0 else 4 * block
+    return Progress(
+        samples=done, steps=max(0, done - 1) * plan.stride, simulated=max(0, done - 1) * plan.interval, wall=wall,
+        imbalance=imbalance,
+    )
+
+
+def _good_rows(rows: np.ndarray) -> int:
+    """How many rows from the first are finite and were filled."""
+    good = np.all(np.isfinite(rows), axis=1) & np.any(rows != 0.0, axis=1)
+    return len(rows) if good.all() else int(np.argmin(good))
+
+
+def _balanced(reader: SampleReader, samples: Samples) -> tuple[int, float]:
+    """Number of leading samples whose energy balances, and the last one's relative imbalance."""
+    stored = samples["energy_elastic"] + samples["energy_contact"]
+    reader.largest_stored = max(reader.largest_stored, float(np.nanmax(stored)))
+    # a bearing without load stores next to nothing: round-off of the kinetic energy is not an imbalance
+    scale = max(reader.largest_stored, 1e-9 * float(samples["energy_kinetic"][0]), 1e-30)
+    relative = samples.imbalance / scale
+    bad = ~(np.abs(relative) <= IMBALANCE_LIMIT)
+    good = int(np.argmax(bad)) if bad.any() else len(bad)
+    return good, float(relative[min(good, len(bad) - 1)])
+
+
+def _energy_trouble(plan: Plan, samples: Samples, good: int, imbalance: float) -> str:
+    step = round(samples["time"][good] / plan.time_step)
+    fastest = int(np.argmax(np.abs(samples["roller_spin"][good] - plan.start.kinematics.roller)))
+    return (
+        f"energy imbalance {100 * imbalance:.3g} % of the elastic energy exceeds {100 * IMBALANCE_LIMIT:.0f} % at step "
+        f"{step}, t = {1e3 * samples['time'][good]:.5g} ms (roller {fastest} strays furthest); "
+        "lower numerics.time_step_safety or numerics.mesh_size_mm"
+    )
+
+
+def _velocity_trouble(plan: Plan, step: int, body: int) -> str:
+    name = "the hub" if body < 0 else f"roller {body}"
+    return (
+        f"the velocity of {name} is not finite at step {step}, t = {1e3 * step * plan.time_step:.5g} ms; "
+        "lower numerics.time_step_safety or check the load"
+    )

@@ -1,0 +1,76 @@
+"""What run-fem prints: the plan, the outcome."""
+
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from fem.arrays import Arrays
+from fem.model import peak_pressure
+from fem.simulate import Plan, Progress
+from meshes import bearing_shapes, mesh_of, quality
+
+# one thread of a 2024 server core; only a guide, `wall_seconds` of a run is the truth
+SECONDS_PER_DOF = 0.9e-9
+SECONDS_PER_ROLLER = 0.35e-6
+
+
+def print_plan(plan: Plan) -> None:
+    """Meshes, steps, memory and the time to expect."""
+    console = Console(highlight=False)
+    model, scene = plan.model, plan.scene
+    table = Table(title=f"Plan of {scene.name}", title_justify="left")
+    for heading in ("mesh", "nodes", "cells", "edges, mm", "angles, deg"):
+        table.add_column(heading, justify="left" if heading == "mesh" else "right")
+    shapes = bearing_shapes(model.bearing, 1e-3 * scene.numerics.mesh_size_mm)
+    for name in ("roller", "inner_ring", "outer_ring"):
+        q = quality(mesh_of(getattr(shapes, name)))
+        table.add_row(
+            name.replace("_", " "),
+            str(q.nodes),
+            str(q.cells),
+            f"{1e3 * q.smallest_edge:.3f} - {1e3 * q.largest_edge:.3f}",
+            f"{q.smallest_angle:.0f} - {q.largest_angle:.0f}",
+        )
+    console.print(table)
+    seconds = plan.steps * (
+        SECONDS_PER_DOF * model.degrees_of_freedom + SECONDS_PER_ROLLER * model.bearing.n_rollers
+    )
+    load = float(max(plan.start.equilibrium.inner_force.max(), plan.start.equilibrium.outer_force.max()))
+    rows = {
+        "degrees of freedom": f"{model.degrees_of_freedom}",
+        "time step": f"{1e9 * plan.time_step:.2f} ns ({plan.time_step / plan.critical_time_step:.2f} of the critical "
+        f"{1e9 * plan.critical_time_step:.2f} ns)",
+        "steps": f"{plan.steps} for {1e3 * (plan.n_samples - 1) * plan.interval:g} ms",
+        "samples": f"{plan.n_samples}, one each {plan.stride} steps",
+        "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
+        "expected time": f"about {seconds:.2g} s",
+        "largest static contact force": f"{load:.1f} N, "
+        f"{1e-6 * peak_pressure(model.inner_law, load, model.bearing.roller_length):.0f} MPa at the inner raceway",
+    }
+    for name, value in rows.items():
+        console.print(f"{name + ':':30s} {value}", soft_wrap=True)
+
+
+def memory_megabytes(arrays: Arrays) -> float:
+    """Size of the time loop's arrays."""
+    parts = (arrays.rollers, arrays.inner, arrays.outer, arrays.contacts, arrays.drive, arrays.scratch)
+    return 1e-6 * sum(getattr(field, "nbytes", 0) for part in parts for field in part)
+
+
+def print_run(plan: Plan, progress: Progress, path: Path) -> None:
+    """One line about the run and where it is."""
+    console = Console(highlight=False)
+    if plan.n_samples == 1:
+        hub = plan.start.equilibrium.hub
+        force = plan.start.equilibrium.inner_force
+        loads = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
+        console.print(f"Static equilibrium: hub x {1e6 * hub[0]:.4f} µm, y {1e6 * hub[1]:.4f} µm", soft_wrap=True)
+        console.print(f"Loaded rollers: {loads or 'none'} N", soft_wrap=True)
+    else:
+        console.print(
+            f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "
+            f"{progress.imbalance:+.1e} of the elastic energy",
+            soft_wrap=True,
+        )
+    console.print(f"Result: {path}", soft_wrap=True, markup=False)

@@ -198,7 +198,7 @@ def _scratch(rollers: Rollers, inner: Ring, outer: Ring) -> Scratch:
         slope=np.zeros((1, N_NODES)),
         slip=np.zeros((3, rollers.n)),
         bore=np.zeros((2, inner.u.shape[2])),
-        line=np.zeros((2, max(inner.u.shape[2], outer.u.shape[2]))),
+        line=np.zeros((2, outer.u.shape[2])),
         torque=np.zeros(columns),
         still=np.zeros(columns),
         shift=np.zeros((2, columns)),

@@ -22,7 +22,7 @@ SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's
 REACH = 0.01  # of a roller's radius: a wider gap than any elastic motion can close
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def normal_contacts(rollers, inner, outer, contacts, drive, slope):
     """Normal forces of every contact at the present positions, and their impulses over one step."""
     inner_contacts(rollers, inner, contacts, drive, slope)
@@ -30,7 +30,7 @@ def normal_contacts(rollers, inner, outer, contacts, drive, slope):
     roller_contacts(rollers, contacts, drive, slope)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def inner_contacts(rollers, inner, contacts, drive, slope):
     """Rollers on the inner raceway: normal from the hub to the roller."""
     u, w, mass, columns = rollers.u, rollers.w, rollers.mass, rollers.columns
@@ -38,7 +38,7 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
     cosine, sine, centre = rollers.cosine, rollers.sine, rollers.centre
     impulse, tilt, turn_kick = rollers.impulse, rollers.tilt, rollers.turn_kick
     ring_u, ring_w, raceway, n_sectors = inner.u, inner.w, inner.raceway, inner.n_sectors
-    node_mass = inner.row_mass[raceway]
+    node_mass, cosines, sines = inner.row_mass[raceway], inner.cosines, inner.sines
     node, weight, across = contacts.node, contacts.weight, contacts.across
     force, bracket, normal = contacts.force, contacts.bracket, contacts.normal
     A, B, Q_line = contacts.A[INNER], contacts.B[INNER], contacts.Q_line[INNER]
@@ -56,7 +56,7 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
         nx, ny = x / distance, y / distance
         p = 2 * (INNER * rollers.n + j)
         out, side, rate, ripple, ripple_rate = patch.read_ring(
-            ring_u, raceway, n_sectors, ring_c * nx + ring_s * ny, ring_c * ny - ring_s * nx,
+            ring_u, raceway, n_sectors, cosines, sines, ring_c * nx + ring_s * ny, ring_c * ny - ring_s * nx,
             ring_ripple, node, weight, across, p, slope,
         )
         out -= hub_x * nx + hub_y * ny  # the ring's state holds the hub's motion
@@ -89,7 +89,7 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
     drive.ring[3] += moment
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def outer_contacts(rollers, outer, contacts, drive, slope):
     """Rollers on the outer raceway: normal from the outer ring's centre to the roller."""
     u, w, mass, columns = rollers.u, rollers.w, rollers.mass, rollers.columns
@@ -97,7 +97,7 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
     cosine, sine, centre = rollers.cosine, rollers.sine, rollers.centre
     impulse, tilt, turn_kick = rollers.impulse, rollers.tilt, rollers.turn_kick
     ring_u, ring_w, raceway, n_sectors = outer.u, outer.w, outer.raceway, outer.n_sectors
-    node_mass = outer.row_mass[raceway]
+    node_mass, cosines, sines = outer.row_mass[raceway], outer.cosines, outer.sines
     node, weight, across = contacts.node, contacts.weight, contacts.across
     force, bracket, normal = contacts.force, contacts.bracket, contacts.normal
     A, B, Q_line = contacts.A[OUTER], contacts.B[OUTER], contacts.Q_line[OUTER]
@@ -113,7 +113,7 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
         nx, ny = x / distance, y / distance
         p = 2 * (OUTER * rollers.n + j)
         out, side, rate, ripple, ripple_rate = patch.read_ring(
-            ring_u, raceway, n_sectors, nx, ny, ring_ripple, node, weight, across, p, slope
+            ring_u, raceway, n_sectors, cosines, sines, nx, ny, ring_ripple, node, weight, across, p, slope
         )
         c, s = cosine[j], sine[j]
         bx, by = c * nx + s * ny, c * ny - s * nx
@@ -137,7 +137,7 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
         turn_kick[j] += dt * (Q * rate_r - half * ripple_rate_r) / rollers.inertia
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def roller_contacts(rollers, contacts, drive, slope):
     """Roller j on roller j + 1: normal from j to j + 1."""
     u, w, mass, columns = rollers.u, rollers.w, rollers.mass, rollers.columns
@@ -186,7 +186,7 @@ def roller_contacts(rollers, contacts, drive, slope):
         turn_kick[i] += dt * (Q * rate_r - half * ripple_rate_r) / rollers.inertia
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, error_model="numpy", forceinline=True)
 def creep_traction(slip, limit, full_slip, mobility_dt):
     """Traction, N, that opposes a slip velocity, and the slip it leaves, m/s.
 
@@ -209,7 +209,7 @@ def creep_traction(slip, limit, full_slip, mobility_dt):
     return np.copysign(limit * x * (2.0 - x), slip), np.copysign(x * full_slip, slip)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def slips(rollers, inner, outer, contacts, drive, out):
     """Sideways velocity of side 1 less that of side 0 along t = Jn for every closed contact, m/s; out (3, n)."""
     w, columns, cosine, sine = rollers.w, rollers.columns, rollers.cosine, rollers.sine
@@ -246,7 +246,7 @@ def slips(rollers, inner, outer, contacts, drive, out):
             out[kind, j] = slip
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def friction_contacts(rollers, inner, outer, contacts, drive, now):
     """Tractions of every contact and their impulses; returns the work they dissipate in this step, J.
 

@@ -4,7 +4,7 @@ The functions are inlined into the contact loops and take bare arrays: a named t
 references to every array at every access, twenty times the cost of the arithmetic.
 """
 
-from math import atan2, cos, pi, sin
+from math import atan2, pi
 
 from numba import njit
 
@@ -13,7 +13,7 @@ from fem.ring_kernels import HALO
 from fem.subgrid import ripple_at
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, error_model="numpy", forceinline=True)
 def place(x, y, n_nodes):
     """Position, in node spacings in [0, n_nodes), of a direction in a body's frame."""
     position = atan2(y, x) * (n_nodes / (2.0 * pi))
@@ -24,7 +24,7 @@ def place(x, y, n_nodes):
     return position
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, error_model="numpy", forceinline=True)
 def _nodes(base, n_nodes, offset, node, patch):
     """Fill the patch's six node numbers."""
     i = base + FIRST
@@ -37,7 +37,7 @@ def _nodes(base, n_nodes, offset, node, patch):
             i -= n_nodes
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, error_model="numpy", forceinline=True)
 def read_roller(u, columns, first, n_surface, column, bx, by, ripples, node, weight, patch, slope):
     """Place a roller's patch around its outward direction b (in its frame) and read the mean motion there.
 
@@ -61,21 +61,18 @@ def read_roller(u, columns, first, n_surface, column, bx, by, ripples, node, wei
     return ux * bx + uy * by, uy * bx - ux * by, (sx * bx + sy * by) * per_radian, ripple, ripple_slope * per_radian
 
 
-@njit(cache=True, forceinline=True)
-def read_ring(u, raceway, n_sectors, bx, by, ripples, node, weight, across, patch, slope):
+@njit(cache=True, error_model="numpy", forceinline=True)
+def read_ring(u, raceway, n_sectors, cosines, sines, bx, by, ripples, node, weight, across, patch, slope):
     """Place a ring's patch around the radial direction b (in its frame); returns the same as `read_roller` along +b."""
     position = place(bx, by, n_sectors)
     base = int(position)
     weights(position - base, weight, patch)
     weight_slopes(position - base, slope, 0)
     _nodes(base, n_sectors, HALO, node, patch)
-    step = 2.0 * pi / n_sectors
-    angle = (position - base - FIRST) * step
-    c, s = cos(angle), sin(angle)
-    turn_c, turn_s = cos(step), sin(step)
     out, side, rate = 0.0, 0.0, 0.0
     for k in range(N_NODES):
         at = node[patch, k]
+        c, s = bx * cosines[at] + by * sines[at], by * cosines[at] - bx * sines[at]
         a, b = u[raceway, 0, at], u[raceway, 1, at]
         along = a * c + b * s
         out += weight[patch, k] * along
@@ -83,13 +80,12 @@ def read_ring(u, raceway, n_sectors, bx, by, ripples, node, weight, across, patc
         rate += slope[0, k] * along
         across[patch, k] = weight[patch, k] * s
         weight[patch, k] *= c
-        c, s = c * turn_c + s * turn_s, s * turn_c - c * turn_s
     ripple, ripple_slope = ripple_at(position - base, ripples)
     per_radian = n_sectors / (2.0 * pi)
     return out, side, rate * per_radian, ripple, ripple_slope * per_radian
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, error_model="numpy", forceinline=True)
 def push_roller(w, mass, columns, column, bx, by, node, weight, patch):
     """Spread an impulse, N s, with components in the roller's frame over its patch."""
     for k in range(N_NODES):
@@ -100,7 +96,7 @@ def push_roller(w, mass, columns, column, bx, by, node, weight, patch):
         w[at + columns] += share * by
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, error_model="numpy", forceinline=True)
 def push_ring(w, raceway, node_mass, along, aside, node, weight, across, patch):
     """Spread an impulse, N s, with components along the patch's normal and along t over a ring's patch."""
     along /= node_mass
@@ -111,7 +107,7 @@ def push_ring(w, raceway, node_mass, along, aside, node, weight, across, patch):
         w[raceway, 1, at] += along * across[patch, k] + aside * weight[patch, k]
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, error_model="numpy", forceinline=True)
 def sideways_roller(w, columns, column, bx, by, node, weight, patch):
     """Mean velocity along Jb relative to the centre of mass, m/s."""
     wx, wy = 0.0, 0.0
@@ -122,7 +118,7 @@ def sideways_roller(w, columns, column, bx, by, node, weight, patch):
     return wy * bx - wx * by
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, error_model="numpy", forceinline=True)
 def sideways_ring(w, raceway, node, weight, across, patch):
     """Mean velocity along t, m/s."""
     v = 0.0
@@ -132,7 +128,7 @@ def sideways_ring(w, raceway, node, weight, across, patch):
     return v
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, error_model="numpy", forceinline=True)
 def mobility_roller(mass, node, weight, patch):
     """Velocity gained by the patch mean per unit impulse, 1/kg."""
     total = 0.0
@@ -141,7 +137,7 @@ def mobility_roller(mass, node, weight, patch):
     return total
 
 
-@njit(cache=True, forceinline=True)
+@njit(cache=True, error_model="numpy", forceinline=True)
 def mobility_ring(node_mass, weight, across, patch):
     """Velocity gained by the patch mean per unit impulse, 1/kg."""
     total = 0.0

@@ -51,17 +51,19 @@ def row_force(table, u, row, radial, tangential):
         )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def kick(table, u, w, first_row, last_row):
     """w += dt·internal acceleration for rows first_row ... last_row − 1; table holds −dt·M⁻¹K."""
     for row in range(first_row, last_row):
         row_force(table, u, row, w[row, 0], w[row, 1])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
-def accelerate(w, radial, tangential, first_row, last_row):
-    """Add the same velocity per sector, m/s, to every row: gravity."""
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+def accelerate(w, cosines, sines, x, y, line, first_row, last_row):
+    """Add the velocity (x, y), m/s, in the frame's axes, to every node: gravity. `line`, (2, width), is filled."""
     width = w.shape[2]
+    set_rigid(line[0], line[1], cosines, sines, x, y)
+    radial, tangential = line[0], line[1]
     for row in range(first_row, last_row):
         p, q = w[row, 0], w[row, 1]
         for column in range(HALO, width - HALO):
@@ -103,7 +105,7 @@ def drift_still(u, w, dt, first_row, last_row):
             wrap(a)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def wrap(line):
     """Repeat the first and last sector in the halo."""
     last = line.size - HALO
@@ -123,11 +125,12 @@ def set_rigid(line_r, line_t, cosines, sines, x, y):
     wrap(line_t)
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
 def resultant(radial, tangential, cosines, sines):
     """Sum of polar nodal forces of one row: x, y in the frame's axes, and Σ tangential."""
     x, y, t = 0.0, 0.0, 0.0
-    for k in range(HALO, radial.size - HALO):
+    for column in range(HALO, radial.size - HALO):
+        k = uint64(column)
         x += radial[k] * cosines[k] - tangential[k] * sines[k]
         y += radial[k] * sines[k] + tangential[k] * cosines[k]
         t += tangential[k]

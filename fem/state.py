@@ -102,7 +102,7 @@ class Scratch(NamedTuple):
     slope: np.ndarray  # (1, 6)
     slip: np.ndarray  # (3, n)
     bore: np.ndarray  # (2, inner n_sectors + 2 HALO)
-    line: np.ndarray  # (2, larger n_sectors + 2 HALO)
+    line: np.ndarray  # (2, outer n_sectors + 2 HALO)
     torque: np.ndarray  # (columns,)
     still: np.ndarray  # (columns,)
     shift: np.ndarray  # (2, columns)

@@ -44,7 +44,7 @@ DONE, NOT_FINITE = 0, 1
 FASTEST = 1e5  # m/s; no body is faster unless the run has blown up
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def load_at(drive, time):
     """Radial load, N, ramped up by half a cosine."""
     if time >= drive.ramp:
@@ -52,7 +52,7 @@ def load_at(drive, time):
     return drive.load * 0.5 * (1.0 - cos(pi * time / drive.ramp))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def kick(rollers, inner, outer, contacts, drive, time, scratch):
     """Advance all velocities by one step at fixed positions; returns the step's works (load, drive, friction), J."""
     dt = drive.dt
@@ -86,10 +86,13 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     ring_kernels.kick(inner.table, inner.u, inner.w, inner.first_row, inner.last_row)
     ring_kernels.kick(outer.table, outer.u, outer.w, outer.first_row, outer.last_row)
     if drive.gravity > 0.0:
-        g = drive.gravity * dt
-        line = scratch.line
-        _gravity(inner, line, g, c, s)
-        _gravity(outer, line, g, 1.0, 0.0)
+        g = -drive.gravity * dt
+        ring_kernels.accelerate(
+            inner.w, inner.cosines, inner.sines, s * g, c * g, scratch.bore, inner.first_row, inner.last_row
+        )
+        ring_kernels.accelerate(
+            outer.w, outer.cosines, outer.sines, 0.0, g, scratch.line, outer.first_row, outer.last_row
+        )
     dissipated = 0.0
     if drive.friction > 0.0:
         dissipated = friction_contacts(rollers, inner, outer, contacts, drive, scratch.slip)
@@ -99,17 +102,7 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     return work_load, work_drive, dissipated
 
 
-@njit(cache=True)
-def _gravity(ring, line, g, c, s):
-    """Add −g to the velocities of a ring's free rows; c, s turn the frame's axes."""
-    for k in range(HALO, HALO + ring.n_sectors):
-        sector_c, sector_s = ring.cosines[k], ring.sines[k]
-        line[0, k] = -g * (s * sector_c + c * sector_s)
-        line[1, k] = -g * (c * sector_c - s * sector_s)
-    ring_kernels.accelerate(ring.w, line[0], line[1], ring.first_row, ring.last_row)
-
-
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def drift(rollers, inner, outer, drive, scratch):
     """Advance all positions by one step."""
     dt = drive.dt
@@ -150,7 +143,7 @@ def drift(rollers, inner, outer, drive, scratch):
     ring_kernels.set_rigid(inner.u[inner.held, 0], inner.u[inner.held, 1], inner.cosines, inner.sines, x, y)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, error_model="numpy", nogil=True)
 def advance(rollers, inner, outer, contacts, drive, scratch, first_step, stride, samples):
     """Fill `samples`, one row each `stride` steps, starting with the state as it is; leaves the state after them.
 
@@ -176,7 +169,7 @@ def advance(rollers, inner, outer, contacts, drive, scratch, first_step, stride,
     return DONE, step, -2
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _lost(rollers, drive):
     """The first body whose velocity is not a number or absurd, or −2."""
     if not abs(drive.velocity[0]) + abs(drive.velocity[1]) < FASTEST:
@@ -187,7 +180,7 @@ def _lost(rollers, drive):
     return -2
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _remember(rollers, inner, outer, drive, scratch):
     scratch.rollers_w[:] = rollers.w
     scratch.rollers_velocity[:] = rollers.velocity
@@ -196,7 +189,7 @@ def _remember(rollers, inner, outer, drive, scratch):
     scratch.hub_velocity[:] = drive.velocity
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _sample(rollers, inner, outer, contacts, drive, scratch, out, time, load, work, friction):
     """Everything a sample stores, at the instant of the kick just made; half of its works belong to it."""
     before, after, dt = scratch.hub_velocity, drive.velocity, drive.dt
@@ -226,7 +219,7 @@ def _sample(rollers, inner, outer, contacts, drive, scratch, out, time, load, wo
             out[at + (7 + kind) * n] = contacts.traction[kind, j]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _kinetic(rollers, inner, outer, drive, scratch):
     """½ v(t − dt/2)·M·v(t + dt/2): with ½ uᵀKu the energy leapfrog conserves exactly."""
     total = 0.0
@@ -251,7 +244,7 @@ def _kinetic(rollers, inner, outer, drive, scratch):
     return 0.5 * total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _ring_kinetic(ring, before):
     total = 0.0
     for row in range(ring.first_row, ring.last_row):
@@ -263,7 +256,7 @@ def _ring_kinetic(ring, before):
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _elastic(rollers, inner, outer, drive, scratch):
     """Energy ½ uᵀKu of all bodies, J, and the moment Σ u x f that the inner ring's turning frame exerts, N m."""
     total = 0.0
@@ -300,7 +293,7 @@ def _elastic(rollers, inner, outer, drive, scratch):
     return 0.5 * total, moment
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _contact_energy(contacts, n):
     """Energy below the grid of all contacts, J; the ripples' share is ½·ripple·Q²."""
     total = 0.0
@@ -312,7 +305,7 @@ def _contact_energy(contacts, n):
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _weighted_height(rollers, inner, outer, drive):
     """Σ m y of all that moves, kg m."""
     total = (drive.mass - inner.n_sectors * inner.row_mass[inner.held]) * drive.hub[1]
@@ -322,7 +315,7 @@ def _weighted_height(rollers, inner, outer, drive):
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _ring_height(ring, c, s):
     total = 0.0
     for row in range(ring.radii.size):

@@ -1,0 +1,95 @@
+"""Small bearings and bodies that many tests share, each meshed once per session in a mesh folder of the tests' own."""
+
+import tempfile
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+
+from fem.arrays import Arrays, make_arrays
+from fem.bodies import DiscBody, RingBody, disc_body, ring_body
+from fem.model import Model, build_model
+from fem.start import Start, equilibrium_start, rest_start
+from fem.time_loop import BLOCKS, N_SCALARS, advance
+from lagrange import Bearing, Material, Operation
+from lagrange.scene import read_scene
+from meshes import Annulus, Disc
+
+STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
+LENGTH = 0.01  # of the rollers, m
+_FOLDER = tempfile.TemporaryDirectory(prefix="test-meshes-")
+
+
+def _own_folder():
+    return mock.patch("meshes.cache.cache_folder", lambda: Path(_FOLDER.name))
+
+
+@lru_cache
+def disc(radius: float, layers: int, material: Material = STEEL) -> DiscBody:
+    with _own_folder():
+        return disc_body(Disc(radius=radius, layers=layers), material, LENGTH)
+
+
+@lru_cache
+def ring(inner: float, outer: float, sectors: int, layers: int, held_inside: bool) -> RingBody:
+    shape = Annulus(inner_radius=inner, outer_radius=outer, sectors=sectors, layers=layers)
+    with _own_folder():
+        return ring_body(shape, STEEL, LENGTH, held_inside)
+
+
+@lru_cache
+def paper(**changes) -> Bearing:
+    """The paper's bearing, N 206-like: 13 rollers of 10 mm between 36 and 56 mm."""
+    return replace(read_scene().ideal_bearing(), **changes)
+
+
+@lru_cache
+def model(bearing: Bearing, mesh_size: float) -> Model:
+    with _own_folder():
+        return build_model(bearing, mesh_size)
+
+
+def operation(**changes) -> Operation:
+    """The paper's operating point."""
+    return replace(read_scene().ideal_operation(), **changes)
+
+
+def start_of(a_model: Model, how: Operation, from_rest: bool = False) -> Start:
+    return (rest_start if from_rest else equilibrium_start)(a_model, how)
+
+
+def arrays(
+    a_model: Model, how: Operation, dt: float, friction: float = 0.0, from_rest: bool = False, ramp: float = 0.0
+) -> Arrays:
+    """Arrays at t = 0."""
+    return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp)
+
+
+def copy_of(state):
+    """An independent copy of one named tuple of the time loop."""
+    return type(state)(*(entry.copy() if isinstance(entry, np.ndarray) else entry for entry in state))
+
+
+def copies(state: Arrays) -> Arrays:
+    return Arrays(**{name: copy_of(getattr(state, name)) for name in state.__dataclass_fields__})
+
+
+def loop_arguments(state: Arrays) -> tuple:
+    return state.rollers, state.inner, state.outer, state.contacts, state.drive, state.scratch
+
+
+def run(state: Arrays, n_samples: int, stride: int) -> np.ndarray:
+    """Samples (n_samples, n_columns) of a run; the state is left at its end."""
+    samples = np.zeros((n_samples, N_SCALARS + len(BLOCKS) * state.rollers.n))
+    status, step, body = advance(*loop_arguments(state), 0, stride, samples)
+    assert (status, step, body) == (0, n_samples * stride, -2)
+    return samples
+
+
+def block(samples: np.ndarray, name: str) -> np.ndarray:
+    """One quantity of every roller, (n_samples, n_rollers)."""
+    n = (samples.shape[1] - N_SCALARS) // len(BLOCKS)
+    at = N_SCALARS + BLOCKS.index(name) * n
+    return samples[:, at : at + n]

@@ -1,0 +1,48 @@
+"""Exact free in-plane vibration of plane-strain discs and rings.
+
+u = ∇φ + curl ψ with φ = f(k_L r) cos nθ and ψ = g(k_T r) sin nθ, f and g Bessel functions of order n; the free
+circles want σ_rr = σ_rθ = 0.
+
+Source: Love, A Treatise on the Mathematical Theory of Elasticity (4th ed. 1927), vibrations of a circular cylinder;
+Graff, Wave Motion in Elastic Solids (1975), section 8.2 with the axial wavenumber 0.
+"""
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import jv, jvp, yv, yvp
+
+from lagrange import Material
+
+
+def disc_frequency(n: int, low: float, high: float, material: Material) -> float:
+    """The root ω R/c_T between two bounds of the free solid disc, n waves around."""
+    return brentq(lambda x: np.linalg.det(_tractions(n, 1.0, x, material, ("j",))), low, high, xtol=1e-12)
+
+
+def ring_frequency(n: int, inner: float, outer: float, low: float, high: float, material: Material) -> float:
+    """The root ω, rad/s, between two bounds of a ring free on both circles."""
+    speed = np.sqrt(material.lame_mu / material.density)
+
+    def determinant(omega):
+        x = omega * outer / speed
+        kinds = ("j", "y")
+        matrix = np.concatenate([_tractions(n, inner / outer, x, material, kinds), _tractions(n, 1.0, x, material, kinds)])
+        return np.linalg.det(matrix / np.abs(matrix).max(axis=0))
+
+    return brentq(determinant, low, high, rtol=1e-12)
+
+
+def _tractions(n, r, x, material, kinds):
+    """σ_rr and σ_rθ (over μ) at radius r of each potential; x = ω/c_T for unit radius."""
+    ratio = material.lame_lambda / material.lame_mu
+    k_l, k_t = x / np.sqrt(ratio + 2.0), x
+    columns = []
+    for kind in kinds:
+        f, df = (jv, jvp) if kind == "j" else (yv, yvp)
+        p, dp, ddp = f(n, k_l * r), k_l * df(n, k_l * r), k_l**2 * df(n, k_l * r, 2)
+        # u_r = φ', u_θ = −n φ/r (times cos, sin); div u = −k_l² φ
+        columns.append([-ratio * k_l**2 * p + 2.0 * ddp, -2.0 * n * (dp / r - p / r**2)])
+        s, ds, dds = f(n, k_t * r), k_t * df(n, k_t * r), k_t**2 * df(n, k_t * r, 2)
+        # u_r = n ψ/r, u_θ = −ψ'
+        columns.append([2.0 * n * (ds / r - s / r**2), -dds + ds / r - n**2 * s / r**2])
+    return np.array(columns).T

@@ -1,0 +1,17 @@
+"""Shared runs: one short simulation of the paper's bearing on the coarse mesh."""
+
+import os
+
+import pytest
+
+os.environ.setdefault("MPLBACKEND", "Agg")
+
+
+@pytest.fixture(scope="session")
+def coarse_run(tmp_path_factory):
+    """Result file of 4 ms of the paper's bearing at 2 mm."""
+    from fem.cli import run_main
+
+    path = tmp_path_factory.mktemp("coarse") / "coarse.nc"
+    assert run_main(["--mesh-size", "2", "--duration", "4", "--output", str(path), "--quiet"]) == 0
+    return path

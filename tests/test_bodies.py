@@ -1,0 +1,409 @@
+"""Assembled bodies: patch test, rigid motions, exact masses, kernels against matrices, exact vibration modes."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.linalg import eigh
+from scipy.sparse.linalg import eigsh, spsolve
+
+sys.path.insert(0, str(Path(__file__).parent / "reference"))
+from bearings import LENGTH, STEEL, disc, ring
+from free_vibration import disc_frequency, ring_frequency
+
+from fem import disc_kernels, ring_kernels
+from fem.assembly import assemble
+from fem.bodies import rigid_modes
+from fem.ring_kernels import HALO
+from meshes import Mesh
+
+ROUND_OFF = 1e-13  # of stiffness times displacement: sums of ten products
+RADIUS = 0.005
+STRAINS = {  # gradients of displacement: rows u_x, u_y
+    "stretch along x": [[1e-4, 0.0], [0.0, 0.0]],
+    "stretch along y": [[0.0, 0.0], [0.0, 1e-4]],
+    "shear": [[0.0, 1e-4], [3e-5, 0.0]],
+    "all": [[1e-4, -2e-5], [5e-5, -7e-5]],
+}
+every_strain = pytest.mark.parametrize("gradient", STRAINS.values(), ids=STRAINS.keys())
+
+
+def outer_ring(scale=1):
+    return ring(0.028, 0.0325, 88 * scale, 2 * scale, False)
+
+
+def inner_ring(scale=1):
+    return ring(0.0125, 0.018, 56 * scale, 3 * scale, True)
+
+
+both_rings = pytest.mark.parametrize("make_ring", [inner_ring, outer_ring])
+
+
+def observed_order(h, error):
+    return np.polyfit(np.log(h), np.log(error), 1)[0]
+
+
+def cartesian_matrices(body):
+    return assemble(Mesh(points=body.points, cells=body.cells), body.material, LENGTH)
+
+
+def polar_to_cartesian(body, field):
+    """(n_rows, 2, n_sectors) to (n_nodes, 2)."""
+    cosine, sine = np.cos(body.angles), np.sin(body.angles)
+    radial, tangential = field[:, 0], field[:, 1]
+    return np.stack([radial * cosine - tangential * sine, radial * sine + tangential * cosine], axis=-1).reshape(-1, 2)
+
+
+def cartesian_to_polar(body, field):
+    x, y = np.moveaxis(field.reshape(body.n_rows, body.n_sectors, 2), -1, 0)
+    cosine, sine = np.cos(body.angles), np.sin(body.angles)
+    return np.stack([x * cosine + y * sine, y * cosine - x * sine], axis=1)
+
+
+def force_of(body, displacement):
+    """K·u of a disc or ring, (n_nodes, 2)."""
+    if hasattr(body, "stencil"):
+        return polar_to_cartesian(body, body.force(cartesian_to_polar(body, displacement)))
+    return (body.stiffness @ displacement.ravel()).reshape(-1, 2)
+
+
+def stress(gradient, material=STEEL):
+    """Plane-strain stress of a displacement gradient, from E and ν: Timoshenko and Goodier, article 17."""
+    strain = 0.5 * (np.asarray(gradient) + np.transpose(gradient))
+    E, nu = material.youngs_modulus, material.poisson_ratio
+    pull = (1.0 - nu) * strain + nu * (np.trace(strain) * np.eye(2) - strain)
+    s = E / ((1.0 + nu) * (1.0 - 2.0 * nu)) * np.diag(np.diag(pull))
+    return s + E / (1.0 + nu) * (strain - np.diag(np.diag(strain)))
+
+
+def boundary_traction_forces(points, loops, sigma):
+    """Nodal forces of σ·n over straight edges; loops run counter-clockwise, holes clockwise."""
+    force = np.zeros_like(points)
+    for loop in loops:
+        ahead = np.roll(loop, -1)
+        edge = points[ahead] - points[loop]
+        normal = np.column_stack([edge[:, 1], -edge[:, 0]])  # outward, times the edge's length
+        half = 0.5 * LENGTH * normal @ np.transpose(sigma)
+        np.add.at(force, loop, half)
+        np.add.at(force, ahead, half)
+    return force
+
+
+def bodies_and_loops():
+    roller = disc(RADIUS, 3)
+    yield roller, [np.arange(roller.first_surface_node, roller.n_nodes)]
+    for body in (inner_ring(), outer_ring()):
+        n = body.n_sectors
+        yield body, [np.arange((body.n_rows - 1) * n, body.n_rows * n), np.arange(n)[::-1]]
+
+
+@every_strain
+@pytest.mark.parametrize("which", [0, 1, 2], ids=["roller", "inner ring", "outer ring"])
+def test_constant_strain_is_reproduced_exactly(which, gradient):
+    body, loops = list(bodies_and_loops())[which]
+    displacement = body.points @ np.transpose(gradient)
+    found = force_of(body, displacement)
+    wanted = boundary_traction_forces(body.points, loops, stress(gradient))
+    inside = np.setdiff1d(np.arange(len(body.points)), np.concatenate(loops))
+    scale = STEEL.plane_strain_modulus * LENGTH * np.abs(displacement).max()
+    assert np.abs(found[inside]).max() < ROUND_OFF * scale
+    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=10 * ROUND_OFF * scale)
+    assert np.abs(wanted).max() > 1e6 * ROUND_OFF * scale  # the comparison says something
+
+
+@pytest.mark.parametrize("which", [0, 1, 2], ids=["roller", "inner ring", "outer ring"])
+def test_rigid_motions_give_no_force(which):
+    body, _ = list(bodies_and_loops())[which]
+    for mode in rigid_modes(body.points).T:
+        displacement = 1e-3 * mode.reshape(-1, 2)
+        scale = STEEL.plane_strain_modulus * LENGTH * np.abs(displacement).max()
+        assert np.abs(force_of(body, displacement)).max() < ROUND_OFF * scale
+
+
+@pytest.mark.parametrize("which", [0, 1, 2], ids=["roller", "inner ring", "outer ring"])
+def test_only_rigid_motions_give_no_force(which):
+    body, _ = list(bodies_and_loops())[which]
+    values = eigh(cartesian_matrices(body).stiffness.toarray(), eigvals_only=True)
+    assert np.all(np.abs(values[:3]) < 1e-12 * values[-1])
+    assert values[3] > 1e-6 * values[-1], "no hourglass modes"
+
+
+def test_masses_are_those_of_the_exact_circles():
+    roller = disc(RADIUS, 3)
+    assert roller.total_mass == pytest.approx(7850.0 * np.pi * RADIUS**2 * LENGTH, rel=1e-14)
+    for body, inner, outer in ((inner_ring(), 0.0125, 0.018), (outer_ring(), 0.028, 0.0325)):
+        assert body.total_mass == pytest.approx(7850.0 * np.pi * (outer**2 - inner**2) * LENGTH, rel=1e-14)
+        assert np.all(body.row_mass > 0.0)
+    assert np.all(roller.mass > 0.0)
+
+
+def test_a_disc_balances_on_its_centre():
+    roller = disc(RADIUS, 5)
+    # six equal sextants; gmsh may put diagonals otherwise in each, which shifts the centre by less than 1e-3 of h
+    assert np.abs(roller.centre_of_mass).max() < 1e-3 * roller.shape.surface_spacing
+
+
+def test_polar_inertia_tends_to_that_of_the_solid_disc_with_the_square_of_the_spacing():
+    layers = np.array([3, 6, 12])
+    exact = 0.5 * 7850.0 * np.pi * RADIUS**4 * LENGTH
+    error = [abs(disc(RADIUS, k).polar_inertia / exact - 1.0) for k in layers]
+    assert observed_order(1.0 / layers, error) == pytest.approx(2.0, abs=0.1)
+    assert error[-1] < 0.01
+
+
+@both_rings
+def test_one_sectors_stencil_is_scikit_fems_matrix(make_ring):
+    body = make_ring()
+    displacement = np.random.default_rng(2).standard_normal((body.n_rows * body.n_sectors, 2))
+    wanted = (cartesian_matrices(body).stiffness @ displacement.ravel()).reshape(-1, 2)
+    # the mesh is rotation-invariant to round-off of cosines (1e-15 of R, 1e-14 of h)
+    np.testing.assert_allclose(force_of(body, displacement), wanted, rtol=0.0, atol=1e-12 * np.abs(wanted).max())
+
+
+def halo(field):
+    """A field (..., n_sectors) with its halo filled right round."""
+    return np.ascontiguousarray(np.concatenate([field[..., -HALO:], field, field[..., :HALO]], axis=-1))
+
+
+@both_rings
+def test_ring_kernels_apply_the_stencil(make_ring):
+    body = make_ring()
+    u = np.random.default_rng(3).standard_normal((body.n_rows, 2, body.n_sectors))
+    wanted = body.force(u)
+    table = ring_kernels.coefficients(body.stencil)
+    for row in range(body.n_rows):
+        radial, tangential = np.zeros((2, body.n_sectors + 2 * HALO))
+        ring_kernels.row_force(table, halo(u), row, radial, tangential)
+        found = np.stack([radial, tangential])[:, HALO:-HALO]
+        np.testing.assert_allclose(found, wanted[row], rtol=0.0, atol=1e-14 * np.abs(body.stencil).max() * 30)
+    dt = 1e-7
+    w = np.random.default_rng(4).standard_normal(u.shape)
+    padded = halo(w)
+    ring_kernels.kick(-dt * table / body.row_mass[:, None], halo(u), padded, 1, body.n_rows)
+    moved = w.copy()
+    moved[1:] -= dt * wanted[1:] / body.row_mass[1:, None, None]
+    np.testing.assert_allclose(padded[..., HALO:-HALO], moved, rtol=1e-12, atol=1e-13 * np.abs(moved).max())
+
+
+def column_blocks(body, columns, seed):
+    """Random states of many rollers, (n_nodes, 2, columns)."""
+    return np.random.default_rng(seed).standard_normal((body.n_nodes, 2, columns))
+
+
+def kick_disc(body, u, w, dt, turn_kick):
+    """disc_kernels.kick on (n_nodes, 2, columns); returns new w and the torque."""
+    starts, neighbours, blocks = body.blocks()
+    rows = np.repeat(np.arange(body.n_nodes), np.diff(starts))
+    scaled = np.ascontiguousarray(-dt * blocks / body.mass[rows][:, None, None]).ravel()
+    flat_u, flat_w, torque = u.ravel().copy(), w.ravel().copy(), np.zeros(u.shape[2])
+    points = np.ascontiguousarray(body.points).ravel()
+    disc_kernels.kick(
+        starts, neighbours, scaled, points, body.mass, flat_u, flat_w, u.shape[2], turn_kick, torque
+    )
+    return flat_w.reshape(u.shape), torque
+
+
+@pytest.mark.parametrize("columns", [16, 32])
+def test_disc_kernel_applies_the_sparse_matrix_to_every_column(columns):
+    body, dt = disc(RADIUS, 3), 1e-7
+    u, w = 1e-6 * column_blocks(body, columns, 5), column_blocks(body, columns, 6)
+    turn_kick = np.random.default_rng(7).standard_normal(columns)
+    found, torque = kick_disc(body, u, w, dt, turn_kick)
+    force = -(body.stiffness @ u.reshape(-1, columns)).reshape(u.shape)
+    turned = np.stack([-body.points[:, 1], body.points[:, 0]], axis=1)
+    wanted = w + dt * force / body.mass[:, None, None] + turned[:, :, None] * turn_kick
+    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-13 * np.abs(wanted).max())
+    wanted_torque = dt * np.sum(u[:, 0] * force[:, 1] - u[:, 1] * force[:, 0], axis=0)
+    np.testing.assert_allclose(torque, wanted_torque, rtol=1e-9, atol=1e-12 * np.abs(wanted_torque).max())
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+def test_disc_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
+    body, dt, columns = disc(RADIUS, 3), 1e-7, 16
+    u, w = 1e-6 * column_blocks(body, columns, 8), column_blocks(body, columns, 9)
+    shift = np.random.default_rng(10).standard_normal((2, columns))
+    flat_u, flat_w, moment = u.ravel().copy(), w.ravel().copy(), np.zeros(columns)
+    cosine, sine = np.full(columns, np.cos(turn)), np.full(columns, np.sin(turn))
+    points = np.ascontiguousarray(body.points).ravel()
+    disc_kernels.drift(points, body.mass, flat_u, flat_w, columns, dt, cosine, sine, shift[0], shift[1], moment)
+    back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    rate = w - shift[None]
+    position = body.points[:, :, None] + u + dt * rate
+    wanted_u = np.einsum("ab,nbc->nac", back, position) - body.points[:, :, None]
+    np.testing.assert_allclose(flat_u.reshape(u.shape), wanted_u, rtol=0.0, atol=1e-15 * RADIUS * 4)
+    np.testing.assert_allclose(flat_w.reshape(u.shape), np.einsum("ab,nbc->nac", back, rate), rtol=0.0, atol=1e-14)
+    lead = np.einsum(
+        "n,nc->c", body.mass, body.points[:, :1] * wanted_u[:, 1] - body.points[:, 1:] * wanted_u[:, 0]
+    )
+    np.testing.assert_allclose(moment, lead, rtol=1e-9, atol=1e-12 * np.abs(lead).max())
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.2])
+def test_ring_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
+    body, dt = inner_ring(), 1e-7
+    rng = np.random.default_rng(11)
+    u, w = 1e-6 * rng.standard_normal((2, body.n_rows, 2, body.n_sectors))
+    found_u, found_w = halo(u), halo(w)
+    ring_kernels.drift(found_u, found_w, body.radii, dt, np.cos(turn), np.sin(turn), 1, body.n_rows)
+    back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    own = np.zeros_like(u)
+    own[:, 0] = body.radii[:, None]  # in its sector's axes every node lies at (radius, 0)
+    wanted = np.einsum("ab,rbk->rak", back, own + u + dt * w) - own
+    np.testing.assert_allclose(found_u[1:, :, HALO:-HALO], wanted[1:], rtol=0.0, atol=1e-17)
+    turned = np.einsum("ab,rbk->rak", back, w)
+    np.testing.assert_allclose(found_w[1:, :, HALO:-HALO], turned[1:], rtol=0.0, atol=1e-20)
+    np.testing.assert_array_equal(found_u[1:, :, HALO - 1], found_u[1:, :, -HALO - 1])  # round the seam
+    np.testing.assert_array_equal(found_u[1:, :, -HALO], found_u[1:, :, HALO])
+    np.testing.assert_array_equal(found_u[0], halo(u)[0])  # the held row is the hub's
+
+
+# ω R/c_T of the free solid disc, plane strain, ν = 0.3: the roots of Love's frequency equation
+EXACT_DISC = {2: 2.3479, 1: 2.8171, 3: 3.6145, 0: 3.9769}
+
+
+def test_reference_frequencies_of_the_disc_are_roots_of_the_exact_equation():
+    for n, value in EXACT_DISC.items():
+        assert disc_frequency(n, value - 0.02, value + 0.02, STEEL) == pytest.approx(value, abs=5e-5)  # as printed
+
+
+def disc_frequencies(body, count):
+    """Lowest ω R/c_T above the rigid motions."""
+    mass = sparse.diags(np.repeat(body.mass, 2))
+    speed = np.sqrt(STEEL.lame_mu / STEEL.density)
+    unit = (speed / body.shape.radius) ** 2
+    start = np.random.default_rng(12).standard_normal(2 * body.n_nodes)
+    # shifted between the rigid motions and the first mode
+    values = eigsh(body.stiffness, k=count + 3, M=mass, sigma=unit, which="LM", v0=start, return_eigenvectors=False)
+    return np.sqrt(np.sort(values)[3:] / unit)
+
+
+def test_a_free_disc_vibrates_at_the_exact_frequencies_with_order_two():
+    layers = np.array([4, 8, 16])
+    found = np.array([disc_frequencies(disc(RADIUS, k), 7) for k in layers])
+    exact = np.repeat([EXACT_DISC[n] for n in (2, 1, 3, 0)], [2, 2, 2, 1])
+    exact = np.array([disc_frequency(n, v - 0.02, v + 0.02, STEEL) for n, v in EXACT_DISC.items()])
+    exact = np.repeat(exact, [2, 2, 2, 1])
+    error = np.abs(found / exact - 1.0)
+    for mode in range(7):
+        assert observed_order(1.0 / layers, error[:, mode]) == pytest.approx(2.0, abs=0.15)
+    assert error[-1].max() < 0.006
+    # h² and h⁴ terms taken out: what is left is the next one
+    once = (4.0 * found[1:] - found[:-1]) / 3.0
+    twice = (16.0 * once[1] - once[0]) / 15.0
+    np.testing.assert_allclose(twice, exact, rtol=2e-4)
+
+
+# free ring 28-33 mm, plane strain
+EXACT_RING = {2: 3545.7, 3: 9815.3}  # Hz
+
+
+def test_reference_frequencies_of_the_ring_are_roots_of_the_exact_equation():
+    for n, hertz in EXACT_RING.items():
+        omega = 2.0 * np.pi * hertz
+        found = ring_frequency(n, 0.028, 0.033, 0.98 * omega, 1.02 * omega, STEEL)
+        assert found / (2.0 * np.pi) == pytest.approx(hertz, abs=0.06)  # as printed
+
+
+@pytest.mark.parametrize("n", EXACT_RING)
+def test_a_free_ring_vibrates_at_the_exact_frequencies_with_order_two(n):
+    layers, found = np.array([2, 4, 8]), []
+    for k in layers:
+        body = ring(0.028, 0.033, 80 * k // 2, int(k), True)
+        stiffness = body.harmonic_stiffness(np.array([n]))[0]
+        values = eigh(stiffness, np.diag(np.repeat(body.row_mass, 2)), eigvals_only=True)
+        found.append(np.sqrt(values[0]) / (2.0 * np.pi))
+    error = np.abs(np.array(found) / EXACT_RING[n] - 1.0)
+    assert observed_order(1.0 / layers, error) == pytest.approx(2.0, abs=0.15)
+    assert error[-1] < 0.01
+    once = (4.0 * np.array(found[1:]) - found[:-1]) / 3.0
+    assert (16.0 * once[1] - once[0]) / 15.0 == pytest.approx(EXACT_RING[n], rel=2e-4)
+
+
+@both_rings
+def test_harmonic_stiffness_is_the_stencil_acting_on_a_wave(make_ring):
+    body = make_ring()
+    rng = np.random.default_rng(13)
+    for harmonic in (0, 1, 5, body.n_sectors // 2):
+        wave = np.exp(1j * harmonic * body.angles)
+        amplitude = rng.standard_normal((body.n_rows, 2)) + 1j * rng.standard_normal((body.n_rows, 2))
+        field = amplitude[:, :, None] * wave
+        wanted = body.force(field.real) + 1j * body.force(field.imag)
+        found = (body.harmonic_stiffness(np.array([harmonic]))[0] @ amplitude.ravel()).reshape(body.n_rows, 2)
+        np.testing.assert_allclose(found[:, :, None] * wave, wanted, rtol=0.0, atol=1e-13 * np.abs(wanted).max() * 10)
+
+
+@both_rings
+def test_a_held_ring_gives_the_sparse_solution(make_ring):
+    body = make_ring()
+    force = np.random.default_rng(14).standard_normal((body.n_rows, 2, body.n_sectors))
+    found = body.held(force)
+    node = np.arange(body.n_rows * body.n_sectors).reshape(body.n_rows, -1)[body.free_rows].ravel()
+    free = (2 * node[:, None] + np.arange(2)).ravel()
+    stiffness = cartesian_matrices(body).stiffness
+    solved = np.zeros(2 * body.n_rows * body.n_sectors)
+    solved[free] = spsolve(stiffness[free][:, free].tocsc(), polar_to_cartesian(body, force).ravel()[free])
+    wanted = cartesian_to_polar(body, solved.reshape(-1, 2))
+    # condition number about 1e3
+    np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-11 * np.abs(wanted).max())
+    assert np.all(found[body.held_row] == 0.0)
+    many = np.stack([force, -2.0 * force], axis=-1)
+    np.testing.assert_allclose(
+        body.held(many), np.stack([found, -2.0 * found], axis=-1), atol=1e-13 * np.abs(wanted).max()
+    )
+
+
+@pytest.mark.parametrize(("make_ring", "inner", "outer"), [(inner_ring, 0.0125, 0.018), (outer_ring, 0.028, 0.0325)])
+def test_a_held_ring_under_pressure_tends_to_lame_with_order_two(make_ring, inner, outer):
+    """u = A r + B/r, u = 0 on the held circle, σ_rr = −p on the other: Timoshenko and Goodier, article 28."""
+    pressure, scales, error = 1e8, np.array([1, 2, 4]), []
+    for scale in scales:
+        body = make_ring(int(scale))
+        load, held = body.raceway_radius, body.radii[body.held_row]
+        inward = -1.0 if load == outer else 1.0
+        force = np.zeros((body.n_rows, 2, body.n_sectors))
+        force[body.raceway_row, 0] = inward * pressure * 2.0 * np.pi * load * LENGTH / body.n_sectors
+        found = body.held(force)[body.raceway_row, 0].mean()
+        lam, mu = STEEL.lame_lambda, STEEL.lame_mu
+        A = -pressure / (2.0 * (lam + mu) + 2.0 * mu * held**2 / load**2)
+        wanted = A * (load - held**2 / load)
+        assert np.sign(found) == inward
+        error.append(abs(found / wanted - 1.0))
+    assert observed_order(1.0 / scales, error) == pytest.approx(2.0, abs=0.1)
+    assert error[-1] < 2e-3
+
+
+@pytest.mark.parametrize("balanced", [True, False])
+def test_a_relaxed_disc_is_in_equilibrium_with_its_inertia(balanced):
+    body = disc(RADIUS, 4)
+    force = np.random.default_rng(15).standard_normal((2 * body.n_nodes, 3))
+    modes, mass = rigid_modes(body.points), np.repeat(body.mass, 2)
+    if balanced:
+        force -= modes @ np.linalg.solve(modes.T @ modes, modes.T @ force)
+    u = body.relaxed(force)
+    acceleration = np.linalg.solve(modes.T @ (modes * mass[:, None]), modes.T @ force)
+    if balanced:
+        assert np.abs(modes.T @ force).max() < 1e-12
+    inertia = (modes * mass[:, None]) @ acceleration
+    np.testing.assert_allclose(body.stiffness @ u + inertia, force, rtol=0.0, atol=1e-11 * np.abs(force).max())
+    # no mean displacement, no mean rotation
+    weight = np.abs(modes * mass[:, None]).T @ np.abs(u)
+    assert np.all(np.abs((modes * mass[:, None]).T @ u) < 1e-12 * weight)
+    np.testing.assert_allclose(body.relaxed(force[:, 0]), u[:, 0], rtol=0.0, atol=1e-14 * np.abs(u).max() * 10)
+
+
+def test_a_spinning_disc_grows_as_the_exact_one_with_order_two():
+    """u(R) = (1+ν)(1−2ν) ρ ω² R³/(4E): Timoshenko and Goodier, article 32, in plane strain; 6.29 nm here."""
+    radius, speed = 0.018, 4500.0 * np.pi / 30.0
+    exact = 1.3 * 0.4 * 7850.0 * speed**2 * radius**3 / (4.0 * 210e9)
+    assert exact == pytest.approx(6.29e-9, abs=5e-12)
+    layers, error = np.array([4, 8, 16]), []
+    for k in layers:
+        body = disc(radius, int(k))
+        u = body.relaxed(speed**2 * (body.mass[:, None] * body.points).ravel()).reshape(-1, 2)
+        surface = slice(body.first_surface_node, None)
+        found = np.sum(u[surface] * body.points[surface], axis=1).mean() / radius
+        error.append(abs(found / exact - 1.0))
+    assert observed_order(1.0 / layers, error) == pytest.approx(2.0, abs=0.15)
+    assert error[-1] < 0.005

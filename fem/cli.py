@@ -7,12 +7,10 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
+from fem.errors import UsageError
+
 RUNS = Path("runs")
 OK, FAILED, UNUSABLE, INTERRUPTED, TERMINATED = 0, 1, 2, 130, 143
-
-
-class UsageError(ValueError):
-    """What the user asked for can't be done; the text says why and what to do."""
 
 
 def _version() -> str:
@@ -168,11 +166,15 @@ def _render(
     from fem.recover import read_instant
     from fem.rendering_probe import check_rendering
 
-    path = run if run is not None else _newest()
-    instant = read_instant(path, None if time is None else 1e-3 * time)
     if not 200 <= width <= 8000:
         raise UsageError(f"--width {width}: must lie between 200 and 8000 pixels")
+    if magnification is not None and not 0.0 <= magnification <= 1e9:
+        raise UsageError(f"--magnification {magnification}: must lie between 0 and 1e9")
+    path = run if run is not None else _newest()
+    instant = read_instant(path, None if time is None else 1e-3 * time)
     target = output if output is not None else path.with_suffix(".png")
+    if target.is_dir():
+        raise UsageError(f"--output {target}: is a folder; name a file in it")
     check_rendering()
     from fem.render import draw
 

@@ -17,7 +17,7 @@ from fem.bodies import DiscBody, RingBody
 from fem.errors import UsageError
 from fem.model import Model, build_model
 from fem.subgrid import patch
-from lagrange import Operation
+from lagrange import Material, Operation
 from lagrange.scene import Scene, parse_scene_text
 
 PER_TIME = ("inner_x", "inner_y", "energy_elastic", "energy_contact")
@@ -103,10 +103,14 @@ def _read(path: Path, time: float | None) -> dict:
             if count < 1:
                 raise UsageError(f"{path}: holds no sample yet")
             times = file["time"][:count]
+            if len(times) != count:
+                raise UsageError(f"{path}: damaged: {count} samples are promised, {len(times)} are there")
             index = _nearest(path, times, time)
             sample = {name: np.asarray(file[name][index], dtype=float) for name in (*PER_TIME, *PER_ROLLER)}
             sample["time"], sample["scene"] = float(times[index]), file.attrs["scene"]
-    except (KeyError, IndexError, TypeError) as error:
+    except UsageError:
+        raise
+    except (KeyError, IndexError, TypeError, ValueError) as error:
         raise UsageError(f"{path}: not a result file of run-fem, or damaged: {error}") from None
     except OSError as error:
         raise UsageError(f"{path}: can't be read as a result file (HDF5): {error}") from None
@@ -196,3 +200,37 @@ def _push_disc(disc: DiscBody, load: np.ndarray, angle: float, outward: float, a
 
 def _angle(vectors: np.ndarray) -> np.ndarray:
     return np.arctan2(vectors[:, 1], vectors[:, 0])
+
+
+def von_mises(points: np.ndarray, cells: np.ndarray, displacement: np.ndarray, material: Material) -> np.ndarray:
+    """Von Mises stress in plane strain at the nodes, Pa: the elements' stresses, averaged weighted by area.
+
+    Parameters
+    ----------
+    points : (n_nodes, 2), m; cells : (n_cells, 3 or 4); displacement : (n_nodes, 2), m
+
+    Errors
+    ------
+    One stress per element, at its centre: on a surface it lags half an element behind. What a mesh can't see of a
+    contact (`fem.subgrid`) is not in it.
+    """
+    corners = np.moveaxis(points[cells], 1, 0)  # (corner, cell, component)
+    if cells.shape[1] == 3:
+        shape, size = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]), 0.5
+    else:  # bilinear, at the centre
+        shape, size = 0.25 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]), 4.0
+    jacobian = np.einsum("kci,kj->cij", corners, shape)
+    gradients = np.einsum("kj,cji->cki", shape, np.linalg.inv(jacobian))
+    strain = np.einsum("cki,ckj->cij", gradients, displacement[cells])
+    strain = 0.5 * (strain + np.swapaxes(strain, 1, 2))
+    stress = 2.0 * material.lame_mu * strain
+    stress += material.lame_lambda * np.trace(strain, axis1=1, axis2=2)[:, None, None] * np.eye(2)
+    area = size * np.linalg.det(jacobian)
+    share = np.repeat(area, cells.shape[1])
+    weight = np.bincount(cells.ravel(), share, len(points))
+    xx, yy, xy = (
+        np.bincount(cells.ravel(), share * np.repeat(component, cells.shape[1]), len(points)) / weight
+        for component in (stress[:, 0, 0], stress[:, 1, 1], stress[:, 0, 1])
+    )
+    zz = material.poisson_ratio * (xx + yy)
+    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * xy**2)

@@ -10,10 +10,11 @@ import numpy as np
 from fem import time_loop
 from fem.arrays import Arrays, make_arrays
 from fem.critical_step import critical_time_step
+from fem.limits import check_contacts, check_speed
 from fem.model import Model, build_model
 from fem.samples import Samples, SampleReader
 from fem.start import Start, equilibrium_start, rest_start
-from lagrange import Operation
+from lagrange import Operation, kinematics
 from lagrange.scene import Scene
 
 BLOCK_SECONDS = 0.2  # wall time between two looks at the samples
@@ -62,14 +63,18 @@ def make_plan(scene: Scene) -> Plan:
     Errors
     ------
     RuntimeError: no equilibrium, or gmsh is needed and missing.
+    UsageError: the model can't bear the speed or the load.
     """
     numerics = scene.numerics
     operation = scene.ideal_operation()
     model = build_model(scene.ideal_bearing(), 1e-3 * numerics.mesh_size_mm)
-    start = (rest_start if numerics.start == "rest" else equilibrium_start)(model, operation)
+    check_speed(model, kinematics(model.bearing, operation.speed))
+    loaded = equilibrium_start(model, operation)
+    check_contacts(model, loaded.equilibrium)
+    start = rest_start(model, operation) if numerics.start == "rest" else loaded
     expected = max(
-        float(start.equilibrium.inner_force.max()),
-        float(start.equilibrium.outer_force.max()),
+        float(loaded.equilibrium.inner_force.max()),
+        float(loaded.equilibrium.outer_force.max()),
         5.0 * operation.radial_load / model.bearing.n_rollers,
     )
     critical = critical_time_step(model, expected)

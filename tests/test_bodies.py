@@ -280,19 +280,18 @@ def disc_frequencies(body, count):
 
 
 def test_a_free_disc_vibrates_at_the_exact_frequencies_with_order_two():
-    layers = np.array([4, 8, 16])
-    found = np.array([disc_frequencies(disc(RADIUS, k), 7) for k in layers])
-    exact = np.repeat([EXACT_DISC[n] for n in (2, 1, 3, 0)], [2, 2, 2, 1])
-    exact = np.array([disc_frequency(n, v - 0.02, v + 0.02, STEEL) for n, v in EXACT_DISC.items()])
-    exact = np.repeat(exact, [2, 2, 2, 1])
+    layers = np.array([12, 16, 24])
+    found = np.array([disc_frequencies(disc(RADIUS, int(k)), 7) for k in layers])
+    exact = [disc_frequency(n, v - 0.02, v + 0.02, STEEL) for n, v in EXACT_DISC.items()]
+    exact = np.repeat(exact, [2, 2, 2, 1])  # n = 3 is a pair of the circle, not of the mesh with its six wedges
     error = np.abs(found / exact - 1.0)
     for mode in range(7):
-        assert observed_order(1.0 / layers, error[:, mode]) == pytest.approx(2.0, abs=0.15)
-    assert error[-1].max() < 0.006
-    # h² and h⁴ terms taken out: what is left is the next one
-    once = (4.0 * found[1:] - found[:-1]) / 3.0
-    twice = (16.0 * once[1] - once[0]) / 15.0
-    np.testing.assert_allclose(twice, exact, rtol=2e-4)
+        # the mesh's six seams add a term in h³, which still takes 0.2 off the slope of n = 3
+        assert observed_order(1.0 / layers, error[:, mode]) == pytest.approx(2.0, abs=0.22)
+    assert np.all(error[-1] < 0.6 / layers[-1] ** 2)  # 0.1 %; measured at most 0.55/layers², n = 1
+    assert np.all(error[-1, :2] < 0.17 / layers[-1] ** 2)  # n = 2, which contacts excite
+    # h² taken out: h³ is left, twenty times less
+    np.testing.assert_allclose((9.0 * found[2] - 4.0 * found[1]) / 5.0, exact, rtol=2e-4)
 
 
 # free ring 28-33 mm, plane strain

@@ -1,0 +1,47 @@
+"""Whether this machine can draw off-screen. Without OpenGL libraries the renderer ends its process, so ask another."""
+
+import os
+import subprocess
+import sys
+
+from fem.errors import UsageError
+
+PROBE = """
+import pyvista
+plotter = pyvista.Plotter(off_screen=True, window_size=(32, 32))
+plotter.add_mesh(pyvista.Sphere())
+assert plotter.screenshot(return_img=True).std() > 0.0, "the picture is blank"
+"""
+CURE = "apt-get install --no-install-recommends libgl1 libegl1"
+PATIENCE = 60.0  # s
+
+
+def check_rendering() -> None:
+    """Draw a small picture in a process of its own.
+
+    Errors
+    ------
+    UsageError: it failed, with what cures it.
+    """
+    environment = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow", **os.environ}
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", PROBE], env=environment, capture_output=True, text=True, timeout=PATIENCE
+        )
+    except subprocess.TimeoutExpired:
+        raise UsageError(_trouble(f"a trial picture was not finished in {PATIENCE:.0f} s")) from None
+    except OSError as error:
+        raise UsageError(_trouble(f"a trial could not be started: {error.strerror}")) from None
+    if done.returncode != 0:
+        raise UsageError(_trouble(_reason(done)))
+
+
+def _reason(done: subprocess.CompletedProcess) -> str:
+    if done.returncode in (-11, 139):
+        return "a trial picture crashed: OpenGL libraries are missing"
+    said = [line for line in done.stderr.splitlines() if line.strip()]
+    return f"a trial picture failed (exit {done.returncode})" + (f": {said[-1].strip()[:200]}" if said else "")
+
+
+def _trouble(reason: str) -> str:
+    return f"this machine can't draw off-screen ({reason}); install the system libraries:\n{CURE}"

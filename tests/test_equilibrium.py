@@ -1,0 +1,285 @@
+"""Static equilibrium: the paper's bearing against a fully resolved reference, balances, other bearings, light loads."""
+
+import sys
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "reference"))
+from bearings import LENGTH, STEEL, arrays, copies, loop_arguments, model, operation, paper, start_of
+
+from fem import time_loop
+from fem.contact_kernels import normal_contacts
+from fem.equilibrium import LOOSE_SPRING, Motion, static_equilibrium
+from lagrange import Bearing, Material
+from lagrange.kinematics import roller_angles
+
+LOAD = 2000.0
+ON_A_ROLLER = -0.5 * np.pi
+BETWEEN = ON_A_ROLLER + np.pi / 13.0
+
+
+def motion(bearing, first, turn=0.0, cage_speed=0.0, roller_speed=0.0, ring_speed=0.0):
+    return Motion(
+        roller_angle=roller_angles(bearing, first),
+        roller_turn=np.full(bearing.n_rollers, turn),
+        ring_turn=turn,
+        cage_speed=cage_speed,
+        roller_speed=roller_speed,
+        ring_speed=ring_speed,
+    )
+
+
+@lru_cache
+def solve(bearing, mesh_size, first, load=LOAD, turn=0.0, weight=0.0, gravity=0.0, **speeds):
+    how = motion(bearing, first, turn, **speeds)
+    return static_equilibrium(model(bearing, mesh_size), how, load, weight, gravity)
+
+
+# Every body on its own locally resolved P2 mesh, self-consistent Hertz pressures, frictionless, no gravity, no
+# rotation, rigid bore and rigid outside diameter; converged to 0.02 %. Computed independently of this project.
+RESOLVED = [
+    (ON_A_ROLLER, 3.6140, [628.5, 549.5, 549.5, 337.2, 337.2, 62.9, 62.9]),
+    (BETWEEN, 3.6012, [606.0, 606.0, 454.8, 454.8, 200.8, 200.8, 0.0]),
+]
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.1, 0.37])
+@pytest.mark.parametrize(("first", "microns", "loads"), RESOLVED, ids=["on a roller", "between rollers"])
+@pytest.mark.parametrize(
+    # measured 0.043 % and 0.124 % (the springiness between contacts is the mesh's own); the reference is good to 0.02 %
+    ("mesh_size", "tolerance"), [(1e-3, 8e-4), (2e-3, 2e-3)]
+)  # fmt: skip
+def test_the_papers_bearing_agrees_with_the_resolved_reference(mesh_size, tolerance, first, microns, loads, turn):
+    found = solve(paper(), mesh_size, first, turn=turn)
+    assert -1e6 * found.hub[1] == pytest.approx(microns, rel=tolerance)
+    assert abs(found.hub[0]) < 1e-4 * microns * 1e-6
+    # a force as wrong as the printed digit and the hub's displacement make it, each 0.1 N
+    np.testing.assert_allclose(np.sort(found.inner_force)[::-1][:7], loads, rtol=2e-4, atol=0.1)
+
+
+def test_the_answer_does_not_depend_on_how_bodies_are_turned_under_their_contacts():
+    hubs = [solve(paper(), 2e-3, ON_A_ROLLER, turn=turn).hub[1] for turn in (0.0, 0.05, 0.1, 0.2, 0.37)]
+    assert np.ptp(hubs) < 2e-6 * abs(np.mean(hubs))  # the calibrated ripples; 1.4 % of a contact without them
+
+
+STEEL_ON_STEEL = {"roller": STEEL, "inner_ring": STEEL, "outer_ring": STEEL}
+BEARINGS = {
+    "paper": paper(),
+    "clearance": paper(outer_raceway_radius=0.02801),
+    "preload": paper(outer_raceway_radius=0.027995),
+    "three rollers": paper(n_rollers=3),
+    "full complement": paper(n_rollers=14),
+    "ceramic rollers": paper(roller=Material(youngs_modulus=310e9, poisson_ratio=0.26, density=3200.0)),
+    "light-alloy housing": paper(outer_ring=Material(youngs_modulus=70e9, poisson_ratio=0.33, density=2700.0)),
+    "large": Bearing(
+        n_rollers=17, roller_radius=0.012, roller_length=0.03, inner_raceway_radius=0.06,
+        outer_raceway_radius=0.08402, bore_radius=0.045, outside_radius=0.1, **STEEL_ON_STEEL,
+    ),
+    "small": Bearing(
+        n_rollers=11, roller_radius=0.001, roller_length=0.003, inner_raceway_radius=0.004,
+        outer_raceway_radius=0.006, bore_radius=0.003, outside_radius=0.0075, **STEEL_ON_STEEL,
+    ),
+}  # fmt: skip
+every_bearing = pytest.mark.parametrize("bearing", BEARINGS.values(), ids=BEARINGS.keys())
+
+
+def fair_load(bearing):
+    """A load that presses like the paper's 2000 N."""
+    return LOAD * bearing.roller_radius * bearing.roller_length / (0.005 * LENGTH)
+
+
+def normals(bearing, found, first):
+    angle = roller_angles(bearing, first)
+    radial = np.column_stack([np.cos(angle), np.sin(angle)])
+    to_roller = radial * found.rho[:, None] - found.hub
+    return radial, to_roller / np.hypot(*to_roller.T)[:, None]
+
+
+@every_bearing
+def test_forces_balance_the_load(bearing):
+    load, first = fair_load(bearing), ON_A_ROLLER + 0.1
+    found = solve(bearing, 0.4 * bearing.roller_radius, first, load)
+    radial, normal = normals(bearing, found, first)
+    tolerance = 1e-8 * load + LOOSE_SPRING * 1e-4  # Newton's, and the springs that keep loose rollers
+    np.testing.assert_allclose(-found.inner_force @ normal, [0.0, load], rtol=0.0, atol=tolerance)
+    along = np.sum(normal * radial, axis=1)
+    np.testing.assert_allclose(found.inner_force * along, found.outer_force, rtol=0.0, atol=tolerance)
+    assert found.inner_force.min() >= -tolerance
+    assert found.inner_force.max() > 0.25 * load
+
+
+@every_bearing
+def test_a_symmetric_scene_has_a_symmetric_answer(bearing):
+    found = solve(bearing, 0.4 * bearing.roller_radius, ON_A_ROLLER, fair_load(bearing))
+    assert abs(found.hub[0]) < 1e-4 * abs(found.hub[1])  # meshes are no mirror images: 1e-6 of ripple is left
+    mirrored = np.roll(found.inner_force[::-1], 1)
+    np.testing.assert_allclose(found.inner_force, mirrored, rtol=0.0, atol=1e-4 * found.inner_force.max())
+    assert np.argmax(found.inner_force) == 0
+
+
+@every_bearing
+def test_halving_the_mesh_changes_the_answer_by_discretisation_only(bearing):
+    coarse, fine = (
+        solve(bearing, size * bearing.roller_radius, ON_A_ROLLER + 0.1, fair_load(bearing)) for size in (0.4, 0.2)
+    )
+    assert coarse.hub[1] == pytest.approx(fine.hub[1], rel=2e-3)  # measured at most 1.1e-3, preload
+    np.testing.assert_allclose(coarse.inner_force, fine.inner_force, rtol=0.0, atol=1e-3 * fine.inner_force.max())
+
+
+def test_three_rollers_share_the_load_by_statics_alone():
+    first = ON_A_ROLLER + np.pi / 3.0  # two rollers at ±60° to the load, one opposite
+    found = solve(BEARINGS["three rollers"], 2e-3, first)
+    turn = -found.hub[1] * np.sin(np.pi / 3.0) / 0.023  # of the lines of centres, 0.8 mrad as the hub sinks by 21 µm
+    assert turn < 1e-3
+    np.testing.assert_allclose(found.inner_force[[0, 2]], 0.5 * LOAD / np.cos(np.pi / 3.0 + turn), rtol=1e-5)
+    assert found.inner_force[1] < 1e-3
+
+
+def test_clearance_lets_the_hub_down_further_by_about_itself():
+    play, tight = (solve(BEARINGS[name], 2e-3, ON_A_ROLLER) for name in ("clearance", "paper"))
+    assert BEARINGS["clearance"].radial_clearance == pytest.approx(1e-5, rel=1e-6)
+    assert 1e-5 < tight.hub[1] - play.hub[1] < 1.3e-5  # and fewer rollers carry
+    assert np.sum(play.inner_force > 1.0) < np.sum(tight.inner_force > 1.0)
+
+
+def test_preload_loads_every_roller_alike_without_a_load():
+    bearing = BEARINGS["preload"]
+    found = solve(bearing, 2e-3, ON_A_ROLLER + 0.1, 0.0)
+    assert found.inner_force.min() > 1.0
+    np.testing.assert_allclose(found.inner_force, found.inner_force.mean(), rtol=1e-4)
+    assert np.abs(found.hub).max() < 1e-10
+
+
+@pytest.mark.parametrize("name", ["clearance", "paper"])
+def test_without_load_nothing_touches_and_nothing_moves(name):
+    found = solve(BEARINGS[name], 2e-3, ON_A_ROLLER + 0.1, 0.0)
+    np.testing.assert_allclose(found.inner_force, 0.0, atol=1e-8)
+    np.testing.assert_allclose(found.outer_force, 0.0, atol=1e-8)
+    assert np.abs(found.hub).max() < 1e-12
+    assert np.abs(found.rollers).max() < 1e-15
+
+
+@pytest.mark.parametrize("load", [1e-2, 1.0, 30.0, 100.0, 2000.0, 20000.0])
+@pytest.mark.parametrize("name", ["paper", "clearance", "preload", "ceramic rollers"])
+def test_every_load_converges_wherever_the_rollers_are(name, load):
+    bearing = BEARINGS[name]
+    for first in ON_A_ROLLER + np.linspace(0.0, 2.0 * np.pi / 13.0, 7):
+        found = solve(bearing, 2e-3, first, load)
+        _, normal = normals(bearing, found, first)
+        assert -(found.inner_force @ normal)[1] == pytest.approx(load, rel=1e-6, abs=2e-5)
+
+
+@pytest.mark.parametrize("load", [0.0, 10.0])
+@pytest.mark.parametrize("speed", [0.0, 471.2])
+@pytest.mark.parametrize("name", ["paper", "clearance", "ceramic rollers"])
+def test_light_loads_with_gravity_converge_wherever_the_rollers_are(name, speed, load):
+    for first in ON_A_ROLLER + np.linspace(0.0, 2.0 * np.pi / 13.0, 9):
+        how = operation(radial_load=load, speed=speed, first_roller_angle=first)
+        found = start_of(model(BEARINGS[name], 2e-3), how).equilibrium
+        _, normal = normals(BEARINGS[name], found, first)
+        assert -(found.inner_force @ normal)[1] == pytest.approx(load + how.inner_mass * how.gravity, abs=2e-5)
+
+
+def test_unloaded_rollers_at_speed_lean_on_the_outer_ring_with_their_centrifugal_force():
+    bearing, cage = BEARINGS["clearance"], 200.0
+    found = solve(bearing, 2e-3, ON_A_ROLLER + 0.1, cage_speed=cage)
+    centrifugal = bearing.roller_mass * cage**2 * found.rho
+    assert centrifugal.mean() > 5.0
+    free = found.inner_force < 1e-9
+    assert free.sum() >= 6
+    np.testing.assert_allclose(found.outer_force[free], centrifugal[free], rtol=1e-5)
+    _, normal = normals(bearing, found, ON_A_ROLLER + 0.1)
+    radial, _ = normals(bearing, found, ON_A_ROLLER + 0.1)
+    along = np.sum(normal * radial, axis=1)
+    np.testing.assert_allclose(found.outer_force - found.inner_force * along, centrifugal, rtol=1e-5)
+
+
+def test_weight_acts_on_hub_and_rollers():
+    bearing, gravity = paper(), 981.0  # strong, to be seen
+    found = solve(bearing, 2e-3, ON_A_ROLLER, weight=50.0, gravity=gravity)
+    radial, normal = normals(bearing, found, ON_A_ROLLER)
+    assert -(found.inner_force @ normal)[1] == pytest.approx(LOAD + 50.0, rel=1e-7)
+    along = np.sum(normal * radial, axis=1)
+    held = found.outer_force - found.inner_force * along
+    np.testing.assert_allclose(held, -bearing.roller_mass * gravity * radial[:, 1], rtol=0.0, atol=5e-5)
+
+
+def test_a_fast_ring_closes_its_contacts_by_its_growth():
+    still, fast = (solve(paper(), 2e-3, ON_A_ROLLER, ring_speed=speed) for speed in (0.0, 5000.0))
+    growth = fast.inner_ring[-1, 0].mean() - still.inner_ring[-1, 0].mean()
+    assert growth > 1e-7
+    assert fast.inner_force.sum() > still.inner_force.sum() + 1.0
+
+
+def test_the_deformed_bodies_carry_the_contact_forces():
+    """The fields that come out are equilibria of the assembled bodies, contact by contact."""
+    whole, found = model(paper(), 2e-3), solve(paper(), 2e-3, ON_A_ROLLER + 0.1)
+    free = whole.inner_ring.free_rows
+    force = whole.inner_ring.force(found.inner_ring)[free]
+    assert np.abs(force[:-1]).max() < 1e-9 * LOAD
+    resultant = np.sum(force[-1, 0] * np.sin(whole.inner_ring.angles) + force[-1, 1] * np.cos(whole.inner_ring.angles))
+    # the load presses the ring up against its bore; patches sit along the last but one lines of centres
+    assert resultant == pytest.approx(LOAD, rel=1e-5)
+    for j in (0, 5):
+        inside = (whole.roller.stiffness @ found.rollers[j].ravel()).reshape(-1, 2)[: whole.roller.first_surface_node]
+        assert np.abs(inside).max() < 1e-3 * LOAD  # inertia relief of the microradians between the two contacts
+        assert abs(whole.roller.mass @ found.rollers[j][:, 0]) < 1e-15 * whole.roller.total_mass
+
+
+def nothing_turns(**changes):
+    return operation(speed=0.0, gravity=0.0, first_roller_angle=ON_A_ROLLER + 0.1, **changes)
+
+
+def test_the_time_loop_sees_the_same_contact_forces():
+    state = arrays(model(paper(), 2e-3), nothing_turns(), 1e-7)
+    wanted = state.contacts.force.copy()
+    state.contacts.force[:] = 0.0
+    normal_contacts(*loop_arguments(state)[:5], state.scratch.slope)
+    # geometry to the last digit: 3.5e-18 m of round-off times 1e9 N/m, and patches turned by the last Newton pass
+    np.testing.assert_allclose(state.contacts.force, wanted, rtol=0.0, atol=1e-6 * LOAD)
+
+
+def test_the_time_loop_stays_in_static_equilibrium():
+    dt = 1e-7
+    state = copies(arrays(model(paper(), 2e-3), nothing_turns(), dt))
+    arguments = loop_arguments(state)
+    for _ in range(200):
+        time_loop.kick(*arguments[:5], 0.0, state.scratch)
+        time_loop.drift(state.rollers, state.inner, state.outer, state.drive, state.scratch)
+    # a surface node of 3e-5 kg under one newton more would run at 3e-3 m/s after one step
+    assert np.abs(state.drive.velocity).max() < 1e-7
+    assert np.abs(state.rollers.w).max() < 1e-6
+    assert np.abs(state.inner.w).max() < 1e-6
+    assert np.abs(state.outer.w).max() < 1e-6
+
+
+@pytest.mark.parametrize("load", [500.0, LOAD])
+def test_the_rolling_start_passes_through_its_neighbouring_equilibria(load):
+    """Velocities of the start against equilibria a longer way ahead and behind."""
+    how = operation(radial_load=load)
+    whole = model(paper(), 2e-3)
+    start = start_of(whole, how)
+    ideal, ahead = start.kinematics, 2e-7
+
+    def at(time):
+        moved = Motion(
+            roller_angle=start.angle + ideal.cage * time,
+            roller_turn=np.full(13, ideal.roller * time),
+            ring_turn=how.speed * time,
+            cage_speed=ideal.cage,
+            roller_speed=ideal.roller,
+            ring_speed=how.speed,
+        )
+        weight = how.inner_mass * how.gravity
+        return static_equilibrium(whole, moved, load, weight, how.gravity, start.equilibrium)
+
+    before, after = at(-ahead), at(ahead)
+    velocity = (after.hub - before.hub) / (2.0 * ahead)
+    # second-order differences over steps that differ twofold; and Newton's 1e-9 of 4 µm over 4e-7 s
+    np.testing.assert_allclose(start.hub_velocity, velocity, rtol=0.0, atol=1e-3 * np.abs(velocity).max() + 1e-8)
+    assert np.abs(velocity).max() > 1e-5
+    rate = (after.rollers - before.rollers) / (2.0 * ahead)
+    np.testing.assert_allclose(start.roller_rate, rate, rtol=0.0, atol=5e-3 * np.abs(rate).max())

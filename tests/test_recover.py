@@ -1,0 +1,206 @@
+"""Fields recovered from a result file: against the equilibrium they came from, the stored energy, and by hand."""
+
+import shutil
+from math import pi, sqrt
+
+import h5py
+import numpy as np
+import pytest
+
+from fem.cli import run_main
+from fem.equilibrium import static_equilibrium
+from fem.errors import UsageError
+from fem.recover import read_instant, von_mises
+from fem.start import rolling_motion
+from fem.subgrid import patch, ripple_at
+from lagrange import Material
+from lagrange.scene import SceneError
+from meshes import Annulus, Disc, mesh_of
+
+STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
+
+
+@pytest.fixture(scope="module")
+def static_run(tmp_path_factory):
+    """Static equilibrium of the paper's bearing at 2 mm, turning at 4500 rpm without friction."""
+    path = tmp_path_factory.mktemp("static") / "static.nc"
+    wanted = ["--mesh-size", "2", "--duration", "0", "--set", "contact.friction_coefficient=0", "--output", str(path)]
+    assert run_main([*wanted, "--quiet"]) == 0
+    return path
+
+
+@pytest.fixture(scope="module")
+def static(static_run):
+    return read_instant(static_run)
+
+
+@pytest.mark.parametrize("field", ["inner_ring", "outer_ring", "rollers"])
+def test_fields_are_those_of_the_equilibrium_the_run_started_from(static, field):
+    operation = static.operation
+    motion, _ = rolling_motion(static.model, operation, 0.0)
+    wanted = getattr(
+        static_equilibrium(
+            static.model, motion, operation.radial_load, operation.inner_mass * operation.gravity, operation.gravity
+        ),
+        field,
+    )
+    assert np.abs(wanted).max() > 1e-8
+    # the stored positions place the patches one pass further on: 1e-7 of a spacing
+    assert getattr(static, field) == pytest.approx(wanted, rel=0.0, abs=1e-6 * np.abs(wanted).max())
+
+
+def test_recovered_surfaces_meet_at_the_approach_below_the_grid(static):
+    model, bearing = static.model, static.model.bearing
+    inner, disc = model.inner_ring, model.roller
+    for j in np.flatnonzero(static.inner_force > 10.0):
+        angle = static.inner_angle[j]
+        normal = np.array([np.cos(angle), np.sin(angle)])
+        nodes, weight, offset = patch(inner.n_sectors, angle - static.ring_turn)
+        u = static.inner_ring[inner.raceway_row][:, nodes]
+        out_ring = weight @ (u[0] * np.cos(offset) + u[1] * np.sin(offset))
+        at_ring = ripple_at(np.mod((angle - static.ring_turn) * inner.n_sectors / (2 * pi), inner.n_sectors),
+                            model.inner_surface.ripple)[0]  # fmt: skip
+        surface = disc.shape.surface_nodes
+        nodes, weight, _ = patch(surface, angle + pi)
+        out_roller = -weight @ static.rollers[j][disc.first_surface_node + nodes] @ normal
+        at_roller = ripple_at(np.mod((angle + pi) * surface / (2 * pi), surface), model.roller_surface.ripple)[0]
+        apart = np.hypot(*(static.centres[j] - static.hub)) - bearing.inner_raceway_radius - bearing.roller_radius
+        force = static.inner_force[j]
+        expected = model.inner_law.approach(force) + (at_ring + at_roller) * force
+        assert out_ring + out_roller - apart == pytest.approx(expected, rel=1e-6)
+
+
+def test_static_energy_is_the_stored_one(static):
+    assert static.elastic_energy == pytest.approx(static.stored_elastic_energy, rel=1e-5)
+
+
+@pytest.mark.parametrize("time", [1e-3, 2.5e-3, None])
+def test_energy_of_a_moving_bearing_is_the_stored_one_but_for_waves_and_mesh_orientation(coarse_run, time):
+    instant = read_instant(coarse_run, time)
+    assert instant.elastic_energy == pytest.approx(instant.stored_elastic_energy, rel=0.01)
+
+
+def test_tractions_enter_the_fields(coarse_run, tmp_path):
+    """Equal and opposite tractions on a roller shear it by what Coulomb's largest would: far from nothing."""
+    path = _copy(coarse_run, tmp_path)
+    with h5py.File(path, "r+") as file:
+        file["inner_traction"][-1] = 0.1 * file["inner_force"][-1]
+        file["outer_traction"][-1] = -0.1 * file["inner_force"][-1]
+    plain, sheared = read_instant(coarse_run), read_instant(path)
+    j = int(plain.inner_force.argmax())
+    difference = sheared.rollers[j] - plain.rollers[j]
+    along = np.array([-np.sin(plain.inner_angle[j]), np.cos(plain.inner_angle[j])])
+    points = plain.model.roller.points
+    radial = points @ np.array([np.cos(plain.inner_angle[j]), np.sin(plain.inner_angle[j])])
+    inner_end, outer_end = np.argmin(radial), np.argmax(radial)
+    assert difference[inner_end] @ along > 0.0 > difference[outer_end] @ along
+    # the inner ring is dragged the other way
+    sector = round((plain.inner_angle[j] - plain.ring_turn) / (2 * pi) * plain.model.inner_ring.n_sectors)
+    row = plain.model.inner_ring.raceway_row
+    assert (sheared.inner_ring - plain.inner_ring)[row, 1, sector % plain.model.inner_ring.n_sectors] < 0.0
+
+
+def test_rollers_pressed_together_are_squeezed_along_their_line_of_centres(coarse_run, tmp_path):
+    path = _copy(coarse_run, tmp_path)
+    with h5py.File(path, "r+") as file:
+        for name in ("inner_force", "outer_force", "inner_traction", "outer_traction"):
+            file[name][-1] = 0.0
+        force = np.zeros(13)
+        force[5], force[6] = 200.0, 200.0  # 5 on 6 on 7
+        file["roller_roller_force"][-1] = force
+        file["roller_spin"][-1] = 0.0
+    instant = read_instant(path)
+    line = instant.centres[7] - instant.centres[5]
+    line /= np.hypot(*line)
+    along = instant.model.roller.points @ line
+    ends = instant.rollers[6] @ line
+    assert ends[np.argmax(along)] < 0.0 < ends[np.argmin(along)]
+    assert np.abs(instant.rollers[0]).max() < 1e-3 * np.abs(instant.rollers[6]).max()
+
+
+@pytest.mark.parametrize(
+    "shape", [Disc(radius=5e-3, layers=3), Annulus(inner_radius=12.5e-3, outer_radius=18e-3, sectors=56, layers=3)]
+)
+@pytest.mark.parametrize(
+    "gradient, stress",
+    [
+        ([[1e-4, 0.0], [0.0, 0.0]], 2.0 * STEEL.lame_mu * 1e-4),  # λ adds alike to all three
+        ([[0.0, 1e-4], [0.0, 0.0]], sqrt(3.0) * STEEL.lame_mu * 1e-4),
+        ([[1e-4, 0.0], [0.0, 1e-4]], 2.0 * STEEL.lame_mu * 1e-4),
+        ([[0.0, 1e-4], [-1e-4, 0.0]], 0.0),  # a rotation
+    ],
+)
+def test_von_mises_of_a_uniform_strain_is_exact(shape, gradient, stress):
+    mesh = mesh_of(shape)
+    found = von_mises(mesh.points, mesh.cells, mesh.points @ np.array(gradient).T, STEEL)
+    assert found == pytest.approx(np.full(len(mesh.points), stress), rel=1e-9, abs=1.0)
+
+
+def test_time_means_the_nearest_sample(coarse_run):
+    assert read_instant(coarse_run, 1.0032e-3).time == pytest.approx(1.00e-3, rel=1e-12)
+    assert read_instant(coarse_run, 1.0068e-3).time == pytest.approx(1.01e-3, rel=1e-12)
+    assert read_instant(coarse_run).time == pytest.approx(4e-3, rel=1e-12)
+
+
+def test_uncommitted_samples_are_not_read(coarse_run, tmp_path):
+    path = _copy(coarse_run, tmp_path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["committed_samples"] = 101
+    assert read_instant(path).time == pytest.approx(1e-3, rel=1e-12)
+    with pytest.raises(UsageError, match="0 to 1 ms"):
+        read_instant(path, 2e-3)
+
+
+@pytest.mark.parametrize("time", [-1e-3, 4.1e-3, float("nan")])
+def test_a_time_outside_names_the_range(coarse_run, time):
+    with pytest.raises(UsageError, match=r"coarse\.nc: no sample at .* it holds 0 to 4 ms"):
+        read_instant(coarse_run, time)
+
+
+def test_unusable_files_are_named(coarse_run, tmp_path):
+    def unusable(path, words):
+        with pytest.raises(UsageError, match=words) as caught:
+            read_instant(path)
+        assert str(path) in str(caught.value)
+
+    unusable(tmp_path / "nothing.nc", "no such result file")
+    unusable(tmp_path, "no such result file")
+    text = tmp_path / "text.nc"
+    text.write_text("time,inner_x\n0,0\n")
+    unusable(text, "can't be read as a result file")
+    truncated = tmp_path / "truncated.nc"
+    truncated.write_bytes(coarse_run.read_bytes()[:20_000])
+    unusable(truncated, "can't be read as a result file")
+    with h5py.File(tmp_path / "other.nc", "w") as file:
+        file["time"] = [0.0]
+    unusable(tmp_path / "other.nc", "not a result file of run-fem")
+
+
+@pytest.mark.parametrize(
+    "damage, words",
+    [
+        (lambda file: file.attrs.update(committed_samples=0), "holds no sample yet"),
+        (lambda file: file.attrs.update(committed_samples=10**6), "1000000 samples are promised, 401 are there"),
+        (lambda file: file.pop("outer_force"), "outer_force"),
+        (lambda file: file["inner_force"].write_direct(np.full(file["inner_force"].shape, np.nan)), "not finite"),
+        (lambda file: file.attrs.update(scene="[bearing]\nrollers = 9\n"), "9 rollers"),
+    ],
+)
+def test_damaged_files_are_refused(coarse_run, tmp_path, damage, words):
+    path = _copy(coarse_run, tmp_path)
+    with h5py.File(path, "r+") as file:
+        damage(file)
+    with pytest.raises(UsageError, match=words):
+        read_instant(path)
+
+
+def test_a_spoilt_scene_is_named(coarse_run, tmp_path):
+    path = _copy(coarse_run, tmp_path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["scene"] = "[bearing]\nrollres = 9\n"
+    with pytest.raises(SceneError, match=r"copy\.nc: its scene: bearing\.rollres: unknown key; did you mean rollers"):
+        read_instant(path)
+
+
+def _copy(path, folder):
+    return shutil.copy(path, folder / "copy.nc")

@@ -1,0 +1,368 @@
+"""The contact law below the grid: finite elements plus law give the exact approach wherever the contact sits."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.interpolate import BSpline
+
+sys.path.insert(0, str(Path(__file__).parent / "reference"))
+from bearings import LENGTH, STEEL, disc, model, paper, ring
+from line_contact import half_width, squeezed_disc_approach
+
+from fem.bodies import disc_body
+from fem.continuum import ring_hertz_approach
+from fem.model import peak_pressure
+from fem.patch_kernels import place, read_ring, read_roller
+from fem.patches import N_NODES, weight_slopes, weights
+from fem.ring_kernels import HALO
+from fem.subgrid import (
+    STEEPEST,
+    SurfaceCompliance,
+    contact_energy,
+    contact_force,
+    contact_law,
+    disc_compliance,
+    disc_patch_force,
+    patch,
+    ring_compliance,
+    ring_patch_force,
+    ripple_at,
+)
+from lagrange import Material
+from meshes import Disc
+
+RADIUS = 0.005
+CALIBRATED_AT = 5e-5  # half-width b, m, as `fem.model` does for this roller
+FORCES = np.array([100.0, 200.0, 400.0, 628.0, 800.0, 1000.0])
+MODULUS = 210e9 / (1.0 - 0.3**2)
+# positions in node spacings, off the ripple's knots (eighths), over a sextant of a 1 mm disc
+POSITIONS = (0.0, 0.13, 0.5, 0.77, 1.31, 2.06, 2.5, 3.9, 4.44)
+RIGID = SurfaceCompliance(missing=0.0, half_width=1.0, unit=0.0, ripple=np.zeros(8), spread=0.0)
+
+
+def squeeze(body, surface, position):
+    """Compliance of the grid under one of two opposite unit forces, ripple included, m/N."""
+    angle = 2.0 * np.pi * position / body.shape.surface_nodes
+    near, far = disc_patch_force(body, angle), disc_patch_force(body, angle + np.pi)
+    return near @ body.relaxed(near + far) + ripple_at(position, surface.ripple)[0]
+
+
+@pytest.mark.parametrize("layers", [3, 5, 10])
+def test_a_squeezed_disc_has_johnsons_approach_at_every_position(layers):
+    body = disc(RADIUS, layers)
+    surface = disc_compliance(body, LENGTH, CALIBRATED_AT)
+    law = contact_law(surface, RIGID, RADIUS)
+    positions = np.array(POSITIONS) * layers / 5.0
+    grid = np.array([squeeze(body, surface, position) for position in positions])
+    for force in FORCES:
+        q = force / LENGTH
+        b = half_width(q, RADIUS, MODULUS)
+        assert law.half_width(force) == pytest.approx(b, rel=1e-12)
+        found = grid * force + law.approach(force)
+        # Johnson's formula is the limit b << R; its next term is O(b/R) of a bracket of about 14, 0.05 % at b/R = 0.013
+        np.testing.assert_allclose(found, squeezed_disc_approach(q, RADIUS, b, MODULUS), rtol=1e-3)
+        # measured spread 1e-4: between its knots the ripple's spline is off by h⁴ of a short wave
+        assert np.ptp(found) < 5e-4 * found.mean()
+    # without the ripple the same contact is softer at some places than at others
+    assert surface.spread > 5e-3
+
+
+def test_the_calibration_holds_for_other_half_widths():
+    body = disc(RADIUS, 5)
+    laws = [
+        contact_law(disc_compliance(body, LENGTH, b), RIGID, RADIUS) for b in (CALIBRATED_AT, CALIBRATED_AT / 10.0)
+    ]
+    # the O(b/R) that is left out, 0.3 b/R of a bracket of about 2
+    assert laws[0].B == pytest.approx(laws[1].B, abs=0.01)
+    assert laws[0].A == laws[1].A == pytest.approx(2.0 / (np.pi * MODULUS * LENGTH), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("force", "microns"),
+    [(100.0, 0.387), (200.0, 0.735), (400.0, 1.394), (628.0, 2.111), (800.0, 2.635), (1000.0, 3.232)],
+)
+def test_roller_on_a_solid_inner_ring_has_johnsons_approach(force, microns):
+    """(2Qc/(πL)) [ln(4R₁/b) − ½ + ln(4R₂/b) − ½]: Johnson (1985), equation 5.57; also Tripp, NASA TP-2362 (1985)."""
+    roller, inner = disc(RADIUS, 5), disc(0.018, 19)
+    surfaces = [disc_compliance(body, LENGTH, CALIBRATED_AT) for body in (roller, inner)]
+    law = contact_law(*surfaces, 1.0 / (1.0 / 0.005 + 1.0 / 0.018))
+    found = law.approach(force) + force * sum(
+        squeeze(body, surface, 0.3) for body, surface in zip((roller, inner), surfaces, strict=True)
+    )
+    # half a unit of the last printed digit, and the formula's O(b/R)
+    assert 1e6 * found == pytest.approx(microns, abs=5e-4 + 1e-3 * microns)
+
+
+@pytest.mark.parametrize("held_inside", [True, False])
+@pytest.mark.parametrize("scale", [1, 2])
+def test_a_held_ring_has_the_exact_approach_at_every_position(held_inside, scale):
+    body = (
+        ring(0.0125, 0.018, 56 * scale, 3 * scale, True)
+        if held_inside
+        else ring(0.028, 0.0325, 88 * scale, 2 * scale, False)
+    )
+    surface = ring_compliance(body, LENGTH, CALIBRATED_AT)
+    loaded, held = (0.018, 0.0125) if held_inside else (0.028, 0.0325)
+    law = contact_law(surface, RIGID, loaded)
+    force = 500.0
+    for position in (0.0, 0.19, 0.5, 7.7, body.n_sectors - 0.4):
+        load = ring_patch_force(body, 2.0 * np.pi * position / body.n_sectors)
+        grid = np.vdot(load, body.held(load)) + ripple_at(np.mod(position, 1.0), surface.ripple)[0]
+        exact = ring_hertz_approach(loaded, held, STEEL, law.half_width(force)) / LENGTH
+        # b differs fourfold from the calibration's; O(b/R)
+        assert grid * force + law.approach(force) == pytest.approx(exact * force, rel=1e-3)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_the_law_scales_with_modulus_and_length(factor):
+    body = disc(RADIUS, 3)
+    surface = disc_compliance(body, LENGTH, CALIBRATED_AT)
+    soft = replace(STEEL, youngs_modulus=factor * 210e9)
+    other = disc_compliance(
+        replace(body, material=soft, stiffness=factor * body.stiffness), LENGTH, CALIBRATED_AT
+    )
+    assert other.missing == pytest.approx(surface.missing / factor, rel=1e-9)
+    assert other.unit == pytest.approx(surface.unit / factor, rel=1e-14)
+    assert contact_law(other, RIGID, RADIUS).half_width_factor * factor == pytest.approx(
+        contact_law(surface, RIGID, RADIUS).half_width_factor, rel=1e-12
+    )
+
+
+def test_similar_rollers_have_similar_laws():
+    """Twice the size at the same length: the same compliance, half-widths larger by the square root of two."""
+    small, large = disc(RADIUS, 4), disc_body(Disc(radius=2.0 * RADIUS, layers=4), STEEL, LENGTH)
+    laws = [
+        contact_law(disc_compliance(body, LENGTH, 0.01 * body.shape.radius), RIGID, body.shape.radius)
+        for body in (small, large)
+    ]
+    assert laws[1].A == laws[0].A
+    # ln b enters with b²/Q = 2 R A: at the same Q/R the approach over Q is the same
+    assert laws[1].B == pytest.approx(laws[0].B + 0.5 * np.log(2.0), abs=1e-9)
+
+
+def test_poissons_ratio_matters_only_through_the_plane_strain_modulus_in_johnsons_formula():
+    material = Material(youngs_modulus=100e9, poisson_ratio=0.2, density=3000.0)
+    body = disc(RADIUS, 5, material)
+    surface = disc_compliance(body, LENGTH, CALIBRATED_AT)
+    law, force = contact_law(surface, RIGID, RADIUS), 300.0
+    modulus = 100e9 / (1.0 - 0.04)
+    b = half_width(force / LENGTH, RADIUS, modulus)
+    wanted = squeezed_disc_approach(force / LENGTH, RADIUS, b, modulus)
+    assert squeeze(body, surface, 1.2) * force + law.approach(force) == pytest.approx(wanted, rel=1e-3)
+
+
+def laws():
+    whole = model(paper(), 2e-3)
+    return {"inner": whole.inner_law, "outer": whole.outer_law, "roller": whole.roller_law}
+
+
+every_law = pytest.mark.parametrize("name", ["inner", "outer", "roller"])
+
+
+@every_law
+def test_contact_force_inverts_the_approach(name):
+    law = laws()[name]
+    for force in np.concatenate([np.geomspace(1e-9, 0.999, 40) * law.Q_line, law.Q_line * np.array([1.0, 1.5, 30.0])]):
+        approach = float(law.approach(force))
+        for guess in (0.0, force, 0.1 * force, 7.0 * force, 1e9):
+            # Newton stops at 1e-14 of Q; dQ/Q = dδ/δ times at most 3 (bracket over bracket − ½)
+            assert contact_force(approach, law.A, law.B, law.Q_line, guess) == pytest.approx(force, rel=3e-13)
+        assert law.force(approach) == pytest.approx(force, rel=3e-13)
+
+
+@every_law
+def test_contact_never_pulls(name):
+    law = laws()[name]
+    for approach in (0.0, -1e-20, -1e-6, -1.0):
+        assert law.force(approach) == 0.0
+    assert contact_energy(0.0, law.A, law.B, law.Q_line) == 0.0
+
+
+@every_law
+def test_contact_energy_is_the_integral_of_the_force(name):
+    law = laws()[name]
+    for top in (0.01 * law.Q_line, 0.5 * law.Q_line, 2.0 * law.Q_line):
+        closing = float(law.approach(top))
+        corner = min(closing, float(law.approach(law.Q_line)))
+        wanted = quad(law.force, 0.0, corner, epsrel=1e-11)[0] + quad(law.force, corner, closing, epsrel=1e-11)[0]
+        assert contact_energy(top, law.A, law.B, law.Q_line) == pytest.approx(wanted, rel=1e-8)
+
+
+@every_law
+def test_the_straight_line_continues_value_and_slope(name):
+    law = laws()[name]
+    step = 1e-6 * law.Q_line
+    below, at, above = law.approach(law.Q_line + step * np.array([-1.0, 0.0, 1.0]))
+    assert law.A * law.Q_line * (law.B - 0.5 * np.log(law.Q_line)) == pytest.approx(float(at), rel=1e-13)
+    slope = law.A * STEEPEST
+    # one-sided differences: error step · A/(4 Q), 1e-6 of the slope; and the round-off 1e-16/1e-6
+    assert (at - below) / step == pytest.approx(slope, rel=1e-5)
+    assert (above - at) / step == pytest.approx(slope, rel=1e-8)
+
+
+@every_law
+def test_stiffness_is_the_slope_of_the_force(name):
+    law = laws()[name]
+    for force in law.Q_line * np.array([1e-6, 1e-3, 0.3, 1.2]):
+        step = 1e-5 * float(law.approach(force))
+        slope = (law.force(law.approach(force) + step) - law.force(law.approach(force) - step)) / (2.0 * step)
+        assert law.stiffness(force) == pytest.approx(slope, rel=1e-8)
+
+
+def test_the_line_lies_far_above_the_papers_loads_at_its_mesh():
+    whole = model(paper(), 1e-3)
+    assert min(whole.inner_law.Q_line, whole.outer_law.Q_line) > 10.0 * 628.5
+
+
+def test_hertz_pressure_of_the_papers_inner_contact():
+    """Q = 628 N: b = 52.1 µm and p₀ = 768 MPa inside, 65 µm outside (Johnson 1985, section 4.2)."""
+    whole = model(paper(), 2e-3)
+    assert 1e6 * whole.inner_law.half_width(628.0) == pytest.approx(52.1, abs=0.05)
+    assert 1e6 * whole.outer_law.half_width(628.0) == pytest.approx(65.0, abs=0.5)
+    assert 1e-6 * peak_pressure(whole.inner_law, 628.0, LENGTH) == pytest.approx(768.0, abs=0.5)
+    assert peak_pressure(whole.inner_law, 0.0, LENGTH) == 0.0
+
+
+# the patch ------------------------------------------------------------------------------------------------------
+
+
+FRACTIONS = np.append(np.linspace(0.0, 1.0, 41)[:-1], np.nextafter(1.0, 0.0))
+
+
+def weights_at(t):
+    out = np.empty((1, N_NODES))
+    weights(t, out, 0)
+    return out[0]
+
+
+def slopes_at(t):
+    out = np.empty((1, N_NODES))
+    weight_slopes(t, out, 0)
+    return out[0]
+
+
+def test_weights_are_schoenbergs_quintic_spline():
+    spline = BSpline.basis_element(np.arange(7) - 3.0, extrapolate=False)
+    for t in FRACTIONS:
+        offset = np.arange(N_NODES) - 2 - t
+        np.testing.assert_allclose(weights_at(t), np.nan_to_num(spline(offset)), rtol=0.0, atol=1e-15)
+
+
+def test_weights_sum_to_one_and_have_the_moments_of_a_smooth_kernel():
+    first_four = []
+    for t in FRACTIONS:
+        weight, offset = weights_at(t), np.arange(N_NODES) - 2 - t
+        assert weight.min() >= 0.0
+        assert weight.sum() == pytest.approx(1.0, abs=3e-16)
+        assert weight @ offset == pytest.approx(0.0, abs=5e-16)
+        first_four.append([weight @ offset**k for k in range(2, 6)])
+    # second ... fifth moment do not depend on where between the nodes the patch sits
+    np.testing.assert_allclose(first_four, np.tile([0.5, 0.0, 0.7, 0.0], (len(FRACTIONS), 1)), atol=2e-14)
+
+
+def test_weight_slopes_are_the_derivatives_of_the_weights():
+    step = 1e-5  # central difference: step² · W‴/6 = 2e-11, round-off 1e-16/1e-5 = 1e-11
+    for t in np.linspace(0.05, 0.95, 19):
+        difference = (weights_at(t + step) - weights_at(t - step)) / (2.0 * step)
+        np.testing.assert_allclose(slopes_at(t), difference, rtol=0.0, atol=1e-10)
+        assert slopes_at(t).sum() == pytest.approx(0.0, abs=3e-16)
+
+
+def test_nothing_happens_when_a_node_passes():
+    end = 1.0
+    np.testing.assert_allclose(weights_at(end)[1:], weights_at(0.0)[:-1], atol=1e-16)
+    np.testing.assert_allclose(slopes_at(end)[1:], slopes_at(0.0)[:-1], atol=1e-16)
+    assert weights_at(end)[0] == weights_at(0.0)[-1] == 0.0
+
+
+@pytest.mark.parametrize("n", [18, 56])
+def test_a_direction_gets_its_place_among_the_nodes(n):
+    for position in (0.0, 0.25, n / 2.0, n - 0.5, n - 1e-9):
+        angle = 2.0 * np.pi * position / n
+        found = place(0.3 * np.cos(angle), 0.3 * np.sin(angle), n)
+        assert min(abs(found - position), n - abs(found - position)) < 1e-13 * n
+        assert 0.0 <= found < n
+    for tiny in (1e-300, 1e-20, 1e-16):  # just below the first node: adding n rounds up to n
+        assert 0.0 <= place(1.0, -tiny, n) < n
+
+
+def test_patches_wrap_round_the_body():
+    nodes, weight, offset = patch(18, 2.0 * np.pi * 17.4 / 18.0)
+    assert nodes.tolist() == [15, 16, 17, 0, 1, 2]
+    assert weight @ offset == pytest.approx(0.0, abs=1e-15)
+
+
+ANGLES = (0.0, 0.37, 2.0, -0.01, -3.0, np.pi)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_kernels_and_matrices_use_the_same_roller_patch(angle):
+    body, columns, column = disc(RADIUS, 3), 16, 11
+    u = np.random.default_rng(1).standard_normal((body.n_nodes, 2, columns))
+    ripples = np.random.default_rng(2).standard_normal(3 * 8)
+    node, weight, slope = np.zeros((2, N_NODES), dtype=np.int64), np.zeros((2, N_NODES)), np.zeros((1, N_NODES))
+
+    def read(at):
+        return read_roller(
+            u.ravel(), columns, body.first_surface_node, body.shape.surface_nodes, column,
+            np.cos(at), np.sin(at), ripples, node, weight, 1, slope,
+        )  # fmt: skip
+
+    out, side, rate, ripple, ripple_rate = read(angle)
+    mine = u[:, :, column].ravel()
+    along = disc_patch_force(body, angle)
+    assert out == pytest.approx(along @ mine, abs=1e-14)
+    across = np.einsum("ab,nb->na", [[0.0, -1.0], [1.0, 0.0]], along.reshape(-1, 2)).ravel()
+    assert side == pytest.approx(across @ mine, abs=1e-14)
+    step = 1e-6
+    ahead, behind = read(angle + step), read(angle - step)
+    # out turns with the direction as well: d(U·b)/ds = dU/ds·b + U·Jb
+    assert rate + side == pytest.approx((ahead[0] - behind[0]) / (2.0 * step), abs=1e-7)
+    assert ripple_rate == pytest.approx((ahead[3] - behind[3]) / (2.0 * step), rel=1e-5, abs=1e-5)
+    position = np.mod(angle * 18.0 / (2.0 * np.pi), 18.0)
+    assert ripple == pytest.approx(ripple_at(position, ripples)[0], abs=1e-12)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_kernels_and_matrices_use_the_same_ring_patch(angle):
+    body = ring(0.0125, 0.018, 56, 3, True)
+    u = np.random.default_rng(3).standard_normal((body.n_rows, 2, body.n_sectors))
+    padded = np.ascontiguousarray(np.concatenate([u[..., -HALO:], u, u[..., :HALO]], axis=-1))
+    ripples = np.random.default_rng(4).standard_normal(8)
+    sector = 2.0 * np.pi * (np.arange(56 + 2 * HALO) - HALO) / 56
+    cosines, sines, shape = np.cos(sector), np.sin(sector), (2, N_NODES)
+    node, weight, across, slope = np.zeros(shape, dtype=np.int64), np.zeros(shape), np.zeros(shape), np.zeros((1, 6))
+
+    def read(at):
+        return read_ring(
+            padded, body.raceway_row, 56, cosines, sines, np.cos(at), np.sin(at), ripples, node, weight, across, 1, slope
+        )
+
+    out, side, rate, ripple, ripple_rate = read(angle)
+    along = ring_patch_force(body, angle)
+    assert out == pytest.approx(np.vdot(along, u), abs=1e-13)
+    turned = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    assert side == pytest.approx(np.vdot(turned, u), abs=1e-13)
+    step = 1e-6
+    ahead, behind = read(angle + step), read(angle - step)
+    assert rate + side == pytest.approx((ahead[0] - behind[0]) / (2.0 * step), abs=1e-6)
+    assert ripple_rate == pytest.approx((ahead[3] - behind[3]) / (2.0 * step), rel=1e-5, abs=1e-4)
+    position = np.mod(angle * 56.0 / (2.0 * np.pi), 1.0)
+    assert ripple == pytest.approx(ripple_at(position, ripples)[0], abs=1e-10)
+
+
+def test_the_ripple_goes_through_its_samples_and_is_smooth():
+    surface = disc_compliance(disc(RADIUS, 3), LENGTH, CALIBRATED_AT)
+    period = surface.ripple.size / 8.0
+    assert period == 3.0
+    value = np.array([ripple_at(x, surface.ripple) for x in np.linspace(0.0, 18.0, 18 * 40 + 1)])
+    np.testing.assert_allclose(value[: 3 * 40], value[3 * 40 : 6 * 40], atol=1e-9 * np.abs(value).max())
+    assert np.abs(value[: 3 * 40 : 5, 0].mean()) < 1e-12 * np.abs(value[:, 0]).max()  # at the knots, zero mean
+    step = 1e-6
+    for x in (0.3, 1.0, 2.999, 17.9):
+        difference = (ripple_at(x + step, surface.ripple)[0] - ripple_at(x - step, surface.ripple)[0]) / (2.0 * step)
+        assert ripple_at(x, surface.ripple)[1] == pytest.approx(difference, rel=1e-6, abs=1e-18)

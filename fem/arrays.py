@@ -26,9 +26,7 @@ class Arrays:
     scratch: Scratch
 
 
-def make_arrays(
-    model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float
-) -> Arrays:
+def make_arrays(model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float) -> Arrays:
     """Positions at t = 0 and velocities at −dt/2. `ramp` in s."""
     inner = _ring(model.inner_ring, dt)
     outer = _ring(model.outer_ring, dt)

@@ -1,4 +1,4 @@
-"""The three kinds of body as the time loop wants them: a disc in rows of 2 x 2 blocks, a ring as one sector's stencil."""
+"""Bodies as the time loop wants them: a disc in rows of 2 x 2 blocks, a ring as one sector's stencil."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -48,7 +48,7 @@ class DiscBody:
         return self.mass @ self.points / self.total_mass
 
     def blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Stiffness in 2 x 2 blocks: row starts, (n_nodes + 1,); column nodes, (n_blocks,); blocks, (n_blocks, 2, 2)."""
+        """Stiffness in 2 x 2 blocks: row starts (n_nodes + 1,), column nodes (n_blocks,), blocks (n_blocks, 2, 2)."""
         rows = self.stiffness.tobsr((2, 2))
         rows.sort_indices()
         return rows.indptr.astype(np.int64), rows.indices.astype(np.int64), rows.data

@@ -74,7 +74,7 @@ def _run(
     return _simulate(chosen, path, quiet)
 
 
-def _plan(scene):
+def _plan(scene, compiled: bool, quiet: bool = False):
     """The plan and the seconds it took; failures here are the scene's, not the run's."""
     import time
 
@@ -85,13 +85,20 @@ def _plan(scene):
         plan = make_plan(scene)
     except RuntimeError as error:
         raise UsageError(str(error)) from None
+    if compiled:
+        from fem.jit import is_compiled
+        from fem.simulate import compile_kernels
+
+        if not (quiet or is_compiled()):
+            print("compiling the kernels, once, about half a minute", file=sys.stderr, flush=True)
+        compile_kernels(plan)
     return plan, time.perf_counter() - began
 
 
 def _dry_run(scene) -> int:
     from fem.summary import print_plan
 
-    plan, _ = _plan(scene)
+    plan, _ = _plan(scene, compiled=False)
     print_plan(plan)
     return OK
 
@@ -102,7 +109,7 @@ def _simulate(scene, path: Path, quiet: bool) -> int:
     from fem.store import ResultFile
     from fem.summary import print_run
 
-    plan, setup_seconds = _plan(scene)
+    plan, setup_seconds = _plan(scene, compiled=True, quiet=quiet)
     stopped: list[int] = []
     _on_signals(stopped.append)
     seen, status, code = None, "complete", OK

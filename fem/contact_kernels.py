@@ -12,9 +12,9 @@ a force across the line of centres and moments on the frames.
 from math import sqrt
 
 import numpy as np
-from numba import njit
 
 from fem import patch_kernels as patch
+from fem.jit import kernel
 from fem.state import INNER, OUTER, ROLLER
 from fem.subgrid import contact_force
 
@@ -22,7 +22,7 @@ SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's
 REACH = 0.01  # of a roller's radius: a wider gap than any elastic motion can close
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def normal_contacts(rollers, inner, outer, contacts, drive, slope):
     """Normal forces of every contact at the present positions, and their impulses over one step."""
     inner_contacts(rollers, inner, contacts, drive, slope)
@@ -30,7 +30,7 @@ def normal_contacts(rollers, inner, outer, contacts, drive, slope):
     roller_contacts(rollers, contacts, drive, slope)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def inner_contacts(rollers, inner, contacts, drive, slope):
     """Rollers on the inner raceway: normal from the hub to the roller."""
     u, w, mass, columns = rollers.u, rollers.w, rollers.mass, rollers.columns
@@ -56,8 +56,19 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
         nx, ny = x / distance, y / distance
         p = 2 * (INNER * rollers.n + j)
         out, side, rate, ripple, ripple_rate = patch.read_ring(
-            ring_u, raceway, n_sectors, cosines, sines, ring_c * nx + ring_s * ny, ring_c * ny - ring_s * nx,
-            ring_ripple, node, weight, across, p, slope,
+            ring_u,
+            raceway,
+            n_sectors,
+            cosines,
+            sines,
+            ring_c * nx + ring_s * ny,
+            ring_c * ny - ring_s * nx,
+            ring_ripple,
+            node,
+            weight,
+            across,
+            p,
+            slope,
         )
         out -= hub_x * nx + hub_y * ny  # the ring's state holds the hub's motion
         side -= hub_y * nx - hub_x * ny
@@ -89,7 +100,7 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
     drive.ring[3] += moment
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def outer_contacts(rollers, outer, contacts, drive, slope):
     """Rollers on the outer raceway: normal from the outer ring's centre to the roller."""
     u, w, mass, columns = rollers.u, rollers.w, rollers.mass, rollers.columns
@@ -137,7 +148,7 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
         turn_kick[j] += dt * (Q * rate_r - half * ripple_rate_r) / rollers.inertia
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def roller_contacts(rollers, contacts, drive, slope):
     """Roller j on roller j + 1: normal from j to j + 1."""
     u, w, mass, columns = rollers.u, rollers.w, rollers.mass, rollers.columns
@@ -145,7 +156,11 @@ def roller_contacts(rollers, contacts, drive, slope):
     cosine, sine, centre = rollers.cosine, rollers.sine, rollers.centre
     impulse, tilt, turn_kick = rollers.impulse, rollers.tilt, rollers.turn_kick
     node, weight, force, bracket, normal = (
-        contacts.node, contacts.weight, contacts.force, contacts.bracket, contacts.normal
+        contacts.node,
+        contacts.weight,
+        contacts.force,
+        contacts.bracket,
+        contacts.normal,
     )
     A, B, Q_line = contacts.A[ROLLER], contacts.B[ROLLER], contacts.Q_line[ROLLER]
     ripples, dt = contacts.roller_ripple, drive.dt
@@ -186,7 +201,7 @@ def roller_contacts(rollers, contacts, drive, slope):
         turn_kick[i] += dt * (Q * rate_r - half * ripple_rate_r) / rollers.inertia
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def creep_traction(slip, limit, full_slip, mobility_dt):
     """Traction, N, that opposes a slip velocity, and the slip it leaves, m/s.
 
@@ -209,7 +224,7 @@ def creep_traction(slip, limit, full_slip, mobility_dt):
     return np.copysign(limit * x * (2.0 - x), slip), np.copysign(x * full_slip, slip)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def slips(rollers, inner, outer, contacts, drive, out):
     """Sideways velocity of side 1 less that of side 0 along t = Jn for every closed contact, m/s; out (3, n)."""
     w, columns, cosine, sine = rollers.w, rollers.columns, rollers.cosine, rollers.sine
@@ -246,7 +261,7 @@ def slips(rollers, inner, outer, contacts, drive, out):
             out[kind, j] = slip
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def friction_contacts(rollers, inner, outer, contacts, drive, now):
     """Tractions of every contact and their impulses; returns the work they dissipate in this step, J.
 

@@ -35,9 +35,7 @@ DECOUPLED = 1e-18
 SUM_TOLERANCE = 1e-5
 
 
-def ring_compliance(
-    n: np.ndarray, loaded_radius: float, held_radius: float, material: Material
-) -> np.ndarray:
+def ring_compliance(n: np.ndarray, loaded_radius: float, held_radius: float, material: Material) -> np.ndarray:
     """Surface displacement of an annulus, fixed on one circle, per unit normal pressure cos nθ on the other.
 
     Parameters
@@ -159,9 +157,7 @@ def patch_displacement(
     return float(np.sum(terms)) / (pi * radius)
 
 
-def ring_hertz_approach(
-    loaded_radius: float, held_radius: float, material: Material, half_width: float
-) -> float:
+def ring_hertz_approach(loaded_radius: float, held_radius: float, material: Material, half_width: float) -> float:
     """Displacement under the centre of one Hertz patch on a ring held on its other circle, m per N/m.
 
     Errors: truncation below 1e-8 relative.
@@ -230,8 +226,7 @@ def _hertz_centre(
     beta = n_patches * half_width / radius
     if not 0.0 < beta <= 1.0:
         raise ValueError(
-            f"half-width {half_width:.4g} m must be positive and at most "
-            f"R/n_patches = {radius / n_patches:.4g} m"
+            f"half-width {half_width:.4g} m must be positive and at most R/n_patches = {radius / n_patches:.4g} m"
         )
     n = n_patches * np.arange(1, N_HARMONICS + 1)
     flat = 2.0 * radius / material.plane_strain_modulus

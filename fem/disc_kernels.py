@@ -5,14 +5,13 @@ State of every roller in its own frame, which turns with it and moves with its c
 columns a multiple of 16; spare columns stay 0.
 """
 
-from numba import njit
-
+from fem.jit import kernel
 from fem.simd import add, fma, fma_lanes, load, multiply, splat, store, subtract
 
 COLUMNS = 16  # handled together
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def kick(starts, neighbours, blocks, points, mass, u, w, columns, turn_kick, torque):
     """w += dt·(internal acceleration + rigid angular acceleration); torque of the internal forces.
 
@@ -53,7 +52,7 @@ def kick(starts, neighbours, blocks, points, mass, u, w, columns, turn_kick, tor
         store(torque, block + 8, t1)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def drift(points, mass, u, w, columns, dt, cosine, sine, shift_x, shift_y, moment):
     """Take out the mean velocity, move, and turn the frame.
 

@@ -188,7 +188,7 @@ def _newton(model, motion, radial, patches, unknown, loads: _Loads) -> np.ndarra
     if rough:
         return unknown
     raise RuntimeError(
-        f"static equilibrium not found: residual {np.linalg.norm(residual):.2e} N after {MAX_NEWTON} Newton steps under "
+        f"static equilibrium not found: residual {np.linalg.norm(residual):.2e} N after {MAX_NEWTON} steps under "
         f"{loads.hub:.4g} N"
     )
 

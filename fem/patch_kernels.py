@@ -6,14 +6,13 @@ references to every array at every access, twenty times the cost of the arithmet
 
 from math import atan2, pi
 
-from numba import njit
-
+from fem.jit import kernel
 from fem.patches import FIRST, N_NODES, weight_slopes, weights
 from fem.ring_kernels import HALO
 from fem.subgrid import ripple_at
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def place(x, y, n_nodes):
     """Position, in node spacings in [0, n_nodes), of a direction in a body's frame."""
     position = atan2(y, x) * (n_nodes / (2.0 * pi))
@@ -24,7 +23,7 @@ def place(x, y, n_nodes):
     return position
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def _nodes(base, n_nodes, offset, node, patch):
     """Fill the patch's six node numbers."""
     i = base + FIRST
@@ -37,7 +36,7 @@ def _nodes(base, n_nodes, offset, node, patch):
             i -= n_nodes
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def read_roller(u, columns, first, n_surface, column, bx, by, ripples, node, weight, patch, slope):
     """Place a roller's patch around its outward direction b (in its frame) and read the mean motion there.
 
@@ -61,7 +60,7 @@ def read_roller(u, columns, first, n_surface, column, bx, by, ripples, node, wei
     return ux * bx + uy * by, uy * bx - ux * by, (sx * bx + sy * by) * per_radian, ripple, ripple_slope * per_radian
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def read_ring(u, raceway, n_sectors, cosines, sines, bx, by, ripples, node, weight, across, patch, slope):
     """Place a ring's patch around the radial direction b (in its frame); returns the same as `read_roller` along +b."""
     position = place(bx, by, n_sectors)
@@ -85,7 +84,7 @@ def read_ring(u, raceway, n_sectors, cosines, sines, bx, by, ripples, node, weig
     return out, side, rate * per_radian, ripple, ripple_slope * per_radian
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def push_roller(w, mass, columns, column, bx, by, node, weight, patch):
     """Spread an impulse, N s, with components in the roller's frame over its patch."""
     for k in range(N_NODES):
@@ -96,7 +95,7 @@ def push_roller(w, mass, columns, column, bx, by, node, weight, patch):
         w[at + columns] += share * by
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def push_ring(w, raceway, node_mass, along, aside, node, weight, across, patch):
     """Spread an impulse, N s, with components along the patch's normal and along t over a ring's patch."""
     along /= node_mass
@@ -107,7 +106,7 @@ def push_ring(w, raceway, node_mass, along, aside, node, weight, across, patch):
         w[raceway, 1, at] += along * across[patch, k] + aside * weight[patch, k]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def sideways_roller(w, columns, column, bx, by, node, weight, patch):
     """Mean velocity along Jb relative to the centre of mass, m/s."""
     wx, wy = 0.0, 0.0
@@ -118,7 +117,7 @@ def sideways_roller(w, columns, column, bx, by, node, weight, patch):
     return wy * bx - wx * by
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def sideways_ring(w, raceway, node, weight, across, patch):
     """Mean velocity along t, m/s."""
     v = 0.0
@@ -128,7 +127,7 @@ def sideways_ring(w, raceway, node, weight, across, patch):
     return v
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def mobility_roller(mass, node, weight, patch):
     """Velocity gained by the patch mean per unit impulse, 1/kg."""
     total = 0.0
@@ -137,7 +136,7 @@ def mobility_roller(mass, node, weight, patch):
     return total
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def mobility_ring(node_mass, weight, across, patch):
     """Velocity gained by the patch mean per unit impulse, 1/kg."""
     total = 0.0

@@ -4,14 +4,14 @@ A cubic B-spline pressure of half-width 2h (h = surface spacing) integrated agai
 spaced nodes is the quintic B-spline at the nodes. Four continuous derivatives: nothing happens when a node passes.
 """
 
-from numba import njit
+from fem.jit import kernel
 
 N_NODES = 6
 FIRST = -2  # the patch of position s spans nodes floor(s) − 2 ... floor(s) + 3
 SPLINE_HALF_WIDTH = 2.0  # of the pressure, in surface spacings
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def weights(t, out, row):
     """Quintic B-spline at the six nodes around a point a fraction t in [0, 1) beyond the third.
 
@@ -31,7 +31,7 @@ def weights(t, out, row):
     out[row, 3] = (66.0 - r2 * (60.0 - r2 * (30.0 - 10.0 * r))) / 120.0
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def weight_slopes(t, out, row):
     """Derivatives of `weights` with respect to t, i.e. to the position in surface spacings."""
     r = 1.0 - t

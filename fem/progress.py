@@ -61,8 +61,8 @@ def _plain_lines(plan: Plan) -> Callable[[Progress], None]:
         last = time.monotonic()
         left = (plan.steps - progress.steps) / max(_speed(progress), 1e-9)
         print(
-            f"{1e3 * progress.simulated:.2f} of {1e3 * total:.2f} ms, {_speed(progress):,.0f} steps/s, {left:.0f} s left, "
-            f"energy imbalance {progress.imbalance:+.1e}",
+            f"{1e3 * progress.simulated:.2f} of {1e3 * total:.2f} ms, {_speed(progress):,.0f} steps/s, {left:.0f} s "
+            f"left, energy imbalance {progress.imbalance:+.1e}",
             file=sys.stderr,
             flush=True,
         )

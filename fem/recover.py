@@ -1,9 +1,10 @@
 """The fields of a stored instant, recovered from what the result file keeps: positions and contact forces.
 
-Nodal displacements are not stored. Every body is loaded by its stored contact forces and by its centrifugal load and
-solved quasi-statically, which leaves out elastic waves, the small share of gravity and of the hub's acceleration in
-the deformation, and the tractions between rollers. The rollers' own angles are not stored either: their meshes are
-taken at turn 0, so the fields differ from the run's by what the orientation of the mesh does to them.
+Nodal displacements are not stored. Every body is loaded by its stored contact forces and by its centrifugal
+load and solved quasi-statically, which leaves out elastic waves, the small share of gravity and of the hub's
+acceleration in the deformation, and the tractions between rollers. The rollers' own angles are not stored
+either: their meshes are taken at turn 0, so the fields differ from the run's by what the orientation of the
+mesh does to them.
 """
 
 from dataclasses import dataclass
@@ -29,7 +30,7 @@ PER_ROLLER = (
 
 @dataclass(frozen=True, kw_only=True)
 class Instant:
-    """One sample with its recovered displacements. SI; fields laid out as in `fem.equilibrium.Equilibrium`."""
+    """One sample with its recovered displacements; SI, fields as in `fem.equilibrium.Equilibrium`."""
 
     scene: Scene
     model: Model
@@ -67,7 +68,10 @@ class Instant:
         """½ uᵀKu of the recovered fields over all bodies, J."""
         total = sum(
             np.vdot(u, ring.force(u))
-            for ring, u in ((self.model.inner_ring, self.inner_ring), (self.model.outer_ring, self.outer_ring))
+            for ring, u in (
+                (self.model.inner_ring, self.inner_ring),
+                (self.model.outer_ring, self.outer_ring),
+            )
         )
         flat = self.rollers.reshape(len(self.rollers), -1).T
         return 0.5 * float(total + np.vdot(flat, self.model.roller.stiffness @ flat))
@@ -183,7 +187,7 @@ def _roller_fields(disc: DiscBody, hub, centres, sample) -> np.ndarray:
 
 
 def _push_ring(ring: RingBody, load: np.ndarray, angle: float, outward: float, along: float) -> None:
-    """Add a contact force, N, with its components outward and counter-clockwise at `angle`, to polar nodal loads."""
+    """Add a contact force, N, outward and counter-clockwise at `angle`, to polar nodal loads."""
     nodes, weight, offset = patch(ring.n_sectors, angle)
     cosine, sine = weight * np.cos(offset), weight * np.sin(offset)
     np.add.at(load, (ring.raceway_row, 0, nodes), outward * cosine - along * sine)
@@ -191,7 +195,7 @@ def _push_ring(ring: RingBody, load: np.ndarray, angle: float, outward: float, a
 
 
 def _push_disc(disc: DiscBody, load: np.ndarray, angle: float, outward: float, along: float) -> None:
-    """Add a contact force, N, with its components outward and counter-clockwise at `angle`, to (n_nodes, 2) loads."""
+    """Add a contact force, N, outward and counter-clockwise at `angle`, to (n_nodes, 2) loads."""
     nodes, weight, _ = patch(disc.shape.surface_nodes, angle)
     cosine, sine = np.cos(angle), np.sin(angle)
     force = np.array([outward * cosine - along * sine, outward * sine + along * cosine])
@@ -211,8 +215,8 @@ def von_mises(points: np.ndarray, cells: np.ndarray, displacement: np.ndarray, m
 
     Errors
     ------
-    One stress per element, at its centre: on a surface it lags half an element behind. What a mesh can't see of a
-    contact (`fem.subgrid`) is not in it.
+    One stress per element, at its centre: on a surface it lags half an element behind. What a mesh can't see
+    of a contact (`fem.subgrid`) is not in it.
     """
     corners = np.moveaxis(points[cells], 1, 0)  # (corner, cell, component)
     if cells.shape[1] == 3:

@@ -1,7 +1,7 @@
 """The picture of a whole bearing at one instant, drawn off-screen; the same instant gives the same picture.
 
-Call `fem.rendering_probe.check_rendering` before importing this: where system libraries are missing, the renderer
-does not raise but ends the process.
+Call `fem.rendering_probe.check_rendering` before importing this: where system libraries are missing, the
+renderer does not raise but ends the process.
 """
 
 from math import floor, log10
@@ -24,7 +24,8 @@ HOUSING_RADIUS = 1.09
 OUTLINE = 1.5  # pixels
 ARROW_WIDTH = 0.017
 LONGEST_ARROW = 0.85  # of a roller's radius
-LIMITS = (1.0, 1.2, 1.6, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)  # ends of the stress scale, times a power of ten
+# round ends of the stress scale, times a power of ten
+LIMITS = (1.0, 1.2, 1.6, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 
 
 def draw(instant: Instant, target: Path, *, magnification: float | None = None, width: int = 1600) -> None:
@@ -123,7 +124,7 @@ def _draw_forces(canvas: Canvas, instant: Instant, drawn: DrawnBearing, magnific
 
 
 def contact_forces(instant: Instant) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Where forces act on the rollers (m, from the centre) and the forces, N; normal and traction; by kind of contact."""
+    """By kind of contact: where it acts on the rollers, m from the centre, and the force with traction, N."""
     radius = instant.model.bearing.roller_radius
     inner, outer = _directions(instant.inner_angle), _directions(instant.outer_angle)
     following = np.roll(instant.centres, -1, axis=0) - instant.centres

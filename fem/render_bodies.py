@@ -1,9 +1,10 @@
 """What a picture shows of every body: nodes displaced by the magnified displacement, and the stress in them.
 
 Magnified is everything that differs from a bearing whose parts are undeformed and just touch: the elastic
-displacement, the hub's, the rollers' along their radius, and the clearance. Gaps and overlaps then grow alike, and a
-closed contact looks closed. The indentation below the grid is part of a contact's approach but not of the mesh's
-displacement; it is drawn spread over the contact's patch, half on either side, or else bodies would seem to overlap.
+displacement, the hub's, the rollers' along their radius, and the clearance. Gaps and overlaps then grow
+alike, and a closed contact looks closed. The indentation below the grid is part of a contact's approach but
+not of the mesh's displacement; it is drawn spread over the contact's patch, half on either side, or else
+bodies would seem to overlap.
 """
 
 from dataclasses import dataclass
@@ -106,7 +107,7 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
 
 
 def chosen_magnification(drawn: DrawnBearing, outside_radius: float) -> float:
-    """A round factor, at least 1, that draws the largest displacement about LARGEST_SHARE of the outside radius."""
+    """A round factor, at least 1, that draws the largest displacement LARGEST_SHARE of the radius or less."""
     largest = drawn.largest_displacement
     if largest <= 0.0:
         return 1.0
@@ -116,7 +117,7 @@ def chosen_magnification(drawn: DrawnBearing, outside_radius: float) -> float:
 
 
 def _ring(ring: RingBody, polar, extra, turn: float, shift, outward: float) -> DrawnBody:
-    """A ring's body: its elastic displacement gives the stress, with `extra` (polar, m) and `shift` it is drawn."""
+    """A ring: its elastic displacement gives the stress; `extra` (polar, m) and `shift` are drawn as well."""
     angle = ring.angles + turn
     radial, around = np.stack([np.cos(angle), np.sin(angle)]), np.stack([-np.sin(angle), np.cos(angle)])
 

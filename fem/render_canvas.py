@@ -1,13 +1,16 @@
-"""An off-screen plane to draw on, seen along the bearing's axis. Lengths in outside radii, fonts in pixels of 1600."""
+"""An off-screen plane to draw on, seen along the bearing's axis.
+
+Lengths in outside radii; fonts and line widths in pixels of a picture 1600 wide.
+"""
 
 import os
 from pathlib import Path
 
-os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # else a warning where there is no display
+os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # no warning without display
 
-import matplotlib  # noqa: E402  for its fonts
-import numpy as np  # noqa: E402
-import pyvista as pv  # noqa: E402
+import matplotlib  # for its fonts
+import numpy as np
+import pyvista as pv
 
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
 BOLD = FONT.replace("DejaVuSans", "DejaVuSans-Bold")
@@ -46,23 +49,27 @@ class Canvas:
 
     def field(self, mesh: pv.PolyData, values: np.ndarray, limit: float, colours: str, edges: bool) -> None:
         """An area coloured by nodal values from 0 to `limit`."""
-        wires = {"show_edges": True, "edge_color": "white", "edge_opacity": 0.25, "line_width": 0.7 * self._pixel}
+        wires = {
+            "show_edges": True,
+            "edge_color": "white",
+            "edge_opacity": 0.25,
+            "line_width": 0.7 * self._pixel,
+        }
         self._add(
             mesh, scalars=values, clim=(0.0, limit), cmap=colours, n_colors=256, interpolate_before_map=True,
             show_scalar_bar=False, **(wires if edges else {}),
         )  # fmt: skip
 
     def text(
-        self, text: str, x: float, y: float, size: float, color: str = INK, bold: bool = False, align: str = "left",
-        vertical: str = "center",
-    ) -> None:  # fmt: skip
-        """Text whose left, centre or right lies at (x, y)."""
+        self, text: str, x: float, y: float, size: float, color: str = INK, bold=False, align: str = "left"
+    ) -> None:
+        """Text whose left, center or right lies at (x, y), halfway up."""
         actor = pv.Text(text)
         actor.prop.SetFontFamily(FROM_FILE)
         actor.prop.SetFontFile(BOLD if bold else FONT)
         actor.prop.font_size = round(size * self._pixel)
         actor.prop.color = color
-        actor.prop.justification_horizontal, actor.prop.justification_vertical = align, vertical
+        actor.prop.justification_horizontal, actor.prop.justification_vertical = align, "center"
         actor.prop.SetLineSpacing(1.2)
         place = actor.GetPositionCoordinate()
         place.SetCoordinateSystemToWorld()

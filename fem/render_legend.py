@@ -73,7 +73,13 @@ def _stress_scale(canvas: Canvas, colours: str, limit: float) -> None:
         cells(points, np.column_stack([k, 65 + k, 66 + k, k + 1]), 0.0),
         np.tile(np.linspace(0.0, limit, 65), 2), limit, colours, edges=False,
     )  # fmt: skip
-    corners = [(COLUMN, bottom), (COLUMN + width, bottom), (COLUMN + width, top), (COLUMN, top), (COLUMN, bottom)]
+    corners = [
+        (COLUMN, bottom),
+        (COLUMN + width, bottom),
+        (COLUMN + width, top),
+        (COLUMN, top),
+        (COLUMN, bottom),
+    ]
     canvas.stroke(line(np.array(corners), 0.1), QUIET, 1.2)
     for share in np.linspace(0.0, 1.0, _intervals(limit) + 1):
         at = bottom + share * (top - bottom)

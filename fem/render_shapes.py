@@ -1,4 +1,4 @@
-"""Flat shapes of a picture as pyvista meshes: discs, rings, arcs, arrows. Lengths in any unit; z orders them."""
+"""Flat shapes of a picture as pyvista meshes: discs, rings, arcs, arrows. z orders them."""
 
 import numpy as np
 import pyvista as pv

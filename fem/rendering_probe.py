@@ -1,4 +1,4 @@
-"""Whether this machine can draw off-screen. Without OpenGL libraries the renderer ends its process, so ask another."""
+"""Whether this machine can draw off-screen, asked of another process: it may crash."""
 
 import os
 import subprocess

@@ -6,7 +6,9 @@ other end so that the stencil needs no wrap.
 """
 
 import numpy as np
-from numba import njit, uint64
+from numba import uint64
+
+from fem.jit import kernel
 
 HALO = 8  # one register: keeps the rows aligned
 N_COEFFICIENTS = 18
@@ -20,7 +22,7 @@ def coefficients(stencil: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.concatenate([radial.reshape(-1, 9), tangential.reshape(-1, 9)], axis=1))
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
+@kernel(fastmath={"contract", "nsz", "reassoc"})
 def row_force(table, u, row, radial, tangential):
     """radial, tangential += table·u for one row of nodes.
 
@@ -51,14 +53,14 @@ def row_force(table, u, row, radial, tangential):
         )
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def kick(table, u, w, first_row, last_row):
     """w += dt·internal acceleration for rows first_row ... last_row − 1; table holds −dt·M⁻¹K."""
     for row in range(first_row, last_row):
         row_force(table, u, row, w[row, 0], w[row, 1])
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@kernel(fastmath={"contract", "nsz"})
 def accelerate(w, cosines, sines, x, y, line, first_row, last_row):
     """Add the velocity (x, y), m/s, in the frame's axes, to every node: gravity. `line`, (2, width), is filled."""
     width = w.shape[2]
@@ -72,7 +74,7 @@ def accelerate(w, cosines, sines, x, y, line, first_row, last_row):
             q[k] += tangential[k]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@kernel(fastmath={"contract", "nsz"})
 def drift(u, w, radii, dt, cosine, sine, first_row, last_row):
     """Move by dt·w and turn the frame by the given angle."""
     width = u.shape[2]
@@ -92,7 +94,7 @@ def drift(u, w, radii, dt, cosine, sine, first_row, last_row):
         wrap(b)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@kernel(fastmath={"contract", "nsz"})
 def drift_still(u, w, dt, first_row, last_row):
     """Move by dt·w; the frame does not turn."""
     width = u.shape[2]
@@ -105,7 +107,7 @@ def drift_still(u, w, dt, first_row, last_row):
             wrap(a)
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def wrap(line):
     """Repeat the first and last sector in the halo."""
     last = line.size - HALO
@@ -113,7 +115,7 @@ def wrap(line):
     line[last] = line[HALO]
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})
+@kernel(fastmath={"contract", "nsz"})
 def set_rigid(line_r, line_t, cosines, sines, x, y):
     """Displacement of a circle that moves rigidly by (x, y) in the frame's axes."""
     width = line_r.size
@@ -125,7 +127,7 @@ def set_rigid(line_r, line_t, cosines, sines, x, y):
     wrap(line_t)
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract", "nsz", "reassoc"})
+@kernel(fastmath={"contract", "nsz", "reassoc"})
 def resultant(radial, tangential, cosines, sines):
     """Sum of polar nodal forces of one row: x, y in the frame's axes, and Σ tangential."""
     x, y, t = 0.0, 0.0, 0.0

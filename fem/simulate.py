@@ -12,7 +12,7 @@ from fem.arrays import Arrays, make_arrays
 from fem.critical_step import critical_time_step
 from fem.limits import check_contacts, check_speed
 from fem.model import Model, build_model
-from fem.samples import Samples, SampleReader
+from fem.samples import SampleReader, Samples
 from fem.start import Start, equilibrium_start, rest_start
 from lagrange import Operation, kinematics
 from lagrange.scene import Scene
@@ -92,6 +92,30 @@ def make_plan(scene: Scene) -> Plan:
     )
 
 
+def compile_kernels(plan: Plan) -> None:
+    """Compile the time loop, or load it compiled, without taking a step."""
+    arrays = plan.arrays()
+    _advance(plan, arrays, 0, np.zeros((0, _row_width(plan))))
+
+
+def _row_width(plan: Plan) -> int:
+    return time_loop.N_SCALARS + len(time_loop.BLOCKS) * plan.model.bearing.n_rollers
+
+
+def _advance(plan: Plan, arrays: Arrays, done: int, rows: np.ndarray) -> tuple[int, int, int]:
+    return time_loop.advance(
+        arrays.rollers,
+        arrays.inner,
+        arrays.outer,
+        arrays.contacts,
+        arrays.drive,
+        arrays.scratch,
+        done * plan.stride,
+        plan.stride,
+        rows,
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class Progress:
     """Where a run stands."""
@@ -117,15 +141,12 @@ def run(
     """
     arrays = plan.arrays()
     reader = SampleReader(plan)
-    width = time_loop.N_SCALARS + len(time_loop.BLOCKS) * plan.model.bearing.n_rollers
+    compile_kernels(plan)
     done, block, wall, imbalance = 0, 1, 0.0, 0.0
     while done < plan.n_samples and not stop():
-        rows = np.zeros((min(block, plan.n_samples - done), width))
+        rows = np.zeros((min(block, plan.n_samples - done), _row_width(plan)))
         began = time.perf_counter()
-        status, step, body = time_loop.advance(
-            arrays.rollers, arrays.inner, arrays.outer, arrays.contacts, arrays.drive, arrays.scratch,
-            done * plan.stride, plan.stride, rows,
-        )
+        status, step, body = _advance(plan, arrays, done, rows)
         took = time.perf_counter() - began
         wall += took
         if status != time_loop.DONE:
@@ -141,14 +162,20 @@ def run(
             raise RunFailed(_velocity_trouble(plan, step, body))
         report(
             Progress(
-                samples=done, steps=max(0, done - 1) * plan.stride, simulated=(done - 1) * plan.interval, wall=wall,
+                samples=done,
+                steps=max(0, done - 1) * plan.stride,
+                simulated=(done - 1) * plan.interval,
+                wall=wall,
                 imbalance=imbalance,
             )
         )
         per_row = took / len(rows)
         block = max(1, min(4 * block, int(BLOCK_SECONDS / per_row))) if per_row > 0.0 else 4 * block
     return Progress(
-        samples=done, steps=max(0, done - 1) * plan.stride, simulated=max(0, done - 1) * plan.interval, wall=wall,
+        samples=done,
+        steps=max(0, done - 1) * plan.stride,
+        simulated=max(0, done - 1) * plan.interval,
+        wall=wall,
         imbalance=imbalance,
     )
 

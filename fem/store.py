@@ -90,8 +90,14 @@ class ResultFile:
         dimensions, units, long_name = VARIABLES[name]
         tail = (n_rollers,) if dimensions == PER_ROLLER else ()
         variable = self._file.create_dataset(
-            name, shape=(0, *tail), maxshape=(None, *tail), chunks=(CHUNK, *tail), dtype="f8",
-            compression="gzip", compression_opts=1, shuffle=True,
+            name,
+            shape=(0, *tail),
+            maxshape=(None, *tail),
+            chunks=(CHUNK, *tail),
+            dtype="f8",
+            compression="gzip",
+            compression_opts=1,
+            shuffle=True,
         )
         variable.attrs["units"], variable.attrs["long_name"] = units, long_name
         if name != "time":

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from math import exp, log, pi, sqrt
 
 import numpy as np
-from numba import njit
 
 from fem.bodies import DiscBody, RingBody
 from fem.continuum import disc_hertz_approach, ring_hertz_approach
+from fem.jit import kernel
 from fem.patches import FIRST, N_NODES, weights
 from lagrange import Material
 
@@ -68,7 +68,7 @@ class ContactLaw:
         return 1.0 / (self.A * max(self.B - 0.5 * log(force) - 0.5, STEEPEST))
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def contact_force(approach, A, B, Q_line, guess):
     """Force of a sub-grid approach; 0 where the surfaces are apart.
 
@@ -99,7 +99,7 @@ def contact_force(approach, A, B, Q_line, guess):
     return Q
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def contact_energy(Q, A, B, Q_line):
     """Energy stored below the grid, J: ∫ Q dδ."""
     if Q <= 0.0:
@@ -175,7 +175,7 @@ def _spline_coefficients(samples: np.ndarray) -> np.ndarray:
     return np.fft.irfft(np.fft.rfft(samples) * 3.0 / (2.0 + np.cos(wave)), n=samples.size)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@kernel(forceinline=True)
 def ripple_at(position, coefficients):
     """Ripple of A_i·B_i and its slope per node spacing at a position in node spacings, >= 0."""
     x = position * KNOTS_PER_NODE
@@ -195,23 +195,21 @@ def ripple_at(position, coefficients):
         beyond -= n
     c0, c1, c2, c3 = coefficients[before], coefficients[base], coefficients[after], coefficients[beyond]
     value = (
-        r * r * r * c0
-        + (4.0 - 3.0 * t * t * (2.0 - t)) * c1
-        + (4.0 - 3.0 * r * r * (2.0 - r)) * c2
-        + t * t * t * c3
+        r * r * r * c0 + (4.0 - 3.0 * t * t * (2.0 - t)) * c1 + (4.0 - 3.0 * r * r * (2.0 - r)) * c2 + t * t * t * c3
     ) / 6.0
     slope = 0.5 * (-r * r * c0 + t * (3.0 * t - 4.0) * c1 - r * (3.0 * r - 4.0) * c2 + t * t * c3)
     return value, slope * KNOTS_PER_NODE
 
 
-def contact_law(
-    first: SurfaceCompliance, second: SurfaceCompliance, relative_radius: float
-) -> ContactLaw:
+def contact_law(first: SurfaceCompliance, second: SurfaceCompliance, relative_radius: float) -> ContactLaw:
     """Law of a pair of calibrated surfaces, ripples apart."""
     factor = relative_radius * 2.0 * (first.unit + second.unit)
     A = first.unit + second.unit
     AB = sum(s.missing + s.unit * (log(s.half_width) - 0.5 * log(factor)) for s in (first, second))
     return ContactLaw(
-        A=A, B=AB / A, Q_line=exp(2.0 * (AB / A - 0.5 - STEEPEST)), relative_radius=relative_radius,
+        A=A,
+        B=AB / A,
+        Q_line=exp(2.0 * (AB / A - 0.5 - STEEPEST)),
+        relative_radius=relative_radius,
         half_width_factor=factor,
     )

@@ -33,9 +33,7 @@ def print_plan(plan: Plan) -> None:
             f"{q.smallest_angle:.0f} - {q.largest_angle:.0f}",
         )
     console.print(table)
-    seconds = plan.steps * (
-        SECONDS_PER_DOF * model.degrees_of_freedom + SECONDS_PER_ROLLER * model.bearing.n_rollers
-    )
+    seconds = plan.steps * (SECONDS_PER_DOF * model.degrees_of_freedom + SECONDS_PER_ROLLER * model.bearing.n_rollers)
     load = float(max(plan.start.equilibrium.inner_force.max(), plan.start.equilibrium.outer_force.max()))
     rows = {
         "degrees of freedom": f"{model.degrees_of_freedom}",

@@ -2,10 +2,9 @@
 
 from math import cos, pi, sin
 
-from numba import njit
-
 from fem import disc_kernels, ring_kernels
 from fem.contact_kernels import friction_contacts, normal_contacts, slips
+from fem.jit import kernel
 from fem.ring_kernels import HALO
 from fem.subgrid import contact_energy
 
@@ -44,7 +43,7 @@ DONE, NOT_FINITE = 0, 1
 FASTEST = 1e5  # m/s; no body is faster unless the run has blown up
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def load_at(drive, time):
     """Radial load, N, ramped up by half a cosine."""
     if time >= drive.ramp:
@@ -52,7 +51,7 @@ def load_at(drive, time):
     return drive.load * 0.5 * (1.0 - cos(pi * time / drive.ramp))
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def kick(rollers, inner, outer, contacts, drive, time, scratch):
     """Advance all velocities by one step at fixed positions; returns the step's works (load, drive, friction), J."""
     dt = drive.dt
@@ -78,8 +77,16 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     drive.velocity[1] += (node_mass * (s * x + c * y) + drive.impulse[1] - load * dt) / drive.mass - drive.gravity * dt
 
     disc_kernels.kick(
-        rollers.starts, rollers.neighbours, rollers.blocks, rollers.points, rollers.mass,
-        rollers.u, rollers.w, rollers.columns, rollers.turn_kick, scratch.torque,
+        rollers.starts,
+        rollers.neighbours,
+        rollers.blocks,
+        rollers.points,
+        rollers.mass,
+        rollers.u,
+        rollers.w,
+        rollers.columns,
+        rollers.turn_kick,
+        scratch.torque,
     )
     for j in range(rollers.n):  # the internal forces' second-order torque is taken back at the next kick
         rollers.turn_kick[j] = -scratch.torque[j] / rollers.inertia
@@ -102,7 +109,7 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     return work_load, work_drive, dissipated
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def drift(rollers, inner, outer, drive, scratch):
     """Advance all positions by one step."""
     dt = drive.dt
@@ -116,8 +123,17 @@ def drift(rollers, inner, outer, drive, scratch):
         rollers.centre[j, 0] += dt * rollers.velocity[j, 0]
         rollers.centre[j, 1] += dt * rollers.velocity[j, 1]
     disc_kernels.drift(
-        rollers.points, rollers.mass, rollers.u, rollers.w, rollers.columns, dt,
-        scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1], scratch.torque,
+        rollers.points,
+        rollers.mass,
+        rollers.u,
+        rollers.w,
+        rollers.columns,
+        dt,
+        scratch.cosine,
+        scratch.sine,
+        scratch.shift[0],
+        scratch.shift[1],
+        scratch.torque,
     )
     for j in range(rollers.n):
         rollers.turn[j] += rollers.increment[j]
@@ -143,7 +159,7 @@ def drift(rollers, inner, outer, drive, scratch):
     ring_kernels.set_rigid(inner.u[inner.held, 0], inner.u[inner.held, 1], inner.cosines, inner.sines, x, y)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@kernel(nogil=True)
 def advance(rollers, inner, outer, contacts, drive, scratch, first_step, stride, samples):
     """Fill `samples`, one row each `stride` steps, starting with the state as it is; leaves the state after them.
 
@@ -169,7 +185,7 @@ def advance(rollers, inner, outer, contacts, drive, scratch, first_step, stride,
     return DONE, step, -2
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _lost(rollers, drive):
     """The first body whose velocity is not a number or absurd, or −2."""
     if not abs(drive.velocity[0]) + abs(drive.velocity[1]) < FASTEST:
@@ -180,7 +196,7 @@ def _lost(rollers, drive):
     return -2
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _remember(rollers, inner, outer, drive, scratch):
     scratch.rollers_w[:] = rollers.w
     scratch.rollers_velocity[:] = rollers.velocity
@@ -189,7 +205,7 @@ def _remember(rollers, inner, outer, drive, scratch):
     scratch.hub_velocity[:] = drive.velocity
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _sample(rollers, inner, outer, contacts, drive, scratch, out, time, load, work, friction):
     """Everything a sample stores, at the instant of the kick just made; half of its works belong to it."""
     before, after, dt = scratch.hub_velocity, drive.velocity, drive.dt
@@ -219,7 +235,7 @@ def _sample(rollers, inner, outer, contacts, drive, scratch, out, time, load, wo
             out[at + (7 + kind) * n] = contacts.traction[kind, j]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _kinetic(rollers, inner, outer, drive, scratch):
     """½ v(t − dt/2)·M·v(t + dt/2): with ½ uᵀKu the energy leapfrog conserves exactly."""
     total = 0.0
@@ -244,7 +260,7 @@ def _kinetic(rollers, inner, outer, drive, scratch):
     return 0.5 * total
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _ring_kinetic(ring, before):
     total = 0.0
     for row in range(ring.first_row, ring.last_row):
@@ -256,7 +272,7 @@ def _ring_kinetic(ring, before):
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _elastic(rollers, inner, outer, drive, scratch):
     """Energy ½ uᵀKu of all bodies, J, and the moment Σ u x f that the inner ring's turning frame exerts, N m."""
     total = 0.0
@@ -265,8 +281,16 @@ def _elastic(rollers, inner, outer, drive, scratch):
     scratch.rollers_w[:] = 0.0
     scratch.still[:] = 0.0
     disc_kernels.kick(
-        rollers.starts, rollers.neighbours, rollers.blocks, rollers.points, rollers.mass,
-        rollers.u, scratch.rollers_w, columns, scratch.still, scratch.torque,
+        rollers.starts,
+        rollers.neighbours,
+        rollers.blocks,
+        rollers.points,
+        rollers.mass,
+        rollers.u,
+        scratch.rollers_w,
+        columns,
+        scratch.still,
+        scratch.torque,
     )
     for i in range(rollers.mass.size):
         for component in range(2):
@@ -293,7 +317,7 @@ def _elastic(rollers, inner, outer, drive, scratch):
     return 0.5 * total, moment
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _contact_energy(contacts, n):
     """Energy below the grid of all contacts, J; the ripples' share is ½·ripple·Q²."""
     total = 0.0
@@ -305,7 +329,7 @@ def _contact_energy(contacts, n):
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _weighted_height(rollers, inner, outer, drive):
     """Σ m y of all that moves, kg m."""
     total = (drive.mass - inner.n_sectors * inner.row_mass[inner.held]) * drive.hub[1]
@@ -315,7 +339,7 @@ def _weighted_height(rollers, inner, outer, drive):
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def _ring_height(ring, c, s):
     total = 0.0
     for row in range(ring.radii.size):

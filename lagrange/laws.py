@@ -42,8 +42,12 @@ def harris(roller_length: float) -> PowerLaw:
     """
     exponent = 10.0 / 9.0
     in_mm = 7.86e4 * (1e3 * roller_length) ** STEEL_LENGTH_EXPONENT
-    return PowerLaw(name="harris", stiffness=_from_millimetres(in_mm, exponent), exponent=exponent,
-                    source="Harris, Rolling Bearing Analysis, Q = 7.86e4 L^(8/9) δ^(10/9)")
+    return PowerLaw(
+        name="harris",
+        stiffness=_from_millimetres(in_mm, exponent),
+        exponent=exponent,
+        source="Harris, Rolling Bearing Analysis, Q = 7.86e4 L^(8/9) δ^(10/9)",
+    )
 
 
 def palmgren(roller_length: float) -> PowerLaw:
@@ -53,8 +57,12 @@ def palmgren(roller_length: float) -> PowerLaw:
     """
     exponent = 1.0 / 0.9
     in_mm = ((1e3 * roller_length) ** 0.8 / 3.84e-5) ** exponent
-    return PowerLaw(name="palmgren", stiffness=_from_millimetres(in_mm, exponent), exponent=exponent,
-                    source="Palmgren 1959, δ = 3.84e-5 Q^0.9 / L^0.8")
+    return PowerLaw(
+        name="palmgren",
+        stiffness=_from_millimetres(in_mm, exponent),
+        exponent=exponent,
+        source="Palmgren 1959, δ = 3.84e-5 Q^0.9 / L^0.8",
+    )
 
 
 def iso16281(roller_length: float) -> PowerLaw:
@@ -64,8 +72,12 @@ def iso16281(roller_length: float) -> PowerLaw:
     """
     exponent = 10.0 / 9.0
     in_mm = 35948.0 * 2.0**exponent * (1e3 * roller_length) ** STEEL_LENGTH_EXPONENT
-    return PowerLaw(name="iso16281", stiffness=_from_millimetres(in_mm, exponent), exponent=exponent,
-                    source="ISO/TS 16281, Q = 35948 L^(8/9) δ^(10/9) for both contacts together")
+    return PowerLaw(
+        name="iso16281",
+        stiffness=_from_millimetres(in_mm, exponent),
+        exponent=exponent,
+        source="ISO/TS 16281, Q = 35948 L^(8/9) δ^(10/9) for both contacts together",
+    )
 
 
 LAWS = {"harris": harris, "palmgren": palmgren, "iso16281": iso16281}

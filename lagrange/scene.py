@@ -39,9 +39,13 @@ class BearingTable(_Table):
     def _fits_together(self):
         roller, inner, outer = self.roller_diameter_mm, self.inner_raceway_diameter_mm, self.outer_raceway_diameter_mm
         if self.bore_diameter_mm >= inner:
-            raise ValueError(f"bore_diameter_mm = {self.bore_diameter_mm} must be below inner_raceway_diameter_mm = {inner}")
+            raise ValueError(
+                f"bore_diameter_mm = {self.bore_diameter_mm} must be below inner_raceway_diameter_mm = {inner}"
+            )
         if self.outside_diameter_mm <= outer:
-            raise ValueError(f"outside_diameter_mm = {self.outside_diameter_mm} must be above outer_raceway_diameter_mm = {outer}")
+            raise ValueError(
+                f"outside_diameter_mm = {self.outside_diameter_mm} must be above outer_raceway_diameter_mm = {outer}"
+            )
         clearance = outer - inner - 2.0 * roller
         if clearance < -0.005 * roller:
             raise ValueError(
@@ -58,8 +62,8 @@ class BearingTable(_Table):
         if room <= roller:
             most = int(pi / asin(roller / pitch)) if roller < pitch else 1
             raise ValueError(
-                f"rollers = {self.rollers} of roller_diameter_mm = {roller} do not fit on the pitch circle of {pitch:g} mm; "
-                f"at most {most}"
+                f"rollers = {self.rollers} of roller_diameter_mm = {roller} do not fit on the pitch circle of "
+                f"{pitch:g} mm; at most {most}"
             )
         return self
 

@@ -65,9 +65,7 @@ def write(path: Path, mesh: Mesh) -> None:
     try:
         points = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
         tags = [np.ones(len(mesh.cells), dtype=np.int32)]
-        whole = meshio.Mesh(
-            points, [(kind, mesh.cells)], cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags}
-        )
+        whole = meshio.Mesh(points, [(kind, mesh.cells)], cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags})
         meshio.write(temporary, whole, file_format="gmsh22", binary=False)
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)

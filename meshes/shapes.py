@@ -1,4 +1,4 @@
-"""gmsh makes the cross-sections: a disc of near-equilateral triangles, an annulus of equal sectors of quadrilaterals."""
+"""gmsh makes the cross-sections: a disc of near-equilateral triangles, an annulus of equal sectors of quads."""
 
 from dataclasses import dataclass
 from math import cos, pi, sin

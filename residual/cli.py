@@ -40,18 +40,12 @@ def _command(
     ] = None,
     /,
     *,
-    output: Annotated[
-        Path | None, Parameter(help="report folder; default: <run>-residual beside the run")
-    ] = None,
+    output: Annotated[Path | None, Parameter(help="report folder; default: <run>-residual beside the run")] = None,
     scene: Annotated[Path | None, Parameter(help="scene file (TOML); needed for a table")] = None,
     law: Annotated[str, Parameter(help="contact law: harris, palmgren, iso16281")] = "harris",
-    start: Annotated[
-        float | None, Parameter(help="milliseconds to skip; default: the load ramp, if any")
-    ] = None,
+    start: Annotated[float | None, Parameter(help="milliseconds to skip; default: the load ramp, if any")] = None,
     order: Annotated[Literal[4, 6, 8], Parameter(help="order of the differentiation")] = 6,
-    tolerance: Annotated[
-        float | None, Parameter(help="newtons rms; exit 1 if either error exceeds it")
-    ] = None,
+    tolerance: Annotated[float | None, Parameter(help="newtons rms; exit 1 if either error exceeds it")] = None,
     quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
 ) -> int:
     from lagrange.laws import LAWS
@@ -136,8 +130,7 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None) -> None:
     for axis in "xy":
         peaks = getattr(evaluation, f"peaks_{axis}")[:4]
         named = [
-            f"{text(p.frequency)} Hz ({p.line or 'no line'}{'' if p.resolved else ', not resolved'})"
-            for p in peaks
+            f"{text(p.frequency)} Hz ({p.line or 'no line'}{'' if p.resolved else ', not resolved'})" for p in peaks
         ]
         console.print(f"Peaks of error_{axis}: {'; '.join(named) or 'none stands out'}", soft_wrap=True)
     console.print(verdict(evaluation, tolerance), soft_wrap=True)

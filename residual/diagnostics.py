@@ -88,13 +88,9 @@ def roller_loads(evaluation: Evaluation, folder: Path) -> Drawn:
     figure, axes = panels(1, 3.8)
     axis = axes[0]
     style = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
-    axis.plot(
-        angle.ravel(), budget.law_force[rows].ravel(), color=RED, label=f"law: {evaluation.law.name}", **style
-    )
+    axis.plot(angle.ravel(), budget.law_force[rows].ravel(), color=RED, label=f"law: {evaluation.law.name}", **style)
     if t.inner_force is not None:
-        axis.plot(
-            angle.ravel(), t.inner_force[rows].ravel(), color=BLUE, label="run's own contact force", **style
-        )
+        axis.plot(angle.ravel(), t.inner_force[rows].ravel(), color=BLUE, label="run's own contact force", **style)
     axis.set(xlabel="roller's angle from the load line, degrees", ylabel="inner contact force, N")
     axis.set_xlim(-180.0, 180.0)
     axis.set_xticks(np.arange(-180, 181, 45))
@@ -130,9 +126,7 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> Drawn:
     axes[1].plot(1e3 * t.time, 1e6 * imbalance, color="black")
     axes[1].set(xlabel="time, ms", ylabel="imbalance, µJ")
     share = (
-        f"; at most {100 * np.max(np.abs(imbalance)) / scale:.2g} % of the mean elastic energy"
-        if scale > 0.0
-        else ""
+        f"; at most {100 * np.max(np.abs(imbalance)) / scale:.2g} % of the mean elastic energy" if scale > 0.0 else ""
     )
     caption = (
         "Energies and works since the first sample shown. Imbalance: kinetic + elastic + contact − "

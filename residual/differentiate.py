@@ -83,9 +83,7 @@ def derivative(record, interval: float, derivative: int = 2, order: int = 6) -> 
     weights = stencil(order, derivative)
     n_times, half = record.shape[0], order // 2
     if n_times < order + 1:
-        raise ValueError(
-            f"{n_times} samples are too few for a stencil of order {order}: at least {order + 1}"
-        )
+        raise ValueError(f"{n_times} samples are too few for a stencil of order {order}: at least {order + 1}")
     motion = record - record.mean(axis=0)
     result = np.zeros_like(motion)
     inner = result[half : n_times - half]

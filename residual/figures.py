@@ -112,9 +112,7 @@ def error_signal(evaluation: Evaluation, folder: Path, axis_name: str) -> Drawn:
     if axis_name == "x":
         name, number, value, level = "fig08", "22", budget.error_x, 0.0
         label, title = "left side of (22), N", "Fig. 8: error force in x"
-        caption = (
-            "Left side of equation (22): 0 N for a perfect model (dashed). Paper: within ±3000 N around 0."
-        )
+        caption = "Left side of equation (22): 0 N for a perfect model (dashed). Paper: within ±3000 N around 0."
     else:
         name, number, value, level = "fig09", "23", load - budget.error_y, load
         label, title = "−(left side of (23)), N", "Fig. 9: error force in y"
@@ -125,9 +123,7 @@ def error_signal(evaluation: Evaluation, folder: Path, axis_name: str) -> Drawn:
         )
     figure, axes = panels(1, 3.4)
     axes[0].plot(1e3 * t.time, value, color=BLUE, linewidth=0.9, label=f"equation ({number})")
-    axes[0].axhline(
-        level, color="black", linewidth=1.1, linestyle=(0, (5, 3)), label=f"perfect model: {level:g} N"
-    )
+    axes[0].axhline(level, color="black", linewidth=1.1, linestyle=(0, (5, 3)), label=f"perfect model: {level:g} N")
     mean = float(np.mean(value))
     axes[0].axhline(mean, color=RED, linewidth=1.1, label=f"mean: {mean:.4g} N")
     axes[0].set(xlabel="time, ms", ylabel=label)

@@ -57,8 +57,7 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
         ("Operation", f"{text(scene.operation.speed_rpm)} rpm, {text(operation.radial_load)} N along −y"),
         (
             "Record",
-            f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from "
-            f"{text(1e3 * evaluation.start)} ms",
+            f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from {text(1e3 * evaluation.start)} ms",
         ),
         ("Contact law", f"{evaluation.law.name}: {evaluation.law.source}"),
         ("Loaded rollers", f"{low} to {high}"),

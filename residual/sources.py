@@ -36,9 +36,7 @@ def read_result(path: str | Path) -> Trajectory:
         raise InputError(str(error)) from None
     except (OSError, RuntimeError, KeyError, UnicodeDecodeError) as error:
         reason = str(error).strip("'\"").splitlines()[0]
-        raise InputError(
-            f"{path}: damaged or truncated HDF5 file ({reason}); run the simulation again"
-        ) from None
+        raise InputError(f"{path}: damaged or truncated HDF5 file ({reason}); run the simulation again") from None
 
 
 def _from_file(path: Path, file) -> Trajectory:
@@ -51,8 +49,7 @@ def _from_file(path: Path, file) -> Trajectory:
     version = attributes.get("format_version")
     if version != FORMAT_VERSION:
         raise InputError(
-            f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching "
-            "versions"
+            f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
         )
     scene = parse_scene_text(str(attributes["scene"]), f"{path}, attribute scene")
     missing = [name for name in MOTION if name not in file]
@@ -60,13 +57,9 @@ def _from_file(path: Path, file) -> Trajectory:
         raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file of run-fem?")
     n = attributes["committed_samples"]
     if not isinstance(n, int) or n < 0:
-        raise InputError(
-            f"{path}: committed_samples = {n!r} must be a whole number >= 0; the file is damaged"
-        )
+        raise InputError(f"{path}: committed_samples = {n!r} must be a whole number >= 0; the file is damaged")
     if n < FEWEST_SAMPLES:
-        raise InputError(
-            f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer"
-        )
+        raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
     names = [name for name in (*MOTION, *OPTIONAL, *ENERGIES) if name in file]
     _check_datasets(path, file, names, n, scene)
     arrays = {name: file[name][:n].astype(float) for name in names}
@@ -98,9 +91,7 @@ def _check_datasets(path: Path, file, names: list[str], n: int, scene: Scene) ->
                 f"{path}: {name} has shape {data.shape} but {n} samples are committed; the file is truncated"
             )
         if data.ndim == 2 and data.shape[1] != scene.bearing.rollers:
-            raise InputError(
-                f"{path}: {name} holds {data.shape[1]} rollers, its scene says {scene.bearing.rollers}"
-            )
+            raise InputError(f"{path}: {name} holds {data.shape[1]} rollers, its scene says {scene.bearing.rollers}")
         size += 8 * n * (data.shape[1] if data.ndim == 2 else 1)
     if size > LARGEST_READ:
         raise InputError(
@@ -132,9 +123,7 @@ def read_table(path: str | Path, scene: Scene) -> Trajectory:
             _check_header(path, header, wanted, n_rollers)
             table = np.loadtxt(lines, delimiter=",", usecols=[header.index(name) for name in wanted], ndmin=2)
     except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: neither an HDF5 result file nor a text table (byte {error.start})"
-        ) from None
+        raise InputError(f"{path}: neither an HDF5 result file nor a text table (byte {error.start})") from None
     except (ValueError, csv.Error) as error:
         if isinstance(error, InputError):
             raise
@@ -178,9 +167,7 @@ def is_result(path: Path) -> bool:
 def _check_readable(path: Path) -> None:
     """The commonest mistakes, said plainly."""
     if not path.exists():
-        raise InputError(
-            f"{path}: no such file; give the path of a result file or a table, or run run-fem first"
-        )
+        raise InputError(f"{path}: no such file; give the path of a result file or a table, or run run-fem first")
     if not path.is_file():
         raise InputError(f"{path}: not a file; give the path of a result file or a table")
     if path.stat().st_size == 0:

@@ -69,9 +69,7 @@ def check_replaceable(folder: Path) -> None:
     except (OSError, ValueError, AttributeError):
         known = False
     if not known:
-        raise InputError(
-            f"{folder}: not empty and no report of {PROGRAM}; choose another --output or empty it"
-        )
+        raise InputError(f"{folder}: not empty and no report of {PROGRAM}; choose another --output or empty it")
     foreign = sorted(n for n in names - OURS if not n.endswith((".png", ".svg")))
     if foreign:
         raise InputError(

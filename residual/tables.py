@@ -82,8 +82,7 @@ def budget_rows(evaluation: Evaluation) -> list[list[str]]:
 def peak_rows(peaks: list[Peak]) -> list[list[str]]:
     """Frequency, density, rms, line, resolved."""
     return [
-        [text(p.frequency), text(p.psd, 3), text(p.rms, 3), p.line or "-", "yes" if p.resolved else "no"]
-        for p in peaks
+        [text(p.frequency), text(p.psd, 3), text(p.rms, 3), p.line or "-", "yes" if p.resolved else "no"] for p in peaks
     ]
 
 
@@ -136,11 +135,7 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
     notes = list(evaluation.notes)
     notes.append(
         f"Frequency resolution Δf = {text(spectrum.resolution)} Hz"
-        + (
-            f", {spectrum.segments} averaged segments"
-            if spectrum.segments > 1
-            else ", the whole record as one"
-        )
+        + (f", {spectrum.segments} averaged segments" if spectrum.segments > 1 else ", the whole record as one")
         + f"; with the Hann window, lines nearer than {text(reach, 3)} Hz merge."
     )
     if reach > PAPER_PEAK:

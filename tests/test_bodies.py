@@ -199,9 +199,7 @@ def kick_disc(body, u, w, dt, turn_kick):
     scaled = np.ascontiguousarray(-dt * blocks / body.mass[rows][:, None, None]).ravel()
     flat_u, flat_w, torque = u.ravel().copy(), w.ravel().copy(), np.zeros(u.shape[2])
     points = np.ascontiguousarray(body.points).ravel()
-    disc_kernels.kick(
-        starts, neighbours, scaled, points, body.mass, flat_u, flat_w, u.shape[2], turn_kick, torque
-    )
+    disc_kernels.kick(starts, neighbours, scaled, points, body.mass, flat_u, flat_w, u.shape[2], turn_kick, torque)
     return flat_w.reshape(u.shape), torque
 
 
@@ -234,9 +232,7 @@ def test_disc_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     wanted_u = np.einsum("ab,nbc->nac", back, position) - body.points[:, :, None]
     np.testing.assert_allclose(flat_u.reshape(u.shape), wanted_u, rtol=0.0, atol=1e-15 * RADIUS * 4)
     np.testing.assert_allclose(flat_w.reshape(u.shape), np.einsum("ab,nbc->nac", back, rate), rtol=0.0, atol=1e-14)
-    lead = np.einsum(
-        "n,nc->c", body.mass, body.points[:, :1] * wanted_u[:, 1] - body.points[:, 1:] * wanted_u[:, 0]
-    )
+    lead = np.einsum("n,nc->c", body.mass, body.points[:, :1] * wanted_u[:, 1] - body.points[:, 1:] * wanted_u[:, 0])
     np.testing.assert_allclose(moment, lead, rtol=1e-9, atol=1e-12 * np.abs(lead).max())
 
 

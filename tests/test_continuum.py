@@ -43,9 +43,7 @@ class PolarNavier:
     def series(self, r, derivative):
         x = (2.0 * r - self.inner - self.outer) / (self.outer - self.inner)
         basis = (
-            chebyshev.chebder(np.eye(self.degree + 1), derivative, axis=0)
-            if derivative
-            else np.eye(self.degree + 1)
+            chebyshev.chebder(np.eye(self.degree + 1), derivative, axis=0) if derivative else np.eye(self.degree + 1)
         )
         return chebyshev.chebval(x, basis).T * (2.0 / (self.outer - self.inner)) ** derivative
 
@@ -71,14 +69,11 @@ class PolarNavier:
     def solve(self, conditions, force=(0.0, 0.0)):
         """Coefficients of div σ + force = 0, collocated, with row @ coefficients = value per condition."""
         points = (
-            0.5 * (self.inner + self.outer)
-            + 0.5 * (self.outer - self.inner) * legendre.leggauss(self.degree + 1)[0]
+            0.5 * (self.inner + self.outer) + 0.5 * (self.outer - self.inner) * legendre.leggauss(self.degree + 1)[0]
         )
         *_, navier_r, navier_t = self.blocks(points)
         rows = np.vstack((navier_r, navier_t, *(row.reshape(1, -1) for row, _ in conditions)))
-        values = np.concatenate(
-            (-force[0] * points**2, -force[1] * points**2, [value for _, value in conditions])
-        )
+        values = np.concatenate((-force[0] * points**2, -force[1] * points**2, [value for _, value in conditions]))
         scale = np.linalg.norm(rows, axis=1)
         scale[scale == 0.0] = 1.0
         coefficients = np.linalg.lstsq(rows / scale[:, None], values / scale, rcond=1e-14)[0]
@@ -222,9 +217,7 @@ def test_squeezed_disc_is_johnsons(half_width):
     bracket = 2.0 * log(4.0 / beta) - 1.0
     approach = disc_hertz_approach(ROLLER, STEEL, half_width) * pi * STEEL.plane_strain_modulus
     assert approach == pytest.approx(bracket, rel=0.05 * beta)
-    assert approach - bracket == pytest.approx(
-        4.0 / 3.0 * gamma * beta, abs=0.5 * beta**2 * log(1.0 / beta) + 1e-8
-    )
+    assert approach - bracket == pytest.approx(4.0 / 3.0 * gamma * beta, abs=0.5 * beta**2 * log(1.0 / beta) + 1e-8)
 
 
 def hertz_density(s):
@@ -237,9 +230,7 @@ def spline_density(s):
     return 2.0 * np.where(x < 1.0, 2.0 / 3.0 - x**2 + 0.5 * x**3, (2.0 - x) ** 3 / 6.0)
 
 
-@pytest.mark.parametrize(
-    ("patch", "density"), [(hertz_patch, hertz_density), (cubic_bspline_patch, spline_density)]
-)
+@pytest.mark.parametrize(("patch", "density"), [(hertz_patch, hertz_density), (cubic_bspline_patch, spline_density)])
 def test_patch_transform_is_the_density_integrated(patch, density):
     n, a, radius = np.array([0, 1, 10, 100, 1000]), 3e-4, 0.018
     angle = (np.arange(20_000) + 0.5) * pi / 20_000
@@ -288,9 +279,7 @@ def test_advised_number_of_harmonics_suffices_and_fewer_are_refused():
 
     def hertz_centre(n_harmonics, b=5e-5, radius=0.018):
         n = np.arange(n_harmonics)
-        return patch_displacement(
-            ring_compliance(n, 0.018, 0.0125, STEEL), hertz_patch(n, b, radius), 1.0, radius
-        )
+        return patch_displacement(ring_compliance(n, 0.018, 0.0125, STEEL), hertz_patch(n, b, radius), 1.0, radius)
 
     assert spline_mean(15 * 18) == pytest.approx(spline_mean(10_000), rel=1e-5)
     assert hertz_centre(150 * 360) == pytest.approx(ring_hertz_approach(*INNER, STEEL, 5e-5), rel=1e-5)

@@ -144,11 +144,9 @@ def test_leapfrog_is_stable_just_below_it_and_blows_up_just_above(which):
         inside = which == "inner ring"
         body = ring(0.0125, 0.018, 56, 3, True) if inside else ring(0.028, 0.0325, 88, 2, False)
         limit, leapfrog = 2.0 / np.sqrt(dense_ring(body)), leapfrog_ring
-    # at ω dt = 2·0.98 a mode is amplified at most 1/sqrt(1 − 0.98²) = 5 times, at any number of steps; the disc also
-    # drifts along with its first velocity, which is no more than that of the fastest mode
-    assert leapfrog(body, 0.98 * limit, 4000) < 60.0
-    # at 1.02 it grows by exp(2 arccosh 1.02) = 1.49 a step
-    assert leapfrog(body, 1.02 * limit, 200) > 1e20
-    assert leapfrog(body, 1.02 * limit, 250) / leapfrog(body, 1.02 * limit, 200) == pytest.approx(
-        np.exp(2.0 * np.arccosh(1.02) * 50), rel=0.1
-    )
+    # at ω dt = 2·0.98 a mode is amplified at most 1/sqrt(1 − 0.98²) = 5 times, at any number of steps
+    assert leapfrog(body, 0.98 * limit, 4000) < 20.0
+    # at ω dt = 2·1.02 it grows by exp(2 arcosh 1.02) = 1.49 a step; modes just below it still count
+    growth = np.log([leapfrog(body, 1.02 * limit, n_steps) for n_steps in (200, 250)])
+    assert growth[0] > 40.0
+    assert np.diff(growth)[0] / 50 == pytest.approx(2.0 * np.arccosh(1.02), rel=0.02)

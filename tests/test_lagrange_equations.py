@@ -63,9 +63,7 @@ def test_resultant_is_minus_the_gradient_of_the_potential():
     roller_x, roller_y = (rho * np.cos(theta))[None], (rho * np.sin(theta))[None]
 
     def energy(x, y):
-        return LAW.potential(
-            approaches(BEARING, np.array([x]), np.array([y]), roller_x, roller_y).inner
-        ).sum()
+        return LAW.potential(approaches(BEARING, np.array([x]), np.array([y]), roller_x, roller_y).inner).sum()
 
     x, y, step = 1e-6, -4e-6, 1e-10
     state = approaches(BEARING, np.array([x]), np.array([y]), roller_x, roller_y)
@@ -86,9 +84,7 @@ def static_bearing(first_angle):
         radial = state.inner - state.outer  # both contacts of a massless roller carry the same
         return np.concatenate([error_x / 1e3, error_y / 1e3, radial[0] * 1e6])
 
-    q, _, status, message = fsolve(
-        unbalance, np.r_[0.1, -4.0, -2.0 * np.sin(theta)], full_output=True, xtol=1e-13
-    )
+    q, _, status, message = fsolve(unbalance, np.r_[0.1, -4.0, -2.0 * np.sin(theta)], full_output=True, xtol=1e-13)
     assert status == 1, message
     x, y, rho = q[:1] * 1e-6, q[1:2] * 1e-6, 0.023 + q[2:] * 1e-6
     return x, y, (rho * np.cos(theta))[None], (rho * np.sin(theta))[None]
@@ -117,9 +113,7 @@ def test_static_bearing_carries_the_load_without_error(first_angle, loads):
 
 def test_errors_have_the_signs_of_equations_22_and_23():
     operation = Operation(speed=0.0, radial_load=100.0, inner_mass=2.0, gravity=10.0, first_roller_angle=0.0)
-    error_x, error_y = error_forces(
-        operation, np.array([3.0]), np.array([4.0]), np.array([5.0]), np.array([7.0])
-    )
+    error_x, error_y = error_forces(operation, np.array([3.0]), np.array([4.0]), np.array([5.0]), np.array([7.0]))
     assert error_x[0] == 2 * 3 - 5
     assert error_y[0] == 2 * 4 + 2 * 10 - 7 + 100
     lifted = error_forces(operation, 0.0, 0.0, 0.0, np.array([120.0]))[1]  # contacts carry load and weight

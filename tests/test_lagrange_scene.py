@@ -39,9 +39,7 @@ def test_round_trip_keeps_every_value():
 
 
 def test_override_of_one_body_leaves_the_others():
-    scene = parse_scene(
-        {"material": {"youngs_modulus_GPa": 200.0, "roller": {"youngs_modulus_GPa": 310.0}}}, "t"
-    )
+    scene = parse_scene({"material": {"youngs_modulus_GPa": 200.0, "roller": {"youngs_modulus_GPa": 310.0}}}, "t")
     bearing = scene.ideal_bearing()
     assert (bearing.roller.youngs_modulus, bearing.inner_ring.youngs_modulus) == (310e9, 200e9)
     assert bearing.roller.poisson_ratio == 0.3
@@ -85,9 +83,7 @@ def test_faults_name_file_key_value_and_limit(text, words):
 
 
 def test_all_faults_are_told_at_once():
-    message = fault(
-        "[operation]\nspeed_rmp = 1.0\nradial_load_N = -5.0\n[contact]\nfriction_coefficient = 2.0"
-    )
+    message = fault("[operation]\nspeed_rmp = 1.0\nradial_load_N = -5.0\n[contact]\nfriction_coefficient = 2.0")
     assert len(message.splitlines()) == 3
     for word in ("speed_rmp", "radial_load_N = -5.0", "friction_coefficient = 2.0"):
         assert word in message
@@ -98,9 +94,7 @@ def test_override_on_the_command_line():
     assert (scene.operation.speed_rpm, scene.name, scene.bearing.rollers) == (3000.0, "fast", 12)
 
 
-@pytest.mark.parametrize(
-    "override", ["speed", "=3", "operation.=3", "name.first=1", "operation.speed_rpm=fast"]
-)
+@pytest.mark.parametrize("override", ["speed", "=3", "operation.=3", "name.first=1", "operation.speed_rpm=fast"])
 def test_bad_overrides_are_refused(override):
     with pytest.raises(SceneError, match=r"--set|name|speed_rpm"):
         read_scene(None, ("name=x", override))

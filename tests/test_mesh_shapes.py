@@ -56,7 +56,9 @@ def test_a_ring_has_equal_sectors_and_equidistant_rows(ring):
     wanted = np.linspace(ring.inner_radius, ring.outer_radius, ring.layers + 1)
     np.testing.assert_allclose(radii, np.repeat(wanted[:, None], ring.sectors, axis=1), rtol=4e-15)
     angles = np.unwrap(np.arctan2(rows[..., 1], rows[..., 0]), axis=1)
-    np.testing.assert_allclose(angles, np.tile(2.0 * pi * np.arange(ring.sectors) / ring.sectors, (len(rows), 1)), atol=1e-13)
+    np.testing.assert_allclose(
+        angles, np.tile(2.0 * pi * np.arange(ring.sectors) / ring.sectors, (len(rows), 1)), atol=1e-13
+    )
 
 
 @pytest.mark.parametrize("shape", DISCS + RINGS)
@@ -135,7 +137,11 @@ def test_a_bearings_shapes_have_the_surface_spacing_asked_for(size_mm):
     ):
         assert 2.0 * pi * raceway / ring.sectors == pytest.approx(size, rel=4.0 / ring.sectors + 0.01)
         assert (ring.outer_radius - ring.inner_radius) / ring.layers == pytest.approx(size, rel=0.2)
-    assert (shapes.inner_ring.inner_radius, shapes.inner_ring.outer_radius) == (bearing.bore_radius, bearing.inner_raceway_radius)
+    assert (shapes.inner_ring.inner_radius, shapes.inner_ring.outer_radius) == (
+        bearing.bore_radius,
+        bearing.inner_raceway_radius,
+    )
     assert (shapes.outer_ring.inner_radius, shapes.outer_ring.outer_radius) == (
-        bearing.outer_raceway_radius, bearing.outside_radius,
+        bearing.outer_raceway_radius,
+        bearing.outside_radius,
     )

@@ -1,4 +1,4 @@
-"""Fields recovered from a result file: against the equilibrium they came from, the stored energy, and by hand."""
+"""Fields recovered from a result file: against the equilibrium they came from and the stored energy."""
 
 import shutil
 from math import pi, sqrt
@@ -24,7 +24,16 @@ STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 def static_run(tmp_path_factory):
     """Static equilibrium of the paper's bearing at 2 mm, turning at 4500 rpm without friction."""
     path = tmp_path_factory.mktemp("static") / "static.nc"
-    wanted = ["--mesh-size", "2", "--duration", "0", "--set", "contact.friction_coefficient=0", "--output", str(path)]
+    wanted = [
+        "--mesh-size",
+        "2",
+        "--duration",
+        "0",
+        "--set",
+        "contact.friction_coefficient=0",
+        "--output",
+        str(path),
+    ]
     assert run_main([*wanted, "--quiet"]) == 0
     return path
 
@@ -40,7 +49,11 @@ def test_fields_are_those_of_the_equilibrium_the_run_started_from(static, field)
     motion, _ = rolling_motion(static.model, operation, 0.0)
     wanted = getattr(
         static_equilibrium(
-            static.model, motion, operation.radial_load, operation.inner_mass * operation.gravity, operation.gravity
+            static.model,
+            motion,
+            operation.radial_load,
+            operation.inner_mass * operation.gravity,
+            operation.gravity,
         ),
         field,
     )
@@ -119,7 +132,8 @@ def test_rollers_pressed_together_are_squeezed_along_their_line_of_centres(coars
 
 
 @pytest.mark.parametrize(
-    "shape", [Disc(radius=5e-3, layers=3), Annulus(inner_radius=12.5e-3, outer_radius=18e-3, sectors=56, layers=3)]
+    "shape",
+    [Disc(radius=5e-3, layers=3), Annulus(inner_radius=12.5e-3, outer_radius=18e-3, sectors=56, layers=3)],
 )
 @pytest.mark.parametrize(
     "gradient, stress",
@@ -180,9 +194,15 @@ def test_unusable_files_are_named(coarse_run, tmp_path):
     "damage, words",
     [
         (lambda file: file.attrs.update(committed_samples=0), "holds no sample yet"),
-        (lambda file: file.attrs.update(committed_samples=10**6), "1000000 samples are promised, 401 are there"),
+        (
+            lambda file: file.attrs.update(committed_samples=10**6),
+            "1000000 samples are promised, 401 are there",
+        ),
         (lambda file: file.pop("outer_force"), "outer_force"),
-        (lambda file: file["inner_force"].write_direct(np.full(file["inner_force"].shape, np.nan)), "not finite"),
+        (
+            lambda file: file["inner_force"].write_direct(np.full(file["inner_force"].shape, np.nan)),
+            "not finite",
+        ),
         (lambda file: file.attrs.update(scene="[bearing]\nrollers = 9\n"), "9 rollers"),
     ],
 )

@@ -102,9 +102,7 @@ def test_injected_force_is_found_in_the_momentum_balance(tmp_path):
 def test_without_forces_the_error_has_no_terms(tmp_path):
     run = make_run(n_times=501)
     variables = {
-        k: v
-        for k, v in run_variables(run).items()
-        if k in ("time", "inner_x", "inner_y", "roller_x", "roller_y")
+        k: v for k, v in run_variables(run).items() if k in ("time", "inner_x", "inner_y", "roller_x", "roller_y")
     }
     budget = evaluate(read_result(write_result(tmp_path / "n.nc", run, variables))).budget
     assert budget.terms_x == {} and budget.momentum_x is None

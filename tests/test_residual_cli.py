@@ -101,9 +101,7 @@ def test_residual_file_opens_in_xarray_by_netcdf(result, tmp_path):
     xarray = pytest.importorskip("xarray")
     pytest.importorskip("netCDF4")
     assert main([str(result), "--quiet"]) == 0
-    with xarray.open_dataset(
-        tmp_path / "made-residual" / "residual.nc", engine="netcdf4", decode_times=False
-    ) as data:
+    with xarray.open_dataset(tmp_path / "made-residual" / "residual.nc", engine="netcdf4", decode_times=False) as data:
         assert data["error_x"].dims == ("time",) and data["psd_x"].dims == ("frequency",)
         assert data["psd_x"].attrs["units"] == "N2 Hz-1"
 
@@ -144,9 +142,7 @@ def test_unfinished_run_is_used_up_to_its_committed_samples(run, tmp_path, capsy
     variables = run_variables(run)
     variables["inner_x"] = variables["inner_x"].copy()
     variables["inner_x"][300:] = np.nan
-    path = write_result(
-        tmp_path / "cut.nc", run, variables, committed=300, status="failed: energy grows at step 7"
-    )
+    path = write_result(tmp_path / "cut.nc", run, variables, committed=300, status="failed: energy grows at step 7")
     assert main([str(path)]) == 0
     assert "warning" in (warned := capsys.readouterr().err) and "energy grows" in warned
     assert summary_of(tmp_path / "cut-residual")["samples"] == 300

@@ -15,12 +15,8 @@ def test_stencil_is_exact_for_polynomials_up_to_its_order(order, which):
     for power in range(order + which):
         exact = np.polynomial.polynomial.polyder([0] * power + [1], which)
         found = derivative(t**power, t[1] - t[0], which, order)
-        inner = (
-            slice(order // 2, -(order // 2)) if power > order else slice(1, -1) if power > 4 else slice(None)
-        )
-        np.testing.assert_allclose(
-            found[inner], np.polynomial.polynomial.polyval(t, exact)[inner], atol=2e-11
-        )
+        inner = slice(order // 2, -(order // 2)) if power > order else slice(1, -1) if power > 4 else slice(None)
+        np.testing.assert_allclose(found[inner], np.polynomial.polynomial.polyval(t, exact)[inner], atol=2e-11)
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -65,9 +61,7 @@ def test_response_is_the_gain_on_a_sine():
     found = derivative(record, dt, order=6)
     exact = -((2 * np.pi * frequency) ** 2) * record[3:-3]
     # the mean taken off the record does not matter: the weights add up to zero
-    np.testing.assert_allclose(
-        found[3:-3], response(frequency, dt) * exact, atol=1e-8 * np.max(np.abs(exact))
-    )
+    np.testing.assert_allclose(found[3:-3], response(frequency, dt) * exact, atol=1e-8 * np.max(np.abs(exact)))
     assert abs(1 - response(frequency, dt)) < 6e-4
 
 

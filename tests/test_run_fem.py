@@ -140,8 +140,15 @@ def test_result_file_holds_the_contract(coarse_run):
             assert file[name].ndim == len(dimensions)
             assert np.all(np.isfinite(file[name][:]))
         for attribute in (
-            "scene", "program_version", "mesh_nodes", "degrees_of_freedom", "time_step", "critical_time_step", "steps",
-            "wall_seconds", "setup_seconds",
+            "scene",
+            "program_version",
+            "mesh_nodes",
+            "degrees_of_freedom",
+            "time_step",
+            "critical_time_step",
+            "steps",
+            "wall_seconds",
+            "setup_seconds",
         ):
             assert attribute in file.attrs
         assert file["time"][1] - file["time"][0] == pytest.approx(1e-5, rel=1e-12)

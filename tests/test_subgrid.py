@@ -73,9 +73,7 @@ def test_a_squeezed_disc_has_johnsons_approach_at_every_position(layers):
 
 def test_the_calibration_holds_for_other_half_widths():
     body = disc(RADIUS, 5)
-    laws = [
-        contact_law(disc_compliance(body, LENGTH, b), RIGID, RADIUS) for b in (CALIBRATED_AT, CALIBRATED_AT / 10.0)
-    ]
+    laws = [contact_law(disc_compliance(body, LENGTH, b), RIGID, RADIUS) for b in (CALIBRATED_AT, CALIBRATED_AT / 10.0)]
     # the O(b/R) that is left out, 0.3 b/R of a bracket of about 2
     assert laws[0].B == pytest.approx(laws[1].B, abs=0.01)
     assert laws[0].A == laws[1].A == pytest.approx(2.0 / (np.pi * MODULUS * LENGTH), rel=1e-14)
@@ -122,9 +120,7 @@ def test_the_law_scales_with_modulus_and_length(factor):
     body = disc(RADIUS, 3)
     surface = disc_compliance(body, LENGTH, CALIBRATED_AT)
     soft = replace(STEEL, youngs_modulus=factor * 210e9)
-    other = disc_compliance(
-        replace(body, material=soft, stiffness=factor * body.stiffness), LENGTH, CALIBRATED_AT
-    )
+    other = disc_compliance(replace(body, material=soft, stiffness=factor * body.stiffness), LENGTH, CALIBRATED_AT)
     assert other.missing == pytest.approx(surface.missing / factor, rel=1e-9)
     assert other.unit == pytest.approx(surface.unit / factor, rel=1e-14)
     assert contact_law(other, RIGID, RADIUS).half_width_factor * factor == pytest.approx(
@@ -339,7 +335,19 @@ def test_kernels_and_matrices_use_the_same_ring_patch(angle):
 
     def read(at):
         return read_ring(
-            padded, body.raceway_row, 56, cosines, sines, np.cos(at), np.sin(at), ripples, node, weight, across, 1, slope
+            padded,
+            body.raceway_row,
+            56,
+            cosines,
+            sines,
+            np.cos(at),
+            np.sin(at),
+            ripples,
+            node,
+            weight,
+            across,
+            1,
+            slope,
         )
 
     out, side, rate, ripple, ripple_rate = read(angle)

@@ -26,7 +26,9 @@ def ring_frequency(n: int, inner: float, outer: float, low: float, high: float, 
     def determinant(omega):
         x = omega * outer / speed
         kinds = ("j", "y")
-        matrix = np.concatenate([_tractions(n, inner / outer, x, material, kinds), _tractions(n, 1.0, x, material, kinds)])
+        matrix = np.concatenate(
+            [_tractions(n, inner / outer, x, material, kinds), _tractions(n, 1.0, x, material, kinds)]
+        )
         return np.linalg.det(matrix / np.abs(matrix).max(axis=0))
 
     return brentq(determinant, low, high, rtol=1e-12)

@@ -41,6 +41,7 @@ def impact_on_rigid_flat(speed: float, radius: float, length: float, mass: float
 
     kinetic = 0.5 * mass * speed**2
     top = brentq(lambda force: energy(force) - kinetic, 1e-6, 1e6)
+
     # t = 2 ∫ dδ/v; with Q = top (1 − s²) the root at the turning point goes
     def integrand(s):
         force = top * (1.0 - s * s)

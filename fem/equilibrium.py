@@ -15,8 +15,10 @@ from fem.subgrid import disc_patch_force, ring_patch_force, ripple_at
 LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clearance); 1e-6 N per µm
 PATCH_PASSES = 3  # patches sit along the lines of centres, which the solution moves by microradians
 MAX_NEWTON = 60
+TETHER_DECADES = 9
 # contacts open and close: first solved with approaches rounded off over these lengths, then with the sharp corner
-ROUNDING = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 0.0)  # of a roller's radius
+FINE_ROUNDING = (1e-6, 1e-7, 1e-8, 1e-9)  # of a roller's radius
+ROUNDING = (1e-3, 1e-4, 1e-5, *FINE_ROUNDING)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,9 +67,8 @@ def static_equilibrium(
         unknown = np.concatenate([start.hub, start.rho, start.inner_force, start.outer_force])
     for _ in range(PATCH_PASSES):
         patches = _patches(model, motion, radial, unknown[:2], unknown[2 : 2 + n])
-        for rounding in ROUNDING if cold else ROUNDING[-1:]:
-            loads = _Loads(radial_load + weight, gravity, rounding * bearing.roller_radius)
-            unknown = _newton(model, motion, radial, patches, unknown, loads)
+        loads = _Loads(radial_load + weight, gravity, 0.0, 0.0, unknown)
+        unknown = _solve(model, motion, radial, patches, loads, cold)
         cold = False
     inner_force, outer_force = unknown[2 + n : 2 + 2 * n], unknown[2 + 2 * n :]
     inner_ring = patches.inner_growth - np.einsum("rckn,n->rck", patches.inner_response, inner_force)
@@ -86,10 +87,16 @@ def static_equilibrium(
     )
 
 
+class NotFound(RuntimeError):
+    """No static equilibrium was found."""
+
+
 class _Loads(NamedTuple):
     hub: float  # N, downwards
     gravity: float
-    rounding: float  # m
+    rounding: float  # m, of the corner where a contact opens
+    tether: float  # N/m, springs that hold hub and rollers near `anchor`
+    anchor: np.ndarray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,14 +172,52 @@ def _guess(model: Model, radial, load) -> np.ndarray:
     return np.concatenate([hub, rho, np.zeros(2 * n)])
 
 
+def _solve(model, motion, radial, patches, loads: _Loads, cold: bool) -> np.ndarray:
+    """The equilibrium, from the state `loads.anchor`: the quick ways first."""
+    system = model, motion, radial, patches
+    if not cold:
+        try:
+            return _newton(*system, loads.anchor, loads)
+        except NotFound:
+            pass  # a contact opens or closes between the anchor and here
+    try:
+        return _rounded_off(*system, loads.anchor, loads, ROUNDING if cold else FINE_ROUNDING)
+    except NotFound:
+        return _rounded_off(*system, _settled(*system, loads), loads, FINE_ROUNDING)
+
+
+def _rounded_off(model, motion, radial, patches, unknown, loads: _Loads, roundings) -> np.ndarray:
+    """The equilibrium by way of ever less rounded contacts."""
+    for rounding in roundings:
+        eased = loads._replace(rounding=rounding * model.bearing.roller_radius)
+        unknown = _newton(model, motion, radial, patches, unknown, eased)
+    return _newton(model, motion, radial, patches, unknown, loads)
+
+
+def _settled(model, motion, radial, patches, loads: _Loads) -> np.ndarray:
+    """A state near the equilibrium: pulled along by ever softer springs, as a slow motion would settle.
+
+    A hub that rests on one roller in clearance is unstable and must roll over to the next, many contact widths away.
+    """
+    unknown = loads.anchor
+    stiffest = max(loads.hub, 1.0) / (1e-6 * model.bearing.roller_radius)
+    for tether in stiffest * 10.0 ** np.arange(0.0, -TETHER_DECADES, -0.5):
+        for _ in range(3):
+            eased = loads._replace(tether=tether, rounding=1e-6 * model.bearing.roller_radius, anchor=unknown)
+            unknown = _newton(model, motion, radial, patches, unknown, eased)
+    return unknown
+
+
 def _newton(model, motion, radial, patches, unknown, loads: _Loads) -> np.ndarray:
     """Newton's method with step halving on the norm of the residual, N."""
-    scale = max(loads.hub, 1.0)
-    rough = loads.rounding > 0.0  # a stepping stone need not be exact
+    exact = loads.rounding == 0.0  # a stepping stone need not be
+    enough = 1e-10 * loads.hub + 1e-9 if exact else 1e-4 * max(loads.hub, 1.0)
+    # a roller that only a loose spring holds may flicker between touching and not
+    tolerable = 100.0 * enough + 2.0 * LOOSE_SPRING * abs(model.bearing.radial_clearance)
     residual, jacobian = _system(model, motion, radial, patches, unknown, loads)
     for _ in range(MAX_NEWTON):
         norm = np.linalg.norm(residual)
-        if norm <= (1e-4 if rough else 1e-10) * scale:
+        if norm <= enough:
             return unknown
         step = np.linalg.solve(jacobian, -residual)
         length = 1.0
@@ -182,15 +227,14 @@ def _newton(model, motion, radial, patches, unknown, loads: _Loads) -> np.ndarra
             if np.linalg.norm(found) < norm or length < 1e-6:
                 break
             length *= 0.5
-        if length < 1e-6 and (rough or norm <= 1e-8 * scale):
+        if length < 1e-6 and (not exact or norm <= tolerable):
             return unknown
         unknown, residual, jacobian = trial, found, slopes
-    if rough:
-        return unknown
-    raise RuntimeError(
-        f"static equilibrium not found: residual {np.linalg.norm(residual):.2e} N after {MAX_NEWTON} steps under "
-        f"{loads.hub:.4g} N"
-    )
+    if exact and norm > tolerable:
+        raise NotFound(
+            f"static equilibrium not found: residual {norm:.2e} N after {MAX_NEWTON} steps under {loads.hub:.4g} N"
+        )
+    return unknown
 
 
 def _system(model: Model, motion: Motion, radial, patches: _Patches, unknown, loads: _Loads):
@@ -229,6 +273,7 @@ def _system(model: Model, motion: Motion, radial, patches: _Patches, unknown, lo
         + mass * (motion.cage_speed**2 * rho - loads.gravity * radial[:, 1])
         - LOOSE_SPRING * (rho - bearing.pitch_radius)
     )
+    residual[: 2 + n] -= loads.tether * (unknown - loads.anchor)[: 2 + n]
     residual[2 + n :] = force - wanted
 
     jacobian = np.zeros((2 + 3 * n, 2 + 3 * n))
@@ -243,6 +288,8 @@ def _system(model: Model, motion: Motion, radial, patches: _Patches, unknown, lo
     # the centrifugal force's own growth is left out: a roller in clearance would be sent the wrong way
     jacobian[i_rho, i_rho] -= LOOSE_SPRING
     jacobian[i_rho, i_in], jacobian[i_rho, i_out] = along, -1.0
+    i_held = np.arange(2 + n)
+    jacobian[i_held, i_held] -= loads.tether
     jacobian[2 + n :, 2 + n :] = np.eye(2 * n) + stiffness[:, None] * patches.compliance
     jacobian[i_in, 0], jacobian[i_in, 1] = -stiffness[:n] * normal[:, 0], -stiffness[:n] * normal[:, 1]
     jacobian[i_in, i_rho] = stiffness[:n] * along

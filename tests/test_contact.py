@@ -452,8 +452,16 @@ def collide(velocities, mesh_size=1e-3, friction=0.0, spins=(0.0, 0.0), courant=
         rollers.velocity[j] = velocities[j]
         rollers.spin[j], rollers.increment[j] = spins[j], spins[j] * dt
         points = rollers.points.reshape(-1, 2)
-        frame_velocities(state)[:, 0, j], frame_velocities(state)[:, 1, j] = -spins[j] * points[:, 1], spins[j] * points[:, 0]
-    arguments, bodies, history, since = loop_arguments(state), (rollers, state.inner, state.outer, drive, state.scratch), [], 0
+        frame_velocities(state)[:, 0, j], frame_velocities(state)[:, 1, j] = (
+            -spins[j] * points[:, 1],
+            spins[j] * points[:, 0],
+        )
+    arguments, bodies, history, since = (
+        loop_arguments(state),
+        (rollers, state.inner, state.outer, drive, state.scratch),
+        [],
+        0,
+    )
     while since < n_after:
         assert len(history) < 5000
         time_loop._remember(*bodies)
@@ -492,24 +500,56 @@ def test_reference_impact_is_the_quasi_static_one(speed, microns, newtons, micro
 @pytest.mark.parametrize(("speed", "microns", "newtons", "microseconds"), THROWN)
 def test_two_rollers_bounce_about_as_quasi_statics_say(speed, microns, newtons, microseconds):
     """Each is thrown at the plane of symmetry, a rigid flat."""
-    dt, history = collide(([speed, 0.0], [-speed, 0.0]), mesh_size=5e-4)
+    dt, history = collide(([speed, 0.0], [-speed, 0.0]))
     force = history[:, 0]
     touching = np.flatnonzero(force > 0.0)
     time = 1e6 * (touching[-1] - touching[0] + 1) * dt
-    # the roller's lowest mode has a period of 4.2 µs: waves make the contact deviate from quasi-statics by some per cent
-    assert time == pytest.approx(microseconds, rel=0.1)
-    assert force.max() == pytest.approx(newtons, rel=0.15)
-    # and leave some of the energy in it
-    elastic_left = (history[-1, 2:4].sum() - 0.0) / history[0, 2]
-    assert elastic_left == pytest.approx(1.0, rel=1e-3)
+    # the lowest mode's period is 4.2 µs: waves make it deviate by some per cent; measured −3 % and +4 %, mesh-independent
+    assert time == pytest.approx(microseconds, rel=0.05)
+    assert force.max() == pytest.approx(newtons, rel=0.05)
+    # nearly all momentum comes back: 0.3 % of the energy stays behind as vibration
+    assert force.sum() * dt == pytest.approx(2.0 * speed * WIDE.roller_mass, rel=5e-3)
+
+
+OBLIQUE = ([1.0, 0.2], [-0.4, -0.1])  # m/s
 
 
 @pytest.mark.parametrize("spins", [(0.0, 0.0), (800.0, -300.0)])
 def test_a_frictionless_collision_conserves_momenta_and_energy(spins):
-    velocities = ([1.0, 0.2], [-0.4, -0.1])
-    _, history = collide(velocities, spins=spins)
-    mass = WIDE.roller_mass
+    _, history = collide(OBLIQUE, spins=spins)
     momentum, angular = history[:, 6:8], history[:, 8]
-    np.testing.assert_allclose(momentum, np.tile(mass * np.sum(velocities, axis=0), (len(history), 1)), rtol=0.0, atol=1e-13 * mass)
-    print(np.ptp(angular)/abs(angular).mean(), np.ptp(history[:,2:5].sum(1))/history[0,2], history[-1,2:5].sum()/history[0,2]-1)
-    assert 0
+    wanted = WIDE.roller_mass * np.sum(OBLIQUE, axis=0)
+    np.testing.assert_allclose(momentum, np.tile(wanted, (len(history), 1)), rtol=0.0, atol=1e-13 * WIDE.roller_mass)
+    # what the patch's moment misses, spacing⁷/5040, and the internal torque taken back one step late
+    assert np.ptp(angular) < 1e-9 * abs(angular[0])
+    energy = history[:, 2:5].sum(axis=1)
+    assert np.ptp(energy) < 2e-4 * energy[0]  # the contact's corner, O(dt²) of its share
+    assert energy[-1] == pytest.approx(energy[0], rel=2e-5)
+    assert history[:, 0].max() > 1000.0
+    assert np.all(history[:, 1] == 0.0)
+
+
+def test_a_collisions_energy_error_shrinks_with_the_square_of_the_step():
+    courant, error = np.array([0.8, 0.4, 0.2, 0.1]), []
+    for c in courant:
+        _, history = collide(OBLIQUE, spins=(800.0, -300.0), courant=float(c))
+        energy = history[:, 2:5].sum(axis=1)
+        error.append(np.ptp(energy) / energy[0])
+    # less than 2 by where the contact opens between two steps; measured 1.84
+    assert np.polyfit(np.log(courant), np.log(error), 1)[0] == pytest.approx(2.0, abs=0.3)
+    assert error[-1] < 2e-6
+
+
+@pytest.mark.parametrize("friction", [0.1, 0.5])
+def test_a_rubbing_collision_loses_what_it_dissipates(friction):
+    _, history = collide(OBLIQUE, spins=(800.0, 500.0), friction=friction)
+    momentum, lost = history[:, 6:8], np.cumsum(history[:, 5]) - 0.5 * history[:, 5]
+    assert np.ptp(momentum, axis=0).max() < 1e-13 * WIDE.roller_mass
+    assert np.all(history[:, 5] >= 0.0)
+    energy = history[:, 2:5].sum(axis=1)
+    np.testing.assert_allclose(energy + lost, energy[0], rtol=2e-4)  # as without friction; measured 7e-5
+    assert lost[-1] > 0.1 * energy[0]
+    # tractions act at both circles' radii while these overlap by 2 µm: arms differ by 2e-4 at the very most
+    angular = history[:, 8]
+    assert np.ptp(angular) < 2e-4 * abs(angular[0])
+    assert np.all(np.abs(history[:, 1]) <= friction * history[:, 0] * (1.0 + 1e-14))

@@ -16,8 +16,10 @@ LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clear
 PATCH_PASSES = 3  # patches sit along the lines of centres, which the solution moves by microradians
 MAX_NEWTON = 60
 TETHER_DECADES = 9
-# contacts open and close: first solved with approaches rounded off over these lengths, then with the sharp corner
-FINE_ROUNDING = (1e-6, 1e-7, 1e-8, 1e-9)  # of a roller's radius
+# contacts open and close: solved with approaches rounded off over ever shorter lengths, in roller radii
+SHARP = 1e-13  # leaves 1e-8 N at an open contact
+FAINTEST = 1e-6  # N; a smaller force is what the rounding left
+FINE_ROUNDING = (1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
 ROUNDING = (1e-3, 1e-4, 1e-5, *FINE_ROUNDING)
 
 
@@ -67,10 +69,11 @@ def static_equilibrium(
         unknown = np.concatenate([start.hub, start.rho, start.inner_force, start.outer_force])
     for _ in range(PATCH_PASSES):
         patches = _patches(model, motion, radial, unknown[:2], unknown[2 : 2 + n])
-        loads = _Loads(radial_load + weight, gravity, 0.0, 0.0, unknown)
+        loads = _Loads(radial_load + weight, gravity, SHARP * bearing.roller_radius, 0.0, unknown)
         unknown = _solve(model, motion, radial, patches, loads, cold)
         cold = False
-    inner_force, outer_force = unknown[2 + n : 2 + 2 * n], unknown[2 + 2 * n :]
+    forces = np.where(unknown[2 + n :] > FAINTEST, unknown[2 + n :], 0.0)
+    inner_force, outer_force = forces[:n], forces[n:]
     inner_ring = patches.inner_growth - np.einsum("rckn,n->rck", patches.inner_response, inner_force)
     outer_ring = np.einsum("rckn,n->rck", patches.outer_response, outer_force)
     rollers = patches.roller_growth[None, :] - (
@@ -210,7 +213,7 @@ def _settled(model, motion, radial, patches, loads: _Loads) -> np.ndarray:
 
 def _newton(model, motion, radial, patches, unknown, loads: _Loads) -> np.ndarray:
     """Newton's method with step halving on the norm of the residual, N."""
-    exact = loads.rounding == 0.0  # a stepping stone need not be
+    exact = loads.rounding <= SHARP * model.bearing.roller_radius  # a stepping stone need not be
     enough = 1e-10 * loads.hub + 1e-9 if exact else 1e-4 * max(loads.hub, 1.0)
     # a roller that only a loose spring holds may flicker between touching and not
     tolerable = 100.0 * enough + 2.0 * LOOSE_SPRING * abs(model.bearing.radial_clearance)

@@ -257,7 +257,7 @@ def test_nothing_touches_nothing_pushes():
 
 
 def test_creep_follows_carter():
-    """ξ = (μ b/R)(1 − sqrt(1 − T/(μP))); inner contact, μ = 0.1, 628 N: 3.897e-4 at half the limit, 1.331e-3 at full."""
+    """ξ = (μ b/R)(1 − sqrt(1 − T/(μP))); inner contact, μ = 0.1, 628 N: 3.897e-4 at T/(μP) = ½, 1.331e-3 at 1."""
     law, force, mu = model(paper(), 2e-3).inner_law, 628.0, 0.1
     b, R = law.half_width(force), law.relative_radius
     assert carter_creep(0.5, mu, b, R) == pytest.approx(3.897e-4, abs=3e-7)
@@ -504,7 +504,7 @@ def test_two_rollers_bounce_about_as_quasi_statics_say(speed, microns, newtons, 
     force = history[:, 0]
     touching = np.flatnonzero(force > 0.0)
     time = 1e6 * (touching[-1] - touching[0] + 1) * dt
-    # the lowest mode's period is 4.2 µs: waves make it deviate by some per cent; measured −3 % and +4 %, mesh-independent
+    # the lowest mode's period is 4.2 µs, so waves count: measured −3 % and +4 %, whatever the mesh
     assert time == pytest.approx(microseconds, rel=0.05)
     assert force.max() == pytest.approx(newtons, rel=0.05)
     # nearly all momentum comes back: 0.3 % of the energy stays behind as vibration

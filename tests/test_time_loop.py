@@ -285,7 +285,7 @@ def test_energy_balances(scene):
     samples, _, how = whole_run(**scene)
     stored = (samples[:, ELASTIC] + samples[:, CONTACT]).max()
     left = np.abs(imbalance(samples, how.speed)).max()
-    # measured 1e-7 ... 3.2e-5 (loading in 0.1 ms); rollers that fall at 100 g slip by g·dt more than friction knows, 1.9e-4
+    # measured 1e-7 ... 3.2e-5 (loading in 0.1 ms), and 1.9e-4 at 100 g: rollers slip by g·dt more than friction knows
     assert left < (4e-4 if how.gravity > 100.0 else 6e-5) * stored
 
 
@@ -301,8 +301,8 @@ def test_with_friction_the_energy_imbalance_is_of_first_order():
     assert fine == pytest.approx(coarse / 3.0, rel=0.3)
 
 
-# rms, N. The elastic ring's own motion is all that may be left: 1e-3 N in rolling without friction and gravity. The start
-# knows no traction and no weight of the elastic rings (0.4 N at 1 g); the ramp shakes them
+# rms, N. The elastic ring's own motion is all that may be left: 1e-3 N in rolling without friction and gravity.
+# The start knows no traction and no weight of the elastic rings (0.4 N at 1 g); the ramp shakes them.
 HUB_ERROR = {
     "frictionless and weightless": ({"friction": 0.0, "gravity": 0.0}, 3e-3),
     "frictionless": ({"friction": 0.0}, 0.5),

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.bodies import RingBody
 from fem.model import Model
 from fem.subgrid import disc_patch_force, ring_patch_force, ripple_at
 
@@ -68,14 +69,14 @@ def static_equilibrium(
     else:
         unknown = np.concatenate([start.hub, start.rho, start.inner_force, start.outer_force])
     for _ in range(PATCH_PASSES):
-        patches = _patches(model, motion, radial, unknown[:2], unknown[2 : 2 + n])
+        patches = _patches(model, motion, gravity, radial, unknown[:2], unknown[2 : 2 + n])
         loads = _Loads(radial_load + weight, gravity, SHARP * bearing.roller_radius, 0.0, unknown)
         unknown = _solve(model, motion, radial, patches, loads, cold)
         cold = False
     forces = np.where(unknown[2 + n :] > FAINTEST, unknown[2 + n :], 0.0)
     inner_force, outer_force = forces[:n], forces[n:]
     inner_ring = patches.inner_growth - np.einsum("rckn,n->rck", patches.inner_response, inner_force)
-    outer_ring = np.einsum("rckn,n->rck", patches.outer_response, outer_force)
+    outer_ring = patches.outer_sag + np.einsum("rckn,n->rck", patches.outer_response, outer_force)
     rollers = patches.roller_growth[None, :] - (
         inner_force[:, None] * patches.roller_response[0].T + outer_force[:, None] * patches.roller_response[1].T
     )
@@ -109,13 +110,14 @@ class _Patches:
     inner_response: np.ndarray  # (n_rows, 2, n_sectors, n_rollers)
     outer_response: np.ndarray
     roller_response: tuple[np.ndarray, np.ndarray]  # inner, outer contact; each (2 n_nodes, n_rollers)
-    inner_growth: np.ndarray  # centrifugal
+    inner_growth: np.ndarray  # centrifugal load and own weight
+    outer_sag: np.ndarray  # own weight
     roller_growth: np.ndarray  # (2 n_nodes,)
     compliance: np.ndarray  # (2 n_rollers, 2 n_rollers): inner contacts, then outer, m/N
-    growth: np.ndarray  # (2 n_rollers,), closing of each contact by centrifugal growth, m
+    growth: np.ndarray  # (2 n_rollers,), closing of each contact by centrifugal load and weight, m
 
 
-def _patches(model: Model, motion: Motion, radial, hub, rho) -> _Patches:
+def _patches(model: Model, motion: Motion, gravity: float, radial, hub, rho) -> _Patches:
     n = model.bearing.n_rollers
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
     to_roller = radial * rho[:, None] - hub
@@ -142,23 +144,35 @@ def _patches(model: Model, motion: Motion, radial, hub, rho) -> _Patches:
         model.roller_surface, outer_angle - motion.roller_turn, disc.shape.surface_nodes
     )
 
-    spin_load = motion.ring_speed**2 * (inner.row_mass * inner.radii)
-    load = np.zeros((inner.n_rows, 2, inner.n_sectors))
-    load[:, 0] = spin_load[:, None]
-    inner_growth = inner.held(load)
+    weight = _weight(inner, gravity, motion.ring_turn)
+    weight[:, 0] += (motion.ring_speed**2 * inner.row_mass * inner.radii)[:, None]
+    inner_growth = inner.held(weight)
+    outer_sag = outer.held(_weight(outer, gravity, 0.0))
+    # a roller's weight is a uniform load and so deforms it only through its contacts
     roller_growth = disc.relaxed(motion.roller_speed**2 * (disc.mass[:, None] * disc.points).ravel())
     growth = np.concatenate(
-        [np.einsum("rcki,rck->i", inner_load, inner_growth) + near.T @ roller_growth, far.T @ roller_growth]
+        [
+            np.einsum("rcki,rck->i", inner_load, inner_growth) + near.T @ roller_growth,
+            far.T @ roller_growth - np.einsum("rcki,rck->i", outer_load, outer_sag),
+        ]
     )
     return _Patches(
         inner_response=inner_response,
         outer_response=outer_response,
         roller_response=responses,
         inner_growth=inner_growth,
+        outer_sag=outer_sag,
         roller_growth=roller_growth,
         compliance=compliance,
         growth=growth,
     )
+
+
+def _weight(ring: RingBody, gravity: float, turn: float) -> np.ndarray:
+    """Nodal weights of a ring, (n_rows, 2, n_sectors), polar, N; `turn` of its frame, rad."""
+    angle = ring.angles + turn
+    down = -gravity * np.stack([np.sin(angle), np.cos(angle)])
+    return ring.row_mass[:, None, None] * down
 
 
 def _ripples(surface, angles, nodes) -> np.ndarray:

@@ -1,8 +1,8 @@
 """`@kernel`: numba, compiled once per version of the code.
 
 Numba's cache looks at the file a function stands in, not at the files of the functions it inlines: after a change to
-one kernel it would go on running the old code inside the others. The cache folder is therefore named after the text of all
-modules that hold kernels.
+one kernel it would go on running the old code inside the others. The cache folder is therefore named after the text of
+all modules that hold kernels.
 """
 
 import hashlib

@@ -62,6 +62,9 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     normal_contacts(rollers, inner, outer, contacts, drive, scratch.slope)
     if drive.friction > 0.0:
         slips(rollers, inner, outer, contacts, drive, contacts.slip)
+    for j in range(rollers.n):
+        rollers.velocity[j, 0] += rollers.tilt[j, 0] / rollers.total_mass
+        rollers.velocity[j, 1] += rollers.tilt[j, 1] / rollers.total_mass - drive.gravity * dt
 
     # the hub, by the reaction of the ring's held row
     bore_r, bore_t = scratch.bore[0], scratch.bore[1]
@@ -118,8 +121,8 @@ def drift(rollers, inner, outer, drive, scratch):
         px, py = rollers.impulse[j, 0] / rollers.total_mass, rollers.impulse[j, 1] / rollers.total_mass
         scratch.shift[0, j], scratch.shift[1, j] = c * px + s * py, c * py - s * px
         scratch.cosine[j], scratch.sine[j] = cos(rollers.increment[j]), sin(rollers.increment[j])
-        rollers.velocity[j, 0] += px + rollers.tilt[j, 0] / rollers.total_mass
-        rollers.velocity[j, 1] += py + rollers.tilt[j, 1] / rollers.total_mass - drive.gravity * dt
+        rollers.velocity[j, 0] += px
+        rollers.velocity[j, 1] += py
         rollers.centre[j, 0] += dt * rollers.velocity[j, 0]
         rollers.centre[j, 1] += dt * rollers.velocity[j, 1]
     disc_kernels.drift(
@@ -247,11 +250,9 @@ def _kinetic(rollers, inner, outer, drive, scratch):
                 total += rollers.mass[i] * scratch.rollers_w[at + j] * rollers.w[at + j]
     for j in range(n):
         for component in range(2):
-            gained = (rollers.impulse[j, component] + rollers.tilt[j, component]) / rollers.total_mass
-            if component == 1:
-                gained -= drive.gravity * drive.dt
             before = scratch.rollers_velocity[j, component]
-            total += rollers.total_mass * before * (before + gained)
+            after = rollers.velocity[j, component] + rollers.impulse[j, component] / rollers.total_mass
+            total += rollers.total_mass * before * after
     total += _ring_kinetic(inner, scratch.inner_w) + _ring_kinetic(outer, scratch.outer_w)
     before, after = scratch.hub_velocity, drive.velocity
     total += drive.mass * (before[0] * after[0] + before[1] * after[1])

@@ -285,31 +285,34 @@ def test_energy_balances(scene):
     samples, _, how = whole_run(**scene)
     stored = (samples[:, ELASTIC] + samples[:, CONTACT]).max()
     left = np.abs(imbalance(samples, how.speed)).max()
-    # measured 1e-7 ... 3.2e-5 (loading in 0.1 ms), and 1.9e-4 at 100 g: rollers slip by g·dt more than friction knows
-    assert left < (4e-4 if how.gravity > 100.0 else 6e-5) * stored
+    # measured 1e-7 ... 3.2e-5 (loading in 0.1 ms)
+    assert left < 6e-5 * stored
 
 
 def test_without_friction_the_energy_imbalance_is_of_second_order():
     coarse, fine = (
-        np.abs(imbalance(whole_run(friction=0.0, gravity=981.0, courant=c)[0], SPIN)).max() for c in (0.9, 0.3)
+        np.abs(imbalance(whole_run(friction=0.0, from_rest=True, ramp=1e-4, courant=c)[0], SPIN)).max()
+        for c in (0.9, 0.3)
     )
-    assert fine < 0.2 * coarse
+    assert fine < 0.2 * coarse  # measured 0.12, (1/3)² = 0.11
 
 
-def test_with_friction_the_energy_imbalance_is_of_first_order():
-    coarse, fine = (np.abs(imbalance(whole_run(gravity=981.0, courant=c)[0], SPIN)).max() for c in (0.9, 0.3))
-    assert fine == pytest.approx(coarse / 3.0, rel=0.3)
+def test_with_friction_the_energy_imbalance_shrinks_at_least_linearly():
+    coarse, fine = (
+        np.abs(imbalance(whole_run(from_rest=True, ramp=1e-4, courant=c)[0], SPIN)).max() for c in (0.9, 0.3)
+    )
+    assert fine < 0.4 * coarse
 
 
 # rms, N. The elastic ring's own motion is all that may be left: 1e-3 N in rolling without friction and gravity.
-# The start knows no traction and no weight of the elastic rings (0.4 N at 1 g); the ramp shakes them.
+# The start knows no traction; the ramp shakes the rings.
 HUB_ERROR = {
     "frictionless and weightless": ({"friction": 0.0, "gravity": 0.0}, 3e-3),
-    "frictionless": ({"friction": 0.0}, 0.5),
+    "frictionless": ({"friction": 0.0}, 3e-3),
     "paper": ({}, 0.6),
     "backwards": ({"speed": -SPIN}, 0.6),
-    "standing still": ({"speed": 0.0}, 0.5),
-    "strong gravity": ({"gravity": 981.0}, 45.0),
+    "standing still": ({"speed": 0.0}, 0.04),
+    "strong gravity": ({"gravity": 981.0}, 3.0),
     "from rest": ({"from_rest": True, "ramp": 1e-4}, 20.0),  # of 350 N of inertia; measured 6 ... 11
 }
 

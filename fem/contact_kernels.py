@@ -22,7 +22,7 @@ SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's
 REACH = 0.01  # of a roller's radius: a wider gap than any elastic motion can close
 
 
-@kernel
+@kernel(forceinline=True)
 def normal_contacts(rollers, inner, outer, contacts, drive, slope):
     """Normal forces of every contact at the present positions, and their impulses over one step."""
     inner_contacts(rollers, inner, contacts, drive, slope)
@@ -30,7 +30,7 @@ def normal_contacts(rollers, inner, outer, contacts, drive, slope):
     roller_contacts(rollers, contacts, drive, slope)
 
 
-@kernel
+@kernel(forceinline=True)
 def inner_contacts(rollers, inner, contacts, drive, slope):
     """Rollers on the inner raceway: normal from the hub to the roller."""
     u, w, mass, columns = rollers.u, rollers.w, rollers.mass, rollers.columns
@@ -100,7 +100,7 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
     drive.ring[3] += moment
 
 
-@kernel
+@kernel(forceinline=True)
 def outer_contacts(rollers, outer, contacts, drive, slope):
     """Rollers on the outer raceway: normal from the outer ring's centre to the roller."""
     u, w, mass, columns = rollers.u, rollers.w, rollers.mass, rollers.columns
@@ -148,7 +148,7 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
         turn_kick[j] += dt * (Q * rate_r - half * ripple_rate_r) / rollers.inertia
 
 
-@kernel
+@kernel(forceinline=True)
 def roller_contacts(rollers, contacts, drive, slope):
     """Roller j on roller j + 1: normal from j to j + 1."""
     u, w, mass, columns = rollers.u, rollers.w, rollers.mass, rollers.columns
@@ -224,7 +224,7 @@ def creep_traction(slip, limit, full_slip, mobility_dt):
     return np.copysign(limit * x * (2.0 - x), slip), np.copysign(x * full_slip, slip)
 
 
-@kernel
+@kernel(forceinline=True)
 def slips(rollers, inner, outer, contacts, drive, out):
     """Sideways velocity of side 1 less that of side 0 along t = Jn for every closed contact, m/s; out (3, n)."""
     w, columns, cosine, sine = rollers.w, rollers.columns, rollers.cosine, rollers.sine
@@ -261,7 +261,7 @@ def slips(rollers, inner, outer, contacts, drive, out):
             out[kind, j] = slip
 
 
-@kernel
+@kernel(forceinline=True)
 def friction_contacts(rollers, inner, outer, contacts, drive, now):
     """Tractions of every contact and their impulses; returns the work they dissipate in this step, J.
 

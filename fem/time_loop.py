@@ -43,7 +43,7 @@ DONE, NOT_FINITE = 0, 1
 FASTEST = 1e5  # m/s; no body is faster unless the run has blown up
 
 
-@kernel
+@kernel(forceinline=True)
 def load_at(drive, time):
     """Radial load, N, ramped up by half a cosine."""
     if time >= drive.ramp:
@@ -51,7 +51,7 @@ def load_at(drive, time):
     return drive.load * 0.5 * (1.0 - cos(pi * time / drive.ramp))
 
 
-@kernel
+@kernel(forceinline=True)
 def kick(rollers, inner, outer, contacts, drive, time, scratch):
     """Advance all velocities by one step at fixed positions; returns the step's works (load, drive, friction), J."""
     dt = drive.dt
@@ -112,7 +112,7 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     return work_load, work_drive, dissipated
 
 
-@kernel
+@kernel(forceinline=True)
 def drift(rollers, inner, outer, drive, scratch):
     """Advance all positions by one step."""
     dt = drive.dt
@@ -188,7 +188,7 @@ def advance(rollers, inner, outer, contacts, drive, scratch, first_step, stride,
     return DONE, step, -2
 
 
-@kernel
+@kernel(forceinline=True)
 def _lost(rollers, drive):
     """The first body whose velocity is not a number or absurd, or −2."""
     if not abs(drive.velocity[0]) + abs(drive.velocity[1]) < FASTEST:

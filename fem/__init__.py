@@ -1,11 +1,15 @@
 """Explicit elastic finite-element simulation of a roller bearing.
 
-assembly, bodies      scikit-fem's matrices; a disc as rows of blocks, a ring as one sector's stencil
-continuum, subgrid    exact compliances of discs and rings; the calibrated contact law below the grid
-model                 a bearing made discrete
-equilibrium, start    static equilibrium; the state a run starts from
-critical_step         2/ω_max with the contacts in it
-state, arrays         what the time loop works on, and how it is filled
-patches, simd         B-spline patches; eight lanes as one value
-*_kernels, time_loop  numba: bodies, contacts, leapfrog, samples
+cli, summary, progress        the commands and what they print
+simulate, limits, start       from a scene to a plan and a run; what is refused; the state a run starts from
+samples, store                rows of the time loop as quantities; the result file
+assembly, bodies, model       scikit-fem's matrices; a disc as rows of blocks, a ring as one sector's stencil; the whole
+subgrid, patches              the calibrated contact law below the grid; B-spline patches
+contact_balance, equilibrium  hub and rollers on elastic contacts; the static equilibrium of the finite elements
+continuum, exact_statics      exact series for discs and rings; the whole bearing without a mesh, the yardstick
+critical_step                 2/ω_max with the contacts in it
+state, arrays                 what the time loop works on, and how it is filled
+*_kernels, time_loop, simd    numba: bodies, contacts, leapfrog, samples; eight lanes as one value
+jit                           @kernel: compiled once per version of the code
+recover, render*              fields of a stored instant; off-screen pictures
 """

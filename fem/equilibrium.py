@@ -5,23 +5,15 @@ Each body is condensed to the compliance between its contacts; what is left is 3
 
 from dataclasses import dataclass
 from math import pi
-from typing import NamedTuple
 
 import numpy as np
 
 from fem.bodies import RingBody
+from fem.contact_balance import SHARP, Condensed, Loads, balance, closed_forces, first_guess
 from fem.model import Model
 from fem.subgrid import disc_patch_force, ring_patch_force, ripple_at
 
-LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clearance); 1e-6 N per µm
 PATCH_PASSES = 3  # patches sit along the lines of centres, which the solution moves by microradians
-MAX_NEWTON = 60
-TETHER_DECADES = 9
-# contacts open and close: solved with approaches rounded off over ever shorter lengths, in roller radii
-SHARP = 1e-13  # leaves 1e-8 N at an open contact
-FAINTEST = 1e-6  # N; a smaller force is what the rounding left
-FINE_ROUNDING = (1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
-ROUNDING = (1e-3, 1e-4, 1e-5, *FINE_ROUNDING)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,21 +51,29 @@ def static_equilibrium(
 
     Errors
     ------
-    RuntimeError: Newton's method did not converge. The contact balance is exact to about 1e-9 of the load.
+    NotFound: Newton's method did not converge. The contact balance is exact to about 1e-9 of the load.
     """
     bearing, n = model.bearing, model.bearing.n_rollers
     radial = np.column_stack([np.cos(motion.roller_angle), np.sin(motion.roller_angle)])
     cold = start is None
     if cold:
-        unknown = _guess(model, radial, radial_load + weight)
+        unknown = first_guess(bearing, radial, radial_load + weight)
     else:
         unknown = np.concatenate([start.hub, start.rho, start.inner_force, start.outer_force])
     for _ in range(PATCH_PASSES):
         patches = _patches(model, motion, gravity, radial, unknown[:2], unknown[2 : 2 + n])
-        loads = _Loads(radial_load + weight, gravity, SHARP * bearing.roller_radius, 0.0, unknown)
-        unknown = _solve(model, motion, radial, patches, loads, cold)
+        contacts = Condensed(
+            bearing=bearing,
+            radial=radial,
+            inner_law=model.inner_law,
+            outer_law=model.outer_law,
+            compliance=patches.compliance,
+            growth=patches.growth,
+        )
+        loads = Loads(radial_load + weight, gravity, motion.cage_speed, SHARP * bearing.roller_radius, 0.0, unknown)
+        unknown = balance(contacts, loads, cold)
         cold = False
-    forces = np.where(unknown[2 + n :] > FAINTEST, unknown[2 + n :], 0.0)
+    forces = closed_forces(unknown, n)
     inner_force, outer_force = forces[:n], forces[n:]
     inner_ring = patches.inner_growth - np.einsum("rckn,n->rck", patches.inner_response, inner_force)
     outer_ring = patches.outer_sag + np.einsum("rckn,n->rck", patches.outer_response, outer_force)
@@ -89,18 +89,6 @@ def static_equilibrium(
         outer_ring=outer_ring,
         rollers=rollers.reshape(bearing.n_rollers, -1, 2),
     )
-
-
-class NotFound(RuntimeError):
-    """No static equilibrium was found."""
-
-
-class _Loads(NamedTuple):
-    hub: float  # N, downwards
-    gravity: float
-    rounding: float  # m, of the corner where a contact opens
-    tether: float  # N/m, springs that hold hub and rollers near `anchor`
-    anchor: np.ndarray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,137 +166,3 @@ def _weight(ring: RingBody, gravity: float, turn: float) -> np.ndarray:
 def _ripples(surface, angles, nodes) -> np.ndarray:
     positions = np.mod(angles * nodes / (2.0 * pi), nodes)
     return np.array([ripple_at(position, surface.ripple)[0] for position in positions])
-
-
-def _guess(model: Model, radial, load) -> np.ndarray:
-    """Hub pushed down until rigid rollers would touch, everything at rest midway between the raceways."""
-    bearing, n = model.bearing, model.bearing.n_rollers
-    down = max(bearing.radial_clearance, 0.0) + (1e-7 * bearing.roller_radius if load > 0.0 else 0.0)
-    hub = np.array([0.0, -down if load > 0.0 else 0.0])
-    rho = bearing.pitch_radius + 0.5 * (radial @ hub)
-    return np.concatenate([hub, rho, np.zeros(2 * n)])
-
-
-def _solve(model, motion, radial, patches, loads: _Loads, cold: bool) -> np.ndarray:
-    """The equilibrium, from the state `loads.anchor`: the quick ways first."""
-    system = model, motion, radial, patches
-    if not cold:
-        try:
-            return _newton(*system, loads.anchor, loads)
-        except NotFound:
-            pass  # a contact opens or closes between the anchor and here
-    try:
-        return _rounded_off(*system, loads.anchor, loads, ROUNDING if cold else FINE_ROUNDING)
-    except NotFound:
-        return _rounded_off(*system, _settled(*system, loads), loads, FINE_ROUNDING)
-
-
-def _rounded_off(model, motion, radial, patches, unknown, loads: _Loads, roundings) -> np.ndarray:
-    """The equilibrium by way of ever less rounded contacts."""
-    for rounding in roundings:
-        eased = loads._replace(rounding=rounding * model.bearing.roller_radius)
-        unknown = _newton(model, motion, radial, patches, unknown, eased)
-    return _newton(model, motion, radial, patches, unknown, loads)
-
-
-def _settled(model, motion, radial, patches, loads: _Loads) -> np.ndarray:
-    """A state near the equilibrium: pulled along by ever softer springs, as a slow motion would settle.
-
-    A hub that rests on one roller in clearance is unstable and must roll over to the next, many contact widths away.
-    """
-    unknown = loads.anchor
-    stiffest = max(loads.hub, 1.0) / (1e-6 * model.bearing.roller_radius)
-    for tether in stiffest * 10.0 ** np.arange(0.0, -TETHER_DECADES, -0.5):
-        for _ in range(3):
-            eased = loads._replace(tether=tether, rounding=1e-6 * model.bearing.roller_radius, anchor=unknown)
-            unknown = _newton(model, motion, radial, patches, unknown, eased)
-    return unknown
-
-
-def _newton(model, motion, radial, patches, unknown, loads: _Loads) -> np.ndarray:
-    """Newton's method with step halving on the norm of the residual, N."""
-    exact = loads.rounding <= SHARP * model.bearing.roller_radius  # a stepping stone need not be
-    enough = 1e-10 * loads.hub + 1e-9 if exact else 1e-4 * max(loads.hub, 1.0)
-    # a roller that only a loose spring holds may flicker between touching and not
-    tolerable = 100.0 * enough + 2.0 * LOOSE_SPRING * abs(model.bearing.radial_clearance)
-    residual, jacobian = _system(model, motion, radial, patches, unknown, loads)
-    for _ in range(MAX_NEWTON):
-        norm = np.linalg.norm(residual)
-        if norm <= enough:
-            return unknown
-        step = np.linalg.solve(jacobian, -residual)
-        length = 1.0
-        while True:
-            trial = unknown + length * step
-            found, slopes = _system(model, motion, radial, patches, trial, loads)
-            if np.linalg.norm(found) < norm or length < 1e-6:
-                break
-            length *= 0.5
-        if length < 1e-6 and (not exact or norm <= tolerable):
-            return unknown
-        unknown, residual, jacobian = trial, found, slopes
-    if exact and norm > tolerable:
-        raise NotFound(
-            f"static equilibrium not found: residual {norm:.2e} N after {MAX_NEWTON} steps under {loads.hub:.4g} N"
-        )
-    return unknown
-
-
-def _system(model: Model, motion: Motion, radial, patches: _Patches, unknown, loads: _Loads):
-    """Residual, N, and its Jacobian for hub, radii, inner and outer forces."""
-    bearing, n = model.bearing, model.bearing.n_rollers
-    hub, rho = unknown[:2], unknown[2 : 2 + n]
-    force = unknown[2 + n :]
-    inner_force, outer_force = force[:n], force[n:]
-    to_roller = radial * rho[:, None] - hub
-    distance = np.hypot(to_roller[:, 0], to_roller[:, 1])
-    normal = to_roller / distance[:, None]
-    along = np.sum(normal * radial, axis=1)
-    geometric = np.concatenate(
-        [
-            bearing.inner_raceway_radius + bearing.roller_radius - distance,
-            rho + bearing.roller_radius - bearing.outer_raceway_radius,
-        ]
-    )
-    closing = geometric + patches.growth - patches.compliance @ force
-    wanted, stiffness = np.zeros(2 * n), np.zeros(2 * n)
-    for k in range(2 * n):
-        law = model.inner_law if k < n else model.outer_law
-        length = np.hypot(closing[k], loads.rounding)
-        rounded = 0.5 * (closing[k] + length)
-        if rounded > 0.0:
-            wanted[k] = law.force(rounded)
-            stiffness[k] = law.stiffness(wanted[k]) * 0.5 * (1.0 + closing[k] / length)
-
-    mass = model.roller.total_mass
-    i_rho, i_in, i_out = 2 + np.arange(n), 2 + n + np.arange(n), 2 + 2 * n + np.arange(n)
-    residual = np.zeros(2 + 3 * n)
-    residual[:2] = -inner_force @ normal - np.array([0.0, loads.hub]) - LOOSE_SPRING * hub
-    residual[i_rho] = (
-        inner_force * along
-        - outer_force
-        + mass * (motion.cage_speed**2 * rho - loads.gravity * radial[:, 1])
-        - LOOSE_SPRING * (rho - bearing.pitch_radius)
-    )
-    residual[: 2 + n] -= loads.tether * (unknown - loads.anchor)[: 2 + n]
-    residual[2 + n :] = force - wanted
-
-    jacobian = np.zeros((2 + 3 * n, 2 + 3 * n))
-    jacobian[0, 0] = jacobian[1, 1] = -LOOSE_SPRING
-    jacobian[0, i_in], jacobian[1, i_in] = -normal[:, 0], -normal[:, 1]
-    for j in range(n):  # the normals turn with the hub and the radii: force times (1 − n nᵀ)/χ
-        turn = (np.eye(2) - np.outer(normal[j], normal[j])) * (inner_force[j] / distance[j])
-        jacobian[:2, :2] += turn
-        jacobian[:2, 2 + j] -= turn @ radial[j]
-        jacobian[2 + j, :2] -= turn @ radial[j]
-        jacobian[2 + j, 2 + j] += radial[j] @ turn @ radial[j]
-    # the centrifugal force's own growth is left out: a roller in clearance would be sent the wrong way
-    jacobian[i_rho, i_rho] -= LOOSE_SPRING
-    jacobian[i_rho, i_in], jacobian[i_rho, i_out] = along, -1.0
-    i_held = np.arange(2 + n)
-    jacobian[i_held, i_held] -= loads.tether
-    jacobian[2 + n :, 2 + n :] = np.eye(2 * n) + stiffness[:, None] * patches.compliance
-    jacobian[i_in, 0], jacobian[i_in, 1] = -stiffness[:n] * normal[:, 0], -stiffness[:n] * normal[:, 1]
-    jacobian[i_in, i_rho] = stiffness[:n] * along
-    jacobian[i_out, i_rho] = -stiffness[n:]
-    return residual, jacobian

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.equilibrium import Equilibrium, Motion, NotFound, static_equilibrium
+from fem.contact_balance import NotFound
+from fem.equilibrium import Equilibrium, Motion, static_equilibrium
 from fem.model import Model
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles

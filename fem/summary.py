@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.table import Table
 
 from fem.arrays import Arrays
+from fem.exact_statics import static_error
 from fem.model import peak_pressure
 from fem.simulate import Plan, Progress
 from meshes import bearing_shapes, mesh_of, quality
@@ -46,6 +47,11 @@ def print_plan(plan: Plan) -> None:
         "largest static contact force": f"{load:.1f} N, "
         f"{1e-6 * peak_pressure(model.inner_law, load, model.bearing.roller_length):.0f} MPa at the inner raceway",
     }
+    if plan.operation.radial_load > 0.0:
+        error = static_error(model, plan.operation)
+        rows["static error of the mesh"] = (
+            f"hub displacement {100 * error.hub:.2g} %, loads {100 * error.largest_force:.2g} % (against exact series)"
+        )
     for name, value in rows.items():
         console.print(f"{name + ':':30s} {value}", soft_wrap=True)
 

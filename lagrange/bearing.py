@@ -89,6 +89,32 @@ class Bearing:
 
 
 @dataclass(frozen=True, kw_only=True)
+class BallBearing(Bearing):
+    """A deep-groove ball bearing at zero contact angle. Lengths in m.
+
+    The balls are the "rollers" of `Bearing`; the raceway radii are those of the groove bottoms; `roller_length` is the
+    width of the rings.
+    """
+
+    inner_groove_radius: float  # of the groove's cross-section, r_I
+    outer_groove_radius: float  # r_O
+
+    def __post_init__(self):
+        super().__post_init__()
+        for side, groove in (("inner", self.inner_groove_radius), ("outer", self.outer_groove_radius)):
+            if not groove > self.roller_radius:
+                raise ValueError(
+                    f"{side} groove radius {groove:.4g} m must exceed the ball radius {self.roller_radius:.4g} m; "
+                    "usual is 1.02 to 1.08 times it"
+                )
+
+    @property
+    def roller_mass(self) -> float:
+        """Mass of one ball, kg."""
+        return self.roller.density * 4.0 / 3.0 * pi * self.roller_radius**3
+
+
+@dataclass(frozen=True, kw_only=True)
 class Operation:
     """How the bearing is run. The load acts along −y on the centre of the inner ring."""
 

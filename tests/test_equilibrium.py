@@ -11,8 +11,9 @@ sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from bearings import LENGTH, STEEL, arrays, copies, loop_arguments, model, operation, paper, start_of
 
 from fem import time_loop
+from fem.contact_balance import LOOSE_SPRING
 from fem.contact_kernels import normal_contacts
-from fem.equilibrium import LOOSE_SPRING, Motion, static_equilibrium
+from fem.equilibrium import Motion, static_equilibrium
 from lagrange import Bearing, Material
 from lagrange.kinematics import roller_angles
 

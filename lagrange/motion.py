@@ -1,0 +1,153 @@
+"""The N_b + 2 equations of motion (21)-(23), the θ equation the paper lacks, and accelerations from them.
+
+Every function works on one instant or on many: hub quantities are (...,), those of the rolling elements (..., n_rollers).
+y points up, the load W acts along −y. The signs are those of Lagrange's equations of T and V in `energy`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lagrange.bearing import Bearing, Operation
+from lagrange.raceway_laws import ContactLaws
+
+
+@dataclass(frozen=True, kw_only=True)
+class State:
+    """Generalised coordinates and their rates. m, rad, m/s, rad/s."""
+
+    x: np.ndarray  # (...,), centre of the inner ring
+    y: np.ndarray
+    rho: np.ndarray  # (..., n_rollers), polar coordinates of the rolling elements' centres
+    theta: np.ndarray
+    x_rate: np.ndarray
+    y_rate: np.ndarray
+    rho_rate: np.ndarray
+    theta_rate: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contacts:
+    """The contacts of a state, each (..., n_rollers)."""
+
+    distance: np.ndarray  # χ, m: (19)
+    radial: np.ndarray  # ∂χ/∂ρ = (ρ − x cos θ − y sin θ)/χ
+    tangential: np.ndarray  # ∂χ/(ρ ∂θ) = (x sin θ − y cos θ)/χ
+    along_x: np.ndarray  # ∂χ/∂x
+    along_y: np.ndarray  # ∂χ/∂y
+    inner: np.ndarray  # δ_in, m: (26)
+    outer: np.ndarray  # δ_out, m: (27)
+    inner_force: np.ndarray  # N, >= 0, 0 outside the load zone: (24), (25)
+    outer_force: np.ndarray
+
+
+def contacts(bearing: Bearing, laws: ContactLaws, state: State, damping: float = 0.0) -> Contacts:
+    """Geometry and forces of every contact.
+
+    Parameters
+    ----------
+    damping : float, N s/m, of each closed contact; it never makes a contact pull
+
+    Errors
+    ------
+    Round-off: the approaches to about 4 eps χ, 1e-17 m, so a force at 1 µm to 1e-11.
+
+    Source: (18), (19), (24)-(27) of the paper.
+    """
+    cos, sin = np.cos(state.theta), np.sin(state.theta)
+    x, y = np.asarray(state.x)[..., None], np.asarray(state.y)[..., None]
+    from_x, from_y = x - state.rho * cos, y - state.rho * sin
+    distance = np.hypot(from_x, from_y)
+    radial = (state.rho - x * cos - y * sin) / distance
+    tangential = (x * sin - y * cos) / distance
+    along_x, along_y = from_x / distance, from_y / distance
+    inner = bearing.inner_raceway_radius + bearing.roller_radius - distance
+    outer = state.rho + bearing.roller_radius - bearing.outer_raceway_radius
+    inner_force, outer_force = laws.inner.force(inner), laws.outer.force(outer)
+    if damping > 0.0:
+        vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]
+        closing = -(
+            radial * state.rho_rate
+            + tangential * state.rho * state.theta_rate
+            + along_x * vx
+            + along_y * vy
+        )
+        inner_force = damped(inner_force, closing, damping)
+        outer_force = damped(outer_force, state.rho_rate, damping)
+    return Contacts(
+        distance=distance, radial=radial, tangential=tangential, along_x=along_x, along_y=along_y,
+        inner=inner, outer=outer, inner_force=inner_force, outer_force=outer_force,
+    )  # fmt: skip
+
+
+def damped(force, closing_speed, damping: float):
+    """Force of a contact with a viscous damper beside its spring, N; 0 when open, never negative."""
+    return np.where(force > 0.0, np.maximum(force + damping * closing_speed, 0.0), 0.0)
+
+
+def radial_equations(
+    bearing: Bearing, operation: Operation, state: State, contacts: Contacts, rho_acceleration
+) -> np.ndarray:
+    """Left sides of (21), N, (..., n_rollers): m ρ̈ − m ρ θ̇² + m g sin θ − Q_in ∂χ/∂ρ + Q_out."""
+    m = bearing.roller_mass
+    inertia = m * (rho_acceleration - state.rho * state.theta_rate**2 + operation.gravity * np.sin(state.theta))
+    return inertia - contacts.inner_force * contacts.radial + contacts.outer_force
+
+
+def printed_radial_equations(
+    bearing: Bearing, operation: Operation, laws: ContactLaws, state: State, contacts: Contacts, rho_acceleration
+) -> np.ndarray:
+    """Left sides of (21) as the paper prints it, N, for comparison only: not Lagrange's equation of this V.
+
+    It takes V = Σ ½ k δ² with the secant stiffness k = Q/δ, whose derivative adds ½ (∂k/∂δ) δ²: the contact force is
+    ½ (Q + δ dQ/dδ), (n + 1)/2 times Q for a power law: 5.6 % too large for rollers, 25 % for balls. (22), (23) have no
+    such term, so the hub's force on the roller isn't opposite to the roller's on the hub. No damping. The sign of
+    m ρ θ̇² is unreadable in our copy; the right one is used.
+    """
+    inner = 0.5 * (laws.inner.force(contacts.inner) + contacts.inner * laws.inner.slope(contacts.inner))
+    outer = 0.5 * (laws.outer.force(contacts.outer) + contacts.outer * laws.outer.slope(contacts.outer))
+    m = bearing.roller_mass
+    inertia = m * (rho_acceleration - state.rho * state.theta_rate**2 + operation.gravity * np.sin(state.theta))
+    return inertia - inner * contacts.radial + outer
+
+
+def angular_equations(
+    bearing: Bearing, operation: Operation, state: State, contacts: Contacts, theta_acceleration
+) -> np.ndarray:
+    """Left sides of the θ equations, N m, (..., n_rollers): the moment a cage must give; 0 for a free element.
+
+    m ρ² θ̈ + 2 m ρ ρ̇ θ̇ + m g ρ cos θ − Q_in ρ (x sin θ − y cos θ)/χ.
+    """
+    m, rho = bearing.roller_mass, state.rho
+    inertia = rho * theta_acceleration + 2.0 * state.rho_rate * state.theta_rate
+    weight = operation.gravity * np.cos(state.theta)
+    return rho * (m * (inertia + weight) - contacts.inner_force * contacts.tangential)
+
+
+def hub_equations(operation: Operation, contacts: Contacts, x_acceleration, y_acceleration):
+    """Left sides of (22) and of (23) with the load moved over, N, each (...,); 0 in a motion of the model."""
+    mass = operation.inner_mass
+    push_x = np.sum(contacts.inner_force * contacts.along_x, axis=-1)
+    push_y = np.sum(contacts.inner_force * contacts.along_y, axis=-1)
+    return (
+        mass * x_acceleration - push_x,
+        mass * (y_acceleration + operation.gravity) - push_y + operation.radial_load,
+    )
+
+
+def accelerations(bearing: Bearing, operation: Operation, state: State, contacts: Contacts):
+    """ẍ, ÿ, (...,), m/s²; ρ̈, m/s², and θ̈ of free elements, rad/s², (..., n_rollers).
+
+    The equations are linear in the accelerations, and each holds one of them. With angles from kinematics (20) leave
+    θ̈ unused: it is what the element would do without a cage.
+    """
+    error_x, error_y = hub_equations(operation, contacts, 0.0, 0.0)
+    radial = radial_equations(bearing, operation, state, contacts, 0.0)
+    angular = angular_equations(bearing, operation, state, contacts, 0.0)
+    m = bearing.roller_mass
+    return (
+        -error_x / operation.inner_mass,
+        -error_y / operation.inner_mass,
+        -radial / m,
+        -angular / (m * state.rho**2),
+    )

@@ -1,0 +1,199 @@
+"""Contact laws that know the bearing: raceway radii, ring thickness, material; and the choice of a law by name."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from math import exp, log, pi
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from lagrange.ball_contact import ball_law
+from lagrange.bearing import BallBearing, Bearing, Material
+from lagrange.laws import LAWS, PowerLaw
+
+Side = Literal["inner", "outer"]
+NEWTON_STEPS = 4  # from u = L + ln L, error 0.2 at most: 1e-2, 1e-5, 1e-11, round-off
+SHALLOWEST = 1e-250  # m, keeps the logarithm of an open contact finite
+
+
+@dataclass(frozen=True, kw_only=True)
+class LogarithmicLaw:
+    """δ = S Q (B − ln Q), Q in N: the line contact of elastic cylinders. Same methods as `PowerLaw`.
+
+    Beyond `largest_force` (half-width above half the roller's radius, far outside Hertz's theory) the law goes on along
+    its tangent, so that an iteration may pass there.
+    """
+
+    name: str
+    compliance: float  # S, m/N
+    level: float  # B
+    largest_force: float  # N
+    source: str
+    range: str = ""
+
+    def force(self, approach):
+        """Contact force, N, >= 0, of an approach (any shape), m, by Newton's method to round-off."""
+        depth = np.asarray(approach, dtype=float)
+        inside = np.clip(depth, SHALLOWEST, self._largest_approach)
+        u = self._bracket(inside)
+        beyond = np.maximum(depth - self._largest_approach, 0.0)
+        force = (inside / u + beyond / (u - 1.0)) / self.compliance
+        return np.where(depth > 0.0, force, 0.0)
+
+    def approach(self, force):
+        """Approach, m, of a contact force, N, >= 0."""
+        force = np.asarray(force, dtype=float)
+        inside = np.clip(force, SHALLOWEST, self.largest_force)
+        u = self.level - np.log(inside)
+        beyond = np.maximum(force - self.largest_force, 0.0)
+        return np.where(force > 0.0, self.compliance * (inside * u + beyond * (u - 1.0)), 0.0)
+
+    def slope(self, approach):
+        """Contact stiffness dQ/dδ, N/m; 0 for an open contact."""
+        depth = np.asarray(approach, dtype=float)
+        u = self._bracket(np.clip(depth, SHALLOWEST, self._largest_approach))
+        return np.where(depth > 0.0, 1.0 / (self.compliance * (u - 1.0)), 0.0)
+
+    def potential(self, approach):
+        """Energy stored in the contact, J."""
+        depth = np.asarray(approach, dtype=float)
+        inside = np.clip(depth, SHALLOWEST, self._largest_approach)
+        u = self._bracket(inside)
+        force = inside / (self.compliance * u)
+        beyond = np.maximum(depth - self._largest_approach, 0.0)
+        energy = 0.5 * self.compliance * force**2 * (u - 0.5)
+        energy += beyond * (force + 0.5 * beyond / (self.compliance * (u - 1.0)))
+        return np.where(depth > 0.0, energy, 0.0)
+
+    @property
+    def _largest_approach(self) -> float:
+        return self.compliance * self.largest_force * (self.level - log(self.largest_force))
+
+    def _bracket(self, depth):
+        """u = B − ln Q of a depth: u − ln u = L = B + ln(S/δ), the root above 1."""
+        target = self.level + log(self.compliance) - np.log(depth)
+        u = target + np.log(target)
+        for _ in range(NEWTON_STEPS):
+            u = u * (target + np.log(u) - 1.0) / (u - 1.0)
+        return u
+
+
+class ContactLaws(NamedTuple):
+    """The laws of a rolling element's two contacts."""
+
+    inner: PowerLaw | LogarithmicLaw
+    outer: PowerLaw | LogarithmicLaw
+
+
+def johnson(bearing: Bearing, side: Side) -> LogarithmicLaw:
+    """Elastic cylinder between raceways; the same as Tripp's.
+
+    δ = 2 Q/(π L) {c_1 [ln(4 R1/b) − ½] + c_2 [ln(4 R2/b) − ½]}, b = sqrt(4 Q (c_1 + c_2)/(π L Σρ)), c = (1 − ν²)/E.
+    The outer ring, of thickness t behind the raceway, has ln(2 t/b) − ν/(2(1 − ν)) in its bracket instead: the approach
+    of a point at depth t in a half-space.
+
+    Source: Johnson, Contact Mechanics (1985), 5.6; Tripp, Hertzian Contact in Two and Three Dimensions, NASA
+    (1985).
+    Range: plane strain, unrelieved ends, b well below R and t; the inner ring as a solid cylinder.
+    """
+    R1, length = bearing.roller_radius, bearing.roller_length
+    ring = bearing.inner_ring if side == "inner" else bearing.outer_ring
+    c1, c2 = _compliance(bearing.roller), _compliance(ring)
+    if side == "inner":
+        R2 = bearing.inner_raceway_radius
+        curvature, ring_term = 1.0 / R1 + 1.0 / R2, log(4.0 * R2) - 0.5
+    else:
+        curvature = 1.0 / R1 - 1.0 / bearing.outer_raceway_radius
+        thickness, nu = bearing.outside_radius - bearing.outer_raceway_radius, ring.poisson_ratio
+        ring_term = log(2.0 * thickness) - 0.5 * nu / (1.0 - nu)
+    compliance = (c1 + c2) / (pi * length)
+    b_squared = 4.0 * (c1 + c2) / (pi * length * curvature)  # of 1 N
+    level = 2.0 * (c1 * (log(4.0 * R1) - 0.5) + c2 * ring_term) / (c1 + c2) - log(b_squared)
+    return LogarithmicLaw(
+        name="johnson",
+        compliance=compliance,
+        level=level,
+        # at b = R1/2, but never near the maximum of δ(Q), which a thin ring brings closer
+        largest_force=min((0.5 * R1) ** 2 / b_squared, exp(level - 2.0)),
+        source=f"Johnson 1985, Tripp 1985: line contact of elastic cylinders, {side} raceway",
+        range="plane strain; contact width small against roller and ring",
+    )
+
+
+def houpert(bearing: Bearing, side: Side) -> PowerLaw:
+    """Power law fitted to the elastic line contact: Q = 0.2723 L δ^1.074/(c d_m^0.074), c = (1 − ν²)/E, N and mm.
+
+    Source: Houpert, An Engineering Approach to Hertzian Contact Elasticity, ASME J. Tribology 123 (2001), second hand;
+    the inner raceway's form, used here for both raceways.
+    """
+    exponent = 1.074
+    compliance = _mean_compliance(bearing, side)
+    return PowerLaw(
+        name="houpert",
+        # homogeneous in length: the same in m
+        stiffness=0.2723 * bearing.roller_length / (compliance * (2.0 * bearing.pitch_radius) ** 0.074),
+        exponent=exponent,
+        source="Houpert 2001, Q = 0.2723 L δ^1.074/(c d_m^0.074); the inner raceway's, used for both",
+        range="line contact of rolling bearings, any elastic material",
+    )
+
+
+def teutsch_sauer(bearing: Bearing, side: Side) -> PowerLaw:
+    """Power law fitted to the elastic line contact: δ = 3.17 (d_m/2)^0.08 (Q c/L)^0.92, c = (1 − ν²)/E, N and mm.
+
+    Source: Teutsch and Sauer, An Alternative Slicing Technique to Consider Pressure Concentrations in Non-Hertzian Line
+    Contacts, ASME J. Tribology 126 (2004); the inner raceway's form, used here for both raceways.
+    """
+    exponent = 1.0 / 0.92
+    factor = 3.17 * bearing.pitch_radius**0.08 * (_mean_compliance(bearing, side) / bearing.roller_length) ** 0.92
+    return PowerLaw(
+        name="teutsch_sauer",
+        stiffness=factor**-exponent,
+        exponent=exponent,
+        source="Teutsch and Sauer 2004, δ = 3.17 (d_m/2)^0.08 (Q c/L)^0.92; the inner raceway's, used for both",
+        range="line contact of rolling bearings, any elastic material",
+    )
+
+
+def _compliance(material: Material) -> float:
+    """c = (1 − ν²)/E, 1/Pa."""
+    return 1.0 / material.plane_strain_modulus
+
+
+def _mean_compliance(bearing: Bearing, side: Side) -> float:
+    """c of a contact of two materials: Hertz's theory knows only their sum."""
+    ring = bearing.inner_ring if side == "inner" else bearing.outer_ring
+    return 0.5 * (_compliance(bearing.roller) + _compliance(ring))
+
+
+def _by_length(law: Callable[[float], PowerLaw], bearing: Bearing, side: Side) -> PowerLaw:
+    return law(bearing.roller_length)
+
+
+ROLLER_LAWS: dict[str, Callable[[Bearing, Side], PowerLaw | LogarithmicLaw]] = {
+    **{name: partial(_by_length, law) for name, law in LAWS.items()},
+    "johnson": johnson,
+    "houpert": houpert,
+    "teutsch_sauer": teutsch_sauer,
+}
+BALL_LAWS = {"hertz": ball_law}
+
+
+def contact_laws(name: str, bearing: Bearing) -> ContactLaws:
+    """The named laws of both contacts of a rolling element.
+
+    Parameters
+    ----------
+    name : a key of ROLLER_LAWS, or of BALL_LAWS ("hertz") for a `BallBearing`; "tripp" is "johnson"
+
+    Errors
+    ------
+    ValueError: an unknown name, or a law that isn't for this bearing's rolling elements; the message lists the known.
+    """
+    known = BALL_LAWS if isinstance(bearing, BallBearing) else ROLLER_LAWS
+    law = known.get("johnson" if name == "tripp" else name)
+    if law is None:
+        kind = "balls" if isinstance(bearing, BallBearing) else "rollers"
+        raise ValueError(f"unknown contact law {name!r} for {kind}; known: {', '.join(sorted(known))}")
+    return ContactLaws(inner=law(bearing, "inner"), outer=law(bearing, "outer"))

@@ -1,0 +1,223 @@
+"""Static equilibrium of hub and rolling elements at given angles, rigid rings, by Newton's method.
+
+Each element's radius ρ is eliminated: at a given hub position its radial balance has one root. What is left is the least
+of a potential of the hub's two coordinates, found by Newton's method with a line search.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lagrange.bearing import Bearing, Operation
+from lagrange.kinematics import kinematics, roller_angles
+from lagrange.raceway_laws import ContactLaws
+
+BALANCE = 1e-10  # of load and contact forces: what Newton's method must reach
+MAX_NEWTON = 200
+MAX_RADIAL = 100
+ROUND_OFF = 4e-16  # of a radius: two units in its last place
+SOFTEST = 1e-6  # smallest curvature in use, of the stiffest direction of one contact
+
+
+@dataclass(frozen=True, kw_only=True)
+class Statics:
+    """An equilibrium; m, rad, N; arrays (n_rollers,)."""
+
+    x: float  # centre of the inner ring
+    y: float
+    rho: np.ndarray
+    theta: np.ndarray
+    inner_force: np.ndarray
+    outer_force: np.ndarray
+
+    @property
+    def n_loaded(self) -> int:
+        """Elements that carry load between the rings."""
+        return int(np.sum(self.inner_force > 0.0))
+
+
+def static_equilibrium(
+    bearing: Bearing,
+    operation: Operation,
+    laws: ContactLaws,
+    *,
+    angles: np.ndarray | None = None,
+    roller_mass: float | None = None,
+    start: tuple[float, float] | None = None,
+) -> Statics:
+    """Equilibrium under load, weights and the elements' centrifugal force at cage speed.
+
+    Parameters
+    ----------
+    angles : (n_rollers,), rad; default: equally spaced from the operation's first angle
+    roller_mass : kg; default: the bearing's; 0 leaves out the elements' weight and centrifugal force
+    start : hub position to begin from, m
+
+    Errors
+    ------
+    RuntimeError: no equilibrium found. Forces balance to 1e-10 of the load and of the contacts' forces. Without load the
+    hub of a bearing with clearance stays where it is put; an element that nothing holds lies midway in its gap.
+    """
+    theta = roller_angles(bearing, operation.first_roller_angle) if angles is None else np.asarray(angles, dtype=float)
+    mass = bearing.roller_mass if roller_mass is None else roller_mass
+    weight = operation.radial_load + operation.inner_mass * operation.gravity
+    system = _System(bearing, operation, laws, theta, mass)
+    hub = np.zeros(2) if start is None else np.array(start, dtype=float)
+    if start is None and weight > 0.0:
+        hub = _sink(system, weight)
+    here = system.at(hub, weight)
+    for _ in range(MAX_NEWTON):
+        if np.max(np.abs(here.unbalance)) <= BALANCE * (weight + np.sum(here.inner_force)):
+            return Statics(
+                x=float(hub[0]), y=float(hub[1]), rho=here.rho, theta=theta,
+                inner_force=here.inner_force, outer_force=here.outer_force,
+            )  # fmt: skip
+        step = _newton_step(here, system.typical_stiffness)
+        hub, here = _descend(system, hub, here, step, weight)
+    raise RuntimeError(
+        f"no static equilibrium after {MAX_NEWTON} steps: {np.max(np.abs(here.unbalance)):.3g} N unbalanced at hub "
+        f"x = {hub[0]:.3e} m, y = {hub[1]:.3e} m; check load, clearance {bearing.radial_clearance:.3e} m and law"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Point:
+    """The system at one hub position, elements in radial balance."""
+
+    rho: np.ndarray
+    inner_force: np.ndarray
+    outer_force: np.ndarray
+    unbalance: np.ndarray  # (2,), gradient of the potential, N
+    stiffness: np.ndarray  # (2, 2), N/m
+    potential: float  # J
+
+
+class _System:
+    """Potential of the hub's position."""
+
+    def __init__(self, bearing, operation, laws, theta, mass):
+        self.laws = laws
+        self.cos, self.sin = np.cos(theta), np.sin(theta)
+        self.reach = bearing.inner_raceway_radius + bearing.roller_radius
+        self.track = bearing.outer_raceway_radius - bearing.roller_radius  # ρ that touches the outer raceway
+        cage = kinematics(bearing, operation.speed).cage
+        self.spin = mass * cage**2
+        self.weight = mass * operation.gravity * self.sin
+        self.bearing = bearing
+        depth = 1e-4 * bearing.roller_radius
+        self.typical_stiffness = float(laws.inner.slope(depth))
+
+    def at(self, hub, load: float) -> _Point:
+        """Balance the elements, then sum up their forces on the hub."""
+        s = hub[0] * self.cos + hub[1] * self.sin  # hub's offset along and across each element's radius
+        t = hub[1] * self.cos - hub[0] * self.sin
+        rho = self._balance(s, t)
+        along = rho - s
+        chi = np.hypot(along, t)
+        depth_in, depth_out = self.reach - chi, rho - self.track
+        inner, outer = self.laws.inner.force(depth_in), self.laws.outer.force(depth_out)
+        c, d = along / chi, t / chi
+        radial, across = -inner * c, inner * d  # on the hub, along s and t
+        unbalance = -np.array(
+            [
+                np.sum(radial * self.cos - across * self.sin),
+                np.sum(radial * self.sin + across * self.cos) - load,
+            ]
+        )
+        slope_in, slope_out = self.laws.inner.slope(depth_in), self.laws.outer.slope(depth_out)
+        # Hessian of the inner contact's energy in (along, t), then ρ eliminated
+        aa = slope_in * c * c - inner / chi * d * d
+        at = slope_in * c * d + inner / chi * c * d
+        tt = slope_in * d * d - inner / chi * c * c
+        own = aa + slope_out - self.spin
+        own = np.where(own > 0.0, own, np.inf)
+        ss, st, tt = aa - aa * aa / own, -(at - aa * at / own), tt - at * at / own
+        cos, sin = self.cos, self.sin
+        xx = np.sum(ss * cos * cos - 2.0 * st * cos * sin + tt * sin * sin)
+        yy = np.sum(ss * sin * sin + 2.0 * st * cos * sin + tt * cos * cos)
+        xy = np.sum((ss - tt) * cos * sin + st * (cos * cos - sin * sin))
+        potential = np.sum(
+            self.laws.inner.potential(depth_in) + self.laws.outer.potential(depth_out)
+            + self.weight * depth_out - 0.5 * self.spin * (rho * rho - self.track**2)
+        )  # fmt: skip
+        return _Point(
+            rho=rho, inner_force=inner, outer_force=outer, unbalance=unbalance,
+            stiffness=np.array([[xx, xy], [xy, yy]]), potential=float(potential) + load * hub[1],
+        )  # fmt: skip
+
+    def _radial(self, rho, s, t):
+        """Force on the elements along +ρ, N, and minus its derivative."""
+        along = rho - s
+        chi = np.hypot(along, t)
+        depth_in, depth_out = self.reach - chi, rho - self.track
+        inner, outer = self.laws.inner.force(depth_in), self.laws.outer.force(depth_out)
+        force = inner * along / chi - outer + self.spin * rho - self.weight
+        slope_in, slope_out = self.laws.inner.slope(depth_in), self.laws.outer.slope(depth_out)
+        return force, slope_in * (along / chi) ** 2 + slope_out - self.spin
+
+    def _balance(self, s, t):
+        """ρ of every element in radial balance: Newton's method kept inside a bracket."""
+        touch_in = s + np.sqrt(np.maximum(self.reach**2 - t * t, 0.0))  # ρ that touches the inner raceway
+        push = np.abs(self.weight) + 2.0 * self.spin * self.track
+        room = np.maximum(self.laws.inner.approach(push), self.laws.outer.approach(push)) * 1.5
+        low = np.minimum(touch_in, self.track) - room
+        high = np.maximum(touch_in, self.track) + room
+        rho = 0.5 * (touch_in + self.track)
+        for _ in range(MAX_RADIAL):
+            force, stiffness = self._radial(rho, s, t)
+            low, high = np.where(force > 0.0, rho, low), np.where(force < 0.0, rho, high)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                newton = rho + force / stiffness
+            inside = np.isfinite(newton) & (newton > low) & (newton < high) & (stiffness > 0.0)
+            step = np.where(force == 0.0, rho, np.where(inside, newton, 0.5 * (low + high)))
+            if np.all(np.abs(step - rho) <= ROUND_OFF * self.track):
+                return step
+            rho = step
+        return rho
+
+
+def _sink(system: _System, weight: float) -> np.ndarray:
+    """Hub position straight below the centre where the elements first hold the load, m: by bisection."""
+    bearing = system.bearing
+    low = -max(bearing.radial_clearance, 0.0) - 1e-6 * bearing.roller_radius
+    for _ in range(60):
+        if system.at(np.array([0.0, low]), weight).unbalance[1] < 0.0:
+            break
+        low -= 0.1 * max(-low, 1e-4 * bearing.roller_radius)
+    high = 0.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if system.at(np.array([0.0, middle]), weight).unbalance[1] < 0.0:
+            low = middle
+        else:
+            high = middle
+        if high - low < 1e-5 * bearing.roller_radius:
+            break
+    return np.array([0.0, low])
+
+
+def _newton_step(here: _Point, typical: float) -> np.ndarray:
+    """Newton's step; directions without or with negative stiffness go downhill instead."""
+    values, vectors = np.linalg.eigh(here.stiffness)
+    values = np.maximum(np.abs(values), SOFTEST * typical)
+    return -vectors @ ((vectors.T @ here.unbalance) / values)
+
+
+def _descend(system: _System, hub, here: _Point, step, weight: float):
+    """Go along a step as far as it lowers the potential, or the unbalance once round-off hides that."""
+    size = np.linalg.norm(step)
+    longest = 1e-2 * system.bearing.roller_radius
+    step = step * min(1.0, longest / size) if size > 0.0 else step
+    expected = float(here.unbalance @ step)  # < 0
+    forces = weight + np.sum(here.inner_force + here.outer_force)
+    noise = 10.0 * ROUND_OFF * (abs(here.potential) + forces * system.track)
+    for _ in range(60):
+        there = system.at(hub + step, weight)
+        lower = there.potential <= here.potential + 1e-4 * expected
+        finer = there.potential <= here.potential + noise and (
+            np.linalg.norm(there.unbalance) < np.linalg.norm(here.unbalance)
+        )
+        if lower or finer:
+            return hub + step, there
+        step, expected = 0.5 * step, 0.5 * expected
+    return hub, here

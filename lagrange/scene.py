@@ -136,7 +136,7 @@ class Scene(_Table):
                 f"operation.inner_ring_and_shaft_kg = {self.operation.inner_ring_and_shaft_kg} must exceed the mass of "
                 f"the elastic inner ring, {ring:.4g} kg"
             )
-        coarsest = pi * self.bearing.roller_diameter_mm / 14.0
+        coarsest = pi * self.bearing.roller_diameter_mm / 10.0
         if self.numerics.mesh_size_mm > coarsest:
             raise ValueError(
                 f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is too coarse for rollers of "

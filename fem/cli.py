@@ -10,6 +10,7 @@ from cyclopts import App, Parameter
 from fem.errors import UsageError
 
 RUNS = Path("runs")
+CHECKPOINT_SECONDS = 10.0  # of wall time
 OK, FAILED, UNUSABLE, INTERRUPTED, TERMINATED = 0, 1, 2, 130, 143
 
 
@@ -56,6 +57,7 @@ def _run(
     duration: Annotated[float | None, Parameter(help="simulated time, ms; 0: static equilibrium only")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
     dry_run: Annotated[bool, Parameter(negative="", help="check, show the plan and run nothing")] = False,
+    resume: Annotated[bool, Parameter(negative="", help="go on from the output file's checkpoint")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="no progress, no summary")] = False,
 ) -> int:
     from lagrange.scene import read_scene
@@ -71,7 +73,7 @@ def _run(
         raise UsageError(f"--output {path}: is a folder; name a file in it")
     if dry_run:
         return _dry_run(chosen)
-    return _simulate(chosen, path, quiet)
+    return _simulate(chosen, path, quiet, resume)
 
 
 def _plan(scene, compiled: bool, quiet: bool = False):
@@ -103,26 +105,40 @@ def _dry_run(scene) -> int:
     return OK
 
 
-def _simulate(scene, path: Path, quiet: bool) -> int:
+def _simulate(scene, path: Path, quiet: bool, resume: bool) -> int:
+    import time
+
+    from fem.checkpoint import load_checkpoint, save_checkpoint
     from fem.progress import progress_display
-    from fem.simulate import RunFailed, run
+    from fem.simulate import RunFailed, first_state, run
     from fem.store import ResultFile
     from fem.summary import print_run
 
     plan, setup_seconds = _plan(scene, compiled=True, quiet=quiet)
+    state = load_checkpoint(path, plan) if resume else first_state(plan)
     stopped: list[int] = []
     _on_signals(stopped.append)
     seen, status, code = None, "complete", OK
+    saved = time.monotonic()
+
+    def keep() -> None:
+        nonlocal saved
+        store.commit()
+        save_checkpoint(path, plan, state)
+        saved = time.monotonic()
 
     def watch(progress) -> None:
         nonlocal seen
         seen = progress
         show(progress)
+        if time.monotonic() - saved > CHECKPOINT_SECONDS:
+            keep()
 
-    with ResultFile(path, plan, setup_seconds) as store:
+    with ResultFile(path, plan, setup_seconds, state.done if resume else None) as store:
         try:
             with progress_display(plan, quiet) as show:
-                seen = run(plan, store.append, watch, lambda: bool(stopped))
+                seen = run(plan, store.append, watch, lambda: bool(stopped), state)
+            keep()
             if stopped and seen.samples < plan.n_samples:
                 status = "interrupted"
                 code = TERMINATED if stopped[0] == signal.SIGTERM else INTERRUPTED
@@ -132,7 +148,11 @@ def _simulate(scene, path: Path, quiet: bool) -> int:
     if code == FAILED:
         print(f"error: {status}\nsamples up to then are in {path}", file=sys.stderr)
     elif code != OK:
-        print(f"{status} at {1e3 * seen.simulated:.3f} ms; samples up to then are in {path}", file=sys.stderr)
+        print(
+            f"{status} at {1e3 * seen.simulated:.3f} ms; samples up to then are in {path}; "
+            "the same command with --resume goes on",
+            file=sys.stderr,
+        )
     elif not quiet:
         print_run(plan, seen, path)
     return code

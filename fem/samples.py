@@ -42,6 +42,24 @@ class SampleReader:
         self._base = None
         self.largest_stored = 0.0
 
+    def carried(self) -> dict[str, np.ndarray]:
+        """What runs on, as arrays; `carry_on` takes it back."""
+        base = (np.nan,) * 3 if self._base is None else self._base
+        moment = np.nan if self._moment is None else self._moment
+        return {
+            "count": np.array(self._count),
+            "angle": self._angle,
+            "sums": np.array([self._frame_work, moment, *base, self.largest_stored]),
+        }
+
+    def carry_on(self, carried: dict[str, np.ndarray]) -> None:
+        """Go on where another reader of the same plan stopped."""
+        self._count = int(carried["count"])
+        self._angle = carried["angle"]
+        self._frame_work, moment, *base, self.largest_stored = (float(value) for value in carried["sums"])
+        self._moment = None if np.isnan(moment) else moment
+        self._base = None if np.isnan(base[0]) else tuple(base)
+
     def read(self, rows: np.ndarray) -> Samples:
         """Quantities of the next rows."""
         n = self._n

@@ -127,55 +127,69 @@ class Progress:
     imbalance: float  # energy imbalance over elastic and contact energy
 
 
+@dataclass(kw_only=True)
+class RunState:
+    """A run after its last sample: what a checkpoint holds."""
+
+    arrays: Arrays
+    reader: SampleReader
+    done: int = 0  # samples
+    wall: float = 0.0  # s, time loop only
+
+
+def first_state(plan: Plan) -> RunState:
+    """The state of a plan that has not begun."""
+    return RunState(arrays=plan.arrays(), reader=SampleReader(plan))
+
+
 def run(
     plan: Plan,
     write: Callable[[Samples], None],
     report: Callable[[Progress], None] = lambda progress: None,
     stop: Callable[[], bool] = lambda: False,
+    state: RunState | None = None,
 ) -> Progress:
     """Advance a plan to its end, or until `stop` says so, handing samples to `write` as they come.
+
+    `state`, where given, is where to go on from; it is kept up to date after each block, before `report`.
 
     Errors
     ------
     RunFailed: a velocity is not a number, or the energy no longer balances; good samples were written.
     """
-    arrays = plan.arrays()
-    reader = SampleReader(plan)
+    state = first_state(plan) if state is None else state
     compile_kernels(plan)
-    done, block, wall, imbalance = 0, 1, 0.0, 0.0
-    while done < plan.n_samples and not stop():
-        rows = np.zeros((min(block, plan.n_samples - done), _row_width(plan)))
+    block, imbalance = 1, 0.0
+    while state.done < plan.n_samples and not stop():
+        rows = np.zeros((min(block, plan.n_samples - state.done), _row_width(plan)))
         began = time.perf_counter()
-        status, step, body = _advance(plan, arrays, done, rows)
+        status, step, body = _advance(plan, state.arrays, state.done, rows)
         took = time.perf_counter() - began
-        wall += took
+        state.wall += took
         if status != time_loop.DONE:
             rows = rows[: _good_rows(rows)]
         if len(rows):
-            samples = reader.read(rows)
-            good, imbalance = _balanced(reader, samples)
+            samples = state.reader.read(rows)
+            good, imbalance = _balanced(state.reader, samples)
             write(samples.first(good))
-            done += good
+            state.done += good
             if good < len(rows):
                 raise RunFailed(_energy_trouble(plan, samples, good, imbalance))
         if status != time_loop.DONE:
             raise RunFailed(_velocity_trouble(plan, step, body))
-        report(
-            Progress(
-                samples=done,
-                steps=max(0, done - 1) * plan.stride,
-                simulated=(done - 1) * plan.interval,
-                wall=wall,
-                imbalance=imbalance,
-            )
-        )
+        report(_progress(plan, state, imbalance))
         per_row = took / len(rows)
         block = max(1, min(4 * block, int(BLOCK_SECONDS / per_row))) if per_row > 0.0 else 4 * block
+    return _progress(plan, state, imbalance)
+
+
+def _progress(plan: Plan, state: RunState, imbalance: float) -> Progress:
+    last = max(0, state.done - 1)
     return Progress(
-        samples=done,
-        steps=max(0, done - 1) * plan.stride,
-        simulated=max(0, done - 1) * plan.interval,
-        wall=wall,
+        samples=state.done,
+        steps=last * plan.stride,
+        simulated=last * plan.interval,
+        wall=state.wall,
         imbalance=imbalance,
     )
 

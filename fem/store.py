@@ -11,6 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from fem.errors import UsageError
 from fem.samples import Samples
 from fem.simulate import Plan
 
@@ -53,13 +54,53 @@ def program_version() -> str:
         return "not installed"
 
 
+def _refuse_if_in_use(path: Path) -> None:
+    """HDF5 would empty the file of another run before it finds it locked."""
+    if not path.is_file() or not h5py.is_hdf5(path):
+        return
+    try:
+        h5py.File(path, "r+").close()
+    except BlockingIOError:
+        raise UsageError(f"{path}: another run is writing it; name another file with --output") from None
+    except OSError:
+        pass  # damaged: to be replaced
+
+
+def _open_to_resume(path: Path, samples: int) -> h5py.File:
+    try:
+        file = h5py.File(path, "r+")
+    except BlockingIOError:
+        raise UsageError(f"{path}: another run is writing it; wait for it, or stop it") from None
+    except OSError as error:
+        raise UsageError(f"{path}: can't be opened to resume ({error.strerror or 'damaged'}); start again") from None
+    committed = int(file.attrs.get("committed_samples", 0))
+    if committed < samples or any(name not in file for name in VARIABLES):
+        file.close()
+        raise UsageError(f"{path}: holds {committed} samples, the checkpoint {samples}; start again without --resume")
+    return file
+
+
 class ResultFile:
     """Appends samples; use as a context manager."""
 
-    def __init__(self, path: Path, plan: Plan, setup_seconds: float):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        self._file = h5py.File(path, "w")
-        self._count, self._flushed = 0, time.monotonic()
+    def __init__(self, path: Path, plan: Plan, setup_seconds: float, resume_at: int | None = None):
+        """A new file, or one to go on with after its first `resume_at` samples."""
+        self._flushed = time.monotonic()
+        if resume_at is None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._count = 0
+            _refuse_if_in_use(path)
+            self._file = h5py.File(path, "w")
+            self._lay_out(plan, setup_seconds)
+        else:
+            self._count = resume_at
+            self._file = _open_to_resume(path, resume_at)
+            for name in VARIABLES:
+                self._file[name].resize(resume_at, axis=0)
+            self._file.attrs.update(scene=plan.scene.to_toml(), committed_samples=resume_at, status="running")
+            self._file.flush()
+
+    def _lay_out(self, plan: Plan, setup_seconds: float) -> None:
         n = plan.model.bearing.n_rollers
         roller = self._file.create_dataset("roller", data=np.arange(n, dtype=np.int64))
         roller.attrs["units"], roller.attrs["long_name"] = "1", "roller, counted along +theta"

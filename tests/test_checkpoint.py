@@ -1,0 +1,131 @@
+"""A run that stops goes on bit for bit, or says why it can't."""
+
+import h5py
+import numpy as np
+import pytest
+
+from fem.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
+from fem.cli import run_main
+from fem.errors import UsageError
+from fem.simulate import first_state, make_plan, run
+from fem.store import VARIABLES, ResultFile
+from lagrange.scene import read_scene
+from tests.test_run_fem import _start_run
+
+SETTINGS = ("numerics.mesh_size_mm=2", "numerics.duration_ms=2")
+OPTIONS = ["--mesh-size", "2", "--quiet"]
+
+
+def stop_after(plan, path, samples):
+    """A run stopped by hand once it has at least that many samples, with its checkpoint."""
+    state = first_state(plan)
+    with ResultFile(path, plan, 0.0) as store:
+        run(plan, store.append, stop=lambda: state.done >= samples, state=state)
+        store.finish("interrupted", 0, 0.0)
+        save_checkpoint(path, plan, state)
+    return state.done
+
+
+def same_data(left, right):
+    with h5py.File(left) as a, h5py.File(right) as b:
+        return all(np.array_equal(a[name][:], b[name][:]) for name in VARIABLES)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    path = tmp_path_factory.mktemp("whole") / "whole.nc"
+    assert run_main([*OPTIONS, "--duration", "2", "--output", str(path)]) == 0
+    return path
+
+
+@pytest.mark.parametrize("samples", [1, 17, 60])
+def test_a_resumed_run_is_the_uninterrupted_one(samples, whole, tmp_path):
+    path = tmp_path / "stopped.nc"
+    done = stop_after(make_plan(read_scene(None, SETTINGS)), path, samples)
+    assert samples <= done < 201
+    assert run_main([*OPTIONS, "--duration", "2", "--output", str(path), "--resume"]) == 0
+    assert same_data(path, whole)
+    with h5py.File(path) as file:
+        assert file.attrs["status"] == "complete" and file.attrs["committed_samples"] == 201
+
+
+def test_a_complete_run_can_be_extended(whole, tmp_path):
+    path = tmp_path / "short.nc"
+    assert run_main([*OPTIONS, "--duration", "0.7", "--output", str(path)]) == 0
+    assert run_main([*OPTIONS, "--duration", "2", "--output", str(path), "--resume"]) == 0
+    assert same_data(path, whole)
+
+
+def test_samples_beyond_the_checkpoint_are_written_again(whole, tmp_path):
+    """What a kill between flush and checkpoint leaves."""
+    path = tmp_path / "killed.nc"
+    plan = make_plan(read_scene(None, SETTINGS))
+    state = first_state(plan)
+    with ResultFile(path, plan, 0.0) as store:
+        run(plan, store.append, stop=lambda: state.done >= 20, state=state)
+        store.commit()
+        save_checkpoint(path, plan, state)
+        run(plan, store.append, stop=lambda: state.done >= 60, state=state)
+        store.commit()
+    assert run_main([*OPTIONS, "--duration", "2", "--output", str(path), "--resume"]) == 0
+    assert same_data(path, whole)
+
+
+def test_a_killed_run_resumes(tmp_path, monkeypatch):
+    """kill -9 before the first checkpoint: nothing to resume from, and it says so; the samples stay."""
+    path = tmp_path / "killed.nc"
+    process = _start_run(path)
+    process.kill()
+    process.communicate(timeout=60)
+    if not checkpoint_path(path).exists():
+        assert run_main([*OPTIONS, "--duration", "2000", "--output", str(path), "--resume"]) == 2
+        with h5py.File(path) as file:
+            assert file.attrs["committed_samples"] > 0
+
+
+def refused(arguments, capsys):
+    assert run_main(arguments) == 2
+    error = capsys.readouterr().err
+    assert "Traceback" not in error
+    return error
+
+
+def test_another_scene_is_refused_by_its_difference(whole, capsys):
+    arguments = [*OPTIONS, "--duration", "2", "--output", str(whole), "--resume"]
+    error = refused([*arguments, "--set", "operation.speed_rpm=4000"], capsys)
+    assert "operation.speed_rpm was 4500.0, now 4000.0" in error
+
+
+def test_missing_damaged_and_foreign_checkpoints_are_refused(whole, tmp_path, capsys):
+    path = tmp_path / "copy.nc"
+    path.write_bytes(whole.read_bytes())
+    arguments = [*OPTIONS, "--duration", "2", "--output", str(path), "--resume"]
+    assert "nothing to resume" in refused(arguments, capsys)
+    good = checkpoint_path(whole).read_bytes()
+    for bad in (b"", b"nonsense", good[: len(good) // 2], good[:200] + bytes(200) + good[400:]):
+        checkpoint_path(path).write_bytes(bad)
+        assert str(checkpoint_path(path)) in refused(arguments, capsys)
+    checkpoint_path(path).write_bytes(good)
+    path.write_bytes(whole.read_bytes()[:5000])
+    assert str(path) in refused(arguments, capsys)
+
+
+def test_another_version_is_refused(whole, monkeypatch):
+    from pathlib import Path
+
+    plan = make_plan(read_scene(None, SETTINGS))
+    monkeypatch.setattr("fem.checkpoint.cache_folder", lambda: Path("kernels/other"))
+    with pytest.raises(UsageError, match="another version"):
+        load_checkpoint(whole, plan)
+
+
+def test_a_second_run_on_the_same_file_is_refused_and_harms_nothing(tmp_path, capsys):
+    path = tmp_path / "shared.nc"
+    process = _start_run(path)
+    try:
+        assert "another run" in refused([*OPTIONS, "--duration", "1", "--output", str(path)], capsys)
+    finally:
+        process.terminate()
+        process.communicate(timeout=60)
+    with h5py.File(path) as file:
+        assert file.attrs["status"] == "interrupted" and file.attrs["committed_samples"] > 0

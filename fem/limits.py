@@ -6,9 +6,26 @@ from fem.equilibrium import Equilibrium
 from fem.errors import UsageError
 from fem.model import Model
 from lagrange import Kinematics
+from meshes import Mesh, quality
 
+LEAST_ANGLE = 30.0  # degrees
+LONGEST_EDGE = 40.0  # over the shortest of the same mesh
 LARGEST_STRAIN = 0.01  # linear elasticity errs by about the strain itself
 WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
+
+
+def check_meshes(model: Model) -> None:
+    """Refuse meshes too distorted to be trusted."""
+    for name in ("roller", "inner_ring", "outer_ring"):
+        body = getattr(model, name)
+        found = quality(Mesh(points=body.points, cells=body.cells))
+        if found.smallest_angle < LEAST_ANGLE or found.largest_edge > LONGEST_EDGE * found.smallest_edge:
+            raise UsageError(
+                f"the mesh of the {name.replace('_', ' ')} has angles down to {found.smallest_angle:.0f} degrees (at "
+                f"least {LEAST_ANGLE:.0f}) and edges from {1e3 * found.smallest_edge:.3g} to "
+                f"{1e3 * found.largest_edge:.3g} mm (ratio at most {LONGEST_EDGE:.0f}); change numerics.mesh_size_mm "
+                "or the ring's thickness"
+            )
 
 
 def check_speed(model: Model, ideal: Kinematics) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from fem import time_loop
 from fem.arrays import Arrays, make_arrays
 from fem.critical_step import critical_time_step
-from fem.limits import check_contacts, check_speed
+from fem.limits import check_contacts, check_meshes, check_speed
 from fem.model import Model, build_model
 from fem.samples import SampleReader, Samples
 from fem.start import Start, equilibrium_start, rest_start
@@ -68,6 +68,7 @@ def make_plan(scene: Scene) -> Plan:
     numerics = scene.numerics
     operation = scene.ideal_operation()
     model = build_model(scene.ideal_bearing(), 1e-3 * numerics.mesh_size_mm)
+    check_meshes(model)
     check_speed(model, kinematics(model.bearing, operation.speed))
     loaded = equilibrium_start(model, operation)
     check_contacts(model, loaded.equilibrium)

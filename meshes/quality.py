@@ -18,13 +18,6 @@ class Quality:
     smallest_angle: float
     largest_angle: float
 
-    def check(self, least_angle: float = 25.0) -> None:
-        """Raise ValueError where a mesh is too distorted to be trusted."""
-        if self.smallest_angle < least_angle:
-            raise ValueError(
-                f"smallest mesh angle {self.smallest_angle:.1f}° is below {least_angle}°; change numerics.mesh_size_mm"
-            )
-
 
 def quality(mesh: Mesh) -> Quality:
     """Measure a mesh."""

@@ -90,7 +90,6 @@ def test_every_cell_of_a_ring_joins_neighbouring_rows_and_sectors():
 def test_triangles_of_a_disc_stay_near_equilateral(layers):
     disc = Disc(radius=0.005, layers=layers)
     found = quality(make(disc))
-    found.check()
     # 60° apart by the six wedges' seams, where a layer of 6k nodes meets one of 6 (k + 1): found 44.3° ... 88.5°
     assert found.smallest_angle > 43.0
     assert found.largest_angle < 90.0
@@ -116,12 +115,6 @@ def test_quality_measures_a_known_triangle_and_square():
     assert found.largest_edge == pytest.approx(2.0 / np.cos(pi / 6.0), rel=1e-14)
     square = Mesh(points=np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), cells=np.array([[0, 1, 2, 3]]))
     assert quality(square).smallest_angle == pytest.approx(90.0, abs=1e-12)
-
-
-def test_quality_refuses_a_needle_and_says_what_to_do():
-    needle = Mesh(points=np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.05]]), cells=np.array([[0, 1, 2]]))
-    with pytest.raises(ValueError, match=r"5\.7° is below 25\.0°; change numerics\.mesh_size_mm"):
-        quality(needle).check()
 
 
 @pytest.mark.parametrize("size_mm", [0.3, 0.5, 1.0, 2.0])

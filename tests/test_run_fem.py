@@ -252,3 +252,22 @@ def test_a_killed_run_leaves_a_readable_file(tmp_path):
         assert count > 0 and file.attrs["status"] == "running"
         assert np.all(np.isfinite(file["roller_x"][:count]))
         assert np.all(np.diff(file["time"][:count]) > 0.0)
+
+
+@pytest.mark.parametrize(
+    "settings, words",
+    [
+        (("operation.speed_rpm=150000", "material.youngs_modulus_GPa=50"), ("operation.speed_rpm", "at most")),
+        (("operation.radial_load_N=1e6",), ("Hertz", "radial_load_N")),
+        (("material.youngs_modulus_GPa=5", "numerics.mesh_size_mm=0.25"), ("mesh_size_mm", "at least")),
+        (("bearing.bore_diameter_mm=0.5",), ("inner ring", "edges")),
+    ],
+    ids=["too fast", "too heavily loaded", "mesh finer than the contact", "distorted mesh"],
+)
+def test_what_the_model_can_not_bear_is_refused_by_name(settings, words, tmp_path, capsys):
+    output = tmp_path / "out.nc"
+    options = [word for setting in settings for word in ("--set", setting)]
+    assert run_main([*options, "--set", "operation.inner_ring_and_shaft_kg=0.1", "--output", str(output)]) == 2
+    error = capsys.readouterr().err
+    assert all(word in error for word in words), error
+    assert "Traceback" not in error and not output.exists()

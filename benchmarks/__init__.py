@@ -1,9 +1,10 @@
 """Benchmarks, each a command that prints a table: run from the repository's root.
 
-stability       random scenes from the whole range of bearings: none may end silently wrong; where the time step's limit is
+work_precision  run time against error over meshes
+stability       random scenes from the whole range of bearings: none may end silently wrong
 random_scenes   the draw of those scenes
-step_limit      energy drift against time step over critical step
+step_limit      energy drift against time step over critical step: where the true limit is
 throughput      time of every phase of a step against the machine's ceilings
 machine         the ceilings, measured
-phases          the phases of a step, timed
+phases          the phases of a step, timed, and the work they need at least
 """

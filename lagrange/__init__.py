@@ -1,15 +1,49 @@
-"""The ideal bearing.
+"""The ideal bearing: the paper's Lagrangian model, stated and solved.
 
-bearing     Material, Bearing, Operation: geometry, masses, operating point
-kinematics  rolling without slip: shaft, cage, roller spin, ball-pass frequencies
-laws        line-contact laws Q(δ)
-equations   the paper's geometry (19), (26), (27) and the inner ring's equations (22), (23)
-scene       the TOML scene file: validated, in the bearing engineer's units; gives the objects above in SI
+bearing       Material, Bearing, BallBearing, Operation: geometry, masses, operating point
+kinematics    rolling without slip: shaft, cage, roller spin, ball-pass frequencies; angles (20)
+laws          line-contact laws Q(δ) that need the roller's length alone: harris, palmgren, iso16281, braendlein
+ball_contact  Hertz point contact (4)-(11): curvatures, δ*(F), K of a ball on a raceway
+raceway_laws  laws that know the raceways: johnson (= tripp), houpert, teutsch_sauer; `contact_laws(name, bearing)`
+equations     geometry (19), (26), (27) and the hub's equations (22), (23) over a record in Cartesian coordinates
+energy        T and V: (2), (3), (14)-(17)
+motion        the N_b + 2 equations (21)-(23), the θ equation, damping, accelerations; (21) as printed
+statics       equilibrium of hub and rolling elements
+integrate     time stepping: Blanes and Moan's fourth-order scheme, leapfrog with damping
+simulate      forward solution: start, step, samples
+trajectory    its result: motion, forces, energies, works
+scene         the TOML scene file: validated, in the bearing engineer's units; gives the objects above in SI
+
+Example, 5 ms of the paper's bearing:
+
+    from lagrange import contact_laws, simulate
+    from lagrange.scene import read_scene
+
+    scene = read_scene()
+    bearing = scene.ideal_bearing()
+    run = simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 5e-3, 1e-5)
 
 Everything but `scene` (which validates with pydantic) needs numpy and scipy only.
 """
 
-from lagrange.bearing import Bearing, Material, Operation
+from lagrange.bearing import BallBearing, Bearing, Material, Operation
 from lagrange.kinematics import Kinematics, kinematics
+from lagrange.raceway_laws import ContactLaws, contact_laws
+from lagrange.simulate import simulate
+from lagrange.statics import Statics, static_equilibrium
+from lagrange.trajectory import Trajectory
 
-__all__ = ["Bearing", "Kinematics", "Material", "Operation", "kinematics"]
+__all__ = [
+    "BallBearing",
+    "Bearing",
+    "ContactLaws",
+    "Kinematics",
+    "Material",
+    "Operation",
+    "Statics",
+    "Trajectory",
+    "contact_laws",
+    "kinematics",
+    "simulate",
+    "static_equilibrium",
+]

@@ -8,8 +8,6 @@ from math import exp, pi
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import ellipe, ellipkm1
 
 from lagrange.bearing import BallBearing, Material
 from lagrange.laws import PowerLaw
@@ -17,6 +15,7 @@ from lagrange.laws import PowerLaw
 Side = Literal["inner", "outer"]
 NEARLY_CIRCULAR = 1e-5  # below this F, F = 3 m/8 is more exact than the elliptic integrals' difference
 LONGEST_ELLIPSE = 18.0  # ln κ: F = 1 − 1e-14, next to a line contact
+BISECTIONS = 60  # to the last digit of ln κ
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +61,8 @@ def ellipticity(difference: float) -> float:
 
     Errors
     ------
-    ValueError: F outside [0, 1). The root is exact to 1e-12 relative; below F = 1e-5 a series, to 1e-5 of κ − 1.
+    ValueError: F outside [0, 1). κ to 1e-10 relative (the integrals' difference cancels); below F = 1e-5 a series,
+    to 1e-5 of κ − 1.
 
     Source: Harris, Rolling Bearing Analysis, Hertz's theory: F = [(κ²+1)E − 2K]/[(κ²−1)E], m = 1 − 1/κ².
     """
@@ -70,14 +70,27 @@ def ellipticity(difference: float) -> float:
         raise ValueError(f"curvature difference F = {difference:.6g}: must be at least 0 and below 1 (a line contact)")
     if difference < NEARLY_CIRCULAR:
         return (1.0 - 8.0 / 3.0 * difference) ** -0.5
-    lowest = 0.5 * NEARLY_CIRCULAR
-    return exp(brentq(lambda log_ratio: _difference(log_ratio) - difference, lowest, LONGEST_ELLIPSE, xtol=1e-14))
+    low, high = 0.5 * NEARLY_CIRCULAR, LONGEST_ELLIPSE
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        if _difference(middle) < difference:
+            low = middle
+        else:
+            high = middle
+    return exp(0.5 * (low + high))
+
+
+def _elliptic_integrals(p):
+    """Complete integrals K and E of m = 1 − p, p = 1/κ²; exact for p near 0 too."""
+    from scipy.special import ellipe, ellipkm1  # 0.1 s to import, and only balls need it
+
+    return ellipkm1(p), ellipe(1.0 - p)
 
 
 def _difference(log_ratio: float) -> float:
     """F of an ellipse with ln κ."""
-    p = exp(-2.0 * log_ratio)  # 1 − m
-    E, K = ellipe(1.0 - p), ellipkm1(p)
+    p = exp(-2.0 * log_ratio)
+    K, E = _elliptic_integrals(p)
     return ((1.0 + p) * E - 2.0 * p * K) / ((1.0 - p) * E)
 
 
@@ -91,7 +104,8 @@ def delta_star(difference):
     Source: Harris, Rolling Bearing Analysis: δ* = (2K/π)(π/(2κ²E))^(1/3).
     """
     p = np.array([ellipticity(float(F)) for F in np.ravel(difference)]).reshape(np.shape(difference)) ** -2.0
-    value = 2.0 / pi * ellipkm1(p) * (0.5 * pi * p / ellipe(1.0 - p)) ** (1.0 / 3.0)
+    K, E = _elliptic_integrals(p)
+    value = 2.0 / pi * K * (0.5 * pi * p / E) ** (1.0 / 3.0)
     return float(value) if np.ndim(difference) == 0 else value
 
 

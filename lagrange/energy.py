@@ -1,10 +1,9 @@
 """Kinetic and potential energy: equations (2), (3), (14)-(17) of the paper.
 
-The paper's sums over inner ring, motor and rolling elements; inner ring and motor shaft move as one mass M = m_in + m_R.
-Rotation is kept apart: at constant speed and rolling without slip it is a constant that no equation of motion feels.
+The paper's sums over inner ring, motor and rolling elements; inner ring and motor shaft move as one mass
+M = m_in + m_R. Rotation is kept apart: at constant speed and rolling without slip it is a constant that no equation of
+motion feels.
 """
-
-from math import pi
 
 import numpy as np
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from math import exp, log, pi
 from typing import Literal, NamedTuple
 
@@ -35,10 +35,13 @@ class LogarithmicLaw:
     def force(self, approach):
         """Contact force, N, >= 0, of an approach (any shape), m, by Newton's method to round-off."""
         depth = np.asarray(approach, dtype=float)
-        inside = np.clip(depth, SHALLOWEST, self._largest_approach)
+        inside = np.minimum(np.maximum(depth, SHALLOWEST), self._largest_approach)  # np.clip is slow
         u = self._bracket(inside)
-        beyond = np.maximum(depth - self._largest_approach, 0.0)
-        force = (inside / u + beyond / (u - 1.0)) / self.compliance
+        beyond = depth > self._largest_approach
+        force = inside / u
+        if np.any(beyond):
+            force = force + np.where(beyond, depth - inside, 0.0) / (u - 1.0)
+        force = force / self.compliance
         return np.where(depth > 0.0, force, 0.0)
 
     def approach(self, force):
@@ -66,13 +69,17 @@ class LogarithmicLaw:
         energy += beyond * (force + 0.5 * beyond / (self.compliance * (u - 1.0)))
         return np.where(depth > 0.0, energy, 0.0)
 
-    @property
-    def _largest_approach(self) -> float:
-        return self.compliance * self.largest_force * (self.level - log(self.largest_force))
+    @cached_property
+    def _largest_approach(self):
+        return self.compliance * self.largest_force * (self.level - np.log(self.largest_force))
+
+    @cached_property
+    def _log_scale(self):
+        return self.level + np.log(self.compliance)
 
     def _bracket(self, depth):
         """u = B − ln Q of a depth: u − ln u = L = B + ln(S/δ), the root above 1."""
-        target = self.level + log(self.compliance) - np.log(depth)
+        target = self._log_scale - np.log(depth)
         u = target + np.log(target)
         for _ in range(NEWTON_STEPS):
             u = u * (target + np.log(u) - 1.0) / (u - 1.0)

@@ -1,7 +1,7 @@
 """Static equilibrium of hub and rolling elements at given angles, rigid rings, by Newton's method.
 
-Each element's radius ρ is eliminated: at a given hub position its radial balance has one root. What is left is the least
-of a potential of the hub's two coordinates, found by Newton's method with a line search.
+Each element's radius ρ is eliminated: at a given hub position its radial balance has one root. What is left is
+the least of a potential of the hub's two coordinates, found by Newton's method with a line search.
 """
 
 from dataclasses import dataclass
@@ -55,8 +55,9 @@ def static_equilibrium(
 
     Errors
     ------
-    RuntimeError: no equilibrium found. Forces balance to 1e-10 of the load and of the contacts' forces. Without load the
-    hub of a bearing with clearance stays where it is put; an element that nothing holds lies midway in its gap.
+    RuntimeError: no equilibrium found. Forces balance to 1e-10 of the load and of the contacts' forces, or to the
+    round-off of the approaches (1e-8 N) if that is more. Without load the hub
+    of a bearing with clearance stays where it is put; an element that nothing holds lies midway in its gap.
     """
     theta = roller_angles(bearing, operation.first_roller_angle) if angles is None else np.asarray(angles, dtype=float)
     mass = bearing.roller_mass if roller_mass is None else roller_mass
@@ -66,8 +67,9 @@ def static_equilibrium(
     if start is None and weight > 0.0:
         hub = _sink(system, weight)
     here = system.at(hub, weight)
+    finest = ROUND_OFF * system.track * system.typical_stiffness * bearing.n_rollers
     for _ in range(MAX_NEWTON):
-        if np.max(np.abs(here.unbalance)) <= BALANCE * (weight + np.sum(here.inner_force)):
+        if np.max(np.abs(here.unbalance)) <= BALANCE * (weight + np.sum(here.inner_force)) + finest:
             return Statics(
                 x=float(hub[0]), y=float(hub[1]), rho=here.rho, theta=theta,
                 inner_force=here.inner_force, outer_force=here.outer_force,

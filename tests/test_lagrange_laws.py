@@ -65,5 +65,5 @@ def test_open_contact_never_pulls(name):
 
 
 def test_unknown_law_lists_the_known_ones():
-    with pytest.raises(ValueError, match=r"'hooke'; known: harris, iso16281, palmgren"):
+    with pytest.raises(ValueError, match=r"'hooke'; known: braendlein, harris, iso16281, palmgren"):
         roller_law("hooke", 0.01)

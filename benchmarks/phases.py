@@ -1,0 +1,178 @@
+"""The phases of a step, each timed alone on a bearing's own arrays, and the work they need at least."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numba import njit
+
+from benchmarks.machine import Machine, median_seconds
+from fem import disc_kernels, ring_kernels, time_loop
+from fem.arrays import Arrays
+from fem.contact_kernels import friction_contacts, normal_contacts, slips
+from fem.simulate import Plan
+
+TARGET_SECONDS = 0.02  # of one measurement
+# arithmetic instructions (multiply-add, or add) per node at least
+ROLLER_UPDATE = 16  # angular acceleration 2, torque 2, position 2, turn of u and w 8, lead 2
+RING_STENCIL = 22  # 18 coefficients of a reflection-symmetric stencil, 4 sums of neighbours
+TURN, STILL = 10, 2  # position and, in a turning frame, the turn of u and w
+STATE_BYTES = 64  # u and w of a node read and written once
+
+
+@cache
+def _repeated(function: Callable) -> Callable:
+    """A compiled loop around a kernel, so that no call from Python is timed."""
+
+    @njit
+    def loop(count, *arguments):
+        for _ in range(count):
+            function(*arguments)
+
+    return loop
+
+
+@njit
+def _slip_and_friction(rollers, inner, outer, contacts, drive, slip):
+    slips(rollers, inner, outer, contacts, drive, contacts.slip)
+    friction_contacts(rollers, inner, outer, contacts, drive, slip)
+
+
+@njit
+def _rings_kick(inner, outer):
+    ring_kernels.kick(inner.table, inner.u, inner.w, inner.first_row, inner.last_row)
+    ring_kernels.kick(outer.table, outer.u, outer.w, outer.first_row, outer.last_row)
+
+
+@njit
+def _rings_drift(inner, outer):
+    ring_kernels.drift(inner.u, inner.w, inner.radii, 1e-12, 1.0, 1e-12, inner.first_row, inner.last_row)
+    ring_kernels.drift_still(outer.u, outer.w, 1e-12, outer.first_row, outer.last_row)
+
+
+@njit
+def _gravity(inner, outer, scratch):
+    ring_kernels.accelerate(
+        inner.w, inner.cosines, inner.sines, 0.0, 1e-12, scratch.bore, inner.first_row, inner.last_row
+    )
+    ring_kernels.accelerate(
+        outer.w, outer.cosines, outer.sines, 0.0, 1e-12, scratch.line, outer.first_row, outer.last_row
+    )
+
+
+@njit
+def _hub(inner, scratch):
+    bore = scratch.bore
+    bore[0, :] = 0.0
+    bore[1, :] = 0.0
+    ring_kernels.row_force(inner.table, inner.u, inner.held, bore[0], bore[1])
+    x, y, _ = ring_kernels.resultant(bore[0], bore[1], inner.cosines, inner.sines)
+    held = inner.u[inner.held]
+    ring_kernels.set_rigid(held[0], held[1], inner.cosines, inner.sines, 1e-12 * x, 1e-12 * y)
+
+
+@njit
+def _sampled(rollers, inner, outer, contacts, drive, scratch, row):
+    time_loop._remember(rollers, inner, outer, drive, scratch)
+    time_loop._sample(rollers, inner, outer, contacts, drive, scratch, row, 0.0, 0.0, 0.0, 0.0)
+
+
+def _seconds(function: Callable, *arguments) -> float:
+    """Per call."""
+    loop = _repeated(function)
+    count = 4
+    while True:
+        taken = median_seconds(loop, count, *arguments, repeats=1)
+        if taken > 0.2 * TARGET_SECONDS:
+            break
+        count *= 4
+    return median_seconds(loop, count, *arguments) / count
+
+
+def time_phases(plan: Plan) -> dict[str, float]:
+    """Seconds a step spends in each phase, contacts and friction at the static loads."""
+    a: Arrays = plan.arrays()
+    r, i, o, c, d, x = a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch
+    row = np.zeros(time_loop.N_SCALARS + len(time_loop.BLOCKS) * r.n)
+    matrix = (r.starts, r.neighbours, r.blocks, r.points, r.mass)
+    out = {
+        "contacts": _seconds(normal_contacts, r, i, o, c, d, x.slope),
+        "friction": _seconds(_slip_and_friction, r, i, o, c, d, x.slip),
+    }
+    a = plan.arrays()
+    r, i, o, x = a.rollers, a.inner, a.outer, a.scratch
+    still, turn = np.zeros(r.columns), np.full(r.columns, 1e-12)
+    out["rollers' forces"] = _seconds(disc_kernels.kick, *matrix, r.u, r.w, r.columns, still, x.torque)
+    out["rings' forces"] = _seconds(_rings_kick, i, o)
+    a = plan.arrays()
+    r, i, o, x = a.rollers, a.inner, a.outer, a.scratch
+    ones = np.ones(r.columns)
+    out["rollers' motion"] = _seconds(
+        disc_kernels.drift, r.points, r.mass, r.u, r.w, r.columns, 1e-12, ones, turn, still, still, x.torque
+    )
+    out["rings' motion"] = _seconds(_rings_drift, i, o)
+    out["gravity"] = _seconds(_gravity, i, o, x)
+    out["hub"] = _seconds(_hub, i, x)
+    a = plan.arrays()
+    sample = _seconds(_sampled, a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch, row)
+    out["sampling"] = sample / plan.stride
+    return out
+
+
+def step_seconds(plan: Plan, repeats: int = 3) -> float:
+    """Whole steps of the running bearing, samples included."""
+    a = plan.arrays()
+    width = time_loop.N_SCALARS + len(time_loop.BLOCKS) * a.rollers.n
+
+    def advance(samples, at=[0]):  # noqa: B006 the state runs on from call to call
+        rows = np.zeros((samples, width))
+        time_loop.advance(a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch, at[0], plan.stride, rows)
+        at[0] += samples * plan.stride
+
+    advance(1)
+    taken = median_seconds(advance, 2, repeats=1) / 2
+    samples = max(2, int(10 * TARGET_SECONDS / taken))
+    return median_seconds(advance, samples, repeats=repeats) / samples / plan.stride
+
+
+@dataclass(frozen=True, kw_only=True)
+class Work:
+    """What one step needs at least; contacts, a few hundred nodes, are not counted."""
+
+    operations: dict[str, float]  # by phase
+    bytes_moved: float
+    working_set: float  # bytes of state and matrices
+
+    def floor(self, machine: Machine) -> tuple[float, str]:
+        """Seconds per step, and the ceiling that binds."""
+        level = machine.level(self.working_set)
+        arithmetic = sum(self.operations.values()) / machine.fma_rate
+        traffic = self.bytes_moved / machine.update_rate[level]
+        return (arithmetic, "arithmetic") if arithmetic > traffic else (traffic, level)
+
+
+def least_work(plan: Plan) -> Work:
+    """Operations and bytes of one step of a bearing."""
+    a, n = plan.arrays(), plan.model.bearing.n_rollers
+    disc = a.rollers.mass.size * n
+    rings = [(ring.last_row - ring.first_row) * ring.n_sectors for ring in (a.inner, a.outer)]
+    turning = TURN if plan.operation.speed else STILL
+    tables = a.rollers.blocks.nbytes + a.rollers.neighbours.nbytes
+    return Work(
+        operations={
+            "rollers' forces": a.rollers.blocks.size * n,
+            "rings' forces": RING_STENCIL * sum(rings),
+            "rollers' motion": ROLLER_UPDATE * disc,
+            "rings' motion": turning * rings[0] + STILL * rings[1],
+        },
+        bytes_moved=STATE_BYTES * (disc + sum(rings)) + tables,
+        working_set=0.5 * STATE_BYTES * (disc + sum(rings)) + tables,
+    )
+
+
+def state_bytes(plan: Plan) -> int:
+    """All arrays of the time loop."""
+    a = plan.arrays()
+    groups = (a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch)
+    return sum(item.nbytes for group in groups for item in group if isinstance(item, np.ndarray))

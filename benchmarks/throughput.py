@@ -1,0 +1,188 @@
+"""How near the time loop is to the machine's limit: `python -m benchmarks.throughput`.
+
+One thread, medians, the paper's scene. Close other programs: a busy second core takes cache and clock.
+"""
+
+import os
+import statistics
+import sys
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from cyclopts import App
+from rich.console import Console
+from rich.table import Table
+
+from benchmarks import machine, phases
+from fem.simulate import Plan, compile_kernels, make_plan, run
+from lagrange.scene import read_scene
+
+SIZES_MM = (2.0, 1.0, 0.5, 0.25)
+FULL_S = 0.06
+KERNELS = ("rollers' forces", "rings' forces")
+SKIPS = {
+    "friction 0": "contact.friction_coefficient=0.0",
+    "gravity 0": "operation.gravity_m_s2=0.0",
+    "speed 0": "operation.speed_rpm=0.0",
+    "first roller between two": "operation.first_roller_deg=13.846",
+}
+SKIP_MS = 5.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mesh:
+    """What was measured on one mesh."""
+
+    size_mm: float
+    plan: Plan
+    setup: float  # s
+    phases: dict[str, float]  # s per step
+    step: float  # s
+    work: phases.Work
+    state_bytes: int
+
+    @property
+    def freedom(self) -> int:
+        return self.plan.model.degrees_of_freedom
+
+    @property
+    def full(self) -> float:
+        """Seconds for 0.06 s."""
+        return FULL_S / self.plan.time_step * self.step
+
+
+def measure(size_mm: float) -> Mesh:
+    """Time one mesh of the paper's scene."""
+    began = time.perf_counter()
+    plan = make_plan(read_scene(None, (f"numerics.mesh_size_mm={size_mm}",)))
+    setup = time.perf_counter() - began
+    compile_kernels(plan)
+    return Mesh(
+        size_mm=size_mm,
+        plan=plan,
+        setup=setup,
+        phases=phases.time_phases(plan),
+        step=phases.step_seconds(plan),
+        work=phases.least_work(plan),
+        state_bytes=phases.state_bytes(plan),
+    )
+
+
+def ceilings(found: machine.Machine) -> Table:
+    table = Table(title="Ceilings of this machine, one thread, medians", title_justify="left")
+    for name in ("", "size", "read, GB/s", "read and write, GB/s"):
+        table.add_column(name, justify="right" if name else "left")
+    table.add_row("multiply-adds in registers", "", f"{1e-9 * found.fma_rate:.1f} G/s", "")
+    for level in found.read_rate:
+        size = found.cache_bytes.get(level)
+        room = f"{size >> 10} KiB" if size else ""
+        table.add_row(level, room, f"{1e-9 * found.read_rate[level]:.0f}", f"{1e-9 * found.update_rate[level]:.0f}")
+    return table
+
+
+def phase_table(meshes: list[Mesh], found: machine.Machine) -> Table:
+    table = Table(title="Time of a step, µs (ns per degree of freedom)", title_justify="left")
+    table.add_column("phase")
+    for mesh in meshes:
+        table.add_column(f"{mesh.size_mm:g} mm", justify="right")
+
+    def row(name, values, digits=2, style=None):
+        cells = [f"{1e6 * v:.{digits}f} ({1e9 * v / m.freedom:.3f})" for v, m in zip(values, meshes, strict=True)]
+        table.add_row(name, *cells, style=style)
+
+    for name in meshes[0].phases:
+        row(name, [m.phases[name] for m in meshes])
+    table.add_section()
+    row("sum of the phases", [sum(m.phases.values()) for m in meshes])
+    row("whole step, measured", [m.step for m in meshes], style="bold")
+    floors = [m.work.floor(found) for m in meshes]
+    row("floor", [f[0] for f in floors])
+    table.add_row("ceiling that binds", *[f[1] for f in floors])
+    table.add_row("whole step over floor", *[f"{m.step / f[0]:.1f}" for m, f in zip(meshes, floors, strict=True)])
+    for name in KERNELS:
+        shares = [m.work.operations[name] / m.phases[name] for m in meshes]
+        table.add_row(
+            f"{name}: share of the arithmetic ceiling", *[f"{100 * s / found.fma_rate:.0f} %" for s in shares]
+        )
+    return table
+
+
+def size_table(meshes: list[Mesh]) -> Table:
+    table = Table(title="The paper's scene", title_justify="left")
+    for name in ("mesh, mm", "degrees of freedom", "step, ns", "ns/DOF/step", "0.06 s take, s", "set-up, s", "B/DOF"):
+        table.add_column(name, justify="right")
+    for m in meshes:
+        table.add_row(
+            f"{m.size_mm:g}",
+            f"{m.freedom}",
+            f"{1e9 * m.plan.time_step:.1f}",
+            f"{1e9 * m.step / m.freedom:.2f}",
+            f"{m.full:.2f}",
+            f"{m.setup:.1f}",
+            f"{m.state_bytes / m.freedom:.0f}",
+        )
+    return table
+
+
+def exponent(meshes: list[Mesh]) -> float:
+    """Of the time for a fixed simulated time against degrees of freedom."""
+    return float(np.polyfit(np.log([m.freedom for m in meshes]), np.log([m.full for m in meshes]), 1)[0])
+
+
+def skip_table(size_mm: float, pairs: int) -> Table:
+    """Time loop of a scene that needs less over the paper's, taken in turns."""
+    table = Table(
+        title=f"What a scene does not need: {size_mm:g} mm, {SKIP_MS:g} ms, {pairs} pairs in turns",
+        title_justify="left",
+    )
+    for name in ("scene", "time over the paper's (median)", "lowest … highest"):
+        table.add_column(name, justify="right" if name != "scene" else "left")
+    base = (f"numerics.mesh_size_mm={size_mm}", f"numerics.duration_ms={SKIP_MS}")
+    plain = make_plan(read_scene(None, base))
+    for name, override in SKIPS.items():
+        other = make_plan(read_scene(None, (*base, override)))
+        ratios = []
+        for _ in range(pairs):
+            whole = _loop_seconds(plain)
+            ratios.append(_loop_seconds(other) / whole)
+        table.add_row(name, f"{statistics.median(ratios):.3f}", f"{min(ratios):.3f} … {max(ratios):.3f}")
+    return table
+
+
+def _loop_seconds(plan: Plan) -> float:
+    """Per step."""
+    return run(plan, lambda samples: None).wall / plan.steps
+
+
+app = App(help=__doc__)
+
+
+@app.default
+def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = True) -> None:
+    """Measure ceilings, phases, growth and what is skipped.
+
+    Parameters
+    ----------
+    sizes: surface node distances, mm.
+    pairs: pairs of runs per line of the skip table.
+    skips: measure the skip table.
+    """
+    console = Console(width=None if sys.stdout.isatty() else 150, highlight=False)
+    console.print(f"one thread of {os.cpu_count()}")
+    found = machine.measure()
+    console.print(ceilings(found))
+    meshes = [measure(size) for size in sizes]
+    console.print(phase_table(meshes, found))
+    console.print(size_table(meshes))
+    if len(meshes) > 1:
+        fine = [m for m in meshes if m.size_mm <= 1.0]
+        console.print(f"time grows as DOF^{exponent(meshes):.2f} over all meshes (explicit limit in 2D: 1.5)")
+        if len(fine) > 1 and len(fine) < len(meshes):
+            console.print(f"from 1 mm down as DOF^{exponent(fine):.2f}")
+    if skips:
+        console.print(skip_table(1.0, pairs))
+
+
+if __name__ == "__main__":
+    app()

@@ -1,0 +1,101 @@
+"""Short form of `python -m benchmarks.stability`: random scenes end well or say why not; the critical step is tight."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+
+from benchmarks.random_scenes import RANGES, random_scene
+from benchmarks.stability import COMPLETE, FAILED, REFUSED, Outcome, Watch, try_scene, write_csv
+from benchmarks.step_limit import SAFE_SIDE, at_ratio, energy_drift
+from fem.samples import Samples
+from fem.simulate import make_plan
+from lagrange.scene import SceneError, parse_scene, read_scene
+
+SEED = 1
+CHEAP = 4e6  # degrees of freedom times steps of 5 ms
+
+
+@pytest.mark.parametrize("number", range(12))
+def test_a_random_scene_ends_well_or_says_why_not(number):
+    outcome = try_scene(number, random_scene(SEED, number, duration_ms=1.0, budget=CHEAP))
+    assert outcome.ending != FAILED, outcome.what
+
+
+def test_most_random_scenes_run():
+    scenes = [random_scene(SEED, number, duration_ms=1.0) for number in range(200)]
+    sensible = 0
+    for scene in scenes:
+        try:
+            parse_scene(scene, "scene")
+            sensible += 1
+        except SceneError:
+            pass
+    assert sensible > 150
+
+
+def test_random_scenes_fill_their_ranges():
+    scenes = [random_scene(SEED, number, duration_ms=1.0) for number in range(200)]
+    rollers = [scene["bearing"]["rollers"] for scene in scenes]
+    safety = [scene["numerics"]["time_step_safety"] for scene in scenes]
+    speeds = np.array([scene["operation"]["speed_rpm"] for scene in scenes])
+    assert min(rollers) <= 6 and max(rollers) >= 57
+    assert min(safety) < 0.35 and max(safety) > 0.95
+    assert speeds.min() < -20_000.0 and speeds.max() > 20_000.0
+    assert np.abs(speeds).max() <= RANGES["speed_rpm"][1]
+
+
+def test_a_scene_is_the_same_again():
+    assert random_scene(3, 7, 1.0) == random_scene(3, 7, 1.0)
+    assert random_scene(3, 7, 1.0) != random_scene(3, 8, 1.0)
+
+
+def test_an_unsound_scene_counts_as_refused():
+    scene = random_scene(SEED, 0, 1.0)
+    scene["bearing"]["rollers"] = 200
+    assert try_scene(0, scene).ending == REFUSED
+
+
+def test_a_run_with_a_hidden_energy_error_fails(monkeypatch):
+    scene = {"numerics": {"mesh_size_mm": 2.2, "duration_ms": 0.1}}
+    assert try_scene(0, scene).ending == COMPLETE
+    write = Watch.write
+
+    def spoilt(self, samples):
+        stored = samples["energy_elastic"] + samples["energy_contact"]
+        write(self, Samples(values=samples.values, imbalance=samples.imbalance + 0.011 * stored))
+
+    monkeypatch.setattr(Watch, "write", spoilt)
+    outcome = try_scene(0, scene)
+    assert outcome.ending == FAILED
+    assert outcome.imbalance == pytest.approx(0.011, rel=0.05)
+
+
+def test_a_lost_roller_and_a_nan_fail():
+    plan = make_plan(parse_scene({"numerics": {"mesh_size_mm": 2.2, "duration_ms": 0.0}}, "scene"))
+    names = ("inner_x", "inner_y", "inner_force", "outer_force", "roller_roller_force", "energy_elastic")
+    values = {name: np.zeros(1) for name in (*names, "energy_contact", "energy_kinetic")}
+    watch = Watch(plan)
+    values["roller_rho"] = np.array([[plan.model.bearing.pitch_radius + 1e-3]])
+    watch.write(Samples(values=values, imbalance=np.zeros(1)))
+    assert watch.faults == ["a roller has left the raceways"]
+    values["roller_rho"] = np.array([[np.nan]])
+    watch.write(Samples(values=values, imbalance=np.zeros(1)))
+    assert watch.faults[-1] == "roller_rho is not finite"
+
+
+def test_the_result_file_has_a_line_a_scene(tmp_path):
+    scenes = [random_scene(SEED, number, 1.0) for number in range(3)]
+    write_csv(tmp_path / "out.csv", [Outcome(number=i, what="a\nb", scene=scene) for i, scene in enumerate(scenes)])
+    lines = (tmp_path / "out.csv").read_text().splitlines()
+    assert len(lines) == 4
+    assert lines[0].startswith("number,ending,what,imbalance")
+
+
+def test_the_critical_step_is_below_the_true_limit_by_less_than_15_percent():
+    plan = make_plan(read_scene(None, ("numerics.mesh_size_mm=2",)))
+    assert energy_drift(at_ratio(plan, 1.0, 6000)) < 1e-2
+    assert np.isnan(energy_drift(at_ratio(plan, 1.0 + SAFE_SIDE, 6000)))

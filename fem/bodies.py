@@ -141,6 +141,13 @@ class RingBody:
     def angles(self) -> np.ndarray:
         return 2.0 * np.pi * np.arange(self.n_sectors) / self.n_sectors
 
+    def body_load(self, gravity: float, turn: float = 0.0, speed: float = 0.0) -> np.ndarray:
+        """Weight and centrifugal force of every node, (n_rows, 2, n_sectors), polar, N, in a frame turned by `turn`."""
+        angle = self.angles + turn
+        load = -gravity * self.row_mass[:, None, None] * np.stack([np.sin(angle), np.cos(angle)])
+        load[:, 0] += (speed**2 * self.row_mass * self.radii)[:, None]
+        return load
+
     def force(self, displacement: np.ndarray) -> np.ndarray:
         """K·u, N; both (n_rows, 2, n_sectors), polar."""
         force = np.zeros_like(displacement)

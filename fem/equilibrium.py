@@ -8,7 +8,6 @@ from math import pi
 
 import numpy as np
 
-from fem.bodies import RingBody
 from fem.contact_balance import SHARP, Condensed, Loads, balance, closed_forces, first_guess
 from fem.model import Model
 from fem.subgrid import disc_patch_force, ring_patch_force, ripple_at
@@ -132,10 +131,8 @@ def _patches(model: Model, motion: Motion, gravity: float, radial, hub, rho) -> 
         model.roller_surface, outer_angle - motion.roller_turn, disc.shape.surface_nodes
     )
 
-    weight = _weight(inner, gravity, motion.ring_turn)
-    weight[:, 0] += (motion.ring_speed**2 * inner.row_mass * inner.radii)[:, None]
-    inner_growth = inner.held(weight)
-    outer_sag = outer.held(_weight(outer, gravity, 0.0))
+    inner_growth = inner.held(inner.body_load(gravity, motion.ring_turn, motion.ring_speed))
+    outer_sag = outer.held(outer.body_load(gravity))
     # a roller's weight is a uniform load and so deforms it only through its contacts
     roller_growth = disc.relaxed(motion.roller_speed**2 * (disc.mass[:, None] * disc.points).ravel())
     growth = np.concatenate(
@@ -154,13 +151,6 @@ def _patches(model: Model, motion: Motion, gravity: float, radial, hub, rho) -> 
         compliance=compliance,
         growth=growth,
     )
-
-
-def _weight(ring: RingBody, gravity: float, turn: float) -> np.ndarray:
-    """Nodal weights of a ring, (n_rows, 2, n_sectors), polar, N; `turn` of its frame, rad."""
-    angle = ring.angles + turn
-    down = -gravity * np.stack([np.sin(angle), np.cos(angle)])
-    return ring.row_mass[:, None, None] * down
 
 
 def _ripples(surface, angles, nodes) -> np.ndarray:

@@ -1,10 +1,9 @@
 """The fields of a stored instant, recovered from what the result file keeps: positions and contact forces.
 
-Nodal displacements are not stored. Every body is loaded by its stored contact forces and by its centrifugal
-load and solved quasi-statically, which leaves out elastic waves, the small share of gravity and of the hub's
-acceleration in the deformation, and the tractions between rollers. The rollers' own angles are not stored
-either: their meshes are taken at turn 0, so the fields differ from the run's by what the orientation of the
-mesh does to them.
+Nodal displacements are not stored. Every body is loaded by its stored contact forces, its weight and its centrifugal
+load and solved quasi-statically, which leaves out elastic waves, the small share of the hub's acceleration in the
+deformation, and the tractions between rollers. The rollers' own angles are not stored either: their meshes are taken
+at turn 0, so the fields differ from the run's by what the orientation of the mesh does to them.
 """
 
 from dataclasses import dataclass
@@ -139,16 +138,16 @@ def _recover(scene: Scene, model: Model, sample: dict) -> Instant:
     hub = np.array([sample["inner_x"], sample["inner_y"]])
     centres = np.column_stack([sample["roller_x"], sample["roller_y"]])
     inner, outer = model.inner_ring, model.outer_ring
-    speed = scene.ideal_operation().speed
+    operation = scene.ideal_operation()
+    speed = operation.speed
     ring_turn = speed * sample["time"]
 
-    inner_load = np.zeros((inner.n_rows, 2, inner.n_sectors))
-    inner_load[:, 0] = (speed**2 * inner.row_mass * inner.radii)[:, None]
+    inner_load = inner.body_load(operation.gravity, ring_turn, speed)
     for angle, force, traction in zip(
         _angle(centres - hub) - ring_turn, sample["inner_force"], sample["inner_traction"], strict=True
     ):
         _push_ring(inner, inner_load, angle, -force, -traction)
-    outer_load = np.zeros((outer.n_rows, 2, outer.n_sectors))
+    outer_load = outer.body_load(operation.gravity)
     for angle, force, traction in zip(_angle(centres), sample["outer_force"], sample["outer_traction"], strict=True):
         _push_ring(outer, outer_load, angle, force, -traction)
 

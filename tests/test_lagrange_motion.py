@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from lagrange.energy import contact_energy, kinetic_energy, potential_energy
+from lagrange.energy import contact_energy, kinetic_energy, potential_energy, rotation_energy
 from lagrange.laws import PowerLaw
 from lagrange.motion import (
     State,
@@ -20,6 +20,7 @@ from lagrange.motion import (
 from lagrange.raceway_laws import ContactLaws, contact_laws
 from lagrange.scene import Scene
 from tests.reference.lagrange_equations import derived_equations
+from tests.test_lagrange_ball_contact import DGBB_209
 
 N = 3
 BEARING = replace(Scene().ideal_bearing(), n_rollers=N)
@@ -137,6 +138,16 @@ def test_damped_contacts_lose_power_and_never_pull():
         assert np.all(extra * rate >= -1e-3 * np.abs(extra))
         free = (getattr(touch, f"{side}_force") > 0.0) & (np.abs(rate) > 0.1)
         np.testing.assert_allclose(extra[free], 500.0 * rate[free], rtol=1e-3)
+
+
+@pytest.mark.parametrize(("bearing", "share"), [(BEARING, 1 / 2), (DGBB_209, 2 / 5)], ids=["rollers", "balls"])
+def test_rotation_energy_done_by_hand(bearing, share):
+    operation = replace(OPERATION, speed=100.0, inner_mass=bearing.inner_ring_mass + 0.02)
+    a, b, r = bearing.bore_radius, bearing.inner_raceway_radius, bearing.roller_radius
+    spin = 50.0 * b / r  # about its own axis, in the fixed frame
+    elements = bearing.n_rollers * share * bearing.roller_mass * r**2 * spin**2 / 2
+    shaft = (bearing.inner_ring_mass * (a**2 + b**2) / 2 + 0.02 * a**2 / 2) * 100.0**2 / 2
+    assert rotation_energy(bearing, operation) == pytest.approx(elements + shaft, rel=1e-12)
 
 
 def test_energies_of_a_state_done_by_hand():

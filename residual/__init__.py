@@ -1,16 +1,19 @@
 """The check of Lagrange's equations against a simulated or measured trajectory.
 
-trajectory     `Trajectory`: the arrays all else works on, and their checks
-sources        result file or trajectory table -> `Trajectory`
-differentiate  accelerations by central stencils of high order, with their error floor
-budget         error forces of equations (22) and (23) and what they are made of
-spectrum       power spectral density, peaks, kinematic lines
-evaluation     the whole check as one call -> `Evaluation`
-figures        the paper's figures and the ones it lacks
-tables         the rows of the report's and the terminal's tables
-report         the self-contained HTML page
-store          residual.nc, summary.json, the report folder
-cli            the command `check-residual`
+trajectory      `Trajectory`: the arrays all else works on, and their checks
+sources         result file -> `Trajectory`
+table_source    trajectory table -> `Trajectory`; names and units in `columns`, uneven steps in `resampling`
+differentiate   accelerations by central stencils of high order, with their error floor
+budget          error forces of equations (22) and (23) and what they are made of
+identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
+spectrum        power spectral density, peaks, kinematic lines
+lines           levels of lines and sidebands; `envelope` spectrum around the ring's resonance
+evaluation      the whole check as one call -> `Evaluation`
+figures         the paper's figures; `diagnostics`, `budget_figures`: those it lacks
+tables          rows of the report's and the terminal's tables, with `law_tables` and `line_tables`
+report          the self-contained HTML page
+store           residual.nc, summary.json (`summary`), the report folder
+cli             the command `check-residual`
 
     from residual import evaluate, read_result, write_report
     write_report(evaluate(read_result("runs/paper.nc"), law="harris"), "report")
@@ -24,13 +27,23 @@ _HOME = {
     "Trajectory": "trajectory",
     "InputError": "trajectory",
     "read_result": "sources",
-    "read_table": "sources",
+    "read_table": "table_source",
+    "read_columns": "columns",
     "Evaluation": "evaluation",
     "evaluate": "evaluation",
     "write_report": "store",
 }
 
-__all__ = ["Evaluation", "InputError", "Trajectory", "evaluate", "read_result", "read_table", "write_report"]
+__all__ = [
+    "Evaluation",
+    "InputError",
+    "Trajectory",
+    "evaluate",
+    "read_columns",
+    "read_result",
+    "read_table",
+    "write_report",
+]
 
 
 def __getattr__(name: str):

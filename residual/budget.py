@@ -17,8 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.equations import Approaches, approaches, contact_resultant, error_forces
+from lagrange.kinematics import kinematics
 from lagrange.laws import PowerLaw
+from lagrange.raceway_laws import LogarithmicLaw
 from residual.trajectory import Trajectory
+
+CHATTER = 0.05  # of a cage revolution
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +56,7 @@ def traction_resultant(contacts: Approaches, traction) -> tuple[np.ndarray, np.n
     )
 
 
-def error_budget(trajectory: Trajectory, law: PowerLaw, acceleration_x, acceleration_y) -> Budget:
+def error_budget(trajectory: Trajectory, law: PowerLaw | LogarithmicLaw, acceleration_x, acceleration_y) -> Budget:
     """Error forces with a contact law, and their causes.
 
     Parameters
@@ -100,3 +104,23 @@ def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
     change[1:] = np.any(loaded[1:] != loaded[:-1], axis=1)
     kernel = np.ones(2 * reach + 1)
     return np.convolve(change, kernel, mode="same") > 0.5
+
+
+def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
+    """First and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
+    at = np.flatnonzero(loaded)
+    if at.size == 0:
+        return []
+    ends = np.flatnonzero(np.diff(at) > bridge + 1)
+    first = at[np.concatenate([[0], ends + 1])]
+    last = at[np.concatenate([ends, [at.size - 1]])]
+    return list(zip(first.tolist(), last.tolist(), strict=True))
+
+
+def chatter_gap(trajectory: Trajectory) -> int:
+    """Longest opening, samples, within one pass through the load zone: 5 % of a cage revolution."""
+    cage = kinematics(trajectory.bearing, trajectory.operation.speed).frequencies["FTF"]
+    samples = trajectory.time.size // 50
+    if cage > 0.0:
+        samples = min(samples, int(CHATTER / cage / trajectory.interval))
+    return max(1, samples)

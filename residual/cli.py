@@ -42,31 +42,43 @@ def _command(
     *,
     output: Annotated[Path | None, Parameter(help="report folder; default: <run>-residual beside the run")] = None,
     scene: Annotated[Path | None, Parameter(help="scene file (TOML); needed for a table")] = None,
-    law: Annotated[str, Parameter(help="contact law: harris, palmgren, iso16281")] = "harris",
+    columns: Annotated[
+        Path | None, Parameter(help="names and units of a table's columns (TOML, see docs/tables.md)")
+    ] = None,
+    resample: Annotated[bool, Parameter(negative="", help="bring a table's irregular samples to equal steps")] = False,
+    law: Annotated[
+        str,
+        Parameter(
+            help="contact law: harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; or fitted, "
+            "fitted_coupled: to the first half of the run's own forces"
+        ),
+    ] = "harris",
     start: Annotated[float | None, Parameter(help="milliseconds to skip; default: the load ramp, if any")] = None,
+    line: Annotated[
+        tuple[str, ...],
+        Parameter(help="a line to look at, repeatable: BPFO, 2xBPFO, BPFO-shaft, or in Hz", consume_multiple=False),
+    ] = (),
     order: Annotated[Literal[4, 6, 8], Parameter(help="order of the differentiation")] = 6,
     tolerance: Annotated[float | None, Parameter(help="newtons rms; exit 1 if either error exceeds it")] = None,
+    compare_laws: Annotated[bool, Parameter(negative="", help="print every law's error force, ranked")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
 ) -> int:
-    from lagrange.laws import LAWS
     from residual.evaluation import evaluate
     from residual.store import check_replaceable, write_report
-    from residual.trajectory import InputError
 
-    if law not in LAWS:
-        raise InputError(f"--law {law}: unknown; known are {', '.join(LAWS)}")
     _check_number("--start", start, "ms")
     _check_number("--tolerance", tolerance, "N")
     path = run if run is not None else _newest()
     folder = output if output is not None else path.with_name(f"{path.stem}-residual")
-    trajectory = _read(path, scene)
+    trajectory = _read(path, scene, columns, resample)
+    _check_law(law, trajectory.bearing)
     check_replaceable(folder)
-    evaluation = evaluate(trajectory, law, None if start is None else 1e-3 * start, order)
+    evaluation = evaluate(trajectory, law, None if start is None else 1e-3 * start, order, line)
     for note in evaluation.notes:
         print(f"warning: {path}: {note}", file=sys.stderr)
     write_report(evaluation, folder, tolerance)
     if not quiet:
-        _print_summary(evaluation, folder, tolerance)
+        _print_summary(evaluation, folder, tolerance, compare_laws)
     return 1 if evaluation.fails(tolerance) else 0
 
 
@@ -76,6 +88,16 @@ def _check_number(option: str, value: float | None, unit: str) -> None:
 
     if value is not None and not 0.0 <= value < float("inf"):
         raise InputError(f"{option} {value:g}: must be a number of {unit} >= 0")
+
+
+def _check_law(law: str, bearing) -> None:
+    """The law must be known for the bearing's rolling elements."""
+    from residual.comparison import ALIASES, FITTED, named_laws
+    from residual.trajectory import InputError
+
+    known = (*named_laws(bearing), *FITTED)
+    if law not in (*known, *ALIASES):
+        raise InputError(f"--law {law}: unknown; known are {', '.join(known)}")
 
 
 def _newest() -> Path:
@@ -88,15 +110,19 @@ def _newest() -> Path:
     return found[-1]
 
 
-def _read(path: Path, scene_path: Path | None):
+def _read(path: Path, scene_path: Path | None, columns: Path | None, resample: bool):
     """A trajectory from a result file, or from a table and its scene."""
     from lagrange.scene import read_scene
-    from residual.sources import is_result, read_result, read_table
+    from residual.columns import read_columns
+    from residual.sources import is_result, read_result
+    from residual.table_source import read_table
     from residual.trajectory import InputError
 
     scene = None if scene_path is None else read_scene(scene_path)
     if not path.is_file() or is_result(path):
         trajectory = read_result(path)
+        if columns is not None or resample:
+            raise InputError(f"{'--columns' if columns else '--resample'}: only for tables; {path} is a result file")
         if scene is not None and (
             (scene.bearing, scene.operation) != (trajectory.scene.bearing, trajectory.scene.operation)
         ):
@@ -107,15 +133,18 @@ def _read(path: Path, scene_path: Path | None):
         return trajectory
     if scene is None:
         raise InputError(f"{path}: a trajectory table needs its scene: add --scene SCENE.toml")
-    return read_table(path, scene)
+    return read_table(path, scene, None if columns is None else read_columns(columns), resample)
 
 
-def _print_summary(evaluation, folder: Path, tolerance: float | None) -> None:
+def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_laws: bool) -> None:
     """A short table on the terminal."""
     from rich.console import Console
     from rich.table import Table
 
-    from residual.tables import error_rows, text, verdict
+    from residual.law_tables import fit_sentences
+    from residual.line_tables import watched_rows
+    from residual.tables import error_rows, verdict
+    from residual.words import text
 
     console = Console(highlight=False)
     table = Table(title=f"Residual of {evaluation.trajectory.name}", title_justify="left")
@@ -133,8 +162,30 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None) -> None:
             f"{text(p.frequency)} Hz ({p.line or 'no line'}{'' if p.resolved else ', not resolved'})" for p in peaks
         ]
         console.print(f"Peaks of error_{axis}: {'; '.join(named) or 'none stands out'}", soft_wrap=True)
+    for name, rms_x, rms_y, background, resolved in watched_rows(evaluation):
+        told = "" if resolved == "yes" else ", not resolved"
+        console.print(f"{name}: {rms_x} N rms in x, {rms_y} in y (background {background}){told}", soft_wrap=True)
+    for sentence in fit_sentences(evaluation):
+        console.print(sentence, soft_wrap=True, markup=False)
+    if compare_laws:
+        _print_laws(console, evaluation)
     console.print(verdict(evaluation, tolerance), soft_wrap=True)
     console.print(f"Report: {folder / 'report.html'}", soft_wrap=True, markup=False)
+
+
+def _print_laws(console, evaluation) -> None:
+    """The ranking of the contact laws."""
+    from rich.table import Table
+
+    from residual.law_tables import ranking_rows, ranking_span
+
+    table = Table(title="Error force by contact law, N", title_justify="left", caption=ranking_span(evaluation))
+    table.add_column("law", no_wrap=True)
+    for heading in ("mean x", "rms x", "mean y", "rms y", "rms/contact"):
+        table.add_column(heading, justify="right")
+    for row in ranking_rows(evaluation):
+        table.add_row(*row)
+    console.print(table)
 
 
 def _terminated(number, frame):

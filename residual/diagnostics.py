@@ -85,13 +85,19 @@ def roller_loads(evaluation: Evaluation, folder: Path) -> Drawn:
     rows = slice(None, None, stride)
     away = np.arctan2(-budget.contacts.direction_y[rows], -budget.contacts.direction_x[rows]) + 0.5 * np.pi
     angle = np.degrees((away + np.pi) % (2.0 * np.pi) - np.pi)
-    figure, axes = panels(1, 3.8)
+    told = t.inner_force is not None
+    figure, axes = panels(2 if told else 1, 5.6 if told else 3.8)
     axis = axes[0]
     style = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
     axis.plot(angle.ravel(), budget.law_force[rows].ravel(), color=RED, label=f"law: {evaluation.law.name}", **style)
-    if t.inner_force is not None:
+    if told:
         axis.plot(angle.ravel(), t.inner_force[rows].ravel(), color=BLUE, label="run's own contact force", **style)
-    axis.set(xlabel="roller's angle from the load line, degrees", ylabel="inner contact force, N")
+        closed = budget.loaded[rows]
+        miss = (t.inner_force - budget.law_force)[rows]
+        axes[1].plot(angle[closed], miss[closed], color=PURPLE, **style)
+        axes[1].set_ylabel("run − law, closed contacts, N")
+    axis.set_ylabel("inner contact force, N")
+    axes[-1].set_xlabel("roller's angle from the load line, degrees")
     axis.set_xlim(-180.0, 180.0)
     axis.set_xticks(np.arange(-180, 181, 45))
     axis.set_ylim(bottom=0.0)
@@ -100,7 +106,7 @@ def roller_loads(evaluation: Evaluation, folder: Path) -> Drawn:
         "Contact force between the inner ring and each roller, all rollers and times, over the roller's "
         "angle from the "
         "load line (counter-clockwise)."
-    )
+    ) + (" Below: how far the law misses the closed contacts." if told else "")
     return save(figure, folder, "loads", "Loads of the rollers", caption)
 
 

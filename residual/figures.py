@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from residual.budget import load_zones
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation
 from residual.plotting import (
@@ -25,19 +26,8 @@ from residual.trajectory import Trajectory
 PAPER_BAND = 300.0  # Hz, the frequency axis of figures 10 and 11
 
 
-def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
-    """First and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
-    at = np.flatnonzero(loaded)
-    if at.size == 0:
-        return []
-    ends = np.flatnonzero(np.diff(at) > bridge + 1)
-    first = at[np.concatenate([[0], ends + 1])]
-    last = at[np.concatenate([ends, [at.size - 1]])]
-    return list(zip(first.tolist(), last.tolist(), strict=True))
-
-
 def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
-    """First and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
+    """The roller with the most passes through the load zone, whole ones first."""
 
     def merit(j):
         zones = load_zones(loaded[:, j], bridge)
@@ -67,7 +57,7 @@ def roller_motion(evaluation: Evaluation, folder: Path) -> Drawn:
     """Figure 7: radial position, velocity and acceleration of one roller, load zones shaded."""
     t, order = evaluation.trajectory, evaluation.order
     loaded = evaluation.budget.loaded
-    bridge = max(1, loaded.shape[0] // 50)
+    bridge = evaluation.chatter
     j = chosen_roller(loaded, bridge)
     rho, velocity, acceleration = roller_radial(t, j, order)
     figure, axes = panels(3, 6.2)

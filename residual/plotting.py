@@ -1,5 +1,6 @@
 """One look for all figures: style, colours, kinematic lines, saving as PNG and SVG."""
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -74,8 +75,8 @@ def save(figure, folder: Path, name: str, title: str, caption: str) -> Drawn:
 
 
 def family(line: str) -> str:
-    """Kinematic line a harmonic belongs to: "3×BPFO" -> "BPFO"."""
-    return line.rpartition("×")[2]
+    """Kinematic line a harmonic or sideband belongs to: "3×BPFO", "2×BPFO+shaft" -> "BPFO"."""
+    return re.split("[+−]", line)[0].rpartition("×")[2]
 
 
 def mark_lines(axis, lines: dict[str, float], low: float, high: float, labels: bool) -> list[str]:

@@ -6,8 +6,11 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from residual.evaluation import Evaluation
+from residual.law_tables import fit_sentences, ranking_rows, ranking_span
+from residual.line_tables import level_rows, watched_rows
 from residual.plotting import Drawn
-from residual.tables import budget_rows, error_rows, honest_notes, paper_rows, peak_rows, text, verdict
+from residual.tables import budget_rows, error_rows, honest_notes, paper_rows, peak_rows, verdict
+from residual.words import text
 
 TEMPLATES = Path(__file__).parent / "templates"
 LARGEST_SVG = 300_000  # bytes; a longer record's curves are embedded as pixels instead
@@ -32,7 +35,13 @@ def render_report(evaluation: Evaluation, figures: list[Drawn], tolerance: float
         errors=error_rows(evaluation),
         paper=paper_rows(evaluation),
         budget=budget_rows(evaluation),
+        fit=fit_sentences(evaluation),
+        laws=ranking_rows(evaluation),
+        laws_span=ranking_span(evaluation),
+        unfitted=evaluation.unfitted,
         peaks=[("x", peak_rows(evaluation.peaks_x)), ("y", peak_rows(evaluation.peaks_y))],
+        levels=level_rows(evaluation),
+        watched=watched_rows(evaluation),
         lines=[(name, text(f)) for name, f in evaluation.lines.items() if "×" not in name],
         notes=honest_notes(evaluation),
         figures=[(f, _embedded(f)) for f in figures],
@@ -60,6 +69,7 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
             f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from {text(1e3 * evaluation.start)} ms",
         ),
         ("Contact law", f"{evaluation.law.name}: {evaluation.law.source}"),
+        *_cage(evaluation),
         ("Loaded rollers", f"{low} to {high}"),
         ("Largest roller load by the law", f"{text(float(evaluation.budget.law_force.max()))} N"),
     ]
@@ -69,6 +79,17 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
         if key in t.attributes:
             facts.append((label, str(t.attributes[key])))
     return facts
+
+
+def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
+    """The run's cage speed beside that of rolling without slip; none for a standing bearing."""
+    if "FTF" not in evaluation.lines:
+        return []
+    cage, ideal = evaluation.lines["FTF"], evaluation.ideal_cage
+    slower = 100.0 * (1.0 - cage / ideal)
+    return [
+        ("Cage speed", f"{text(cage, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz ({text(slower, 2)} % slower)")
+    ]
 
 
 def _embedded(figure: Drawn) -> str:

@@ -1,6 +1,5 @@
-"""Where trajectories come from: the solver's result file (HDF5) or a table (CSV)."""
+"""The solver's result file (HDF5) -> `Trajectory`; tables are read in `table_source`."""
 
-import csv
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +25,7 @@ def read_result(path: str | Path) -> Trajectory:
     import h5py
 
     path = Path(path)
-    _check_readable(path)
+    check_readable(path)
     try:
         with h5py.File(path, "r", locking=False) as file:
             return checked(_from_file(path, file))
@@ -100,62 +99,6 @@ def _check_datasets(path: Path, file, names: list[str], n: int, scene: Scene) ->
         )
 
 
-def read_table(path: str | Path, scene: Scene) -> Trajectory:
-    """A trajectory table: CSV with the header time, inner_x, inner_y, roller_<j>_x, roller_<j>_y (SI, j from
-    0).
-
-    Columns may stand in any order; others are left out. Lines starting with # are comments.
-
-    Errors
-    ------
-    InputError: no such file, not text, columns missing or twice, a number of rollers other than the scene's,
-    a row that can't be read, and all that `checked` refuses.
-    """
-    path = Path(path)
-    _check_readable(path)
-    n_rollers = scene.bearing.rollers
-    wanted = ["time", "inner_x", "inner_y"]
-    wanted += [f"roller_{j}_{axis}" for axis in "xy" for j in range(n_rollers)]
-    try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = (line for line in file if line.strip() and not line.startswith("#"))
-            header = [name.strip() for name in next(csv.reader(lines), [])]
-            _check_header(path, header, wanted, n_rollers)
-            table = np.loadtxt(lines, delimiter=",", usecols=[header.index(name) for name in wanted], ndmin=2)
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: neither an HDF5 result file nor a text table (byte {error.start})") from None
-    except (ValueError, csv.Error) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path}: a row can't be read: {str(error).splitlines()[0]}") from None
-    return checked(
-        Trajectory(
-            name=path.stem, source=path, scene=scene,
-            time=table[:, 0], inner_x=table[:, 1], inner_y=table[:, 2],
-            roller_x=table[:, 3 : 3 + n_rollers], roller_y=table[:, 3 + n_rollers :],
-        )
-    )  # fmt: skip
-
-
-def _check_header(path: Path, header: list[str], wanted: list[str], n_rollers: int) -> None:
-    """Every column once, as many rollers as the scene has."""
-    if not {"time", "inner_x"} & set(header):
-        raise InputError(
-            f"{path}: neither an HDF5 result file nor a trajectory table; a table's first line reads "
-            "time,inner_x,inner_y,roller_0_x,roller_0_y,..."
-        )
-    twice = sorted({name for name in header if header.count(name) > 1 and name in wanted})
-    if twice:
-        raise InputError(f"{path}: column {twice[0]} appears twice")
-    rollers = {name for name in header if name.startswith("roller_") and name.endswith("_x")}
-    if rollers and len(rollers) != n_rollers:
-        raise InputError(f"{path}: the table holds {len(rollers)} rollers, the scene says {n_rollers}")
-    missing = [name for name in wanted if name not in header]
-    if missing:
-        more = f" and {len(missing) - 4} more" if len(missing) > 4 else ""
-        raise InputError(f"{path}: missing column {', '.join(missing[:4])}{more}")
-
-
 def is_result(path: Path) -> bool:
     """Whether a file looks like HDF5 (or bears a result file's name), so that a table is not expected."""
     if path.suffix.lower() in (".nc", ".h5", ".hdf5"):
@@ -164,7 +107,7 @@ def is_result(path: Path) -> bool:
         return file.read(8) == b"\x89HDF\r\n\x1a\n"
 
 
-def _check_readable(path: Path) -> None:
+def check_readable(path: Path) -> None:
     """The commonest mistakes, said plainly."""
     if not path.exists():
         raise InputError(f"{path}: no such file; give the path of a result file or a table, or run run-fem first")

@@ -121,6 +121,17 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
     return [_describe(spectrum, int(i), step, lines) for i in at]
 
 
+def smooth_background(spectrum: Spectrum) -> np.ndarray:
+    """Mean density of the smooth background, N²/Hz, (n_frequencies,): what is there without any line."""
+    from scipy.stats import chi2
+
+    if spectrum.psd.size < 5 or not np.max(spectrum.psd) > 0.0:
+        return np.zeros_like(spectrum.psd)
+    level = np.log(np.maximum(spectrum.psd, np.max(spectrum.psd) * 1e-30))
+    freedom = 2.0 * spectrum.segments
+    return np.exp(_background(spectrum.frequency, level)) * freedom / chi2.ppf(0.5, freedom)
+
+
 def _background(frequency: np.ndarray, level: np.ndarray) -> np.ndarray:
     """Smooth part of a logarithmic spectrum: a power law plus a running median of the rest."""
     from scipy.ndimage import median_filter

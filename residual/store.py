@@ -8,12 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from residual.evaluation import Evaluation, Statistics
-from residual.spectrum import Peak
-from residual.tables import floor_newtons
+from residual.evaluation import Evaluation, term_spectra
+from residual.summary import PROGRAM, summarise
 from residual.trajectory import InputError
 
-PROGRAM = "check-residual"
 OURS = {"residual.nc", "summary.json", "report.html"}
 
 
@@ -96,6 +94,7 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
     """Every file of the report."""
     import matplotlib.pyplot as plt
 
+    from residual.budget_figures import detail_figures
     from residual.diagnostics import extra_figures
     from residual.figures import paper_figures
     from residual.plotting import STYLE
@@ -104,6 +103,7 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
     version = package_version()
     with plt.rc_context(STYLE):
         figures = paper_figures(evaluation, folder) + extra_figures(evaluation, folder)
+        figures += detail_figures(evaluation, folder)
     _write_arrays(evaluation, folder / "residual.nc", version)
     page = render_report(evaluation, figures, tolerance, version)
     (folder / "report.html").write_text(page, encoding="utf-8")
@@ -112,61 +112,6 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
         json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8"
     )
     return summary
-
-
-def summarise(evaluation: Evaluation, tolerance: float | None, version: str) -> dict:
-    """The numbers of summary.json: each budget term's rms; `budget_mean_*` add up to the error's mean."""
-    t, budget = evaluation.trajectory, evaluation.budget
-    low, high = evaluation.loaded_range
-    floors = floor_newtons(evaluation)
-    summary = {
-        "program": PROGRAM,
-        "program_version": version,
-        "run": t.name,
-        "source": t.source.name,
-        "law": evaluation.law.name,
-        "samples": int(t.time.size),
-        "interval_s": t.interval,
-        "start_s": evaluation.start,
-        "order": evaluation.order,
-        "error_x": _statistics(evaluation.error_x),
-        "error_y": _statistics(evaluation.error_y),
-        "frequency_resolution_Hz": evaluation.spectrum_x.resolution,
-        "segments": evaluation.spectrum_x.segments,
-        "kinematic_lines_Hz": evaluation.lines,
-        "peaks_x": [_peak(p) for p in evaluation.peaks_x],
-        "peaks_y": [_peak(p) for p in evaluation.peaks_y],
-        "loaded_rollers": {"min": low, "max": high},
-        "differentiation_floor_N": {"x": floors[0], "y": floors[1]},
-        "tolerance_N": tolerance,
-        "verdict": None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
-        "notes": list(evaluation.notes),
-    }
-    for axis in "xy":
-        terms = dict(getattr(budget, f"terms_{axis}"))
-        summary[f"budget_mean_{axis}"] = {name: float(np.mean(v)) for name, v in terms.items()}
-        momentum = getattr(budget, f"momentum_{axis}")
-        if momentum is not None:
-            terms["momentum"] = momentum
-            summary[f"momentum_{axis}"] = _statistics(Statistics.of(momentum))
-        summary[f"budget_{axis}"] = {name: Statistics.of(v).rms for name, v in terms.items()}
-        away = getattr(evaluation, f"away_{axis}")
-        summary[f"away_from_contact_changes_{axis}"] = None if away is None else _statistics(away)
-    return summary
-
-
-def _statistics(s: Statistics) -> dict[str, float]:
-    return {"mean_N": s.mean, "rms_N": s.rms, "std_N": s.std, "max_abs_N": s.max_abs}
-
-
-def _peak(p: Peak) -> dict:
-    return {
-        "frequency_Hz": p.frequency,
-        "psd_N2_Hz": p.psd,
-        "rms_N": p.rms,
-        "line": p.line,
-        "resolved": p.resolved,
-    }
 
 
 def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
@@ -193,14 +138,14 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
         _variable(file, "loaded_rollers", count, "time", "1", "rollers in the load zone")
         for axis in "xy":
             psd = getattr(evaluation, f"spectrum_{axis}").psd
-            _variable(
-                file,
-                f"psd_{axis}",
-                psd,
-                "frequency",
-                "N2 Hz-1",
-                f"one-sided PSD of error_{axis}",
-            )
+            _variable(file, f"psd_{axis}", psd, "frequency", "N2 Hz-1", f"one-sided PSD of error_{axis}")
+            for name, spectrum in term_spectra(evaluation, axis).items():
+                words = f"one-sided PSD of the {name.replace('_', ' ')} term of error_{axis}"
+                _variable(file, f"psd_{axis}_{name}", spectrum.psd, "frequency", "N2 Hz-1", words)
+            found = getattr(evaluation, f"envelope_{axis}")
+            if found is not None:
+                words = f"one-sided PSD of the envelope of error_{axis}, {found.low:.4g} to {found.high:.4g} Hz"
+                _variable(file, f"envelope_psd_{axis}", found.spectrum.psd, "frequency", "N2 Hz-1", words)
         file.attrs.update(
             program=PROGRAM, program_version=version, run=t.name, law=evaluation.law.name,
             order=evaluation.order,

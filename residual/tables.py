@@ -6,17 +6,9 @@ from lagrange.scene import Scene
 from residual.evaluation import Evaluation, Statistics
 from residual.figures import chosen_roller, roller_radial
 from residual.spectrum import MAIN_LOBE, Peak
+from residual.words import text
 
 PAPER_PEAK = 22.0  # Hz
-
-
-def text(value: float, digits: int = 4) -> str:
-    """A number with so many significant digits, with a true minus sign."""
-    plain = f"{value:.{digits}g}"
-    if "e" in plain:
-        mantissa, exponent = plain.split("e")
-        plain = f"{mantissa}·10^{int(exponent)}"
-    return plain.replace("-", "−")
 
 
 def span(values, scale: float = 1.0, digits: int = 4) -> str:
@@ -35,12 +27,14 @@ def is_paper(scene: Scene) -> bool:
 
 def verdict(evaluation: Evaluation, tolerance: float | None) -> str:
     """The outcome in one sentence."""
-    worst = max(evaluation.error_x.rms, evaluation.error_y.rms)
+    error_x, error_y = evaluation.judged
+    worst = max(error_x.rms, error_y.rms)
+    part = "" if evaluation.identification is None else ", on the part of the record that the law was not fitted to"
     load = evaluation.trajectory.operation.radial_load
     share = f", at most {100.0 * worst / load:.3g} % of the load" if load > 0.0 else ""
     found = (
         f"with the contact law {evaluation.law.name}, equations (22) and (23) are off by "
-        f"{text(evaluation.error_x.rms)} N rms in x and {text(evaluation.error_y.rms)} N rms in y{share}"
+        f"{text(error_x.rms)} N rms in x and {text(error_y.rms)} N rms in y{share}{part}"
     )
     if tolerance is None:
         return f"{found}.".replace("with the", "With the", 1)
@@ -91,7 +85,7 @@ def paper_rows(evaluation: Evaluation) -> list[list[str]]:
     t, budget = evaluation.trajectory, evaluation.budget
     if not is_paper(t.scene):
         return []
-    j = chosen_roller(budget.loaded, max(1, budget.loaded.shape[0] // 50))
+    j = chosen_roller(budget.loaded, evaluation.chatter)
     rho, velocity, acceleration = roller_radial(t, j, evaluation.order)
     low, high = evaluation.loaded_range
     return [
@@ -157,11 +151,7 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
             "Away from contacts that open or close, where the stencil has its full order, the error is "
             f"{text(evaluation.away_x.rms)} N rms in x and {text(evaluation.away_y.rms)} N rms in y."
         )
-    notes.append(
-        f"The law ({evaluation.law.source}) takes each contact alone and is empirical: even an exact "
-        "simulation leaves a "
-        "mean error with it. The momentum balance, where the run tells its forces, does not depend on it."
-    )
+    notes.append(_law_note(evaluation))
     if evaluation.peaks_x or evaluation.peaks_y:
         notes.append(
             "A peak bears the name of the nearest kinematic line within Δf; that is a matter of frequency, "
@@ -169,3 +159,17 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
             "Not resolved: zero frequency or another line lies within the window's reach."
         )
     return [note[0].upper() + note[1:] for note in notes]
+
+
+def _law_note(evaluation: Evaluation) -> str:
+    """What a law is worth."""
+    if evaluation.identification is not None:
+        return (
+            "The law was fitted to the first part of this record: the numbers of the whole record include that part; "
+            "those of the part held back don't."
+        )
+    return (
+        f"The law ({evaluation.law.source}) takes each contact alone and was not made for this run: even an exact "
+        "simulation leaves a mean error with it. The momentum balance, where the run tells its forces, does not depend "
+        "on it."
+    )

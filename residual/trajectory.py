@@ -57,6 +57,12 @@ class Trajectory:
         """Sampling interval, s."""
         return float((self.time[-1] - self.time[0]) / (self.time.size - 1))
 
+    @property
+    def cage_speed(self) -> float:
+        """Mean angular speed of the rollers' centres about the outer ring's centre, rad/s, signed."""
+        angle = np.unwrap(np.arctan2(self.roller_y, self.roller_x), axis=0)
+        return float(np.mean(angle[-1] - angle[0]) / (self.time[-1] - self.time[0]))
+
     def samples(self, part: slice) -> "Trajectory":
         """The same trajectory restricted to some samples."""
         cut = {}
@@ -132,5 +138,5 @@ def _check_time(source: Path, time: np.ndarray, interval: float) -> None:
         raise InputError(
             f"{source}: the sampling interval after sample {i} is {steps[i]:.6g} s, the mean one "
             f"{interval:.6g} s (may differ "
-            f"by {TIME_JITTER:g} of it); resample to equal steps"
+            f"by {TIME_JITTER:g} of it); --resample brings a table to equal steps"
         )

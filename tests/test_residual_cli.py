@@ -75,6 +75,9 @@ def test_report_folder_is_complete(result, tmp_path, capsys):
         "budget",
         "loads",
         "energy",
+        "budget_stacked",
+        "budget_spectra",
+        "envelope",
     )
     assert names == {"residual.nc", "summary.json", "report.html"} | {
         f"{figure}.{kind}" for figure in figures for kind in ("png", "svg")
@@ -112,7 +115,7 @@ def test_page_fetches_nothing_and_escapes_names(run, tmp_path):
     page = (tmp_path / "a <b> & c-residual" / "report.html").read_text(encoding="utf-8")
     assert "a &lt;b&gt; &amp; c" in page and "<b> &" not in page
     assert 'src="http' not in page and "<script" not in page and "@import" not in page
-    assert page.count("data:image/") == 11
+    assert page.count("data:image/") == 14
     assert len(page) < 5_000_000
 
 

@@ -1,0 +1,131 @@
+"""The budget in detail: its terms stacked over a few roller passages, their spectra, and the envelope spectrum."""
+
+from pathlib import Path
+
+import numpy as np
+
+from residual.evaluation import Evaluation, term_spectra
+from residual.plotting import BLUE, GREEN, GREY, RED, Drawn, line_handles, mark_lines, panels, save
+from residual.spectrum import Spectrum
+
+TERM_COLOURS = {"contact_law": RED, "friction": GREEN, "ring_flexibility": BLUE, "differentiation": GREY}
+PASSAGES_SHOWN = 2.0
+BINS_PER_DECADE = 120
+DYNAMIC_RANGE = 1e-9  # of a spectrum's plot
+ENVELOPE_BAND = 3.3  # times the ball-pass frequency of the inner ring
+
+
+def stacked_terms(evaluation: Evaluation, folder: Path) -> Drawn:
+    """Terms less their means, stacked, over two roller passages in the middle of the record."""
+    t, budget = evaluation.trajectory, evaluation.budget
+    shown = _middle(evaluation)
+    time = 1e3 * t.time[shown]
+    figure, axes = panels(2, 5.6)
+    for axis, direction in zip(axes, "xy", strict=True):
+        terms = getattr(budget, f"terms_{direction}")
+        total = getattr(budget, f"error_{direction}")
+        values = np.array([v[shown] - v.mean() for v in terms.values()])
+        colours = [TERM_COLOURS[name] for name in terms]
+        labels = [name.replace("_", " ") for name in terms]
+        axis.stackplot(time, np.maximum(values, 0.0), colors=colours, labels=labels, alpha=0.75, linewidth=0)
+        axis.stackplot(time, np.minimum(values, 0.0), colors=colours, alpha=0.75, linewidth=0)
+        axis.plot(time, total[shown] - total.mean(), color="black", linewidth=1.2, label="error")
+        axis.set_ylabel(f"error_{direction} less its mean, N")
+        axis.margins(x=0.0)
+        mean = ", ".join(f"{name.replace('_', ' ')} {v.mean():.3g}" for name, v in terms.items())
+        axis.annotate(f"means, N: {mean}", (0.0, 1.01), xycoords="axes fraction", va="bottom", fontsize=8.5)
+    axes[0].legend(loc="lower left", bbox_to_anchor=(-0.08, 1.09), ncols=5, borderaxespad=0.2,
+                   columnspacing=1.0, handlelength=1.2)  # fmt: skip
+    axes[1].set_xlabel("time, ms")
+    caption = (
+        "The terms of the error forces stacked, positive upward and negative downward, each less its mean over the "
+        "record; the black line, their sum, is the error less its mean. Middle of the record, "
+        f"{PASSAGES_SHOWN:g} roller passages where the bearing turns."
+    )
+    return save(figure, folder, "budget_stacked", "Terms of the error forces, stacked", caption)
+
+
+def _middle(evaluation: Evaluation) -> slice:
+    """Samples of a few roller passages in the middle of the record; all of it for a standing bearing."""
+    t = evaluation.trajectory
+    passing = evaluation.lines.get("BPFO", 0.0)
+    if passing == 0.0:
+        return slice(None)
+    n = min(t.time.size, int(PASSAGES_SHOWN / passing / t.interval) + 1)
+    first = (t.time.size - n) // 2
+    return slice(first, first + n)
+
+
+def budget_spectra(evaluation: Evaluation, folder: Path) -> Drawn:
+    """Density of every term beside the error's."""
+    figure, axes = panels(2, 6.4)
+    for axis, direction in zip(axes, "xy", strict=True):
+        total = getattr(evaluation, f"spectrum_{direction}")
+        f, psd = _thinned(total)
+        axis.loglog(f, psd, color="black", linewidth=2.6, alpha=0.35, label="error")
+        for name, spectrum in term_spectra(evaluation, direction).items():
+            axis.loglog(*_thinned(spectrum), color=TERM_COLOURS[name], linewidth=0.9, label=name.replace("_", " "))
+        top = max(float(psd.max()), 1e-30)
+        axis.set_ylim(DYNAMIC_RANGE * top, 10.0 * top)
+        axis.set_xlim(f[0], f[-1])
+        axis.set_ylabel(f"PSD, {direction}, N²/Hz")
+        axis.grid(which="minor", visible=False)
+        for line, frequency in evaluation.lines.items():
+            if "×" not in line and f[0] <= frequency <= f[-1]:
+                axis.axvline(frequency, color=GREY, linestyle=(0, (4, 2)), linewidth=0.9, zorder=0)
+                if direction == "x":
+                    axis.annotate(line, (frequency, 1.01), xycoords=("data", "axes fraction"), ha="center",
+                                  va="bottom", fontsize=9, color="#555555")  # fmt: skip
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=5, columnspacing=1.2,
+                  handlelength=1.4)  # fmt: skip
+    axes[1].set_xlabel("frequency, Hz")
+    caption = (
+        "One-sided power spectral density of each term and of the error, averaged over "
+        f"{BINS_PER_DECADE} bins a decade where the record resolves more. Terms are not independent: where two of them "
+        "cancel, the error lies below both."
+    )
+    return save(figure, folder, "budget_spectra", "Spectra of the budget's terms", caption)
+
+
+def _thinned(spectrum: Spectrum) -> tuple[np.ndarray, np.ndarray]:
+    """Frequency and density averaged in bins of equal width on a logarithmic axis; a curve to look at."""
+    f, psd = spectrum.frequency[1:], spectrum.psd[1:]
+    bins = np.unique(np.floor(BINS_PER_DECADE * np.log10(f)), return_inverse=True)[1]
+    count = np.bincount(bins)
+    return np.bincount(bins, f) / count, np.maximum(np.bincount(bins, psd) / count, 1e-300)
+
+
+def envelope_figure(evaluation: Evaluation, folder: Path) -> Drawn:
+    """Spectrum of the envelope of the band around the ring's resonance."""
+    figure, axes = panels(2, 5.4)
+    top = ENVELOPE_BAND * evaluation.lines.get("BPFI", 1000.0)
+    parts = []
+    families = []
+    for axis, direction in zip(axes, "xy", strict=True):
+        found = getattr(evaluation, f"envelope_{direction}")
+        spectrum = found.spectrum
+        inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
+        axis.semilogy(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, linewidth=1.0)
+        axis.set_ylabel(f"envelope PSD, {direction}, N²/Hz")
+        axis.set_xlim(0.0, top)
+        families = mark_lines(axis, evaluation.lines, 0.0, top, labels=False)
+        parts.append(f"{direction} {found.rms:.3g}")
+    figure.legend(handles=line_handles(families, evaluation.lines), loc="outside upper left", ncols=3)
+    axes[1].set_xlabel("frequency, Hz")
+    low, high = evaluation.envelope_x.low, evaluation.envelope_x.high
+    caption = (
+        f"Spectrum of the envelope of the error force within {low / 1e3:.3g} to {high / 1e3:.3g} kHz, around the "
+        f"resonance of the ring on its contacts ({evaluation.resonance / 1e3:.3g} kHz); rms of that band, N: "
+        f"{', '.join(parts)}. A line here means that the vibration at the resonance swells at that frequency."
+    )
+    return save(figure, folder, "envelope", "Envelope spectrum around the ring's resonance", caption)
+
+
+def detail_figures(evaluation: Evaluation, folder: Path) -> list[Drawn]:
+    """Those the run has the data for."""
+    drawn = []
+    if evaluation.budget.terms_x:
+        drawn += [stacked_terms(evaluation, folder), budget_spectra(evaluation, folder)]
+    if evaluation.envelope_x is not None:
+        drawn.append(envelope_figure(evaluation, folder))
+    return drawn

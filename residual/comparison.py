@@ -1,0 +1,92 @@
+"""All contact laws ranked by the error force they leave, on samples no law was fitted to."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lagrange.bearing import BallBearing, Bearing
+from lagrange.equations import contact_resultant
+from lagrange.laws import PowerLaw
+from lagrange.raceway_laws import BALL_LAWS, ROLLER_LAWS, LogarithmicLaw, contact_laws
+from residual.budget import Budget
+from residual.identification import Identification, fit_law
+from residual.moments import Statistics
+from residual.trajectory import InputError, Trajectory
+
+FITTED = {"fitted": False, "fitted_coupled": True}  # name: with coupling
+ALIASES = ("tripp",)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawScore:
+    """What one law leaves, N."""
+
+    name: str
+    error_x: Statistics
+    error_y: Statistics
+    contact_rms: float | None  # N, of run − law per closed contact; None without the run's forces
+
+    @property
+    def rms(self) -> float:
+        """Rms of the error force's magnitude, N: the ranking's measure."""
+        return float(np.hypot(self.error_x.rms, self.error_y.rms))
+
+
+def named_laws(bearing: Bearing) -> tuple[str, ...]:
+    """Laws known by name for a bearing's rolling elements, the default first."""
+    return tuple(BALL_LAWS if isinstance(bearing, BallBearing) else ROLLER_LAWS)
+
+
+def inner_law(name: str, bearing: Bearing) -> PowerLaw | LogarithmicLaw:
+    """The named law of the inner contact."""
+    return contact_laws(name, bearing).inner
+
+
+def identify(trajectory: Trajectory, approach, bridge: int, name: str) -> Identification:
+    """The law `name`, "fitted" or "fitted_coupled", of a run that tells its forces.
+
+    Errors
+    ------
+    InputError: the run tells no forces, or they fix no law.
+    """
+    if trajectory.inner_force is None:
+        raise InputError(
+            f"{trajectory.source}: the law {name} is fitted to the run's own contact forces, which this source does "
+            "not tell; choose a named law"
+        )
+    try:
+        return fit_law(approach, trajectory.inner_force, bridge, FITTED[name])
+    except InputError as error:
+        raise InputError(f"{trajectory.source}: {error}") from None
+
+
+def rank_laws(trajectory: Trajectory, budget: Budget, identified: dict[str, Identification]) -> list[LawScore]:
+    """Every law's error force, smallest first, on the held-back samples (all samples when nothing was fitted).
+
+    Parameters
+    ----------
+    identified : fitted laws by name
+    """
+    laws = {name: inner_law(name, trajectory.bearing) for name in named_laws(trajectory.bearing)}
+    laws |= {name: found.law for name, found in identified.items()}
+    first = max((found.samples for found in identified.values()), default=0)
+    late = slice(first, None)
+    resultant = contact_resultant(budget.contacts, budget.law_force)
+    inertia_and_load = budget.error_x + resultant[0], budget.error_y + resultant[1]
+    run_force = None if trajectory.inner_force is None else trajectory.inner_force[late]
+    scores = []
+    for name, law in laws.items():
+        force = law.force(budget.contacts.inner)
+        push_x, push_y = contact_resultant(budget.contacts, force)
+        contact_rms = None
+        if run_force is not None and np.any(run_force > 0.0):
+            contact_rms = float(np.sqrt(np.mean((run_force - force[late])[run_force > 0.0] ** 2)))
+        scores.append(
+            LawScore(
+                name=name,
+                error_x=Statistics.of((inertia_and_load[0] - push_x)[late]),
+                error_y=Statistics.of((inertia_and_load[1] - push_y)[late]),
+                contact_rms=contact_rms,
+            )
+        )
+    return sorted(scores, key=lambda score: score.rms)

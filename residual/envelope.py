@@ -1,0 +1,55 @@
+"""Envelope spectrum: how the vibration at the ring's resonance swells and fades.
+
+Something that strikes once per roller makes the resonance ring each time: its frequency shows in the envelope of
+the band around the resonance, not at low frequency itself.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from residual.spectrum import Spectrum, power_spectrum
+
+BAND = (2.0**-0.5, 2.0**0.5)  # of the resonance: one octave around it
+FILTER_ORDER = 4
+TOP_OF_NYQUIST = 0.9
+
+
+@dataclass(frozen=True, kw_only=True)
+class Envelope:
+    """Envelope of one record in a band."""
+
+    low: float  # Hz, the band
+    high: float
+    rms: float  # N, of the band itself
+    level: np.ndarray  # (n_times,), N, the envelope
+    spectrum: Spectrum  # of the envelope, its mean removed
+
+
+def envelope(record, interval: float, resonance: float, slowest_line: float = 0.0) -> Envelope | None:
+    """Envelope around a resonance, Hz; None where the record is sampled too coarsely or has no resonance.
+
+    Parameters
+    ----------
+    record : ndarray, (n_times,), N
+    interval : float, s
+
+    Errors
+    ------
+    Zero-phase Butterworth filter, then the analytic signal. At either end about three periods of the band's width
+    are transient; the spectrum's window hides them.
+    """
+    from scipy.signal import butter, hilbert, sosfiltfilt
+
+    nyquist = 0.5 / interval
+    low, high = resonance * BAND[0], min(resonance * BAND[1], TOP_OF_NYQUIST * nyquist)
+    if resonance <= 0.0 or resonance >= high:
+        return None
+    record = np.asarray(record, dtype=float)
+    sections = butter(FILTER_ORDER, (low, high), "bandpass", fs=1.0 / interval, output="sos")
+    band = sosfiltfilt(sections, record - record.mean(), padlen=min(record.size - 1, 60))
+    level = np.abs(hilbert(band))
+    return Envelope(
+        low=low, high=high, rms=float(np.sqrt(np.mean(band**2))), level=level,
+        spectrum=power_spectrum(level, interval, slowest_line),
+    )  # fmt: skip

@@ -1,0 +1,96 @@
+"""Rows and sentences on contact laws: the ranking, and what a fitted law is worth."""
+
+from residual.evaluation import Evaluation, Statistics
+from residual.identification import Identification, Interval
+from residual.words import text
+
+REFERENCE = "harris"  # the paper's law: what a fit is compared with, for rollers
+MILLIMETRES = 1e3
+
+
+def ranking_rows(evaluation: Evaluation) -> list[list[str]]:
+    """Law, mean and rms in x, mean and rms in y, rms per contact; N; the law in use marked."""
+    rows = []
+    for score in evaluation.laws:
+        name = score.name + (" (in use)" if score.name == evaluation.law.name else "")
+        values = (score.error_x.mean, score.error_x.rms, score.error_y.mean, score.error_y.rms)
+        contact = "-" if score.contact_rms is None else text(score.contact_rms)
+        rows.append([name, *(text(v) for v in values), contact])
+    return rows
+
+
+def ranking_span(evaluation: Evaluation) -> str:
+    """Which samples the ranking is about."""
+    time = evaluation.trajectory.time
+    if not evaluation.identified:
+        return f"The whole record, {text(1e3 * time[0])} to {text(1e3 * time[-1])} ms"
+    first = next(iter(evaluation.identified.values())).samples
+    return (
+        f"Held-back part of the record, {text(1e3 * time[first])} to {text(1e3 * time[-1])} ms; laws were fitted to "
+        f"{text(1e3 * time[0])} to {text(1e3 * time[first - 1])} ms"
+    )
+
+
+def fit_sentences(evaluation: Evaluation) -> list[str]:
+    """What the fit found, what disappears with it, what remains and why; empty for a named law."""
+    found = evaluation.identification
+    if found is None:
+        return []
+    sentences = [_constants(found), _known(found), _disappears(evaluation)]
+    if evaluation.budget.terms_y:
+        sentences.append(_remains(evaluation, found))
+    return sentences
+
+
+def _constants(found: Identification) -> str:
+    """K, n and c with their intervals."""
+    scale = MILLIMETRES**-found.exponent.value
+    words = (
+        f"Fitted: K = {_interval(found.stiffness, scale)} N/mm^n, n = {_interval(found.exponent)}"
+        + ("" if found.coupling is None else f", c = {_interval(found.coupling, 1e12)} pm/N")
+        + " (95 % confidence; K is the force at 1 mm, far outside the data, hence its width"
+    )
+    return words + ")."
+
+
+def _interval(number: Interval, scale: float = 1.0) -> str:
+    low, high = sorted((scale * number.low, scale * number.high))
+    value = scale * number.value
+    return f"{text(value, 5)} [{text(low, 5)}, {text(high, 5)}]"
+
+
+def _known(found: Identification) -> str:
+    return (
+        f"From {found.contacts} closed contacts in {found.passages} passages of rollers through the load zone, "
+        f"approaches {text(1e6 * max(found.depth[0], 0.0), 3)} to {text(1e6 * found.depth[1], 3)} µm; the law misses "
+        f"the run's forces by {text(found.scatter, 3)} N rms per contact. A passage counts as one observation."
+    )
+
+
+def _disappears(evaluation: Evaluation) -> str:
+    """Against the reference law, on the held-back part."""
+    names = [score.name for score in evaluation.laws if score.name not in evaluation.identified]
+    name = REFERENCE if REFERENCE in names else names[0]
+    before, after = evaluation.score(name), evaluation.score(evaluation.law.name)
+    parts = []
+    for axis in "xy":
+        old, new = getattr(before, f"error_{axis}"), getattr(after, f"error_{axis}")
+        share = f", {100.0 * (1.0 - new.rms / old.rms):.4g} % less" if old.rms > 0.0 else ""
+        parts.append(
+            f"in {axis} {text(old.rms)} → {text(new.rms)} N rms{share.replace('-', '−')}, mean {text(old.mean)} → "
+            f"{text(new.mean)} N"
+        )
+    return f"On the part held back, from {name} to the fitted law: {'; '.join(parts)}."
+
+
+def _remains(evaluation: Evaluation, found: Identification) -> str:
+    """The budget of the held-back part, largest first."""
+    parts = []
+    for axis in "xy":
+        terms = getattr(evaluation.budget, f"terms_{axis}")
+        rms = sorted(((Statistics.of(v[found.samples :]).rms, k) for k, v in terms.items()), reverse=True)
+        parts.append(f"in {axis} " + ", ".join(f"{name.replace('_', ' ')} {text(v, 3)}" for v, name in rms))
+    return (
+        f"What remains, N rms: {'; '.join(parts)}. Contact law is what a law of this form can't follow "
+        "(coupling through the ring, damping); the rest no contact law can change."
+    )

@@ -1,0 +1,125 @@
+"""Levels of the bearing's lines: rms in a band around each kinematic line, harmonic and sideband, in N.
+
+A density in N²/Hz is for noise; a line's height in it depends on the record's length. A line is stated as the rms
+of its main lobe, which does not.
+"""
+
+import re
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from residual.spectrum import MAIN_LOBE, Peak, Spectrum, smooth_background
+from residual.trajectory import InputError
+
+CARRIERS = ("BPFO", "2×BPFO", "BPFI", "2×BPFI")
+CAGE_HARMONICS = (2, 3)
+MODULATORS = ("shaft", "FTF")
+SURE = 0.999  # a line stands out where noise on the background would stay below with this probability
+CORRELATED_BINS = 1.5  # noise bandwidth of the Hann window, bins
+SAME_LINE = 0.01  # relative: a frequency asked for in Hz this near a line is that line
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineLevel:
+    """One line of one error force."""
+
+    name: str
+    frequency: float  # Hz, from kinematics or as asked for
+    rms: float  # N, in low … high
+    background: float  # N rms that the smooth background alone has in that band
+    low: float  # Hz
+    high: float
+    stands_out: bool
+    resolved: bool  # no other line, nor zero frequency, within the main lobe
+    obstacle: str  # the nearest of them, "zero frequency" or a line's name
+    record_needed: float  # s, of a record that resolves it
+
+
+def sidebands(lines: dict[str, float]) -> dict[str, float]:
+    """Lines that only a long record parts from their neighbours, Hz, by name: cage harmonics, "BPFO+shaft", ...
+
+    The sidebands are the first ones of the ball-pass lines, modulated by shaft and cage.
+    """
+    found = {f"{k}×FTF": k * lines["FTF"] for k in CAGE_HARMONICS if "FTF" in lines}
+    for carrier in CARRIERS:
+        for modulator in MODULATORS:
+            if carrier in lines and modulator in lines:
+                for sign, symbol in ((-1, "−"), (1, "+")):
+                    frequency = lines[carrier] + sign * lines[modulator]
+                    if frequency > 0.0:
+                        found[f"{carrier}{symbol}{modulator}"] = frequency
+    return found
+
+
+def line_levels(spectrum: Spectrum, lines: dict[str, float]) -> list[LineLevel]:
+    """Every line and every resolved sideband below the Nyquist frequency, by frequency."""
+    among = lines | sidebands(lines)
+    levels = [_level(spectrum, name, frequency, lines) for name, frequency in lines.items()]
+    for name, frequency in sidebands(lines).items():
+        level = _level(spectrum, name, frequency, among)
+        if level.resolved:
+            levels.append(level)
+    top = spectrum.frequency[-1]
+    return sorted((level for level in levels if level.high <= top), key=lambda level: level.frequency)
+
+
+def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> LineLevel:
+    """The line a user asks for: "22" (Hz), "BPFO", "2xBPFO", "BPFO-shaft".
+
+    Errors
+    ------
+    InputError: neither a line's name nor a frequency within the spectrum.
+    """
+    among = lines | sidebands(lines)
+    name = wanted.strip().replace("-", "−").replace("*", "×")
+    name = re.sub(r"(?<=\d)x", "×", name)
+    frequency = {key.lower(): value for key, value in among.items()}.get(name.lower())
+    top = float(spectrum.frequency[-1])
+    if frequency is None:
+        try:
+            frequency = float(wanted)
+        except ValueError:
+            raise InputError(
+                f"--line {wanted}: neither a frequency in Hz nor a line; lines here are {', '.join(among) or 'none'}"
+            ) from None
+        name = f"{frequency:g} Hz"
+    if not 0.0 < frequency < top:
+        raise InputError(f"--line {wanted}: must lie between 0 and the Nyquist frequency {top:.4g} Hz")
+    return _level(spectrum, name, frequency, among if name.lower() in map(str.lower, sidebands(lines)) else lines)
+
+
+def named_peaks(peaks: list[Peak], spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
+    """The same peaks; those without a line get the name of a resolved sideband within half a bin."""
+    bands = [level for level in line_levels(spectrum, lines) if level.name not in lines]
+    named = []
+    for peak in peaks:
+        near = [level for level in bands if abs(level.frequency - peak.frequency) <= 0.5 * spectrum.resolution]
+        named.append(replace(peak, line=near[0].name) if near and peak.line is None else peak)
+    return named
+
+
+def _level(spectrum: Spectrum, name: str, frequency: float, among: dict[str, float]) -> LineLevel:
+    """Rms in the main lobe, cut half-way to the nearest other line."""
+    step = spectrum.resolution
+    others = {key: value for key, value in among.items() if abs(value - frequency) > SAME_LINE * frequency}
+    others["zero frequency"] = 0.0
+    obstacle, gap = min(((key, abs(value - frequency)) for key, value in others.items()), key=lambda item: item[1])
+    half = max(min(MAIN_LOBE * step, 0.5 * gap), 0.75 * step)
+    low, high = frequency - half, frequency + half
+    inside = (spectrum.frequency >= low) & (spectrum.frequency <= high) & (spectrum.frequency > 0.0)
+    background = smooth_background(spectrum)[inside].sum() * step
+    rms = float(np.sqrt(spectrum.psd[inside].sum() * step))
+    return LineLevel(
+        name=name, frequency=frequency, rms=rms, background=float(np.sqrt(background)), low=low, high=high,
+        stands_out=bool(rms**2 > background * _excess(int(inside.sum()), spectrum.segments)),
+        resolved=bool(gap >= MAIN_LOBE * step), obstacle=obstacle, record_needed=MAIN_LOBE / gap,
+    )  # fmt: skip
+
+
+def _excess(n_bins: int, segments: int) -> float:
+    """How far above its mean the power of noise in so many bins may lie."""
+    from scipy.stats import chi2
+
+    freedom = 2.0 * segments * max(1.0, n_bins / CORRELATED_BINS)
+    return float(chi2.ppf(SURE, freedom) / freedom)

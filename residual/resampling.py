@@ -1,0 +1,53 @@
+"""Irregular samples brought to equal steps."""
+
+from pathlib import Path
+
+import numpy as np
+
+from residual.trajectory import FEWEST_SAMPLES, TIME_JITTER, InputError
+
+DEGREE = 7  # of the spline: smoother than the highest order of differentiation needs
+LARGEST_GAP = 10.0  # of the median interval: nothing is made up across more
+FORCES = ("inner_force", "outer_force", "inner_traction", "outer_traction")  # with kinks: straight lines
+
+
+def evenly_sampled(path: Path, arrays: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], str | None]:
+    """The same record on as many equal steps, and a note; unchanged and None where steps are equal already.
+
+    Errors
+    ------
+    InputError: time falls or stands, a gap of more than ten intervals, too few samples. Vibration above a quarter of
+    the mean sampling rate is not to be trusted afterwards.
+    """
+    from scipy.interpolate import make_interp_spline
+
+    time = arrays["time"]
+    steps = np.diff(time)
+    if time.size < FEWEST_SAMPLES or not np.all(np.isfinite(time)):
+        return arrays, None  # refused with the other checks
+    even = (time[-1] - time[0]) / (time.size - 1)
+    if np.any(steps <= 0.0):
+        i = int(np.argmax(steps <= 0.0))
+        raise InputError(f"{path}: time does not rise after sample {i} ({time[i]:.9g} s); sort it, --resample can't")
+    if np.max(np.abs(steps - even)) <= TIME_JITTER * even:
+        return arrays, None
+    if np.max(steps) > LARGEST_GAP * np.median(steps):
+        i = int(np.argmax(steps))
+        raise InputError(
+            f"{path}: a gap of {steps[i]:.4g} s after sample {i}, {steps[i] / np.median(steps):.3g} intervals long; "
+            f"--resample bridges at most {LARGEST_GAP:g}"
+        )
+    equal = np.linspace(time[0], time[-1], time.size)
+    result = {"time": equal}
+    for name, value in arrays.items():
+        if name in FORCES:
+            result[name] = np.column_stack([np.interp(equal, time, column) for column in value.T])
+        elif name != "time":
+            if not np.all(np.isfinite(value)):
+                raise InputError(f"{path}: {name} holds values that are not finite; leave those samples out")
+            middle = value.mean(axis=0)
+            result[name] = middle + make_interp_spline(time, value - middle, k=DEGREE)(equal)
+    return result, (
+        f"the sampling was irregular (intervals {steps.min():.4g} to {steps.max():.4g} s) and has been resampled to "
+        f"{time.size} samples every {even:.4g} s, motion by a spline of degree {DEGREE}, forces by straight lines"
+    )

@@ -1,0 +1,120 @@
+"""The numbers of summary.json, units in their names."""
+
+import numpy as np
+
+from residual.comparison import LawScore
+from residual.evaluation import Evaluation, Statistics
+from residual.identification import CONFIDENCE, Identification
+from residual.lines import LineLevel
+from residual.spectrum import Peak
+from residual.tables import floor_newtons
+
+PROGRAM = "check-residual"
+
+
+def summarise(evaluation: Evaluation, tolerance: float | None, version: str) -> dict:
+    """The numbers of summary.json: each budget term's rms; `budget_mean_*` add up to the error's mean."""
+    t, budget = evaluation.trajectory, evaluation.budget
+    low, high = evaluation.loaded_range
+    floors = floor_newtons(evaluation)
+    summary = {
+        "program": PROGRAM,
+        "program_version": version,
+        "run": t.name,
+        "source": t.source.name,
+        "law": evaluation.law.name,
+        "samples": int(t.time.size),
+        "interval_s": t.interval,
+        "start_s": evaluation.start,
+        "order": evaluation.order,
+        "error_x": _statistics(evaluation.error_x),
+        "error_y": _statistics(evaluation.error_y),
+        "frequency_resolution_Hz": evaluation.spectrum_x.resolution,
+        "segments": evaluation.spectrum_x.segments,
+        "kinematic_lines_Hz": evaluation.lines,
+        "cage_Hz": {"observed": evaluation.lines.get("FTF", 0.0), "rolling_without_slip": evaluation.ideal_cage},
+        "peaks_x": [_peak(p) for p in evaluation.peaks_x],
+        "peaks_y": [_peak(p) for p in evaluation.peaks_y],
+        "lines_x": [_level(level) for level in evaluation.levels_x],
+        "lines_y": [_level(level) for level in evaluation.levels_y],
+        "watched": [{"x": _level(x), "y": _level(y)} for x, y in evaluation.watched],
+        "loaded_rollers": {"min": low, "max": high},
+        "differentiation_floor_N": {"x": floors[0], "y": floors[1]},
+        "tolerance_N": tolerance,
+        "verdict": None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
+        "notes": list(evaluation.notes),
+    }
+    summary["laws"] = [_score(score) for score in evaluation.laws]
+    found = evaluation.identification
+    summary["identification"] = None if found is None else _identification(found, t.time, evaluation.judged)
+    for axis in "xy":
+        terms = dict(getattr(budget, f"terms_{axis}"))
+        summary[f"budget_mean_{axis}"] = {name: float(np.mean(v)) for name, v in terms.items()}
+        momentum = getattr(budget, f"momentum_{axis}")
+        if momentum is not None:
+            terms["momentum"] = momentum
+            summary[f"momentum_{axis}"] = _statistics(Statistics.of(momentum))
+        summary[f"budget_{axis}"] = {name: Statistics.of(v).rms for name, v in terms.items()}
+        away = getattr(evaluation, f"away_{axis}")
+        summary[f"away_from_contact_changes_{axis}"] = None if away is None else _statistics(away)
+    return summary
+
+
+def _statistics(s: Statistics) -> dict[str, float]:
+    return {"mean_N": s.mean, "rms_N": s.rms, "std_N": s.std, "max_abs_N": s.max_abs}
+
+
+def _level(level: LineLevel) -> dict:
+    return {
+        "line": level.name,
+        "frequency_Hz": level.frequency,
+        "rms_N": level.rms,
+        "background_rms_N": level.background,
+        "band_Hz": [level.low, level.high],
+        "stands_out": level.stands_out,
+        "resolved": level.resolved,
+        "record_needed_s": level.record_needed,
+    }
+
+
+def _score(score: LawScore) -> dict:
+    return {
+        "law": score.name,
+        "error_x": _statistics(score.error_x),
+        "error_y": _statistics(score.error_y),
+        "contact_rms_N": score.contact_rms,
+    }
+
+
+def _identification(found: Identification, time: np.ndarray, held_back) -> dict:
+    """The fit's numbers in SI, and the errors of the part of the record it did not see."""
+
+    def interval(number):
+        return None if number is None else {"value": number.value, "low": number.low, "high": number.high}
+
+    return {
+        "stiffness_N_per_m_to_the_n": interval(found.stiffness),
+        "exponent": interval(found.exponent),
+        "coupling_m_per_N": interval(found.coupling),
+        "confidence": CONFIDENCE,
+        "contacts": found.contacts,
+        "passages": found.passages,
+        "scatter_N": found.scatter,
+        "fitted_until_s": float(time[found.samples - 1]),
+        "held_back": {
+            "start_s": float(time[found.samples]),
+            "samples": int(time.size - found.samples),
+            "error_x": _statistics(held_back[0]),
+            "error_y": _statistics(held_back[1]),
+        },
+    }
+
+
+def _peak(p: Peak) -> dict:
+    return {
+        "frequency_Hz": p.frequency,
+        "psd_N2_Hz": p.psd,
+        "rms_N": p.rms,
+        "line": p.line,
+        "resolved": p.resolved,
+    }

@@ -1,0 +1,136 @@
+"""Trajectory tables (CSV, TSV, semicolons): other people's data -> `Trajectory`."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from lagrange.scene import Scene
+from residual.columns import Columns, per_roller
+from residual.resampling import evenly_sampled
+from residual.sources import check_readable
+from residual.trajectory import InputError, Trajectory, checked
+
+MOTION = ("time", "inner_x", "inner_y")
+CARTESIAN, POLAR = ("roller_x", "roller_y"), ("roller_rho", "roller_theta")
+OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
+
+
+def read_table(path: str | Path, scene: Scene, columns: Columns | None = None, resample: bool = False) -> Trajectory:
+    """A trajectory table with one header line.
+
+    Parameters
+    ----------
+    columns : names and units; None: time, inner_x, inner_y and roller_<j>_x, roller_<j>_y or roller_<j>_rho,
+        roller_<j>_theta, j from 0, in SI; accelerations and contact forces where it has them
+    resample : bring irregular samples to equal steps instead of refusing them
+
+    Columns may stand in any order; others are left out. Lines starting with # are comments. The delimiter (comma, tab
+    or semicolon) is taken from the header.
+
+    Errors
+    ------
+    InputError: no such file, not text, columns missing or twice, a number of rollers other than the scene's, a row
+    that can't be read, and all that `checked` refuses.
+    """
+    path = Path(path)
+    columns = Columns() if columns is None else columns
+    check_readable(path)
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            lines = (line for line in file if line.strip() and not line.startswith("#"))
+            first = next(lines, "")
+            delimiter = _delimiter(first)
+            header = [name.strip() for name in next(csv.reader([first], delimiter=delimiter), [])]
+            found = _columns_found(path, header, columns, scene.bearing.rollers)
+            if columns.decimal == ",":
+                lines = (line.replace(",", ".") for line in lines)
+            order = [index for indices, _ in found.values() for index in indices]
+            table = np.loadtxt(lines, delimiter=delimiter, usecols=order, ndmin=2)
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: neither an HDF5 result file nor a text table (byte {error.start})") from None
+    except (ValueError, csv.Error) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: a row can't be read: {str(error).splitlines()[0]}") from None
+    arrays, start = {}, 0
+    for quantity, (indices, factor) in found.items():
+        values = factor * table[:, start : start + len(indices)]
+        arrays[quantity] = values if per_roller(quantity) else values[:, 0]
+        start += len(indices)
+    return _trajectory(path, scene, arrays, resample)
+
+
+def _trajectory(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: bool) -> Trajectory:
+    """Cartesian, evenly sampled, checked; notes on what the table lacks."""
+    notes = []
+    if "roller_rho" in arrays:
+        rho, theta = arrays.pop("roller_rho"), np.unwrap(arrays.pop("roller_theta"), axis=0)
+        arrays["roller_x"], arrays["roller_y"] = rho * np.cos(theta), rho * np.sin(theta)
+    if resample:
+        arrays, note = evenly_sampled(path, arrays)
+        notes += [note] if note else []
+    if "inner_force" not in arrays:
+        notes.append("the table tells no contact forces: the error is not split into its terms, no law can be fitted")
+    else:
+        if "inner_ax" not in arrays or "inner_ay" not in arrays:
+            notes.append("the table tells no accelerations of its own: the budget has no differentiation term")
+        if "inner_traction" not in arrays:
+            notes.append("the table tells no tangential forces: the budget has no friction term")
+    return checked(Trajectory(name=path.stem, source=path, scene=scene, notes=tuple(notes), **arrays))
+
+
+def _delimiter(header: str) -> str:
+    """Tab or semicolon where the header has one, else comma."""
+    return next((character for character in "\t;" if character in header), ",")
+
+
+def _columns_found(
+    path: Path, header: list[str], columns: Columns, n_rollers: int
+) -> dict[str, tuple[list[int], float]]:
+    """Column numbers and factor to SI of each quantity the table has."""
+    polar_only = not _at(path, header, columns, "roller_x", n_rollers)[0] and bool(
+        _at(path, header, columns, "roller_rho", n_rollers)[0]
+    )
+    wanted = [*MOTION, *(POLAR if polar_only else CARTESIAN)]
+    found, missing = {}, []
+    for quantity in (*wanted, *OPTIONAL):
+        indices, factor, absent = _at(path, header, columns, quantity, n_rollers)
+        if quantity in wanted or indices:
+            missing += absent
+        if indices:
+            found[quantity] = indices, factor
+    if not {"time", "inner_x"} & set(found):
+        raise InputError(
+            f"{path}: neither an HDF5 result file nor a trajectory table; a table's first line reads "
+            "time,inner_x,inner_y,roller_0_x,roller_0_y,... ; other names and units: --columns FILE"
+        )
+    roller = POLAR[0] if polar_only else CARTESIAN[0]
+    _check_count(path, header, columns, roller, n_rollers, len(found.get(roller, ([], 0))[0]))
+    if missing:
+        more = f" and {len(missing) - 4} more" if len(missing) > 4 else ""
+        raise InputError(f"{path}: missing column {', '.join(missing[:4])}{more}")
+    return found
+
+
+def _check_count(path: Path, header, columns: Columns, quantity: str, n_rollers: int, n_found: int) -> None:
+    """As many rollers as the scene has: neither fewer nor one more."""
+    further = any(name in header for name in columns.header(quantity, n_rollers)[0])
+    if 0 < n_found < n_rollers or further:
+        count = f"at least {n_rollers + 1}" if further else n_found
+        raise InputError(f"{path}: the table holds {count} rollers, the scene says {n_rollers}")
+
+
+def _at(path: Path, header: list[str], columns: Columns, quantity: str, n_rollers: int):
+    """Column numbers found, factor to SI, names of those missing."""
+    indices, absent, factor = [], [], 1.0
+    for roller in range(n_rollers) if per_roller(quantity) else (None,):
+        names, factor = columns.header(quantity, roller)
+        present = next((name for name in names if name in header), None)
+        if present is None:
+            absent.append(names[0])
+        elif header.count(present) > 1:
+            raise InputError(f"{path}: column {present} appears twice")
+        else:
+            indices.append(header.index(present))
+    return indices, factor, absent

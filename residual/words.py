@@ -1,0 +1,10 @@
+"""Numbers as words."""
+
+
+def text(value: float, digits: int = 4) -> str:
+    """A number with so many significant digits, with a true minus sign."""
+    plain = f"{value:.{digits}g}"
+    if "e" in plain:
+        mantissa, exponent = plain.split("e")
+        plain = f"{mantissa}·10^{int(exponent)}"
+    return plain.replace("-", "−")

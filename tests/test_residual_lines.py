@@ -1,0 +1,177 @@
+"""Levels of lines, sidebands, envelope: the right newtons under the right name, and silence where nothing is known."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "reference"))
+from synthetic_run import make_run, write_result
+
+from lagrange.kinematics import kinematics
+from lagrange.scene import Scene
+from residual.cli import main
+from residual.envelope import envelope
+from residual.evaluation import evaluate
+from residual.lines import line_levels, named_peaks, sidebands, watched_level
+from residual.sources import read_result
+from residual.spectrum import find_peaks, kinematic_lines, power_spectrum, smooth_background
+from residual.trajectory import InputError
+
+STEP = 1e-5
+BPFO, SHAFT, CAGE = 381.52, 75.0, 29.348
+
+
+def paper_lines():
+    scene = Scene()
+    return kinematic_lines(kinematics(scene.ideal_bearing(), scene.ideal_operation().speed))
+
+
+def times(duration):
+    return STEP * np.arange(round(duration / STEP))
+
+
+def noise(duration, seed=1):
+    return 0.01 * np.random.default_rng(seed).standard_normal(round(duration / STEP))
+
+
+def modulated(duration, modulator, depth=0.4):
+    """A tone at BPFO of 10 N amplitude whose amplitude swells at the modulator's frequency."""
+    t = times(duration)
+    return 10.0 * (1.0 + depth * np.cos(2 * np.pi * modulator * t)) * np.cos(2 * np.pi * BPFO * t) + noise(duration)
+
+
+def by_name(levels):
+    return {level.name: level for level in levels}
+
+
+@pytest.mark.parametrize("duration", [0.06, 0.6])
+def test_level_is_the_rms_of_the_line_whatever_the_record_length(duration):
+    record = 7.0 * np.cos(2 * np.pi * BPFO * times(duration) + 0.4) + noise(duration)
+    level = by_name(line_levels(power_spectrum(record, STEP), paper_lines()))["BPFO"]
+    assert level.rms == pytest.approx(7.0 / np.sqrt(2), rel=0.02)
+    assert level.stands_out and level.background < 0.1 * level.rms
+
+
+def test_sidebands_carry_half_the_modulation():
+    levels = by_name(line_levels(power_spectrum(modulated(0.6, CAGE), STEP), paper_lines()))
+    for name in ("BPFO−FTF", "BPFO+FTF"):
+        assert levels[name].rms == pytest.approx(10.0 * 0.4 / 2 / np.sqrt(2), rel=0.02)
+        assert levels[name].stands_out and levels[name].resolved
+    assert not levels["BPFO+shaft"].stands_out
+
+
+def test_sidebands_a_record_cannot_resolve_are_not_listed():
+    names = by_name(line_levels(power_spectrum(modulated(0.06, CAGE), STEP), paper_lines()))
+    assert "BPFO+FTF" not in names and "BPFO+shaft" in names
+
+
+def test_peaks_at_sidebands_get_their_name():
+    spectrum = power_spectrum(modulated(0.6, SHAFT), STEP)
+    peaks = named_peaks(find_peaks(spectrum, paper_lines()), spectrum, paper_lines())
+    assert {"BPFO", "BPFO−shaft", "BPFO+shaft"} <= {peak.line for peak in peaks}
+
+
+def test_sideband_frequencies():
+    found = sidebands(paper_lines())
+    assert found["BPFO−shaft"] == pytest.approx(BPFO - SHAFT, abs=0.05)
+    assert found["2×BPFO+FTF"] == pytest.approx(2 * BPFO + CAGE, abs=0.1)
+
+
+def test_lines_go_by_the_cage_speed_of_the_run(tmp_path):
+    """A cage that creeps by 2 %: BPFO and BPFI move with it, and the peak at the run's own BPFO keeps its name."""
+    run = make_run(n_times=20_001)
+    slow, ideal = 0.98 * CAGE, CAGE
+    turn = 2 * np.pi * (slow - ideal) * run.time[:, None]
+    x, y = run.roller_x - run.inner_x[:, None], run.roller_y - run.inner_y[:, None]
+    distance, angle = np.hypot(x, y), run.angle + turn
+    depth = 2.05e-6 * -np.sin(angle)
+    distance = np.median(distance + 2.05e-6 * -np.sin(run.angle)) - depth
+    moved = replace(
+        run,
+        roller_x=run.inner_x[:, None] + distance * np.cos(angle),
+        roller_y=run.inner_y[:, None] + distance * np.sin(angle),
+        angle=angle,
+    )
+    evaluation = evaluate(read_result(write_result(tmp_path / "a.nc", moved)))
+    assert evaluation.lines["FTF"] == pytest.approx(slow, rel=1e-3)
+    assert evaluation.ideal_cage == pytest.approx(ideal, rel=1e-4)
+    assert evaluation.lines["BPFI"] == pytest.approx(13 * (SHAFT - slow), rel=1e-3)
+    assert any(peak.line == "BPFO" and abs(peak.frequency - 13 * slow) < 0.5 for peak in evaluation.peaks_x)
+
+
+def test_background_is_the_mean_density_of_noise():
+    record = np.random.default_rng(0).standard_normal(60_000)
+    background = smooth_background(power_spectrum(record, STEP))
+    assert np.median(background) == pytest.approx(2 * STEP, rel=0.1)
+
+
+def test_lines_hardly_ever_stand_out_of_mere_noise():
+    found = total = 0
+    for seed in range(30):
+        levels = line_levels(power_spectrum(noise(0.2, seed), STEP), paper_lines())
+        found, total = found + sum(level.stands_out for level in levels), total + len(levels)
+    assert total > 600 and found <= 0.01 * total
+
+
+@pytest.mark.parametrize("wanted", ["BPFO-shaft", "bpfo−shaft", "2xBPFO", "2×BPFO", "22", "381.5"])
+def test_a_line_can_be_asked_for_by_name_or_frequency(wanted):
+    level = watched_level(power_spectrum(noise(0.6), STEP), wanted, paper_lines())
+    expected = {"BPFO-shaft": 306.5, "bpfo−shaft": 306.5, "2xBPFO": 763.0, "2×BPFO": 763.0}.get(wanted)
+    assert level.frequency == pytest.approx(expected or float(wanted), abs=0.1)
+
+
+@pytest.mark.parametrize("wanted", ["BPFX", "-5", "0", "1e9", "nan", ""])
+def test_an_unknown_line_is_refused(wanted):
+    with pytest.raises(InputError):
+        watched_level(power_spectrum(noise(0.06), STEP), wanted, paper_lines())
+
+
+def test_the_record_said_to_be_needed_is_enough_and_a_shorter_one_is_not():
+    lines = paper_lines()
+    short = watched_level(power_spectrum(noise(0.06), STEP), "22", lines)
+    assert not short.resolved and short.record_needed == pytest.approx(2.0 / (CAGE - 22.0), rel=1e-3)
+    for factor, resolved in ((1.02, True), (0.98, False)):
+        spectrum = power_spectrum(noise(factor * short.record_needed), STEP)
+        assert watched_level(spectrum, "22", lines).resolved is resolved
+
+
+def test_envelope_shows_what_modulates_the_resonance():
+    t = times(0.3)
+    record = (2.0 + 1.0 * np.cos(2 * np.pi * BPFO * t)) * np.cos(2 * np.pi * 13_000 * t) + noise(0.3)
+    found = envelope(record, STEP, 13_000.0)
+    assert found.rms == pytest.approx(np.sqrt(2.0 + 0.25), rel=0.01)
+    assert np.mean(found.level) == pytest.approx(2.0, rel=0.01)
+    peak = find_peaks(found.spectrum, paper_lines())[0]
+    assert peak.line == "BPFO" and peak.rms == pytest.approx(1.0 / np.sqrt(2), rel=0.02)
+    plain = power_spectrum(record, STEP)
+    assert plain.band_rms(BPFO - 10, BPFO + 10) < 0.01  # nothing at BPFO itself
+
+
+@pytest.mark.parametrize("resonance", [0.0, 60_000.0])
+def test_no_envelope_where_the_record_cannot_show_one(resonance):
+    assert envelope(noise(0.06), STEP, resonance) is None
+
+
+def test_report_holds_term_spectra_and_warns_of_unresolved_lines(tmp_path, capsys):
+    path = write_result(tmp_path / "a.nc", make_run(n_times=3001))
+    assert main([str(path), "--line", "22", "--line", "BPFO"]) == 0
+    out, err = capsys.readouterr()
+    assert "22 Hz can't be resolved" in err and "BPFO can't" not in err
+    assert "22 Hz:" in out and "BPFO (381.5 Hz):" in out
+    with h5py.File(tmp_path / "a-residual" / "residual.nc") as file:
+        df = file["frequency"][1]
+        term, psd = file["budget_y_contact_law"][:], file["psd_y_contact_law"][:]
+        window = np.hanning(term.size + 1)[:-1]
+        weighted = np.sum((window * (term - term.mean())) ** 2) / np.sum(window**2)
+        assert np.sum(psd) * df == pytest.approx(weighted, rel=0.05)
+        assert file["envelope_psd_x"].dims[0][0] == file["frequency"]
+
+
+def test_an_unknown_line_exits_2(tmp_path, capsys):
+    path = write_result(tmp_path / "a.nc", make_run(n_times=401))
+    assert main([str(path), "--line", "BPFX"]) == 2
+    assert "--line BPFX" in capsys.readouterr().err

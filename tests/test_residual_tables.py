@@ -1,0 +1,208 @@
+"""Tables from elsewhere: names, units, polar positions, what is missing, uneven sampling."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "reference"))
+from synthetic_run import exact_errors, make_run, write_result, write_table
+
+from residual.cli import main
+from residual.columns import read_columns
+from residual.evaluation import evaluate
+from residual.table_source import read_table
+from residual.trajectory import InputError
+
+MAPPING = """[table]
+time = "t [ms]"
+inner_x = "X hub [um]"
+inner_y = "Y hub [um]"
+roller_rho = "rho {j} [mm]"
+roller_theta = "theta {j} [deg]"
+inner_force = "Q{j} [kN]"
+first_roller = 1
+"""
+
+
+@pytest.fixture(scope="module")
+def run():
+    return make_run(n_times=801)
+
+
+def foreign_columns(run):
+    """Polar, in milliseconds, micrometres, degrees, rollers counted from 1; header -> values."""
+    rho = 1e3 * np.hypot(run.roller_x, run.roller_y)
+    theta = np.degrees(np.arctan2(run.roller_y, run.roller_x))  # wrapped to ±180°
+    table = {"note": 0.0 * run.time, "t [ms]": 1e3 * run.time}
+    table |= {"X hub [um]": 1e6 * run.inner_x, "Y hub [um]": 1e6 * run.inner_y}
+    for j in range(rho.shape[1]):
+        table[f"theta {j + 1} [deg]"], table[f"rho {j + 1} [mm]"] = theta[:, j], rho[:, j]
+        table[f"Q{j + 1} [kN]"] = 0.95e-3 * run.law_force[:, j]
+    return table
+
+
+def write_foreign(path, table, delimiter="\t", decimal="."):
+    rows = np.column_stack(list(table.values()))
+    lines = [delimiter.join(table)] + [delimiter.join(f"{v:.17g}" for v in row).replace(".", decimal) for row in rows]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def mapping(folder, text=MAPPING):
+    path = folder / "columns.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(("delimiter", "decimal"), [("\t", "."), (";", ","), (",", ".")])
+def test_polar_table_in_other_units_gives_the_same_error(run, tmp_path, delimiter, decimal):
+    path = write_foreign(tmp_path / "a.tsv", foreign_columns(run), delimiter, decimal)
+    columns = read_columns(mapping(tmp_path, MAPPING + f'decimal = "{decimal}"\n'))
+    trajectory = read_table(path, run.scene, columns)
+    np.testing.assert_allclose(trajectory.roller_x, run.roller_x, atol=1e-15)
+    np.testing.assert_allclose(trajectory.inner_force, 0.95 * run.law_force, rtol=1e-12)
+    exact_x, exact_y = exact_errors(run)
+    budget = evaluate(trajectory).budget
+    np.testing.assert_allclose(budget.error_x, exact_x, atol=2e-4)
+    np.testing.assert_allclose(budget.error_y, exact_y, atol=2e-4)
+
+
+def test_units_apply_to_headers_that_do_not_carry_them(run, tmp_path):
+    table = {name.partition(" [")[0]: value for name, value in foreign_columns(run).items()}
+    trajectory = read_table(write_foreign(tmp_path / "a.tsv", table), run.scene, read_columns(mapping(tmp_path)))
+    np.testing.assert_allclose(trajectory.time, run.time, atol=1e-15)
+    np.testing.assert_allclose(trajectory.inner_y, run.inner_y, atol=1e-18)
+
+
+def test_command_reads_a_foreign_table_and_says_what_it_lacks(run, tmp_path, capsys):
+    path = write_foreign(tmp_path / "a.tsv", foreign_columns(run))
+    scene = tmp_path / "scene.toml"
+    scene.write_text(run.scene.to_toml(), encoding="utf-8")
+    arguments = [str(path), "--scene", str(scene), "--columns", str(mapping(tmp_path)), "--law", "fitted"]
+    assert main(arguments) == 0
+    summary = json.loads((tmp_path / "a-residual" / "summary.json").read_text())
+    assert set(summary["budget_x"]) == {"contact_law", "ring_flexibility", "momentum"}
+    assert summary["identification"]["exponent"]["value"] == pytest.approx(10 / 9, rel=1e-6)
+    notes = " ".join(summary["notes"])
+    assert "no accelerations" in notes and "no friction term" in notes
+    assert "no friction term" in (tmp_path / "a-residual" / "report.html").read_text()
+
+
+def test_polar_columns_need_no_mapping_under_their_own_names(run, tmp_path):
+    table = {"time": run.time, "inner_x": run.inner_x, "inner_y": run.inner_y}
+    for j in range(run.roller_x.shape[1]):
+        table[f"roller_{j}_rho"] = np.hypot(run.roller_x[:, j], run.roller_y[:, j])
+        table[f"roller_{j}_theta"] = np.arctan2(run.roller_y[:, j], run.roller_x[:, j])
+    trajectory = read_table(write_foreign(tmp_path / "a.csv", table, ","), run.scene)
+    np.testing.assert_allclose(trajectory.roller_y, run.roller_y, atol=1e-16)
+    assert any("no contact forces" in note for note in trajectory.notes)
+
+
+def uneven(run_time, seed=3):
+    """Sampling times that wander by up to 30 % of the interval."""
+    step = run_time[1]
+    return run_time + 0.3 * step * np.random.default_rng(seed).uniform(-1, 1, run_time.size)
+
+
+def write_uneven(run, folder, time):
+    """The same prescribed motion, told at other times."""
+    from dataclasses import replace
+
+    omega, cage = 2 * np.pi * 500.0, run.angle[1] - run.angle[0]
+    angle = run.angle[0] + cage / run.time[1] * time[:, None]
+    x, y = 2e-7 * np.cos(omega * time), -4.1e-6 + 2e-7 * np.sin(omega * time)
+    bearing = run.scene.ideal_bearing()
+    distance = bearing.inner_raceway_radius + bearing.roller_radius + 2.05e-6 * np.sin(angle)
+    moved = replace(
+        run, time=time, inner_x=x, inner_y=y,
+        roller_x=x[:, None] + distance * np.cos(angle), roller_y=y[:, None] + distance * np.sin(angle),
+    )  # fmt: skip
+    return write_table(moved, folder / "uneven.csv")
+
+
+def test_uneven_sampling_is_refused_unless_resampling_is_asked_for(run, tmp_path):
+    path = write_uneven(run, tmp_path, uneven(run.time))
+    with pytest.raises(InputError, match="--resample"):
+        read_table(path, run.scene)
+    trajectory = read_table(path, run.scene, resample=True)
+    assert np.ptp(np.diff(trajectory.time)) < 1e-12
+    assert any("resampled to 801 samples" in note for note in trajectory.notes)
+    budget = evaluate(trajectory).budget
+    # 10 samples at either end belong to the spline's end conditions
+    assert np.std(budget.error_x[10:-10]) == pytest.approx(np.std(exact_errors(run)[0]), rel=0.02)
+
+
+def test_even_sampling_is_left_alone(run, tmp_path):
+    path = write_table(run, tmp_path / "a.csv")
+    plain, asked = read_table(path, run.scene), read_table(path, run.scene, resample=True)
+    np.testing.assert_array_equal(plain.inner_x, asked.inner_x)
+    assert plain.notes == asked.notes
+
+
+def test_a_gap_is_not_bridged(run, tmp_path):
+    time = uneven(run.time)
+    time[400:] += 50 * run.time[1]
+    with pytest.raises(InputError, match="gap"):
+        read_table(write_uneven(run, tmp_path, time), run.scene, resample=True)
+
+
+@pytest.mark.parametrize(
+    ("text", "culprit"),
+    [
+        ("[tabel]\n", "[table]"),
+        ("time = 3", "[table]"),
+        ("[table]\ntime = [", "TOML"),
+        ('[table]\ntiem = "t"\n', "did you mean time"),
+        ('[table]\ntime = "t [fortnight]"\n', "fortnight"),
+        ('[table]\nroller_x = "x"\n', "{j}"),
+        ('[table]\ninner_x = "x{j}"\n', "{j}"),
+        ("[table]\ntime = 3\n", "table.time"),
+        ("[table]\nfirst_roller = -1\n", "first_roller"),
+        ('[table]\ndecimal = ";"\n', "decimal"),
+    ],
+)
+def test_a_wrong_mapping_names_the_culprit(text, culprit, tmp_path):
+    with pytest.raises(InputError) as error:
+        read_columns(mapping(tmp_path, text))
+    assert culprit in str(error.value) and "columns.toml" in str(error.value)
+
+
+def test_incomplete_forces_and_surplus_rollers_are_refused(run, tmp_path):
+    table = foreign_columns(run)
+    columns = read_columns(mapping(tmp_path))
+    partial = {k: v for k, v in table.items() if k != "Q7 [kN]"}
+    with pytest.raises(InputError, match=r"missing column Q7 \[kN\]"):
+        read_table(write_foreign(tmp_path / "a.tsv", partial), run.scene, columns)
+    with pytest.raises(InputError, match="rollers"):
+        read_table(write_foreign(tmp_path / "b.tsv", table | {"rho 14 [mm]": table["rho 1 [mm]"]}), run.scene, columns)
+
+
+@pytest.mark.parametrize("option", [["--resample"], ["--columns", "columns.toml"]])
+def test_table_options_are_refused_for_a_result_file(option, run, tmp_path, capsys):
+    path = write_result(tmp_path / "a.nc", run)
+    option = [str(mapping(tmp_path)) if word.endswith("toml") else word for word in option]
+    assert main([str(path), *option]) == 2
+    assert option[0] in capsys.readouterr().err
+
+
+def test_guided_example_of_the_documentation_works(tmp_path, monkeypatch, capsys):
+    text = (Path(__file__).resolve().parent.parent / "docs" / "tables.md").read_text(encoding="utf-8")
+    example = text[text.index("## An example") :]
+    code, mapped = (example.split(f"```{kind}\n")[1].split("```")[0] for kind in ("python", "toml"))
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code, "docs/tables.md", "exec"), {})
+    (tmp_path / "rig-columns.toml").write_text(mapped, encoding="utf-8")
+    (tmp_path / "rig.toml").write_text('name = "rig"\n', encoding="utf-8")
+    command = example.split("$ check-residual ")[1].splitlines()[0].split()
+    assert main(command) == 0
+    out, err = capsys.readouterr()
+    shown = example.split("```text\n")[1].split("```")[0].splitlines()
+    for line in shown[-4:]:
+        assert line in out
+    assert shown[1].removeprefix("warning: ") in err
+    summary = json.loads((tmp_path / "rig-residual" / "summary.json").read_text())
+    assert summary["error_y"]["mean_N"] == pytest.approx(-0.19, abs=0.01)
+    assert summary["watched"][0]["y"]["rms_N"] == pytest.approx(540e6 * 1e-7 / np.sqrt(2), rel=0.02)

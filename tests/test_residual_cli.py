@@ -30,6 +30,14 @@ def result(run, tmp_path):
     return write_result(tmp_path / "made.nc", run)
 
 
+@pytest.fixture
+def plain_report(monkeypatch):
+    """Reports without figures, which take most of the time and are tested elsewhere."""
+    monkeypatch.setattr("residual.figures.paper_figures", lambda *_: [])
+    monkeypatch.setattr("residual.diagnostics.extra_figures", lambda *_: [])
+    monkeypatch.setattr("residual.budget_figures.detail_figures", lambda *_: [])
+
+
 def scene_file(run, folder):
     path = folder / "scene.toml"
     path.write_text(run.scene.to_toml(), encoding="utf-8")
@@ -40,6 +48,7 @@ def summary_of(folder):
     return json.loads((folder / "summary.json").read_text(encoding="utf-8"))
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_table_with_a_known_residual_is_reproduced(tmp_path, capsys):
     run = make_run(n_times=6001, tone=3000.0, amplitude=2e-6)
     table = write_table(run, tmp_path / "table.csv")
@@ -100,6 +109,7 @@ def test_report_folder_is_complete(result, tmp_path, capsys):
     assert str(folder / "report.html") in capsys.readouterr().out.replace("\n", "")
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_residual_file_opens_in_xarray_by_netcdf(result, tmp_path):
     xarray = pytest.importorskip("xarray")
     pytest.importorskip("netCDF4")
@@ -120,12 +130,14 @@ def test_page_fetches_nothing_and_escapes_names(run, tmp_path):
 
 
 @pytest.mark.parametrize(("tolerance", "code", "word"), [("1e6", 0, "passes"), ("0.001", 1, "fails")])
+@pytest.mark.usefixtures("plain_report")
 def test_tolerance_gives_the_verdict(result, tmp_path, tolerance, code, word, capsys):
     assert main([str(result), "--tolerance", tolerance]) == code
     assert summary_of(tmp_path / "made-residual")["verdict"] == word
     assert word in capsys.readouterr().out.lower()
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_newest_run_is_the_default(run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "runs").mkdir()
@@ -136,11 +148,13 @@ def test_newest_run_is_the_default(run, tmp_path, monkeypatch):
     assert [p.name for p in (tmp_path / "runs").iterdir() if p.is_dir()] == ["b-residual"]
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_quiet_prints_nothing(result, capfd):
     assert main([str(result), "--quiet"]) == 0
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_unfinished_run_is_used_up_to_its_committed_samples(run, tmp_path, capsys):
     variables = run_variables(run)
     variables["inner_x"] = variables["inner_x"].copy()
@@ -151,6 +165,7 @@ def test_unfinished_run_is_used_up_to_its_committed_samples(run, tmp_path, capsy
     assert summary_of(tmp_path / "cut-residual")["samples"] == 300
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_older_report_is_replaced_and_a_foreign_folder_is_not(result, tmp_path, capsys):
     folder = tmp_path / "made-residual"
     assert main([str(result), "--quiet"]) == 0

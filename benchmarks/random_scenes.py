@@ -20,7 +20,6 @@ UNTAMED = 0.15  # share of scenes whose speed and load are drawn from their whol
 HERTZ, STRAIN = 0.1, 0.01  # what the program accepts: contact half-width over roller radius; centrifugal strain
 BUDGET = 6e8  # degrees of freedom times steps of 5 ms: about a second
 MOST_FREEDOM = 12_000.0  # more takes longer to set up than to run
-FINEST_STRIDE = 20e-6  # s, output interval
 
 
 def random_scene(seed: int, number: int, duration_ms: float, budget: float = BUDGET) -> dict[str, Any]:
@@ -103,7 +102,6 @@ def random_scene(seed: int, number: int, duration_ms: float, budget: float = BUD
             "load_ramp_ms": uniform(0.1, 2.0) if chance(0.5) else 0.0,
             "mesh_size_mm": mesh,
             "time_step_safety": safety,
-            "output_interval_us": 1e6 * FINEST_STRIDE,
         },
     }
 

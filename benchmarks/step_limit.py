@@ -13,7 +13,7 @@ from fem.samples import Samples
 from fem.simulate import Plan, RunFailed, make_plan, run
 from lagrange.scene import Scene, parse_scene
 
-RATIOS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0, 1.01, 1.02, 1.03, 1.04, 1.06, 1.08, 1.1, 1.12, 1.15, 1.2)
+RATIOS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0, 1.0025, 1.005, 1.01, 1.015, 1.02, 1.04, 1.07, 1.1, 1.15, 1.2)
 DURATION_MS = 3.0
 STRIDE = 50  # steps between samples, the same for all ratios
 UNBOUNDED = 1.0  # of the stored energy: drift drawn for a run that was stopped

@@ -11,7 +11,10 @@ from fem.patches import N_NODES
 from fem.ring_kernels import HALO
 from fem.start import Start
 from fem.state import Contacts, Drive, Ring, Rollers, Scratch
-from lagrange import Operation
+from lagrange import Operation, kinematics
+
+
+REACH = 0.01  # of a roller's radius
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,7 +43,7 @@ def make_arrays(model: Model, operation: Operation, start: Start, dt: float, fri
         rollers=rollers,
         inner=inner,
         outer=outer,
-        contacts=_contacts(model, start),
+        contacts=_contacts(model, operation, start),
         drive=drive,
         scratch=_scratch(rollers, inner, outer),
     )
@@ -146,7 +149,16 @@ def _place_rollers(disc: DiscBody, rollers: Rollers, start: Start, dt: float) ->
     rollers.w.reshape(shape)[:, :, :n] = np.moveaxis(velocity, 0, -1)
 
 
-def _contacts(model: Model, start: Start) -> Contacts:
+def _reach(model: Model, operation: Operation) -> float:
+    """A gap that elastic motion can't close: far above any contact's approach, and twice the growth under rotation."""
+    ring, disc = model.inner_ring, model.roller
+    growth = ring.held(ring.body_load(0.0, 0.0, operation.speed))
+    spin = kinematics(model.bearing, operation.speed).roller
+    swelling = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel())
+    return REACH * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max())
+
+
+def _contacts(model: Model, operation: Operation, start: Start) -> Contacts:
     n = model.bearing.n_rollers
     laws = (model.inner_law, model.outer_law, model.roller_law)
     force = np.zeros((3, n))
@@ -155,6 +167,7 @@ def _contacts(model: Model, start: Start) -> Contacts:
         A=np.array([law.A for law in laws]),
         B=np.array([law.B for law in laws]),
         Q_line=np.array([law.Q_line for law in laws]),
+        reach=_reach(model, operation),
         half_width_factor=np.array([law.half_width_factor for law in laws]),
         curvature=np.array([1.0 / law.relative_radius for law in laws]),
         roller_ripple=model.roller_surface.ripple,

@@ -19,7 +19,6 @@ from fem.state import INNER, OUTER, ROLLER
 from fem.subgrid import contact_force
 
 SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
-REACH = 0.01  # of a roller's radius: a wider gap than any elastic motion can close
 
 
 @kernel(forceinline=True)
@@ -50,7 +49,7 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
         x, y = centre[j, 0] - hub_x, centre[j, 1] - hub_y
         distance = sqrt(x * x + y * y)
         overlap = inner.radius + radius - distance
-        if overlap < -REACH * radius:
+        if overlap < -contacts.reach:
             force[INNER, j] = 0.0
             continue
         nx, ny = x / distance, y / distance
@@ -118,7 +117,7 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
         x, y = centre[j, 0], centre[j, 1]
         distance = sqrt(x * x + y * y)
         overlap = distance + radius - outer.radius
-        if overlap < -REACH * radius:
+        if overlap < -contacts.reach:
             force[OUTER, j] = 0.0
             continue
         nx, ny = x / distance, y / distance
@@ -164,7 +163,7 @@ def roller_contacts(rollers, contacts, drive, slope):
     )
     A, B, Q_line = contacts.A[ROLLER], contacts.B[ROLLER], contacts.Q_line[ROLLER]
     ripples, dt = contacts.roller_ripple, drive.dt
-    touching = (2.0 + REACH) * radius
+    touching = 2.0 * radius + contacts.reach
     for j in range(rollers.n):
         i = j + 1 if j + 1 < rollers.n else 0
         x, y = centre[i, 0] - centre[j, 0], centre[i, 1] - centre[j, 1]

@@ -63,6 +63,7 @@ class Contacts(NamedTuple):
     A: np.ndarray  # (3,)
     B: np.ndarray
     Q_line: np.ndarray
+    reach: float  # m, a wider gap than any elastic motion can close
     half_width_factor: np.ndarray  # b²/Q
     curvature: np.ndarray  # 1/R, 1/m
     roller_ripple: np.ndarray

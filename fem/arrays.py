@@ -13,7 +13,6 @@ from fem.start import Start
 from fem.state import Contacts, Drive, Ring, Rollers, Scratch
 from lagrange import Operation, kinematics
 
-
 REACH = 0.01  # of a roller's radius
 
 
@@ -131,19 +130,22 @@ def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: flo
     position[:, 0] += body.radii[:, None]
     turned = np.stack([-position[:, 1], position[:, 0]], axis=1)
     velocity = start.inner_rate + speed * turned + polar(start.hub_velocity)
-    _fill(ring.w, velocity + 0.5 * dt * speed**2 * position)
+    if start.steady:
+        velocity += 0.5 * dt * speed**2 * position
+    _fill(ring.w, velocity)
 
 
 def _place_rollers(disc: DiscBody, rollers: Rollers, start: Start, dt: float) -> None:
     n, spin, cage = rollers.n, start.kinematics.roller, start.kinematics.cage
     rho, angle = start.equilibrium.rho, start.angle
     rollers.centre[:n] = np.column_stack([rho * np.cos(angle), rho * np.sin(angle)])
-    rollers.velocity[:n] = start.roller_velocity + 0.5 * dt * cage**2 * rollers.centre[:n]
+    half_step = 0.5 * dt if start.steady else 0.0
+    rollers.velocity[:n] = start.roller_velocity + half_step * cage**2 * rollers.centre[:n]
     rollers.spin[:n] = spin
     rollers.increment[:n] = spin * dt
     position = disc.points + start.equilibrium.rollers
     turned = np.stack([-position[..., 1], position[..., 0]], axis=-1)
-    velocity = start.roller_rate + spin * turned + 0.5 * dt * spin**2 * position
+    velocity = start.roller_rate + spin * turned + half_step * spin**2 * position
     shape = (disc.n_nodes, 2, rollers.columns)
     rollers.u.reshape(shape)[:, :, :n] = np.moveaxis(start.equilibrium.rollers, 0, -1)
     rollers.w.reshape(shape)[:, :, :n] = np.moveaxis(velocity, 0, -1)

@@ -1,6 +1,6 @@
 """The state a run starts from: static equilibrium in rolling motion, or undeformed and centred."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,6 +27,7 @@ class Start:
     roller_rate: np.ndarray  # du/dt in the frames, (n_rollers, n_nodes, 2)
     inner_rate: np.ndarray  # (n_rows, 2, n_sectors)
     outer_rate: np.ndarray
+    steady: bool = True  # forces hold every node on its circle; False: nothing is strained yet, nodes go straight on
 
 
 def rolling_motion(model: Model, operation: Operation, time: float) -> tuple[Motion, Kinematics]:
@@ -101,7 +102,7 @@ def rest_start(model: Model, operation: Operation) -> Start:
         outer_ring=np.zeros((outer.n_rows, 2, outer.n_sectors)),
         rollers=np.zeros((n, model.roller.n_nodes, 2)),
     )
-    return _still(model, undeformed, ideal, motion)
+    return replace(_still(model, undeformed, ideal, motion), steady=False)
 
 
 def _still(model: Model, equilibrium: Equilibrium, ideal: Kinematics, motion: Motion) -> Start:

@@ -16,7 +16,7 @@ class Approaches:
     """Where the rollers are and how deep their contacts; each (n_times, n_rollers)."""
 
     distance: np.ndarray  # χ, inner ring's centre to roller's centre, m
-    direction_x: np.ndarray  # unit vector from the roller to the inner ring's centre, −∂χ/∂ρ ...
+    direction_x: np.ndarray  # unit vector from the roller to the inner ring's centre, (∂χ/∂x, ∂χ/∂y)
     direction_y: np.ndarray
     inner: np.ndarray  # δ_in, m, > 0 in the load zone
     outer: np.ndarray  # δ_out, m

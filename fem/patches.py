@@ -8,7 +8,6 @@ from fem.jit import kernel
 
 N_NODES = 6
 FIRST = -2  # the patch of position s spans nodes floor(s) − 2 ... floor(s) + 3
-SPLINE_HALF_WIDTH = 2.0  # of the pressure, in surface spacings
 
 
 @kernel(forceinline=True)

@@ -11,7 +11,6 @@ from numba import uint64
 from fem.jit import kernel
 
 HALO = 8  # one register: keeps the rows aligned
-N_COEFFICIENTS = 18
 
 
 def coefficients(stencil: np.ndarray) -> np.ndarray:

@@ -13,8 +13,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem.exact_statics import static_error
 from fem.simulate import make_plan, run
+from fem.statics import static_error
 from lagrange.scene import read_scene
 
 DOCS = Path(__file__).parent.parent / "docs"

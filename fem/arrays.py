@@ -7,10 +7,11 @@ import numpy as np
 from fem import disc_kernels, ring_kernels
 from fem.bodies import DiscBody, RingBody
 from fem.model import Model
-from fem.patches import N_NODES
+from fem.patches import N_NODES, first_node, weights
+from fem.resolved import points, stretch_for
 from fem.ring_kernels import HALO
 from fem.start import Start
-from fem.state import Contacts, Drive, Ring, Rollers, Scratch
+from fem.state import INNER, OUTER, ROLLER, Contacts, Drive, Ring, Rollers, Scratch
 from lagrange import Operation, kinematics
 
 REACH = 0.01  # of a roller's radius
@@ -28,12 +29,21 @@ class Arrays:
     scratch: Scratch
 
 
-def make_arrays(model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float) -> Arrays:
-    """Positions at t = 0 and velocities at −dt/2. `ramp` in s."""
+def make_arrays(
+    model: Model,
+    operation: Operation,
+    start: Start,
+    dt: float,
+    friction: float,
+    ramp: float,
+    largest_force: float,
+) -> Arrays:
+    """Positions at t = 0 and velocities at −dt/2. `ramp` in s; the largest static contact force in N."""
     inner = _ring(model.inner_ring, dt)
     outer = _ring(model.outer_ring, dt)
     rollers = _rollers(model.roller, model.bearing.n_rollers, dt)
     drive = _drive(model, operation, start, dt, friction, ramp)
+    contacts = _contacts(model, operation, start, largest_force)
     _place_inner(model.inner_ring, inner, start, operation.speed, dt)
     _fill(outer.u, start.equilibrium.outer_ring)
     _fill(outer.w, start.outer_rate)
@@ -42,9 +52,9 @@ def make_arrays(model: Model, operation: Operation, start: Start, dt: float, fri
         rollers=rollers,
         inner=inner,
         outer=outer,
-        contacts=_contacts(model, operation, start),
+        contacts=contacts,
         drive=drive,
-        scratch=_scratch(rollers, inner, outer),
+        scratch=_scratch(rollers, inner, outer, contacts),
     )
 
 
@@ -52,7 +62,6 @@ def _rollers(disc: DiscBody, n: int, dt: float) -> Rollers:
     starts, neighbours, blocks = disc.blocks()
     rows = np.repeat(np.arange(disc.n_nodes), np.diff(starts))
     columns = -(-n // disc_kernels.COLUMNS) * disc_kernels.COLUMNS
-    spacing = 2.0 * np.pi / disc.shape.surface_nodes
     return Rollers(
         starts=starts,
         neighbours=neighbours,
@@ -79,13 +88,7 @@ def _rollers(disc: DiscBody, n: int, dt: float) -> Rollers:
         total_mass=disc.total_mass,
         inertia=disc.polar_inertia,
         radius=disc.shape.radius,
-        arc=_missed_by_patch(spacing),
     )
-
-
-def _missed_by_patch(spacing: float) -> float:
-    """1 − Σ W cos of the angles to the nodes: the same for every position of the patch to O(spacing⁶)."""
-    return 1.0 - (66.0 + 52.0 * np.cos(spacing) + 2.0 * np.cos(2.0 * spacing)) / 120.0
 
 
 def _ring(ring: RingBody, dt: float) -> Ring:
@@ -107,7 +110,6 @@ def _ring(ring: RingBody, dt: float) -> Ring:
         raceway=ring.raceway_row,
         held=ring.held_row,
         radius=ring.raceway_radius,
-        arc=_missed_by_patch(2.0 * np.pi / ring.n_sectors),
     )
 
 
@@ -160,30 +162,51 @@ def _reach(model: Model, operation: Operation) -> float:
     return REACH * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max())
 
 
-def _contacts(model: Model, operation: Operation, start: Start) -> Contacts:
+def _contacts(model: Model, operation: Operation, start: Start, largest_force: float) -> Contacts:
     n = model.bearing.n_rollers
     laws = (model.inner_law, model.outer_law, model.roller_law)
     force = np.zeros((3, n))
     force[0], force[1] = start.equilibrium.inner_force, start.equilibrium.outer_force
+    surface_nodes = (model.inner_ring.n_sectors, model.outer_ring.n_sectors, model.roller.shape.surface_nodes)
+    resolved, stretch, none = None, (0,) * model.stretch, np.zeros(0)
+    if model.is_resolved:
+        resolved = points({INNER: laws[INNER], OUTER: laws[OUTER], ROLLER: laws[ROLLER]}, largest_force, n)
+        stretch = stretch_for(resolved, surface_nodes)
+    width = N_NODES * len(stretch)
+    below = None if model.is_resolved else model
     return Contacts(
-        A=np.array([law.A for law in laws]),
-        B=np.array([law.B for law in laws]),
-        Q_line=np.array([law.Q_line for law in laws]),
+        A=np.array([law.A for law in laws]) if below else none,
+        B=np.array([law.B for law in laws]) if below else none,
+        Q_line=np.array([law.Q_line for law in laws]) if below else none,
         reach=_reach(model, operation),
         half_width_factor=np.array([law.half_width_factor for law in laws]),
         curvature=np.array([1.0 / law.relative_radius for law in laws]),
-        roller_ripple=model.roller_surface.ripple,
-        inner_ripple=model.inner_surface.ripple,
-        outer_ripple=model.outer_surface.ripple,
+        roller_ripple=below.roller_surface.ripple if below else none,
+        inner_ripple=below.inner_surface.ripple if below else none,
+        outer_ripple=below.outer_surface.ripple if below else none,
         force=force,
         bracket=np.zeros((3, n)),
         traction=np.zeros((3, n)),
         normal=np.zeros((3, n, 2)),
         slip=np.zeros((3, n)),
-        node=np.zeros((6 * n, N_NODES), dtype=np.int64),
-        weight=np.zeros((6 * n, N_NODES)),
-        across=np.zeros((6 * n, N_NODES)),
+        stretch=stretch,
+        node=np.zeros((6 * n, width), dtype=np.int64),
+        weight=np.zeros((6 * n, width)),
+        across=np.zeros((6 * n, width)),
+        arc=_missed_by_patches(surface_nodes, n, stretch),
+        resolved=resolved,
     )
+
+
+def _missed_by_patches(surface_nodes: tuple[int, int, int], n: int, stretch: tuple[int, ...]) -> np.ndarray:
+    """1 − Σ W cos of the angles to the nodes, (6 n,): the same for every position of a patch to O(spacing⁶)."""
+    weight = np.empty((1, N_NODES * len(stretch)))
+    weights(0.0, weight, 0, stretch)
+    steps = first_node(0, stretch) + np.arange(weight.size)
+    inner, outer, roller = (1.0 - float(weight[0] @ np.cos(2.0 * np.pi / nodes * steps)) for nodes in surface_nodes)
+    arc = np.full((3, n, 2), roller)
+    arc[INNER, :, 0], arc[OUTER, :, 0] = inner, outer
+    return arc.ravel()
 
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float) -> Drive:
@@ -205,10 +228,10 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, friction
     )
 
 
-def _scratch(rollers: Rollers, inner: Ring, outer: Ring) -> Scratch:
+def _scratch(rollers: Rollers, inner: Ring, outer: Ring, contacts: Contacts) -> Scratch:
     columns = rollers.columns
     return Scratch(
-        slope=np.zeros((1, N_NODES)),
+        slope=np.zeros((1, contacts.weight.shape[1])),
         slip=np.zeros((3, rollers.n)),
         bore=np.zeros((2, inner.u.shape[2])),
         line=np.zeros((2, outer.u.shape[2])),

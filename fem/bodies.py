@@ -9,7 +9,7 @@ from scipy.sparse.linalg import splu
 
 from fem.assembly import assemble
 from lagrange import Material
-from meshes import Annulus, Disc, mesh_of
+from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, mesh_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,7 +19,7 @@ class DiscBody:
     The surface nodes are the last ones, equally spaced from angle 0.
     """
 
-    shape: Disc
+    shape: Disc | GradedDisc
     material: Material
     points: np.ndarray  # (n_nodes, 2), m
     cells: np.ndarray
@@ -72,6 +72,21 @@ class DiscBody:
         zeros = np.zeros((3, *force.shape[1:]))
         return self._factor.solve(np.concatenate([balanced, zeros]))[: force.shape[0]]
 
+    @cached_property
+    def _responses(self) -> dict[int, np.ndarray]:
+        return {}
+
+    def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
+        """Compliance between surface nodes, (2 m, 2 m), m/N, of the freely accelerating disc; x and y of each node."""
+        dofs = (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel()
+        first = 2 * self.first_surface_node
+        missing = [dof for dof in dofs if dof not in self._responses]
+        for some in np.array_split(missing, 1 + len(missing) // 64):
+            force = np.zeros((2 * self.n_nodes, len(some)))
+            force[first + some.astype(int), np.arange(len(some))] = 1.0
+            self._responses.update(zip(some, self.relaxed(force)[first:].T.copy(), strict=True))
+        return np.array([self._responses[dof][dofs] for dof in dofs])
+
 
 def rigid_modes(points: np.ndarray) -> np.ndarray:
     """Two translations and the rotation about the origin, (2n, 3)."""
@@ -81,7 +96,7 @@ def rigid_modes(points: np.ndarray) -> np.ndarray:
     return modes.reshape(-1, 3)
 
 
-def disc_body(shape: Disc, material: Material, thickness: float) -> DiscBody:
+def disc_body(shape: Disc | GradedDisc, material: Material, thickness: float) -> DiscBody:
     """Assemble a roller; the mass its polygon lacks against the circle is spread over all nodes."""
     mesh = mesh_of(shape)
     matrices = assemble(mesh, material, thickness)
@@ -104,7 +119,7 @@ class RingBody:
     is the whole matrix: force on (row i, sector k) = −Σ stencil[i, i'−i+1, d+1] · u(i', k+d), i' = i−1..i+1, d = −1..1.
     """
 
-    shape: Annulus
+    shape: Annulus | GradedAnnulus
     material: Material
     points: np.ndarray
     cells: np.ndarray
@@ -184,8 +199,22 @@ class RingBody:
         displacement[rows] = np.fft.irfft(np.moveaxis(solved, 0, 2), n=self.n_sectors, axis=2)
         return displacement
 
+    @cached_property
+    def _raceway_kernel(self) -> np.ndarray:
+        """Motion of every raceway node by a unit force on node 0, (component moved, component pushed, n_sectors)."""
+        force = np.zeros((self.n_rows, 2, self.n_sectors, 2))
+        force[self.raceway_row, 0, 0, 0] = force[self.raceway_row, 1, 0, 1] = 1.0
+        return np.moveaxis(self.held(force)[self.raceway_row], 1, 2)
 
-def ring_body(shape: Annulus, material: Material, thickness: float, held_inside: bool) -> RingBody:
+    def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
+        """Compliance between raceway nodes, (2 m, 2 m), m/N; polar components of each node."""
+        nodes = np.asarray(nodes)
+        apart = (nodes[:, None] - nodes[None, :]) % self.n_sectors
+        found = self._raceway_kernel[:, :, apart]  # (component moved, component pushed, node moved, node pushed)
+        return found.transpose(2, 0, 3, 1).reshape(2 * nodes.size, 2 * nodes.size)
+
+
+def ring_body(shape: Annulus | GradedAnnulus, material: Material, thickness: float, held_inside: bool) -> RingBody:
     """Assemble a ring and reduce it to one sector.
 
     Errors
@@ -207,7 +236,7 @@ def ring_body(shape: Annulus, material: Material, thickness: float, held_inside:
         material=material,
         points=mesh.points,
         cells=mesh.cells,
-        radii=np.linspace(shape.inner_radius, shape.outer_radius, rows),
+        radii=shape.radii,
         row_mass=mass.mean(axis=1),
         stencil=_mirrored(stencil),
         held_row=0 if held_inside else rows - 1,

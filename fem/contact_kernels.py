@@ -15,10 +15,20 @@ import numpy as np
 
 from fem import patch_kernels as patch
 from fem.jit import kernel
+from fem.resolved_kernels import resolved_contacts
 from fem.state import INNER, OUTER, ROLLER
 from fem.subgrid import contact_force
 
 SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
+
+
+@kernel(forceinline=True)
+def contact_impulses(rollers, inner, outer, contacts, drive, slope, resolved):
+    """Normal forces by the scene's contact model; a run compiles the one it uses."""
+    if resolved is None:
+        normal_contacts(rollers, inner, outer, contacts, drive, slope)
+    else:
+        resolved_contacts(rollers, inner, outer, contacts, drive, resolved)
 
 
 @kernel(forceinline=True)
@@ -44,6 +54,7 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
     roller_ripple, ring_ripple = contacts.roller_ripple, contacts.inner_ripple
     hub_x, hub_y, dt = drive.hub[0], drive.hub[1], drive.dt
     ring_c, ring_s = drive.ring[1], drive.ring[2]
+    stretch = contacts.stretch
     hub_tilt_x, hub_tilt_y, moment = 0.0, 0.0, 0.0
     for j in range(rollers.n):
         x, y = centre[j, 0] - hub_x, centre[j, 1] - hub_y
@@ -68,13 +79,14 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
             across,
             p,
             slope,
+            stretch,
         )
         out -= hub_x * nx + hub_y * ny  # the ring's state holds the hub's motion
         side -= hub_y * nx - hub_x * ny
         c, s = cosine[j], sine[j]
         bx, by = -(c * nx + s * ny), s * nx - c * ny
         out_r, side_r, rate_r, ripple_r, ripple_rate_r = patch.read_roller(
-            u, columns, first, n_surface, j, bx, by, roller_ripple, node, weight, p + 1, slope
+            u, columns, first, n_surface, j, bx, by, roller_ripple, node, weight, p + 1, slope, stretch
         )
         level = B + (ripple + ripple_r) / A
         Q = contact_force(overlap + out + out_r, A, level, Q_line, force[INNER, j])
@@ -83,8 +95,8 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
             continue
         normal[INNER, j, 0], normal[INNER, j, 1] = nx, ny
         push, half = Q * dt, 0.5 * Q * Q
-        patch.push_ring(ring_w, raceway, node_mass, -push, 0.0, node, weight, across, p)
-        patch.push_roller(w, mass, columns, j, -push * bx, -push * by, node, weight, p + 1)
+        patch.push_ring(ring_w, raceway, node_mass, -push, 0.0, node, weight, across, p, stretch)
+        patch.push_roller(w, mass, columns, j, -push * bx, -push * by, node, weight, p + 1, stretch)
         impulse[j, 0] += push * nx
         impulse[j, 1] += push * ny
         aside = (Q * (rate + side + rate_r + side_r) - half * (ripple_rate + ripple_rate_r)) / distance * dt
@@ -112,7 +124,7 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
     force, bracket, normal = contacts.force, contacts.bracket, contacts.normal
     A, B, Q_line = contacts.A[OUTER], contacts.B[OUTER], contacts.Q_line[OUTER]
     roller_ripple, ring_ripple = contacts.roller_ripple, contacts.outer_ripple
-    dt = drive.dt
+    dt, stretch = drive.dt, contacts.stretch
     for j in range(rollers.n):
         x, y = centre[j, 0], centre[j, 1]
         distance = sqrt(x * x + y * y)
@@ -123,12 +135,12 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
         nx, ny = x / distance, y / distance
         p = 2 * (OUTER * rollers.n + j)
         out, side, rate, ripple, ripple_rate = patch.read_ring(
-            ring_u, raceway, n_sectors, cosines, sines, nx, ny, ring_ripple, node, weight, across, p, slope
+            ring_u, raceway, n_sectors, cosines, sines, nx, ny, ring_ripple, node, weight, across, p, slope, stretch
         )
         c, s = cosine[j], sine[j]
         bx, by = c * nx + s * ny, c * ny - s * nx
         out_r, side_r, rate_r, ripple_r, ripple_rate_r = patch.read_roller(
-            u, columns, first, n_surface, j, bx, by, roller_ripple, node, weight, p + 1, slope
+            u, columns, first, n_surface, j, bx, by, roller_ripple, node, weight, p + 1, slope, stretch
         )
         level = B + (ripple + ripple_r) / A
         Q = contact_force(overlap - out + out_r, A, level, Q_line, force[OUTER, j])
@@ -137,8 +149,8 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
             continue
         normal[OUTER, j, 0], normal[OUTER, j, 1] = nx, ny
         push, half = Q * dt, 0.5 * Q * Q
-        patch.push_ring(ring_w, raceway, node_mass, push, 0.0, node, weight, across, p)
-        patch.push_roller(w, mass, columns, j, -push * bx, -push * by, node, weight, p + 1)
+        patch.push_ring(ring_w, raceway, node_mass, push, 0.0, node, weight, across, p, stretch)
+        patch.push_roller(w, mass, columns, j, -push * bx, -push * by, node, weight, p + 1, stretch)
         impulse[j, 0] -= push * nx
         impulse[j, 1] -= push * ny
         aside = (Q * (rate_r + side_r - rate - side) - half * (ripple_rate + ripple_rate_r)) / distance * dt
@@ -162,7 +174,7 @@ def roller_contacts(rollers, contacts, drive, slope):
         contacts.normal,
     )
     A, B, Q_line = contacts.A[ROLLER], contacts.B[ROLLER], contacts.Q_line[ROLLER]
-    ripples, dt = contacts.roller_ripple, drive.dt
+    ripples, dt, stretch = contacts.roller_ripple, drive.dt, contacts.stretch
     touching = 2.0 * radius + contacts.reach
     for j in range(rollers.n):
         i = j + 1 if j + 1 < rollers.n else 0
@@ -176,10 +188,10 @@ def roller_contacts(rollers, contacts, drive, slope):
         ax, ay = cosine[j] * nx + sine[j] * ny, cosine[j] * ny - sine[j] * nx
         bx, by = -(cosine[i] * nx + sine[i] * ny), sine[i] * nx - cosine[i] * ny
         out, side, rate, ripple, ripple_rate = patch.read_roller(
-            u, columns, first, n_surface, j, ax, ay, ripples, node, weight, p, slope
+            u, columns, first, n_surface, j, ax, ay, ripples, node, weight, p, slope, stretch
         )
         out_r, side_r, rate_r, ripple_r, ripple_rate_r = patch.read_roller(
-            u, columns, first, n_surface, i, bx, by, ripples, node, weight, p + 1, slope
+            u, columns, first, n_surface, i, bx, by, ripples, node, weight, p + 1, slope, stretch
         )
         level = B + (ripple + ripple_r) / A
         Q = contact_force(2.0 * radius - distance + out + out_r, A, level, Q_line, force[ROLLER, j])
@@ -188,8 +200,8 @@ def roller_contacts(rollers, contacts, drive, slope):
             continue
         normal[ROLLER, j, 0], normal[ROLLER, j, 1] = nx, ny
         push, half = Q * dt, 0.5 * Q * Q
-        patch.push_roller(w, mass, columns, j, -push * ax, -push * ay, node, weight, p)
-        patch.push_roller(w, mass, columns, i, -push * bx, -push * by, node, weight, p + 1)
+        patch.push_roller(w, mass, columns, j, -push * ax, -push * ay, node, weight, p, stretch)
+        patch.push_roller(w, mass, columns, i, -push * bx, -push * by, node, weight, p + 1, stretch)
         aside = (Q * (rate + side + rate_r + side_r) - half * (ripple_rate + ripple_rate_r)) / distance * dt
         for body, sign in ((i, 1.0), (j, -1.0)):
             impulse[body, 0] += sign * push * nx
@@ -228,11 +240,11 @@ def slips(rollers, inner, outer, contacts, drive, out):
     """Sideways velocity of side 1 less that of side 0 along t = Jn for every closed contact, m/s; out (3, n)."""
     w, columns, cosine, sine = rollers.w, rollers.columns, rollers.cosine, rollers.sine
     velocity, spin = rollers.velocity, rollers.spin
-    rim = rollers.radius * rollers.arc
-    node, weight, across = contacts.node, contacts.weight, contacts.across
-    force, normal = contacts.force, contacts.normal
+    radius = rollers.radius
+    node, weight, across, arc = contacts.node, contacts.weight, contacts.across, contacts.arc
+    force, normal, stretch = contacts.force, contacts.normal, contacts.stretch
     inner_w, outer_w = inner.w, outer.w
-    inner_rim = drive.speed * inner.radius * inner.arc
+    inner_speed = drive.speed * inner.radius
     n = rollers.n
     for kind in range(3):
         sign = 1.0 if kind == OUTER else -1.0  # the roller's outward direction is ±n
@@ -247,15 +259,18 @@ def slips(rollers, inner, outer, contacts, drive, out):
             elif kind == ROLLER:
                 i = 0
             bx, by = sign * (cosine[i] * nx + sine[i] * ny), sign * (cosine[i] * ny - sine[i] * nx)
-            slip = sign * (patch.sideways_roller(w, columns, i, bx, by, node, weight, p + 1) + spin[i] * rim)
+            rolling = patch.sideways_roller(w, columns, i, bx, by, node, weight, p + 1, stretch)
+            slip = sign * (rolling + spin[i] * radius * arc[p + 1])
             slip += velocity[i, 1] * nx - velocity[i, 0] * ny
             if kind == INNER:
-                slip -= patch.sideways_ring(inner_w, inner.raceway, node, weight, across, p) + inner_rim
+                slip -= patch.sideways_ring(inner_w, inner.raceway, node, weight, across, p, stretch)
+                slip -= inner_speed * arc[p]
             elif kind == OUTER:
-                slip -= patch.sideways_ring(outer_w, outer.raceway, node, weight, across, p)
+                slip -= patch.sideways_ring(outer_w, outer.raceway, node, weight, across, p, stretch)
             else:
                 ax, ay = cosine[j] * nx + sine[j] * ny, cosine[j] * ny - sine[j] * nx
-                slip -= patch.sideways_roller(w, columns, j, ax, ay, node, weight, p) + spin[j] * rim
+                slip -= patch.sideways_roller(w, columns, j, ax, ay, node, weight, p, stretch)
+                slip -= spin[j] * radius * arc[p]
                 slip -= velocity[j, 1] * nx - velocity[j, 0] * ny
             out[kind, j] = slip
 
@@ -271,10 +286,11 @@ def friction_contacts(rollers, inner, outer, contacts, drive, now):
     velocity, spin, impulse, turn_kick = rollers.velocity, rollers.spin, rollers.impulse, rollers.turn_kick
     node, weight, across = contacts.node, contacts.weight, contacts.across
     force, traction, normal, before = contacts.force, contacts.traction, contacts.normal, contacts.slip
+    stretch = contacts.stretch
     inner_w, outer_w = inner.w, outer.w
     inner_mass, outer_mass = inner.row_mass[inner.raceway], outer.row_mass[outer.raceway]
     friction, dt, n, radius = drive.friction, drive.dt, rollers.n, rollers.radius
-    missed = radius * rollers.arc / rollers.inertia
+    arc, lever = contacts.arc, radius / rollers.inertia
     pitch = outer.radius - radius
     dissipated, moment = 0.0, 0.0
     for kind in range(3):
@@ -291,14 +307,14 @@ def friction_contacts(rollers, inner, outer, contacts, drive, now):
                 i = j + 1
             elif kind == ROLLER:
                 i = 0
-            mobility = patch.mobility_roller(mass, node, weight, p + 1)
+            mobility = patch.mobility_roller(mass, node, weight, p + 1, stretch)
             rolling = 0.0
             if kind == INNER:
-                mobility += patch.mobility_ring(inner_mass, weight, across, p)
+                mobility += patch.mobility_ring(inner_mass, weight, across, p, stretch)
             elif kind == OUTER:
-                mobility += patch.mobility_ring(outer_mass, weight, across, p)
+                mobility += patch.mobility_ring(outer_mass, weight, across, p, stretch)
             else:
-                mobility += patch.mobility_roller(mass, node, weight, p)
+                mobility += patch.mobility_roller(mass, node, weight, p, stretch)
             if kind != ROLLER:
                 orbit = (velocity[j, 1] * nx - velocity[j, 0] * ny) / pitch
                 rolling = abs(spin[j] - orbit) * radius
@@ -310,21 +326,21 @@ def friction_contacts(rollers, inner, outer, contacts, drive, now):
             push = T * dt
             ix, iy = push * ny, -push * nx  # −T along t on side 1
             c, s = cosine[i], sine[i]
-            patch.push_roller(w, mass, columns, i, c * ix + s * iy, c * iy - s * ix, node, weight, p + 1)
+            patch.push_roller(w, mass, columns, i, c * ix + s * iy, c * iy - s * ix, node, weight, p + 1, stretch)
             impulse[i, 0] += ix
             impulse[i, 1] += iy
             # the moment a patch misses, taken up by the next kick; −T t has the arm +r n (outer) or −r n
-            turn_kick[i] -= sign * push * missed
+            turn_kick[i] -= sign * push * lever * arc[p + 1]
             if kind == INNER:
-                patch.push_ring(inner_w, inner.raceway, inner_mass, 0.0, push, node, weight, across, p)
-                moment -= T * inner.radius * inner.arc
+                patch.push_ring(inner_w, inner.raceway, inner_mass, 0.0, push, node, weight, across, p, stretch)
+                moment -= T * inner.radius * arc[p]
             elif kind == OUTER:
-                patch.push_ring(outer_w, outer.raceway, outer_mass, 0.0, push, node, weight, across, p)
+                patch.push_ring(outer_w, outer.raceway, outer_mass, 0.0, push, node, weight, across, p, stretch)
             else:
                 c, s = cosine[j], sine[j]
-                patch.push_roller(w, mass, columns, j, -c * ix - s * iy, s * ix - c * iy, node, weight, p)
+                patch.push_roller(w, mass, columns, j, -c * ix - s * iy, s * ix - c * iy, node, weight, p, stretch)
                 impulse[j, 0] -= ix
                 impulse[j, 1] -= iy
-                turn_kick[j] += push * missed
+                turn_kick[j] += push * lever * arc[p]
     drive.ring[3] += moment
     return dissipated

@@ -3,11 +3,13 @@
 from math import sqrt
 
 import numpy as np
+from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.bodies import DiscBody, RingBody
 from fem.model import Model
-from fem.subgrid import ContactLaw, disc_patch_force, ring_patch_force
+from fem.resolved import layer_springs
+from fem.subgrid import disc_patch_force, ring_patch_force
 
 LOAD_MARGIN = 10.0  # contacts are as stiff as at this many times the largest static force
 LANCZOS_TOLERANCE = 1e-4  # relative, of ω²; the found value is that much too low at most
@@ -23,44 +25,57 @@ def critical_time_step(model: Model, largest_force: float) -> float:
     ------
     Lanczos approaches ω_max² from below; its tolerance is added.
     """
-    force = LOAD_MARGIN * max(largest_force, 1.0)
-    inner, outer, between = (_stiffness(law, force) for law in (model.inner_law, model.outer_law, model.roller_law))
+    springs = (
+        layer_springs(model) if model.is_resolved else _patch_springs(model, LOAD_MARGIN * max(largest_force, 1.0))
+    )
     fastest = max(
-        _disc_limit(model.roller, [inner, outer, between]),
-        _ring_limit(model.inner_ring, inner),
-        _ring_limit(model.outer_ring, outer),
+        _disc_limit(model.roller, springs["roller"]),
+        _ring_limit(model.inner_ring, springs["inner_ring"]),
+        _ring_limit(model.outer_ring, springs["outer_ring"]),
     )
     return 2.0 / sqrt(fastest * (1.0 + LANCZOS_TOLERANCE))
 
 
-def _stiffness(law: ContactLaw, force: float) -> float:
-    return law.stiffness(min(force, law.Q_line))
+def _patch_springs(model: Model, force: float) -> dict[str, sparse.csc_matrix]:
+    """Columns √(2k)·load of the springs on each kind of body; a roller has one of each kind, apart from each other."""
+    laws = model.inner_law, model.outer_law, model.roller_law
+    inner, outer, between = (sqrt(2.0 * law.stiffness(min(force, law.Q_line))) for law in laws)
+    angles = 2.0 * np.pi * np.arange(3) / 3.0
+    on_roller = [
+        size * disc_patch_force(model.roller, angle, model.stretch)
+        for size, angle in zip((inner, outer, between), angles, strict=True)
+    ]
+    return {
+        "roller": sparse.csc_matrix(np.stack(on_roller, axis=1)),
+        "inner_ring": _column(inner * ring_patch_force(model.inner_ring, 0.0, model.stretch)),
+        "outer_ring": _column(outer * ring_patch_force(model.outer_ring, 0.0, model.stretch)),
+    }
 
 
-def _disc_limit(disc: DiscBody, stiffnesses: list[float]) -> float:
-    """Largest ω², 1/s², of a disc with springs on separate patches of its surface."""
+def _column(load: np.ndarray) -> sparse.csc_matrix:
+    return sparse.csc_matrix(load.reshape(-1, 1))
+
+
+def _disc_limit(disc: DiscBody, springs: sparse.csc_matrix) -> float:
+    """Largest ω², 1/s², of a disc on springs."""
     scale = 1.0 / np.sqrt(np.repeat(disc.mass, 2))
-    angles = 2.0 * np.pi * np.arange(len(stiffnesses)) / len(stiffnesses)
-    patches = np.stack([disc_patch_force(disc, angle) for angle in angles], axis=1)
 
     def apply(vector):
         u = scale * vector.ravel()
-        springs = patches @ (2.0 * np.asarray(stiffnesses) * (patches.T @ u))
-        return scale * (disc.stiffness @ u + springs)
+        return scale * (disc.stiffness @ u + springs @ (springs.T @ u))
 
     return _largest(apply, scale.size)
 
 
-def _ring_limit(ring: RingBody, stiffness: float) -> float:
-    """Largest ω², 1/s², of a held ring with a spring on one patch."""
+def _ring_limit(ring: RingBody, springs: sparse.csc_matrix) -> float:
+    """Largest ω², 1/s², of a held ring on springs."""
     rows = ring.free_rows
     scale = 1.0 / np.sqrt(ring.row_mass[rows])[:, None, None]
-    load = ring_patch_force(ring, 0.0)
 
     def apply(vector):
         u = np.zeros((ring.n_rows, 2, ring.n_sectors))
         u[rows] = scale * vector.reshape(len(rows), 2, ring.n_sectors)
-        force = ring.force(u) + 2.0 * stiffness * np.vdot(load, u) * load
+        force = ring.force(u) + (springs @ (springs.T @ u.ravel())).reshape(u.shape)
         return (scale * force[rows]).ravel()
 
     return _largest(apply, 2 * len(rows) * ring.n_sectors)

@@ -16,10 +16,8 @@ from fem.continuum import (
     ring_compliance,
     ring_hertz_approach,
 )
-from fem.equilibrium import Motion, static_equilibrium
-from fem.model import Model
 from fem.subgrid import STEEPEST, ContactLaw
-from lagrange import Bearing, Material, Operation
+from lagrange import Bearing, Material
 from lagrange.kinematics import roller_angles
 
 HALF_WIDTH = 0.01  # of a roller's radius; the logarithm of the true half-width is in the law
@@ -46,7 +44,16 @@ def exact_statics(bearing: Bearing, radial_load: float, first_roller_angle: floa
     Source: Michell's series for ring and disc (`continuum`); Johnson, Contact Mechanics (1985), chapters 4 and 5.
     """
     n = bearing.n_rollers
-    angle = roller_angles(bearing, first_roller_angle)
+    contacts = exact_contacts(bearing, roller_angles(bearing, first_roller_angle))
+    start = first_guess(bearing, contacts.radial, radial_load)
+    found = balance(contacts, Loads(radial_load, 0.0, 0.0, SHARP * bearing.roller_radius, 0.0, start), cold=True)
+    forces = closed_forces(found, n)
+    return ExactStatics(hub=found[:2], inner_force=forces[:n], outer_force=forces[n:])
+
+
+def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
+    """The bearing reduced to its contacts by exact series, rollers at angles from +x, (n_rollers,), rad."""
+    n = bearing.n_rollers
     radial = np.column_stack([np.cos(angle), np.sin(angle)])
     half_width = HALF_WIDTH * bearing.roller_radius
     inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
@@ -59,7 +66,7 @@ def exact_statics(bearing: Bearing, radial_load: float, first_roller_angle: floa
     compliance[n:, n:] = _ring_coupling(*outer, half_width, angle)
     compliance[j, n + j] = compliance[n + j, j] = squeezed - single
     curvature = 1.0 / bearing.roller_radius
-    contacts = Condensed(
+    return Condensed(
         bearing=bearing,
         radial=radial,
         inner_law=_law(bearing, inner, single, half_width, curvature + 1.0 / bearing.inner_raceway_radius),
@@ -67,10 +74,6 @@ def exact_statics(bearing: Bearing, radial_load: float, first_roller_angle: floa
         compliance=compliance / bearing.roller_length,
         growth=np.zeros(2 * n),
     )
-    start = first_guess(bearing, radial, radial_load)
-    found = balance(contacts, Loads(radial_load, 0.0, 0.0, SHARP * bearing.roller_radius, 0.0, start), cold=True)
-    forces = closed_forces(found, n)
-    return ExactStatics(hub=found[:2], inner_force=forces[:n], outer_force=forces[n:])
 
 
 def _ring_coupling(radius: float, held: float, material: Material, half_width: float, angle) -> np.ndarray:
@@ -100,37 +103,4 @@ def _law(bearing: Bearing, ring, roller_approach: float, half_width: float, curv
         Q_line=exp(2.0 * (B - 0.5 - STEEPEST)),
         relative_radius=1.0 / curvature,
         half_width_factor=factor,
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class DiscretisationError:
-    """The mesh against the series, standing, weightless and frictionless."""
-
-    hub: float  # relative error of the hub's displacement
-    largest_force: float  # largest error of a roller's load over the largest load
-
-
-def static_error(model: Model, operation: Operation) -> DiscretisationError:
-    """How far the finite elements of a scene are from exact elasticity under its load.
-
-    Errors
-    ------
-    ValueError: without load there is nothing to compare. NotFound: no equilibrium.
-    """
-    if operation.radial_load <= 0.0:
-        raise ValueError("without a radial load there is no static displacement to compare")
-    still = Motion(
-        roller_angle=roller_angles(model.bearing, operation.first_roller_angle),
-        roller_turn=np.zeros(model.bearing.n_rollers),
-        ring_turn=0.0,
-        cage_speed=0.0,
-        roller_speed=0.0,
-        ring_speed=0.0,
-    )
-    exact = exact_statics(model.bearing, operation.radial_load, operation.first_roller_angle)
-    found = static_equilibrium(model, still, operation.radial_load, 0.0, 0.0)
-    return DiscretisationError(
-        hub=float(np.linalg.norm(found.hub - exact.hub) / np.linalg.norm(exact.hub)),
-        largest_force=float(np.abs(found.inner_force - exact.inner_force).max() / exact.inner_force.max()),
     )

@@ -7,7 +7,7 @@ references to every array at every access, twenty times the cost of the arithmet
 from math import atan2, pi
 
 from fem.jit import kernel
-from fem.patches import FIRST, N_NODES, weight_slopes, weights
+from fem.patches import N_NODES, first_node, weight_slopes, weights
 from fem.ring_kernels import HALO
 from fem.subgrid import ripple_at
 
@@ -24,12 +24,12 @@ def place(x, y, n_nodes):
 
 
 @kernel(forceinline=True)
-def _nodes(base, n_nodes, offset, node, patch):
-    """Fill the patch's six node numbers."""
-    i = base + FIRST
+def _nodes(base, n_nodes, offset, node, patch, stretch):
+    """Fill the patch's node numbers."""
+    i = first_node(base, stretch)
     if i < 0:
         i += n_nodes
-    for k in range(N_NODES):
+    for k in range(N_NODES * len(stretch)):
         node[patch, k] = offset + i
         i += 1
         if i >= n_nodes:
@@ -37,18 +37,18 @@ def _nodes(base, n_nodes, offset, node, patch):
 
 
 @kernel(forceinline=True)
-def read_roller(u, columns, first, n_surface, column, bx, by, ripples, node, weight, patch, slope):
+def read_roller(u, columns, first, n_surface, column, bx, by, ripples, node, weight, patch, slope, stretch):
     """Place a roller's patch around its outward direction b (in its frame) and read the mean motion there.
 
     Returns outward motion U·b, sideways motion U·Jb, dU/ds·b per rad, ripple of A·B, its slope per rad.
     """
     position = place(bx, by, n_surface)
     base = int(position)
-    weights(position - base, weight, patch)
-    weight_slopes(position - base, slope, 0)
-    _nodes(base, n_surface, first, node, patch)
+    weights(position - base, weight, patch, stretch)
+    weight_slopes(position - base, slope, 0, stretch)
+    _nodes(base, n_surface, first, node, patch, stretch)
     ux, uy, sx, sy = 0.0, 0.0, 0.0, 0.0
-    for k in range(N_NODES):
+    for k in range(N_NODES * len(stretch)):
         at = node[patch, k] * 2 * columns + column
         x, y = u[at], u[at + columns]
         ux += weight[patch, k] * x
@@ -61,15 +61,15 @@ def read_roller(u, columns, first, n_surface, column, bx, by, ripples, node, wei
 
 
 @kernel(forceinline=True)
-def read_ring(u, raceway, n_sectors, cosines, sines, bx, by, ripples, node, weight, across, patch, slope):
+def read_ring(u, raceway, n_sectors, cosines, sines, bx, by, ripples, node, weight, across, patch, slope, stretch):
     """Place a ring's patch around the radial direction b (in its frame); returns the same as `read_roller` along +b."""
     position = place(bx, by, n_sectors)
     base = int(position)
-    weights(position - base, weight, patch)
-    weight_slopes(position - base, slope, 0)
-    _nodes(base, n_sectors, HALO, node, patch)
+    weights(position - base, weight, patch, stretch)
+    weight_slopes(position - base, slope, 0, stretch)
+    _nodes(base, n_sectors, HALO, node, patch, stretch)
     out, side, rate = 0.0, 0.0, 0.0
-    for k in range(N_NODES):
+    for k in range(N_NODES * len(stretch)):
         at = node[patch, k]
         c, s = bx * cosines[at] + by * sines[at], by * cosines[at] - bx * sines[at]
         a, b = u[raceway, 0, at], u[raceway, 1, at]
@@ -85,9 +85,9 @@ def read_ring(u, raceway, n_sectors, cosines, sines, bx, by, ripples, node, weig
 
 
 @kernel(forceinline=True)
-def push_roller(w, mass, columns, column, bx, by, node, weight, patch):
+def push_roller(w, mass, columns, column, bx, by, node, weight, patch, stretch):
     """Spread an impulse, N s, with components in the roller's frame over its patch."""
-    for k in range(N_NODES):
+    for k in range(N_NODES * len(stretch)):
         i = node[patch, k]
         share = weight[patch, k] / mass[i]
         at = i * 2 * columns + column
@@ -96,21 +96,21 @@ def push_roller(w, mass, columns, column, bx, by, node, weight, patch):
 
 
 @kernel(forceinline=True)
-def push_ring(w, raceway, node_mass, along, aside, node, weight, across, patch):
+def push_ring(w, raceway, node_mass, along, aside, node, weight, across, patch, stretch):
     """Spread an impulse, N s, with components along the patch's normal and along t over a ring's patch."""
     along /= node_mass
     aside /= node_mass
-    for k in range(N_NODES):
+    for k in range(N_NODES * len(stretch)):
         at = node[patch, k]
         w[raceway, 0, at] += along * weight[patch, k] - aside * across[patch, k]
         w[raceway, 1, at] += along * across[patch, k] + aside * weight[patch, k]
 
 
 @kernel(forceinline=True)
-def sideways_roller(w, columns, column, bx, by, node, weight, patch):
+def sideways_roller(w, columns, column, bx, by, node, weight, patch, stretch):
     """Mean velocity along Jb relative to the centre of mass, m/s."""
     wx, wy = 0.0, 0.0
-    for k in range(N_NODES):
+    for k in range(N_NODES * len(stretch)):
         at = node[patch, k] * 2 * columns + column
         wx += weight[patch, k] * w[at]
         wy += weight[patch, k] * w[at + columns]
@@ -118,28 +118,28 @@ def sideways_roller(w, columns, column, bx, by, node, weight, patch):
 
 
 @kernel(forceinline=True)
-def sideways_ring(w, raceway, node, weight, across, patch):
+def sideways_ring(w, raceway, node, weight, across, patch, stretch):
     """Mean velocity along t, m/s."""
     v = 0.0
-    for k in range(N_NODES):
+    for k in range(N_NODES * len(stretch)):
         at = node[patch, k]
         v += weight[patch, k] * w[raceway, 1, at] - across[patch, k] * w[raceway, 0, at]
     return v
 
 
 @kernel(forceinline=True)
-def mobility_roller(mass, node, weight, patch):
+def mobility_roller(mass, node, weight, patch, stretch):
     """Velocity gained by the patch mean per unit impulse, 1/kg."""
     total = 0.0
-    for k in range(N_NODES):
+    for k in range(N_NODES * len(stretch)):
         total += weight[patch, k] * weight[patch, k] / mass[node[patch, k]]
     return total
 
 
 @kernel(forceinline=True)
-def mobility_ring(node_mass, weight, across, patch):
+def mobility_ring(node_mass, weight, across, patch, stretch):
     """Velocity gained by the patch mean per unit impulse, 1/kg."""
     total = 0.0
-    for k in range(N_NODES):
+    for k in range(N_NODES * len(stretch)):
         total += weight[patch, k] * weight[patch, k] + across[patch, k] * across[patch, k]
     return total / node_mass

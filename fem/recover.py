@@ -14,8 +14,9 @@ import h5py
 import numpy as np
 
 from fem.bodies import DiscBody, RingBody
+from fem.discretise import model_of
 from fem.errors import UsageError
-from fem.model import Model, build_model
+from fem.model import Model
 from fem.subgrid import patch
 from lagrange import Material, Operation
 from lagrange.scene import Scene, parse_scene_text
@@ -90,7 +91,7 @@ def read_instant(path: Path, time: float | None = None) -> Instant:
     if any(sample[name].shape != (n,) for name in PER_ROLLER):
         raise UsageError(f"{path}: damaged: its scene has {n} rollers, its arrays {sample['roller_x'].shape}")
     try:
-        model = build_model(scene.ideal_bearing(), 1e-3 * scene.numerics.mesh_size_mm)
+        model = model_of(scene)
     except RuntimeError as error:
         raise UsageError(str(error)) from None
     return _recover(scene, model, sample)

@@ -10,8 +10,9 @@ import numpy as np
 from fem import time_loop
 from fem.arrays import Arrays, make_arrays
 from fem.critical_step import critical_time_step
+from fem.discretise import model_of
 from fem.limits import check_contacts, check_meshes, check_speed
-from fem.model import Model, build_model
+from fem.model import Model
 from fem.samples import SampleReader, Samples
 from fem.start import Start, equilibrium_start, rest_start
 from lagrange import Operation, kinematics
@@ -37,6 +38,7 @@ class Plan:
     time_step: float  # s
     stride: int  # steps between samples
     n_samples: int
+    largest_force: float  # N, static, of any contact
 
     @property
     def interval(self) -> float:
@@ -52,7 +54,7 @@ class Plan:
         numerics = self.scene.numerics
         ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
         friction = self.scene.contact.friction_coefficient
-        return make_arrays(self.model, self.operation, self.start, self.time_step, friction, ramp)
+        return make_arrays(self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force)
 
 
 def make_plan(scene: Scene) -> Plan:
@@ -67,7 +69,7 @@ def make_plan(scene: Scene) -> Plan:
     """
     numerics = scene.numerics
     operation = scene.ideal_operation()
-    model = build_model(scene.ideal_bearing(), 1e-3 * numerics.mesh_size_mm)
+    model = model_of(scene)
     check_meshes(model)
     check_speed(model, kinematics(model.bearing, operation.speed))
     loaded = equilibrium_start(model, operation)
@@ -89,6 +91,7 @@ def make_plan(scene: Scene) -> Plan:
         critical_time_step=critical,
         time_step=interval / stride,
         stride=stride,
+        largest_force=expected,
         n_samples=1 + int(1e-3 * numerics.duration_ms / interval * (1.0 + 1e-12)),
     )
 

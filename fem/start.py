@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.contact_balance import NotFound
-from fem.equilibrium import Equilibrium, Motion, static_equilibrium
+from fem.equilibrium import Equilibrium, Motion
 from fem.model import Model
+from fem.statics import equilibrium
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles
 
@@ -56,7 +57,7 @@ def equilibrium_start(model: Model, operation: Operation) -> Start:
 
     def at(time, near=None):
         motion, _ = rolling_motion(model, operation, time)
-        return static_equilibrium(model, motion, operation.radial_load, weight, operation.gravity, near)
+        return equilibrium(model, motion, operation.radial_load, weight, operation.gravity, near)
 
     middle = at(0.0)
     motion, ideal = rolling_motion(model, operation, 0.0)
@@ -91,7 +92,7 @@ def rest_start(model: Model, operation: Operation) -> Start:
     """Centred and undeformed, in rolling motion; with preload, the equilibrium without load."""
     motion, ideal = rolling_motion(model, operation, 0.0)
     if model.bearing.radial_clearance < -ROUND_OFF * model.bearing.roller_radius:
-        return _still(model, static_equilibrium(model, motion, 0.0, 0.0, 0.0), ideal, motion)
+        return _still(model, equilibrium(model, motion, 0.0, 0.0, 0.0), ideal, motion)
     n, inner, outer = model.bearing.n_rollers, model.inner_ring, model.outer_ring
     undeformed = Equilibrium(
         hub=np.zeros(2),

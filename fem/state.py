@@ -35,7 +35,6 @@ class Rollers(NamedTuple):
     total_mass: float
     inertia: float
     radius: float
-    arc: float  # 1 − Σ W cos: what a patch misses of a rotation
 
 
 class Ring(NamedTuple):
@@ -54,7 +53,16 @@ class Ring(NamedTuple):
     raceway: int
     held: int
     radius: float
-    arc: float
+
+
+class Resolved(NamedTuple):
+    """Points of resolved contacts, by kind, side and point; see `resolved_kernels`."""
+
+    shift: np.ndarray  # (3, 2, n_points), rad, of a point's direction from the line of centres
+    tangent: np.ndarray  # (3, 2, n_points), t-component of the outward normal over its n-component's size
+    rise: np.ndarray  # (3, n_points), m, by which the circles fall apart
+    stiffness: np.ndarray  # (3,), N/m, of one point
+    energy: np.ndarray  # (3, n), J, of this step
 
 
 class Contacts(NamedTuple):
@@ -74,10 +82,13 @@ class Contacts(NamedTuple):
     traction: np.ndarray  # (3, n), N, on side 1, along +θ (counter-clockwise about side 0)
     normal: np.ndarray  # (3, n, 2), unit, from side 0 to side 1 (outer contact: outward)
     slip: np.ndarray  # (3, n), m/s, before the step's kick
+    stretch: tuple[int, ...]  # m entries: see `patches`
     # patches: row 2·(kind·n + j) + side
-    node: np.ndarray  # (6 n, 6), surface node, or sector plus HALO
-    weight: np.ndarray  # (6 n, 6); of a ring times the cosine of the angle to the node's radius
-    across: np.ndarray  # (6 n, 6), of a ring: weight times the sine
+    node: np.ndarray  # (6 n, 6 m), surface node, or sector plus HALO
+    weight: np.ndarray  # (6 n, 6 m); of a ring times the cosine of the angle to the node's radius
+    across: np.ndarray  # (6 n, 6 m), of a ring: weight times the sine
+    arc: np.ndarray  # (6 n,), 1 − Σ W cos: what a patch misses of a rotation
+    resolved: Resolved | None  # None: the law below the grid
 
 
 class Drive(NamedTuple):
@@ -100,7 +111,7 @@ class Drive(NamedTuple):
 class Scratch(NamedTuple):
     """Room to work in; nothing here outlives a step."""
 
-    slope: np.ndarray  # (1, 6)
+    slope: np.ndarray  # (1, 6 m)
     slip: np.ndarray  # (3, n)
     bore: np.ndarray  # (2, inner n_sectors + 2 HALO)
     line: np.ndarray  # (2, outer n_sectors + 2 HALO)

@@ -6,10 +6,10 @@ from rich.console import Console
 from rich.table import Table
 
 from fem.arrays import Arrays
-from fem.exact_statics import static_error
 from fem.model import peak_pressure
 from fem.simulate import Plan, Progress
-from meshes import bearing_shapes, mesh_of, quality
+from fem.statics import static_error
+from meshes import Mesh, quality
 
 # one thread of a 2024 server core; only a guide, `wall_seconds` of a run is the truth
 SECONDS_PER_DOF = 0.9e-9
@@ -23,9 +23,9 @@ def print_plan(plan: Plan) -> None:
     table = Table(title=f"Plan of {scene.name}", title_justify="left")
     for heading in ("mesh", "nodes", "cells", "edges, mm", "angles, deg"):
         table.add_column(heading, justify="left" if heading == "mesh" else "right")
-    shapes = bearing_shapes(model.bearing, 1e-3 * scene.numerics.mesh_size_mm)
     for name in ("roller", "inner_ring", "outer_ring"):
-        q = quality(mesh_of(getattr(shapes, name)))
+        body = getattr(model, name)
+        q = quality(Mesh(points=body.points, cells=body.cells))
         table.add_row(
             name.replace("_", " "),
             str(q.nodes),

@@ -3,7 +3,7 @@
 from math import cos, pi, sin
 
 from fem import disc_kernels, ring_kernels
-from fem.contact_kernels import friction_contacts, normal_contacts, slips
+from fem.contact_kernels import contact_impulses, friction_contacts, slips
 from fem.jit import kernel
 from fem.ring_kernels import HALO
 from fem.subgrid import contact_energy
@@ -59,7 +59,7 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     rollers.tilt[:] = 0.0
     drive.impulse[:] = 0.0
     drive.ring[3] = 0.0
-    normal_contacts(rollers, inner, outer, contacts, drive, scratch.slope)
+    contact_impulses(rollers, inner, outer, contacts, drive, scratch.slope, contacts.resolved)
     if drive.friction > 0.0:
         slips(rollers, inner, outer, contacts, drive, contacts.slip)
     for j in range(rollers.n):
@@ -220,7 +220,7 @@ def _sample(rollers, inner, outer, contacts, drive, scratch, out, time, load, wo
     elastic, moment = _elastic(rollers, inner, outer, drive, scratch)
     out[ELASTIC] = elastic
     out[FRAME_MOMENT] = moment
-    out[CONTACT] = _contact_energy(contacts, rollers.n)
+    out[CONTACT] = _contact_energy(contacts, rollers.n, contacts.resolved)
     out[WORK_LOAD] = drive.work[0] + 0.5 * load
     out[WORK_GRAVITY] = -drive.gravity * _weighted_height(rollers, inner, outer, drive)
     out[WORK_DRIVE] = drive.work[1] + 0.5 * work
@@ -331,8 +331,10 @@ def _elastic(rollers, inner, outer, drive, scratch):
 
 
 @kernel
-def _contact_energy(contacts, n):
-    """Energy below the grid of all contacts, J; the ripples' share is ½·ripple·Q²."""
+def _contact_energy(contacts, n, resolved):
+    """Energy below the grid, or in the layers, of all contacts, J; the ripples' share is ½·ripple·Q²."""
+    if resolved is not None:
+        return resolved.energy.sum()
     total = 0.0
     for kind in range(3):
         for j in range(n):

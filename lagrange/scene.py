@@ -16,6 +16,7 @@ from lagrange.bearing import Bearing, Material, Operation
 
 RPM = 2.0 * pi / 60.0
 MM = 1e-3
+FINEST = {"subgrid": 400.0, "resolved": 2000.0}  # roller diameters over mesh sizes
 
 
 class SceneError(ValueError):
@@ -106,6 +107,7 @@ class OperationTable(_Table):
 
 
 class ContactTable(_Table):
+    model: Literal["subgrid", "resolved"] = "subgrid"
     friction_coefficient: float = Field(0.1, ge=0.0, le=1.0)
 
 
@@ -142,11 +144,11 @@ class Scene(_Table):
                 f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is too coarse for rollers of "
                 f"{self.bearing.roller_diameter_mm} mm (at most {coarsest:.3g})"
             )
-        finest = self.bearing.roller_diameter_mm / 400.0
+        finest = self.bearing.roller_diameter_mm / FINEST[self.contact.model]
         if self.numerics.mesh_size_mm < finest:
             raise ValueError(
-                f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is finer than the sub-grid contact is made for "
-                f"(at least {finest:.3g})"
+                f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is finer than contact.model = "
+                f"'{self.contact.model}' is made for (at least {finest:.3g})"
             )
         return self
 

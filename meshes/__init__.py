@@ -2,13 +2,28 @@
 
 bearing  which shapes a bearing needs at a mesh size
 shapes   Disc, Annulus, Mesh; gmsh makes them
+graded   the same, fine at the surface that rolls and coarse elsewhere
 quality  sizes and angles
 cache    shipped, cached, or made now; `python -m meshes` re-makes the shipped ones
 """
 
-from meshes.bearing import BearingShapes, bearing_shapes
+from meshes.bearing import BearingShapes, bearing_shapes, graded_shapes
 from meshes.cache import mesh_of
+from meshes.graded import GradedAnnulus, GradedDisc
 from meshes.quality import Quality, quality
-from meshes.shapes import Annulus, Disc, Mesh
+from meshes.shapes import Annulus, Disc, Mesh, Shape
 
-__all__ = ["Annulus", "BearingShapes", "Disc", "Mesh", "Quality", "bearing_shapes", "mesh_of", "quality"]
+__all__ = [
+    "Annulus",
+    "BearingShapes",
+    "Disc",
+    "GradedAnnulus",
+    "GradedDisc",
+    "Mesh",
+    "Quality",
+    "Shape",
+    "bearing_shapes",
+    "graded_shapes",
+    "mesh_of",
+    "quality",
+]

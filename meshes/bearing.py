@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from math import pi
 
 from lagrange import Bearing
+from meshes.graded import GradedAnnulus, GradedDisc, graded_disc
 from meshes.shapes import Annulus, Disc
 
 SECTOR_MULTIPLE = 8  # sectors fill whole vector registers
@@ -13,9 +14,9 @@ SECTOR_MULTIPLE = 8  # sectors fill whole vector registers
 class BearingShapes:
     """One shape per kind of body."""
 
-    roller: Disc
-    inner_ring: Annulus
-    outer_ring: Annulus
+    roller: Disc | GradedDisc
+    inner_ring: Annulus | GradedAnnulus
+    outer_ring: Annulus | GradedAnnulus
 
 
 def bearing_shapes(bearing: Bearing, mesh_size: float) -> BearingShapes:
@@ -33,11 +34,34 @@ def bearing_shapes(bearing: Bearing, mesh_size: float) -> BearingShapes:
     )
 
 
+def graded_shapes(bearing: Bearing, mesh_size: float) -> BearingShapes:
+    """Shapes of that surface spacing, m, whose meshes coarsen away from the raceways."""
+    inner, outer = bearing.inner_raceway_radius, bearing.outer_raceway_radius
+    return BearingShapes(
+        roller=graded_disc(bearing.roller_radius, mesh_size),
+        inner_ring=GradedAnnulus(
+            inner_radius=bearing.bore_radius,
+            outer_radius=inner,
+            sectors=_sectors(inner, mesh_size),
+            raceway_outside=True,
+        ),
+        outer_ring=GradedAnnulus(
+            inner_radius=outer,
+            outer_radius=bearing.outside_radius,
+            sectors=_sectors(outer, mesh_size),
+            raceway_outside=False,
+        ),
+    )
+
+
+def _sectors(raceway: float, mesh_size: float) -> int:
+    return SECTOR_MULTIPLE * max(4, round(2.0 * pi * raceway / (SECTOR_MULTIPLE * mesh_size)))
+
+
 def _ring(inner: float, outer: float, raceway: float, mesh_size: float) -> Annulus:
-    sectors = SECTOR_MULTIPLE * max(4, round(2.0 * pi * raceway / (SECTOR_MULTIPLE * mesh_size)))
     return Annulus(
         inner_radius=inner,
         outer_radius=outer,
-        sectors=sectors,
+        sectors=_sectors(raceway, mesh_size),
         layers=max(2, round((outer - inner) / mesh_size)),
     )

@@ -12,12 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from meshes.shapes import Annulus, Disc, Mesh, expected_points, make
+from meshes.graded import GradedDisc
+from meshes.shapes import Disc, Mesh, Shape, expected_points, make
 
 RECIPE = 1  # raise it when `shapes` makes other meshes of the same shape
 
 
-def mesh_of(shape: Disc | Annulus) -> Mesh:
+def mesh_of(shape: Shape) -> Mesh:
     """The mesh of a shape: from the package, from the user's cache, or made by gmsh now.
 
     Errors
@@ -37,7 +38,7 @@ def mesh_of(shape: Disc | Annulus) -> Mesh:
     return mesh
 
 
-def file_name(shape: Disc | Annulus) -> str:
+def file_name(shape: Shape) -> str:
     """File name of a shape's mesh; different for every shape and recipe."""
     digest = hashlib.sha256(f"{RECIPE} {shape!r}".encode()).hexdigest()[:16]
     return f"{type(shape).__name__.lower()}-{digest}.msh"
@@ -73,7 +74,7 @@ def write(path: Path, mesh: Mesh) -> None:
         Path(temporary).unlink(missing_ok=True)
 
 
-def _read(path: Path, shape: Disc | Annulus) -> Mesh | None:
+def _read(path: Path, shape: Shape) -> Mesh | None:
     """The mesh in a file, or None where there is none or it is not the one asked for."""
     if not path.is_file():
         return None
@@ -88,8 +89,8 @@ def _read(path: Path, shape: Disc | Annulus) -> Mesh | None:
     wanted = expected_points(shape)
     if points.shape != wanted.shape or not np.allclose(points, wanted, rtol=0.0, atol=1e-12 * np.abs(wanted).max()):
         return None
-    corners = 3 if isinstance(shape, Disc) else 4
-    count = 6 * shape.layers**2 if corners == 3 else shape.sectors * shape.layers
+    round_ = isinstance(shape, Disc | GradedDisc)
+    corners, count = (3, shape.n_cells) if round_ else (4, shape.sectors * shape.layers)
     if cells.shape != (count, corners) or cells.min() < 0 or cells.max() >= len(points):
         return None
     return Mesh(points=wanted, cells=cells)

@@ -1,9 +1,12 @@
 """gmsh makes the cross-sections: a disc of near-equilateral triangles, an annulus of equal sectors of quads."""
 
+import itertools
 from dataclasses import dataclass
 from math import cos, pi, sin
 
 import numpy as np
+
+from meshes.graded import GradedAnnulus, GradedDisc
 
 TRIANGLE, QUADRILATERAL = 2, 3  # gmsh's element types
 
@@ -28,6 +31,15 @@ class Disc:
         """Arc between neighbouring surface nodes, m."""
         return 2.0 * pi * self.radius / self.surface_nodes
 
+    @property
+    def rows(self) -> list[tuple[float, int]]:
+        """Radius, m, and number of nodes of every concentric row, from the centre outwards."""
+        return [(0.0, 1)] + [(self.radius * k / self.layers, 6 * k) for k in range(1, self.layers + 1)]
+
+    @property
+    def n_cells(self) -> int:
+        return 6 * self.layers**2
+
 
 @dataclass(frozen=True, kw_only=True)
 class Annulus:
@@ -38,6 +50,14 @@ class Annulus:
     sectors: int
     layers: int  # radial element layers
 
+    @property
+    def radii(self) -> np.ndarray:
+        """Of the rows of nodes, m, the innermost first."""
+        return np.linspace(self.inner_radius, self.outer_radius, self.layers + 1)
+
+
+Shape = Disc | GradedDisc | Annulus | GradedAnnulus
+
 
 @dataclass(frozen=True, kw_only=True)
 class Mesh:
@@ -47,7 +67,7 @@ class Mesh:
     cells: np.ndarray
 
 
-def make(shape: Disc | Annulus) -> Mesh:
+def make(shape: Shape) -> Mesh:
     """Mesh a shape with gmsh; nodes ordered by radius, then by angle from 0.
 
     Errors
@@ -60,7 +80,7 @@ def make(shape: Disc | Annulus) -> Mesh:
         gmsh.option.setNumber("General.Terminal", 0)
         # "initial mesh only": a layer of the disc has the nodes of its two circles and no others between them
         gmsh.option.setNumber("Mesh.Algorithm", 3)
-        if isinstance(shape, Disc):
+        if isinstance(shape, Disc | GradedDisc):
             _draw_disc(gmsh.model, shape)
             kind, corners = TRIANGLE, 3
         else:
@@ -95,12 +115,12 @@ def _circle(model, centre, radius, nodes, parts):
     return arcs, points
 
 
-def _draw_disc(model, disc: Disc) -> None:
-    """Concentric circles of 6, 12, 18 ... nodes; the annuli between them are triangulated without further nodes."""
+def _draw_disc(model, disc: Disc | GradedDisc) -> None:
+    """Concentric circles of nodes; the annuli between them are triangulated without further nodes."""
     centre = model.geo.addPoint(0.0, 0.0, 0.0)
     inner_loop = None
-    for layer in range(1, disc.layers + 1):
-        arcs, points = _circle(model, centre, disc.radius * layer / disc.layers, 6 * layer, 6)
+    for radius, nodes in disc.rows[1:]:
+        arcs, points = _circle(model, centre, radius, nodes, 6)
         loop = model.geo.addCurveLoop(arcs)
         if inner_loop is None:
             spokes = [model.geo.addLine(centre, point) for point in points]
@@ -115,28 +135,27 @@ def _draw_disc(model, disc: Disc) -> None:
     model.geo.synchronize()
 
 
-def _draw_annulus(model, ring: Annulus) -> None:
+def _draw_annulus(model, ring: Annulus | GradedAnnulus) -> None:
+    """Four quadrants of one layer of quads between each row of nodes and the next."""
     centre = model.geo.addPoint(0.0, 0.0, 0.0)
-    inside, start = _circle(model, centre, ring.inner_radius, ring.sectors, 4)
-    outside, end = _circle(model, centre, ring.outer_radius, ring.sectors, 4)
-    spokes = [model.geo.addLine(start[i], end[i]) for i in range(4)]
-    for spoke in spokes:
-        model.geo.mesh.setTransfiniteCurve(spoke, ring.layers + 1)
-    for i in range(4):
-        loop = model.geo.addCurveLoop([spokes[i], outside[i], -spokes[(i + 1) % 4], -inside[i]])
-        surface = model.geo.addPlaneSurface([loop])
-        model.geo.mesh.setTransfiniteSurface(surface)
-        model.geo.mesh.setRecombine(2, surface)
+    circles = [_circle(model, centre, radius, ring.sectors, 4) for radius in ring.radii]
+    for (inside, start), (outside, end) in itertools.pairwise(circles):
+        spokes = [model.geo.addLine(start[i], end[i]) for i in range(4)]
+        for i, spoke in enumerate(spokes):
+            model.geo.mesh.setTransfiniteCurve(spoke, 2)
+            loop = model.geo.addCurveLoop([spoke, outside[i], -spokes[(i + 1) % 4], -inside[i]])
+            surface = model.geo.addPlaneSurface([loop])
+            model.geo.mesh.setTransfiniteSurface(surface)
+            model.geo.mesh.setRecombine(2, surface)
     model.geo.synchronize()
 
 
-def expected_points(shape: Disc | Annulus) -> np.ndarray:
+def expected_points(shape: Shape) -> np.ndarray:
     """Where the nodes of a shape belong, (n_points, 2), m: by radius, then by angle from 0."""
-    if isinstance(shape, Disc):
-        rows = [(0.0, 1)] + [(shape.radius * k / shape.layers, 6 * k) for k in range(1, shape.layers + 1)]
+    if isinstance(shape, Disc | GradedDisc):
+        rows = shape.rows
     else:
-        radii = np.linspace(shape.inner_radius, shape.outer_radius, shape.layers + 1)
-        rows = [(radius, shape.sectors) for radius in radii]
+        rows = [(radius, shape.sectors) for radius in shape.radii]
     angles = [2.0 * pi * np.arange(count) / count for _, count in rows]
     return np.concatenate(
         [radius * np.column_stack([np.cos(a), np.sin(a)]) for (radius, _), a in zip(rows, angles, strict=True)]

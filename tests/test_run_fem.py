@@ -259,10 +259,10 @@ def test_a_killed_run_leaves_a_readable_file(tmp_path):
     [
         (("operation.speed_rpm=150000", "material.youngs_modulus_GPa=50"), ("operation.speed_rpm", "at most")),
         (("operation.radial_load_N=1e6",), ("Hertz", "radial_load_N")),
-        (("material.youngs_modulus_GPa=5", "numerics.mesh_size_mm=0.25"), ("mesh_size_mm", "at least")),
+        (("contact.model=resolved", "numerics.mesh_size_mm=0.2"), ("contact.model", "mesh_size_mm at most")),
         (("bearing.bore_diameter_mm=0.5",), ("inner ring", "edges")),
     ],
-    ids=["too fast", "too heavily loaded", "mesh finer than the contact", "distorted mesh"],
+    ids=["too fast", "too heavily loaded", "mesh too coarse to resolve the contact", "distorted mesh"],
 )
 def test_what_the_model_can_not_bear_is_refused_by_name(settings, words, tmp_path, capsys):
     output = tmp_path / "out.nc"

@@ -231,13 +231,13 @@ FRACTIONS = np.append(np.linspace(0.0, 1.0, 41)[:-1], np.nextafter(1.0, 0.0))
 
 def weights_at(t):
     out = np.empty((1, N_NODES))
-    weights(t, out, 0)
+    weights(t, out, 0, (0,))
     return out[0]
 
 
 def slopes_at(t):
     out = np.empty((1, N_NODES))
-    weight_slopes(t, out, 0)
+    weight_slopes(t, out, 0, (0,))
     return out[0]
 
 
@@ -305,7 +305,7 @@ def test_kernels_and_matrices_use_the_same_roller_patch(angle):
     def read(at):
         return read_roller(
             u.ravel(), columns, body.first_surface_node, body.shape.surface_nodes, column,
-            np.cos(at), np.sin(at), ripples, node, weight, 1, slope,
+            np.cos(at), np.sin(at), ripples, node, weight, 1, slope, (0,),
         )  # fmt: skip
 
     out, side, rate, ripple, ripple_rate = read(angle)
@@ -348,6 +348,7 @@ def test_kernels_and_matrices_use_the_same_ring_patch(angle):
             across,
             1,
             slope,
+            (0,),
         )
 
     out, side, rate, ripple, ripple_rate = read(angle)

@@ -10,7 +10,7 @@ import numpy as np
 
 from fem.arrays import Arrays, make_arrays
 from fem.bodies import DiscBody, RingBody, disc_body, ring_body
-from fem.model import Model, build_model
+from fem.model import Model, build_model, build_resolved_model
 from fem.start import Start, equilibrium_start, rest_start
 from fem.time_loop import BLOCKS, N_SCALARS, advance
 from lagrange import Bearing, Material, Operation
@@ -19,6 +19,7 @@ from meshes import Annulus, Disc
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 LENGTH = 0.01  # of the rollers, m
+LARGEST_FORCE = 650.0  # N, about what the paper's load puts on one roller
 _FOLDER = tempfile.TemporaryDirectory(prefix="test-meshes-")
 
 
@@ -51,6 +52,19 @@ def model(bearing: Bearing, mesh_size: float) -> Model:
         return build_model(bearing, mesh_size)
 
 
+@lru_cache
+def soft(**changes) -> Bearing:
+    """The paper's bearing of a plastic (5 GPa): its contacts are 0.3 mm wide on either side."""
+    plastic = replace(STEEL, youngs_modulus=5e9)
+    return paper(roller=plastic, inner_ring=plastic, outer_ring=plastic, **changes)
+
+
+@lru_cache
+def resolved_model(bearing: Bearing, mesh_size: float) -> Model:
+    with _own_folder():
+        return build_resolved_model(bearing, mesh_size)
+
+
 def operation(**changes) -> Operation:
     """The paper's operating point."""
     return replace(read_scene().ideal_operation(), **changes)
@@ -64,7 +78,7 @@ def arrays(
     a_model: Model, how: Operation, dt: float, friction: float = 0.0, from_rest: bool = False, ramp: float = 0.0
 ) -> Arrays:
     """Arrays at t = 0."""
-    return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp)
+    return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE)
 
 
 def copy_of(state):

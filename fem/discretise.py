@@ -1,0 +1,68 @@
+"""From a scene to its discrete model: which meshes, which contact patches."""
+
+from math import ceil
+
+import numpy as np
+
+from fem.contact_balance import NotFound
+from fem.exact_statics import exact_statics
+from fem.model import Model, build_model, build_resolved_model
+from fem.resolved import resolved_laws
+from lagrange import Bearing, Operation
+from lagrange.scene import Scene
+
+WIDER = 1.5  # patches are made for forces that much larger than the static ones
+WIDTHS = 2.5  # least half-width of a patch over the contact's: below 2.3 the law below the grid would be unstable
+
+
+def model_of(scene: Scene) -> Model:
+    """The discrete model of a scene.
+
+    Errors
+    ------
+    RuntimeError: gmsh is needed and missing.
+    """
+    bearing, mesh_size = scene.ideal_bearing(), 1e-3 * scene.numerics.mesh_size_mm
+    if scene.contact.model == "resolved":
+        return build_resolved_model(bearing, mesh_size)
+    return build_model(bearing, mesh_size, stretch(bearing, scene.ideal_operation(), mesh_size))
+
+
+def stretch(bearing: Bearing, operation: Operation, mesh_size: float) -> int:
+    """Stretch of contact patches that keeps them wider than the widest contact on a mesh finer than it."""
+    widest = WIDTHS * half_width(bearing, WIDER * _bound(bearing, operation))
+    if widest > 2.0 * mesh_size:  # the bound is far above what a roller carries
+        widest = WIDTHS * half_width(bearing, WIDER * largest_force(bearing, operation))
+    return max(1, ceil(widest / (2.0 * mesh_size)))
+
+
+def half_width(bearing: Bearing, force: float) -> float:
+    """Hertz half-width, m, of the wider contact under a force, N."""
+    laws = resolved_laws(bearing, dict.fromkeys(("roller", "inner_ring", "outer_ring"), 1.0))
+    return max(law.half_width(force) for law in laws.values())
+
+
+def largest_force(bearing: Bearing, operation: Operation) -> float:
+    """Largest force of a contact, N, by exact statics; a bound where there is none."""
+    centrifugal = _centrifugal(bearing, operation)
+    try:
+        found = exact_statics(bearing, _load(operation), operation.first_roller_angle)
+    except NotFound:
+        return _bound(bearing, operation)
+    return float(np.concatenate([found.inner_force, found.outer_force]).max()) + centrifugal
+
+
+def _load(operation: Operation) -> float:
+    return operation.radial_load + operation.inner_mass * operation.gravity
+
+
+def _centrifugal(bearing: Bearing, operation: Operation) -> float:
+    cage = 0.5 * abs(operation.speed)  # or less
+    return bearing.roller_mass * cage**2 * bearing.pitch_radius
+
+
+def _bound(bearing: Bearing, operation: Operation) -> float:
+    """Above any contact's force, N: all the load on one roller, and the preload of rigid rings."""
+    preload = max(0.0, -bearing.radial_clearance)
+    modulus = max(m.plane_strain_modulus for m in (bearing.roller, bearing.inner_ring, bearing.outer_ring))
+    return _load(operation) + _centrifugal(bearing, operation) + modulus * bearing.roller_length * preload

@@ -1,0 +1,53 @@
+"""The static equilibrium of a model by its contacts' kind, and how far it is from exact elasticity."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.equilibrium import Equilibrium, Motion, static_equilibrium
+from fem.exact_statics import exact_statics
+from fem.model import Model
+from fem.resolved_statics import resolved_equilibrium
+from lagrange import Operation
+from lagrange.kinematics import roller_angles
+
+
+def equilibrium(
+    model: Model, motion: Motion, radial_load: float, weight: float, gravity: float, start: Equilibrium | None = None
+) -> Equilibrium:
+    """Equilibrium under a load, N, and the weight, N, of hub and inner ring; `start`: one that is near."""
+    solve = resolved_equilibrium if model.is_resolved else static_equilibrium
+    return solve(model, motion, radial_load, weight, gravity, start)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiscretisationError:
+    """The mesh against the series, standing, weightless and frictionless."""
+
+    hub: float  # relative error of the hub's displacement
+    largest_force: float  # largest error of a roller's load over the largest load
+
+
+def static_error(model: Model, operation: Operation) -> DiscretisationError:
+    """How far the finite elements of a scene are from exact elasticity under its load.
+
+    Errors
+    ------
+    ValueError: without load there is nothing to compare. NotFound: no equilibrium.
+    """
+    if operation.radial_load <= 0.0:
+        raise ValueError("without a radial load there is no static displacement to compare")
+    still = Motion(
+        roller_angle=roller_angles(model.bearing, operation.first_roller_angle),
+        roller_turn=np.zeros(model.bearing.n_rollers),
+        ring_turn=0.0,
+        cage_speed=0.0,
+        roller_speed=0.0,
+        ring_speed=0.0,
+    )
+    exact = exact_statics(model.bearing, operation.radial_load, operation.first_roller_angle)
+    found = equilibrium(model, still, operation.radial_load, 0.0, 0.0)
+    return DiscretisationError(
+        hub=float(np.linalg.norm(found.hub - exact.hub) / np.linalg.norm(exact.hub)),
+        largest_force=float(np.abs(found.inner_force - exact.inner_force).max() / exact.inner_force.max()),
+    )

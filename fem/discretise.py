@@ -5,12 +5,15 @@ from math import ceil
 import numpy as np
 
 from fem.contact_balance import NotFound
+from fem.errors import UsageError
 from fem.exact_statics import exact_statics
 from fem.model import Model, build_model, build_resolved_model
 from fem.resolved import resolved_laws
+from fem.state import INNER, OUTER
 from lagrange import Bearing, Operation
 from lagrange.scene import Scene
 
+COARSEST = 0.6  # surface spacing over the half-width of a contact to be resolved
 WIDER = 1.5  # patches are made for forces that much larger than the static ones
 WIDTHS = 2.5  # least half-width of a patch over the contact's: below 2.3 the law below the grid would be unstable
 
@@ -20,26 +23,37 @@ def model_of(scene: Scene) -> Model:
 
     Errors
     ------
-    RuntimeError: gmsh is needed and missing.
+    RuntimeError: gmsh is needed and missing. UsageError: the mesh is too coarse to resolve the contacts.
     """
-    bearing, mesh_size = scene.ideal_bearing(), 1e-3 * scene.numerics.mesh_size_mm
+    bearing, operation, mesh_size = scene.ideal_bearing(), scene.ideal_operation(), 1e-3 * scene.numerics.mesh_size_mm
     if scene.contact.model == "resolved":
+        _check_resolution(half_widths(bearing, largest_force(bearing, operation)), mesh_size)
         return build_resolved_model(bearing, mesh_size)
-    return build_model(bearing, mesh_size, stretch(bearing, scene.ideal_operation(), mesh_size))
+    return build_model(bearing, mesh_size, stretch(bearing, operation, mesh_size))
+
+
+def _check_resolution(widths: tuple[float, float], mesh_size: float) -> None:
+    coarsest = COARSEST * min(widths)
+    if mesh_size > coarsest:
+        raise UsageError(
+            f"contact.model = 'resolved': the narrowest of the most loaded contacts is {1e3 * min(widths):.3g} mm wide "
+            f"on either side, the mesh {1e3 * mesh_size:.3g} mm; numerics.mesh_size_mm at most {1e3 * coarsest:.3g}, "
+            "or take contact.model = 'subgrid'"
+        )
 
 
 def stretch(bearing: Bearing, operation: Operation, mesh_size: float) -> int:
     """Stretch of contact patches that keeps them wider than the widest contact on a mesh finer than it."""
-    widest = WIDTHS * half_width(bearing, WIDER * _bound(bearing, operation))
+    widest = WIDTHS * max(half_widths(bearing, WIDER * _bound(bearing, operation)))
     if widest > 2.0 * mesh_size:  # the bound is far above what a roller carries
-        widest = WIDTHS * half_width(bearing, WIDER * largest_force(bearing, operation))
+        widest = WIDTHS * max(half_widths(bearing, WIDER * largest_force(bearing, operation)))
     return max(1, ceil(widest / (2.0 * mesh_size)))
 
 
-def half_width(bearing: Bearing, force: float) -> float:
-    """Hertz half-width, m, of the wider contact under a force, N."""
+def half_widths(bearing: Bearing, force: float) -> tuple[float, float]:
+    """Hertz half-widths, m, of the inner and of the outer contact under a force, N."""
     laws = resolved_laws(bearing, dict.fromkeys(("roller", "inner_ring", "outer_ring"), 1.0))
-    return max(law.half_width(force) for law in laws.values())
+    return laws[INNER].half_width(force), laws[OUTER].half_width(force)
 
 
 def largest_force(bearing: Bearing, operation: Operation) -> float:

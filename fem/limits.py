@@ -5,14 +5,12 @@ from math import pi, sqrt
 from fem.equilibrium import Equilibrium
 from fem.errors import UsageError
 from fem.model import Model
-from fem.resolved import POINTS_PER_NODE, ResolvedLaw
 from lagrange import Kinematics
 from meshes import Mesh, quality
 
 LEAST_ANGLE = 30.0  # degrees
 LONGEST_EDGE = 40.0  # over the shortest of the same mesh
 LARGEST_STRAIN = 0.01  # linear elasticity errs by about the strain itself
-COARSEST_RESOLVED = 0.6  # surface spacing over the half-width of a resolved contact
 WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
 
 
@@ -65,22 +63,10 @@ def check_contacts(model: Model, equilibrium: Equilibrium) -> None:
                 f"{1e3 * half_width:.3g} mm, beyond Hertz's theory (at most {1e3 * widest:.3g} mm here); lower "
                 "operation.radial_load_N or operation.speed_rpm, or take a stiffer material"
             )
-        if model.is_resolved:
-            _check_resolution(name, law, half_width)
-        elif force > law.Q_line:
+        if not model.is_resolved and force > law.Q_line:
             spacing = 2.0 * pi * ring.raceway_radius / ring.n_sectors
             enough = 1.2e3 * spacing * half_width / law.half_width(law.Q_line)
             raise UsageError(
                 f"numerics.mesh_size_mm: the mesh is finer than the contact on the {name} raceway (half-width "
                 f"{1e3 * half_width:.3g} mm), which the sub-grid law can't describe; at least {enough:.3g}"
             )
-
-
-def _check_resolution(raceway: str, law: ResolvedLaw, half_width: float) -> None:
-    spacing = law.spacing * POINTS_PER_NODE
-    if spacing > COARSEST_RESOLVED * half_width:
-        raise UsageError(
-            f"contact.model = 'resolved': the largest contact on the {raceway} raceway is {1e3 * half_width:.3g} mm "
-            f"wide on either side, the mesh {1e3 * spacing:.3g} mm; numerics.mesh_size_mm at most "
-            f"{1e3 * COARSEST_RESOLVED * half_width:.3g}, or take contact.model = 'subgrid'"
-        )

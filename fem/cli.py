@@ -58,6 +58,9 @@ def _run(
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
     dry_run: Annotated[bool, Parameter(negative="", help="check, show the plan and run nothing")] = False,
     resume: Annotated[bool, Parameter(negative="", help="go on from the output file's checkpoint")] = False,
+    estimate_error: Annotated[
+        bool, Parameter(negative="", help="also run a mesh half as fine and state what the results may be off by")
+    ] = False,
     quiet: Annotated[bool, Parameter(negative="", help="no progress, no summary")] = False,
 ) -> int:
     from lagrange.scene import read_scene
@@ -73,7 +76,13 @@ def _run(
         raise UsageError(f"--output {path}: is a folder; name a file in it")
     if dry_run:
         return _dry_run(chosen)
-    return _simulate(chosen, path, quiet, resume)
+    if not estimate_error:
+        return _simulate(chosen, path, quiet, resume)
+    from fem.error_estimate import coarser_scene
+
+    coarse, _ = _plan(coarser_scene(chosen), compiled=False)
+    code = _simulate(chosen, path, quiet, resume)
+    return code if code != OK else _estimate(chosen, coarse, path, quiet)
 
 
 def _plan(scene, compiled: bool, quiet: bool = False):
@@ -156,6 +165,35 @@ def _simulate(scene, path: Path, quiet: bool, resume: bool) -> int:
     elif not quiet:
         print_run(plan, seen, path)
     return code
+
+
+def _estimate(scene, coarse, path: Path, quiet: bool) -> int:
+    from fem.error_estimate import NEEDED, estimate_error
+    from fem.progress import progress_display
+    from fem.simulate import RunFailed
+    from fem.store import read_columns, write_estimates
+    from fem.summary import print_estimates
+
+    plan, _ = _plan(scene, compiled=False)
+    stopped: list[int] = []
+    _on_signals(stopped.append)
+    try:
+        with progress_display(coarse, quiet) as show:
+            found = estimate_error(plan, coarse, read_columns(path, NEEDED), show, lambda: bool(stopped))
+    except RunFailed as error:
+        print(
+            f"error: the run on the coarser mesh failed: {error}\n{path} is complete, without an estimate",
+            file=sys.stderr,
+        )
+        return FAILED
+    if stopped:
+        print(f"interrupted; {path} is complete, without an estimate", file=sys.stderr)
+        return TERMINATED if stopped[0] == signal.SIGTERM else INTERRUPTED
+    size = 1e-3 * coarse.scene.numerics.mesh_size_mm
+    write_estimates(path, found, size)
+    if not quiet:
+        print_estimates(found, size)
+    return OK
 
 
 def _on_signals(stop) -> None:

@@ -11,6 +11,8 @@ import numpy as np
 from fem.contact_balance import SHARP, Condensed, Loads, balance, closed_forces, first_guess
 from fem.model import Model
 from fem.subgrid import disc_patch_force, ring_patch_force, ripple_at
+from lagrange import Bearing
+from lagrange.kinematics import roller_angles
 
 PATCH_PASSES = 3  # patches sit along the lines of centres, which the solution moves by microradians
 
@@ -25,6 +27,18 @@ class Motion:
     cage_speed: float
     roller_speed: float
     ring_speed: float
+
+
+def standing(bearing: Bearing, first_roller_angle: float) -> Motion:
+    """Nothing turns; the first roller's angle from +x, rad."""
+    return Motion(
+        roller_angle=roller_angles(bearing, first_roller_angle),
+        roller_turn=np.zeros(bearing.n_rollers),
+        ring_turn=0.0,
+        cage_speed=0.0,
+        roller_speed=0.0,
+        ring_speed=0.0,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

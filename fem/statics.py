@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.equilibrium import Equilibrium, Motion, static_equilibrium
+from fem.equilibrium import Equilibrium, Motion, standing, static_equilibrium
 from fem.exact_statics import exact_statics
 from fem.model import Model
 from fem.resolved_statics import resolved_equilibrium
 from lagrange import Operation
-from lagrange.kinematics import roller_angles
 
 
 def equilibrium(
@@ -37,14 +36,7 @@ def static_error(model: Model, operation: Operation) -> DiscretisationError:
     """
     if operation.radial_load <= 0.0:
         raise ValueError("without a radial load there is no static displacement to compare")
-    still = Motion(
-        roller_angle=roller_angles(model.bearing, operation.first_roller_angle),
-        roller_turn=np.zeros(model.bearing.n_rollers),
-        ring_turn=0.0,
-        cage_speed=0.0,
-        roller_speed=0.0,
-        ring_speed=0.0,
-    )
+    still = standing(model.bearing, operation.first_roller_angle)
     exact = exact_statics(model.bearing, operation.radial_load, operation.first_roller_angle)
     found = equilibrium(model, still, operation.radial_load, 0.0, 0.0)
     return DiscretisationError(

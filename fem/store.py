@@ -11,6 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from fem.error_estimate import Estimate
 from fem.errors import UsageError
 from fem.samples import Samples
 from fem.simulate import Plan
@@ -97,6 +98,7 @@ class ResultFile:
             self._file = _open_to_resume(path, resume_at)
             for name in VARIABLES:
                 self._file[name].resize(resume_at, axis=0)
+            _drop_estimates(self._file)
             self._file.attrs.update(scene=plan.scene.to_toml(), committed_samples=resume_at, status="running")
             self._file.flush()
 
@@ -173,3 +175,50 @@ class ResultFile:
 
     def __exit__(self, *_) -> None:
         self._file.close()
+
+
+ESTIMATE = {
+    "quantity": "name of a quantity of interest",
+    "quantity_unit": "unit of its value and error",
+    "quantity_meaning": "what it is",
+    "quantity_value": "on the run's mesh",
+    "quantity_coarse_value": "on the coarser mesh",
+    "quantity_error": "estimated discretisation error of the value, not negative",
+}
+
+
+def write_estimates(path: Path, found: list[Estimate], coarse_mesh_size: float) -> None:
+    """Add error estimates to a finished result file; mesh size of the coarser run in m."""
+    columns = {
+        "quantity": [each.quantity.name for each in found],
+        "quantity_unit": [each.quantity.unit for each in found],
+        "quantity_meaning": [each.quantity.meaning for each in found],
+        "quantity_value": [each.quantity.value for each in found],
+        "quantity_coarse_value": [each.coarse_value for each in found],
+        "quantity_error": [each.error for each in found],
+    }
+    with h5py.File(path, "r+") as file:
+        _drop_estimates(file)
+        for name, values in columns.items():
+            variable = file.create_dataset(name, data=values)
+            variable.attrs["long_name"] = ESTIMATE[name]
+        file["quantity"].make_scale("quantity")
+        for name in ESTIMATE:
+            if name != "quantity":
+                file[name].dims[0].attach_scale(file["quantity"])
+        file.attrs["coarse_mesh_size"] = coarse_mesh_size
+
+
+def _drop_estimates(file: h5py.File) -> None:
+    """An estimate belongs to one record; a longer one has none yet."""
+    for name in reversed(ESTIMATE):
+        if name in file:
+            del file[name]
+    file.attrs.pop("coarse_mesh_size", None)
+
+
+def read_columns(path: Path, names: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """Committed samples of some variables."""
+    with h5py.File(path, "r") as file:
+        count = int(file.attrs["committed_samples"])
+        return {name: file[name][:count] for name in names}

@@ -6,6 +6,7 @@ from rich.console import Console
 from rich.table import Table
 
 from fem.arrays import Arrays
+from fem.error_estimate import Estimate
 from fem.model import peak_pressure
 from fem.simulate import Plan, Progress
 from fem.statics import static_error
@@ -78,3 +79,22 @@ def print_run(plan: Plan, progress: Progress, path: Path) -> None:
             soft_wrap=True,
         )
     console.print(f"Result: {path}", soft_wrap=True, markup=False)
+
+
+def print_estimates(found: list[Estimate], coarse_mesh_size: float) -> None:
+    """Every quantity with what it may be off by."""
+    console = Console(highlight=False)
+    table = Table(
+        title=f"Discretisation error, estimated with a mesh of {1e3 * coarse_mesh_size:g} mm", title_justify="left"
+    )
+    for heading in ("quantity", "value", "may be off by", "relative"):
+        table.add_column(heading, justify="left" if heading == "quantity" else "right")
+    for each in found:
+        scale, unit = (1e6, "µm") if each.quantity.unit == "m" else (1.0, each.quantity.unit.replace("1", ""))
+        table.add_row(
+            each.quantity.meaning,
+            f"{scale * each.quantity.value:.5g} {unit}",
+            f"{scale * each.error:.2g} {unit}",
+            f"{100 * each.relative:.2g} %" if each.relative < 1.0 else "-",
+        )
+    console.print(table)

@@ -9,6 +9,7 @@ equations     geometry (19), (26), (27) and the hub's equations (22), (23) over 
 energy        T and V: (2), (3), (14)-(17)
 motion        the N_b + 2 equations (21)-(23), the θ equation, damping, accelerations; (21) as printed
 statics       equilibrium of hub and rolling elements
+load_ramp     a load that grows by half a cosine
 integrate     time stepping: Blanes and Moan's fourth-order scheme, leapfrog with damping
 simulate      forward solution: start, step, samples
 trajectory    its result: motion, forces, energies, works

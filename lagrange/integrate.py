@@ -12,12 +12,12 @@ import numpy as np
 
 from lagrange.kinematics import kinematics
 from lagrange.laws import PowerLaw
+from lagrange.load_ramp import load_share, load_share_rate
 from lagrange.motion import State
 
 # Blanes and Moan 2002, RKN scheme of order 4 with six stages: kicks b, drifts a
 KICKS = (0.0829844064174052, 0.396309801498368, -0.0390563049223486)
 DRIFTS = (0.245298957184271, 0.604872665711080)
-SAME_TIME = 1e-9  # relative
 BLOCK = 64  # samples whose directions are tabulated at a time
 
 
@@ -80,13 +80,12 @@ class _System:
 
     def hub_pull(self, time: float) -> float:
         """Acceleration of the hub by load and weight along −y, m/s²."""
-        share = 1.0 if time >= self.ramp else time / self.ramp
+        share = 1.0 if time >= self.ramp else float(load_share(time, self.ramp))
         return self.gravity + share * self.load / self.inner_mass
 
-    def ramp_power(self, time: float, y: float, ends: bool) -> float:
-        """Ẇ y, W, for a kick that begins or ends at `time`: only the latter still feels the ramp at its end."""
-        last = self.ramp * (1.0 + (SAME_TIME if ends else -SAME_TIME))
-        return self.load / self.ramp * y if time < last else 0.0
+    def ramp_power(self, time: float, y: float) -> float:
+        """Ẇ y, W."""
+        return self.load * float(load_share_rate(time, self.ramp)) * y if time < self.ramp else 0.0
 
 
 class KinematicAngles(_System):
@@ -284,7 +283,7 @@ def _blanes_moan(system, state, totals, step, per_sample, first, last, damping):
             q_rate = q_rate + begin_all * q_acc
             held += begin * power
             if ramping:
-                ramped += begin * system.ramp_power(time, z.imag, ends=False)
+                ramped += begin * system.ramp_power(time, z.imag)
             for drift, drift_all, kick, kick_all in pairs:
                 z = z + drift * z_rate
                 q = q + drift_all * q_rate
@@ -295,7 +294,7 @@ def _blanes_moan(system, state, totals, step, per_sample, first, last, damping):
                 q_rate = q_rate + kick_all * q_acc
                 held += kick * power
                 if ramping:
-                    ramped += kick * system.ramp_power(time, z.imag, ends=True)
+                    ramped += kick * system.ramp_power(time, z.imag)
         yield (z, z_rate, q, q_rate), (held, ramped, lost)
 
 
@@ -317,7 +316,7 @@ def _leapfrog(system, state, totals, step, per_sample, first, last, damping):
             z_rate, q_rate = z_rate + half * z_acc, q_rate + half * q_acc
             held += step * power
             if system.ramp > 0.0:
-                ramped += step * system.ramp_power(times[i], z.imag, ends=True)
+                ramped += step * system.ramp_power(times[i], z.imag)
             z_slow, q_slow, _, _ = system.damper(z_rate, q_rate, q, z, turns[i], damping)
             z_slow, q_slow, loss, taken = system.damper(
                 z_rate + half * z_slow, q_rate + half * q_slow, q, z, turns[i], damping

@@ -16,6 +16,7 @@ from lagrange.bearing import Bearing, Operation
 from lagrange.energy import contact_energy, kinetic_energy, rotation_energy
 from lagrange.integrate import FreeAngles, KinematicAngles, integrate
 from lagrange.kinematics import kinematics, roller_angles
+from lagrange.load_ramp import load_share
 from lagrange.motion import State, accelerations, contacts
 from lagrange.raceway_laws import ContactLaws
 from lagrange.statics import static_equilibrium
@@ -24,8 +25,10 @@ from lagrange.trajectory import Trajectory
 STEP = 2.0  # of 1/ω of the stiffest mode: its frequency then is 0.05 % off, the hub's 1e-6
 DAMPED_STEP = 0.3
 OVERLOAD = 2.0  # the stiffest mode is estimated at this many times the largest static force
-STABLE = 2.8  # ω·step that the six-stage scheme still bears; its limit is 3.05
+LIMIT, DAMPED_LIMIT = 3.05, 2.0  # ω·step at which the six-stage scheme and the leapfrog become unstable
+STABLE, DAMPED_STABLE = 2.8, 1.0  # ω·step that they may reach
 LARGEST_DAMPING = 0.5  # of a step times the rate of the damper on an element
+SMALLEST_FORCE = 1e-3  # N, for the frequency of an unloaded element
 DIFFERENCE = 1e-6  # s, for the velocities of the moving equilibrium
 NO_MOVE = 1e-9  # m within that time, below which a jump doesn't matter
 ENERGY_TOLERANCE = 1e-2  # where contacts rattle, each impact lasting a few steps; else errors are 1e-5 of it
@@ -56,7 +59,7 @@ def simulate(
     angles : "kinematic": θ̇ is the cage's, and the work of what holds it is accounted for; "free": no cage, no friction,
         nothing keeps the elements apart
     damping : float, N s/m, of every closed contact; never makes it pull
-    load_ramp : float, s, over which the load grows linearly from nothing
+    load_ramp : float, s, over which the load grows from nothing, by half a cosine
     time_step : float, s, at most; default from the stiffest mode
 
     Returns
@@ -80,10 +83,7 @@ def simulate(
     if start not in ("equilibrium", "rest") or angles not in ("kinematic", "free"):
         raise ValueError(f"start = {start!r}, angles = {angles!r}: equilibrium or rest, kinematic or free")
     n_samples = int(duration / interval + 1e-9) + 1
-    longest = _longest_step(bearing, operation, laws, damping)
-    if time_step is not None:
-        longest = min(longest, time_step)
-    per_sample = max(1, ceil(interval / longest * (1.0 - 1e-12)))
+    per_sample = steps_per_sample(bearing, operation, laws, interval, damping, time_step)
     system_type = KinematicAngles if angles == "kinematic" else FreeAngles
     state = _start(bearing, operation, laws, start, load_ramp)
     time = interval * np.arange(n_samples)
@@ -91,13 +91,15 @@ def simulate(
         step = interval / per_sample
         system = system_type(bearing, operation, laws, load_ramp)
         record = integrate(system, system.pack(state), step, per_sample, n_samples, damping)
+        trajectory = _complete(bearing, operation, laws, time, system.unpack(record, time), record, damping, load_ramp)
+        omega = _fastest(bearing, laws, trajectory.inner_force.max(), trajectory.outer_force.max())
         trajectory = replace(
-            _complete(bearing, operation, laws, time, system.unpack(record, time), record, damping, load_ramp),
+            trajectory,
             time_step=step,
+            critical_time_step=(LIMIT if damping == 0.0 else DAMPED_LIMIT) / omega,
             steps=per_sample * (n_samples - 1),
         )
-        omega = _fastest(bearing, laws, trajectory.inner_force.max(), trajectory.outer_force.max())
-        resolved = omega * step < (STABLE if damping == 0.0 else 1.0)
+        resolved = omega * step < (STABLE if damping == 0.0 else DAMPED_STABLE)
         share = _energy_share(trajectory)
         if resolved and share <= ENERGY_TOLERANCE:
             return trajectory
@@ -117,6 +119,21 @@ def simulate(
     return trajectory
 
 
+def steps_per_sample(
+    bearing: Bearing,
+    operation: Operation,
+    laws: ContactLaws,
+    interval: float,
+    damping: float = 0.0,
+    time_step: float | None = None,
+) -> int:
+    """Equal steps that `simulate` takes from sample to sample, before any refinement; arguments as there."""
+    longest = _longest_step(bearing, operation, laws, damping)
+    if time_step is not None:
+        longest = min(longest, time_step)
+    return max(1, ceil(interval / longest * (1.0 - 1e-12)))
+
+
 def _energy_share(trajectory: Trajectory) -> float:
     """Largest energy error, of the energy that contacts and dampers took and motion gained or lost."""
     error = float(np.max(np.abs(trajectory.energy_error)))
@@ -129,7 +146,8 @@ def _energy_share(trajectory: Trajectory) -> float:
 def _fastest(bearing: Bearing, laws: ContactLaws, inner_force: float, outer_force: float) -> float:
     """Angular frequency of an element between its contacts, rad/s."""
     stiffness = sum(
-        float(law.slope(law.approach(force))) for law, force in zip(laws, (inner_force, outer_force), strict=True)
+        float(law.slope(law.approach(max(force, SMALLEST_FORCE))))
+        for law, force in zip(laws, (inner_force, outer_force), strict=True)
     )
     return (stiffness / bearing.roller_mass) ** 0.5
 
@@ -140,7 +158,6 @@ def _longest_step(bearing: Bearing, operation: Operation, laws: ContactLaws, dam
     spin = bearing.roller_mass * bearing.pitch_radius * kinematics(bearing, operation.speed).cage ** 2
     squeeze = float(laws.inner.force(max(-0.5 * bearing.radial_clearance, 0.0)))  # of preload
     force = OVERLOAD * (squeeze + spin + bearing.roller_mass * operation.gravity + 5.0 * weight / bearing.n_rollers)
-    force = max(force, 1e-3)
     omega = _fastest(bearing, laws, force, force)
     if damping == 0.0:
         return STEP / omega
@@ -178,7 +195,7 @@ def _start(bearing: Bearing, operation: Operation, laws: ContactLaws, start: str
 def _complete(bearing, operation, laws, time, state: State, record, damping: float, load_ramp: float) -> Trajectory:
     """Forces, accelerations, energies and works of the stored states."""
     touch = contacts(bearing, laws, state, damping)
-    share = np.minimum(time / load_ramp, 1.0) if load_ramp > 0.0 else np.ones_like(time)
+    share = load_share(time, load_ramp)
     ax, ay, _, _ = accelerations(bearing, replace(operation, radial_load=0.0), state, touch)
     ay = ay - share * operation.radial_load / operation.inner_mass
     lift = operation.inner_mass * state.y + bearing.roller_mass * np.sum(state.rho * np.sin(state.theta), axis=1)
@@ -199,5 +216,5 @@ def _complete(bearing, operation, laws, time, state: State, record, damping: flo
         work_gravity=-operation.gravity * (lift - lift[0]),
         work_cage=record.cage_work + swing - swing[0] if held else np.zeros_like(time),
         work_dissipated=record.dissipated,
-        time_step=0.0, steps=0,
+        time_step=0.0, critical_time_step=0.0, steps=0,
     )  # fmt: skip

@@ -36,6 +36,7 @@ class Trajectory:
     work_cage: np.ndarray  # of what keeps the angles to the kinematics; 0 with free angles
     work_dissipated: np.ndarray  # by the contacts' dampers
     time_step: float
+    critical_time_step: float  # s, stability limit of the stiffest mode met
     steps: int
 
     @property

@@ -14,6 +14,8 @@ from functools import lru_cache
 
 import numpy as np
 
+from residual.spectrum import power_spectrum
+
 ORDERS = (4, 6, 8)
 END_POINTS = 5  # of the stencil at the outermost samples
 
@@ -112,8 +114,7 @@ class Floor:
     """What the differentiation itself contributes, in the unit of the second derivative."""
 
     round_off: float  # bound: Σ|c| eps max|x − mean| / interval²
-    # rms difference from the next lower order: an upper estimate where the record is smooth
-    truncation: float
+    truncation: float  # rms, of the central stencil
 
     @property
     def total(self) -> float:
@@ -123,18 +124,22 @@ class Floor:
 def floor(record, interval: float, order: int = 6, eps: float = np.finfo(float).eps) -> Floor:
     """Estimate the error of the second derivative of one record, (n_times,).
 
-    `eps` is the relative precision the record was stored with. Truncation is the rms difference between this
-    order and the one below: it is the error of the LOWER order, so it overstates this one's by about
-    (ω·interval)^−2.
+    Parameters
+    ----------
+    eps : relative precision the record was stored with
+
+    Errors
+    ------
+    Truncation is what the stencil's gain takes from the derivative's own spectrum: right to a few per cent where the
+    record is sampled finely enough. Motion beyond the Nyquist frequency it can't know, nor the last order/2 samples at
+    either end.
     """
     record = np.asarray(record, dtype=float)
-    if order - 2 in ORDERS:
-        coarse = derivative(record, interval, order=order - 2)[2:-2]
-    else:
-        coarse = np.diff(record, 2)[1:-1] / interval**2
-    difference = derivative(record, interval, order=order)[2:-2] - coarse
+    spectrum = power_spectrum(derivative(record, interval, order=order), interval)
+    gain = response(spectrum.frequency[1:], interval, order)
+    missed = spectrum.psd[1:] * ((1.0 - gain) / gain) ** 2
     size = np.max(np.abs(record)) if eps > 1e-10 else np.max(np.abs(record - record.mean()))
     return Floor(
         round_off=float(np.sum(np.abs(stencil(order))) * eps * size / interval**2),
-        truncation=float(np.sqrt(np.mean(difference**2))),
+        truncation=float(np.sqrt(np.sum(missed) * spectrum.resolution)),
     )

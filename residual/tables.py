@@ -142,9 +142,9 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
         )
     notes.append(
         f"Differentiation: central stencil of order {evaluation.order}, off centre in the last "
-        f"{evaluation.order // 2} samples at either end; its error, estimated against the next lower order, "
-        "is at "
-        f"most about {text(floor_x, 2)} N rms in x and {text(floor_y, 2)} N rms in y."
+        f"{evaluation.order // 2} samples at either end; by the record's own spectrum it errs by about "
+        f"{text(floor_x, 2)} N rms in x and {text(floor_y, 2)} N rms in y (what vibrates beyond the Nyquist frequency "
+        "comes on top)."
     )
     if evaluation.away_x and evaluation.away_y:
         notes.append(

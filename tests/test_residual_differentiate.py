@@ -74,16 +74,18 @@ def test_round_off_floor_bounds_the_error_of_positions_stored_in_single_precisio
     assert 0.05 * bound < noise.max() <= bound
 
 
-def test_truncation_floor_covers_the_true_error_of_a_smooth_record():
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("tones", [(8e3,), (300.0, 13e3, 40e3)])
+def test_truncation_floor_is_the_true_error(order, tones):
     step = 1e-5
     t = step * np.arange(6001)
-    omega = 2 * np.pi * 8e3
-    record = 1e-7 * np.sin(omega * t)
-    error = (derivative(record, step) + omega**2 * record)[3:-3]
-    estimate = floor(record, step)
-    true = np.sqrt(np.mean(error**2))
-    assert true <= estimate.total
-    assert estimate.truncation < 1.5 * 1e-7 * omega**2 * np.sqrt(0.5) * abs(1 - response(8e3, step, 4))
+    record, exact = np.zeros_like(t), np.zeros_like(t)
+    for tone in tones:
+        omega = 2 * np.pi * tone
+        record += np.sin(omega * t) / omega
+        exact -= omega * np.sin(omega * t)
+    error = (derivative(record, step, order=order) - exact)[order:-order]
+    assert floor(record, step, order).truncation == pytest.approx(np.sqrt(np.mean(error**2)), rel=0.03)
 
 
 def test_white_noise_is_magnified_as_the_weights_say():

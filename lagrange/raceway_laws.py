@@ -14,6 +14,7 @@ from lagrange.laws import LAWS, PowerLaw
 
 Side = Literal["inner", "outer"]
 NEWTON_STEPS = 4  # from u = L + ln L, error 0.2 at most: 1e-2, 1e-5, 1e-11, round-off
+STEEL = (190e9, 220e9)  # Pa, Young's modulus of bearing steels
 SHALLOWEST = 1e-250  # m, keeps the logarithm of an open contact finite
 
 
@@ -185,6 +186,29 @@ ROLLER_LAWS: dict[str, Callable[[Bearing, Side], PowerLaw | LogarithmicLaw]] = {
     "teutsch_sauer": teutsch_sauer,
 }
 BALL_LAWS = {"hertz": ball_law}
+
+
+def law_names(bearing: Bearing) -> tuple[str, ...]:
+    """Names of all laws for a bearing's rolling elements, the usual one first."""
+    return tuple(BALL_LAWS if isinstance(bearing, BallBearing) else ROLLER_LAWS)
+
+
+def caution(name: str, bearing: Bearing) -> str | None:
+    """Why a law is no good for a bearing's materials; None where it is.
+
+    The empirical laws know the roller's length alone: they are measurements on steel.
+    """
+    if name not in LAWS:
+        return None
+    bodies = {"roller": bearing.roller, "inner ring": bearing.inner_ring, "outer ring": bearing.outer_ring}
+    other = [f"the {body} has {1e-9 * material.youngs_modulus:.4g} GPa" for body, material in bodies.items()
+             if not STEEL[0] <= material.youngs_modulus <= STEEL[1]]  # fmt: skip
+    if not other:
+        return None
+    return (
+        f"the contact law {name} was measured on steel, but {', '.join(other)}; johnson, houpert and "
+        "teutsch_sauer know the material"
+    )
 
 
 def contact_laws(name: str, bearing: Bearing) -> ContactLaws:

@@ -12,11 +12,15 @@ from typing import Any, Literal
 import tomli_w
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from lagrange.bearing import Bearing, Material, Operation
+from lagrange.bearing import BallBearing, Bearing, Material, Operation
+from lagrange.raceway_laws import law_names
+from lagrange.scene_columns import Columns
 
 RPM = 2.0 * pi / 60.0
 MM = 1e-3
 FINEST = {"subgrid": 400.0, "resolved": 2000.0}  # roller diameters over mesh sizes
+# groove radius over ball diameter to which ISO 281 rates deep-groove bearings
+USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 
 
 class SceneError(ValueError):
@@ -28,6 +32,7 @@ class _Table(BaseModel):
 
 
 class BearingTable(_Table):
+    type: Literal["roller", "ball"] = "roller"
     rollers: int = Field(13, ge=3, le=200)
     roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0)
     roller_length_mm: float = Field(10.0, ge=0.1, le=2000.0)
@@ -35,9 +40,19 @@ class BearingTable(_Table):
     outer_raceway_diameter_mm: float = Field(56.0, gt=0.0, le=10_000.0)
     bore_diameter_mm: float = Field(25.0, gt=0.0, le=10_000.0)
     outside_diameter_mm: float = Field(65.0, gt=0.0, le=10_000.0)
+    inner_conformity: float | None = Field(None, gt=0.5, le=1.0)  # of balls: groove radius over ball diameter
+    outer_conformity: float | None = Field(None, gt=0.5, le=1.0)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _usual_grooves(cls, data):
+        return USUAL_GROOVES | data if isinstance(data, dict) and data.get("type") == "ball" else data
 
     @model_validator(mode="after")
     def _fits_together(self):
+        for key in USUAL_GROOVES:
+            if self.type == "roller" and getattr(self, key) is not None:
+                raise ValueError(f'{key} = {getattr(self, key)}: only for balls; add type = "ball" or leave it out')
         roller, inner, outer = self.roller_diameter_mm, self.inner_raceway_diameter_mm, self.outer_raceway_diameter_mm
         if self.bore_diameter_mm >= inner:
             raise ValueError(
@@ -120,24 +135,53 @@ class NumericsTable(_Table):
     output_interval_us: float = Field(10.0, gt=0.0, le=1e6)
 
 
+class LagrangeTable(_Table):
+    """Options of the Lagrangian model: of its own solution and of what trajectories are checked against."""
+
+    law: str = "harris"
+    damping_N_s_m: float = Field(0.0, ge=0.0, le=1e6)
+    angles: Literal["kinematic", "free"] = "kinematic"
+
+
 class Scene(_Table):
     """A whole scene. Defaults are the paper's bearing."""
 
     name: str = Field("paper", min_length=1, max_length=100, pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
+    model: Literal["fem", "lagrange"] = "fem"
     bearing: BearingTable = BearingTable()
     material: MaterialTable = MaterialTable()
     operation: OperationTable = OperationTable()
     contact: ContactTable = ContactTable()
+    lagrange: LagrangeTable = LagrangeTable()
     numerics: NumericsTable = NumericsTable()
+    table: Columns = Columns()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _usual_law(cls, data):
+        if not isinstance(data, dict) or not isinstance(data.get("bearing"), dict):
+            return data
+        options = data.get("lagrange", {})
+        if data["bearing"].get("type") == "ball" and isinstance(options, dict):
+            return data | {"lagrange": {"law": "hertz"} | options}
+        return data
 
     @model_validator(mode="after")
     def _consistent(self):
+        known = law_names(self.ideal_bearing())
+        if self.lagrange.law not in known:
+            raise ValueError(
+                f"lagrange.law = {self.lagrange.law!r}: unknown for bearing.type = {self.bearing.type!r}; known are "
+                f"{', '.join(known)}"
+            )
         ring = self.ideal_bearing().inner_ring_mass
         if self.operation.inner_ring_and_shaft_kg <= ring:
             raise ValueError(
                 f"operation.inner_ring_and_shaft_kg = {self.operation.inner_ring_and_shaft_kg} must exceed the mass of "
                 f"the elastic inner ring, {ring:.4g} kg"
             )
+        if self.bearing.type == "ball" or self.model == "lagrange":
+            return self  # no meshes
         coarsest = pi * self.bearing.roller_diameter_mm / 10.0
         if self.numerics.mesh_size_mm > coarsest:
             raise ValueError(
@@ -155,7 +199,7 @@ class Scene(_Table):
     def ideal_bearing(self) -> Bearing:
         """The bearing in SI."""
         b = self.bearing
-        return Bearing(
+        shape = dict(
             n_rollers=b.rollers,
             roller_radius=0.5 * MM * b.roller_diameter_mm,
             roller_length=MM * b.roller_length_mm,
@@ -166,6 +210,13 @@ class Scene(_Table):
             roller=self.material.of("roller"),
             inner_ring=self.material.of("inner_ring"),
             outer_ring=self.material.of("outer_ring"),
+        )
+        if b.type == "roller":
+            return Bearing(**shape)
+        return BallBearing(
+            **shape,
+            inner_groove_radius=MM * b.inner_conformity * b.roller_diameter_mm,
+            outer_groove_radius=MM * b.outer_conformity * b.roller_diameter_mm,
         )
 
     def ideal_operation(self) -> Operation:
@@ -180,8 +231,11 @@ class Scene(_Table):
         )
 
     def to_toml(self) -> str:
-        """The whole scene, defaults spelt out, as TOML that `read_scene` takes back unchanged."""
-        return tomli_w.dumps(self.model_dump(exclude_none=True))
+        """The whole scene, defaults spelt out (but for [table]), as TOML that `read_scene` takes back unchanged."""
+        tables = self.model_dump(exclude_none=True)
+        if self.table == Columns():
+            del tables["table"]
+        return tomli_w.dumps(tables)
 
 
 def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) -> Scene:

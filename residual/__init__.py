@@ -2,7 +2,7 @@
 
 trajectory      `Trajectory`: the arrays all else works on, and their checks
 sources         result file -> `Trajectory`
-table_source    trajectory table -> `Trajectory`; names and units in `columns`, uneven steps in `resampling`
+table_source    trajectory table -> `Trajectory`; uneven steps in `resampling`
 differentiate   accelerations by central stencils of high order, with their error floor
 budget          error forces of equations (22) and (23) and what they are made of
 identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
@@ -28,7 +28,6 @@ _HOME = {
     "InputError": "trajectory",
     "read_result": "sources",
     "read_table": "table_source",
-    "read_columns": "columns",
     "Evaluation": "evaluation",
     "evaluate": "evaluation",
     "write_report": "store",
@@ -39,7 +38,6 @@ __all__ = [
     "InputError",
     "Trajectory",
     "evaluate",
-    "read_columns",
     "read_result",
     "read_table",
     "write_report",

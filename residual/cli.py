@@ -41,10 +41,7 @@ def _command(
     /,
     *,
     output: Annotated[Path | None, Parameter(help="report folder; default: <run>-residual beside the run")] = None,
-    scene: Annotated[Path | None, Parameter(help="scene file (TOML); needed for a table")] = None,
-    columns: Annotated[
-        Path | None, Parameter(help="names and units of a table's columns (TOML, see docs/tables.md)")
-    ] = None,
+    scene: Annotated[Path | None, Parameter(help="scene file (TOML); needed for a table, see docs/tables.md")] = None,
     resample: Annotated[bool, Parameter(negative="", help="bring a table's irregular samples to equal steps")] = False,
     law: Annotated[
         str,
@@ -70,7 +67,7 @@ def _command(
     _check_number("--tolerance", tolerance, "N")
     path = run if run is not None else _newest()
     folder = output if output is not None else path.with_name(f"{path.stem}-residual")
-    trajectory = _read(path, scene, columns, resample)
+    trajectory = _read(path, scene, resample)
     _check_law(law, trajectory.bearing)
     check_replaceable(folder)
     evaluation = evaluate(trajectory, law, None if start is None else 1e-3 * start, order, line)
@@ -110,10 +107,9 @@ def _newest() -> Path:
     return found[-1]
 
 
-def _read(path: Path, scene_path: Path | None, columns: Path | None, resample: bool):
+def _read(path: Path, scene_path: Path | None, resample: bool):
     """A trajectory from a result file, or from a table and its scene."""
     from lagrange.scene import read_scene
-    from residual.columns import read_columns
     from residual.sources import is_result, read_result
     from residual.table_source import read_table
     from residual.trajectory import InputError
@@ -121,8 +117,8 @@ def _read(path: Path, scene_path: Path | None, columns: Path | None, resample: b
     scene = None if scene_path is None else read_scene(scene_path)
     if not path.is_file() or is_result(path):
         trajectory = read_result(path)
-        if columns is not None or resample:
-            raise InputError(f"{'--columns' if columns else '--resample'}: only for tables; {path} is a result file")
+        if resample:
+            raise InputError(f"--resample: only for tables; {path} is a result file")
         if scene is not None and (
             (scene.bearing, scene.operation) != (trajectory.scene.bearing, trajectory.scene.operation)
         ):
@@ -133,7 +129,7 @@ def _read(path: Path, scene_path: Path | None, columns: Path | None, resample: b
         return trajectory
     if scene is None:
         raise InputError(f"{path}: a trajectory table needs its scene: add --scene SCENE.toml")
-    return read_table(path, scene, None if columns is None else read_columns(columns), resample)
+    return read_table(path, scene, resample)
 
 
 def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_laws: bool) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.scene import Scene
-from residual.columns import Columns, per_roller
+from lagrange.scene_columns import Columns, per_roller
 from residual.resampling import evenly_sampled
 from residual.sources import check_readable
 from residual.trajectory import InputError, Trajectory, checked
@@ -16,13 +16,13 @@ CARTESIAN, POLAR = ("roller_x", "roller_y"), ("roller_rho", "roller_theta")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
 
 
-def read_table(path: str | Path, scene: Scene, columns: Columns | None = None, resample: bool = False) -> Trajectory:
+def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Trajectory:
     """A trajectory table with one header line.
 
     Parameters
     ----------
-    columns : names and units; None: time, inner_x, inner_y and roller_<j>_x, roller_<j>_y or roller_<j>_rho,
-        roller_<j>_theta, j from 0, in SI; accelerations and contact forces where it has them
+    scene : its [table] tells names and units; without: time, inner_x, inner_y and roller_<j>_x, roller_<j>_y or
+        roller_<j>_rho, roller_<j>_theta, j from 0, in SI; accelerations and contact forces where it has them
     resample : bring irregular samples to equal steps instead of refusing them
 
     Columns may stand in any order; others are left out. Lines starting with # are comments. The delimiter (comma, tab
@@ -34,7 +34,7 @@ def read_table(path: str | Path, scene: Scene, columns: Columns | None = None, r
     that can't be read, and all that `checked` refuses.
     """
     path = Path(path)
-    columns = Columns() if columns is None else columns
+    columns = scene.table
     check_readable(path)
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
@@ -103,7 +103,7 @@ def _columns_found(
     if not {"time", "inner_x"} & set(found):
         raise InputError(
             f"{path}: neither an HDF5 result file nor a trajectory table; a table's first line reads "
-            "time,inner_x,inner_y,roller_0_x,roller_0_y,... ; other names and units: --columns FILE"
+            "time,inner_x,inner_y,roller_0_x,roller_0_y,... ; other names and units: [table] in the scene file"
         )
     roller = POLAR[0] if polar_only else CARTESIAN[0]
     _check_count(path, header, columns, roller, n_rollers, len(found.get(roller, ([], 0))[0]))

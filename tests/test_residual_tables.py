@@ -10,8 +10,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from synthetic_run import exact_errors, make_run, write_result, write_table
 
+from lagrange.scene import SceneError, parse_scene_text
 from residual.cli import main
-from residual.columns import read_columns
 from residual.evaluation import evaluate
 from residual.table_source import read_table
 from residual.trajectory import InputError
@@ -51,17 +51,15 @@ def write_foreign(path, table, delimiter="\t", decimal="."):
     return path
 
 
-def mapping(folder, text=MAPPING):
-    path = folder / "columns.toml"
-    path.write_text(text, encoding="utf-8")
-    return path
+def scene_with(run, mapping=MAPPING):
+    """The run's scene and a mapping, as `Scene`."""
+    return parse_scene_text(run.scene.to_toml() + mapping, "scene.toml")
 
 
 @pytest.mark.parametrize(("delimiter", "decimal"), [("\t", "."), (";", ","), (",", ".")])
 def test_polar_table_in_other_units_gives_the_same_error(run, tmp_path, delimiter, decimal):
     path = write_foreign(tmp_path / "a.tsv", foreign_columns(run), delimiter, decimal)
-    columns = read_columns(mapping(tmp_path, MAPPING + f'decimal = "{decimal}"\n'))
-    trajectory = read_table(path, run.scene, columns)
+    trajectory = read_table(path, scene_with(run, MAPPING + f'decimal = "{decimal}"\n'))
     np.testing.assert_allclose(trajectory.roller_x, run.roller_x, atol=1e-15)
     np.testing.assert_allclose(trajectory.inner_force, 0.95 * run.law_force, rtol=1e-12)
     exact_x, exact_y = exact_errors(run)
@@ -72,7 +70,7 @@ def test_polar_table_in_other_units_gives_the_same_error(run, tmp_path, delimite
 
 def test_units_apply_to_headers_that_do_not_carry_them(run, tmp_path):
     table = {name.partition(" [")[0]: value for name, value in foreign_columns(run).items()}
-    trajectory = read_table(write_foreign(tmp_path / "a.tsv", table), run.scene, read_columns(mapping(tmp_path)))
+    trajectory = read_table(write_foreign(tmp_path / "a.tsv", table), scene_with(run))
     np.testing.assert_allclose(trajectory.time, run.time, atol=1e-15)
     np.testing.assert_allclose(trajectory.inner_y, run.inner_y, atol=1e-18)
 
@@ -80,9 +78,8 @@ def test_units_apply_to_headers_that_do_not_carry_them(run, tmp_path):
 def test_command_reads_a_foreign_table_and_says_what_it_lacks(run, tmp_path, capsys):
     path = write_foreign(tmp_path / "a.tsv", foreign_columns(run))
     scene = tmp_path / "scene.toml"
-    scene.write_text(run.scene.to_toml(), encoding="utf-8")
-    arguments = [str(path), "--scene", str(scene), "--columns", str(mapping(tmp_path)), "--law", "fitted"]
-    assert main(arguments) == 0
+    scene.write_text(run.scene.to_toml() + MAPPING, encoding="utf-8")
+    assert main([str(path), "--scene", str(scene), "--law", "fitted"]) == 0
     summary = json.loads((tmp_path / "a-residual" / "summary.json").read_text())
     assert set(summary["budget_x"]) == {"contact_law", "ring_flexibility", "momentum"}
     assert summary["identification"]["exponent"]["value"] == pytest.approx(10 / 9, rel=1e-6)
@@ -152,9 +149,6 @@ def test_a_gap_is_not_bridged(run, tmp_path):
 @pytest.mark.parametrize(
     ("text", "culprit"),
     [
-        ("[tabel]\n", "[table]"),
-        ("time = 3", "[table]"),
-        ("[table]\ntime = [", "TOML"),
         ('[table]\ntiem = "t"\n', "did you mean time"),
         ('[table]\ntime = "t [fortnight]"\n', "fortnight"),
         ('[table]\nroller_x = "x"\n', "{j}"),
@@ -164,28 +158,31 @@ def test_a_gap_is_not_bridged(run, tmp_path):
         ('[table]\ndecimal = ";"\n', "decimal"),
     ],
 )
-def test_a_wrong_mapping_names_the_culprit(text, culprit, tmp_path):
-    with pytest.raises(InputError) as error:
-        read_columns(mapping(tmp_path, text))
-    assert culprit in str(error.value) and "columns.toml" in str(error.value)
+def test_a_wrong_mapping_names_the_culprit(text, culprit):
+    with pytest.raises(SceneError, match="s.toml: table") as error:
+        parse_scene_text(text, "s.toml")
+    assert culprit in str(error.value)
+
+
+def test_a_mapping_survives_the_round_trip_and_absent_is_not_spelt_out(run):
+    scene = scene_with(run)
+    assert parse_scene_text(scene.to_toml(), "again") == scene
+    assert "[table]" not in run.scene.to_toml()
 
 
 def test_incomplete_forces_and_surplus_rollers_are_refused(run, tmp_path):
     table = foreign_columns(run)
-    columns = read_columns(mapping(tmp_path))
+    scene = scene_with(run)
     partial = {k: v for k, v in table.items() if k != "Q7 [kN]"}
     with pytest.raises(InputError, match=r"missing column Q7 \[kN\]"):
-        read_table(write_foreign(tmp_path / "a.tsv", partial), run.scene, columns)
+        read_table(write_foreign(tmp_path / "a.tsv", partial), scene)
     with pytest.raises(InputError, match="rollers"):
-        read_table(write_foreign(tmp_path / "b.tsv", table | {"rho 14 [mm]": table["rho 1 [mm]"]}), run.scene, columns)
+        read_table(write_foreign(tmp_path / "b.tsv", table | {"rho 14 [mm]": table["rho 1 [mm]"]}), scene)
 
 
-@pytest.mark.parametrize("option", [["--resample"], ["--columns", "columns.toml"]])
-def test_table_options_are_refused_for_a_result_file(option, run, tmp_path, capsys):
-    path = write_result(tmp_path / "a.nc", run)
-    option = [str(mapping(tmp_path)) if word.endswith("toml") else word for word in option]
-    assert main([str(path), *option]) == 2
-    assert option[0] in capsys.readouterr().err
+def test_resampling_is_refused_for_a_result_file(run, tmp_path, capsys):
+    assert main([str(write_result(tmp_path / "a.nc", run)), "--resample"]) == 2
+    assert "--resample" in capsys.readouterr().err
 
 
 def test_guided_example_of_the_documentation_works(tmp_path, monkeypatch, capsys):
@@ -194,8 +191,7 @@ def test_guided_example_of_the_documentation_works(tmp_path, monkeypatch, capsys
     code, mapped = (example.split(f"```{kind}\n")[1].split("```")[0] for kind in ("python", "toml"))
     monkeypatch.chdir(tmp_path)
     exec(compile(code, "docs/tables.md", "exec"), {})
-    (tmp_path / "rig-columns.toml").write_text(mapped, encoding="utf-8")
-    (tmp_path / "rig.toml").write_text('name = "rig"\n', encoding="utf-8")
+    (tmp_path / "rig.toml").write_text(mapped, encoding="utf-8")
     command = example.split("$ check-residual ")[1].splitlines()[0].split()
     assert main(command) == 0
     out, err = capsys.readouterr()

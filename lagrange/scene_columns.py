@@ -1,0 +1,85 @@
+"""The scene file's [table]: names and units of the columns of a trajectory table made elsewhere.
+
+[table]
+time = "t [ms]"                # header "t [ms]", or header "t" over milliseconds
+inner_x = "X_hub [um]"
+inner_y = "Y_hub [um]"
+roller_rho = "rho_{j} [mm]"    # {j}: the roller's number; or roller_x and roller_y
+roller_theta = "theta_{j} [deg]"
+inner_force = "Q{j} [N]"       # optional, as are inner_ax, inner_ay, outer_force, inner_traction, outer_traction
+first_roller = 1               # number of the first roller in the names; default 0
+decimal = ","                  # default "."
+"""
+
+import re
+from math import pi
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+
+TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9}
+LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "in": 0.0254}
+ANGLE = {"rad": 1.0, "deg": pi / 180.0, "°": pi / 180.0}
+FORCE = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605}
+ACCELERATION = {"m/s2": 1.0, "m/s²": 1.0, "m/s^2": 1.0, "mm/s2": 1e-3, "mm/s²": 1e-3, "mm/s^2": 1e-3, "g": 9.80665}
+UNITS = {
+    "time": TIME,
+    "inner_x": LENGTH, "inner_y": LENGTH,
+    "roller_x": LENGTH, "roller_y": LENGTH, "roller_rho": LENGTH, "roller_theta": ANGLE,
+    "inner_ax": ACCELERATION, "inner_ay": ACCELERATION,
+    "inner_force": FORCE, "outer_force": FORCE, "inner_traction": FORCE, "outer_traction": FORCE,
+}  # fmt: skip
+
+
+class Columns(BaseModel):
+    """Where each quantity stands in a table: names, as "name" (SI) or "name [unit]"."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    time: str = "time"
+    inner_x: str = "inner_x"
+    inner_y: str = "inner_y"
+    roller_x: str = "roller_{j}_x"
+    roller_y: str = "roller_{j}_y"
+    roller_rho: str = "roller_{j}_rho"
+    roller_theta: str = "roller_{j}_theta"
+    inner_ax: str = "inner_ax"
+    inner_ay: str = "inner_ay"
+    inner_force: str = "roller_{j}_inner_force"
+    outer_force: str = "roller_{j}_outer_force"
+    inner_traction: str = "roller_{j}_inner_traction"
+    outer_traction: str = "roller_{j}_outer_traction"
+    first_roller: int = Field(0, ge=0)
+    decimal: Literal[".", ","] = "."
+
+    @field_validator(*UNITS)
+    @classmethod
+    def _usable(cls, name: str, info: ValidationInfo) -> str:
+        if not name.strip():
+            raise ValueError("must be a column's name")
+        unit, units = _split(name)[1], UNITS[info.field_name]
+        if unit is not None and unit not in units:
+            raise ValueError(f"the unit [{unit}] is unknown; known are {', '.join(units)}")
+        if per_roller(info.field_name) != ("{j}" in name):
+            wanted = "needs {j} where the roller's number stands"
+            raise ValueError(wanted if per_roller(info.field_name) else "has one column, without {j}")
+        return name
+
+    def header(self, quantity: str, roller: int | None = None) -> tuple[list[str], float]:
+        """Headers a quantity's column may have, likeliest first, and the factor to SI; `roller` counts from 0."""
+        name = getattr(self, quantity)
+        if roller is not None:
+            name = name.replace("{j}", str(roller + self.first_roller))
+        bare, unit = _split(name)
+        return [name, bare] if unit else [name], UNITS[quantity][unit] if unit else 1.0
+
+
+def per_roller(quantity: str) -> bool:
+    """Whether a quantity has one column per roller."""
+    return quantity.startswith("roller_") or quantity.endswith(("_force", "_traction"))
+
+
+def _split(name: str) -> tuple[str, str | None]:
+    """Bare name and unit of "name [unit]"."""
+    match = re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]\s*", name)
+    return (match[1], match[2].strip()) if match else (name, None)

@@ -2,6 +2,7 @@
 
 cli, summary, progress        the commands and what they print
 simulate, limits, start       from a scene to a plan and a run; what is refused; the state a run starts from
+lagrange_run, wording         the Lagrangian model in place of the finite elements; sentences both end with
 samples, store                rows of the time loop as quantities; the result file
 assembly, bodies, model       scikit-fem's matrices; a disc as rows of blocks, a ring as one sector's stencil; the whole
 subgrid, patches              the calibrated contact law below the grid; B-spline patches

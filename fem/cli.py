@@ -3,7 +3,7 @@
 import signal
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
@@ -38,7 +38,8 @@ run_app = _app(
     "run-fem",
     """Simulate a roller bearing by explicit elastic finite-element contact and write one result file.
 
-Without a scene: the bearing of Rubio et al. (2007) at 4500 rpm under 2000 N, for 60 ms.
+Without a scene: the bearing of Rubio et al. (2007) at 4500 rpm under 2000 N, for 60 ms. With --model lagrange: rigid
+bodies on contact springs, the model that check-residual checks, in a file of the same form.
 
 Example: run-fem my-bearing.toml --mesh-size 2 --duration 10 --set operation.speed_rpm=3000
 
@@ -53,6 +54,9 @@ def _run(
     /,
     *,
     output: Annotated[Path | None, Parameter(help="result file; default: runs/<scene name>.nc")] = None,
+    model: Annotated[
+        Literal["fem", "lagrange"] | None, Parameter(help="finite elements or Lagrangian model; default: the scene's")
+    ] = None,
     mesh_size: Annotated[float | None, Parameter(help="surface node distance, mm")] = None,
     duration: Annotated[float | None, Parameter(help="simulated time, ms; 0: static equilibrium only")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
@@ -66,6 +70,8 @@ def _run(
     from lagrange.scene import read_scene
 
     overrides = list(set or [])
+    if model is not None:
+        overrides.append(f"model={model}")
     if mesh_size is not None:
         overrides.append(f"numerics.mesh_size_mm={mesh_size}")
     if duration is not None:
@@ -74,6 +80,8 @@ def _run(
     path = output if output is not None else RUNS / f"{chosen.name}.nc"
     if path.is_dir():
         raise UsageError(f"--output {path}: is a folder; name a file in it")
+    if chosen.model == "lagrange":
+        return _lagrange(chosen, path, dry_run, quiet, resume)
     if dry_run:
         return _dry_run(chosen)
     if not estimate_error:
@@ -83,6 +91,17 @@ def _run(
     coarse, _ = _plan(coarser_scene(chosen), compiled=False)
     code = _simulate(chosen, path, quiet, resume)
     return code if code != OK else _estimate(chosen, coarse, path, quiet)
+
+
+def _lagrange(scene, path: Path, dry_run: bool, quiet: bool, resume: bool) -> int:
+    from fem.lagrange_run import make_plan, print_plan, run_command
+
+    if resume:
+        raise UsageError("--resume: the Lagrangian model takes seconds and keeps no checkpoint; start it again")
+    if dry_run:
+        print_plan(make_plan(scene))
+        return OK
+    return run_command(scene, path, quiet)
 
 
 def _plan(scene, compiled: bool, quiet: bool = False):

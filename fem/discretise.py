@@ -23,8 +23,14 @@ def model_of(scene: Scene) -> Model:
 
     Errors
     ------
-    RuntimeError: gmsh is needed and missing. UsageError: the mesh is too coarse to resolve the contacts.
+    RuntimeError: gmsh is needed and missing. UsageError: balls, which no plane section describes; the mesh is too
+    coarse to resolve the contacts.
     """
+    if scene.bearing.type == "ball":
+        raise UsageError(
+            'bearing.type = "ball": finite elements and pictures are of plane sections of cylindrical rollers; '
+            "run-fem --model lagrange takes balls"
+        )
     bearing, operation, mesh_size = scene.ideal_bearing(), scene.ideal_operation(), 1e-3 * scene.numerics.mesh_size_mm
     if scene.contact.model == "resolved":
         _check_resolution(half_widths(bearing, largest_force(bearing, operation)), mesh_size)

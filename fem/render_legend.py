@@ -60,6 +60,8 @@ def _title(canvas: Canvas, instant: Instant) -> None:
         share = 0.5 * (1.0 - cos(pi * 1e3 * instant.time / numerics.load_ramp_ms))
         load = f"W = {share * operation.radial_load:.4g} N of {operation.radial_load:g} N"
     facts = [f"n = {_signed(scene.operation.speed_rpm)} rpm", load, f"{scene.bearing.rollers} rollers"]
+    if scene.model == "lagrange":
+        facts.append("Lagrangian model, stress from its forces")
     canvas.text("   ".join(facts), EDGE, TOP - 0.105, HEADING)
 
 

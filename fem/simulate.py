@@ -49,6 +49,14 @@ class Plan:
     def steps(self) -> int:
         return (self.n_samples - 1) * self.stride
 
+    @property
+    def mesh_nodes(self) -> int:
+        return self.model.n_nodes
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        return self.model.degrees_of_freedom
+
     def arrays(self) -> Arrays:
         """Fresh arrays at the start."""
         numerics = self.scene.numerics

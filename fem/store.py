@@ -5,16 +5,17 @@ disk. A killed run therefore leaves a readable file up to its last flush.
 """
 
 import time
+from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Protocol
 
 import h5py
 import numpy as np
 
 from fem.error_estimate import Estimate
 from fem.errors import UsageError
-from fem.samples import Samples
-from fem.simulate import Plan
+from lagrange.scene import Scene
 
 FORMAT_VERSION = 1
 FLUSH_SECONDS = 0.5  # of wall time between two flushes
@@ -45,6 +46,16 @@ VARIABLES = {
     "work_external": (PER_TIME, "J", "work of load, gravity and drive since the start"),
     "work_dissipated": (PER_TIME, "J", "work dissipated by friction since the start"),
 }
+
+
+class Planned(Protocol):
+    """What the file says of a run, whichever model it is of."""
+
+    scene: Scene
+    mesh_nodes: int
+    degrees_of_freedom: int
+    time_step: float  # s
+    critical_time_step: float
 
 
 def program_version() -> str:
@@ -84,7 +95,7 @@ def _open_to_resume(path: Path, samples: int) -> h5py.File:
 class ResultFile:
     """Appends samples; use as a context manager."""
 
-    def __init__(self, path: Path, plan: Plan, setup_seconds: float, resume_at: int | None = None):
+    def __init__(self, path: Path, plan: Planned, setup_seconds: float, resume_at: int | None = None):
         """A new file, or one to go on with after its first `resume_at` samples."""
         self._flushed = time.monotonic()
         if resume_at is None:
@@ -102,8 +113,8 @@ class ResultFile:
             self._file.attrs.update(scene=plan.scene.to_toml(), committed_samples=resume_at, status="running")
             self._file.flush()
 
-    def _lay_out(self, plan: Plan, setup_seconds: float) -> None:
-        n = plan.model.bearing.n_rollers
+    def _lay_out(self, plan: Planned, setup_seconds: float) -> None:
+        n = plan.scene.bearing.rollers
         roller = self._file.create_dataset("roller", data=np.arange(n, dtype=np.int64))
         roller.attrs["units"], roller.attrs["long_name"] = "1", "roller, counted along +theta"
         roller.make_scale("roller")
@@ -117,8 +128,8 @@ class ResultFile:
             program="run-fem",
             program_version=program_version(),
             scene=plan.scene.to_toml(),
-            mesh_nodes=plan.model.n_nodes,
-            degrees_of_freedom=plan.model.degrees_of_freedom,
+            mesh_nodes=plan.mesh_nodes,
+            degrees_of_freedom=plan.degrees_of_freedom,
             time_step=plan.time_step,
             critical_time_step=plan.critical_time_step,
             steps=0,
@@ -147,9 +158,9 @@ class ResultFile:
             for axis, dimension in enumerate(dimensions):
                 variable.dims[axis].attach_scale(self._file[dimension])
 
-    def append(self, samples: Samples) -> None:
-        """Add samples; flushed at least every FLUSH_SECONDS of wall time when called that often."""
-        end = self._count + len(samples)
+    def append(self, samples: Mapping[str, np.ndarray]) -> None:
+        """Add samples by variable; flushed at least every FLUSH_SECONDS of wall time when called that often."""
+        end = self._count + len(samples["time"])
         for name in VARIABLES:
             variable = self._file[name]
             variable.resize(end, axis=0)

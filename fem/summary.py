@@ -10,6 +10,7 @@ from fem.error_estimate import Estimate
 from fem.model import peak_pressure
 from fem.simulate import Plan, Progress
 from fem.statics import static_error
+from fem.wording import run_line, statics_lines
 from meshes import Mesh, quality
 
 # one thread of a 2024 server core; only a guide, `wall_seconds` of a run is the truth
@@ -67,17 +68,11 @@ def print_run(plan: Plan, progress: Progress, path: Path) -> None:
     """One line about the run and where it is."""
     console = Console(highlight=False)
     if plan.n_samples == 1:
-        hub = plan.start.equilibrium.hub
-        force = plan.start.equilibrium.inner_force
-        loads = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
-        console.print(f"Static equilibrium: hub x {1e6 * hub[0]:.4f} µm, y {1e6 * hub[1]:.4f} µm", soft_wrap=True)
-        console.print(f"Loaded rollers: {loads or 'none'} N", soft_wrap=True)
+        lines = statics_lines(*plan.start.equilibrium.hub, plan.start.equilibrium.inner_force)
     else:
-        console.print(
-            f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "
-            f"{progress.imbalance:+.1e} of the elastic energy",
-            soft_wrap=True,
-        )
+        lines = [run_line(progress.simulated, progress.wall, progress.steps, progress.imbalance, "elastic")]
+    for line in lines:
+        console.print(line, soft_wrap=True)
     console.print(f"Result: {path}", soft_wrap=True, markup=False)
 
 

@@ -180,16 +180,15 @@ class Scene(_Table):
                 f"operation.inner_ring_and_shaft_kg = {self.operation.inner_ring_and_shaft_kg} must exceed the mass of "
                 f"the elastic inner ring, {ring:.4g} kg"
             )
-        if self.bearing.type == "ball" or self.model == "lagrange":
-            return self  # no meshes
+        meshed = self.bearing.type == "roller"
         coarsest = pi * self.bearing.roller_diameter_mm / 10.0
-        if self.numerics.mesh_size_mm > coarsest:
+        if meshed and self.numerics.mesh_size_mm > coarsest:
             raise ValueError(
                 f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is too coarse for rollers of "
                 f"{self.bearing.roller_diameter_mm} mm (at most {coarsest:.3g})"
             )
         finest = self.bearing.roller_diameter_mm / FINEST[self.contact.model]
-        if self.numerics.mesh_size_mm < finest:
+        if meshed and self.numerics.mesh_size_mm < finest:
             raise ValueError(
                 f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is finer than contact.model = "
                 f"'{self.contact.model}' is made for (at least {finest:.3g})"

@@ -6,8 +6,9 @@ table_source    trajectory table -> `Trajectory`; uneven steps in `resampling`
 differentiate   accelerations by central stencils of high order, with their error floor
 budget          error forces of equations (22) and (23) and what they are made of
 identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
+fitted_laws     laws with coupling between contacts, with damping
 spectrum        power spectral density, peaks, kinematic lines
-lines           levels of lines and sidebands; `envelope` spectrum around the ring's resonance
+lines           levels of lines and sidebands; `envelope` spectrum around the ring's resonance; `short_time` spectra
 evaluation      the whole check as one call -> `Evaluation`
 figures         the paper's figures; `diagnostics`, `budget_figures`: those it lacks
 tables          rows of the report's and the terminal's tables, with `law_tables` and `line_tables`

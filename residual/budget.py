@@ -2,14 +2,15 @@
 
 Where the run tells its own contact forces, the error splits exactly:
 
-    error = differentiation + contact_law + friction + ring_flexibility
+    error = differentiation + contact_law + friction + load_and_weight + ring_flexibility
 
 differentiation   M (our acceleration − the integrator's)
-contact_law       − Σ (law − FEM's normal force): what the law costs, and that it takes each contact alone
+contact_law       − Σ (law − run's normal force): what the law costs, and that it takes each contact alone
 friction          Σ traction on the inner ring, which (22), (23) leave out
-ring_flexibility  the rest: the elastic ring's centre of mass is not the hub; the solver's own error
+load_and_weight   W + M g of the equations less what acted in the run: the load ramp of a start from rest
+ring_flexibility  the rest: inertia of the elastic ring, whose centre of mass is not the hub; the solver's own error
 
-and the momentum balance, FEM's own forces in place of the law, is differentiation + ring_flexibility.
+and the momentum balance, the run's own forces in place of the law, is differentiation + ring_flexibility.
 """
 
 from dataclasses import dataclass
@@ -18,8 +19,8 @@ import numpy as np
 
 from lagrange.equations import Approaches, approaches, contact_resultant, error_forces
 from lagrange.kinematics import kinematics
-from lagrange.laws import PowerLaw
-from lagrange.raceway_laws import LogarithmicLaw
+from lagrange.load_ramp import load_share
+from residual.fitted_laws import Law, law_force
 from residual.trajectory import Trajectory
 
 CHATTER = 0.05  # of a cage revolution
@@ -40,7 +41,13 @@ class Budget:
     momentum_y: np.ndarray | None
     law_force: np.ndarray  # (n_times, n_rollers), N, the law's
     contacts: Approaches
+    closing_speed: np.ndarray  # (n_times, n_rollers), m/s, of the inner contacts
     loaded: np.ndarray  # (n_times, n_rollers), bool, inner contact closed
+
+
+def acting_terms(budget: Budget) -> list[str]:
+    """Terms that are not zero throughout in both directions."""
+    return [name for name, x in budget.terms_x.items() if np.any(x) or np.any(budget.terms_y[name])]
 
 
 def traction_resultant(contacts: Approaches, traction) -> tuple[np.ndarray, np.ndarray]:
@@ -56,12 +63,20 @@ def traction_resultant(contacts: Approaches, traction) -> tuple[np.ndarray, np.n
     )
 
 
-def error_budget(trajectory: Trajectory, law: PowerLaw | LogarithmicLaw, acceleration_x, acceleration_y) -> Budget:
+def missing_load(trajectory: Trajectory) -> np.ndarray:
+    """Load of the equations that did not act yet, N, (n_times,): of a start from rest, during its ramp."""
+    numerics = trajectory.scene.numerics
+    ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
+    return trajectory.operation.radial_load * (1.0 - load_share(trajectory.time, ramp))
+
+
+def error_budget(trajectory: Trajectory, law: Law, acceleration_x, acceleration_y, closing_speed) -> Budget:
     """Error forces with a contact law, and their causes.
 
     Parameters
     ----------
     acceleration_x, acceleration_y : ndarray, (n_times,), m/s², of the inner ring's centre, from positions
+    closing_speed : ndarray, (n_times, n_rollers), m/s, rate of the inner contacts' approach, from positions
 
     Errors
     ------
@@ -71,8 +86,8 @@ def error_budget(trajectory: Trajectory, law: PowerLaw | LogarithmicLaw, acceler
     contacts = approaches(
         trajectory.bearing, trajectory.inner_x, trajectory.inner_y, trajectory.roller_x, trajectory.roller_y
     )
-    law_force = law.force(contacts.inner)
-    law_x, law_y = contact_resultant(contacts, law_force)
+    force = law_force(law, contacts.inner, closing_speed)
+    law_x, law_y = contact_resultant(contacts, force)
     error_x, error_y = error_forces(operation, acceleration_x, acceleration_y, law_x, law_y)
     terms_x, terms_y, momentum_x, momentum_y = {}, {}, None, None
     own = (trajectory.inner_ax, trajectory.inner_ay)
@@ -89,12 +104,15 @@ def error_budget(trajectory: Trajectory, law: PowerLaw | LogarithmicLaw, acceler
             friction_x, friction_y = traction_resultant(contacts, trajectory.inner_traction)
             terms_x["friction"], terms_y["friction"] = friction_x, friction_y
             momentum_x, momentum_y = momentum_x - friction_x, momentum_y - friction_y
+        terms_x["load_and_weight"], terms_y["load_and_weight"] = np.zeros_like(error_x), missing_load(trajectory)
+        momentum_y = momentum_y - terms_y["load_and_weight"]
         terms_x["ring_flexibility"] = error_x - sum(terms_x.values())
         terms_y["ring_flexibility"] = error_y - sum(terms_y.values())
     closed = contacts.inner > 0.0 if trajectory.inner_force is None else trajectory.inner_force > 0.0
     return Budget(
         error_x=error_x, error_y=error_y, terms_x=terms_x, terms_y=terms_y,
-        momentum_x=momentum_x, momentum_y=momentum_y, law_force=law_force, contacts=contacts, loaded=closed,
+        momentum_x=momentum_x, momentum_y=momentum_y, law_force=force, contacts=contacts,
+        closing_speed=closing_speed, loaded=closed,
     )  # fmt: skip
 
 

@@ -1,17 +1,30 @@
-"""The budget in detail: its terms stacked over a few roller passages, their spectra, and the envelope spectrum."""
+"""The errors in detail: their terms stacked over a few roller passages, spectra of terms, envelope, short time."""
 
 from pathlib import Path
 
 import numpy as np
+from matplotlib.colors import LogNorm
 
+from residual.budget import acting_terms
 from residual.evaluation import Evaluation, term_spectra
-from residual.plotting import BLUE, GREEN, GREY, RED, Drawn, line_handles, mark_lines, panels, save
+from residual.plotting import (
+    BLUE,
+    GREY,
+    TERM_COLOURS,
+    Drawn,
+    line_handles,
+    mark_lines,
+    panels,
+    save,
+    term_label,
+)
+from residual.short_time import short_time_spectrum
 from residual.spectrum import Spectrum
+from residual.words import text
 
-TERM_COLOURS = {"contact_law": RED, "friction": GREEN, "ring_flexibility": BLUE, "differentiation": GREY}
 PASSAGES_SHOWN = 2.0
 BINS_PER_DECADE = 120
-DYNAMIC_RANGE = 1e-9  # of a spectrum's plot
+DYNAMIC_RANGE, SHORT_TIME_RANGE = 1e-9, 1e-7  # of a spectrum's plot
 ENVELOPE_BAND = 3.3  # times the ball-pass frequency of the inner ring
 
 
@@ -21,26 +34,27 @@ def stacked_terms(evaluation: Evaluation, folder: Path) -> Drawn:
     shown = _middle(evaluation)
     time = 1e3 * t.time[shown]
     figure, axes = panels(2, 5.6)
+    acting, means = acting_terms(budget), []
     for axis, direction in zip(axes, "xy", strict=True):
-        terms = getattr(budget, f"terms_{direction}")
+        terms = {name: getattr(budget, f"terms_{direction}")[name] for name in acting}
         total = getattr(budget, f"error_{direction}")
         values = np.array([v[shown] - v.mean() for v in terms.values()])
         colours = [TERM_COLOURS[name] for name in terms]
-        labels = [name.replace("_", " ") for name in terms]
+        labels = [term_label(name) for name in terms]
         axis.stackplot(time, np.maximum(values, 0.0), colors=colours, labels=labels, alpha=0.75, linewidth=0)
         axis.stackplot(time, np.minimum(values, 0.0), colors=colours, alpha=0.75, linewidth=0)
         axis.plot(time, total[shown] - total.mean(), color="black", linewidth=1.2, label="error")
         axis.set_ylabel(f"error_{direction} less its mean, N")
         axis.margins(x=0.0)
-        mean = ", ".join(f"{name.replace('_', ' ')} {v.mean():.3g}" for name, v in terms.items())
-        axis.annotate(f"means, N: {mean}", (0.0, 1.01), xycoords="axes fraction", va="bottom", fontsize=8.5)
-    axes[0].legend(loc="lower left", bbox_to_anchor=(-0.08, 1.09), ncols=5, borderaxespad=0.2,
+        mean = ", ".join(f"{term_label(name)} {text(v.mean(), 3)}" for name, v in terms.items())
+        means.append(f"in {direction} {mean}")
+    axes[0].legend(loc="lower left", bbox_to_anchor=(-0.08, 1.0), ncols=5, borderaxespad=0.2,
                    columnspacing=1.0, handlelength=1.2)  # fmt: skip
     axes[1].set_xlabel("time, ms")
     caption = (
         "The terms of the error forces stacked, positive upward and negative downward, each less its mean over the "
         "record; the black line, their sum, is the error less its mean. Middle of the record, "
-        f"{PASSAGES_SHOWN:g} roller passages where the bearing turns."
+        f"{PASSAGES_SHOWN:g} roller passages where the bearing turns. Means, N: {'; '.join(means)}."
     )
     return save(figure, folder, "budget_stacked", "Terms of the error forces, stacked", caption)
 
@@ -63,8 +77,10 @@ def budget_spectra(evaluation: Evaluation, folder: Path) -> Drawn:
         total = getattr(evaluation, f"spectrum_{direction}")
         f, psd = _thinned(total)
         axis.loglog(f, psd, color="black", linewidth=2.6, alpha=0.35, label="error")
-        for name, spectrum in term_spectra(evaluation, direction).items():
-            axis.loglog(*_thinned(spectrum), color=TERM_COLOURS[name], linewidth=0.9, label=name.replace("_", " "))
+        spectra = term_spectra(evaluation, direction)
+        for name in acting_terms(evaluation.budget):
+            spectrum = spectra[name]
+            axis.loglog(*_thinned(spectrum), color=TERM_COLOURS[name], linewidth=0.9, label=term_label(name))
         top = max(float(psd.max()), 1e-30)
         axis.set_ylim(DYNAMIC_RANGE * top, 10.0 * top)
         axis.set_xlim(f[0], f[-1])
@@ -121,6 +137,37 @@ def envelope_figure(evaluation: Evaluation, folder: Path) -> Drawn:
     return save(figure, folder, "envelope", "Envelope spectrum around the ring's resonance", caption)
 
 
+def short_time_figure(evaluation: Evaluation, folder: Path) -> Drawn | None:
+    """How the errors' spectra change along the record; None for a record too short for it."""
+    t = evaluation.trajectory
+    passing = evaluation.lines.get("BPFO", 0.0)
+    found = [short_time_spectrum(getattr(evaluation.budget, f"error_{d}"), t.interval, passing) for d in "xy"]
+    if None in found:
+        return None
+    figure, axes = panels(2, 6.0)
+    for axis, direction, spectrum in zip(axes, "xy", found, strict=True):
+        time, frequency = 1e3 * (t.time[0] + spectrum.time), 1e-3 * spectrum.frequency
+        top = 10.0 ** np.ceil(np.log10(max(spectrum.psd.max(), 1e-30)))
+        image = axis.pcolormesh(
+            time, frequency, spectrum.psd, norm=LogNorm(top * SHORT_TIME_RANGE, top), cmap="viridis",
+            shading="nearest", rasterized=True,
+        )  # fmt: skip
+        figure.colorbar(image, ax=axis, label=f"PSD of error_{direction}, N²/Hz", pad=0.015, extend="min")
+        if 0.0 < evaluation.resonance < spectrum.frequency[-1]:
+            axis.axhline(1e-3 * evaluation.resonance, color="white", linestyle=(0, (4, 3)), linewidth=1.0)
+        axis.set(ylabel="frequency, kHz", ylim=(0.0, frequency[-1]))
+        axis.grid(visible=False)
+    axes[1].set_xlabel("time, ms")
+    length = found[0].length
+    caption = (
+        f"Short-time power spectral density of the error forces: Hann windows of {1e3 * length:.3g} ms"
+        + (", half a roller passage" if passing > 0.0 else "")
+        + f", which tell apart {2e-3 / length:.2g} kHz in frequency and {0.5e3 * length:.2g} ms in time."
+        + (" Dashed: the ring's resonance on its contacts." if evaluation.resonance > 0.0 else "")
+    )
+    return save(figure, folder, "short_time", "Short-time spectra of the error forces", caption)
+
+
 def detail_figures(evaluation: Evaluation, folder: Path) -> list[Drawn]:
     """Those the run has the data for."""
     drawn = []
@@ -128,4 +175,5 @@ def detail_figures(evaluation: Evaluation, folder: Path) -> list[Drawn]:
         drawn += [stacked_terms(evaluation, folder), budget_spectra(evaluation, folder)]
     if evaluation.envelope_x is not None:
         drawn.append(envelope_figure(evaluation, folder))
-    return drawn
+    short_time = short_time_figure(evaluation, folder)
+    return drawn if short_time is None else [*drawn, short_time]

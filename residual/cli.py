@@ -44,12 +44,13 @@ def _command(
     scene: Annotated[Path | None, Parameter(help="scene file (TOML); needed for a table, see docs/tables.md")] = None,
     resample: Annotated[bool, Parameter(negative="", help="bring a table's irregular samples to equal steps")] = False,
     law: Annotated[
-        str,
+        str | None,
         Parameter(
-            help="contact law: harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; or fitted, "
-            "fitted_coupled: to the first half of the run's own forces"
+            help="contact law: harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; hertz (balls); "
+            "or fitted, fitted_coupled, fitted_damped, fitted_coupled_damped: to the first half of the run's own "
+            "forces; default: the scene's, harris or hertz"
         ),
-    ] = "harris",
+    ] = None,
     start: Annotated[float | None, Parameter(help="milliseconds to skip; default: the load ramp, if any")] = None,
     line: Annotated[
         tuple[str, ...],
@@ -87,13 +88,14 @@ def _check_number(option: str, value: float | None, unit: str) -> None:
         raise InputError(f"{option} {value:g}: must be a number of {unit} >= 0")
 
 
-def _check_law(law: str, bearing) -> None:
+def _check_law(law: str | None, bearing) -> None:
     """The law must be known for the bearing's rolling elements."""
-    from residual.comparison import ALIASES, FITTED, named_laws
+    from lagrange.raceway_laws import law_names
+    from residual.comparison import ALIASES, FITTED
     from residual.trajectory import InputError
 
-    known = (*named_laws(bearing), *FITTED)
-    if law not in (*known, *ALIASES):
+    known = (*law_names(bearing), *FITTED)
+    if law is not None and law not in (*known, *ALIASES):
         raise InputError(f"--law {law}: unknown; known are {', '.join(known)}")
 
 
@@ -175,9 +177,10 @@ def _print_laws(console, evaluation) -> None:
 
     from residual.law_tables import ranking_rows, ranking_span
 
-    table = Table(title="Error force by contact law, N", title_justify="left", caption=ranking_span(evaluation))
+    span = f"{ranking_span(evaluation)}; contact: rms per contact"
+    table = Table(title="Error force by contact law, N", title_justify="left", caption=span)
     table.add_column("law", no_wrap=True)
-    for heading in ("mean x", "rms x", "mean y", "rms y", "rms/contact"):
+    for heading in ("mean x", "rms x", "mean y", "rms y", "contact"):
         table.add_column(heading, justify="right")
     for row in ranking_rows(evaluation):
         table.add_row(*row)

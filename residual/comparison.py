@@ -4,16 +4,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lagrange.bearing import BallBearing, Bearing
 from lagrange.equations import contact_resultant
-from lagrange.laws import PowerLaw
-from lagrange.raceway_laws import BALL_LAWS, ROLLER_LAWS, LogarithmicLaw, contact_laws
+from lagrange.raceway_laws import contact_laws, law_names
 from residual.budget import Budget
-from residual.identification import Identification, fit_law
+from residual.fitted_laws import DampedLaw, Law, law_force
+from residual.identification import Extra, Identification, fit_law
 from residual.moments import Statistics
 from residual.trajectory import InputError, Trajectory
 
-FITTED = {"fitted": False, "fitted_coupled": True}  # name: with coupling
+# name: what is fitted beside K and n
+FITTED: dict[str, tuple[Extra, ...]] = {
+    "fitted": (),
+    "fitted_coupled": ("coupling",),
+    "fitted_damped": ("damping",),
+    "fitted_coupled_damped": ("coupling", "damping"),
+}
 ALIASES = ("tripp",)
 
 
@@ -32,18 +37,15 @@ class LawScore:
         return float(np.hypot(self.error_x.rms, self.error_y.rms))
 
 
-def named_laws(bearing: Bearing) -> tuple[str, ...]:
-    """Laws known by name for a bearing's rolling elements, the default first."""
-    return tuple(BALL_LAWS if isinstance(bearing, BallBearing) else ROLLER_LAWS)
+def inner_law(name: str, trajectory: Trajectory) -> Law:
+    """The named law of the inner contact, with the damping that the scene's [lagrange] states."""
+    law = contact_laws(name, trajectory.bearing).inner
+    damping = trajectory.scene.lagrange.damping_N_s_m
+    return DampedLaw(spring=law, damping=damping) if damping > 0.0 else law
 
 
-def inner_law(name: str, bearing: Bearing) -> PowerLaw | LogarithmicLaw:
-    """The named law of the inner contact."""
-    return contact_laws(name, bearing).inner
-
-
-def identify(trajectory: Trajectory, approach, bridge: int, name: str) -> Identification:
-    """The law `name`, "fitted" or "fitted_coupled", of a run that tells its forces.
+def identify(trajectory: Trajectory, approach, closing_speed, bridge: int, name: str) -> Identification:
+    """The law `name`, a key of FITTED, of a run that tells its forces; approach, m, and its rate, m/s.
 
     Errors
     ------
@@ -55,7 +57,7 @@ def identify(trajectory: Trajectory, approach, bridge: int, name: str) -> Identi
             "not tell; choose a named law"
         )
     try:
-        return fit_law(approach, trajectory.inner_force, bridge, FITTED[name])
+        return fit_law(approach, trajectory.inner_force, bridge, FITTED[name], closing_speed)
     except InputError as error:
         raise InputError(f"{trajectory.source}: {error}") from None
 
@@ -67,7 +69,7 @@ def rank_laws(trajectory: Trajectory, budget: Budget, identified: dict[str, Iden
     ----------
     identified : fitted laws by name
     """
-    laws = {name: inner_law(name, trajectory.bearing) for name in named_laws(trajectory.bearing)}
+    laws = {name: inner_law(name, trajectory) for name in law_names(trajectory.bearing)}
     laws |= {name: found.law for name, found in identified.items()}
     first = max((found.samples for found in identified.values()), default=0)
     late = slice(first, None)
@@ -76,7 +78,7 @@ def rank_laws(trajectory: Trajectory, budget: Budget, identified: dict[str, Iden
     run_force = None if trajectory.inner_force is None else trajectory.inner_force[late]
     scores = []
     for name, law in laws.items():
-        force = law.force(budget.contacts.inner)
+        force = law_force(law, budget.contacts.inner, budget.closing_speed)
         push_x, push_y = contact_resultant(budget.contacts, force)
         contact_rms = None
         if run_force is not None and np.any(run_force > 0.0):

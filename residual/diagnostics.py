@@ -4,37 +4,37 @@ from pathlib import Path
 
 import numpy as np
 
+from residual.budget import acting_terms
 from residual.evaluation import Evaluation
-from residual.plotting import BLUE, GREEN, GREY, PURPLE, RED, WIDTH, Drawn, panels, plt, save
+from residual.plotting import (
+    BLUE,
+    GREEN,
+    GREY,
+    PURPLE,
+    RED,
+    TERM_COLOURS,
+    WIDTH,
+    Drawn,
+    panels,
+    plt,
+    save,
+    term_label,
+)
 
-TERM_COLOURS = {
-    "error": "black",
-    "contact_law": RED,
-    "friction": GREEN,
-    "ring_flexibility": BLUE,
-    "differentiation": GREY,
-    "momentum": PURPLE,
-}
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other
-
-
-def term_label(name: str) -> str:
-    """A budget term's name as words."""
-    return name.replace("_", " ")
 
 
 def budget_figure(evaluation: Evaluation, folder: Path) -> Drawn:
     """The error's terms over time, and their rms."""
     t, budget = evaluation.trajectory, evaluation.budget
+    acting = acting_terms(budget)
     figure = plt.figure(figsize=(WIDTH, 8.4))
     grid = figure.add_gridspec(3, 1, height_ratios=(1.0, 1.0, 1.25))
     upper = figure.add_subplot(grid[0])
     axes = [upper, figure.add_subplot(grid[1], sharex=upper)]
     upper.tick_params(labelbottom=False)
     for axis, direction in zip(axes, "xy", strict=True):
-        terms = getattr(budget, f"terms_{direction}")
-        total = getattr(budget, f"error_{direction}")
-        for name, value in {"error": total, **terms}.items():
+        for name, value in zip(["error", *acting], _rows(budget, direction, acting), strict=False):
             axis.plot(1e3 * t.time, value, color=TERM_COLOURS[name], label=term_label(name),
                       linewidth=1.4 if name == "error" else 0.9)  # fmt: skip
         axis.set_ylabel(f"terms of error_{direction}, N")
@@ -43,20 +43,20 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> Drawn:
                    columnspacing=1.0, handlelength=1.3)  # fmt: skip
     axes[1].set_xlabel("time, ms")
     bars = figure.add_subplot(grid[2])
-    names = ["error", *budget.terms_x, "momentum"]
+    names = ["error", *acting, "momentum"]
     position = np.arange(len(names))[::-1]
     for offset, direction, shade in ((0.19, "x", 1.0), (-0.19, "y", 0.5)):
-        values = [_rms(v) for v in _rows(budget, direction)]
+        values = [_rms(v) for v in _rows(budget, direction, acting)]
         colours = [TERM_COLOURS[name] for name in names]
         drawn = bars.barh(position + offset, values, height=0.34, color=colours, alpha=shade)
         texts = [f"{direction}: {v:.3g} N" for v in values]
         bars.bar_label(drawn, texts, padding=4, fontsize=8.5)
     bars.set_xscale("log")
-    everything = [v for d in "xy" for v in map(_rms, _rows(budget, d)) if v > 0.0]
+    everything = [v for d in "xy" for v in map(_rms, _rows(budget, d, acting)) if v > 0.0]
     top = max(everything, default=1.0)
     bars.set_xlim(max(min(everything, default=0.1) / 2.0, 1e-5 * top), 8.0 * top)
     bars.set_yticks(
-        position, [term_label(n).replace(" ", "\n") + ("\nbalance" if n == "momentum" else "") for n in names]
+        position, [term_label(n).replace(" ", "\n", 1) + ("\nbalance" if n == "momentum" else "") for n in names]
     )
     bars.set_xlabel("rms, N (dark: x, light: y)")
     bars.grid(axis="y", visible=False)
@@ -68,10 +68,10 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> Drawn:
     return save(figure, folder, "budget", "Budget of the error forces", caption)
 
 
-def _rows(budget, direction: str):
-    """Error, terms, momentum balance of one direction."""
+def _rows(budget, direction: str, names):
+    """Error, terms of these names, momentum balance of one direction."""
     total, terms = getattr(budget, f"error_{direction}"), getattr(budget, f"terms_{direction}")
-    return [total, *terms.values(), getattr(budget, f"momentum_{direction}")]
+    return [total, *(terms[name] for name in names), getattr(budget, f"momentum_{direction}")]
 
 
 def _rms(value) -> float:
@@ -128,11 +128,11 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> Drawn:
     axes[0].set_ylabel("change, mJ")
     axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, borderaxespad=0.2, columnspacing=1.2)
     imbalance = energy_imbalance(t.energies)
-    scale = float(np.mean(t.energies["energy_elastic"]))
+    scale = float(np.mean(t.energies["energy_elastic"] + t.energies["energy_contact"]))
     axes[1].plot(1e3 * t.time, 1e6 * imbalance, color="black")
     axes[1].set(xlabel="time, ms", ylabel="imbalance, µJ")
     share = (
-        f"; at most {100 * np.max(np.abs(imbalance)) / scale:.2g} % of the mean elastic energy" if scale > 0.0 else ""
+        f"; at most {100 * np.max(np.abs(imbalance)) / scale:.2g} % of the mean strain energy" if scale > 0.0 else ""
     )
     caption = (
         "Energies and works since the first sample shown. Imbalance: kinetic + elastic + contact − "

@@ -6,12 +6,12 @@ import numpy as np
 
 from lagrange.equations import approaches
 from lagrange.kinematics import Kinematics, kinematics
-from lagrange.laws import PowerLaw
-from lagrange.raceway_laws import LogarithmicLaw
+from lagrange.raceway_laws import caution
 from residual.budget import Budget, chatter_gap, error_budget, near_contact_change
 from residual.comparison import FITTED, LawScore, identify, inner_law, rank_laws
 from residual.differentiate import Floor, derivative, floor, response
 from residual.envelope import Envelope, envelope
+from residual.fitted_laws import Law
 from residual.identification import Identification
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
 from residual.moments import Statistics
@@ -26,7 +26,7 @@ class Evaluation:
     """Everything the check found. Arrays cover the samples of `trajectory`: from `start` on."""
 
     trajectory: Trajectory
-    law: PowerLaw | LogarithmicLaw
+    law: Law
     order: int
     start: float  # s, of the run's time
     budget: Budget
@@ -85,7 +85,7 @@ class Evaluation:
 
 def evaluate(
     trajectory: Trajectory,
-    law: str | PowerLaw | LogarithmicLaw = "harris",
+    law: str | Law | None = None,
     start: float | None = None,
     order: int = 6,
     watch: tuple[str, ...] = (),
@@ -94,7 +94,8 @@ def evaluate(
 
     Parameters
     ----------
-    law : name in `comparison.named_laws`, "fitted", "fitted_coupled" (to the record's first half), or a law
+    law : name in `lagrange.raceway_laws.law_names`; "fitted" or another of `comparison.FITTED` (to the record's
+        first half); a law; None: the scene's, [lagrange] law
     start : float, s, skip the run's earlier part; None skips the load ramp of a run started from rest
     order : 4, 6 or 8, of the differentiation
     watch : lines to look at, by name ("BPFO", "BPFO-shaft") or in Hz ("22"); warned of when the record is too short
@@ -108,10 +109,12 @@ def evaluate(
     InputError: `start` leaves too few samples; an unknown line; a law to be fitted where the run tells no forces.
     ValueError: unknown law or order.
     """
-    if isinstance(law, str) and law not in FITTED:
-        law = inner_law(law, trajectory.bearing)
-    numerics = trajectory.scene.numerics
+    law = trajectory.scene.lagrange.law if law is None else law
     notes = list(trajectory.notes)
+    if isinstance(law, str) and law not in FITTED:
+        notes += filter(None, [caution(law, trajectory.bearing)])
+        law = inner_law(law, trajectory)
+    numerics = trajectory.scene.numerics
     if start is None:
         start = 0.0
         if numerics.start == "rest" and numerics.load_ramp_ms > 0.0:
@@ -127,12 +130,16 @@ def evaluate(
         )
     acceleration_x = derivative(trajectory.inner_x, interval, order=order)[first:]
     acceleration_y = derivative(trajectory.inner_y, interval, order=order)[first:]
+    approach = approaches(
+        trajectory.bearing, trajectory.inner_x, trajectory.inner_y, trajectory.roller_x, trajectory.roller_y
+    ).inner
+    closing_speed = derivative(approach, interval, 1, order)[first:]
     used = trajectory.samples(slice(first, None))
     chatter = chatter_gap(used)
-    identified, unfitted = _identify(used, chatter, law)
+    identified, unfitted = _identify(used, approach[first:], closing_speed, chatter, law)
     if isinstance(law, str):
         law = identified[law].law
-    budget = error_budget(used, law, acceleration_x, acceleration_y)
+    budget = error_budget(used, law, acceleration_x, acceleration_y, closing_speed)
     ideal = kinematics(trajectory.bearing, trajectory.operation.speed)
     lines = kinematic_lines(_observed(ideal, used))
     slowest = min(lines.values(), default=0.0)
@@ -190,15 +197,14 @@ def term_spectra(evaluation: Evaluation, direction: str) -> dict[str, Spectrum]:
     return {name: power_spectrum(v, evaluation.trajectory.interval, slowest) for name, v in terms.items()}
 
 
-def _identify(trajectory: Trajectory, chatter: int, wanted) -> tuple[dict[str, Identification], str | None]:
+def _identify(
+    trajectory: Trajectory, approach, closing_speed, chatter: int, wanted
+) -> tuple[dict[str, Identification], str | None]:
     """Every law that can be fitted to the run, and why not; the wanted one must be."""
-    contacts = approaches(
-        trajectory.bearing, trajectory.inner_x, trajectory.inner_y, trajectory.roller_x, trajectory.roller_y
-    )
     identified, reason = {}, None
     for name in FITTED:
         try:
-            identified[name] = identify(trajectory, contacts.inner, chatter, name)
+            identified[name] = identify(trajectory, approach, closing_speed, chatter, name)
         except InputError as error:
             if wanted == name:
                 raise
@@ -215,7 +221,7 @@ def _unresolved_note(level: LineLevel, resolution: float) -> str:
     )
 
 
-def _resonance(trajectory: Trajectory, law: PowerLaw | LogarithmicLaw, budget: Budget) -> float:
+def _resonance(trajectory: Trajectory, law: Law, budget: Budget) -> float:
     """Vertical mode of the inner ring, Hz: each roller's two contacts in series, massless rollers."""
     slope = law.slope(budget.contacts.inner)
     stiffness = 0.5 * np.mean(np.sum(slope * budget.contacts.direction_y**2, axis=1))

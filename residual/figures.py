@@ -1,9 +1,11 @@
-"""The paper's figures 6 to 11, in its order and with its axes."""
+"""The paper's figures 6 to 11, of ball bearings figure 4 too, in its order and with its axes."""
 
 from pathlib import Path
 
 import numpy as np
 
+from lagrange.ball_contact import delta_star, raceway_curvature
+from lagrange.bearing import BallBearing
 from residual.budget import load_zones
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation
@@ -35,6 +37,25 @@ def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
         return len(zones), whole, int(loaded[:, j].sum())
 
     return max(range(loaded.shape[1]), key=merit)
+
+
+def point_contact(evaluation: Evaluation, folder: Path) -> Drawn:
+    """Figure 4: δ* of a point contact over the curvature difference, the bearing's two contacts marked."""
+    bearing = evaluation.trajectory.bearing
+    # close to F = 1 the curve falls steeply: as many points there as elsewhere
+    difference = 1.0 - np.concatenate([np.linspace(1.0, 1e-2, 150), np.geomspace(1e-2, 1e-6, 60)[1:]])
+    figure, axes = panels(1, 3.8)
+    axes[0].plot(difference, delta_star(difference), color=BLUE, label="δ*(F), by elliptic integrals")
+    points = []
+    for side, colour, mark in (("inner", RED, "o"), ("outer", ORANGE, "s")):
+        curvature = raceway_curvature(bearing, side)
+        F, value = curvature.difference, delta_star(curvature.difference)
+        axes[0].plot(F, value, color=colour, marker=mark, linestyle="none", markersize=7, label=f"{side} raceway")
+        points.append(f"{side} raceway Σρ = {1e-3 * curvature.sum:.4g} mm⁻¹, F = {F:.4f}, δ* = {value:.4f}")
+    axes[0].set(xlabel="curvature difference F(ρ)", ylabel="δ*", xlim=(0.0, 1.0), ylim=(0.0, 1.02))
+    axes[0].legend(loc="lower left")
+    caption = f"Dimensionless approach of a point contact, equations (4) to (8): {'; '.join(points)}."
+    return save(figure, folder, "fig04", "Fig. 4: approach of a point contact", caption)
 
 
 def inner_ring_motion(evaluation: Evaluation, folder: Path) -> Drawn:
@@ -191,7 +212,8 @@ def spectrum_whole(evaluation: Evaluation, folder: Path, axis_name: str) -> Draw
 
 def paper_figures(evaluation: Evaluation, folder: Path) -> list[Drawn]:
     """All of the paper's figures, in order."""
-    drawn = [inner_ring_motion(evaluation, folder), roller_motion(evaluation, folder)]
+    drawn = [point_contact(evaluation, folder)] if isinstance(evaluation.trajectory.bearing, BallBearing) else []
+    drawn += [inner_ring_motion(evaluation, folder), roller_motion(evaluation, folder)]
     drawn += [error_signal(evaluation, folder, axis) for axis in "xy"]
     for axis in "xy":
         drawn += [spectrum_low(evaluation, folder, axis), spectrum_whole(evaluation, folder, axis)]

@@ -1,5 +1,7 @@
 """A contact law fitted to a run's own forces: K and n of Q = K δ^n by least squares, with confidence intervals.
 
+Where wanted with more: the coupling c of neighbouring contacts, the damping d of each contact.
+
 Fitted to the closed inner contacts of the record's first part; the rest is held back to judge the law on.
 
 The samples of one roller's passage through the load zone are far from independent, so the intervals take the
@@ -8,41 +10,21 @@ power law is true: what the law can't follow in any passage shows in the scatter
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from lagrange.laws import PowerLaw
 from residual.budget import load_zones
+from residual.fitted_laws import CoupledLaw, DampedLaw, neighbours
 from residual.trajectory import FEWEST_SAMPLES, InputError
 
 FIT_SHARE = 0.5  # of the record
 CONFIDENCE = 0.95
 LEAST_SPREAD = 0.02  # of ln δ: less depth range than this fixes no exponent
 LARGEST_GAIN = 0.5  # of the coupling's fixed point: beyond it the coupling is no correction any more
-FIXED_POINT_STEPS = 60  # gain 0.5: round-off
-
-
-@dataclass(frozen=True, kw_only=True)
-class CoupledLaw(PowerLaw):
-    """Q_j = K max(δ_j − c (Q_{j−1} + Q_{j+1}), 0)^n: contacts of one ring feel their neighbours through the ring.
-
-    `force` and `slope` take the rollers along the last axis, in their order around the bearing.
-    """
-
-    coupling: float  # c, m/N; negative: a neighbour's load adds to this contact's
-
-    def force(self, approach):
-        """Contact forces, N, >= 0, (..., n_rollers), by iteration to round-off."""
-        force = super().force(approach)
-        for _ in range(FIXED_POINT_STEPS):
-            previous, force = force, super().force(approach - self.coupling * neighbours(force))
-            if np.max(np.abs(force - previous), initial=0.0) <= 1e-12 * np.max(force, initial=0.0):
-                break
-        return force
-
-    def slope(self, approach):
-        """dQ/dδ of a contact, N/m, its neighbours' loads held."""
-        return super().slope(approach - self.coupling * neighbours(self.force(approach)))
+Extra = Literal["coupling", "damping"]
+ADJECTIVE = {"coupling": "coupled", "damping": "damped"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,10 +40,11 @@ class Interval:
 class Identification:
     """A fitted law and how well it is known."""
 
-    law: PowerLaw
+    law: PowerLaw | DampedLaw
     stiffness: Interval  # K, N/m^n
     exponent: Interval  # n
     coupling: Interval | None  # c, m/N
+    damping: Interval | None  # d, N s/m
     samples: int  # of the record's first part; the rest is held back
     contacts: int  # closed contacts fitted
     passages: int  # independent passages through the load zone among them
@@ -69,19 +52,17 @@ class Identification:
     scatter: float  # N, rms of run − law per contact fitted
 
 
-def neighbours(force) -> np.ndarray:
-    """Q_{j−1} + Q_{j+1} of every contact, rollers along the last axis."""
-    return np.roll(force, 1, axis=-1) + np.roll(force, -1, axis=-1)
-
-
-def fit_law(approach, force, bridge: int, coupled: bool = False, samples: int | None = None) -> Identification:
+def fit_law(
+    approach, force, bridge: int, extras: tuple[Extra, ...] = (), closing_speed=None, samples: int | None = None
+) -> Identification:
     """Least-squares fit of Q = K δ^n to closed contacts.
 
     Parameters
     ----------
     approach, force : ndarray, (n_times, n_rollers), m and N
     bridge : samples; a contact open no longer than this is still in the same passage
-    coupled : fit the coupling between neighbouring contacts too
+    extras : "coupling" of neighbouring contacts, Q_j = K (δ_j − c (Q_{j−1} + Q_{j+1}))^n; "damping", Q = K δ^n + d δ̇
+    closing_speed : δ̇, ndarray, (n_times, n_rollers), m/s; for damping
     samples : fit to the first so many; None: the first half
 
     Errors
@@ -97,8 +78,8 @@ def fit_law(approach, force, bridge: int, coupled: bool = False, samples: int | 
         raise InputError(f"{samples} samples to fit a law to, at least {FEWEST_SAMPLES} are needed; use a longer run")
     closed = force[:samples] > 0.0
     passage = passage_numbers(closed, bridge)[closed]
-    depth, load, beside = approach[:samples][closed], force[:samples][closed], neighbours(force[:samples])[closed]
-    n_parameters, n_passages = 3 if coupled else 2, len(np.unique(passage))
+    depth, load = approach[:samples][closed], force[:samples][closed]
+    n_parameters, n_passages = 2 + len(extras), len(np.unique(passage))
     if n_passages <= n_parameters + 1:
         raise InputError(
             f"{n_passages} passages of rollers through the load zone in the first {samples} samples, at least "
@@ -107,13 +88,27 @@ def fit_law(approach, force, bridge: int, coupled: bool = False, samples: int | 
     positive = depth > 0.0
     if positive.sum() < FEWEST_SAMPLES or np.std(np.log(depth[positive])) < LEAST_SPREAD:
         raise InputError("the contacts' approaches hardly vary: they fix no exponent; use a run with a load zone")
-    unit = float(np.sqrt(np.mean(depth[positive] ** 2))), float(np.sqrt(np.mean(load**2)))
-    parameters, jacobian, miss = _least_squares(depth / unit[0], load / unit[1], beside / unit[1], coupled)
+    causes = {}  # what the extra numbers multiply
+    if "coupling" in extras:
+        causes["coupling"] = neighbours(force[:samples])[closed]
+    if "damping" in extras:
+        causes["damping"] = closing_speed[:samples][closed]
+    units = {"depth": _rms(depth[positive]), "load": _rms(load)} | {name: _rms(v) for name, v in causes.items()}
+    for name in extras:
+        if not units[name] > 0.0:
+            raise InputError(f"the run has nothing that fixes a {name}: no neighbour is loaded, or nothing moves")
+    parameters, jacobian, miss = _least_squares(
+        extras, depth / units["depth"], load / units["load"], {name: v / units[name] for name, v in causes.items()}
+    )
     covariance = _clustered_covariance(jacobian, miss, passage)
     return _identified(
-        parameters, covariance, unit, samples=samples, contacts=load.size, passages=n_passages,
-        depth=(float(depth.min()), float(depth.max())), scatter=float(unit[1] * np.sqrt(np.mean(miss**2))),
+        extras, parameters, covariance, units, samples=samples, contacts=load.size, passages=n_passages,
+        depth=(float(depth.min()), float(depth.max())), scatter=units["load"] * _rms(miss),
     )  # fmt: skip
+
+
+def _rms(values) -> float:
+    return float(np.sqrt(np.mean(values**2)))
 
 
 def passage_numbers(closed: np.ndarray, bridge: int) -> np.ndarray:
@@ -127,27 +122,30 @@ def passage_numbers(closed: np.ndarray, bridge: int) -> np.ndarray:
     return number
 
 
-def _model(parameters, depth, beside):
-    """Dimensionless force and its derivatives by ln K, n, c: (n,), (n, n_parameters)."""
-    coupling = parameters[2] if parameters.size > 2 else 0.0
-    left = depth - coupling * beside
+def _model(parameters, extras, depth, causes):
+    """Dimensionless force and its derivatives by ln K, n and the extras: (n,), (n, n_parameters)."""
+    extra = dict(zip(extras, parameters[2:], strict=True))
+    left = depth - extra["coupling"] * causes["coupling"] if "coupling" in extra else depth
     inside = left > 0.0
     logarithm = np.log(np.where(inside, left, 1.0))
-    force = np.where(inside, np.exp(parameters[0] + parameters[1] * logarithm), 0.0)
-    columns = [force, force * logarithm]
-    if parameters.size > 2:
-        columns.append(-parameters[1] * force / np.where(inside, left, 1.0) * beside)
-    return force, np.column_stack(columns)
+    spring = np.where(inside, np.exp(parameters[0] + parameters[1] * logarithm), 0.0)
+    force, columns = spring, [spring, spring * logarithm]
+    if "coupling" in extra:
+        columns.append(-parameters[1] * spring / np.where(inside, left, 1.0) * causes["coupling"])
+    if "damping" in extra:
+        force = spring + extra["damping"] * causes["damping"]
+        columns.append(causes["damping"])
+    pushes = inside & (force > 0.0)
+    return np.where(pushes, force, 0.0), np.where(pushes[:, None], np.column_stack(columns), 0.0)
 
 
-def _least_squares(depth, load, beside, coupled: bool):
-    """Parameters (ln K, n, c) in units of the data, Jacobian and run − law at the optimum."""
+def _least_squares(extras, depth, load, causes):
+    """Parameters (ln K, n, extras) in units of the data, Jacobian and run − law at the optimum."""
     from scipy.optimize import least_squares
 
-    start = np.array([0.0, 1.1, 0.0] if coupled else [0.0, 1.1])
     found = least_squares(
-        lambda p: _model(p, depth, beside)[0] - load, start, jac=lambda p: _model(p, depth, beside)[1],
-        xtol=1e-12, ftol=1e-12, gtol=1e-12,
+        lambda p: _model(p, extras, depth, causes)[0] - load, np.array([0.0, 1.1] + [0.0] * len(extras)),
+        jac=lambda p: _model(p, extras, depth, causes)[1], xtol=1e-12, ftol=1e-12, gtol=1e-12,
     )  # fmt: skip
     if not found.success or not 0.2 < found.x[1] < 5.0:
         raise InputError(f"the run's forces follow no power law of the approach (exponent {found.x[1]:.3g})")
@@ -167,13 +165,12 @@ def _clustered_covariance(jacobian, miss, passage) -> np.ndarray:
     return reach**2 * n_passages / (n_passages - 1) * bread @ (score.T @ score) @ bread
 
 
-def _identified(parameters, covariance, unit, **facts) -> Identification:
+def _identified(extras, parameters, covariance, units, **facts) -> Identification:
     """Back to SI: ln K = ln K' + ln Q0 − n ln δ0, so K and n are correlated and K's interval is wide."""
-    depth_unit, load_unit = unit
     exponent = float(parameters[1])
-    log_stiffness = float(parameters[0] + np.log(load_unit) - exponent * np.log(depth_unit))
+    log_stiffness = float(parameters[0] + np.log(units["load"]) - exponent * np.log(units["depth"]))
     weights = np.zeros(parameters.size)
-    weights[:2] = 1.0, -np.log(depth_unit)
+    weights[:2] = 1.0, -np.log(units["depth"])
     reach = float(np.sqrt(weights @ covariance @ weights))
     stiffness = Interval(
         value=float(np.exp(log_stiffness)),
@@ -181,27 +178,34 @@ def _identified(parameters, covariance, unit, **facts) -> Identification:
         high=float(np.exp(log_stiffness + reach)),
     )
     half = np.sqrt(np.diag(covariance))
-    about = {"stiffness": stiffness.value, "exponent": exponent, "range": "the depths it was fitted to"}
-    if parameters.size == 2:
-        law = PowerLaw(name="fitted", source="fitted to the run's own contact forces, Q = K δ^n", **about)
-        coupling = None
-    else:
-        scale = depth_unit / load_unit
-        coupling = _symmetric(scale * parameters[2], scale * half[2])
-        law = CoupledLaw(
-            name="fitted_coupled",
-            source="fitted to the run's own contact forces, Q_j = K (δ_j − c (Q_j−1 + Q_j+1))^n",
-            coupling=coupling.value, **about,
-        )  # fmt: skip
-        gain = 2.0 * abs(coupling.value) * float(PowerLaw.slope(law, max(facts["depth"][1], 0.0)))
+    found = {}
+    for i, extra in enumerate(extras, 2):
+        scale = units["depth" if extra == "coupling" else "load"] / units[extra]
+        found[extra] = _symmetric(scale * parameters[i], scale * half[i])
+    return Identification(
+        law=_law(stiffness.value, exponent, found, facts["depth"][1]), stiffness=stiffness,
+        exponent=_symmetric(exponent, half[1]), coupling=found.get("coupling"), damping=found.get("damping"), **facts,
+    )  # fmt: skip
+
+
+def _law(stiffness: float, exponent: float, extras: dict[str, Interval], deepest: float) -> PowerLaw | DampedLaw:
+    """The law with the numbers found, if its iteration converges."""
+    about = {
+        "name": "_".join(["fitted", *(ADJECTIVE[extra] for extra in extras)]),
+        "stiffness": stiffness, "exponent": exponent, "range": "the depths it was fitted to",
+    }  # fmt: skip
+    law = PowerLaw(**about, source="fitted to the run's own contact forces, Q = K δ^n")
+    if "coupling" in extras:
+        coupling = extras["coupling"].value
+        gain = 2.0 * abs(coupling) * float(law.slope(max(deepest, 0.0)))
         if gain > LARGEST_GAIN:
             raise InputError(
                 f"the fitted coupling is no small correction (gain {gain:.2g}, at most {LARGEST_GAIN:g}); "
                 "use the law fitted"
             )
-    return Identification(
-        law=law, stiffness=stiffness, exponent=_symmetric(exponent, half[1]), coupling=coupling, **facts
-    )
+        source = "fitted to the run's own contact forces, Q_j = K (δ_j − c (Q_j−1 + Q_j+1))^n"
+        law = CoupledLaw(**about, source=source, coupling=coupling)
+    return DampedLaw(spring=law, damping=extras["damping"].value) if "damping" in extras else law
 
 
 def _symmetric(value: float, reach: float) -> Interval:

@@ -48,6 +48,7 @@ def _constants(found: Identification) -> str:
     words = (
         f"Fitted: K = {_interval(found.stiffness, scale)} N/mm^n, n = {_interval(found.exponent)}"
         + ("" if found.coupling is None else f", c = {_interval(found.coupling, 1e12)} pm/N")
+        + ("" if found.damping is None else f", d = {_interval(found.damping)} N s/m")
         + " (95 % confidence; K is the force at 1 mm, far outside the data, hence its width"
     )
     return words + ")."
@@ -75,10 +76,10 @@ def _disappears(evaluation: Evaluation) -> str:
     parts = []
     for axis in "xy":
         old, new = getattr(before, f"error_{axis}"), getattr(after, f"error_{axis}")
-        share = f", {100.0 * (1.0 - new.rms / old.rms):.4g} % less" if old.rms > 0.0 else ""
+        change = 100.0 * (new.rms / old.rms - 1.0) if old.rms > 0.0 else 0.0
+        share = f", {abs(change):.4g} % {'more' if change > 0.0 else 'less'}" if abs(change) >= 0.1 else ""
         parts.append(
-            f"in {axis} {text(old.rms)} → {text(new.rms)} N rms{share.replace('-', '−')}, mean {text(old.mean)} → "
-            f"{text(new.mean)} N"
+            f"in {axis} {text(old.rms)} → {text(new.rms)} N rms{share}, mean {text(old.mean)} → {text(new.mean)} N"
         )
     return f"On the part held back, from {name} to the fitted law: {'; '.join(parts)}."
 
@@ -89,7 +90,8 @@ def _remains(evaluation: Evaluation, found: Identification) -> str:
     for axis in "xy":
         terms = getattr(evaluation.budget, f"terms_{axis}")
         rms = sorted(((Statistics.of(v[found.samples :]).rms, k) for k, v in terms.items()), reverse=True)
-        parts.append(f"in {axis} " + ", ".join(f"{name.replace('_', ' ')} {text(v, 3)}" for v, name in rms))
+        words = [f"{name.replace('_', ' ')} {text(v, 3)}" for v, name in rms if v > 0.0]
+        parts.append(f"in {axis} {', '.join(words)}")
     return (
         f"What remains, N rms: {'; '.join(parts)}. Contact law is what a law of this form can't follow "
         "(coupling through the ring, damping); the rest no contact law can change."

@@ -16,6 +16,15 @@ DPI = 170
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
     "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",
 )  # fmt: skip
+TERM_COLOURS = {
+    "error": "black",
+    "contact_law": RED,
+    "friction": GREEN,
+    "ring_flexibility": BLUE,
+    "differentiation": GREY,
+    "load_and_weight": ORANGE,
+    "momentum": PURPLE,
+}
 LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "BSF": ORANGE, "BPFO": RED, "BPFI": GREEN}
 STYLE = {
     "font.family": "DejaVu Sans",
@@ -72,6 +81,11 @@ def save(figure, folder: Path, name: str, title: str, caption: str) -> Drawn:
     figure.savefig(svg, metadata={"Date": None, "Title": title}, dpi=DPI)
     plt.close(figure)
     return Drawn(name=name, title=title, caption=caption, png=png, svg=svg)
+
+
+def term_label(name: str) -> str:
+    """A budget term's name as words."""
+    return name.replace("_", " ")
 
 
 def family(line: str) -> str:

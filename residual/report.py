@@ -5,6 +5,7 @@ from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from lagrange.bearing import BallBearing, Bearing
 from residual.evaluation import Evaluation
 from residual.law_tables import fit_sentences, ranking_rows, ranking_span
 from residual.line_tables import level_rows, watched_rows
@@ -58,8 +59,7 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
         ("Source", t.source.name),
         (
             "Bearing",
-            f"{bearing.n_rollers} rollers Ø {text(2e3 * bearing.roller_radius)} × "
-            f"{text(1e3 * bearing.roller_length)} mm, "
+            f"{bearing.n_rollers} {_elements(bearing)}, "
             f"raceways Ø {text(2e3 * bearing.inner_raceway_radius)} and "
             f"{text(2e3 * bearing.outer_raceway_radius)} mm",
         ),
@@ -79,6 +79,14 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
         if key in t.attributes:
             facts.append((label, str(t.attributes[key])))
     return facts
+
+
+def _elements(bearing: Bearing) -> str:
+    """Kind and size of the rolling elements."""
+    diameter = text(2e3 * bearing.roller_radius)
+    if isinstance(bearing, BallBearing):
+        return f"balls Ø {diameter} mm"
+    return f"rollers Ø {diameter} × {text(1e3 * bearing.roller_length)} mm"
 
 
 def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:

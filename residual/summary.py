@@ -96,6 +96,7 @@ def _identification(found: Identification, time: np.ndarray, held_back) -> dict:
         "stiffness_N_per_m_to_the_n": interval(found.stiffness),
         "exponent": interval(found.exponent),
         "coupling_m_per_N": interval(found.coupling),
+        "damping_N_s_per_m": interval(found.damping),
         "confidence": CONFIDENCE,
         "contacts": found.contacts,
         "passages": found.passages,

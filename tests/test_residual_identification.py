@@ -13,7 +13,8 @@ from synthetic_run import make_run, run_variables, write_result
 from lagrange.laws import roller_law
 from residual.cli import main
 from residual.evaluation import evaluate
-from residual.identification import CoupledLaw, fit_law, neighbours, passage_numbers
+from residual.fitted_laws import CoupledLaw, neighbours
+from residual.identification import fit_law, passage_numbers
 from residual.sources import read_result
 from residual.trajectory import InputError
 
@@ -47,7 +48,7 @@ def test_a_coupling_between_neighbours_is_found_again():
     depth = load_zone()
     law = CoupledLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="", coupling=-4e-11)
     force = law.force(depth)
-    found = fit_law(depth, force, bridge=5, coupled=True)
+    found = fit_law(depth, force, bridge=5, extras=("coupling",))
     assert found.coupling.value == pytest.approx(-4e-11, rel=1e-6)
     assert found.exponent.value == pytest.approx(EXPONENT, rel=1e-7)
     np.testing.assert_allclose(found.law.force(depth), force, atol=1e-4)

@@ -81,7 +81,7 @@ def test_command_reads_a_foreign_table_and_says_what_it_lacks(run, tmp_path, cap
     scene.write_text(run.scene.to_toml() + MAPPING, encoding="utf-8")
     assert main([str(path), "--scene", str(scene), "--law", "fitted"]) == 0
     summary = json.loads((tmp_path / "a-residual" / "summary.json").read_text())
-    assert set(summary["budget_x"]) == {"contact_law", "ring_flexibility", "momentum"}
+    assert set(summary["budget_x"]) == {"contact_law", "load_and_weight", "ring_flexibility", "momentum"}
     assert summary["identification"]["exponent"]["value"] == pytest.approx(10 / 9, rel=1e-6)
     notes = " ".join(summary["notes"])
     assert "no accelerations" in notes and "no friction term" in notes
@@ -159,7 +159,7 @@ def test_a_gap_is_not_bridged(run, tmp_path):
     ],
 )
 def test_a_wrong_mapping_names_the_culprit(text, culprit):
-    with pytest.raises(SceneError, match="s.toml: table") as error:
+    with pytest.raises(SceneError, match=r"s\.toml: table") as error:
         parse_scene_text(text, "s.toml")
     assert culprit in str(error.value)
 

@@ -1,4 +1,4 @@
-"""Shared runs: one short simulation of the paper's bearing on the coarse mesh."""
+"""Shared: one short simulation of the paper's bearing on the coarse mesh; reports without figures."""
 
 import os
 
@@ -15,3 +15,11 @@ def coarse_run(tmp_path_factory):
     path = tmp_path_factory.mktemp("coarse") / "coarse.nc"
     assert run_main(["--mesh-size", "2", "--duration", "4", "--output", str(path), "--quiet"]) == 0
     return path
+
+
+@pytest.fixture
+def plain_report(monkeypatch):
+    """Reports without figures, which take most of the time and are tested elsewhere."""
+    monkeypatch.setattr("residual.figures.paper_figures", lambda *_: [])
+    monkeypatch.setattr("residual.diagnostics.extra_figures", lambda *_: [])
+    monkeypatch.setattr("residual.budget_figures.detail_figures", lambda *_: [])

@@ -11,10 +11,12 @@ from lagrange.bearing import BallBearing, Material
 from lagrange.raceway_laws import contact_laws
 from lagrange.scene import Scene
 
-# Harris, Rolling Bearing Analysis, table of the dimensionless contact parameters
+# Harris, Rolling Bearing Analysis (4th ed. 2001), table 6.1: F(ρ), δ*
 HARRIS = [
-    (0.0, 1.0), (0.1075, 0.9974), (0.3204, 0.9761), (0.5916, 0.9077), (0.7332, 0.8394), (0.87366, 0.7169),
-    (0.93657, 0.6112), (0.9729, 0.4960), (0.990902, 0.3745), (0.9973, 0.2705), (0.9998527, 0.11995),
+    (0.0, 1.0), (0.1075, 0.9974), (0.3204, 0.9761), (0.4795, 0.9429), (0.5916, 0.9077), (0.6716, 0.8733),
+    (0.7332, 0.8394), (0.7948, 0.7961), (0.83495, 0.7602), (0.87366, 0.7169), (0.90999, 0.6636), (0.93657, 0.6112),
+    (0.95738, 0.5551), (0.9729, 0.4960), (0.983797, 0.4352), (0.990902, 0.3745), (0.995112, 0.3176),
+    (0.9973, 0.2705), (0.9981847, 0.2427), (0.9989156, 0.2106), (0.9994785, 0.17167), (0.9998527, 0.11995),
 ]  # fmt: skip
 STEEL_207 = Material(youngs_modulus=207e9, poisson_ratio=0.3, density=7850.0)
 # the 209 deep-groove bearing of Harris' examples: 9 balls of 12.7 mm, grooves of 52 %

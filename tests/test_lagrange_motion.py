@@ -55,14 +55,16 @@ def random_state(rng, shape=()):
     )
 
 
-def parameters(pair):
+def parameters(pair, damping):
     b, o = BEARING, OPERATION
     radii = b.inner_raceway_radius, b.outer_raceway_radius, b.roller_radius
-    return (b.roller_mass, o.inner_mass, o.gravity, o.radial_load, *radii, pair.inner.stiffness, pair.outer.stiffness)
+    return (b.roller_mass, o.inner_mass, o.gravity, o.radial_load, *radii, pair.inner.stiffness, pair.outer.stiffness,
+            damping)  # fmt: skip
 
 
+@pytest.mark.parametrize("damping", [0.0, 20.0], ids=["undamped", "damped"])
 @pytest.mark.parametrize("exponent", [sp.Rational(10, 9), sp.Rational(3, 2)], ids=["rollers", "balls"])
-def test_equations_are_those_that_computer_algebra_derives(exponent):
+def test_equations_are_those_that_computer_algebra_derives(exponent, damping):
     derive = derived_equations(N, exponent)
     # the float nearest 10/9 isn't 10/9: 3e-17·ln δ off, below round-off
     pair = laws(float(exponent))
@@ -74,13 +76,14 @@ def test_equations_are_those_that_computer_algebra_derives(exponent):
         rho_acc, theta_acc = rng.uniform(-1e5, 1e5, N), rng.uniform(-1e6, 1e6, N)
         expected = np.array(
             derive(
-                parameters(pair),
+                parameters(pair, damping),
                 [state.x, state.y, *state.rho, *state.theta],
                 [state.x_rate, state.y_rate, *state.rho_rate, *state.theta_rate],
                 [ax, ay, *rho_acc, *theta_acc],
             )
         )
-        touch = contacts(BEARING, pair, state)
+        touch = contacts(BEARING, pair, state, damping)
+        assert np.all((touch.inner_force > 0.0) == (touch.inner > 0.0))  # no damper pulled: D knows no such limit
         found = np.concatenate([
             hub_equations(OPERATION, touch, ax, ay),
             radial_equations(BEARING, OPERATION, state, touch, rho_acc),

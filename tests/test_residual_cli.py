@@ -30,14 +30,6 @@ def result(run, tmp_path):
     return write_result(tmp_path / "made.nc", run)
 
 
-@pytest.fixture
-def plain_report(monkeypatch):
-    """Reports without figures, which take most of the time and are tested elsewhere."""
-    monkeypatch.setattr("residual.figures.paper_figures", lambda *_: [])
-    monkeypatch.setattr("residual.diagnostics.extra_figures", lambda *_: [])
-    monkeypatch.setattr("residual.budget_figures.detail_figures", lambda *_: [])
-
-
 def scene_file(run, folder):
     path = folder / "scene.toml"
     path.write_text(run.scene.to_toml(), encoding="utf-8")

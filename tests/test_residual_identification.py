@@ -10,10 +10,10 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from synthetic_run import make_run, run_variables, write_result
 
-from lagrange.laws import roller_law
+from lagrange.laws import PowerLaw, roller_law
 from residual.cli import main
 from residual.evaluation import evaluate
-from residual.fitted_laws import CoupledLaw, neighbours
+from residual.fitted_laws import CoupledLaw, DampedLaw, law_force, neighbours
 from residual.identification import fit_law, passage_numbers
 from residual.sources import read_result
 from residual.trajectory import InputError
@@ -52,6 +52,45 @@ def test_a_coupling_between_neighbours_is_found_again():
     assert found.coupling.value == pytest.approx(-4e-11, rel=1e-6)
     assert found.exponent.value == pytest.approx(EXPONENT, rel=1e-7)
     np.testing.assert_allclose(found.law.force(depth), force, atol=1e-4)
+
+
+def closing_speed(n_times=1200, seed=4):
+    """Made-up closing speeds, m/s, of the size of a vibrating roller's."""
+    return 1e-3 * np.random.default_rng(seed).standard_normal((n_times, 13))
+
+
+@pytest.mark.parametrize("extras", [("damping",), ("coupling", "damping")])
+def test_damping_is_found_again_beside_the_rest(extras):
+    depth, speed = load_zone(), closing_speed()
+    spring = CoupledLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="", coupling=-4e-11)
+    if extras == ("damping",):
+        spring = PowerLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="")
+    force = law_force(DampedLaw(spring=spring, damping=300.0), depth, speed)
+    found = fit_law(depth, force, bridge=5, extras=extras, closing_speed=speed)
+    assert found.damping.value == pytest.approx(300.0, rel=1e-3)  # a neighbour's damper couples too, unfitted
+    assert found.exponent.value == pytest.approx(EXPONENT, rel=1e-5)
+    assert found.law.name == "fitted_" + "_".join({"coupling": "coupled", "damping": "damped"}[e] for e in extras)
+    np.testing.assert_allclose(law_force(found.law, depth, speed), force, atol=0.05)
+
+
+def test_damping_that_is_not_there_is_told_by_an_interval_around_zero():
+    depth, speed = load_zone(), closing_speed()
+    noise = 0.5 * np.random.default_rng(5).standard_normal(depth.shape)
+    force = np.where(depth > 0.0, np.maximum(power(depth) + noise, 0.0), 0.0)
+    found = fit_law(depth, force, bridge=5, extras=("damping",), closing_speed=speed)
+    assert found.damping.low < 0.0 < found.damping.high
+    assert found.damping.high - found.damping.low < 100.0
+
+
+def test_a_bearing_that_does_not_move_fixes_no_damping():
+    with pytest.raises(InputError, match="damping"):
+        fit_law(load_zone(), power(load_zone()), bridge=5, extras=("damping",), closing_speed=0.0 * load_zone())
+
+
+def test_a_damper_pushes_only_where_the_spring_does_and_never_pulls():
+    law = DampedLaw(spring=PowerLaw(name="true", stiffness=1.0, exponent=1.0, source=""), damping=2.0)
+    found = law_force(law, np.array([1.0, 1.0, 1.0, -1.0]), np.array([0.5, -0.2, -3.0, 5.0]))
+    np.testing.assert_array_equal(found, [2.0, 0.6, 0.0, 0.0])
 
 
 def test_coupled_forces_satisfy_their_equation():
@@ -127,6 +166,7 @@ def test_ranking_agrees_with_an_evaluation_under_each_law(law, run, tmp_path):
     assert [s.rms for s in ranked.laws] == sorted(s.rms for s in ranked.laws)
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_summary_and_terminal_tell_the_fit_and_the_ranking(run, tmp_path, capsys):
     path = write_result(tmp_path / "a.nc", run)
     assert main([str(path), "--law", "fitted", "--compare-laws", "--tolerance", "1e6"]) == 0
@@ -136,7 +176,7 @@ def test_summary_and_terminal_tell_the_fit_and_the_ranking(run, tmp_path, capsys
     fit = summary["identification"]
     assert fit["exponent"]["low"] <= fit["exponent"]["value"] <= fit["exponent"]["high"]
     assert fit["held_back"]["samples"] + round(fit["fitted_until_s"] / 1e-5) + 1 == run.time.size
-    assert {row["law"] for row in summary["laws"]} >= {"harris", "fitted", "fitted_coupled", "johnson"}
+    assert {row["law"] for row in summary["laws"]} >= {"harris", "fitted", "fitted_coupled", "fitted_damped", "johnson"}
     page = (tmp_path / "a-residual" / "report.html").read_text()
     assert "95 % confidence" in page and "Held-back part" in page
 
@@ -159,8 +199,10 @@ def test_a_run_without_forces_can_be_ranked_but_not_fitted(run, tmp_path, capsys
 
 
 def test_fitted_law_explains_a_simulated_run(coarse_run):
-    """On the part of a finite-element run not fitted to: under 10 N rms in y, mean under 2 N."""
+    """On the part of a finite-element run not fitted to: under 10 N rms in y, mean under 2 N; and no damping."""
     evaluation = evaluate(read_result(coarse_run), "fitted")
     _, error_y = evaluation.judged
     assert error_y.rms < 10.0 and abs(error_y.mean) < 2.0
     assert evaluation.score("harris").error_y.rms > 100.0
+    damping = evaluation.identified["fitted_coupled_damped"].damping
+    assert damping.low < 0.0 < damping.high

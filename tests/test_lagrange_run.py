@@ -1,0 +1,269 @@
+"""run-fem --model lagrange: the file it writes, what the checker finds in it, balls, refusals."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from fem.cli import render_main, run_main
+from fem.store import VARIABLES
+from lagrange import contact_laws, simulate
+from lagrange.scene import read_scene
+from residual.cli import main as check_main
+from residual.evaluation import evaluate
+from residual.sources import read_result
+
+ROOT = Path(__file__).resolve().parent.parent
+LOAD = 2000.0  # N, the paper's
+BUDGET = 1e-9 * LOAD
+# the 209 deep-groove ball bearing of Harris' examples, grooves of 52 %
+BALLS = """name = "209"
+model = "lagrange"
+[bearing]
+type = "ball"
+rollers = 9
+roller_diameter_mm = 12.7
+roller_length_mm = 19.0
+inner_raceway_diameter_mm = 52.291
+outer_raceway_diameter_mm = 77.706
+bore_diameter_mm = 45.0
+outside_diameter_mm = 85.0
+inner_conformity = 0.52
+outer_conformity = 0.52
+[material]
+youngs_modulus_GPa = 207.0
+[operation]
+speed_rpm = 0.0
+gravity_m_s2 = 0.0
+radial_load_N = 8900.0
+inner_ring_and_shaft_kg = 0.5
+"""
+
+
+def run(path, *arguments):
+    """The command with settings table.key=value; its exit code."""
+    words = [word for setting in arguments for word in (("--set", setting) if "=" in setting else (setting,))]
+    return run_main(["--model", "lagrange", "--output", str(path), *words])
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    """10 ms of the paper's bearing."""
+    path = tmp_path_factory.mktemp("ideal") / "ideal.nc"
+    assert run(path, "--duration", "10", "--quiet") == 0
+    return path
+
+
+def test_the_file_holds_the_solution_in_every_variable(short):
+    scene = read_scene(None, ("model=lagrange", "numerics.duration_ms=10.0"))
+    bearing = scene.ideal_bearing()
+    found = simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 10e-3, 1e-6 * 10.0)
+    with h5py.File(short) as file:
+        assert file.attrs["status"] == "complete" and file.attrs["committed_samples"] == 1001
+        assert file.attrs["scene"] == scene.to_toml()
+        assert file.attrs["degrees_of_freedom"] == 13 + 2 and file.attrs["mesh_nodes"] == 0
+        assert 0.0 < file.attrs["time_step"] < file.attrs["critical_time_step"] < 1e-4
+        assert file.attrs["steps"] == found.steps
+        for name, (dimensions, units, _) in VARIABLES.items():
+            assert file[name].shape == (1001, 13)[: len(dimensions)] and file[name].attrs["units"] == units
+        for name in ("inner_x", "inner_ay", "roller_y", "roller_theta", "inner_force", "outer_force", "work_external"):
+            np.testing.assert_array_equal(file[name][:], getattr(found, name))
+        assert np.all(file["roller_spin"][:] == found.roller_spin)
+        for name in ("inner_traction", "outer_traction", "roller_roller_force", "energy_elastic"):
+            assert not np.any(file[name][:])
+        stored = file["energy_kinetic"][:] + file["energy_contact"][:] - file["work_external"][:]
+        assert np.ptp(stored) < 1e-6 * file["energy_contact"][:].mean()
+
+
+@pytest.mark.usefixtures("plain_report")
+@pytest.mark.parametrize("law", ["harris", "johnson"])
+def test_its_residual_is_the_stated_floor_of_differentiation(law, tmp_path):
+    """The checker's proof: two commands, no shared code but geometry and laws; contacts stay closed, 2000 N."""
+    path = tmp_path / "a.nc"
+    settings = ("bearing.outer_raceway_diameter_mm=55.98", "numerics.output_interval_us=5", f"lagrange.law={law}")
+    assert run(path, "--duration", "5", "--quiet", *settings) == 0
+    assert check_main([str(path), "--quiet"]) == 0
+    folder = tmp_path / "a-residual"
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["law"] == law  # of the run's own scene, unasked
+    with h5py.File(folder / "residual.nc") as file:
+        for axis in "xy":
+            error = file[f"error_{axis}"][:][8:-8]  # where the stencil is central
+            floor = summary["differentiation_floor_N"][axis]
+            assert np.sqrt(np.mean(error**2)) == pytest.approx(floor, rel=0.15)
+            assert floor < 5e-5
+            others = file[f"error_{axis}"][:] - file[f"budget_{axis}_differentiation"][:]
+            assert np.max(np.abs(others)) < BUDGET
+
+
+def test_where_contacts_open_all_but_differentiation_still_vanishes(short):
+    """The roller's own mode, 54 kHz, lies beyond what 10 µs resolve: some 0.1 N of differentiation."""
+    found = evaluate(read_result(short))
+    assert found.loaded_range == (6, 7)
+    for axis in "xy":
+        terms = getattr(found.budget, f"terms_{axis}")
+        error = getattr(found.budget, f"error_{axis}")
+        assert np.max(np.abs(error - terms["differentiation"])) < BUDGET
+        assert np.sqrt(np.mean(error**2)) < 0.3
+
+
+def test_statics_of_the_papers_bearing(tmp_path, capsys):
+    """Rigid rings, Harris' law, no gravity: 629.7, 550.1, 335.9, 60.0 N and 4.11 µm (independent solution)."""
+    path = tmp_path / "statics.nc"
+    assert run(path, "--duration", "0", "operation.speed_rpm=0", "operation.gravity_m_s2=0") == 0
+    shown = capsys.readouterr().out
+    assert "y -4.11" in shown and "550.1, 550.1, 335.9, 335.9, 60.0, 60.0 N" in shown
+    with h5py.File(path) as file:
+        assert file["time"].shape == (1,)
+        assert -1e6 * file["inner_y"][0] == pytest.approx(4.11, abs=0.006)
+        loads = np.sort(file["inner_force"][0])[::-1][:7]
+    assert loads == pytest.approx([629.7, 550.1, 550.1, 335.9, 335.9, 60.0, 60.0], abs=0.1)
+
+
+def test_ball_bearing_carries_harris_loads(tmp_path):
+    """Harris, Rolling Bearing Analysis, example of the 209 bearing under 8900 N: 4536, 2842, 61 N.
+
+    Second hand; Harris reads two constants off a chart.
+    """
+    scene, path = tmp_path / "209.toml", tmp_path / "209.nc"
+    scene.write_text(BALLS)
+    assert run_main([str(scene), "--duration", "0", "--output", str(path), "--quiet"]) == 0
+    with h5py.File(path) as file:
+        loads = np.sort(file["inner_force"][0])[::-1]
+    assert loads[:5] == pytest.approx([4536.0, 2842.0, 2842.0, 61.0, 61.0], abs=6.0)
+    assert np.all(loads[5:] == 0.0)
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_ball_bearing_runs_and_is_checked_by_its_own_law(tmp_path):
+    scene, path = tmp_path / "209.toml", tmp_path / "209.nc"
+    scene.write_text(BALLS)
+    options = ["--duration", "6", "--set", "operation.speed_rpm=1800", "--quiet"]
+    assert run_main([str(scene), "--output", str(path), *options]) == 0
+    assert check_main([str(path), "--quiet", "--compare-laws"]) == 0
+    summary = json.loads((tmp_path / "209-residual" / "summary.json").read_text())
+    assert summary["law"] == "hertz"
+    assert {"hertz", "fitted"} <= {law["law"] for law in summary["laws"]}
+    for axis in "xy":
+        assert summary[f"budget_{axis}"]["contact_law"] < 1e-9 * 8900.0
+        assert summary[f"error_{axis}"]["rms_N"] < 0.1
+
+
+@pytest.mark.parametrize("command", ["run", "dry run", "render"])
+def test_what_needs_a_plane_section_refuses_balls(command, tmp_path, capsys):
+    scene, path = tmp_path / "209.toml", tmp_path / "209.nc"
+    scene.write_text(BALLS)
+    if command == "render":
+        assert run_main([str(scene), "--duration", "0", "--output", str(path), "--quiet"]) == 0
+        assert render_main([str(path)]) == 2
+    else:
+        options = ["--dry-run"] if command == "dry run" else []
+        assert run_main([str(scene), "--model", "fem", "--output", str(path), *options]) == 2
+        assert not path.exists()
+    error = capsys.readouterr().err
+    assert 'bearing.type = "ball"' in error and "--model lagrange" in error
+
+
+def test_damping_is_found_again_with_its_interval(tmp_path):
+    path = tmp_path / "damped.nc"
+    settings = ("lagrange.damping_N_s_m=200", "numerics.start=rest", "numerics.load_ramp_ms=0.5")
+    assert run(path, "--duration", "12", "--quiet", *settings) == 0
+    trajectory = read_result(path)
+    found = evaluate(trajectory, "fitted_damped")
+    fit = found.identification
+    assert fit.damping.value == pytest.approx(200.0, rel=2e-3)
+    assert fit.damping.low < fit.damping.value < fit.damping.high < 1.02 * fit.damping.value
+    assert fit.exponent.value == pytest.approx(10 / 9, rel=1e-6)
+    # the scene's own damping is part of the law checked against; without it the dampers' force is left
+    assert found.score("harris").contact_rms < 0.01 < found.score("fitted").contact_rms
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_the_load_that_a_ramp_withholds_is_a_term_of_its_own(tmp_path):
+    path = tmp_path / "rest.nc"
+    assert run(path, "--duration", "3", "--quiet", "numerics.start=rest", "numerics.load_ramp_ms=2") == 0
+    found = evaluate(read_result(path), start=0.0).budget
+    time = 1e-5 * np.arange(301)
+    withheld = LOAD * np.where(time < 2e-3, 0.5 * (1.0 + np.cos(np.pi * time / 2e-3)), 0.0)
+    np.testing.assert_allclose(found.terms_y["load_and_weight"], withheld, atol=1e-9)
+    assert not np.any(found.terms_x["load_and_weight"])
+    np.testing.assert_allclose(found.terms_y["ring_flexibility"], 0.0, atol=BUDGET)
+    np.testing.assert_allclose(sum(found.terms_y.values()), found.error_y, atol=BUDGET, rtol=0)
+
+
+def test_free_angles_have_their_own_degrees_of_freedom(tmp_path):
+    path = tmp_path / "free.nc"
+    assert run(path, "--duration", "1", "--quiet", "lagrange.angles=free") == 0
+    with h5py.File(path) as file:
+        assert file.attrs["degrees_of_freedom"] == 2 * 13 + 2
+        assert np.ptp(np.diff(file["roller_theta"][-1])) > 1e-9  # no cage keeps them apart
+
+
+def test_neither_meshes_nor_compiled_kernels_are_loaded(tmp_path):
+    code = (
+        "import sys; from fem.cli import run_main; "
+        f"assert run_main(['--model', 'lagrange', '--duration', '0', '--output', {str(tmp_path / 'a.nc')!r}]) == 0; "
+        "print([m for m in 'numba gmsh skfem meshes pyvista fem.model fem.time_loop'.split() if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(ROOT)},
+                          capture_output=True, text=True, check=True)  # fmt: skip
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_dry_run_shows_the_plan_and_writes_nothing(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run_main(["--model", "lagrange", "--dry-run"]) == 0
+    shown = capsys.readouterr().out
+    for word in ("degrees of freedom", "15", "time step", "steps", "12000", "memory", "steel on steel", "635.6 N"):
+        assert word in shown
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--resume"], ["--resume", "start it again"]),
+        (["--duration", "1e6"], ["numerics.duration_ms", "GiB", "output_interval_us"]),
+        (["lagrange.law=hertz"], ["lagrange.law = 'hertz'", "harris"]),
+        (["lagrange.damping_N_s_m=-1"], ["damping_N_s_m", "0"]),
+        (["lagrange.angles=caged"], ["lagrange.angles", "kinematic"]),
+    ],
+)
+def test_bad_requests_are_refused_by_name(arguments, words, tmp_path, capsys):
+    assert run(tmp_path / "a.nc", *arguments) == 2
+    error = capsys.readouterr().err
+    assert all(word in error for word in words), error
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_law_measured_on_steel_is_warned_of_on_other_materials(tmp_path, capsys):
+    path = tmp_path / "a.nc"
+    ceramic = "material.roller.youngs_modulus_GPa=310"
+    assert run(path, "--duration", "1", "--quiet", ceramic) == 0
+    warning = capsys.readouterr().err
+    assert "harris" in warning and "roller has 310 GPa" in warning and "johnson" in warning
+    assert any("310 GPa" in note for note in evaluate(read_result(path)).notes)
+    assert not any("310 GPa" in note for note in evaluate(read_result(path), "johnson").notes)
+    assert run(path, "--duration", "1", "--quiet", ceramic, "lagrange.law=johnson") == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_a_solution_that_fails_or_is_interrupted_writes_nothing(tmp_path, monkeypatch, capsys):
+    def fail(error):
+        def solve(plan):
+            raise error
+
+        return solve
+
+    path = tmp_path / "a.nc"
+    monkeypatch.setattr("fem.lagrange_run.solve", fail(RuntimeError("no static equilibrium after 200 steps")))
+    assert run(path) == 1
+    assert "no static equilibrium" in capsys.readouterr().err
+    monkeypatch.setattr("fem.lagrange_run.solve", fail(KeyboardInterrupt()))
+    assert run(path) == 130
+    assert not path.exists()

@@ -1,0 +1,47 @@
+"""Figures that only some runs have: what they tell, and that they are left out elsewhere."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "reference"))
+from synthetic_run import make_run, write_result
+
+from lagrange.scene import parse_scene
+from residual.budget_figures import short_time_figure
+from residual.evaluation import evaluate
+from residual.figures import point_contact
+from residual.report import render_report
+from residual.sources import read_result
+
+# the 209 bearing of Harris' examples
+BALLS = {
+    "type": "ball", "rollers": 9, "roller_diameter_mm": 12.7, "inner_raceway_diameter_mm": 52.291,
+    "outer_raceway_diameter_mm": 77.706, "bore_diameter_mm": 45.0, "outside_diameter_mm": 85.0,
+    "outer_conformity": 0.52,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def ball_run(tmp_path_factory):
+    scene = parse_scene({"bearing": BALLS, "operation": {"inner_ring_and_shaft_kg": 0.5}}, "test")
+    path = tmp_path_factory.mktemp("balls") / "balls.nc"
+    return evaluate(read_result(write_result(path, make_run(n_times=1201, scene=scene))))
+
+
+def test_figure_4_marks_the_bearings_own_contacts(ball_run, tmp_path):
+    """Harris: F = 0.940 and 0.912, Σρ = 0.202 and 0.138 mm⁻¹."""
+    drawn = point_contact(ball_run, tmp_path)
+    assert drawn.png.stat().st_size > 10_000 and drawn.svg.exists()
+    for words in ("inner raceway Σρ = 0.2018", "F = 0.9400", "outer raceway Σρ = 0.1378", "F = 0.9121"):
+        assert words in drawn.caption
+    assert "9 balls Ø 12.7 mm" in render_report(ball_run, [drawn], None, "0")
+
+
+def test_short_time_spectra_need_two_passages(ball_run, tmp_path):
+    drawn = short_time_figure(ball_run, tmp_path)
+    assert drawn.png.stat().st_size > 10_000
+    assert "half a roller passage" in drawn.caption
+    short = make_run(n_times=401)
+    assert short_time_figure(evaluate(read_result(write_result(tmp_path / "a.nc", short))), tmp_path) is None

@@ -69,7 +69,7 @@ def simulate(
     Errors
     ------
     Fourth order in the step while no contact opens or closes, where the law's kink lowers the order; second order with
-    damping. The energy error stays below 2e-8 of the elastic energy over 0.06 s of the paper's bearing, 3e-6 when
+    damping. The energy error stays below 5e-8 of the elastic energy over 0.06 s of the paper's bearing, 6e-6 when
     started from rest, every roller rattling.
     Where contacts rattle (clearance) the step is halved, up to three times, until the error is below 1 % of the energy
     they pass on; UserWarning if that isn't enough, or at once for a step of your own.

@@ -81,7 +81,10 @@ def _run(
     if path.is_dir():
         raise UsageError(f"--output {path}: is a folder; name a file in it")
     if chosen.model == "lagrange":
-        return _lagrange(chosen, path, dry_run, quiet, resume)
+        if resume or estimate_error:
+            told = "--resume: the Lagrangian model takes seconds and keeps no checkpoint; start it again"
+            raise UsageError(told if resume else "--estimate-error: the Lagrangian model has no mesh; leave it out")
+        return _lagrange(chosen, path, dry_run, quiet)
     if dry_run:
         return _dry_run(chosen)
     if not estimate_error:
@@ -93,11 +96,9 @@ def _run(
     return code if code != OK else _estimate(chosen, coarse, path, quiet)
 
 
-def _lagrange(scene, path: Path, dry_run: bool, quiet: bool, resume: bool) -> int:
+def _lagrange(scene, path: Path, dry_run: bool, quiet: bool) -> int:
     from fem.lagrange_run import make_plan, print_plan, run_command
 
-    if resume:
-        raise UsageError("--resume: the Lagrangian model takes seconds and keeps no checkpoint; start it again")
     if dry_run:
         print_plan(make_plan(scene))
         return OK

@@ -8,14 +8,16 @@ import time
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import h5py
 import numpy as np
 
-from fem.error_estimate import Estimate
 from fem.errors import UsageError
 from lagrange.scene import Scene
+
+if TYPE_CHECKING:  # a run of the Lagrangian model needs none of the finite elements behind it
+    from fem.error_estimate import Estimate
 
 FORMAT_VERSION = 1
 FLUSH_SECONDS = 0.5  # of wall time between two flushes
@@ -198,7 +200,7 @@ ESTIMATE = {
 }
 
 
-def write_estimates(path: Path, found: list[Estimate], coarse_mesh_size: float) -> None:
+def write_estimates(path: Path, found: list["Estimate"], coarse_mesh_size: float) -> None:
     """Add error estimates to a finished result file; mesh size of the coarser run in m."""
     columns = {
         "quantity": [each.quantity.name for each in found],

@@ -67,7 +67,7 @@ def test_moving_quantities_are_those_of_a_made_up_record():
 
 
 def test_a_mesh_that_leaves_no_coarser_one_is_refused(capsys, tmp_path):
-    with pytest.raises(UsageError, match="mesh_size_mm = 2.5"):
+    with pytest.raises(UsageError, match=r"mesh_size_mm = 2\.5"):
         coarser_scene(read_scene(None, ("numerics.mesh_size_mm=2.5",)))
     assert coarser_scene(read_scene()).numerics.mesh_size_mm == 2.0
     output = tmp_path / "no.nc"

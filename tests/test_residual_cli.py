@@ -175,6 +175,7 @@ def test_older_report_is_replaced_and_a_foreign_folder_is_not(result, tmp_path, 
     assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_failure_half_way_leaves_no_report(result, tmp_path, monkeypatch, capsys):
     from residual import store
 

@@ -169,6 +169,7 @@ def test_report_holds_term_spectra_and_warns_of_unresolved_lines(tmp_path, capsy
         weighted = np.sum((window * (term - term.mean())) ** 2) / np.sum(window**2)
         assert np.sum(psd) * df == pytest.approx(weighted, rel=0.05)
         assert file["envelope_psd_x"].dims[0][0] == file["frequency"]
+    assert {"envelope.png", "short_time.png"} <= {p.name for p in (tmp_path / "a-residual").iterdir()}
 
 
 def test_an_unknown_line_exits_2(tmp_path, capsys):

@@ -75,6 +75,7 @@ def test_units_apply_to_headers_that_do_not_carry_them(run, tmp_path):
     np.testing.assert_allclose(trajectory.inner_y, run.inner_y, atol=1e-18)
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_command_reads_a_foreign_table_and_says_what_it_lacks(run, tmp_path, capsys):
     path = write_foreign(tmp_path / "a.tsv", foreign_columns(run))
     scene = tmp_path / "scene.toml"
@@ -185,6 +186,7 @@ def test_resampling_is_refused_for_a_result_file(run, tmp_path, capsys):
     assert "--resample" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("plain_report")
 def test_guided_example_of_the_documentation_works(tmp_path, monkeypatch, capsys):
     text = (Path(__file__).resolve().parent.parent / "docs" / "tables.md").read_text(encoding="utf-8")
     example = text[text.index("## An example") :]

@@ -49,23 +49,30 @@ def static_quantities(model: Model, operation: Operation) -> list[Quantity]:
 
 
 def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
-    """Of a record, by the result file's names; at least two samples.
+    """Of a record, by the result file's names; at least two samples. Means are over time.
 
     The varying compliance is the standard deviation of the hub's path; the cage speed is the slope of the straight line
     through the rollers' mean angle.
     """
     time, force = samples["time"], samples["inner_force"]
+
+    def mean(values):
+        return float(np.trapezoid(values, time) / (time[-1] - time[0]))
+
+    found = []
+    for axis in "xy":
+        path = samples[f"inner_{axis}"]
+        middle = mean(path)
+        found += [
+            Quantity(name=f"hub_mean_{axis}", unit="m", meaning=f"mean position of the hub, {axis}", value=middle),
+            Quantity(
+                name=f"hub_std_{axis}",
+                unit="m",
+                meaning=f"standard deviation of the hub's path, {axis}",
+                value=mean((path - middle) ** 2) ** 0.5,
+            ),
+        ]
     angle = samples["roller_theta"].mean(axis=1)
-    found = [
-        Quantity(
-            name=f"{name}_{axis}", unit="m", meaning=f"{meaning}, {axis}", value=float(take(samples[f"inner_{axis}"]))
-        )
-        for name, meaning, take in (
-            ("hub_mean", "mean position of the hub", np.mean),
-            ("hub_std", "its standard deviation", np.std),
-        )
-        for axis in ("x", "y")
-    ]
     return [
         *found,
         Quantity(
@@ -75,12 +82,9 @@ def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
             name="mean_largest_force",
             unit="N",
             meaning="force of the most loaded roller, mean",
-            value=float(force.max(axis=1).mean()),
+            value=mean(force.max(axis=1)),
         ),
         Quantity(
-            name="cage_speed",
-            unit="rad/s",
-            meaning="of the rollers' centres",
-            value=float(np.polyfit(time, angle, 1)[0]),
+            name="cage_speed", unit="rad/s", meaning="speed of the cage", value=float(np.polyfit(time, angle, 1)[0])
         ),
     ]

@@ -1,7 +1,7 @@
 """Contacts that the mesh resolves: the layer that keeps the surfaces apart, and where its pressure is sampled."""
 
 from dataclasses import dataclass
-from math import ceil, pi, sqrt
+from math import ceil, log2, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -94,12 +94,12 @@ def points(laws: dict[int, ResolvedLaw], largest_force: float, n_rollers: int) -
 
 
 def stretch_for(resolved: Resolved, nodes: tuple[int, ...]) -> tuple[int, ...]:
-    """Stretch of patches that hold every node under the points, for surfaces of so many nodes."""
+    """Stretch of patches that hold every node under the points: a power of two, as each is compiled for itself."""
     widest = max(
         2.0 * np.abs(resolved.shift[kind, side]).max() * count / (2.0 * pi)
         for (kind, side), count in zip(((INNER, 0), (OUTER, 0), (INNER, 1)), nodes, strict=True)
     )
-    return (0,) * ceil((widest + 3.0) / N_NODES)
+    return (0,) * 2 ** max(0, ceil(log2((widest + 3.0) / N_NODES)))
 
 
 def ring_push(ring: RingBody, angle: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -20,6 +20,14 @@ MAX_CLOSING = 100
 ENOUGH = 1e-9  # of the load
 
 
+@dataclass(frozen=True, kw_only=True)
+class Pressures:
+    """Of one contact, along the tangent."""
+
+    across: np.ndarray  # (n_points,), m, from the line of centres
+    pressure: np.ndarray  # (n_points,), Pa
+
+
 def resolved_equilibrium(
     model: Model, motion: Motion, radial_load: float, weight: float, gravity: float, start: Equilibrium | None = None
 ) -> Equilibrium:
@@ -29,8 +37,23 @@ def resolved_equilibrium(
     ------
     NotFound: Newton's method did not converge. The balance is exact to ENOUGH of the load.
     """
+    return _equilibrium(model, *_solved(model, motion, radial_load + weight, gravity, start))
+
+
+def contact_pressures(model: Model, motion: Motion, radial_load: float) -> list[Pressures]:
+    """Pressures of all contacts under a load, N, weightless: inner ones by roller, then outer ones."""
+    points, _, forces = _solved(model, motion, radial_load, 0.0, None)
+    found = []
+    for contact in range(2 * model.bearing.n_rollers):
+        law = (model.inner_law, model.outer_law)[contact // model.bearing.n_rollers]
+        mine = points.contact == contact
+        found.append(Pressures(across=points.across[mine], pressure=forces[mine] / (law.spacing * law.thickness)))
+    return found
+
+
+def _solved(model: Model, motion: Motion, load: float, gravity: float, start: Equilibrium | None):
+    """Points, hub and radii, and the forces of the points in equilibrium."""
     bearing, n = model.bearing, model.bearing.n_rollers
-    load = radial_load + weight
     if start is None:
         contacts = exact_contacts(bearing, motion.roller_angle)
         guess = first_guess(bearing, contacts.radial, load)
@@ -41,9 +64,9 @@ def resolved_equilibrium(
     place, forces = state[: 2 + n], np.maximum(state[2 + n :], 0.0)
     for _ in range(PASSES):
         points = _points(model, motion, gravity, place, forces)
-        place, pressures = _balance(model, motion, points, place, load, gravity)
-        forces = np.bincount(points.contact, pressures, minlength=2 * n)
-    return _equilibrium(model, points, place, pressures, forces)
+        place, pressed = _balance(model, motion, points, place, load, gravity)
+        forces = np.bincount(points.contact, pressed, minlength=2 * n)
+    return points, place, pressed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +74,7 @@ class _Points:
     """Pressure points of all contacts (inner ones first, then outer), and the elastic response to forces on them."""
 
     contact: np.ndarray  # (n_points,)
+    across: np.ndarray  # (n_points,), m, from the line of centres along the tangent
     rise: np.ndarray  # (n_points,), m, by which the circles fall apart
     growth: np.ndarray  # (n_points,), m, closing by centrifugal load and weight
     compliance: np.ndarray  # (n_points, n_points), m/N, and the layer's on the diagonal
@@ -106,6 +130,7 @@ def _points(model: Model, motion: Motion, gravity: float, place, forces) -> _Poi
         loads.append((mine, nodes, push))
     return _Points(
         contact=contact,
+        across=across,
         rise=rise,
         growth=growth,
         compliance=compliance,
@@ -205,18 +230,19 @@ def _balance(model: Model, motion: Motion, points: _Points, place, load: float, 
     return place, force
 
 
-def _equilibrium(model: Model, points: _Points, place, pressures, forces) -> Equilibrium:
+def _equilibrium(model: Model, points: _Points, place, pressed) -> Equilibrium:
     n, disc = model.bearing.n_rollers, model.roller
+    forces = np.bincount(points.contact, pressed, minlength=2 * n)
     fields = []
     for ring, growth, (mine, nodes, push) in zip(
         (model.inner_ring, model.outer_ring), (points.inner_growth, points.outer_sag), points.loads, strict=False
     ):
         nodal = np.zeros((ring.n_rows, 2, ring.n_sectors))
-        nodal[ring.raceway_row][:, nodes] = -(push @ pressures[mine]).reshape(-1, 2).T
+        nodal[ring.raceway_row][:, nodes] = -(push @ pressed[mine]).reshape(-1, 2).T
         fields.append(growth + ring.held(nodal))
     nodal = np.zeros((disc.n_nodes, 2, n))
     for roller, (mine, nodes, push) in enumerate(points.loads[2:]):
-        nodal[disc.first_surface_node + nodes, :, roller] = -(push @ pressures[mine]).reshape(-1, 2)
+        nodal[disc.first_surface_node + nodes, :, roller] = -(push @ pressed[mine]).reshape(-1, 2)
     rollers = disc.relaxed(nodal.reshape(-1, n)) + points.roller_growth[:, None]
     return Equilibrium(
         hub=place[:2].copy(),

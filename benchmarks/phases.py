@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from benchmarks.machine import Machine, median_seconds
-from fem import disc_kernels, ring_kernels, time_loop
+from fem import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.arrays import Arrays
 from fem.contact_kernels import friction_contacts, normal_contacts, slips
 from fem.simulate import Plan
@@ -74,8 +74,8 @@ def _hub(inner, scratch):
 
 @njit
 def _sampled(rollers, inner, outer, contacts, drive, scratch, row):
-    time_loop._remember(rollers, inner, outer, drive, scratch)
-    time_loop._sample(rollers, inner, outer, contacts, drive, scratch, row, 0.0, 0.0, 0.0, 0.0)
+    sample_kernels.remember(rollers, inner, outer, drive, scratch)
+    sample_kernels.write_sample(rollers, inner, outer, contacts, drive, scratch, row, 0.0, 0.0, 0.0, 0.0)
 
 
 def _seconds(function: Callable, *arguments) -> float:
@@ -94,7 +94,7 @@ def time_phases(plan: Plan) -> dict[str, float]:
     """Seconds a step spends in each phase, contacts and friction at the static loads."""
     a: Arrays = plan.arrays()
     r, i, o, c, d, x = a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch
-    row = np.zeros(time_loop.N_SCALARS + len(time_loop.BLOCKS) * r.n)
+    row = np.zeros(sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * r.n)
     matrix = (r.starts, r.neighbours, r.blocks, r.points, r.mass)
     out = {
         "contacts": _seconds(normal_contacts, r, i, o, c, d, x.slope),
@@ -123,7 +123,7 @@ def time_phases(plan: Plan) -> dict[str, float]:
 def step_seconds(plan: Plan, repeats: int = 3) -> float:
     """Whole steps of the running bearing, samples included."""
     a = plan.arrays()
-    width = time_loop.N_SCALARS + len(time_loop.BLOCKS) * a.rollers.n
+    width = sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * a.rollers.n
 
     def advance(samples, at=[0]):  # noqa: B006 the state runs on from call to call
         rows = np.zeros((samples, width))

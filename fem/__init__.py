@@ -10,7 +10,7 @@ contact_balance, equilibrium  hub and rollers on elastic contacts; the static eq
 continuum, exact_statics      exact series for discs and rings; the whole bearing without a mesh, the yardstick
 critical_step                 2/ω_max with the contacts in it
 state, arrays                 what the time loop works on, and how it is filled
-*_kernels, time_loop, simd    numba: bodies, contacts, leapfrog, samples; eight lanes as one value
+*_kernels, time_loop, simd    numba: bodies, contacts, what a sample stores; leapfrog; eight lanes as one value
 jit                           @kernel: compiled once per version of the code
 recover, render*              fields of a stored instant; off-screen pictures
 """

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem import time_loop as loop
+from fem import sample_kernels as row
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,22 +63,22 @@ class SampleReader:
     def read(self, rows: np.ndarray) -> Samples:
         """Quantities of the next rows."""
         n = self._n
-        blocks = rows[:, loop.N_SCALARS :].reshape(len(rows), len(loop.BLOCKS), n)
-        block = {name: blocks[:, i] for i, name in enumerate(loop.BLOCKS)}
+        blocks = rows[:, row.N_SCALARS :].reshape(len(rows), len(row.BLOCKS), n)
+        block = {name: blocks[:, i] for i, name in enumerate(row.BLOCKS)}
         x, y = block["roller_x"], block["roller_y"]
-        works = rows[:, [loop.WORK_LOAD, loop.WORK_GRAVITY, loop.WORK_DRIVE]].sum(axis=1) + self._frame(rows)
+        works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1) + self._frame(rows)
         if self._base is None:
-            self._base = works[0], rows[0, loop.DISSIPATED], rows[0, [loop.KINETIC, loop.ELASTIC, loop.CONTACT]].sum()
-        work, dissipated = works - self._base[0], rows[:, loop.DISSIPATED] - self._base[1]
-        stored = rows[:, [loop.KINETIC, loop.ELASTIC, loop.CONTACT]].sum(axis=1) - self._base[2]
+            self._base = works[0], rows[0, row.DISSIPATED], rows[0, [row.KINETIC, row.ELASTIC, row.CONTACT]].sum()
+        work, dissipated = works - self._base[0], rows[:, row.DISSIPATED] - self._base[1]
+        stored = rows[:, [row.KINETIC, row.ELASTIC, row.CONTACT]].sum(axis=1) - self._base[2]
         values = {
             "time": (self._count + np.arange(len(rows))) * self._interval,
-            "inner_x": rows[:, loop.HUB_X],
-            "inner_y": rows[:, loop.HUB_Y],
-            "inner_vx": rows[:, loop.HUB_VX],
-            "inner_vy": rows[:, loop.HUB_VY],
-            "inner_ax": rows[:, loop.HUB_AX],
-            "inner_ay": rows[:, loop.HUB_AY],
+            "inner_x": rows[:, row.HUB_X],
+            "inner_y": rows[:, row.HUB_Y],
+            "inner_vx": rows[:, row.HUB_VX],
+            "inner_vy": rows[:, row.HUB_VY],
+            "inner_ax": rows[:, row.HUB_AX],
+            "inner_ay": rows[:, row.HUB_AY],
             "roller_x": x,
             "roller_y": y,
             "roller_rho": np.hypot(x, y),
@@ -89,9 +89,9 @@ class SampleReader:
             "inner_traction": block["inner_traction"],
             "outer_traction": block["outer_traction"],
             "roller_roller_force": block["roller_roller_force"],
-            "energy_kinetic": rows[:, loop.KINETIC],
-            "energy_elastic": rows[:, loop.ELASTIC],
-            "energy_contact": rows[:, loop.CONTACT],
+            "energy_kinetic": rows[:, row.KINETIC],
+            "energy_elastic": rows[:, row.ELASTIC],
+            "energy_contact": rows[:, row.CONTACT],
             "work_external": work,
             "work_dissipated": dissipated,
         }
@@ -105,7 +105,7 @@ class SampleReader:
 
     def _frame(self, rows: np.ndarray) -> np.ndarray:
         """Work of turning the inner ring's frame against its second-order moment, by the trapezoidal rule."""
-        moment = rows[:, loop.FRAME_MOMENT]
+        moment = rows[:, row.FRAME_MOMENT]
         before = moment[0] if self._moment is None else self._moment
         means = 0.5 * (np.concatenate([[before], moment[:-1]]) + moment)
         if self._moment is None:

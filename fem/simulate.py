@@ -13,6 +13,7 @@ from fem.critical_step import critical_time_step
 from fem.discretise import model_of
 from fem.limits import check_contacts, check_meshes, check_speed
 from fem.model import Model
+from fem.sample_kernels import BLOCKS, N_SCALARS
 from fem.samples import SampleReader, Samples
 from fem.start import Start, equilibrium_start, rest_start
 from lagrange import Operation, kinematics
@@ -111,7 +112,7 @@ def compile_kernels(plan: Plan) -> None:
 
 
 def _row_width(plan: Plan) -> int:
-    return time_loop.N_SCALARS + len(time_loop.BLOCKS) * plan.model.bearing.n_rollers
+    return N_SCALARS + len(BLOCKS) * plan.model.bearing.n_rollers
 
 
 def _advance(plan: Plan, arrays: Arrays, done: int, rows: np.ndarray) -> tuple[int, int, int]:

@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from bearings import LENGTH, STEEL, arrays, copies, loop_arguments, model, operation, paper, resolved_model, soft
 from line_contact import carter_creep, impact_on_rigid_flat
 
-from fem import time_loop
+from fem import sample_kernels, time_loop
 from fem.contact_kernels import (
     contact_impulses,
     creep_traction,
@@ -92,7 +92,7 @@ def press(state):
 def potential(state):
     """Energy of all contacts, J."""
     pressed = press(state)
-    return time_loop._contact_energy(pressed.contacts, pressed.rollers.n, pressed.contacts.resolved)
+    return sample_kernels.contacts_energy(pressed.contacts, pressed.rollers.n, pressed.contacts.resolved)
 
 
 class Motion:
@@ -483,11 +483,12 @@ def collide(velocities, mesh_size=1e-3, friction=0.0, spins=(0.0, 0.0), courant=
     )
     while since < n_after:
         assert len(history) < 5000
-        time_loop._remember(*bodies)
+        sample_kernels.remember(*bodies)
         _, _, lost = time_loop.kick(*arguments[:5], 0.0, state.scratch)
         force, traction = state.contacts.force[ROLLER, 0], state.contacts.traction[ROLLER, 0]
-        kinetic, contact = time_loop._kinetic(*bodies), time_loop._contact_energy(state.contacts, 3, None)
-        elastic, _ = time_loop._elastic(*bodies)
+        kinetic = sample_kernels.kinetic_energy(*bodies)
+        contact = sample_kernels.contacts_energy(state.contacts, 3, None)
+        elastic, _ = sample_kernels.elastic_energy(*bodies)
         position = rollers.points.reshape(-1, 2, 1) + roller_field(state, rollers.u)
         gained = (rollers.impulse + rollers.tilt) / rollers.total_mass
         velocity, centre = rollers.velocity[:3] + gained[:3], rollers.centre[:3]

@@ -26,10 +26,10 @@ from bearings import (
 )
 from scipy.linalg import eigh
 
-from fem import disc_kernels, ring_kernels, time_loop
+from fem import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.critical_step import critical_time_step
 from fem.ring_kernels import HALO
-from fem.time_loop import (
+from fem.sample_kernels import (
     CONTACT,
     DISSIPATED,
     ELASTIC,
@@ -41,13 +41,12 @@ from fem.time_loop import (
     HUB_X,
     HUB_Y,
     KINETIC,
-    NOT_FINITE,
     TIME,
     WORK_DRIVE,
     WORK_GRAVITY,
     WORK_LOAD,
-    advance,
 )
+from fem.time_loop import NOT_FINITE, advance
 from lagrange import Bearing
 
 
@@ -203,11 +202,11 @@ def vibrate(courant, smooth, n_steps):
     bodies = tuple(loop_arguments(state)[k] for k in (0, 1, 2, 4, 5))
     energy, angular, mean, lead = [], [], [], []
     for _ in range(n_steps):
-        time_loop._remember(*bodies)
+        sample_kernels.remember(*bodies)
         before = discs(state, "w").copy()
         time_loop.kick(*loop_arguments(state)[:5], 0.0, state.scratch)
         after, position = discs(state, "w"), points[:, :, None] + discs(state, "u")
-        energy.append(0.5 * np.sum(mass * before * after) + time_loop._elastic(*bodies)[0])
+        energy.append(0.5 * np.sum(mass * before * after) + sample_kernels.elastic_energy(*bodies)[0])
         angular.append(np.sum(mass[:, 0] * (position[:, 0] * after[:, 1] - position[:, 1] * after[:, 0]), axis=0))
         time_loop.drift(*bodies)
         mean.append(np.abs(np.sum(mass * discs(state, "u"), axis=0)).max() / rollers.total_mass)

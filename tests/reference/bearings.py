@@ -11,8 +11,9 @@ import numpy as np
 from fem.arrays import Arrays, make_arrays
 from fem.bodies import DiscBody, RingBody, disc_body, ring_body
 from fem.model import Model, build_model, build_resolved_model
+from fem.sample_kernels import BLOCKS, N_SCALARS
 from fem.start import Start, equilibrium_start, rest_start
-from fem.time_loop import BLOCKS, N_SCALARS, advance
+from fem.time_loop import advance
 from lagrange import Bearing, Material, Operation
 from lagrange.scene import read_scene
 from meshes import Annulus, Disc

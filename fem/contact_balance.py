@@ -1,4 +1,4 @@
-"""The balance of hub and rollers on elastic contacts: 3 n + 2 equations for Newton.
+"""The balance of hub and rollers on elastic contacts that may open and close.
 
 Every body is condensed to the compliance between its contacts; where that comes from (finite elements, exact series) is
 not known here.
@@ -13,13 +13,14 @@ from fem.subgrid import ContactLaw
 from lagrange import Bearing
 
 LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clearance); 1e-6 N per µm
-MAX_NEWTON = 60
-TETHER_DECADES = 9
-# contacts open and close: solved with approaches rounded off over ever shorter lengths, in roller radii
-SHARP = 1e-13  # leaves 1e-8 N at an open contact
-FAINTEST = 1e-6  # N; a smaller force is what the rounding left
-FINE_ROUNDING = (1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)
-ROUNDING = (1e-3, 1e-4, 1e-5, *FINE_ROUNDING)
+FAINTEST = 1e-6  # N; a smaller force is what the barrier left
+MAX_TURNS, MAX_STEPS = 50, 100  # measured at most 6 and 30
+SETTLED = 1e-13  # of a radius: bodies stand still, contacts fit
+BALANCED = 1e-11  # of the largest force
+BARELY = 1e-19  # of the largest force times the roller's radius: force times gap that is left
+FIRST_GAP = 1e-4  # of a roller's radius
+SHRINK = 0.1  # of the mean force times gap in a step
+TO_THE_WALL = 0.95  # of the way to where a force or a gap would vanish
 
 
 class NotFound(RuntimeError):
@@ -27,14 +28,11 @@ class NotFound(RuntimeError):
 
 
 class Loads(NamedTuple):
-    """What the contacts must carry, and how the solver is eased on its way."""
+    """What the contacts must carry."""
 
     hub: float  # N, downwards
     gravity: float  # m/s²
     cage_speed: float  # rad/s
-    rounding: float  # m, of the corner where a contact opens
-    tether: float  # N/m, springs that hold hub and rollers near `anchor`
-    anchor: np.ndarray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,146 +48,119 @@ class Condensed:
 
 
 def first_guess(bearing: Bearing, radial, load) -> np.ndarray:
-    """Hub pushed down until rigid rollers would touch, everything at rest midway between the raceways."""
-    n = bearing.n_rollers
+    """Hub and radii, (n_rollers + 2,): the hub pushed down until rigid rollers would touch, rollers midway."""
     down = max(bearing.radial_clearance, 0.0) + (1e-7 * bearing.roller_radius if load > 0.0 else 0.0)
     hub = np.array([0.0, -down if load > 0.0 else 0.0])
-    rho = bearing.pitch_radius + 0.5 * (radial @ hub)
-    return np.concatenate([hub, rho, np.zeros(2 * n)])
+    return np.concatenate([hub, bearing.pitch_radius + 0.5 * (radial @ hub)])
 
 
-def closed_forces(unknown: np.ndarray, n_rollers: int) -> np.ndarray:
-    """The forces in a solution, (2 n_rollers,), N; what the rounding leaves at open contacts is 0."""
-    forces = unknown[2 + n_rollers :]
+def closed_forces(forces: np.ndarray) -> np.ndarray:
+    """The contact forces of a solution, N; what the barrier leaves at open contacts is 0."""
     return np.where(forces > FAINTEST, forces, 0.0)
 
 
-def balance(contacts: Condensed, loads: Loads, cold: bool) -> np.ndarray:
-    """Hub, radii, inner and outer forces in equilibrium, (3 n_rollers + 2,): the quick ways first.
+def balance(contacts: Condensed, loads: Loads, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Hub and radii, (n_rollers + 2,), and inner and outer forces, (2 n_rollers,), in equilibrium.
 
-    Starts from `loads.anchor`; `cold` says that it is only a guess.
+    With the directions of the contacts held the problem is convex, however many contacts open or close: the least
+    potential energy of elastic bodies that may not pull. That is solved, the directions are set anew, and so on; they
+    move by microradians, or by a roller's pitch where a hub in clearance rolls over to the next roller.
 
     Errors
     ------
     NotFound. The balance is exact to about 1e-9 of the load.
     """
-    if not cold:
-        try:
-            return _newton(contacts, loads.anchor, loads)
-        except NotFound:
-            pass  # a contact opens or closes between the anchor and here
-    try:
-        return _rounded_off(contacts, loads.anchor, loads, ROUNDING if cold else FINE_ROUNDING)
-    except NotFound:
-        return _rounded_off(contacts, _settled(contacts, loads), loads, FINE_ROUNDING)
+    position = start
+    for _ in range(MAX_TURNS):
+        moved, forces = _convex(contacts, loads, position)
+        change = np.abs(moved - position).max()
+        position = moved
+        if change <= SETTLED * contacts.bearing.pitch_radius:
+            return position, forces
+    raise NotFound(
+        f"static equilibrium not found under {loads.hub:.4g} N: after {MAX_TURNS} turns of the contacts the bodies "
+        f"still move by {change:.1e} m"
+    )
 
 
-def _rounded_off(contacts, unknown, loads: Loads, roundings) -> np.ndarray:
-    """The equilibrium by way of ever less rounded contacts."""
-    for rounding in roundings:
-        eased = loads._replace(rounding=rounding * contacts.bearing.roller_radius)
-        unknown = _newton(contacts, unknown, eased)
-    return _newton(contacts, unknown, loads)
+def _convex(contacts: Condensed, loads: Loads, position) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and forces with the contacts' directions held as they are at `position`.
 
-
-def _settled(contacts, loads: Loads) -> np.ndarray:
-    """A state near the equilibrium: pulled along by ever softer springs, as a slow motion would settle.
-
-    A hub that rests on one roller in clearance is unstable and must roll over to the next, many contact widths away.
+    Primal-dual interior-point method (Nocedal and Wright, Numerical Optimization, 2006, chapter 19): forces q and gaps
+    s stay positive while their products shrink to 0.
     """
-    unknown = loads.anchor
-    stiffest = max(loads.hub, 1.0) / (1e-6 * contacts.bearing.roller_radius)
-    for tether in stiffest * 10.0 ** np.arange(0.0, -TETHER_DECADES, -0.5):
-        for _ in range(3):
-            eased = loads._replace(tether=tether, rounding=1e-6 * contacts.bearing.roller_radius, anchor=unknown)
-            unknown = _newton(contacts, unknown, eased)
-    return unknown
-
-
-def _newton(contacts, unknown, loads: Loads) -> np.ndarray:
-    """Newton's method with step halving on the norm of the residual, N."""
-    exact = loads.rounding <= SHARP * contacts.bearing.roller_radius  # a stepping stone need not be
-    enough = 1e-10 * loads.hub + 1e-9 if exact else 1e-4 * max(loads.hub, 1.0)
-    # a roller that only a loose spring holds may flicker between touching and not
-    tolerable = 100.0 * enough + 2.0 * LOOSE_SPRING * abs(contacts.bearing.radial_clearance)
-    residual, jacobian = _system(contacts, unknown, loads)
-    for _ in range(MAX_NEWTON):
-        norm = np.linalg.norm(residual)
-        if norm <= enough:
-            return unknown
-        step = np.linalg.solve(jacobian, -residual)
-        length = 1.0
-        while True:
-            trial = unknown + length * step
-            found, slopes = _system(contacts, trial, loads)
-            if np.linalg.norm(found) < norm or length < 1e-6:
-                break
-            length *= 0.5
-        if length < 1e-6 and (not exact or norm <= tolerable):
-            return unknown
-        unknown, residual, jacobian = trial, found, slopes
-    if exact and norm > tolerable:
-        raise NotFound(
-            f"static equilibrium not found: residual {norm:.2e} N after {MAX_NEWTON} steps under {loads.hub:.4g} N"
-        )
-    return unknown
-
-
-def _system(contacts: Condensed, unknown, loads: Loads):
-    """Residual, N, and its Jacobian for hub, radii, inner and outer forces."""
-    bearing, n, radial = contacts.bearing, contacts.bearing.n_rollers, contacts.radial
-    hub, rho = unknown[:2], unknown[2 : 2 + n]
-    force = unknown[2 + n :]
-    inner_force, outer_force = force[:n], force[n:]
-    to_roller = radial * rho[:, None] - hub
-    distance = np.hypot(to_roller[:, 0], to_roller[:, 1])
-    normal = to_roller / distance[:, None]
-    along = np.sum(normal * radial, axis=1)
-    geometric = np.concatenate(
+    bearing, n = contacts.bearing, contacts.bearing.n_rollers
+    closing, directions = _geometry(contacts, position)
+    applied = np.concatenate(
         [
-            bearing.inner_raceway_radius + bearing.roller_radius - distance,
-            rho + bearing.roller_radius - bearing.outer_raceway_radius,
+            [0.0, -loads.hub],
+            # the centrifugal force's own growth is left out: a roller in clearance would be sent the wrong way
+            bearing.roller_mass * (loads.cage_speed**2 * position[2:] - loads.gravity * contacts.radial[:, 1]),
         ]
     )
-    closing = geometric + contacts.growth - contacts.compliance @ force
-    wanted, stiffness = np.zeros(2 * n), np.zeros(2 * n)
-    for k in range(2 * n):
-        law = contacts.inner_law if k < n else contacts.outer_law
-        length = np.hypot(closing[k], loads.rounding)
-        rounded = 0.5 * (closing[k] + length)
-        if rounded > 0.0:
-            wanted[k] = law.force(rounded)
-            stiffness[k] = law.stiffness(wanted[k]) * 0.5 * (1.0 + closing[k] / length)
-
-    mass = bearing.roller_mass
-    i_rho, i_in, i_out = 2 + np.arange(n), 2 + n + np.arange(n), 2 + 2 * n + np.arange(n)
-    residual = np.zeros(2 + 3 * n)
-    residual[:2] = -inner_force @ normal - np.array([0.0, loads.hub]) - LOOSE_SPRING * hub
-    residual[i_rho] = (
-        inner_force * along
-        - outer_force
-        + mass * (loads.cage_speed**2 * rho - loads.gravity * radial[:, 1])
-        - LOOSE_SPRING * (rho - bearing.pitch_radius)
+    middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
+    size = max(float(np.abs(applied).max()), FAINTEST)
+    moved, force, gap = position.copy(), np.full(2 * n, size), np.full(2 * n, FIRST_GAP * bearing.roller_radius)
+    for _ in range(MAX_STEPS):
+        approach, softness = _law(contacts, force)
+        unbalanced = applied - LOOSE_SPRING * (moved - middle) - directions.T @ force
+        apart = closing + directions @ (moved - position) - contacts.compliance @ force - approach + gap
+        product = float(force @ gap) / (2 * n)
+        scale = max(size, float(force.max()))
+        if (
+            np.abs(unbalanced).max() <= BALANCED * scale
+            and np.abs(apart).max() <= SETTLED * bearing.roller_radius
+            and product <= BARELY * scale * bearing.roller_radius
+        ):
+            return moved, force
+        barrier = SHRINK * product
+        wanted = apart + barrier / force - gap
+        solved = np.linalg.solve(
+            contacts.compliance + np.diag(softness + gap / force), np.column_stack([directions, wanted])
+        )
+        step = np.linalg.solve(
+            LOOSE_SPRING * np.eye(n + 2) + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1]
+        )
+        force_step = solved[:, :-1] @ step + solved[:, -1]
+        gap_step = (barrier - force * gap - gap * force_step) / force
+        length = min(1.0, _room(force, force_step), _room(gap, gap_step))
+        moved, force, gap = moved + length * step, force + length * force_step, gap + length * gap_step
+    raise NotFound(
+        f"static equilibrium not found: {np.abs(unbalanced).max():.2e} N unbalanced after {MAX_STEPS} steps under "
+        f"{loads.hub:.4g} N"
     )
-    residual[: 2 + n] -= loads.tether * (unknown - loads.anchor)[: 2 + n]
-    residual[2 + n :] = force - wanted
 
-    jacobian = np.zeros((2 + 3 * n, 2 + 3 * n))
-    jacobian[0, 0] = jacobian[1, 1] = -LOOSE_SPRING
-    jacobian[0, i_in], jacobian[1, i_in] = -normal[:, 0], -normal[:, 1]
-    for j in range(n):  # the normals turn with the hub and the radii: force times (1 − n nᵀ)/χ
-        turn = (np.eye(2) - np.outer(normal[j], normal[j])) * (inner_force[j] / distance[j])
-        jacobian[:2, :2] += turn
-        jacobian[:2, 2 + j] -= turn @ radial[j]
-        jacobian[2 + j, :2] -= turn @ radial[j]
-        jacobian[2 + j, 2 + j] += radial[j] @ turn @ radial[j]
-    # the centrifugal force's own growth is left out: a roller in clearance would be sent the wrong way
-    jacobian[i_rho, i_rho] -= LOOSE_SPRING
-    jacobian[i_rho, i_in], jacobian[i_rho, i_out] = along, -1.0
-    i_held = np.arange(2 + n)
-    jacobian[i_held, i_held] -= loads.tether
-    jacobian[2 + n :, 2 + n :] = np.eye(2 * n) + stiffness[:, None] * contacts.compliance
-    jacobian[i_in, 0], jacobian[i_in, 1] = -stiffness[:n] * normal[:, 0], -stiffness[:n] * normal[:, 1]
-    jacobian[i_in, i_rho] = stiffness[:n] * along
-    jacobian[i_out, i_rho] = -stiffness[n:]
-    return residual, jacobian
+
+def _room(value, step) -> float:
+    """How much of a step leaves all values positive."""
+    shrinking = step < 0.0
+    return TO_THE_WALL * float(np.min(-value[shrinking] / step[shrinking])) if shrinking.any() else 1.0
+
+
+def _geometry(contacts: Condensed, position) -> tuple[np.ndarray, np.ndarray]:
+    """Closing of every unloaded contact, (2 n,), m, and its derivatives by hub and radii, (2 n, n + 2)."""
+    bearing, n, radial = contacts.bearing, contacts.bearing.n_rollers, contacts.radial
+    to_roller = radial * position[2:, None] - position[:2]
+    distance = np.hypot(to_roller[:, 0], to_roller[:, 1])
+    normal = to_roller / distance[:, None]
+    overlap = np.concatenate(
+        [
+            bearing.inner_raceway_radius + bearing.roller_radius - distance,
+            position[2:] + bearing.roller_radius - bearing.outer_raceway_radius,
+        ]
+    )
+    directions, j = np.zeros((2 * n, n + 2)), np.arange(n)
+    directions[:n, :2] = normal
+    directions[j, 2 + j] = -np.sum(normal * radial, axis=1)
+    directions[n + j, 2 + j] = 1.0
+    return overlap + contacts.growth, directions
+
+
+def _law(contacts: Condensed, force) -> tuple[np.ndarray, np.ndarray]:
+    """Approach the laws give to each force, m, and its slope, m/N."""
+    n = contacts.bearing.n_rollers
+    parts = ((contacts.inner_law, force[:n]), (contacts.outer_law, force[n:]))
+    return (
+        np.concatenate([law.approach(q) for law, q in parts]),
+        np.concatenate([law.softness(q) for law, q in parts]),
+    )

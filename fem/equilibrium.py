@@ -1,6 +1,6 @@
 """Static equilibrium: the rollers at given angles, the hub and the rollers' radii free, the bodies elastic.
 
-Each body is condensed to the compliance between its contacts; what is left is 3 N + 2 equations for Newton.
+Each body is condensed to the compliance between its contacts; `contact_balance` does the rest.
 """
 
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from math import pi
 
 import numpy as np
 
-from fem.contact_balance import SHARP, Condensed, Loads, balance, closed_forces, first_guess
+from fem.contact_balance import Condensed, Loads, balance, closed_forces, first_guess
 from fem.model import Model
 from fem.subgrid import disc_patch_force, ring_patch_force, ripple_at
 from lagrange import Bearing
@@ -64,17 +64,17 @@ def static_equilibrium(
 
     Errors
     ------
-    NotFound: Newton's method did not converge. The contact balance is exact to about 1e-9 of the load.
+    NotFound: no equilibrium. The contact balance is exact to about 1e-9 of the load.
     """
     bearing, n = model.bearing, model.bearing.n_rollers
     radial = np.column_stack([np.cos(motion.roller_angle), np.sin(motion.roller_angle)])
-    cold = start is None
-    if cold:
-        unknown = first_guess(bearing, radial, radial_load + weight)
+    if start is None:
+        position = first_guess(bearing, radial, radial_load + weight)
     else:
-        unknown = np.concatenate([start.hub, start.rho, start.inner_force, start.outer_force])
+        position = np.concatenate([start.hub, start.rho])
+    loads = Loads(radial_load + weight, gravity, motion.cage_speed)
     for _ in range(PATCH_PASSES):
-        patches = _patches(model, motion, gravity, radial, unknown[:2], unknown[2 : 2 + n])
+        patches = _patches(model, motion, gravity, radial, position[:2], position[2:])
         contacts = Condensed(
             bearing=bearing,
             radial=radial,
@@ -83,10 +83,8 @@ def static_equilibrium(
             compliance=patches.compliance,
             growth=patches.growth,
         )
-        loads = Loads(radial_load + weight, gravity, motion.cage_speed, SHARP * bearing.roller_radius, 0.0, unknown)
-        unknown = balance(contacts, loads, cold)
-        cold = False
-    forces = closed_forces(unknown, n)
+        position, forces = balance(contacts, loads, position)
+    forces = closed_forces(forces)
     inner_force, outer_force = forces[:n], forces[n:]
     inner_ring = patches.inner_growth - np.einsum("rckn,n->rck", patches.inner_response, inner_force)
     outer_ring = patches.outer_sag + np.einsum("rckn,n->rck", patches.outer_response, outer_force)
@@ -94,8 +92,8 @@ def static_equilibrium(
         inner_force[:, None] * patches.roller_response[0].T + outer_force[:, None] * patches.roller_response[1].T
     )
     return Equilibrium(
-        hub=unknown[:2].copy(),
-        rho=unknown[2 : 2 + n].copy(),
+        hub=position[:2].copy(),
+        rho=position[2:].copy(),
         inner_force=inner_force.copy(),
         outer_force=outer_force.copy(),
         inner_ring=inner_ring,

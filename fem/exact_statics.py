@@ -8,7 +8,7 @@ from math import exp, log, pi
 
 import numpy as np
 
-from fem.contact_balance import SHARP, Condensed, Loads, balance, closed_forces, first_guess
+from fem.contact_balance import Condensed, Loads, balance, closed_forces, first_guess
 from fem.continuum import (
     disc_hertz_approach,
     hertz_patch,
@@ -46,9 +46,9 @@ def exact_statics(bearing: Bearing, radial_load: float, first_roller_angle: floa
     n = bearing.n_rollers
     contacts = exact_contacts(bearing, roller_angles(bearing, first_roller_angle))
     start = first_guess(bearing, contacts.radial, radial_load)
-    found = balance(contacts, Loads(radial_load, 0.0, 0.0, SHARP * bearing.roller_radius, 0.0, start), cold=True)
-    forces = closed_forces(found, n)
-    return ExactStatics(hub=found[:2], inner_force=forces[:n], outer_force=forces[n:])
+    position, forces = balance(contacts, Loads(radial_load, 0.0, 0.0), start)
+    forces = closed_forces(forces)
+    return ExactStatics(hub=position[:2], inner_force=forces[:n], outer_force=forces[n:])
 
 
 def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:

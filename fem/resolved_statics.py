@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
-from fem.contact_balance import LOOSE_SPRING, SHARP, Loads, NotFound, balance, first_guess
+from fem.contact_balance import LOOSE_SPRING, Loads, NotFound, balance, first_guess
 from fem.equilibrium import Equilibrium, Motion
 from fem.exact_statics import exact_contacts
 from fem.model import Model
@@ -35,7 +35,7 @@ def resolved_equilibrium(
 
     Errors
     ------
-    NotFound: Newton's method did not converge. The balance is exact to ENOUGH of the load.
+    NotFound: no equilibrium. The balance is exact to ENOUGH of the load.
     """
     return _equilibrium(model, *_solved(model, motion, radial_load + weight, gravity, start))
 
@@ -57,11 +57,10 @@ def _solved(model: Model, motion: Motion, load: float, gravity: float, start: Eq
     if start is None:
         contacts = exact_contacts(bearing, motion.roller_angle)
         guess = first_guess(bearing, contacts.radial, load)
-        loads = Loads(load, gravity, motion.cage_speed, SHARP * bearing.roller_radius, 0.0, guess)
-        state = balance(contacts, loads, cold=True)
+        place, forces = balance(contacts, Loads(load, gravity, motion.cage_speed), guess)
     else:
-        state = np.concatenate([start.hub, start.rho, start.inner_force, start.outer_force])
-    place, forces = state[: 2 + n], np.maximum(state[2 + n :], 0.0)
+        place = np.concatenate([start.hub, start.rho])
+        forces = np.concatenate([start.inner_force, start.outer_force])
     for _ in range(PASSES):
         points = _points(model, motion, gravity, place, forces)
         place, pressed = _balance(model, motion, points, place, load, gravity)

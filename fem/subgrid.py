@@ -65,7 +65,11 @@ class ContactLaw:
 
     def stiffness(self, force: float) -> float:
         """dQ/dδ, N/m, at a force, N, > 0."""
-        return 1.0 / (self.A * max(self.B - 0.5 * log(force) - 0.5, STEEPEST))
+        return 1.0 / float(self.softness(force))
+
+    def softness(self, force):
+        """dδ/dQ, m/N, at a force, N, > 0."""
+        return self.A * np.maximum(self.B - 0.5 * np.log(force) - 0.5, STEEPEST)
 
 
 @kernel(forceinline=True)

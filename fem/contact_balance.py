@@ -9,22 +9,23 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.errors import UsageError
 from fem.subgrid import ContactLaw
 from lagrange import Bearing
 
 LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clearance); 1e-6 N per µm
 FAINTEST = 1e-6  # N; a smaller force is what the barrier left
-MAX_TURNS, MAX_STEPS = 50, 100  # measured at most 6 and 30
+MAX_TURNS, MAX_STEPS = 50, 100  # measured at most 13 and 61 in 373 random bearings
 SETTLED = 1e-13  # of a radius: bodies stand still, contacts fit
 BALANCED = 1e-11  # of the largest force
 BARELY = 1e-19  # of the largest force times the roller's radius: force times gap that is left
-FIRST_GAP = 1e-4  # of a roller's radius
+FIRST_GAP = 1e-4  # of a roller's radius, beside what the contact is open by
 SHRINK = 0.1  # of the mean force times gap in a step
 TO_THE_WALL = 0.95  # of the way to where a force or a gap would vanish
 
 
-class NotFound(RuntimeError):
-    """No static equilibrium was found."""
+class NotFound(UsageError):
+    """No static equilibrium was found: the load is more than the contacts bear."""
 
 
 class Loads(NamedTuple):
@@ -70,16 +71,22 @@ def balance(contacts: Condensed, loads: Loads, start: np.ndarray) -> tuple[np.nd
     ------
     NotFound. The balance is exact to about 1e-9 of the load.
     """
-    position = start
+    bearing, position = contacts.bearing, start
     for _ in range(MAX_TURNS):
         moved, forces = _convex(contacts, loads, position)
         change = np.abs(moved - position).max()
         position = moved
-        if change <= SETTLED * contacts.bearing.pitch_radius:
+        if change <= SETTLED * bearing.pitch_radius:
             return position, forces
-    raise NotFound(
-        f"static equilibrium not found under {loads.hub:.4g} N: after {MAX_TURNS} turns of the contacts the bodies "
-        f"still move by {change:.1e} m"
+        if np.hypot(position[0], position[1]) > bearing.roller_radius + abs(bearing.radial_clearance):
+            raise _not_found("the hub sinks by more than a roller's radius", loads)
+    raise _not_found(f"the bodies still move by {change:.1e} m after {MAX_TURNS} turns of their contacts", loads)
+
+
+def _not_found(why: str, loads: Loads) -> NotFound:
+    return NotFound(
+        f"no static equilibrium under {loads.hub:.4g} N at the hub: {why}; lower operation.radial_load_N or take a "
+        "stiffer material"
     )
 
 
@@ -100,7 +107,8 @@ def _convex(contacts: Condensed, loads: Loads, position) -> tuple[np.ndarray, np
     )
     middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
     size = max(float(np.abs(applied).max()), FAINTEST)
-    moved, force, gap = position.copy(), np.full(2 * n, size), np.full(2 * n, FIRST_GAP * bearing.roller_radius)
+    moved, force = position.copy(), np.full(2 * n, size)
+    gap = FIRST_GAP * bearing.roller_radius + np.maximum(-closing, 0.0)
     for _ in range(MAX_STEPS):
         approach, softness = _law(contacts, force)
         unbalanced = applied - LOOSE_SPRING * (moved - middle) - directions.T @ force
@@ -125,10 +133,7 @@ def _convex(contacts: Condensed, loads: Loads, position) -> tuple[np.ndarray, np
         gap_step = (barrier - force * gap - gap * force_step) / force
         length = min(1.0, _room(force, force_step), _room(gap, gap_step))
         moved, force, gap = moved + length * step, force + length * force_step, gap + length * gap_step
-    raise NotFound(
-        f"static equilibrium not found: {np.abs(unbalanced).max():.2e} N unbalanced after {MAX_STEPS} steps under "
-        f"{loads.hub:.4g} N"
-    )
+    raise _not_found(f"{np.abs(unbalanced).max():.2e} N are unbalanced after {MAX_STEPS} steps", loads)
 
 
 def _room(value, step) -> float:

@@ -73,7 +73,7 @@ def make_plan(scene: Scene) -> Plan:
 
     Errors
     ------
-    RuntimeError: no equilibrium, or gmsh is needed and missing.
+    RuntimeError: gmsh is needed and missing.
     UsageError: the model can't bear the speed or the load.
     """
     numerics = scene.numerics

@@ -12,9 +12,10 @@ from fem.exact_statics import exact_statics
 from fem.limits import check_meshes
 from fem.model import build_model
 from fem.resolved_statics import contact_pressures
+from fem.sample_kernels import BLOCKS, HUB_AX, HUB_AY, N_SCALARS
 from fem.simulate import make_plan, run
 from fem.statics import equilibrium
-from fem.time_loop import BLOCKS, HUB_AX, HUB_AY, N_SCALARS, advance
+from fem.time_loop import advance
 from lagrange.scene import parse_scene
 from meshes import GradedAnnulus, GradedDisc, quality
 from meshes.graded import graded_disc

@@ -1,8 +1,12 @@
 """Shared: one short simulation of the paper's bearing on the coarse mesh; reports without figures."""
 
 import os
+import sys
+from pathlib import Path
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parent.parent))  # benchmarks, tests.reference
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 

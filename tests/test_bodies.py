@@ -5,14 +5,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import sparse
 from scipy.linalg import eigh
-from scipy.sparse.linalg import eigsh, spsolve
+from scipy.sparse.linalg import spsolve
 
 sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from bearings import LENGTH, STEEL, disc, ring
 from free_vibration import disc_frequency, ring_frequency
 
+from benchmarks.verification.elastic_bodies import (
+    centrifugal_growth,
+    disc_frequencies,
+    exact_disc_frequencies,
+    exact_growth,
+    ring_mode,
+)
 from fem import disc_kernels, ring_kernels
 from fem.assembly import assemble
 from fem.bodies import rigid_modes
@@ -264,22 +270,10 @@ def test_reference_frequencies_of_the_disc_are_roots_of_the_exact_equation():
         assert disc_frequency(n, value - 0.02, value + 0.02, STEEL) == pytest.approx(value, abs=5e-5)  # as printed
 
 
-def disc_frequencies(body, count):
-    """Lowest ω R/c_T above the rigid motions."""
-    mass = sparse.diags(np.repeat(body.mass, 2))
-    speed = np.sqrt(STEEL.lame_mu / STEEL.density)
-    unit = (speed / body.shape.radius) ** 2
-    start = np.random.default_rng(12).standard_normal(2 * body.n_nodes)
-    # shifted between the rigid motions and the first mode
-    values = eigsh(body.stiffness, k=count + 3, M=mass, sigma=unit, which="LM", v0=start, return_eigenvectors=False)
-    return np.sqrt(np.sort(values)[3:] / unit)
-
-
 def test_a_free_disc_vibrates_at_the_exact_frequencies_with_order_two():
     layers = np.array([12, 16, 24])
     found = np.array([disc_frequencies(disc(RADIUS, int(k)), 7) for k in layers])
-    exact = [disc_frequency(n, v - 0.02, v + 0.02, STEEL) for n, v in EXACT_DISC.items()]
-    exact = np.repeat(exact, [2, 2, 2, 1])  # n = 3 is a pair of the circle, not of the mesh with its six wedges
+    exact = exact_disc_frequencies()  # n = 3 is a pair of the circle, not of the mesh with its six wedges
     error = np.abs(found / exact - 1.0)
     for mode in range(7):
         # the mesh's six seams add a term in h³, which still takes 0.2 off the slope of n = 3
@@ -305,10 +299,7 @@ def test_reference_frequencies_of_the_ring_are_roots_of_the_exact_equation():
 def test_a_free_ring_vibrates_at_the_exact_frequencies_with_order_two(n):
     layers, found = np.array([2, 4, 8]), []
     for k in layers:
-        body = ring(0.028, 0.033, 80 * k // 2, int(k), True)
-        stiffness = body.harmonic_stiffness(np.array([n]))[0]
-        values = eigh(stiffness, np.diag(np.repeat(body.row_mass, 2)), eigvals_only=True)
-        found.append(np.sqrt(values[0]) / (2.0 * np.pi))
+        found.append(ring_mode(ring(0.028, 0.033, 80 * k // 2, int(k), True), n))
     error = np.abs(np.array(found) / EXACT_RING[n] - 1.0)
     assert observed_order(1.0 / layers, error) == pytest.approx(2.0, abs=0.15)
     assert error[-1] < 0.01
@@ -389,16 +380,10 @@ def test_a_relaxed_disc_is_in_equilibrium_with_its_inertia(balanced):
 
 
 def test_a_spinning_disc_grows_as_the_exact_one_with_order_two():
-    """u(R) = (1+ν)(1−2ν) ρ ω² R³/(4E): Timoshenko and Goodier, article 32, in plane strain; 6.29 nm here."""
     radius, speed = 0.018, 4500.0 * np.pi / 30.0
-    exact = 1.3 * 0.4 * 7850.0 * speed**2 * radius**3 / (4.0 * 210e9)
+    exact = exact_growth(radius, speed, STEEL)
     assert exact == pytest.approx(6.29e-9, abs=5e-12)
-    layers, error = np.array([4, 8, 16]), []
-    for k in layers:
-        body = disc(radius, int(k))
-        u = body.relaxed(speed**2 * (body.mass[:, None] * body.points).ravel()).reshape(-1, 2)
-        surface = slice(body.first_surface_node, None)
-        found = np.sum(u[surface] * body.points[surface], axis=1).mean() / radius
-        error.append(abs(found / exact - 1.0))
+    layers = np.array([4, 8, 16])
+    error = [abs(centrifugal_growth(disc(radius, int(k)), speed) / exact - 1.0) for k in layers]
     assert observed_order(1.0 / layers, error) == pytest.approx(2.0, abs=0.15)
     assert error[-1] < 0.005

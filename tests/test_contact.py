@@ -7,10 +7,23 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import LENGTH, STEEL, arrays, copies, loop_arguments, model, operation, paper, resolved_model, soft
+from bearings import (
+    LENGTH,
+    STEEL,
+    arrays,
+    copies,
+    loop_arguments,
+    model,
+    operation,
+    own_folder,
+    paper,
+    resolved_model,
+    soft,
+)
 from line_contact import carter_creep, impact_on_rigid_flat
 
-from fem import sample_kernels, time_loop
+from benchmarks.verification.collision import WIDE, collide
+from fem import sample_kernels
 from fem.contact_kernels import (
     contact_impulses,
     creep_traction,
@@ -21,10 +34,8 @@ from fem.contact_kernels import (
     roller_contacts,
     slips,
 )
-from fem.critical_step import critical_time_step
 from fem.ring_kernels import HALO
 from fem.state import INNER, OUTER, ROLLER
-from lagrange import Bearing
 
 DT = 1e-7
 PRESSED = 5e-6  # m, typical overlap of the circles
@@ -443,68 +454,6 @@ def test_friction_is_action_and_reaction_with_the_raceways_arm():
 # collisions -----------------------------------------------------------------------------------------------------
 
 
-# wide enough that rollers never reach a raceway
-WIDE = Bearing(
-    n_rollers=3, roller_radius=0.005, roller_length=LENGTH, inner_raceway_radius=0.018, outer_raceway_radius=0.029,
-    bore_radius=0.0125, outside_radius=0.0325, roller=STEEL, inner_ring=STEEL, outer_ring=STEEL,
-)  # fmt: skip
-
-
-def frame_velocities(state):
-    return roller_field(state, state.rollers.w)
-
-
-def collide(velocities, mesh_size=1e-3, friction=0.0, spins=(0.0, 0.0), courant=0.5, n_after=200):
-    """Throw two rollers at each other.
-
-    Returns the time step and per step: force, traction, energy (kinetic, elastic, contact), dissipation, momentum,
-    angular momentum.
-    """
-    whole = model(WIDE, mesh_size)
-    dt = courant * critical_time_step(whole, 2000.0)
-    how = operation(speed=0.0, gravity=0.0, radial_load=0.0)
-    state = copies(arrays(whole, how, dt, friction, from_rest=True))
-    rollers, drive = state.rollers, state.drive
-    half = rollers.radius + 5e-9
-    for j, side in enumerate((-1.0, 1.0)):
-        rollers.centre[j] = side * half, -0.0229
-        rollers.velocity[j] = velocities[j]
-        rollers.spin[j], rollers.increment[j] = spins[j], spins[j] * dt
-        points = rollers.points.reshape(-1, 2)
-        frame_velocities(state)[:, 0, j], frame_velocities(state)[:, 1, j] = (
-            -spins[j] * points[:, 1],
-            spins[j] * points[:, 0],
-        )
-    arguments, bodies, history, since = (
-        loop_arguments(state),
-        (rollers, state.inner, state.outer, drive, state.scratch),
-        [],
-        0,
-    )
-    while since < n_after:
-        assert len(history) < 5000
-        sample_kernels.remember(*bodies)
-        _, _, lost = time_loop.kick(*arguments[:5], 0.0, state.scratch)
-        force, traction = state.contacts.force[ROLLER, 0], state.contacts.traction[ROLLER, 0]
-        kinetic = sample_kernels.kinetic_energy(*bodies)
-        contact = sample_kernels.contacts_energy(state.contacts, 3, None)
-        elastic, _ = sample_kernels.elastic_energy(*bodies)
-        position = rollers.points.reshape(-1, 2, 1) + roller_field(state, rollers.u)
-        gained = (rollers.impulse + rollers.tilt) / rollers.total_mass
-        velocity, centre = rollers.velocity[:3] + gained[:3], rollers.centre[:3]
-        w, mass = roller_field(state, rollers.w), rollers.mass[:, None]
-        own = np.sum(mass * (position[:, 0] * w[:, 1] - position[:, 1] * w[:, 0]))
-        orbital = rollers.total_mass * np.sum(centre[:, 0] * velocity[:, 1] - centre[:, 1] * velocity[:, 0])
-        momentum = rollers.total_mass * velocity.sum(axis=0)
-        history.append([force, traction, kinetic, elastic, contact, lost, *momentum, own + orbital])
-        time_loop.drift(*bodies)
-        if force == 0.0 and any(row[0] > 0.0 for row in history[-400:]):
-            since += 1
-        elif force > 0.0:
-            since = 0
-    return dt, np.array(history)
-
-
 # A roller of 5 mm by 10 mm thrown at a rigid frictionless flat, quasi-static with Johnson's approach (1985, eq. 5.57)
 THROWN = [(0.1, 0.333, 193.0, 10.34), (1.0, 3.008, 2156.0, 9.31)]
 
@@ -517,18 +466,10 @@ def test_reference_impact_is_the_quasi_static_one(speed, microns, newtons, micro
     assert 1e6 * time == pytest.approx(microseconds, abs=6e-3)
 
 
-@pytest.mark.parametrize(("speed", "microns", "newtons", "microseconds"), THROWN)
-def test_two_rollers_bounce_about_as_quasi_statics_say(speed, microns, newtons, microseconds):
-    """Each is thrown at the plane of symmetry, a rigid flat."""
-    dt, history = collide(([speed, 0.0], [-speed, 0.0]))
-    force = history[:, 0]
-    touching = np.flatnonzero(force > 0.0)
-    time = 1e6 * (touching[-1] - touching[0] + 1) * dt
-    # the lowest mode's period is 4.2 µs, so waves count: measured −3 % and +4 %, whatever the mesh
-    assert time == pytest.approx(microseconds, rel=0.05)
-    assert force.max() == pytest.approx(newtons, rel=0.05)
-    # nearly all momentum comes back: 0.3 % of the energy stays behind as vibration
-    assert force.sum() * dt == pytest.approx(2.0 * speed * WIDE.roller_mass, rel=5e-3)
+@pytest.fixture(autouse=True)
+def meshes_of_our_own():
+    with own_folder():
+        yield
 
 
 OBLIQUE = ([1.0, 0.2], [-0.4, -0.1])  # m/s
@@ -536,24 +477,22 @@ OBLIQUE = ([1.0, 0.2], [-0.4, -0.1])  # m/s
 
 @pytest.mark.parametrize("spins", [(0.0, 0.0), (800.0, -300.0)])
 def test_a_frictionless_collision_conserves_momenta_and_energy(spins):
-    _, history = collide(OBLIQUE, spins=spins)
-    momentum, angular = history[:, 6:8], history[:, 8]
-    wanted = WIDE.roller_mass * np.sum(OBLIQUE, axis=0)
-    np.testing.assert_allclose(momentum, np.tile(wanted, (len(history), 1)), rtol=0.0, atol=1e-13 * WIDE.roller_mass)
+    found = collide(OBLIQUE, spins=spins)
+    wanted = np.tile(WIDE.roller_mass * np.sum(OBLIQUE, axis=0), (len(found.force), 1))
+    np.testing.assert_allclose(found.momentum, wanted, rtol=0.0, atol=1e-13 * WIDE.roller_mass)
     # what the patch's moment misses, spacing⁷/5040, and the internal torque taken back one step late
-    assert np.ptp(angular) < 1e-9 * abs(angular[0])
-    energy = history[:, 2:5].sum(axis=1)
+    assert np.ptp(found.angular_momentum) < 1e-9 * abs(found.angular_momentum[0])
+    energy = found.energy.sum(axis=1)
     assert np.ptp(energy) < 2e-4 * energy[0]  # the contact's corner, O(dt²) of its share
     assert energy[-1] == pytest.approx(energy[0], rel=2e-5)
-    assert history[:, 0].max() > 1000.0
-    assert np.all(history[:, 1] == 0.0)
+    assert found.force.max() > 1000.0
+    assert np.all(found.traction == 0.0)
 
 
 def test_a_collisions_energy_error_shrinks_with_the_square_of_the_step():
     courant, error = np.array([0.8, 0.4, 0.2, 0.1]), []
     for c in courant:
-        _, history = collide(OBLIQUE, spins=(800.0, -300.0), courant=float(c))
-        energy = history[:, 2:5].sum(axis=1)
+        energy = collide(OBLIQUE, spins=(800.0, -300.0), courant=float(c)).energy.sum(axis=1)
         error.append(np.ptp(energy) / energy[0])
     # less than 2 by where the contact opens between two steps; measured 1.84
     assert np.polyfit(np.log(courant), np.log(error), 1)[0] == pytest.approx(2.0, abs=0.3)
@@ -562,14 +501,13 @@ def test_a_collisions_energy_error_shrinks_with_the_square_of_the_step():
 
 @pytest.mark.parametrize("friction", [0.1, 0.5])
 def test_a_rubbing_collision_loses_what_it_dissipates(friction):
-    _, history = collide(OBLIQUE, spins=(800.0, 500.0), friction=friction)
-    momentum, lost = history[:, 6:8], np.cumsum(history[:, 5]) - 0.5 * history[:, 5]
-    assert np.ptp(momentum, axis=0).max() < 1e-13 * WIDE.roller_mass
-    assert np.all(history[:, 5] >= 0.0)
-    energy = history[:, 2:5].sum(axis=1)
+    found = collide(OBLIQUE, spins=(800.0, 500.0), friction=friction)
+    lost = np.cumsum(found.dissipated) - 0.5 * found.dissipated
+    assert np.ptp(found.momentum, axis=0).max() < 1e-13 * WIDE.roller_mass
+    assert np.all(found.dissipated >= 0.0)
+    energy = found.energy.sum(axis=1)
     np.testing.assert_allclose(energy + lost, energy[0], rtol=2e-4)  # as without friction; measured 7e-5
     assert lost[-1] > 0.1 * energy[0]
     # tractions act at both circles' radii while these overlap by 2 µm: arms differ by 2e-4 at the very most
-    angular = history[:, 8]
-    assert np.ptp(angular) < 2e-4 * abs(angular[0])
-    assert np.all(np.abs(history[:, 1]) <= friction * history[:, 0] * (1.0 + 1e-14))
+    assert np.ptp(found.angular_momentum) < 2e-4 * abs(found.angular_momentum[0])
+    assert np.all(np.abs(found.traction) <= friction * found.force * (1.0 + 1e-14))

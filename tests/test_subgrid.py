@@ -13,6 +13,7 @@ sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from bearings import LENGTH, STEEL, disc, model, paper, ring
 from line_contact import half_width, squeezed_disc_approach
 
+from benchmarks.verification.contact_statics import POSITIONS, RIGID, squeezed
 from fem.bodies import disc_body
 from fem.continuum import ring_hertz_approach
 from fem.model import peak_pressure
@@ -21,7 +22,6 @@ from fem.patches import N_NODES, weight_slopes, weights
 from fem.ring_kernels import HALO
 from fem.subgrid import (
     STEEPEST,
-    SurfaceCompliance,
     contact_energy,
     contact_force,
     contact_law,
@@ -39,16 +39,6 @@ RADIUS = 0.005
 CALIBRATED_AT = 5e-5  # half-width b, m, as `fem.model` does for this roller
 FORCES = np.array([100.0, 200.0, 400.0, 628.0, 800.0, 1000.0])
 MODULUS = 210e9 / (1.0 - 0.3**2)
-# positions in node spacings, off the ripple's knots (eighths), over a sextant of a 1 mm disc
-POSITIONS = (0.0, 0.13, 0.5, 0.77, 1.31, 2.06, 2.5, 3.9, 4.44)
-RIGID = SurfaceCompliance(missing=0.0, half_width=1.0, unit=0.0, ripple=np.zeros(8), spread=0.0)
-
-
-def squeeze(body, surface, position):
-    """Compliance of the grid under one of two opposite unit forces, ripple included, m/N."""
-    angle = 2.0 * np.pi * position / body.shape.surface_nodes
-    near, far = disc_patch_force(body, angle), disc_patch_force(body, angle + np.pi)
-    return near @ body.relaxed(near + far) + ripple_at(position, surface.ripple)[0]
 
 
 @pytest.mark.parametrize("layers", [3, 5, 10])
@@ -57,7 +47,7 @@ def test_a_squeezed_disc_has_johnsons_approach_at_every_position(layers):
     surface = disc_compliance(body, LENGTH, CALIBRATED_AT)
     law = contact_law(surface, RIGID, RADIUS)
     positions = np.array(POSITIONS) * layers / 5.0
-    grid = np.array([squeeze(body, surface, position) for position in positions])
+    grid = np.array([squeezed(body, surface, position) for position in positions])
     for force in FORCES:
         q = force / LENGTH
         b = half_width(q, RADIUS, MODULUS)
@@ -77,22 +67,6 @@ def test_the_calibration_holds_for_other_half_widths():
     # the O(b/R) that is left out, 0.3 b/R of a bracket of about 2
     assert laws[0].B == pytest.approx(laws[1].B, abs=0.01)
     assert laws[0].A == laws[1].A == pytest.approx(2.0 / (np.pi * MODULUS * LENGTH), rel=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("force", "microns"),
-    [(100.0, 0.387), (200.0, 0.735), (400.0, 1.394), (628.0, 2.111), (800.0, 2.635), (1000.0, 3.232)],
-)
-def test_roller_on_a_solid_inner_ring_has_johnsons_approach(force, microns):
-    """(2Qc/(πL)) [ln(4R₁/b) − ½ + ln(4R₂/b) − ½]: Johnson (1985), equation 5.57; also Tripp, NASA TP-2362 (1985)."""
-    roller, inner = disc(RADIUS, 5), disc(0.018, 19)
-    surfaces = [disc_compliance(body, LENGTH, CALIBRATED_AT) for body in (roller, inner)]
-    law = contact_law(*surfaces, 1.0 / (1.0 / 0.005 + 1.0 / 0.018))
-    found = law.approach(force) + force * sum(
-        squeeze(body, surface, 0.3) for body, surface in zip((roller, inner), surfaces, strict=True)
-    )
-    # half a unit of the last printed digit, and the formula's O(b/R)
-    assert 1e6 * found == pytest.approx(microns, abs=5e-4 + 1e-3 * microns)
 
 
 @pytest.mark.parametrize("held_inside", [True, False])
@@ -148,7 +122,7 @@ def test_poissons_ratio_matters_only_through_the_plane_strain_modulus_in_johnson
     modulus = 100e9 / (1.0 - 0.04)
     b = half_width(force / LENGTH, RADIUS, modulus)
     wanted = squeezed_disc_approach(force / LENGTH, RADIUS, b, modulus)
-    assert squeeze(body, surface, 1.2) * force + law.approach(force) == pytest.approx(wanted, rel=1e-3)
+    assert squeezed(body, surface, 1.2) * force + law.approach(force) == pytest.approx(wanted, rel=1e-3)
 
 
 def laws():

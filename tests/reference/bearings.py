@@ -8,49 +8,44 @@ from unittest import mock
 
 import numpy as np
 
+from benchmarks.verification import shapes
+from benchmarks.verification.shapes import LENGTH, STEEL, paper
 from fem.arrays import Arrays, make_arrays
-from fem.bodies import DiscBody, RingBody, disc_body, ring_body
-from fem.model import Model, build_model, build_resolved_model
+from fem.bodies import DiscBody, RingBody
+from fem.model import Model, build_resolved_model
 from fem.sample_kernels import BLOCKS, N_SCALARS
 from fem.start import Start, equilibrium_start, rest_start
 from fem.time_loop import advance
 from lagrange import Bearing, Material, Operation
 from lagrange.scene import read_scene
-from meshes import Annulus, Disc
 
-STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
-LENGTH = 0.01  # of the rollers, m
+__all__ = [
+    "LENGTH", "STEEL", "arrays", "block", "copies", "copy_of", "disc", "loop_arguments", "model", "operation",
+    "own_folder", "paper", "resolved_model", "ring", "run", "soft", "start_of",
+]  # fmt: skip
+
 LARGEST_FORCE = 650.0  # N, about what the paper's load puts on one roller
 _FOLDER = tempfile.TemporaryDirectory(prefix="test-meshes-")
 
 
-def _own_folder():
+def own_folder():
+    """Meshes go into a folder of the tests' own."""
     return mock.patch("meshes.cache.cache_folder", lambda: Path(_FOLDER.name))
 
 
-@lru_cache
 def disc(radius: float, layers: int, material: Material = STEEL) -> DiscBody:
-    with _own_folder():
-        return disc_body(Disc(radius=radius, layers=layers), material, LENGTH)
+    with own_folder():
+        return shapes.disc(radius, layers, material)
 
 
-@lru_cache
 def ring(inner: float, outer: float, sectors: int, layers: int, held_inside: bool) -> RingBody:
-    shape = Annulus(inner_radius=inner, outer_radius=outer, sectors=sectors, layers=layers)
-    with _own_folder():
-        return ring_body(shape, STEEL, LENGTH, held_inside)
+    with own_folder():
+        return shapes.ring(inner, outer, sectors, layers, held_inside)
 
 
-@lru_cache
-def paper(**changes) -> Bearing:
-    """The paper's bearing, N 206-like: 13 rollers of 10 mm between 36 and 56 mm."""
-    return replace(read_scene().ideal_bearing(), **changes)
-
-
-@lru_cache
 def model(bearing: Bearing, mesh_size: float) -> Model:
-    with _own_folder():
-        return build_model(bearing, mesh_size)
+    with own_folder():
+        return shapes.model(bearing, mesh_size)
 
 
 @lru_cache
@@ -62,7 +57,7 @@ def soft(**changes) -> Bearing:
 
 @lru_cache
 def resolved_model(bearing: Bearing, mesh_size: float) -> Model:
-    with _own_folder():
+    with own_folder():
         return build_resolved_model(bearing, mesh_size)
 
 

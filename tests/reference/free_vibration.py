@@ -16,7 +16,7 @@ from lagrange import Material
 
 def disc_frequency(n: int, low: float, high: float, material: Material) -> float:
     """The root ω R/c_T between two bounds of the free solid disc, n waves around."""
-    return brentq(lambda x: np.linalg.det(_tractions(n, 1.0, x, material, ("j",))), low, high, xtol=1e-12)
+    return brentq(lambda x: np.linalg.det(surface_tractions(n, 1.0, x, material, ("j",))), low, high, xtol=1e-12)
 
 
 def ring_frequency(n: int, inner: float, outer: float, low: float, high: float, material: Material) -> float:
@@ -27,14 +27,14 @@ def ring_frequency(n: int, inner: float, outer: float, low: float, high: float, 
         x = omega * outer / speed
         kinds = ("j", "y")
         matrix = np.concatenate(
-            [_tractions(n, inner / outer, x, material, kinds), _tractions(n, 1.0, x, material, kinds)]
+            [surface_tractions(n, inner / outer, x, material, kinds), surface_tractions(n, 1.0, x, material, kinds)]
         )
         return np.linalg.det(matrix / np.abs(matrix).max(axis=0))
 
     return brentq(determinant, low, high, rtol=1e-12)
 
 
-def _tractions(n, r, x, material, kinds):
+def surface_tractions(n, r, x, material, kinds):
     """σ_rr and σ_rθ (over μ) at radius r of each potential; x = ω/c_T for unit radius."""
     ratio = material.lame_lambda / material.lame_mu
     k_l, k_t = x / np.sqrt(ratio + 2.0), x

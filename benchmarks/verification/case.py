@@ -1,0 +1,90 @@
+"""What a verification case is: a function that yields checks, each a computed number against an independent one."""
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+
+class Origin(StrEnum):
+    """Where a reference value comes from."""
+
+    ANALYTIC = "analytic"  # a closed formula, a series or a root of an exact equation, evaluated here
+    LITERATURE = "literature"  # a formula or figure as published, an approximation or a fit
+    CONSERVATION = "conservation"  # what must not change, or must balance
+    COMPUTED = "computed"  # a numerical solution by other means
+    MODEL = "other model"  # another idealisation: the difference is the models', and expected
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """A computed number held against one that does not come from the code under test."""
+
+    quantity: str
+    computed: float
+    reference: float
+    tolerance: float  # of `scale`
+    origin: Origin
+    source: str  # where formula or value stand
+    unit: str = ""
+    scale: float | None = None  # what the error is measured by; None: the reference itself
+
+    @property
+    def error(self) -> float:
+        """Signed, relative to the scale."""
+        scale = self.reference if self.scale is None else self.scale
+        return (self.computed - self.reference) / abs(scale) if scale else np.nan
+
+    @property
+    def passed(self) -> bool:
+        """Whether the error is within the tolerance; not a number is not."""
+        return bool(abs(self.error) <= self.tolerance)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One verification: the docstring of `checks` says what is done and which parts of the solver do it."""
+
+    checks: Callable[[], Iterable[Check]]
+    fast: bool = True  # takes seconds: part of the tests
+
+    @property
+    def name(self) -> str:
+        return self.checks.__name__.replace("_", "-")
+
+    @property
+    def subject(self) -> str:
+        """From the module's name."""
+        return self.checks.__module__.rpartition(".")[2].replace("_", " ")
+
+    @property
+    def description(self) -> str:
+        """The docstring on one line."""
+        return " ".join((self.checks.__doc__ or "").split())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """A case that was run."""
+
+    case: Case
+    checks: tuple[Check, ...]
+    seconds: float
+    trouble: str = ""  # what stopped it
+
+    @property
+    def passed(self) -> bool:
+        return not self.trouble and len(self.checks) > 0 and all(check.passed for check in self.checks)
+
+
+def run_case(case: Case) -> Outcome:
+    """Run a case; an exception is an outcome, so that the other cases are run too."""
+    began = time.perf_counter()
+    found, trouble = [], ""
+    try:
+        found.extend(case.checks())
+    except Exception as error:  # that is a failed verification
+        trouble = f"{type(error).__name__}: {error}"
+    return Outcome(case=case, checks=tuple(found), seconds=time.perf_counter() - began, trouble=trouble)

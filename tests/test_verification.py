@@ -1,0 +1,145 @@
+"""The fast cases of `python -m benchmarks.verification`; the suite itself notices what fails; its own references."""
+
+import sys
+from math import inf, nan
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "reference"))
+from bearings import STEEL, own_folder
+
+from benchmarks.verification import __main__ as command
+from benchmarks.verification import subjects, table
+from benchmarks.verification.case import Case, Check, Origin, run_case
+from tests.reference.disc_impact import LARGEST_ROOT, _far_load, disc_modes, static_compliance, thrown_at_flat
+
+
+@pytest.mark.parametrize("case", [case for case in subjects.all_cases() if case.fast], ids=lambda case: case.name)
+def test_case(case):
+    with own_folder():
+        outcome = run_case(case)
+    assert not outcome.trouble
+    assert [check for check in outcome.checks if not check.passed] == []
+    assert outcome.passed
+
+
+def check_of(computed, reference=2.0, tolerance=0.01, **more):
+    return Check(
+        quantity="length", unit="m", computed=computed, reference=reference, tolerance=tolerance,
+        origin=Origin.ANALYTIC, source="a book", **more,
+    )  # fmt: skip
+
+
+def test_a_check_passes_within_its_tolerance_only():
+    assert check_of(2.019).passed and check_of(1.981).passed
+    for wrong in (2.021, 1.979, nan, inf, -2.0):
+        assert not check_of(wrong).passed
+    assert check_of(-2.01, reference=-2.0).error == pytest.approx(-0.005)
+    assert check_of(0.05, reference=0.0, scale=-10.0).error == pytest.approx(0.005)
+    assert not check_of(0.0, reference=0.0).passed, "nothing to measure the error by"
+
+
+def good():
+    """A case that holds."""
+    yield check_of(2.001)
+
+
+def wrong():
+    """A case that does not hold."""
+    yield check_of(2.001)
+    yield check_of(2.1)
+
+
+def broken():
+    """A case that can't be computed."""
+    yield check_of(2.0)
+    raise RuntimeError("no equilibrium")
+
+
+def empty():
+    """A case that looks at nothing."""
+    return iter(())
+
+
+def pretend(monkeypatch, *cases):
+    subject = SimpleNamespace(CASES=tuple(Case(checks=case) for case in cases))
+    monkeypatch.setattr(subjects, "SUBJECTS", (subject,))
+
+
+@pytest.mark.parametrize(
+    ("cases", "code"), [((good,), 0), ((good, wrong), 1), ((broken,), 1), ((empty,), 1)], ids=lambda value: str(value)
+)
+def test_the_exit_code_tells_whether_all_passed(cases, code, monkeypatch):
+    pretend(monkeypatch, *cases)
+    assert command.app([]) == code
+
+
+def test_what_failed_is_seen(monkeypatch, capsys):
+    pretend(monkeypatch, good, wrong, broken)
+    command.app([])
+    text = capsys.readouterr().out
+    assert "FAILED: wrong, broken" in text
+    assert "+5 % FAILS" in text and "no equilibrium" in text
+
+
+def test_an_unknown_name_is_refused_in_one_line(capsys):
+    assert command.app(["discmodes"]) == 2
+    text = capsys.readouterr().err
+    assert text.startswith("unknown case discmodes; cases: disc-modes, ") and text.count("\n") == 1
+    assert command.app(["disc-modes", "--markdown"]) == 2
+
+
+def test_a_subject_stands_for_its_cases():
+    assert [case.name for case in subjects.named(["impact"])] == ["bouncing-bar", "thrown-roller", "ball-impact"]
+    assert [case.name for case in subjects.named(["ring_modes", "disc-modes"])] == ["disc-modes", "ring-modes"]
+
+
+def test_every_case_says_what_it_does_and_has_a_name_of_its_own():
+    cases = subjects.all_cases()
+    assert len({case.name for case in cases}) == len(cases) >= 20
+    assert all(len(case.description) > 40 for case in cases)
+
+
+def test_the_page_gets_the_table_between_its_marks(tmp_path, monkeypatch):
+    page = tmp_path / "page.md"
+    page.write_text(f"before\n{table.BEGIN}\nstale\n{table.END}\nafter\n")
+    monkeypatch.setattr(command, "PAGE", page)
+    pretend(monkeypatch, good, wrong)
+    assert command.app(["--markdown"]) == 1
+    text = page.read_text()
+    assert text.startswith("before\n") and text.endswith("after\n") and "stale" not in text
+    assert "| `good` | length | 2.001 m | 2 m | +0.05 % | 1 % | analytic: a book |" in text
+    assert "| `wrong` | length | 2.001 m |" in text and "|  | length | 2.1 m | 2 m | +5 % FAILS |" in text
+    page.write_text("no marks\n")
+    with pytest.raises(ValueError, match="marks"):
+        table.write_into(page, "text")
+
+
+# the modal solution of the thrown roller ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 3, 8])
+def test_modes_of_a_disc_add_up_to_its_static_compliance(n):
+    roots, compliance = disc_modes(n, STEEL)
+    assert np.all(compliance > 0.0)
+    share = np.cumsum(compliance)[:-1] / static_compliance(n, STEEL)
+    cut = 0.5 * (roots[1:] + roots[:-1])
+    assert share[-1] < 1.0
+    # what the modes beyond a cut leave falls as 1/cut
+    late = cut > 0.5 * LARGEST_ROOT
+    assert np.polyfit(1.0 / cut[late], share[late], 1)[1] == pytest.approx(1.0, abs=0.02)
+
+
+def test_the_far_loads_displacement_is_the_alternating_sum():
+    terms = np.array([(-1) ** n * static_compliance(n, STEEL) for n in range(20_001)])
+    wanted = terms.sum() - 0.5 * terms[-1]  # the mean of the last two partial sums
+    assert _far_load(STEEL) == pytest.approx(wanted, rel=1e-8)
+
+
+@pytest.mark.parametrize("speed", [0.1, 1.0])
+def test_a_thrown_disc_returns_its_momentum_but_for_its_vibration(speed):
+    found = thrown_at_flat(speed, 0.005, 0.01, STEEL)
+    assert 0.99 < found.rebound < 1.0

@@ -10,7 +10,7 @@ from numba import njit
 from benchmarks.machine import Machine, median_seconds
 from fem import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.arrays import Arrays
-from fem.contact_kernels import friction_contacts, normal_contacts, slips
+from fem.contact_kernels import friction_contacts, grips, normal_contacts, slips
 from fem.simulate import Plan
 
 TARGET_SECONDS = 0.02  # of one measurement
@@ -35,7 +35,8 @@ def _repeated(function: Callable) -> Callable:
 
 @njit
 def _slip_and_friction(rollers, inner, outer, contacts, drive, slip):
-    slips(rollers, inner, outer, contacts, drive, contacts.slip)
+    grips(rollers, contacts)
+    slips(rollers, inner, outer, contacts, contacts.slip)
     friction_contacts(rollers, inner, outer, contacts, drive, slip)
 
 

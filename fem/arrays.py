@@ -7,7 +7,7 @@ import numpy as np
 from fem import disc_kernels, ring_kernels
 from fem.bodies import DiscBody, RingBody
 from fem.model import Model
-from fem.patches import N_NODES, first_node, weights
+from fem.patches import N_NODES
 from fem.resolved import points, stretch_for
 from fem.ring_kernels import HALO
 from fem.start import Start
@@ -193,20 +193,10 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         node=np.zeros((6 * n, width), dtype=np.int64),
         weight=np.zeros((6 * n, width)),
         across=np.zeros((6 * n, width)),
-        arc=_missed_by_patches(surface_nodes, n, stretch),
+        grip_x=np.zeros((6 * n, width)),
+        grip_y=np.zeros((6 * n, width)),
         resolved=resolved,
     )
-
-
-def _missed_by_patches(surface_nodes: tuple[int, int, int], n: int, stretch: tuple[int, ...]) -> np.ndarray:
-    """1 − Σ W cos of the angles to the nodes, (6 n,): the same for every position of a patch to O(spacing⁶)."""
-    weight = np.empty((1, N_NODES * len(stretch)))
-    weights(0.0, weight, 0, stretch)
-    steps = first_node(0, stretch) + np.arange(weight.size)
-    inner, outer, roller = (1.0 - float(weight[0] @ np.cos(2.0 * np.pi / nodes * steps)) for nodes in surface_nodes)
-    arc = np.full((3, n, 2), roller)
-    arc[INNER, :, 0], arc[OUTER, :, 0] = inner, outer
-    return arc.ravel()
 
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float) -> Drive:

@@ -95,7 +95,7 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
             continue
         normal[INNER, j, 0], normal[INNER, j, 1] = nx, ny
         push, half = Q * dt, 0.5 * Q * Q
-        patch.push_ring(ring_w, raceway, node_mass, -push, 0.0, node, weight, across, p, stretch)
+        patch.push_ring(ring_w, raceway, node_mass, -push, node, weight, across, p, stretch)
         patch.push_roller(w, mass, columns, j, -push * bx, -push * by, node, weight, p + 1, stretch)
         impulse[j, 0] += push * nx
         impulse[j, 1] += push * ny
@@ -149,7 +149,7 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
             continue
         normal[OUTER, j, 0], normal[OUTER, j, 1] = nx, ny
         push, half = Q * dt, 0.5 * Q * Q
-        patch.push_ring(ring_w, raceway, node_mass, push, 0.0, node, weight, across, p, stretch)
+        patch.push_ring(ring_w, raceway, node_mass, push, node, weight, across, p, stretch)
         patch.push_roller(w, mass, columns, j, -push * bx, -push * by, node, weight, p + 1, stretch)
         impulse[j, 0] -= push * nx
         impulse[j, 1] -= push * ny
@@ -236,18 +236,43 @@ def creep_traction(slip, limit, full_slip, mobility_dt):
 
 
 @kernel(forceinline=True)
-def slips(rollers, inner, outer, contacts, drive, out):
-    """Sideways velocity of side 1 less that of side 0 along t = Jn for every closed contact, m/s; out (3, n)."""
-    w, columns, cosine, sine = rollers.w, rollers.columns, rollers.cosine, rollers.sine
-    velocity, spin = rollers.velocity, rollers.spin
-    radius = rollers.radius
-    node, weight, across, arc = contacts.node, contacts.weight, contacts.across, contacts.arc
-    force, normal, stretch = contacts.force, contacts.normal, contacts.stretch
-    inner_w, outer_w = inner.w, outer.w
-    inner_speed = drive.speed * inner.radius
+def grips(rollers, contacts):
+    """Tangential directions of all closed contacts' patches, for `slips` and `friction_contacts`."""
+    points, radius, cosine, sine = rollers.points, rollers.radius, rollers.cosine, rollers.sine
+    node, weight, across, stretch = contacts.node, contacts.weight, contacts.across, contacts.stretch
+    force, normal, grip_x, grip_y = contacts.force, contacts.normal, contacts.grip_x, contacts.grip_y
     n = rollers.n
     for kind in range(3):
         sign = 1.0 if kind == OUTER else -1.0  # the roller's outward direction is ±n
+        for j in range(n):
+            if force[kind, j] == 0.0:
+                continue
+            nx, ny = normal[kind, j, 0], normal[kind, j, 1]
+            p = 2 * (kind * n + j)
+            if kind == ROLLER:
+                i = j + 1 if j + 1 < n else 0
+                ax, ay = cosine[j] * nx + sine[j] * ny, cosine[j] * ny - sine[j] * nx
+                patch.grip_roller(points, radius, ax, ay, node, weight, p, grip_x, grip_y, stretch)
+            else:
+                i = j
+                patch.grip_ring(weight, across, p, grip_x, grip_y, stretch)
+            bx, by = sign * (cosine[i] * nx + sine[i] * ny), sign * (cosine[i] * ny - sine[i] * nx)
+            patch.grip_roller(points, radius, bx, by, node, weight, p + 1, grip_x, grip_y, stretch)
+
+
+@kernel(forceinline=True)
+def slips(rollers, inner, outer, contacts, out):
+    """Sideways velocity of side 1 less that of side 0 along t = Jn for every closed contact, m/s; out (3, n).
+
+    `grips` must have been called at the present positions.
+    """
+    w, columns, velocity = rollers.w, rollers.columns, rollers.velocity
+    node, grip_x, grip_y, stretch = contacts.node, contacts.grip_x, contacts.grip_y, contacts.stretch
+    force, normal = contacts.force, contacts.normal
+    inner_w, outer_w = inner.w, outer.w
+    n = rollers.n
+    for kind in range(3):
+        sign = 1.0 if kind == OUTER else -1.0
         for j in range(n):
             if force[kind, j] == 0.0:
                 continue
@@ -258,20 +283,15 @@ def slips(rollers, inner, outer, contacts, drive, out):
                 i = j + 1
             elif kind == ROLLER:
                 i = 0
-            bx, by = sign * (cosine[i] * nx + sine[i] * ny), sign * (cosine[i] * ny - sine[i] * nx)
-            rolling = patch.sideways_roller(w, columns, i, bx, by, node, weight, p + 1, stretch)
-            slip = sign * (rolling + spin[i] * radius * arc[p + 1])
-            slip += velocity[i, 1] * nx - velocity[i, 0] * ny
+            slip = velocity[i, 1] * nx - velocity[i, 0] * ny
+            slip += sign * patch.sideways_roller(w, columns, i, node, grip_x, grip_y, p + 1, stretch)
             if kind == INNER:
-                slip -= patch.sideways_ring(inner_w, inner.raceway, node, weight, across, p, stretch)
-                slip -= inner_speed * arc[p]
+                slip -= patch.sideways_ring(inner_w, inner.raceway, node, grip_x, grip_y, p, stretch)
             elif kind == OUTER:
-                slip -= patch.sideways_ring(outer_w, outer.raceway, node, weight, across, p, stretch)
+                slip -= patch.sideways_ring(outer_w, outer.raceway, node, grip_x, grip_y, p, stretch)
             else:
-                ax, ay = cosine[j] * nx + sine[j] * ny, cosine[j] * ny - sine[j] * nx
-                slip -= patch.sideways_roller(w, columns, j, ax, ay, node, weight, p, stretch)
-                slip -= spin[j] * radius * arc[p]
                 slip -= velocity[j, 1] * nx - velocity[j, 0] * ny
+                slip -= patch.sideways_roller(w, columns, j, node, grip_x, grip_y, p, stretch)
             out[kind, j] = slip
 
 
@@ -280,19 +300,18 @@ def friction_contacts(rollers, inner, outer, contacts, drive, now):
     """Tractions of every contact and their impulses; returns the work they dissipate in this step, J.
 
     Each is implicit in its own patch's velocity; patches of one body do not overlap, so their order does not matter.
+    (On a raceway with fewer nodes than six a roller they do, and sticking contacts then shake each other slowly.)
     """
-    slips(rollers, inner, outer, contacts, drive, now)
-    w, mass, columns, cosine, sine = rollers.w, rollers.mass, rollers.columns, rollers.cosine, rollers.sine
-    velocity, spin, impulse, turn_kick = rollers.velocity, rollers.spin, rollers.impulse, rollers.turn_kick
-    node, weight, across = contacts.node, contacts.weight, contacts.across
+    slips(rollers, inner, outer, contacts, now)
+    w, mass, columns = rollers.w, rollers.mass, rollers.columns
+    velocity, spin, impulse = rollers.velocity, rollers.spin, rollers.impulse
+    node, grip_x, grip_y, stretch = contacts.node, contacts.grip_x, contacts.grip_y, contacts.stretch
     force, traction, normal, before = contacts.force, contacts.traction, contacts.normal, contacts.slip
-    stretch = contacts.stretch
     inner_w, outer_w = inner.w, outer.w
     inner_mass, outer_mass = inner.row_mass[inner.raceway], outer.row_mass[outer.raceway]
     friction, dt, n, radius = drive.friction, drive.dt, rollers.n, rollers.radius
-    arc, lever = contacts.arc, radius / rollers.inertia
     pitch = outer.radius - radius
-    dissipated, moment = 0.0, 0.0
+    dissipated = 0.0
     for kind in range(3):
         sign = 1.0 if kind == OUTER else -1.0
         for j in range(n):
@@ -307,14 +326,14 @@ def friction_contacts(rollers, inner, outer, contacts, drive, now):
                 i = j + 1
             elif kind == ROLLER:
                 i = 0
-            mobility = patch.mobility_roller(mass, node, weight, p + 1, stretch)
+            mobility = patch.mobility_roller(mass, node, grip_x, grip_y, p + 1, stretch)
             rolling = 0.0
             if kind == INNER:
-                mobility += patch.mobility_ring(inner_mass, weight, across, p, stretch)
+                mobility += patch.mobility_ring(inner_mass, grip_x, grip_y, p, stretch)
             elif kind == OUTER:
-                mobility += patch.mobility_ring(outer_mass, weight, across, p, stretch)
+                mobility += patch.mobility_ring(outer_mass, grip_x, grip_y, p, stretch)
             else:
-                mobility += patch.mobility_roller(mass, node, weight, p, stretch)
+                mobility += patch.mobility_roller(mass, node, grip_x, grip_y, p, stretch)
             if kind != ROLLER:
                 orbit = (velocity[j, 1] * nx - velocity[j, 0] * ny) / pitch
                 rolling = abs(spin[j] - orbit) * radius
@@ -323,24 +342,16 @@ def friction_contacts(rollers, inner, outer, contacts, drive, now):
             T, left = creep_traction(now[kind, j], friction * Q, full_slip, mobility * dt)
             traction[kind, j] = -T
             dissipated += 0.5 * T * dt * (before[kind, j] + left)
-            push = T * dt
-            ix, iy = push * ny, -push * nx  # −T along t on side 1
-            c, s = cosine[i], sine[i]
-            patch.push_roller(w, mass, columns, i, c * ix + s * iy, c * iy - s * ix, node, weight, p + 1, stretch)
-            impulse[i, 0] += ix
-            impulse[i, 1] += iy
-            # the moment a patch misses, taken up by the next kick; −T t has the arm +r n (outer) or −r n
-            turn_kick[i] -= sign * push * lever * arc[p + 1]
+            push = T * dt  # −T along t on side 1, T on side 0
+            patch.rub_roller(w, mass, columns, i, -sign * push, node, grip_x, grip_y, p + 1, stretch)
+            impulse[i, 0] += push * ny
+            impulse[i, 1] -= push * nx
             if kind == INNER:
-                patch.push_ring(inner_w, inner.raceway, inner_mass, 0.0, push, node, weight, across, p, stretch)
-                moment -= T * inner.radius * arc[p]
+                patch.rub_ring(inner_w, inner.raceway, inner_mass, push, node, grip_x, grip_y, p, stretch)
             elif kind == OUTER:
-                patch.push_ring(outer_w, outer.raceway, outer_mass, 0.0, push, node, weight, across, p, stretch)
+                patch.rub_ring(outer_w, outer.raceway, outer_mass, push, node, grip_x, grip_y, p, stretch)
             else:
-                c, s = cosine[j], sine[j]
-                patch.push_roller(w, mass, columns, j, -c * ix - s * iy, s * ix - c * iy, node, weight, p, stretch)
-                impulse[j, 0] -= ix
-                impulse[j, 1] -= iy
-                turn_kick[j] += push * lever * arc[p]
-    drive.ring[3] += moment
+                patch.rub_roller(w, mass, columns, j, push, node, grip_x, grip_y, p, stretch)
+                impulse[j, 0] -= push * ny
+                impulse[j, 1] += push * nx
     return dissipated

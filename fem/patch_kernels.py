@@ -4,7 +4,7 @@ The functions are inlined into the contact loops and take bare arrays: a named t
 references to every array at every access, twenty times the cost of the arithmetic.
 """
 
-from math import atan2, pi
+from math import atan2, pi, sqrt
 
 from fem.jit import kernel
 from fem.patches import N_NODES, first_node, weight_slopes, weights
@@ -96,50 +96,107 @@ def push_roller(w, mass, columns, column, bx, by, node, weight, patch, stretch):
 
 
 @kernel(forceinline=True)
-def push_ring(w, raceway, node_mass, along, aside, node, weight, across, patch, stretch):
-    """Spread an impulse, N s, with components along the patch's normal and along t over a ring's patch."""
+def push_ring(w, raceway, node_mass, along, node, weight, across, patch, stretch):
+    """Spread an impulse, N s, along the patch's normal over a ring's patch."""
     along /= node_mass
-    aside /= node_mass
     for k in range(N_NODES * len(stretch)):
         at = node[patch, k]
-        w[raceway, 0, at] += along * weight[patch, k] - aside * across[patch, k]
-        w[raceway, 1, at] += along * across[patch, k] + aside * weight[patch, k]
+        w[raceway, 0, at] += along * weight[patch, k]
+        w[raceway, 1, at] += along * across[patch, k]
+
+
+# Tangential motion and force of a patch. Along the contact's tangent t alone it would miss a share 1 − Σ W cos φ of a
+# rotation and of the moment (φ from the contact to the node), along the nodes' own tangents as much of a translation
+# and of the force. Directions (t + t_node + b Σ W sin φ)/(1 + Σ W cos φ), weighted with W, miss nothing: all that a
+# traction does to a body it does at its own nodes, and no other contact of the body has a part in it.
 
 
 @kernel(forceinline=True)
-def sideways_roller(w, columns, column, bx, by, node, weight, patch, stretch):
-    """Mean velocity along Jb relative to the centre of mass, m/s."""
-    wx, wy = 0.0, 0.0
+def grip_roller(points, radius, bx, by, node, weight, patch, grip_x, grip_y, stretch):
+    """Weighted tangential directions of a roller's patch, in its frame's axes."""
+    x, y = 0.0, 0.0
     for k in range(N_NODES * len(stretch)):
-        at = node[patch, k] * 2 * columns + column
-        wx += weight[patch, k] * w[at]
-        wy += weight[patch, k] * w[at + columns]
-    return wy * bx - wx * by
-
-
-@kernel(forceinline=True)
-def sideways_ring(w, raceway, node, weight, across, patch, stretch):
-    """Mean velocity along t, m/s."""
-    v = 0.0
+        i = node[patch, k]
+        x += weight[patch, k] * points[2 * i]
+        y += weight[patch, k] * points[2 * i + 1]
+    scale, lean = 1.0 / (1.0 + (bx * x + by * y) / radius), (bx * y - by * x) / radius
+    x, y, curvature = lean * bx - by, lean * by + bx, 1.0 / radius
     for k in range(N_NODES * len(stretch)):
-        at = node[patch, k]
-        v += weight[patch, k] * w[raceway, 1, at] - across[patch, k] * w[raceway, 0, at]
-    return v
+        i, share = node[patch, k], scale * weight[patch, k]
+        grip_x[patch, k] = share * (x - curvature * points[2 * i + 1])
+        grip_y[patch, k] = share * (y + curvature * points[2 * i])
 
 
 @kernel(forceinline=True)
-def mobility_roller(mass, node, weight, patch, stretch):
-    """Velocity gained by the patch mean per unit impulse, 1/kg."""
+def grip_ring(weight, across, patch, grip_x, grip_y, stretch):
+    """Weighted tangential directions of a ring's patch, radial and tangential at every node."""
+    both, lean = 1.0, 0.0
+    for k in range(N_NODES * len(stretch)):
+        both += weight[patch, k]
+        lean -= across[patch, k]
+    scale = 1.0 / both
+    for k in range(N_NODES * len(stretch)):
+        c, s = weight[patch, k], across[patch, k]
+        grip_x[patch, k] = scale * (lean * c - s)
+        grip_y[patch, k] = scale * (c + sqrt(c * c + s * s) + lean * s)
+
+
+@kernel(forceinline=True)
+def sideways_roller(w, columns, column, node, grip_x, grip_y, patch, stretch):
+    """Velocity of the surface along t relative to the centre of mass, m/s."""
     total = 0.0
     for k in range(N_NODES * len(stretch)):
-        total += weight[patch, k] * weight[patch, k] / mass[node[patch, k]]
+        at = node[patch, k] * 2 * columns + column
+        total += grip_x[patch, k] * w[at] + grip_y[patch, k] * w[at + columns]
     return total
 
 
 @kernel(forceinline=True)
-def mobility_ring(node_mass, weight, across, patch, stretch):
-    """Velocity gained by the patch mean per unit impulse, 1/kg."""
+def sideways_ring(w, raceway, node, grip_x, grip_y, patch, stretch):
+    """Velocity of the surface along t, m/s."""
     total = 0.0
     for k in range(N_NODES * len(stretch)):
-        total += weight[patch, k] * weight[patch, k] + across[patch, k] * across[patch, k]
+        at = node[patch, k]
+        total += grip_x[patch, k] * w[raceway, 0, at] + grip_y[patch, k] * w[raceway, 1, at]
+    return total
+
+
+@kernel(forceinline=True)
+def rub_roller(w, mass, columns, column, push, node, grip_x, grip_y, patch, stretch):
+    """Spread an impulse, N s, along t over a roller's patch."""
+    for k in range(N_NODES * len(stretch)):
+        i = node[patch, k]
+        at = i * 2 * columns + column
+        share = push / mass[i]
+        w[at] += share * grip_x[patch, k]
+        w[at + columns] += share * grip_y[patch, k]
+
+
+@kernel(forceinline=True)
+def rub_ring(w, raceway, node_mass, push, node, grip_x, grip_y, patch, stretch):
+    """Spread an impulse, N s, along t over a ring's patch."""
+    push /= node_mass
+    for k in range(N_NODES * len(stretch)):
+        at = node[patch, k]
+        w[raceway, 0, at] += push * grip_x[patch, k]
+        w[raceway, 1, at] += push * grip_y[patch, k]
+
+
+@kernel(forceinline=True)
+def mobility_roller(mass, node, grip_x, grip_y, patch, stretch):
+    """Velocity that `sideways_roller` gains per unit impulse of `rub_roller`, 1/kg."""
+    total = 0.0
+    for k in range(N_NODES * len(stretch)):
+        x, y = grip_x[patch, k], grip_y[patch, k]
+        total += (x * x + y * y) / mass[node[patch, k]]
+    return total
+
+
+@kernel(forceinline=True)
+def mobility_ring(node_mass, grip_x, grip_y, patch, stretch):
+    """Velocity that `sideways_ring` gains per unit impulse of `rub_ring`, 1/kg."""
+    total = 0.0
+    for k in range(N_NODES * len(stretch)):
+        x, y = grip_x[patch, k], grip_y[patch, k]
+        total += x * x + y * y
     return total / node_mass

@@ -130,8 +130,8 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         return
     contacts.force[kind, j] = total
     resolved.energy[kind, j] = energy
-    _share(contacts, patch, start0, at0, nodes0, total, width, HALO if kind != ROLLER else rollers.first_surface)
-    _share(contacts, patch + 1, start1, at1, rollers.n_surface, total, width, rollers.first_surface)
+    _share(contacts, patch, start0, nodes0, total, width, HALO if kind != ROLLER else rollers.first_surface)
+    _share(contacts, patch + 1, start1, rollers.n_surface, total, width, rollers.first_surface)
     if kind != ROLLER:
         bx, by = c0 * nx + s0 * ny, c0 * ny - s0 * nx
         cosines, sines = (inner.cosines, inner.sines) if kind == INNER else (outer.cosines, outer.sines)
@@ -229,12 +229,7 @@ def _gather(weight, patch, x, start, p, width):
 
 
 @kernel(forceinline=True)
-def _share(contacts, patch, start, at, n_nodes, total, width, offset):
-    missed, step = 0.0, 2.0 * np.pi / n_nodes
+def _share(contacts, patch, start, n_nodes, total, width, offset):
     for k in range(width):
-        share = contacts.weight[patch, k] / total
-        angle = (start + k - at) * step
-        missed += 0.5 * share * angle * angle
         contacts.node[patch, k] = offset + (start + k) % n_nodes
-        contacts.weight[patch, k] = share
-    contacts.arc[patch] = missed
+        contacts.weight[patch, k] /= total

@@ -87,7 +87,8 @@ class Contacts(NamedTuple):
     node: np.ndarray  # (6 n, 6 m), surface node, or sector plus HALO
     weight: np.ndarray  # (6 n, 6 m); of a ring times the cosine of the angle to the node's radius
     across: np.ndarray  # (6 n, 6 m), of a ring: weight times the sine
-    arc: np.ndarray  # (6 n,), 1 − Σ W cos: what a patch misses of a rotation
+    grip_x: np.ndarray  # (6 n, 6 m), weighted tangential direction: of a roller in its frame, of a ring polar
+    grip_y: np.ndarray
     resolved: Resolved | None  # None: the law below the grid
 
 

@@ -3,7 +3,7 @@
 from math import cos, pi, sin
 
 from fem import disc_kernels, ring_kernels
-from fem.contact_kernels import contact_impulses, friction_contacts, slips
+from fem.contact_kernels import contact_impulses, friction_contacts, grips, slips
 from fem.jit import kernel
 from fem.sample_kernels import remember, write_sample
 
@@ -29,7 +29,8 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     drive.ring[3] = 0.0
     contact_impulses(rollers, inner, outer, contacts, drive, scratch.slope, contacts.resolved)
     if drive.friction > 0.0:
-        slips(rollers, inner, outer, contacts, drive, contacts.slip)
+        grips(rollers, contacts)
+        slips(rollers, inner, outer, contacts, contacts.slip)
     for j in range(rollers.n):
         rollers.velocity[j, 0] += rollers.tilt[j, 0] / rollers.total_mass
         rollers.velocity[j, 1] += rollers.tilt[j, 1] / rollers.total_mass - drive.gravity * dt

@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from benchmarks.verification.case import Case, Check, Origin
 from benchmarks.verification.runs import plan_of, record, without_spin
-from fem.contact_kernels import friction_contacts, normal_contacts, slips
+from fem.contact_kernels import friction_contacts, grips, normal_contacts, slips
 from fem.simulate import Plan
 from fem.state import INNER
 from lagrange import kinematics
@@ -24,10 +24,11 @@ def _creep(plan: Plan, sliding: float) -> tuple[float, float, float]:
     normal_contacts(*bodies, state.scratch.slope)
     across = state.contacts.normal[INNER, 0] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
     state.rollers.velocity[0] += sliding * across
-    slips(*bodies, state.contacts.slip)
+    grips(state.rollers, state.contacts)
+    slips(*bodies[:4], state.contacts.slip)
     friction_contacts(*bodies, state.scratch.slip)
     left = np.zeros_like(state.contacts.slip)
-    slips(*bodies, left)
+    slips(*bodies[:4], left)
     ideal = plan.start.kinematics
     orbit = ideal.cage + sliding / plan.model.bearing.pitch_radius
     rolling = abs(ideal.roller - orbit) * plan.model.bearing.roller_radius

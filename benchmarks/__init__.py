@@ -1,5 +1,6 @@
 """Benchmarks, each a command that prints a table: run from the repository's root.
 
+verification    the solver's pieces against analytic solutions, published values, conservation laws
 work_precision  run time against error over meshes
 stability       random scenes from the whole range of bearings: none may end silently wrong
 random_scenes   the draw of those scenes

@@ -112,7 +112,7 @@ def roller_on_disc():
             quantity=f"approach of the two, {force:g} N", unit="µm",
             computed=1e6 * float(law.approach(force) + grid * force),
             reference=1e6 * sum(squeezed_disc_approach(force / LENGTH, R, b, modulus) for R in (0.005, 0.018)),
-            tolerance=1e-3, origin=Origin.ANALYTIC, source="Johnson 1985, equation 5.57; Tripp, NASA TP-2362 (1985)",
+            tolerance=1e-3, origin=Origin.ANALYTIC, source="Johnson 1985, 5.6; Tripp 1985",
         )  # fmt: skip
 
 

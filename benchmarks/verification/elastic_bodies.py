@@ -92,10 +92,9 @@ def ring_modes():
 
 
 def code_aster_ring():
-    """Free ring of code_aster's test SDLS109, in plane stress by an equivalent material: as `ring-modes`.
+    """The thick free ring of code_aster's test SDLS109, in plane stress by an equivalent material: as `ring-modes`.
 
-    The thin-ring formula is that test's reference; shear and rotary inertia, which it leaves out, lower the frequencies
-    by 0.8 % and 2.1 %.
+    Shear and rotary inertia, which the thin-ring formula leaves out, lower the frequencies by 0.8 % and 2.1 %.
     """
     radius, thickness = 0.369, 0.048
     material = Material(youngs_modulus=185e9, poisson_ratio=0.3, density=7800.0)
@@ -114,7 +113,7 @@ def code_aster_ring():
         )  # fmt: skip
         yield Check(
             quantity=f"frequency, n = {n}, thin ring", unit="Hz", computed=found, reference=thin,
-            tolerance=thin_tolerance, origin=Origin.LITERATURE, source="thin-ring formula (code_aster V2.03.109)",
+            tolerance=thin_tolerance, origin=Origin.LITERATURE, source="thin-ring formula (Love 1927, article 293)",
         )  # fmt: skip
 
 

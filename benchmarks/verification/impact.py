@@ -51,7 +51,7 @@ def bouncing_bar():
 
     yield check("first contact begins", begin, arrival, 1e-3)
     yield check("first contact ends", end, arrival + stay, 5e-3)
-    yield check("pressure at its begin", start, first, 5e-3)
+    yield check("pressure at its start", start, first, 5e-3)
     yield check("pressure at its end", start + slope * stay, last, 5e-3)
     yield check("impulse", np.sum(found.force[early]) * step, impulse, 5e-3)
     yield check("speed of the rebound", leaving, rebound, 5e-3)

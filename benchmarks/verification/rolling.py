@@ -66,7 +66,7 @@ def spin_up():
     """Rollers that do not turn at first, in a bearing with preload, mesh 1 mm: friction and the whole time loop.
 
     All slide alike, so each loses ½ I Ω² until it rolls, whatever the friction coefficient; the reference is the solid
-    cylinder's inertia, the lumped mass's is 1.7 % larger. Without friction they never turn.
+    cylinder's inertia, the lumped mass's is 1.8 % larger. Without friction they never turn.
     """
     plan = without_spin(
         plan_of(

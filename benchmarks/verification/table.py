@@ -39,8 +39,8 @@ def cells(check: Check) -> list[str]:
     unit = f" {check.unit}" if check.unit else ""
     return [
         check.quantity,
-        f"{check.computed:.5g}{unit}",
-        f"{check.reference:.5g}{unit}",
+        _powers(f"{check.computed:.5g}") + unit,
+        _powers(f"{check.reference:.5g}") + unit,
         _percent(check.error) + ("" if check.passed else " FAILS"),
         _percent(check.tolerance, sign=False),
         f"{check.origin}: {check.source}",
@@ -50,10 +50,16 @@ def cells(check: Check) -> list[str]:
 def _percent(share: float, sign: bool = True) -> str:
     """Per cent with two digits; powers of ten where it is tiny."""
     value = 100.0 * share
+    text = f"{value:+.2g}" if sign and value else f"{value:.2g}"
     if 0.0 < abs(value) < 1e-3:
-        digits, power = (f"{value:+.1e}" if sign else f"{value:.1e}").split("e")
-        return f"{digits}·10{str(int(power)).translate(SUPERSCRIPT)} %"
-    return f"{value:+.2g} %" if sign and value else f"{value:.2g} %"
+        text = f"{value:+.1e}" if sign else f"{value:.0e}"
+    return f"{_powers(text)} %"
+
+
+def _powers(number: str) -> str:
+    """1.2e-07 as 1.2·10⁻⁷."""
+    digits, e, power = number.partition("e")
+    return f"{digits}·10{str(int(power)).translate(SUPERSCRIPT)}" if e else digits
 
 
 def markdown(outcomes: list[Outcome]) -> str:

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import xarray
 
+from benchmarks.verification.shapes import SHAPES, fair_load
 from fem.cli import run_main
 from fem.error_estimate import SAFETY, coarser_scene, estimates
 from fem.errors import UsageError
@@ -12,8 +13,6 @@ from fem.exact_statics import exact_statics
 from fem.quantities import Quantity, moving_quantities, static_quantities
 from lagrange.scene import read_scene
 from tests.reference.bearings import model, operation
-from tests.test_equilibrium import fair_load
-from tests.test_exact_statics import SHAPES
 
 
 def quantity(value):

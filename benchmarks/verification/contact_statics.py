@@ -42,6 +42,7 @@ def squeezed(body: DiscBody, surface: SurfaceCompliance, position: float) -> flo
     return float(near @ body.relaxed(near + far) + ripple_at(position, surface.ripple)[0])
 
 
+@cache
 def at_rest(bearing: Bearing, mesh_size: float, first: float, load: float) -> Equilibrium:
     """Static equilibrium of the finite elements, weightless; `first` is the first roller's angle, rad."""
     still = Motion(

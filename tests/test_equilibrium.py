@@ -11,11 +11,12 @@ sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from bearings import arrays, copies, loop_arguments, model, operation, paper, start_of
 from resolved_bearing import RESOLVED
 
-from benchmarks.verification.shapes import LOAD, ON_A_ROLLER, SHAPES, fair_load
+from benchmarks.verification.shapes import LOAD, ON_A_ROLLER, SHAPES, STEEL_ON_STEEL, fair_load
 from fem import time_loop
 from fem.contact_balance import LOOSE_SPRING
 from fem.contact_kernels import normal_contacts
 from fem.equilibrium import Motion, static_equilibrium
+from lagrange import Bearing
 from lagrange.kinematics import roller_angles
 
 
@@ -78,9 +79,9 @@ def test_forces_balance_the_load(bearing):
     assert found.inner_force.max() > 2.5 * load / bearing.n_rollers  # 4 by Stribeck without clearance
 
 
-@pytest.mark.parametrize("name", [name for name in BEARINGS if name != "three rollers"])
+@pytest.mark.parametrize("name", [name for name in SHAPES if name != "three rollers"])
 def test_a_symmetric_scene_has_a_symmetric_answer(name):
-    bearing = BEARINGS[name]
+    bearing = SHAPES[name]
     found = solve(bearing, 0.4 * bearing.roller_radius, ON_A_ROLLER, fair_load(bearing))
     assert abs(found.hub[0]) < 1e-4 * abs(found.hub[1])  # meshes are no mirror images: 1e-6 of ripple is left
     mirrored = np.roll(found.inner_force[::-1], 1)
@@ -89,7 +90,7 @@ def test_a_symmetric_scene_has_a_symmetric_answer(name):
 
 
 def test_a_hub_that_could_only_balance_on_one_roller_leans_on_two():
-    found = solve(BEARINGS["three rollers"], 2e-3, ON_A_ROLLER)
+    found = solve(SHAPES["three rollers"], 2e-3, ON_A_ROLLER)
     loaded = found.inner_force > 0.0
     assert loaded[0] and loaded.sum() == 2
     # sunk by s and rolled aside by t, it meets the next roller, 30° above the horizontal, where t cos 30° = s sin 30°

@@ -10,7 +10,8 @@ from numba import njit
 from benchmarks.machine import Machine, median_seconds
 from fem import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.arrays import Arrays
-from fem.contact_kernels import friction_contacts, grips, normal_contacts, slips
+from fem.contact_kernels import normal_contacts, push_contacts
+from fem.friction_kernels import friction_contacts, grips, slips
 from fem.simulate import Plan
 
 TARGET_SECONDS = 0.02  # of one measurement
@@ -34,9 +35,15 @@ def _repeated(function: Callable) -> Callable:
 
 
 @njit
-def _slip_and_friction(rollers, inner, outer, contacts, drive, slip):
+def _normal(rollers, inner, outer, contacts, drive, slope):
+    normal_contacts(rollers, inner, outer, contacts, drive, slope)
+    push_contacts(rollers, inner, outer, contacts, drive)
+
+
+@njit
+def _slip_and_friction(rollers, inner, outer, contacts, drive, still, slip):
     grips(rollers, contacts)
-    slips(rollers, inner, outer, contacts, contacts.slip)
+    slips(rollers, inner, outer, contacts, still, contacts.slip)
     friction_contacts(rollers, inner, outer, contacts, drive, slip)
 
 
@@ -68,7 +75,7 @@ def _hub(inner, scratch):
     bore[0, :] = 0.0
     bore[1, :] = 0.0
     ring_kernels.row_force(inner.table, inner.u, inner.held, bore[0], bore[1])
-    x, y, _ = ring_kernels.resultant(bore[0], bore[1], inner.cosines, inner.sines)
+    x, y = ring_kernels.resultant(bore[0], bore[1], inner.cosines, inner.sines)
     held = inner.u[inner.held]
     ring_kernels.set_rigid(held[0], held[1], inner.cosines, inner.sines, 1e-12 * x, 1e-12 * y)
 
@@ -76,7 +83,7 @@ def _hub(inner, scratch):
 @njit
 def _sampled(rollers, inner, outer, contacts, drive, scratch, row):
     sample_kernels.remember(rollers, inner, outer, drive, scratch)
-    sample_kernels.write_sample(rollers, inner, outer, contacts, drive, scratch, row, 0.0, 0.0, 0.0, 0.0)
+    sample_kernels.write_sample(rollers, inner, outer, contacts, drive, scratch, row, 0.0, 0.0, 0.0)
 
 
 def _seconds(function: Callable, *arguments) -> float:
@@ -96,21 +103,21 @@ def time_phases(plan: Plan) -> dict[str, float]:
     a: Arrays = plan.arrays()
     r, i, o, c, d, x = a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch
     row = np.zeros(sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * r.n)
-    matrix = (r.starts, r.neighbours, r.blocks, r.points, r.mass)
+    matrix = (r.starts, r.neighbours, r.blocks, r.mass)
     out = {
-        "contacts": _seconds(normal_contacts, r, i, o, c, d, x.slope),
-        "friction": _seconds(_slip_and_friction, r, i, o, c, d, x.slip),
+        "contacts": _seconds(_normal, r, i, o, c, d, x.slope),
+        "friction": _seconds(_slip_and_friction, r, i, o, c, d, x.still, x.slip),
     }
     a = plan.arrays()
     r, i, o, x = a.rollers, a.inner, a.outer, a.scratch
     still, turn = np.zeros(r.columns), np.full(r.columns, 1e-12)
-    out["rollers' forces"] = _seconds(disc_kernels.kick, *matrix, r.u, r.w, r.columns, still, x.torque)
+    out["rollers' forces"] = _seconds(disc_kernels.kick, *matrix, r.u, r.w, r.columns, x.torque)
     out["rings' forces"] = _seconds(_rings_kick, i, o)
     a = plan.arrays()
     r, i, o, x = a.rollers, a.inner, a.outer, a.scratch
     ones = np.ones(r.columns)
     out["rollers' motion"] = _seconds(
-        disc_kernels.drift, r.points, r.mass, r.u, r.w, r.columns, 1e-12, ones, turn, still, still, x.torque
+        disc_kernels.drift, r.points, r.mass, r.u, r.w, r.columns, 1e-12, still, ones, turn, still, still, x.torque
     )
     out["rings' motion"] = _seconds(_rings_drift, i, o)
     out["gravity"] = _seconds(_gravity, i, o, x)

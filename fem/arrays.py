@@ -12,7 +12,7 @@ from fem.resolved import points, stretch_for
 from fem.ring_kernels import HALO
 from fem.start import Start
 from fem.state import INNER, OUTER, ROLLER, Contacts, Drive, Ring, Rollers, Scratch
-from lagrange import Operation, kinematics
+from lagrange import Bearing, Operation, kinematics
 
 REACH = 0.01  # of a roller's radius
 
@@ -68,6 +68,7 @@ def _rollers(disc: DiscBody, n: int, dt: float) -> Rollers:
         blocks=np.ascontiguousarray(-dt * blocks / disc.mass[rows][:, None, None]).ravel(),
         points=np.ascontiguousarray(disc.points).ravel(),
         mass=disc.mass.copy(),
+        lightness=1.0 / disc.mass,
         u=np.zeros(disc.n_nodes * 2 * columns),
         w=np.zeros(disc.n_nodes * 2 * columns),
         centre=np.zeros((columns, 2)),
@@ -189,14 +190,24 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         traction=np.zeros((3, n)),
         normal=np.zeros((3, n, 2)),
         slip=np.zeros((3, n)),
+        crowded=_crowded(model.bearing, surface_nodes, width),
         stretch=stretch,
         node=np.zeros((6 * n, width), dtype=np.int64),
         weight=np.zeros((6 * n, width)),
+        outward=np.zeros((6 * n, 2)),
+        along=np.zeros((6 * n, width)),
         across=np.zeros((6 * n, width)),
         grip_x=np.zeros((6 * n, width)),
         grip_y=np.zeros((6 * n, width)),
         resolved=resolved,
     )
+
+
+def _crowded(bearing: Bearing, surface_nodes: tuple[int, int, int], width: int) -> bool:
+    """Whether patches `width` nodes wide can overlap: on a ring those of rollers that touch, on a roller its own."""
+    apart = 2.0 * np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius))  # of rollers that touch
+    inner, outer, roller = (nodes / (2.0 * np.pi) for nodes in surface_nodes)
+    return bool(min(inner * apart, outer * apart, roller * 0.5 * (np.pi - apart)) < width)
 
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float) -> Drive:
@@ -206,8 +217,8 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, friction
         hub=start.equilibrium.hub.copy(),
         velocity=start.hub_velocity.copy(),
         impulse=np.zeros(2),
-        ring=np.array([0.0, 1.0, 0.0, 0.0]),
-        work=np.zeros(3),
+        ring=np.array([0.0, 1.0, 0.0, 0.0, 0.0]),
+        sums=np.zeros(6),
         mass=float(operation.inner_mass - ring.total_mass + held),
         speed=float(operation.speed),
         gravity=float(operation.gravity),

@@ -12,22 +12,20 @@ COLUMNS = 16  # handled together
 
 
 @kernel
-def kick(starts, neighbours, blocks, points, mass, u, w, columns, turn_kick, torque):
-    """w += dt·(internal acceleration + rigid angular acceleration); torque of the internal forces.
+def kick(starts, neighbours, blocks, mass, u, w, columns, torque):
+    """w += dt·internal acceleration; torque of the internal forces.
 
     Parameters
     ----------
     starts, neighbours : rows of 2 x 2 blocks, (n_nodes + 1,) and (n_blocks,)
     blocks : (4 n_blocks,), −dt·M⁻¹K, m/s per m
-    points : (2 n_nodes,), m; mass : (n_nodes,), kg
-    turn_kick : (columns,), rad/s, dt times the angular acceleration to add
+    mass : (n_nodes,), kg
     torque : (columns,), filled with dt·Σ u x f, N m s: second order in u, 0 for exact elasticity
     """
     n_nodes = starts.size - 1
     stride = 2 * columns
     for block in range(0, columns, COLUMNS):
         t0, t1 = splat(0.0), splat(0.0)
-        k0, k1 = load(turn_kick, block), load(turn_kick, block + 8)
         for i in range(n_nodes):
             fx0, fx1, fy0, fy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
             for k in range(starts[i], starts[i + 1]):
@@ -43,21 +41,21 @@ def kick(starts, neighbours, blocks, points, mass, u, w, columns, turn_kick, tor
             m = mass[i]
             t0 = fma(m, subtract(multiply(load(u, at), fy0), multiply(load(u, at + columns), fx0)), t0)
             t1 = fma(m, subtract(multiply(load(u, at + 8), fy1), multiply(load(u, at + columns + 8), fx1)), t1)
-            px, py = points[2 * i], points[2 * i + 1]
-            store(w, at, add(load(w, at), fma(-py, k0, fx0)))
-            store(w, at + 8, add(load(w, at + 8), fma(-py, k1, fx1)))
-            store(w, at + columns, add(load(w, at + columns), fma(px, k0, fy0)))
-            store(w, at + columns + 8, add(load(w, at + columns + 8), fma(px, k1, fy1)))
+            store(w, at, add(load(w, at), fx0))
+            store(w, at + 8, add(load(w, at + 8), fx1))
+            store(w, at + columns, add(load(w, at + columns), fy0))
+            store(w, at + columns + 8, add(load(w, at + columns + 8), fy1))
         store(torque, block, t0)
         store(torque, block + 8, t1)
 
 
 @kernel
-def drift(points, mass, u, w, columns, dt, cosine, sine, shift_x, shift_y, moment):
-    """Take out the mean velocity, move, and turn the frame.
+def drift(points, mass, u, w, columns, dt, turn_kick, cosine, sine, shift_x, shift_y, moment):
+    """Add a rigid turn, take out the mean velocity, move, and turn the frame.
 
     Parameters
     ----------
+    turn_kick : (columns,), rad/s, gained by turning the undeformed body as a whole
     cosine, sine : (columns,), of the frame's turn in this step
     shift_x, shift_y : (columns,), m/s, gained by the centre of mass through nodal forces, in the frame's axes
     moment : (columns,), filled with Σ m X x (X + u), kg m²: inertia times the angle by which the body leads its frame
@@ -66,12 +64,13 @@ def drift(points, mass, u, w, columns, dt, cosine, sine, shift_x, shift_y, momen
     stride = 2 * columns
     for block in range(0, columns, 8):
         c, s = load(cosine, block), load(sine, block)
-        ax, ay = load(shift_x, block), load(shift_y, block)
+        ax, ay, k = load(shift_x, block), load(shift_y, block), load(turn_kick, block)
         lead = splat(0.0)
         for i in range(n_nodes):
             at = i * stride + block
             px, py = splat(points[2 * i]), splat(points[2 * i + 1])
-            wx, wy = subtract(load(w, at), ax), subtract(load(w, at + columns), ay)
+            wx = subtract(fma(-points[2 * i + 1], k, load(w, at)), ax)
+            wy = subtract(fma(points[2 * i], k, load(w, at + columns)), ay)
             x = add(px, fma(dt, wx, load(u, at)))
             y = add(py, fma(dt, wy, load(u, at + columns)))
             ux = subtract(fma_lanes(s, y, multiply(c, x)), px)

@@ -32,11 +32,16 @@ def is_compiled() -> bool:
 
 
 def kernel(function=None, **options):
-    """Compile a function of arrays and scalars; division follows IEEE 754 and raises nothing."""
+    """Compile a function of arrays and scalars; division follows IEEE 754 and raises nothing.
+
+    Without numba's run-time memory: nothing is allocated (what would allocate does not compile), and arrays that the
+    caller holds anyway are not counted, which would take a tenth of the time loop
+    (https://github.com/numba/numba/issues/2350).
+    """
     if function is None:
         return lambda wrapped: kernel(wrapped, **options)
     before, config.CACHE_DIR = config.CACHE_DIR, str(cache_folder())
     try:
-        return njit(cache=True, error_model="numpy", **options)(function)
+        return njit(cache=True, error_model="numpy", _nrt=False, **options)(function)
     finally:
         config.CACHE_DIR = before

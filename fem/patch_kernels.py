@@ -4,7 +4,7 @@ The functions are inlined into the contact loops and take bare arrays: a named t
 references to every array at every access, twenty times the cost of the arithmetic.
 """
 
-from math import atan2, pi, sqrt
+from math import atan2, pi
 
 from fem.jit import kernel
 from fem.patches import N_NODES, first_node, weight_slopes, weights
@@ -61,7 +61,9 @@ def read_roller(u, columns, first, n_surface, column, bx, by, ripples, node, wei
 
 
 @kernel(forceinline=True)
-def read_ring(u, raceway, n_sectors, cosines, sines, bx, by, ripples, node, weight, across, patch, slope, stretch):
+def read_ring(
+    u, raceway, n_sectors, cosines, sines, bx, by, ripples, node, weight, along, across, patch, slope, stretch
+):
     """Place a ring's patch around the radial direction b (in its frame); returns the same as `read_roller` along +b."""
     position = place(bx, by, n_sectors)
     base = int(position)
@@ -73,36 +75,38 @@ def read_ring(u, raceway, n_sectors, cosines, sines, bx, by, ripples, node, weig
         at = node[patch, k]
         c, s = bx * cosines[at] + by * sines[at], by * cosines[at] - bx * sines[at]
         a, b = u[raceway, 0, at], u[raceway, 1, at]
-        along = a * c + b * s
-        out += weight[patch, k] * along
+        outward = a * c + b * s
+        out += weight[patch, k] * outward
         side += weight[patch, k] * (b * c - a * s)
-        rate += slope[0, k] * along
+        rate += slope[0, k] * outward
+        along[patch, k] = weight[patch, k] * c
         across[patch, k] = weight[patch, k] * s
-        weight[patch, k] *= c
     ripple, ripple_slope = ripple_at(position - base, ripples)
     per_radian = n_sectors / (2.0 * pi)
     return out, side, rate * per_radian, ripple, ripple_slope * per_radian
 
 
 @kernel(forceinline=True)
-def push_roller(w, mass, columns, column, bx, by, node, weight, patch, stretch):
+def push_roller(w, lightness, columns, column, bx, by, node, weight, patch, stretch):
     """Spread an impulse, N s, with components in the roller's frame over its patch."""
     for k in range(N_NODES * len(stretch)):
         i = node[patch, k]
-        share = weight[patch, k] / mass[i]
+        share = weight[patch, k] * lightness[i]
         at = i * 2 * columns + column
         w[at] += share * bx
         w[at + columns] += share * by
 
 
 @kernel(forceinline=True)
-def push_ring(w, raceway, node_mass, along, node, weight, across, patch, stretch):
-    """Spread an impulse, N s, along the patch's normal over a ring's patch."""
-    along /= node_mass
+def push_ring(u, w, raceway, radius, node_mass, push, node, along, across, patch, stretch):
+    """Spread an impulse, N s, along the patch's normal over a ring's patch; returns its moment about the origin."""
+    speed, moment = push / node_mass, 0.0
     for k in range(N_NODES * len(stretch)):
         at = node[patch, k]
-        w[raceway, 0, at] += along * weight[patch, k]
-        w[raceway, 1, at] += along * across[patch, k]
+        w[raceway, 0, at] += speed * along[patch, k]
+        w[raceway, 1, at] += speed * across[patch, k]
+        moment += (radius + u[raceway, 0, at]) * across[patch, k] - u[raceway, 1, at] * along[patch, k]
+    return push * moment
 
 
 # Tangential motion and force of a patch. Along the contact's tangent t alone it would miss a share 1 − Σ W cos φ of a
@@ -128,67 +132,70 @@ def grip_roller(points, radius, bx, by, node, weight, patch, grip_x, grip_y, str
 
 
 @kernel(forceinline=True)
-def grip_ring(weight, across, patch, grip_x, grip_y, stretch):
+def grip_ring(weight, along, across, patch, grip_x, grip_y, stretch):
     """Weighted tangential directions of a ring's patch, radial and tangential at every node."""
     both, lean = 1.0, 0.0
     for k in range(N_NODES * len(stretch)):
-        both += weight[patch, k]
+        both += along[patch, k]
         lean -= across[patch, k]
     scale = 1.0 / both
     for k in range(N_NODES * len(stretch)):
-        c, s = weight[patch, k], across[patch, k]
+        c, s = along[patch, k], across[patch, k]
         grip_x[patch, k] = scale * (lean * c - s)
-        grip_y[patch, k] = scale * (c + sqrt(c * c + s * s) + lean * s)
+        grip_y[patch, k] = scale * (c + weight[patch, k] + lean * s)
 
 
 @kernel(forceinline=True)
 def sideways_roller(w, columns, column, node, grip_x, grip_y, patch, stretch):
     """Velocity of the surface along t relative to the centre of mass, m/s."""
-    total = 0.0
+    v = 0.0
     for k in range(N_NODES * len(stretch)):
         at = node[patch, k] * 2 * columns + column
-        total += grip_x[patch, k] * w[at] + grip_y[patch, k] * w[at + columns]
-    return total
+        v += grip_x[patch, k] * w[at] + grip_y[patch, k] * w[at + columns]
+    return v
 
 
 @kernel(forceinline=True)
 def sideways_ring(w, raceway, node, grip_x, grip_y, patch, stretch):
     """Velocity of the surface along t, m/s."""
-    total = 0.0
+    v = 0.0
     for k in range(N_NODES * len(stretch)):
         at = node[patch, k]
-        total += grip_x[patch, k] * w[raceway, 0, at] + grip_y[patch, k] * w[raceway, 1, at]
-    return total
+        v += grip_x[patch, k] * w[raceway, 0, at] + grip_y[patch, k] * w[raceway, 1, at]
+    return v
 
 
 @kernel(forceinline=True)
-def rub_roller(w, mass, columns, column, push, node, grip_x, grip_y, patch, stretch):
-    """Spread an impulse, N s, along t over a roller's patch."""
+def rub_roller(w, lightness, columns, column, push, node, grip_x, grip_y, patch, stretch):
+    """Spread an impulse along t, N s, over a roller's patch."""
     for k in range(N_NODES * len(stretch)):
         i = node[patch, k]
+        speed = push * lightness[i]
         at = i * 2 * columns + column
-        share = push / mass[i]
-        w[at] += share * grip_x[patch, k]
-        w[at + columns] += share * grip_y[patch, k]
+        w[at] += speed * grip_x[patch, k]
+        w[at + columns] += speed * grip_y[patch, k]
 
 
 @kernel(forceinline=True)
-def rub_ring(w, raceway, node_mass, push, node, grip_x, grip_y, patch, stretch):
-    """Spread an impulse, N s, along t over a ring's patch."""
-    push /= node_mass
+def rub_ring(u, w, raceway, radius, node_mass, push, node, grip_x, grip_y, patch, stretch):
+    """Spread an impulse along t, N s, over a ring's patch; returns its moment about the origin, N m s."""
+    speed, moment = push / node_mass, 0.0
     for k in range(N_NODES * len(stretch)):
         at = node[patch, k]
-        w[raceway, 0, at] += push * grip_x[patch, k]
-        w[raceway, 1, at] += push * grip_y[patch, k]
+        x, y = grip_x[patch, k], grip_y[patch, k]
+        w[raceway, 0, at] += speed * x
+        w[raceway, 1, at] += speed * y
+        moment += (radius + u[raceway, 0, at]) * y - u[raceway, 1, at] * x
+    return push * moment
 
 
 @kernel(forceinline=True)
-def mobility_roller(mass, node, grip_x, grip_y, patch, stretch):
+def mobility_roller(lightness, node, grip_x, grip_y, patch, stretch):
     """Velocity that `sideways_roller` gains per unit impulse of `rub_roller`, 1/kg."""
     total = 0.0
     for k in range(N_NODES * len(stretch)):
         x, y = grip_x[patch, k], grip_y[patch, k]
-        total += (x * x + y * y) / mass[node[patch, k]]
+        total += (x * x + y * y) * lightness[node[patch, k]]
     return total
 
 

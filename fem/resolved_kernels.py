@@ -61,7 +61,7 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
     dt, _n, patch = drive.dt, rollers.n, 2 * (kind * rollers.n + j)
     first = 1.0 if kind != OUTER else -1.0  # outward direction of side 0's surface is ±n
     second = 1.0 if kind == OUTER else -1.0
-    node, weight, across = contacts.node, contacts.weight, contacts.across
+    node, weight = contacts.node, contacts.weight
     width = N_NODES * len(contacts.stretch)
     for k in range(width):
         weight[patch, k] = 0.0
@@ -73,6 +73,9 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
     else:
         c0, s0, nodes0 = rollers.cosine[j], rollers.sine[j], rollers.n_surface
     c1, s1 = rollers.cosine[i], rollers.sine[i]
+    contacts.outward[patch, 0], contacts.outward[patch, 1] = c0 * nx + s0 * ny, c0 * ny - s0 * nx
+    contacts.outward[patch + 1, 0] = second * (c1 * nx + s1 * ny)
+    contacts.outward[patch + 1, 1] = second * (c1 * ny - s1 * nx)
     per_radian0, per_radian1 = nodes0 / (2.0 * np.pi), rollers.n_surface / (2.0 * np.pi)
     at0 = place(c0 * nx + s0 * ny, c0 * ny - s0 * nx, nodes0)
     at1 = place(second * (c1 * nx + s1 * ny), second * (c1 * ny - s1 * nx), rollers.n_surface)
@@ -118,7 +121,7 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         tilt1 += p * tan1
         push = p * dt
         if kind == INNER:
-            _push_ring(inner, x0, f0x, f0y, -push)
+            drive.ring[4] += _push_ring(inner, x0, f0x, f0y, -push)
         elif kind == OUTER:
             _push_ring(outer, x0, f0x, f0y, -push)
         else:
@@ -137,8 +140,8 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         cosines, sines = (inner.cosines, inner.sines) if kind == INNER else (outer.cosines, outer.sines)
         for k in range(width):
             at = node[patch, k]
-            across[patch, k] = weight[patch, k] * (by * cosines[at] - bx * sines[at])
-            weight[patch, k] *= bx * cosines[at] + by * sines[at]
+            contacts.along[patch, k] = weight[patch, k] * (bx * cosines[at] + by * sines[at])
+            contacts.across[patch, k] = weight[patch, k] * (by * cosines[at] - bx * sines[at])
 
     impulse, tilt = rollers.impulse, rollers.tilt
     turned = aside / distance
@@ -201,11 +204,16 @@ def _read_roller(rollers, column, x, mx, my):
 
 @kernel(forceinline=True)
 def _push_ring(ring, x, mx, my, impulse):
+    """Returns the moment of what is pushed about the origin, N m s."""
     near, far, t = _pair(x, ring.n_sectors)
-    impulse /= ring.row_mass[ring.raceway]
+    row, moment = ring.raceway, 0.0
     for node, share in ((near + HALO, 1.0 - t), (far + HALO, t)):
-        ring.w[ring.raceway, 0, node] += impulse * share * (mx * ring.cosines[node] + my * ring.sines[node])
-        ring.w[ring.raceway, 1, node] += impulse * share * (my * ring.cosines[node] - mx * ring.sines[node])
+        radial = impulse * share * (mx * ring.cosines[node] + my * ring.sines[node])
+        around = impulse * share * (my * ring.cosines[node] - mx * ring.sines[node])
+        ring.w[row, 0, node] += radial / ring.row_mass[row]
+        ring.w[row, 1, node] += around / ring.row_mass[row]
+        moment += (ring.radius + ring.u[row, 0, node]) * around - ring.u[row, 1, node] * radial
+    return moment
 
 
 @kernel(forceinline=True)

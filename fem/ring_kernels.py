@@ -128,11 +128,10 @@ def set_rigid(line_r, line_t, cosines, sines, x, y):
 
 @kernel(fastmath={"contract", "nsz", "reassoc"})
 def resultant(radial, tangential, cosines, sines):
-    """Sum of polar nodal forces of one row: x, y in the frame's axes, and Σ tangential."""
-    x, y, t = 0.0, 0.0, 0.0
+    """Sum of polar nodal forces of one row: x, y in the frame's axes."""
+    x, y = 0.0, 0.0
     for column in range(HALO, radial.size - HALO):
         k = uint64(column)
         x += radial[k] * cosines[k] - tangential[k] * sines[k]
         y += radial[k] * sines[k] + tangential[k] * cosines[k]
-        t += tangential[k]
-    return x, y, t
+    return x, y

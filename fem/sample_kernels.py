@@ -3,7 +3,7 @@
 Off the hot path: once in a stride of steps.
 """
 
-from math import cos
+from math import cos, sin
 
 from fem import disc_kernels, ring_kernels
 from fem.jit import kernel
@@ -26,9 +26,8 @@ from fem.subgrid import contact_energy
     WORK_GRAVITY,
     WORK_DRIVE,
     DISSIPATED,
-    FRAME_MOMENT,
-) = range(15)
-N_SCALARS = 15
+) = range(14)
+N_SCALARS = 14
 BLOCKS = (
     "roller_x",
     "roller_y",
@@ -45,30 +44,48 @@ BLOCKS = (
 @kernel
 def remember(rollers, inner, outer, drive, scratch):
     """Keep the velocities before a kick: a sample needs those of both half steps."""
-    scratch.rollers_w[:] = rollers.w
-    scratch.rollers_velocity[:] = rollers.velocity
-    scratch.inner_w[:] = inner.w
-    scratch.outer_w[:] = outer.w
-    scratch.hub_velocity[:] = drive.velocity
+    for i in range(rollers.w.size):
+        scratch.rollers_w[i] = rollers.w[i]
+    for component in range(2):
+        scratch.hub_velocity[component] = drive.velocity[component]
+        for j in range(rollers.n):
+            scratch.rollers_velocity[j, component] = rollers.velocity[j, component]
+    _copy(inner.w, scratch.inner_w)
+    _copy(outer.w, scratch.outer_w)
 
 
 @kernel
-def write_sample(rollers, inner, outer, contacts, drive, scratch, out, time, load, work, friction):
-    """Everything a sample stores, at the instant of the kick just made; half of its works belong to it."""
+def _copy(source, target):
+    """An assignment of slices would allocate, lest they overlap."""
+    for row in range(source.shape[0]):
+        for component in range(2):
+            for k in range(source.shape[2]):
+                target[row, component, k] = source[row, component, k]
+
+
+@kernel
+def write_sample(rollers, inner, outer, contacts, drive, scratch, out, time, load, moment):
+    """Everything a sample stores, at the instant of the kick just made.
+
+    Of the kick's works that part belongs to it which the forces did with the velocities before: leapfrog's energy
+    changes by ½ dt v·(F + F') from one instant to the next. `load`, N, and `moment`, N m s, are the kick's.
+    """
     before, after, dt = scratch.hub_velocity, drive.velocity, drive.dt
     out[TIME] = time
     out[HUB_X], out[HUB_Y] = drive.hub[0], drive.hub[1]
     out[HUB_VX], out[HUB_VY] = 0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])
     out[HUB_AX], out[HUB_AY] = (after[0] - before[0]) / dt, (after[1] - before[1]) / dt
     out[KINETIC] = kinetic_energy(rollers, inner, outer, drive, scratch)
-    elastic, moment = elastic_energy(rollers, inner, outer, drive, scratch)
-    out[ELASTIC] = elastic
-    out[FRAME_MOMENT] = moment
+    out[WORK_DRIVE] = _drive_work(inner, drive, scratch, time, moment)
+    out[ELASTIC] = elastic_energy(rollers, inner, outer, drive, scratch)  # after what needs the velocities before
     out[CONTACT] = contacts_energy(contacts, rollers.n, contacts.resolved)
-    out[WORK_LOAD] = drive.work[0] + 0.5 * load
-    out[WORK_GRAVITY] = -drive.gravity * _weighted_height(rollers, inner, outer, drive)
-    out[WORK_DRIVE] = drive.work[1] + 0.5 * work
-    out[DISSIPATED] = drive.work[2] + 0.5 * friction
+    out[WORK_LOAD] = drive.sums[0] - 0.5 * load * dt * before[1]
+    out[WORK_GRAVITY] = -drive.gravity * weighted_height(rollers, inner, outer, drive)
+    rubbed = 0.0
+    for kind in range(3):
+        for j in range(rollers.n):
+            rubbed -= contacts.traction[kind, j] * contacts.slip[kind, j]
+    out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed
     n = rollers.n
     for j in range(n):
         at = N_SCALARS + j
@@ -80,6 +97,31 @@ def write_sample(rollers, inner, outer, contacts, drive, scratch, out, time, loa
             out[at + (4 + kind) * n] = contacts.force[kind, j]
         for kind in range(2):
             out[at + (7 + kind) * n] = contacts.traction[kind, j]
+
+
+@kernel
+def _drive_work(inner, drive, scratch, time, moment):
+    """Work of what keeps the shaft's speed, J, up to a constant: speed times the moment on ring and hub it must give.
+
+    That is the change of their angular momentum about the origin less the moment of all other forces; gravity's,
+    a smooth one, is summed at samples only.
+    """
+    if drive.speed == 0.0:
+        return 0.0
+    before, after = scratch.hub_velocity, drive.velocity
+    angular = drive.mass * (drive.hub[0] * (before[1] + after[1]) - drive.hub[1] * (before[0] + after[0]))
+    for row in range(inner.first_row, inner.last_row):
+        part = 0.0
+        for k in range(HALO, HALO + inner.n_sectors):
+            x, y = inner.radii[row] + inner.u[row, 0, k], inner.u[row, 1, k]
+            part += x * (scratch.inner_w[row, 1, k] + inner.w[row, 1, k])
+            part -= y * (scratch.inner_w[row, 0, k] + inner.w[row, 0, k])
+        angular += inner.row_mass[row] * part
+    weight = -drive.gravity * (drive.mass * drive.hub[0] + _ring_place(inner, drive.ring[1], drive.ring[2])[0])
+    drive.sums[3] += 0.5 * (weight + drive.sums[4]) * (time - drive.sums[5])
+    drive.sums[4], drive.sums[5] = weight, time
+    given = 0.5 * angular - drive.sums[1] - 0.5 * moment - drive.sums[3]
+    return sin(drive.speed * drive.dt) / drive.dt * given
 
 
 @kernel
@@ -98,6 +140,14 @@ def kinetic_energy(rollers, inner, outer, drive, scratch):
                 before, after = scratch.rollers_w[at + j], rollers.w[at + j]
                 total += rollers.mass[i] * before * after
                 total -= rollers.mass[i] * (1.0 - cos(rollers.spin[j] * dt)) * x * (after - before) / dt
+        for j in range(n):  # what turning as a whole will still add to the velocities after
+            x, y = rollers.points[2 * i], rollers.points[2 * i + 1]
+            at = 2 * i * columns + j
+            total += (
+                rollers.mass[i]
+                * rollers.turn_kick[j]
+                * (x * scratch.rollers_w[at + columns] - y * scratch.rollers_w[at])
+            )
     for j in range(n):
         for component in range(2):
             before = scratch.rollers_velocity[j, component]
@@ -131,22 +181,19 @@ def _ring_kinetic(ring, before):
 
 @kernel
 def elastic_energy(rollers, inner, outer, drive, scratch):
-    """Energy ½ uᵀKu of all bodies, J, and the moment Σ u x f that the inner ring's turning frame exerts, N m."""
+    """Energy ½ uᵀKu of all bodies, J. The copies of velocities in `scratch` are overwritten."""
     total = 0.0
     dt = drive.dt
     columns, n = rollers.columns, rollers.n
     scratch.rollers_w[:] = 0.0
-    scratch.still[:] = 0.0
     disc_kernels.kick(
         rollers.starts,
         rollers.neighbours,
         rollers.blocks,
-        rollers.points,
         rollers.mass,
         rollers.u,
         scratch.rollers_w,
         columns,
-        scratch.still,
         scratch.torque,
     )
     for i in range(rollers.mass.size):
@@ -154,56 +201,57 @@ def elastic_energy(rollers, inner, outer, drive, scratch):
             at = (2 * i + component) * columns
             for j in range(n):
                 total -= rollers.mass[i] / dt * rollers.u[at + j] * scratch.rollers_w[at + j]
-    moment = 0.0
-    scratch.inner_w[:] = 0.0
-    ring_kernels.kick(inner.table, inner.u, scratch.inner_w, 0, inner.radii.size)
-    for row in range(inner.radii.size):
-        m = inner.row_mass[row] / dt
-        for k in range(HALO, HALO + inner.n_sectors):
-            ur, ut = inner.u[row, 0, k], inner.u[row, 1, k]
-            fr, ft = scratch.inner_w[row, 0, k], scratch.inner_w[row, 1, k]
-            total -= m * (ur * fr + ut * ft)
-            moment += m * (ur * ft - ut * fr)
-    scratch.outer_w[:] = 0.0
-    ring_kernels.kick(outer.table, outer.u, scratch.outer_w, outer.first_row, outer.last_row)
-    for row in range(outer.first_row, outer.last_row):
-        m = outer.row_mass[row] / dt
+    total += _ring_elastic(inner, scratch.inner_w, 0, inner.radii.size, dt)
+    total += _ring_elastic(outer, scratch.outer_w, outer.first_row, outer.last_row, dt)
+    return 0.5 * total
+
+
+@kernel
+def _ring_elastic(ring, room, first_row, last_row, dt):
+    """uᵀKu, J; rows without stiffness of their own may be left out."""
+    room[:] = 0.0
+    ring_kernels.kick(ring.table, ring.u, room, first_row, last_row)
+    total = 0.0
+    for row in range(first_row, last_row):
+        part = 0.0
         for component in range(2):
-            for k in range(HALO, HALO + outer.n_sectors):
-                total -= m * outer.u[row, component, k] * scratch.outer_w[row, component, k]
-    return 0.5 * total, moment
+            for k in range(HALO, HALO + ring.n_sectors):
+                part += ring.u[row, component, k] * room[row, component, k]
+        total -= ring.row_mass[row] / dt * part
+    return total
 
 
 @kernel
 def contacts_energy(contacts, n, resolved):
     """Energy below the grid, or in the layers, of all contacts, J; the ripples' share is ½·ripple·Q²."""
-    if resolved is not None:
-        return resolved.energy.sum()
     total = 0.0
     for kind in range(3):
         for j in range(n):
             Q = contacts.force[kind, j]
-            if Q > 0.0:
+            if resolved is not None:
+                total += resolved.energy[kind, j]
+            elif Q > 0.0:
                 total += contact_energy(Q, contacts.A[kind], contacts.bracket[kind, j], contacts.Q_line[kind])
     return total
 
 
 @kernel
-def _weighted_height(rollers, inner, outer, drive):
+def weighted_height(rollers, inner, outer, drive):
     """Σ m y of all that moves, kg m."""
-    total = (drive.mass - inner.n_sectors * inner.row_mass[inner.held]) * drive.hub[1]
+    total = drive.mass * drive.hub[1]
     for j in range(rollers.n):
         total += rollers.total_mass * rollers.centre[j, 1]
-    total += _ring_height(inner, drive.ring[1], drive.ring[2]) + _ring_height(outer, 1.0, 0.0)
-    return total
+    return total + _ring_place(inner, drive.ring[1], drive.ring[2])[1] + _ring_place(outer, 1.0, 0.0)[1]
 
 
 @kernel
-def _ring_height(ring, c, s):
-    total = 0.0
-    for row in range(ring.radii.size):
+def _ring_place(ring, c, s):
+    """Σ m x and Σ m y of the free nodes, kg m; c, s of the ring's turn."""
+    total_x, total_y = 0.0, 0.0
+    for row in range(ring.first_row, ring.last_row):
         for k in range(HALO, HALO + ring.n_sectors):
             x = ring.u[row, 0, k] * ring.cosines[k] - ring.u[row, 1, k] * ring.sines[k]
             y = ring.u[row, 0, k] * ring.sines[k] + ring.u[row, 1, k] * ring.cosines[k]
-            total += ring.row_mass[row] * (s * x + c * y)
-    return total
+            total_x += ring.row_mass[row] * (c * x - s * y)
+            total_y += ring.row_mass[row] * (s * x + c * y)
+    return total_x, total_y

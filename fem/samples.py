@@ -34,30 +34,25 @@ class SampleReader:
         self._n = plan.model.bearing.n_rollers
         self._interval = plan.interval
         self._stride = plan.stride
-        self._speed = plan.operation.speed
         self._count = 0
         self._angle = plan.start.angle
-        self._frame_work = 0.0
-        self._moment = None
         self._base = None
         self.largest_stored = 0.0
 
     def carried(self) -> dict[str, np.ndarray]:
         """What runs on, as arrays; `carry_on` takes it back."""
         base = (np.nan,) * 3 if self._base is None else self._base
-        moment = np.nan if self._moment is None else self._moment
         return {
             "count": np.array(self._count),
             "angle": self._angle,
-            "sums": np.array([self._frame_work, moment, *base, self.largest_stored]),
+            "sums": np.array([*base, self.largest_stored]),
         }
 
     def carry_on(self, carried: dict[str, np.ndarray]) -> None:
         """Go on where another reader of the same plan stopped."""
         self._count = int(carried["count"])
         self._angle = carried["angle"]
-        self._frame_work, moment, *base, self.largest_stored = (float(value) for value in carried["sums"])
-        self._moment = None if np.isnan(moment) else moment
+        *base, self.largest_stored = (float(value) for value in carried["sums"])
         self._base = None if np.isnan(base[0]) else tuple(base)
 
     def read(self, rows: np.ndarray) -> Samples:
@@ -66,7 +61,7 @@ class SampleReader:
         blocks = rows[:, row.N_SCALARS :].reshape(len(rows), len(row.BLOCKS), n)
         block = {name: blocks[:, i] for i, name in enumerate(row.BLOCKS)}
         x, y = block["roller_x"], block["roller_y"]
-        works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1) + self._frame(rows)
+        works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1)
         if self._base is None:
             self._base = works[0], rows[0, row.DISSIPATED], rows[0, [row.KINETIC, row.ELASTIC, row.CONTACT]].sum()
         work, dissipated = works - self._base[0], rows[:, row.DISSIPATED] - self._base[1]
@@ -102,14 +97,3 @@ class SampleReader:
         unwrapped = np.unwrap(np.concatenate([self._angle[None, :], angle]), axis=0)[1:]
         self._angle = unwrapped[-1]
         return unwrapped
-
-    def _frame(self, rows: np.ndarray) -> np.ndarray:
-        """Work of turning the inner ring's frame against its second-order moment, by the trapezoidal rule."""
-        moment = rows[:, row.FRAME_MOMENT]
-        before = moment[0] if self._moment is None else self._moment
-        means = 0.5 * (np.concatenate([[before], moment[:-1]]) + moment)
-        if self._moment is None:
-            means[0] = 0.0
-        work = self._frame_work + np.cumsum(means) * self._interval * self._speed
-        self._frame_work, self._moment = float(work[-1]), float(moment[-1])
-        return work

@@ -15,6 +15,7 @@ class Rollers(NamedTuple):
     blocks: np.ndarray  # −dt·M⁻¹K
     points: np.ndarray  # (2 n_nodes,), m
     mass: np.ndarray  # (n_nodes,), kg
+    lightness: np.ndarray  # (n_nodes,), 1/kg: 1/mass
     u: np.ndarray  # (n_nodes · 2 · columns,), m
     w: np.ndarray  # m/s
     centre: np.ndarray  # (columns, 2), m
@@ -27,7 +28,7 @@ class Rollers(NamedTuple):
     spin: np.ndarray  # rad/s
     impulse: np.ndarray  # (columns, 2), N s, of this step, through nodes
     tilt: np.ndarray  # (columns, 2), N s, of this step, on the whole body
-    turn_kick: np.ndarray  # (columns,), rad/s, of the next kick
+    turn_kick: np.ndarray  # (columns,), rad/s, of this step, turning the whole body
     first_surface: int
     n_surface: int
     n: int
@@ -82,11 +83,14 @@ class Contacts(NamedTuple):
     traction: np.ndarray  # (3, n), N, on side 1, along +θ (counter-clockwise about side 0)
     normal: np.ndarray  # (3, n, 2), unit, from side 0 to side 1 (outer contact: outward)
     slip: np.ndarray  # (3, n), m/s, before the step's kick
+    crowded: bool  # patches of neighbouring contacts may overlap
     stretch: tuple[int, ...]  # m entries: see `patches`
     # patches: row 2·(kind·n + j) + side
     node: np.ndarray  # (6 n, 6 m), surface node, or sector plus HALO
-    weight: np.ndarray  # (6 n, 6 m); of a ring times the cosine of the angle to the node's radius
-    across: np.ndarray  # (6 n, 6 m), of a ring: weight times the sine
+    weight: np.ndarray  # (6 n, 6 m)
+    outward: np.ndarray  # (6 n, 2), of a roller, unit, in its frame
+    along: np.ndarray  # (6 n, 6 m), of a ring: weight times the cosine of the angle to the node's radius
+    across: np.ndarray  # times the sine
     grip_x: np.ndarray  # (6 n, 6 m), weighted tangential direction: of a roller in its frame, of a ring polar
     grip_y: np.ndarray
     resolved: Resolved | None  # None: the law below the grid
@@ -98,8 +102,12 @@ class Drive(NamedTuple):
     hub: np.ndarray  # (2,), m
     velocity: np.ndarray  # (2,), m/s, at t − dt/2
     impulse: np.ndarray  # (2,), N s, of this step, by contacts' tilt
-    ring: np.ndarray  # (4,): turn, cosine, sine; moment, N m, the drive must hold against the contacts in this step
-    work: np.ndarray  # (3,): of load, drive, friction so far, J
+    ring: (
+        np.ndarray
+    )  # (5,): turn, cosine, sine; in this step, by contacts: moment on the frame, N m, held by the drive,
+    # and moment on the nodes about the origin, N m s
+    sums: np.ndarray  # (5,), so far: work of the load, J; moment on hub and ring but for drive and gravity, N m s;
+    # dissipated work, J; that of gravity, and what it was at which time
     mass: float  # hub and held nodes, kg
     speed: float  # rad/s
     gravity: float  # m/s²

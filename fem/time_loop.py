@@ -3,7 +3,8 @@
 from math import cos, pi, sin
 
 from fem import disc_kernels, ring_kernels
-from fem.contact_kernels import contact_impulses, friction_contacts, grips, slips
+from fem.contact_kernels import contact_forces, push_nodes
+from fem.friction_kernels import friction_contacts, grips, slips
 from fem.jit import kernel
 from fem.sample_kernels import remember, write_sample
 
@@ -21,16 +22,23 @@ def load_at(drive, time):
 
 @kernel(forceinline=True)
 def kick(rollers, inner, outer, contacts, drive, time, scratch):
-    """Advance all velocities by one step at fixed positions; returns the step's works (load, drive, friction), J."""
+    """Advance all velocities by one step at fixed positions, but for the rollers' turning as a whole (`drift`).
+
+    Returns of this step the work of the load, J, the moment on hub and ring about the origin other than the drive's and
+    gravity's, N m s, and the dissipated work, J.
+    """
     dt = drive.dt
     rollers.impulse[:] = 0.0
     rollers.tilt[:] = 0.0
     drive.impulse[:] = 0.0
+    rollers.turn_kick[:] = 0.0
     drive.ring[3] = 0.0
-    contact_impulses(rollers, inner, outer, contacts, drive, scratch.slope, contacts.resolved)
+    drive.ring[4] = 0.0
+    contact_forces(rollers, inner, outer, contacts, drive, scratch.slope, contacts.resolved)
     if drive.friction > 0.0:
         grips(rollers, contacts)
-        slips(rollers, inner, outer, contacts, contacts.slip)
+        slips(rollers, inner, outer, contacts, scratch.still, contacts.slip)
+    push_nodes(rollers, inner, outer, contacts, drive, contacts.resolved)
     for j in range(rollers.n):
         rollers.velocity[j, 0] += rollers.tilt[j, 0] / rollers.total_mass
         rollers.velocity[j, 1] += rollers.tilt[j, 1] / rollers.total_mass - drive.gravity * dt
@@ -40,11 +48,12 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     bore_r[:] = 0.0
     bore_t[:] = 0.0
     ring_kernels.row_force(inner.table, inner.u, inner.held, bore_r, bore_t)
-    x, y, moment = ring_kernels.resultant(bore_r, bore_t, inner.cosines, inner.sines)
+    x, y = ring_kernels.resultant(bore_r, bore_t, inner.cosines, inner.sines)
     c, s = drive.ring[1], drive.ring[2]
     node_mass = inner.row_mass[inner.held]
     load = load_at(drive, time)
     before_y = drive.velocity[1]
+    moment = drive.hub[0] * (drive.impulse[1] - load * dt) - drive.hub[1] * drive.impulse[0]
     drive.velocity[0] += (node_mass * (c * x - s * y) + drive.impulse[0]) / drive.mass
     drive.velocity[1] += (node_mass * (s * x + c * y) + drive.impulse[1] - load * dt) / drive.mass - drive.gravity * dt
 
@@ -52,16 +61,14 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
         rollers.starts,
         rollers.neighbours,
         rollers.blocks,
-        rollers.points,
         rollers.mass,
         rollers.u,
         rollers.w,
         rollers.columns,
-        rollers.turn_kick,
         scratch.torque,
     )
-    for j in range(rollers.n):  # the internal forces' second-order torque is taken back at the next kick
-        rollers.turn_kick[j] = -scratch.torque[j] / rollers.inertia
+    for j in range(rollers.n):  # the internal forces' second-order torque is taken back
+        rollers.turn_kick[j] -= scratch.torque[j] / rollers.inertia
     ring_kernels.kick(inner.table, inner.u, inner.w, inner.first_row, inner.last_row)
     ring_kernels.kick(outer.table, outer.u, outer.w, outer.first_row, outer.last_row)
     if drive.gravity > 0.0:
@@ -76,9 +83,7 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     if drive.friction > 0.0:
         dissipated = friction_contacts(rollers, inner, outer, contacts, drive, scratch.slip)
     work_load = -load * dt * 0.5 * (before_y + drive.velocity[1])
-    # the drive turns the held row against the ring's moment and the frame against the contacts'
-    work_drive = drive.speed * (drive.ring[3] * dt - node_mass * moment * inner.radii[inner.held])
-    return work_load, work_drive, dissipated
+    return work_load, moment + drive.ring[4] - drive.ring[3] * dt, dissipated
 
 
 @kernel(forceinline=True)
@@ -101,6 +106,7 @@ def drift(rollers, inner, outer, drive, scratch):
         rollers.w,
         rollers.columns,
         dt,
+        rollers.turn_kick,
         scratch.cosine,
         scratch.sine,
         scratch.shift[0],
@@ -143,12 +149,13 @@ def advance(rollers, inner, outer, contacts, drive, scratch, first_step, stride,
             time = step * drive.dt
             if inside == 0:
                 remember(rollers, inner, outer, drive, scratch)
-            load, work, friction = kick(rollers, inner, outer, contacts, drive, time, scratch)
+            work, moment, dissipated = kick(rollers, inner, outer, contacts, drive, time, scratch)
             if inside == 0:
-                write_sample(rollers, inner, outer, contacts, drive, scratch, samples[row], time, load, work, friction)
-            drive.work[0] += load
-            drive.work[1] += work
-            drive.work[2] += friction
+                load = load_at(drive, time)
+                write_sample(rollers, inner, outer, contacts, drive, scratch, samples[row], time, load, moment)
+            drive.sums[0] += work
+            drive.sums[1] += moment
+            drive.sums[2] += dissipated
             drift(rollers, inner, outer, drive, scratch)
             step += 1
             body = _lost(rollers, drive)

@@ -198,14 +198,13 @@ def column_blocks(body, columns, seed):
     return np.random.default_rng(seed).standard_normal((body.n_nodes, 2, columns))
 
 
-def kick_disc(body, u, w, dt, turn_kick):
+def kick_disc(body, u, w, dt):
     """disc_kernels.kick on (n_nodes, 2, columns); returns new w and the torque."""
     starts, neighbours, blocks = body.blocks()
     rows = np.repeat(np.arange(body.n_nodes), np.diff(starts))
     scaled = np.ascontiguousarray(-dt * blocks / body.mass[rows][:, None, None]).ravel()
     flat_u, flat_w, torque = u.ravel().copy(), w.ravel().copy(), np.zeros(u.shape[2])
-    points = np.ascontiguousarray(body.points).ravel()
-    disc_kernels.kick(starts, neighbours, scaled, points, body.mass, flat_u, flat_w, u.shape[2], turn_kick, torque)
+    disc_kernels.kick(starts, neighbours, scaled, body.mass, flat_u, flat_w, u.shape[2], torque)
     return flat_w.reshape(u.shape), torque
 
 
@@ -213,11 +212,9 @@ def kick_disc(body, u, w, dt, turn_kick):
 def test_disc_kernel_applies_the_sparse_matrix_to_every_column(columns):
     body, dt = disc(RADIUS, 3), 1e-7
     u, w = 1e-6 * column_blocks(body, columns, 5), column_blocks(body, columns, 6)
-    turn_kick = np.random.default_rng(7).standard_normal(columns)
-    found, torque = kick_disc(body, u, w, dt, turn_kick)
+    found, torque = kick_disc(body, u, w, dt)
     force = -(body.stiffness @ u.reshape(-1, columns)).reshape(u.shape)
-    turned = np.stack([-body.points[:, 1], body.points[:, 0]], axis=1)
-    wanted = w + dt * force / body.mass[:, None, None] + turned[:, :, None] * turn_kick
+    wanted = w + dt * force / body.mass[:, None, None]
     np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-13 * np.abs(wanted).max())
     wanted_torque = dt * np.sum(u[:, 0] * force[:, 1] - u[:, 1] * force[:, 0], axis=0)
     np.testing.assert_allclose(torque, wanted_torque, rtol=1e-9, atol=1e-12 * np.abs(wanted_torque).max())
@@ -228,12 +225,16 @@ def test_disc_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     body, dt, columns = disc(RADIUS, 3), 1e-7, 16
     u, w = 1e-6 * column_blocks(body, columns, 8), column_blocks(body, columns, 9)
     shift = np.random.default_rng(10).standard_normal((2, columns))
+    turn_kick = np.random.default_rng(7).standard_normal(columns) / RADIUS
     flat_u, flat_w, moment = u.ravel().copy(), w.ravel().copy(), np.zeros(columns)
     cosine, sine = np.full(columns, np.cos(turn)), np.full(columns, np.sin(turn))
     points = np.ascontiguousarray(body.points).ravel()
-    disc_kernels.drift(points, body.mass, flat_u, flat_w, columns, dt, cosine, sine, shift[0], shift[1], moment)
+    disc_kernels.drift(
+        points, body.mass, flat_u, flat_w, columns, dt, turn_kick, cosine, sine, shift[0], shift[1], moment
+    )
     back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
-    rate = w - shift[None]
+    turned = np.stack([-body.points[:, 1], body.points[:, 0]], axis=1)
+    rate = w + turned[:, :, None] * turn_kick - shift[None]
     position = body.points[:, :, None] + u + dt * rate
     wanted_u = np.einsum("ab,nbc->nac", back, position) - body.points[:, :, None]
     np.testing.assert_allclose(flat_u.reshape(u.shape), wanted_u, rtol=0.0, atol=1e-15 * RADIUS * 4)

@@ -115,8 +115,8 @@ def leapfrog_disc(body, dt, n_steps):
     still, torque, ones = np.zeros(columns), np.zeros(columns), np.ones(columns)
     first = np.abs(u).max()
     for _ in range(n_steps):
-        disc_kernels.kick(starts, neighbours, scaled, points, body.mass, u, w, columns, still, torque)
-        disc_kernels.drift(points, body.mass, u, w, columns, dt, ones, still, still, still, torque)
+        disc_kernels.kick(starts, neighbours, scaled, body.mass, u, w, columns, torque)
+        disc_kernels.drift(points, body.mass, u, w, columns, dt, still, ones, still, still, still, torque)
     return np.abs(u).max() / first
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import arrays, copies, loop_arguments, model, operation, paper, start_of
+from bearings import STEEL, arrays, copies, loop_arguments, model, operation, paper, start_of
 from resolved_bearing import RESOLVED
 
 from benchmarks.verification.shapes import LOAD, ON_A_ROLLER, SHAPES, STEEL_ON_STEEL, fair_load
@@ -166,7 +166,8 @@ def test_many_weightless_rollers_in_a_wide_clearance_converge(first, load):
     """18 of 53 rollers touch; those opposite and those that only their clearance holds are free."""
     bearing = Bearing(
         n_rollers=53, roller_radius=0.003, roller_length=0.018, inner_raceway_radius=0.0522,
-        outer_raceway_radius=0.05828, bore_radius=0.045, outside_radius=0.066, **STEEL_ON_STEEL,
+        outer_raceway_radius=0.05828, bore_radius=0.045, outside_radius=0.066,
+        roller=STEEL, inner_ring=STEEL, outer_ring=STEEL,
     )  # fmt: skip
     found = solve(bearing, 1.2e-3, first, load)
     _, normal = normals(bearing, found, first)

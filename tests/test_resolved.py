@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from fem.contact_kernels import contact_impulses
+from fem.contact_kernels import contact_forces
 from fem.critical_step import critical_time_step
 from fem.equilibrium import standing
 from fem.exact_statics import exact_statics
@@ -125,7 +125,7 @@ def test_the_resolved_start_stands_still():
     dt = 0.9 * critical_time_step(model, LOAD)
     state = copies(arrays(model, how, dt))
     wanted = solved(model, LOAD, how.first_roller_angle)
-    contact_impulses(*loop_arguments(state)[:5], state.scratch.slope, state.contacts.resolved)
+    contact_forces(*loop_arguments(state)[:5], state.scratch.slope, state.contacts.resolved)
     np.testing.assert_allclose(state.contacts.force[0], wanted.inner_force, rtol=0.0, atol=1e-6 * LOAD)
     np.testing.assert_allclose(state.contacts.force[1], wanted.outer_force, rtol=0.0, atol=1e-6 * LOAD)
     acceleration = advanced(copies(arrays(model, how, dt)), 1, 1)[0, [HUB_AX, HUB_AY]]

@@ -30,10 +30,10 @@ from fem import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.critical_step import critical_time_step
 from fem.ring_kernels import HALO
 from fem.sample_kernels import (
+    BLOCKS,
     CONTACT,
     DISSIPATED,
     ELASTIC,
-    FRAME_MOMENT,
     HUB_AX,
     HUB_AY,
     HUB_VX,
@@ -41,6 +41,7 @@ from fem.sample_kernels import (
     HUB_X,
     HUB_Y,
     KINETIC,
+    N_SCALARS,
     TIME,
     WORK_DRIVE,
     WORK_GRAVITY,
@@ -84,8 +85,8 @@ def ring_up_disc(body, shape, omega, dt, n_steps):
     still, torque, ones, found = np.zeros(columns), np.zeros(columns), np.ones(columns), []
     for _ in range(n_steps):
         found.append(weight @ u.reshape(-1, columns)[:, 3])
-        disc_kernels.kick(starts, neighbours, scaled, points, body.mass, u, w, columns, still, torque)
-        disc_kernels.drift(points, body.mass, u, w, columns, dt, ones, still, still, still, torque)
+        disc_kernels.kick(starts, neighbours, scaled, body.mass, u, w, columns, torque)
+        disc_kernels.drift(points, body.mass, u, w, columns, dt, still, ones, still, still, still, torque)
     return np.array(found)
 
 
@@ -205,8 +206,9 @@ def vibrate(courant, smooth, n_steps):
         sample_kernels.remember(*bodies)
         before = discs(state, "w").copy()
         time_loop.kick(*loop_arguments(state)[:5], 0.0, state.scratch)
-        after, position = discs(state, "w"), points[:, :, None] + discs(state, "u")
-        energy.append(0.5 * np.sum(mass * before * after) + sample_kernels.elastic_energy(*bodies)[0])
+        after = discs(state, "w") + turned * rollers.turn_kick[:3]
+        position = points[:, :, None] + discs(state, "u")
+        energy.append(0.5 * np.sum(mass * before * after) + sample_kernels.elastic_energy(*bodies))
         angular.append(np.sum(mass[:, 0] * (position[:, 0] * after[:, 1] - position[:, 1] * after[:, 0]), axis=0))
         time_loop.drift(*bodies)
         mean.append(np.abs(np.sum(mass * discs(state, "u"), axis=0)).max() / rollers.total_mass)
@@ -224,8 +226,8 @@ SMOOTH = pytest.mark.parametrize("smooth", [True, False], ids=["lowest mode", "n
 @SMOOTH
 def test_a_spinning_vibrating_disc_conserves_energy_and_angular_momentum(smooth):
     energy, angular, mean, lead = vibrate(0.5, smooth, 3000)
-    # swings come from the frame's turn in a step and from the internal torque being taken back one step late
-    wobble, twist, drift = (2e-5, 3e-9, 2e-7) if smooth else (1e-4, 2e-5, 2e-7)
+    # the energy swings with the frame's turn in a step; angular momentum with (u/R)², small angles of the polar fit
+    wobble, twist, drift = (8e-6, 1e-13, 2e-7) if smooth else (3e-5, 3e-9, 3e-7)
     assert np.ptp(energy) < wobble
     assert abs(energy[-500:].mean() - energy[:500].mean()) < drift, "nothing is gained or lost in the long run"
     assert np.ptp(angular, axis=0).max() < twist
@@ -235,10 +237,9 @@ def test_a_spinning_vibrating_disc_conserves_energy_and_angular_momentum(smooth)
 
 
 @SMOOTH
-def test_what_a_spinning_vibrating_disc_swings_shrinks_with_the_step(smooth):
-    (coarse, coarse_l, *_), (fine, fine_l, *_) = vibrate(0.8, smooth, 1000), vibrate(0.2, smooth, 4000)
-    assert np.ptp(fine) < 0.4 * np.ptp(coarse)
-    assert np.ptp(fine_l) < 0.4 * np.ptp(coarse_l)
+def test_the_energy_of_a_spinning_vibrating_disc_swings_by_the_square_of_the_step(smooth):
+    coarse, fine = vibrate(0.8, smooth, 1000)[0], vibrate(0.2, smooth, 4000)[0]
+    assert np.ptp(fine) < 0.07 * np.ptp(coarse)  # (1/4)² = 0.0625
 
 
 # the whole bearing ----------------------------------------------------------------------------------------------
@@ -258,12 +259,10 @@ def whole_run(friction=0.1, courant=0.9, from_rest=False, ramp=0.0, **changes):
     return samples, state, how
 
 
-def imbalance(samples, speed):
+def imbalance(samples):
     """Energy less all work, J; zero at the first sample."""
     energy = samples[:, KINETIC] + samples[:, ELASTIC] + samples[:, CONTACT]
-    moment = samples[:, FRAME_MOMENT]
-    frame = np.concatenate([[0.0], np.cumsum(0.5 * (moment[1:] + moment[:-1]))]) * INTERVAL * speed
-    work = samples[:, WORK_LOAD] + samples[:, WORK_GRAVITY] + samples[:, WORK_DRIVE] + frame
+    work = samples[:, WORK_LOAD] + samples[:, WORK_GRAVITY] + samples[:, WORK_DRIVE]
     left = energy - work + samples[:, DISSIPATED]
     return left - left[0]
 
@@ -281,26 +280,20 @@ every_scene = pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES.keys(
 
 @every_scene
 def test_energy_balances(scene):
-    samples, _, how = whole_run(**scene)
+    samples, *_ = whole_run(**scene)
     stored = (samples[:, ELASTIC] + samples[:, CONTACT]).max()
-    left = np.abs(imbalance(samples, how.speed)).max()
-    # measured 1e-7 ... 3.2e-5 (loading in 0.1 ms)
-    assert left < 6e-5 * stored
+    left = np.abs(imbalance(samples)).max()
+    # measured 2e-12 (standing still), 2e-7, 1.3e-6 (loading in 0.1 ms)
+    assert left < 3e-6 * stored
 
 
-def test_without_friction_the_energy_imbalance_is_of_second_order():
+@pytest.mark.parametrize("friction", [0.0, 0.1])
+def test_the_energy_imbalance_is_of_second_order(friction):
     coarse, fine = (
-        np.abs(imbalance(whole_run(friction=0.0, from_rest=True, ramp=1e-4, courant=c)[0], SPIN)).max()
+        np.abs(imbalance(whole_run(friction=friction, from_rest=True, ramp=1e-4, courant=c)[0])).max()
         for c in (0.9, 0.3)
     )
-    assert fine < 0.2 * coarse  # measured 0.12, (1/3)² = 0.11
-
-
-def test_with_friction_the_energy_imbalance_shrinks_at_least_linearly():
-    coarse, fine = (
-        np.abs(imbalance(whole_run(from_rest=True, ramp=1e-4, courant=c)[0], SPIN)).max() for c in (0.9, 0.3)
-    )
-    assert fine < 0.4 * coarse
+    assert fine < 0.16 * coarse  # measured 0.13, (1/3)² = 0.11
 
 
 # rms, N. The elastic ring's own motion is all that may be left: 1e-3 N in rolling without friction and gravity.
@@ -393,7 +386,11 @@ def test_the_sampling_stride_changes_no_trajectory():
     whole, how, dt = model(paper(), 2e-3), operation(), 2e-7
     fine = run(arrays(whole, how, dt, 0.1), 60, 1)
     coarse = run(arrays(whole, how, dt, 0.1), 6, 10)
-    assert fine[::10].tobytes() == coarse.tobytes()
+    difference = fine[::10] - coarse
+    # in the drive's work, gravity's moment is summed at samples
+    assert np.abs(difference[:, WORK_DRIVE]).max() < 1e-9 * np.abs(coarse[:, ELASTIC]).max()
+    difference[:, WORK_DRIVE] = 0.0
+    assert np.all(difference == 0.0)
 
 
 def test_a_run_can_go_on_where_it_stopped():
@@ -424,7 +421,7 @@ def test_half_the_step_is_the_same_motion():
 def test_too_long_a_step_is_reported_with_step_and_body():
     whole = model(paper(), 2e-3)
     state = arrays(whole, operation(), 1.3 * critical_time_step(whole, 650.0), 0.1)
-    samples = np.zeros((400, 15 + 9 * 13))
+    samples = np.zeros((400, N_SCALARS + len(BLOCKS) * 13))
     status, at, body = advance(*loop_arguments(state), 0, 10, samples)
     assert status == NOT_FINITE
     assert 0 < at < 4000

@@ -90,15 +90,16 @@ def _step(state: Arrays) -> list[float]:
     bodies = (rollers, state.inner, state.outer, drive, scratch)
     sample_kernels.remember(*bodies)
     _, _, lost = time_loop.kick(rollers, state.inner, state.outer, state.contacts, drive, 0.0, scratch)
-    kinetic, (elastic, _) = sample_kernels.kinetic_energy(*bodies), sample_kernels.elastic_energy(*bodies)
+    kinetic, elastic = sample_kernels.kinetic_energy(*bodies), sample_kernels.elastic_energy(*bodies)
     contact = sample_kernels.contacts_energy(state.contacts, rollers.n, state.contacts.resolved)
     shape = (rollers.mass.size, 2, rollers.columns)
     mass = rollers.mass[:, None]
     position = rollers.points.reshape(-1, 2, 1) + rollers.u.reshape(shape)
     w = rollers.w.reshape(shape)
-    own = np.sum(mass * (position[:, 0] * w[:, 1] - position[:, 1] * w[:, 0]))
     n = rollers.n
-    velocity = rollers.velocity[:n] + rollers.impulse[:n] / rollers.total_mass  # which `drift` adds
+    own = np.sum(mass * (position[:, 0] * w[:, 1] - position[:, 1] * w[:, 0]))
+    own += rollers.inertia * rollers.turn_kick[:n].sum()  # as `drift` does
+    velocity = rollers.velocity[:n] + rollers.impulse[:n] / rollers.total_mass
     centre = rollers.centre[:n]
     orbital = rollers.total_mass * np.sum(centre[:, 0] * velocity[:, 1] - centre[:, 1] * velocity[:, 0])
     momentum = rollers.total_mass * velocity.sum(axis=0)

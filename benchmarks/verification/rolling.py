@@ -7,7 +7,8 @@ from scipy.optimize import brentq
 
 from benchmarks.verification.case import Case, Check, Origin
 from benchmarks.verification.runs import plan_of, record, without_spin
-from fem.contact_kernels import friction_contacts, grips, normal_contacts, slips
+from fem.contact_kernels import normal_contacts, push_contacts
+from fem.friction_kernels import friction_contacts, grips, slips
 from fem.simulate import Plan
 from fem.state import INNER
 from lagrange import kinematics
@@ -22,13 +23,14 @@ def _creep(plan: Plan, sliding: float) -> tuple[float, float, float]:
     state = plan.arrays()
     bodies = (state.rollers, state.inner, state.outer, state.contacts, state.drive)
     normal_contacts(*bodies, state.scratch.slope)
+    push_contacts(*bodies)
     across = state.contacts.normal[INNER, 0] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
     state.rollers.velocity[0] += sliding * across
     grips(state.rollers, state.contacts)
-    slips(*bodies[:4], state.contacts.slip)
+    slips(*bodies[:4], state.rollers.turn_kick, state.contacts.slip)
     friction_contacts(*bodies, state.scratch.slip)
     left = np.zeros_like(state.contacts.slip)
-    slips(*bodies[:4], left)
+    slips(*bodies[:4], state.rollers.turn_kick, left)
     ideal = plan.start.kinematics
     orbit = ideal.cage + sliding / plan.model.bearing.pitch_radius
     rolling = abs(ideal.roller - orbit) * plan.model.bearing.roller_radius

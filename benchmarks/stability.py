@@ -46,7 +46,8 @@ class Outcome:
     number: int
     ending: str = FAILED
     what: str = ""
-    imbalance: float = math.nan  # largest, of the stored energy
+    imbalance: float = math.nan  # largest, of the exchanged energy: elastic and contact, or the kinetic one's change
+    of_stored: float = math.nan  # the same, of the elastic and contact energy alone
     degrees_of_freedom: int = 0
     steps: int = 0
     seconds: float = 0.0
@@ -60,8 +61,7 @@ class Watch:
         self._plan = plan
         self.count = 0
         self.faults: list[str] = []
-        self._stored, self._imbalance = 0.0, 0.0
-        self._kinetic = 0.0
+        self._stored, self._exchanged, self._kinetic, self._imbalance = 0.0, 0.0, 0.0, 0.0
 
     def write(self, samples: Samples) -> None:
         if not len(samples):
@@ -81,10 +81,16 @@ class Watch:
                 self.faults.append(f"{name} pulls")
         self._stored = max(self._stored, float(np.max(samples["energy_elastic"] + samples["energy_contact"])))
         self._kinetic = max(self._kinetic, float(np.max(samples["energy_kinetic"])))
+        self._exchanged = max(self._exchanged, float(samples.exchanged[-1]))
         self._imbalance = max(self._imbalance, float(np.max(np.abs(samples.imbalance))))
 
     @property
     def imbalance(self) -> float:
+        """Largest so far, of the exchanged energy."""
+        return self._imbalance / max(self._exchanged, ROUND_OFF * self._kinetic, 1e-30)
+
+    @property
+    def of_stored(self) -> float:
         """Largest so far, of the largest stored energy."""
         return self._imbalance / max(self._stored, ROUND_OFF * self._kinetic, 1e-30)
 
@@ -112,7 +118,7 @@ def try_scene(number: int, tables: dict[str, Any]) -> Outcome:
         outcome.what = f"{type(error).__name__}: {error} at {_place(error)}"
     outcome.seconds = time.perf_counter() - began
     if watch is not None:
-        outcome.imbalance = watch.imbalance
+        outcome.imbalance, outcome.of_stored = watch.imbalance, watch.of_stored
         if watch.faults:
             outcome.ending, outcome.what = FAILED, "; ".join(dict.fromkeys(watch.faults)) + " " + outcome.what
     return outcome
@@ -175,7 +181,7 @@ def write_csv(path: Path, outcomes: list[Outcome]) -> None:
     lines = []
     for outcome in outcomes:
         line = {f.name: getattr(outcome, f.name) for f in fields(outcome) if f.name != "scene"}
-        line["imbalance"], line["seconds"] = f"{outcome.imbalance:.3g}", f"{outcome.seconds:.3g}"
+        line |= {name: f"{line[name]:.3g}" for name in ("imbalance", "of_stored", "seconds")}
         line["what"] = " ".join(line["what"].split())
         scene = flat(outcome.scene)
         lines.append(line | {k: f"{v:.6g}" if isinstance(v, float) else v for k, v in scene.items() if k != "name"})

@@ -13,6 +13,7 @@ class Samples:
 
     values: dict[str, np.ndarray]
     imbalance: np.ndarray  # (n,), J: stored energy less what came in
+    exchanged: np.ndarray  # (n,), J, the most so far of elastic and contact energy, or of the kinetic energy's change
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.values[name]
@@ -23,7 +24,9 @@ class Samples:
     def first(self, count: int) -> "Samples":
         """The first samples of the block."""
         return Samples(
-            values={name: array[:count] for name, array in self.values.items()}, imbalance=self.imbalance[:count]
+            values={name: array[:count] for name, array in self.values.items()},
+            imbalance=self.imbalance[:count],
+            exchanged=self.exchanged[:count],
         )
 
 
@@ -37,22 +40,22 @@ class SampleReader:
         self._count = 0
         self._angle = plan.start.angle
         self._base = None
-        self.largest_stored = 0.0
+        self._exchanged = 0.0
 
     def carried(self) -> dict[str, np.ndarray]:
         """What runs on, as arrays; `carry_on` takes it back."""
-        base = (np.nan,) * 3 if self._base is None else self._base
+        base = (np.nan,) * 4 if self._base is None else self._base
         return {
             "count": np.array(self._count),
             "angle": self._angle,
-            "sums": np.array([*base, self.largest_stored]),
+            "sums": np.array([*base, self._exchanged]),
         }
 
     def carry_on(self, carried: dict[str, np.ndarray]) -> None:
         """Go on where another reader of the same plan stopped."""
         self._count = int(carried["count"])
         self._angle = carried["angle"]
-        *base, self.largest_stored = (float(value) for value in carried["sums"])
+        *base, self._exchanged = (float(value) for value in carried["sums"])
         self._base = None if np.isnan(base[0]) else tuple(base)
 
     def read(self, rows: np.ndarray) -> Samples:
@@ -62,10 +65,13 @@ class SampleReader:
         block = {name: blocks[:, i] for i, name in enumerate(row.BLOCKS)}
         x, y = block["roller_x"], block["roller_y"]
         works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1)
+        kinetic, stored = rows[:, row.KINETIC], rows[:, row.ELASTIC] + rows[:, row.CONTACT]
         if self._base is None:
-            self._base = works[0], rows[0, row.DISSIPATED], rows[0, [row.KINETIC, row.ELASTIC, row.CONTACT]].sum()
+            self._base = works[0], rows[0, row.DISSIPATED], kinetic[0], stored[0]
         work, dissipated = works - self._base[0], rows[:, row.DISSIPATED] - self._base[1]
-        stored = rows[:, [row.KINETIC, row.ELASTIC, row.CONTACT]].sum(axis=1) - self._base[2]
+        gained = kinetic - self._base[2]
+        exchanged = np.fmax.accumulate(np.fmax(np.fmax(stored, np.abs(gained)), self._exchanged))
+        self._exchanged = float(exchanged[-1])
         values = {
             "time": (self._count + np.arange(len(rows))) * self._interval,
             "inner_x": rows[:, row.HUB_X],
@@ -84,14 +90,15 @@ class SampleReader:
             "inner_traction": block["inner_traction"],
             "outer_traction": block["outer_traction"],
             "roller_roller_force": block["roller_roller_force"],
-            "energy_kinetic": rows[:, row.KINETIC],
+            "energy_kinetic": kinetic,
             "energy_elastic": rows[:, row.ELASTIC],
             "energy_contact": rows[:, row.CONTACT],
             "work_external": work,
             "work_dissipated": dissipated,
         }
         self._count += len(rows)
-        return Samples(values=values, imbalance=stored - work + dissipated)
+        imbalance = gained + (stored - self._base[3]) - work + dissipated
+        return Samples(values=values, imbalance=imbalance, exchanged=exchanged)
 
     def _unwrap(self, angle: np.ndarray) -> np.ndarray:
         unwrapped = np.unwrap(np.concatenate([self._angle[None, :], angle]), axis=0)[1:]

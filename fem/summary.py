@@ -70,7 +70,7 @@ def print_run(plan: Plan, progress: Progress, path: Path) -> None:
     if plan.n_samples == 1:
         lines = statics_lines(*plan.start.equilibrium.hub, plan.start.equilibrium.inner_force)
     else:
-        lines = [run_line(progress.simulated, progress.wall, progress.steps, progress.imbalance, "elastic")]
+        lines = [run_line(progress.simulated, progress.wall, progress.steps, progress.imbalance, "exchanged")]
     for line in lines:
         console.print(line, soft_wrap=True)
     console.print(f"Result: {path}", soft_wrap=True, markup=False)

@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from bearings import STEEL, arrays, copies, loop_arguments, model, operation, paper, start_of
 from resolved_bearing import RESOLVED
 
-from benchmarks.verification.shapes import LOAD, ON_A_ROLLER, SHAPES, STEEL_ON_STEEL, fair_load
+from benchmarks.verification.shapes import LOAD, ON_A_ROLLER, SHAPES, fair_load
 from fem import time_loop
 from fem.contact_balance import LOOSE_SPRING
 from fem.contact_kernels import normal_contacts

@@ -115,7 +115,7 @@ def plot(points: list[Point], path: Path) -> None:
     upper.annotate("mesh = half-width", (1.0, upper.get_ylim()[0]), rotation=90, color="0.4", ha="right", va="bottom")
     graded = [p.per_half_width for p in points if p.model == "subgrid" and p.size_mm < FINEST_UNIFORM_MM]
     upper.annotate(
-        "uniform meshes to the right,\ncoarser inside to the left", (1.3 * max(graded), 0.2), color="0.4", fontsize=8
+        "uniform meshes to the right,\ncoarser inside to the left", (1.3 * max(graded), 0.035), color="0.4", fontsize=8
     )
     upper.set(ylabel="static hub displacement,\nerror against exact series, %")
     upper.legend(frameon=False)

@@ -8,6 +8,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from fem.assembly import assemble
+from fem.stress import stress_operator
 from lagrange import Material
 from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, mesh_of
 
@@ -58,6 +59,11 @@ class DiscBody:
         # rigid motions are held by three Lagrange multipliers: no mean displacement, no mean rotation
         constraint = sparse.csc_matrix(rigid_modes(self.points) * np.repeat(self.mass, 2)[:, None])
         return splu(sparse.bmat([[self.stiffness, constraint], [constraint.T, None]], format="csc"))
+
+    @cached_property
+    def stress(self) -> sparse.csr_matrix:
+        """From nodal displacements to nodal stresses: `fem.stress.stress_operator`."""
+        return stress_operator(self.points, self.cells, self.material)
 
     def relaxed(self, force: np.ndarray) -> np.ndarray:
         """Displacement, (2 n_nodes, ...), m, of the freely accelerating disc under nodal forces, N (inertia relief).
@@ -155,6 +161,23 @@ class RingBody:
     @property
     def angles(self) -> np.ndarray:
         return 2.0 * np.pi * np.arange(self.n_sectors) / self.n_sectors
+
+    @cached_property
+    def stress(self) -> sparse.csr_matrix:
+        """From nodal displacements in the ring's axes to nodal stresses: `fem.stress.stress_operator`."""
+        return stress_operator(self.points, self.cells, self.material)
+
+    def cartesian(self, polar: np.ndarray, turn: float = 0.0) -> np.ndarray:
+        """Vectors (n_rows, 2, n_sectors) in polar components as (n_nodes, 2) in x and y, the ring turned by `turn`."""
+        c, s = np.cos(self.angles + turn), np.sin(self.angles + turn)
+        radial, around = polar[:, 0], polar[:, 1]
+        return np.stack([radial * c - around * s, radial * s + around * c], axis=-1).reshape(-1, 2)
+
+    def polar(self, vectors: np.ndarray, turn: float = 0.0) -> np.ndarray:
+        """What `cartesian` makes, taken back."""
+        c, s = np.cos(self.angles + turn), np.sin(self.angles + turn)
+        x, y = np.moveaxis(vectors.reshape(self.n_rows, self.n_sectors, 2), -1, 0)
+        return np.stack([x * c + y * s, y * c - x * s], axis=1)
 
     def body_load(self, gravity: float, turn: float = 0.0, speed: float = 0.0) -> np.ndarray:
         """Weight and centrifugal force of every node, (n_rows, 2, n_sectors), polar, N, in a frame turned by `turn`."""

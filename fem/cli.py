@@ -1,4 +1,4 @@
-"""The commands `run-fem` and `render-fem`. Imports little: everything heavy waits until a scene has been read."""
+"""The command `run-fem`. Imports little: everything heavy waits until a scene has been read."""
 
 import signal
 import sys
@@ -23,7 +23,8 @@ def _version() -> str:
         return "not installed"
 
 
-def _app(name: str, text: str) -> App:
+def new_app(name: str, text: str) -> App:
+    """A command of this package."""
     return App(
         name=name,
         version=_version,
@@ -34,7 +35,7 @@ def _app(name: str, text: str) -> App:
     )
 
 
-run_app = _app(
+run_app = new_app(
     "run-fem",
     """Simulate a roller bearing by explicit elastic finite-element contact and write one result file.
 
@@ -166,7 +167,7 @@ def _simulate(scene, path: Path, quiet: bool, resume: bool) -> int:
     with ResultFile(path, plan, setup_seconds, state.done if resume else None) as store:
         try:
             with progress_display(plan, quiet) as show:
-                seen = run(plan, store.append, watch, lambda: bool(stopped), state)
+                seen = run(plan, store.append, watch, lambda: bool(stopped), state, store.keep)
             keep()
             if stopped and seen.samples < plan.n_samples:
                 status = "interrupted"
@@ -227,55 +228,7 @@ def _on_signals(stop) -> None:
     signal.signal(signal.SIGTERM, handle)
 
 
-render_app = _app(
-    "render-fem",
-    """Draw the whole bearing at one instant, off-screen: deformation magnified, von Mises stress, contact forces.
-
-Example: render-fem runs/paper.nc --time 12.5 --output paper.png
-
-Exit codes: 0 done; 2 unusable input; 130 interrupted.
-""",
-)
-
-
-@render_app.default
-def _render(
-    run: Annotated[Path | None, Parameter(help="result file; default: the newest runs/*.nc")] = None,
-    /,
-    *,
-    output: Annotated[Path | None, Parameter(help="PNG file; default: <run>.png beside the run")] = None,
-    time: Annotated[float | None, Parameter(help="instant, ms; default: the last sample")] = None,
-    magnification: Annotated[float | None, Parameter(help="of the displacement; default: chosen and stated")] = None,
-    width: Annotated[int, Parameter(help="pixels")] = 1600,
-) -> int:
-    from fem.recover import read_instant
-    from fem.rendering_probe import check_rendering
-
-    if not 200 <= width <= 8000:
-        raise UsageError(f"--width {width}: must lie between 200 and 8000 pixels")
-    if magnification is not None and not 0.0 <= magnification <= 1e9:
-        raise UsageError(f"--magnification {magnification}: must lie between 0 and 1e9")
-    path = run if run is not None else _newest()
-    instant = read_instant(path, None if time is None else 1e-3 * time)
-    target = output if output is not None else path.with_suffix(".png")
-    if target.is_dir():
-        raise UsageError(f"--output {target}: is a folder; name a file in it")
-    check_rendering()
-    from fem.render import draw
-
-    draw(instant, target, magnification=magnification, width=width)
-    print(f"Picture: {target}")
-    return OK
-
-
-def _newest() -> Path:
-    found = sorted(RUNS.glob("*.nc"), key=lambda path: path.stat().st_mtime)
-    if not found:
-        raise UsageError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")
-    return found[-1]
-
-
-def _main(app: App, arguments: list[str] | None) -> int:
+def run_app_main(app: App, arguments: list[str] | None) -> int:
     """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback."""
     try:
         result = app(arguments)
@@ -295,22 +248,12 @@ def _main(app: App, arguments: list[str] | None) -> int:
 
 def run_main(arguments: list[str] | None = None) -> int:
     """`run-fem`, its exit code."""
-    return _main(run_app, arguments)
-
-
-def render_main(arguments: list[str] | None = None) -> int:
-    """`render-fem`, its exit code."""
-    return _main(render_app, arguments)
+    return run_app_main(run_app, arguments)
 
 
 def run_fem() -> None:
     """Entry point."""
     sys.exit(run_main())
-
-
-def render_fem() -> None:
-    """Entry point."""
-    sys.exit(render_main())
 
 
 if __name__ == "__main__":

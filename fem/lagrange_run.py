@@ -40,6 +40,7 @@ class LagrangePlan:
     steps: int
     critical_time_step: float = 0.0  # s, known after the run
     mesh_nodes: int = 0
+    frame_stride: int = 0
 
     @property
     def degrees_of_freedom(self) -> int:

@@ -50,6 +50,40 @@ def _bar(plan: Plan):
         yield show
 
 
+@contextmanager
+def count_display(what: str, total: int, quiet: bool):
+    """Gives the function to call after each of `total` things."""
+    if quiet:
+        yield lambda: None
+    elif sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
+        from rich.progress import Progress as RichProgress
+
+        columns = (what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+        with RichProgress(*columns, console=Console(stderr=True), transient=True) as display:
+            task = display.add_task("", total=total)
+            yield lambda: display.advance(task)
+    else:
+        yield _plain_count(what, total)
+
+
+def _plain_count(what: str, total: int) -> Callable[[], None]:
+    began = last = time.monotonic()
+    done = 0
+
+    def show() -> None:
+        nonlocal last, done
+        done += 1
+        now = time.monotonic()
+        if now - last > PLAIN_SECONDS:
+            last = now
+            left = (total - done) * (now - began) / done
+            print(f"{what}: {done} of {total}, {left:.0f} s left", file=sys.stderr, flush=True)
+
+    return show
+
+
 def _plain_lines(plan: Plan) -> Callable[[Progress], None]:
     last = time.monotonic()
     total = (plan.n_samples - 1) * plan.interval

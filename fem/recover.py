@@ -1,12 +1,13 @@
-"""The fields of a stored instant, recovered from what the result file keeps: positions and contact forces.
+"""The fields of a stored instant: as stored, or recovered from what every result file keeps, positions and forces.
 
-Nodal displacements are not stored. Every body is loaded by its stored contact forces, its weight and its centrifugal
-load and solved quasi-statically, which leaves out elastic waves, the small share of the hub's acceleration in the
-deformation, and the tractions between rollers. The rollers' own angles are not stored either: their meshes are taken
-at turn 0, so the fields differ from the run's by what the orientation of the mesh does to them.
+Where the file holds no fields of an instant, every body is loaded by its stored contact forces, its weight and its
+centrifugal load and solved quasi-statically, which leaves out elastic waves, the small share of the hub's acceleration
+in the deformation, and the tractions between rollers. How far the rollers' meshes have turned is then their stored spin
+summed up.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from pathlib import Path
 
@@ -14,11 +15,12 @@ import h5py
 import numpy as np
 
 from fem.bodies import DiscBody, RingBody
-from fem.discretise import model_of
 from fem.errors import UsageError
+from fem.frames import Frame, read_frame, stored_samples
+from fem.discretise import model_of
 from fem.model import Model
 from fem.subgrid import patch
-from lagrange import Material, Operation
+from lagrange import Operation
 from lagrange.scene import Scene, parse_scene_text
 
 PER_TIME = ("inner_x", "inner_y", "energy_elastic", "energy_contact")
@@ -30,7 +32,7 @@ PER_ROLLER = (
 
 @dataclass(frozen=True, kw_only=True)
 class Instant:
-    """One sample with its recovered displacements; SI, fields as in `fem.equilibrium.Equilibrium`."""
+    """One sample with its displacements; SI, fields as in `fem.equilibrium.Equilibrium`."""
 
     scene: Scene
     model: Model
@@ -43,9 +45,11 @@ class Instant:
     outer_traction: np.ndarray
     roller_force: np.ndarray  # N, roller j on j + 1
     ring_turn: float  # rad
+    roller_turn: np.ndarray  # (n_rollers,), rad
     inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub, in the ring's frame, m
     outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, m
-    rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass, frames at turn 0, m
+    rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass, in each roller's frame, m
+    stored: bool  # the run's own fields, not recovered ones
     stored_elastic_energy: float  # J, of the meshes in the run
     stored_contact_energy: float  # J, below the grid
 
@@ -64,8 +68,13 @@ class Instant:
         return _angle(self.centres)
 
     @property
+    def next_angle(self) -> np.ndarray:
+        """Direction from every roller to the following one, rad."""
+        return _angle(np.roll(self.centres, -1, axis=0) - self.centres)
+
+    @property
     def elastic_energy(self) -> float:
-        """½ uᵀKu of the recovered fields over all bodies, J."""
+        """½ uᵀKu over all bodies, J."""
         total = sum(
             np.vdot(u, ring.force(u))
             for ring, u in (
@@ -77,112 +86,203 @@ class Instant:
         return 0.5 * float(total + np.vdot(flat, self.model.roller.stiffness @ flat))
 
 
-def read_instant(path: Path, time: float | None = None) -> Instant:
-    """The sample nearest to a time, s (None: the last one), with its fields.
+class StoredRun:
+    """A result file, opened for its fields: the model is built once, samples are read when asked for.
 
     Errors
     ------
-    UsageError: no such file, not a result file, damaged, nothing in it yet, or the time lies outside it.
-    SceneError: the scene in it can't be used.
+    UsageError: no such file, not a result file, damaged, nothing in it yet. SceneError: its scene can't be used.
     """
-    sample = _read(Path(path), time)
-    scene = parse_scene_text(sample.pop("scene"), f"{path}: its scene")
-    n = scene.bearing.rollers
-    if any(sample[name].shape != (n,) for name in PER_ROLLER):
-        raise UsageError(f"{path}: damaged: its scene has {n} rollers, its arrays {sample['roller_x'].shape}")
-    try:
-        model = model_of(scene)
-    except RuntimeError as error:
-        raise UsageError(str(error)) from None
-    return _recover(scene, model, sample)
 
+    def __init__(self, path: Path):
+        self.path = Path(path)
+        if not self.path.is_file():
+            raise UsageError(f"{path}: no such result file; run run-fem first, or name another")
+        count, self.times, text, frames = self._read(_heads)
+        if count < 1:
+            raise UsageError(f"{path}: holds no sample yet")
+        if len(self.times) != count:
+            raise UsageError(f"{path}: damaged: {count} samples are promised, {len(self.times)} are there")
+        self.scene: Scene = parse_scene_text(text, f"{path}: its scene")
+        self._frames = {int(sample): index for index, sample in enumerate(frames)}
 
-def _read(path: Path, time: float | None) -> dict:
-    """One sample by the result file's names, with its `scene`."""
-    if not path.is_file():
-        raise UsageError(f"{path}: no such result file; run run-fem first, or name another")
-    try:
-        with h5py.File(path, "r", locking=False) as file:
-            count = int(file.attrs["committed_samples"])
-            if count < 1:
-                raise UsageError(f"{path}: holds no sample yet")
-            times = file["time"][:count]
-            if len(times) != count:
-                raise UsageError(f"{path}: damaged: {count} samples are promised, {len(times)} are there")
-            index = _nearest(path, times, time)
-            sample = {name: np.asarray(file[name][index], dtype=float) for name in (*PER_TIME, *PER_ROLLER)}
-            sample["time"], sample["scene"] = float(times[index]), file.attrs["scene"]
-    except UsageError:
-        raise
-    except (KeyError, IndexError, TypeError, ValueError) as error:
-        raise UsageError(f"{path}: not a result file of run-fem, or damaged: {error}") from None
-    except OSError as error:
-        raise UsageError(f"{path}: can't be read as a result file (HDF5): {error}") from None
-    for name in (*PER_TIME, *PER_ROLLER):
-        if not np.all(np.isfinite(sample[name])):
-            raise UsageError(f"{path}: damaged: {name} is not finite at {1e3 * sample['time']:.6g} ms")
-    return sample
+    @cached_property
+    def model(self) -> Model:
+        try:
+            return model_of(self.scene)
+        except RuntimeError as error:
+            raise UsageError(str(error)) from None
 
+    @property
+    def stored_samples(self) -> np.ndarray:
+        """Samples whose fields are in the file."""
+        return np.array(sorted(self._frames), dtype=int)
 
-def _nearest(path: Path, times: np.ndarray, time: float | None) -> int:
-    if time is None:
-        return len(times) - 1
-    slack = 0.5 * (times[1] - times[0]) if len(times) > 1 else 1e-9
-    if not times[0] - slack <= time <= times[-1] + slack:
-        raise UsageError(
-            f"{path}: no sample at {1e3 * time:.6g} ms; it holds {1e3 * times[0]:.6g} to {1e3 * times[-1]:.6g} ms"
+    @cached_property
+    def orbit(self) -> np.ndarray:
+        """The hub's positions at all samples, (n_times, 2), m."""
+        n = len(self.times)
+        return self._read(lambda file: np.column_stack([file["inner_x"][:n], file["inner_y"][:n]]))
+
+    @cached_property
+    def load_zone(self) -> tuple[float, float] | None:
+        """Where rollers carry load between the rings in the run: angles about the outer ring's centre, rad.
+
+        From the first to the second counter-clockwise; None where no roller ever does.
+        """
+        n = len(self.times)
+
+        def loaded(file):
+            closed = file["inner_force"][:n] > 0.0
+            return np.arctan2(file["roller_y"][:n][closed], file["roller_x"][:n][closed])
+
+        angle = np.sort(np.mod(self._read(loaded), 2.0 * pi))
+        if angle.size == 0:
+            return None
+        gaps = np.diff(angle, append=angle[0] + 2.0 * pi)
+        widest = int(np.argmax(gaps))
+        return float(angle[(widest + 1) % angle.size]), float(angle[widest])
+
+    def contact_forces(self, samples) -> np.ndarray:
+        """Normal forces at some samples, (n_samples, 3, n_rollers), N: inner, outer, roller j on j + 1."""
+        n, names = len(self.times), ("inner_force", "outer_force", "roller_roller_force")
+        return np.stack([self._read(lambda file, name=name: file[name][:n][samples]) for name in names], axis=1)
+
+    @cached_property
+    def _turns(self) -> np.ndarray:
+        """Spin summed up by the trapezoidal rule, (n_times, n_rollers), rad."""
+        spin = self._read(lambda file: file["roller_spin"][: len(self.times)])
+        steps = 0.5 * (spin[1:] + spin[:-1]) * np.diff(self.times)[:, None]
+        return np.concatenate([np.zeros((1, spin.shape[1])), np.cumsum(steps, axis=0)])
+
+    def nearest(self, time: float | None = None) -> int:
+        """The sample nearest to a time, s; None: the last one.
+
+        Errors
+        ------
+        UsageError: the time lies outside the run.
+        """
+        times = self.times
+        if time is None:
+            return len(times) - 1
+        slack = 0.5 * (times[1] - times[0]) if len(times) > 1 else 1e-9
+        if not times[0] - slack <= time <= times[-1] + slack:
+            raise UsageError(
+                f"{self.path}: no sample at {1e3 * time:.6g} ms; it holds {1e3 * times[0]:.6g} to "
+                f"{1e3 * times[-1]:.6g} ms"
+            )
+        return int(np.argmin(np.abs(times - time)))
+
+    def instant(self, sample: int) -> Instant:
+        """A sample with its fields, the run's own where the file has them.
+
+        Errors
+        ------
+        UsageError: damaged.
+        """
+        values = self._read(lambda file: _row(file, sample))
+        n = self.scene.bearing.rollers
+        if any(values[name].shape != (n,) for name in PER_ROLLER):
+            raise UsageError(f"{self.path}: damaged: its scene has {n} rollers, its arrays {values['roller_x'].shape}")
+        time = float(self.times[sample])
+        for name, value in values.items():
+            if not np.all(np.isfinite(value)):
+                raise UsageError(f"{self.path}: damaged: {name} is not finite at {1e3 * time:.6g} ms")
+        model = self.model
+        if sample in self._frames:
+            turn = self.scene.ideal_operation().speed * time
+            frame = self._read(lambda file: read_frame(file, model, self._frames[sample], turn))
+        else:
+            frame = _recovered(self.scene, model, values, sample, time, self._turns[sample])
+        return Instant(
+            scene=self.scene,
+            model=model,
+            time=time,
+            hub=np.array([values["inner_x"], values["inner_y"]]),
+            centres=_centres(values),
+            inner_force=values["inner_force"],
+            outer_force=values["outer_force"],
+            inner_traction=values["inner_traction"],
+            outer_traction=values["outer_traction"],
+            roller_force=values["roller_roller_force"],
+            ring_turn=frame.ring_turn,
+            roller_turn=frame.roller_turn,
+            inner_ring=frame.inner_ring,
+            outer_ring=frame.outer_ring,
+            rollers=frame.rollers,
+            stored=sample in self._frames,
+            stored_elastic_energy=float(values["energy_elastic"]),
+            stored_contact_energy=float(values["energy_contact"]),
         )
-    return int(np.argmin(np.abs(times - time)))
+
+    def _read(self, what):
+        """Something of the open file; every way it can be unusable becomes a UsageError."""
+        try:
+            with h5py.File(self.path, "r", locking=False) as file:
+                return what(file)
+        except (KeyError, IndexError, TypeError, ValueError) as error:
+            raise UsageError(f"{self.path}: not a result file of run-fem, or damaged: {error}") from None
+        except OSError as error:
+            raise UsageError(f"{self.path}: can't be read as a result file (HDF5): {error}") from None
 
 
-def _recover(scene: Scene, model: Model, sample: dict) -> Instant:
-    hub = np.array([sample["inner_x"], sample["inner_y"]])
-    centres = np.column_stack([sample["roller_x"], sample["roller_y"]])
+def read_instant(path: Path, time: float | None = None) -> Instant:
+    """The sample nearest to a time, s (None: the last one), with its fields; errors as in `StoredRun`."""
+    run = StoredRun(path)
+    return run.instant(run.nearest(time))
+
+
+def _heads(file) -> tuple[int, np.ndarray, str, np.ndarray]:
+    count = int(file.attrs["committed_samples"])
+    return count, file["time"][: max(0, count)], file.attrs["scene"], stored_samples(file, count)
+
+
+def _row(file, sample: int) -> dict[str, np.ndarray]:
+    return {name: np.asarray(file[name][sample], dtype=float) for name in (*PER_TIME, *PER_ROLLER)}
+
+
+def _centres(values: dict) -> np.ndarray:
+    return np.column_stack([values["roller_x"], values["roller_y"]])
+
+
+def _recovered(scene: Scene, model: Model, values: dict, sample: int, time: float, turns: np.ndarray) -> Frame:
+    """The quasi-static displacements under the stored forces."""
+    hub, centres = np.array([values["inner_x"], values["inner_y"]]), _centres(values)
     inner, outer = model.inner_ring, model.outer_ring
     operation = scene.ideal_operation()
     speed = operation.speed
-    ring_turn = speed * sample["time"]
+    ring_turn = speed * time
 
     inner_load = inner.body_load(operation.gravity, ring_turn, speed)
     for angle, force, traction in zip(
-        _angle(centres - hub) - ring_turn, sample["inner_force"], sample["inner_traction"], strict=True
+        _angle(centres - hub) - ring_turn, values["inner_force"], values["inner_traction"], strict=True
     ):
         _push_ring(inner, inner_load, angle, -force, -traction)
     outer_load = outer.body_load(operation.gravity)
-    for angle, force, traction in zip(_angle(centres), sample["outer_force"], sample["outer_traction"], strict=True):
+    for angle, force, traction in zip(_angle(centres), values["outer_force"], values["outer_traction"], strict=True):
         _push_ring(outer, outer_load, angle, force, -traction)
-
-    return Instant(
-        scene=scene,
-        model=model,
-        time=sample["time"],
-        hub=hub,
-        centres=centres,
-        inner_force=sample["inner_force"],
-        outer_force=sample["outer_force"],
-        inner_traction=sample["inner_traction"],
-        outer_traction=sample["outer_traction"],
-        roller_force=sample["roller_roller_force"],
+    return Frame(
+        sample=sample,
+        time=time,
+        roller_turn=turns,
         ring_turn=ring_turn,
+        rollers=_roller_fields(model.roller, hub, centres, turns, values),
         inner_ring=inner.held(inner_load),
         outer_ring=outer.held(outer_load),
-        rollers=_roller_fields(model.roller, hub, centres, sample),
-        stored_elastic_energy=float(sample["energy_elastic"]),
-        stored_contact_energy=float(sample["energy_contact"]),
     )
 
 
-def _roller_fields(disc: DiscBody, hub, centres, sample) -> np.ndarray:
+def _roller_fields(disc: DiscBody, hub, centres, turns, values) -> np.ndarray:
     n = len(centres)
-    load = sample["roller_spin"][:, None, None] ** 2 * (disc.mass[:, None] * disc.points)
-    inner, outer = _angle(centres - hub), _angle(centres)
-    next_one = _angle(np.roll(centres, -1, axis=0) - centres)
+    load = values["roller_spin"][:, None, None] ** 2 * (disc.mass[:, None] * disc.points)
+    inner, outer = _angle(centres - hub) + pi - turns, _angle(centres) - turns
+    ahead = _angle(np.roll(centres, -1, axis=0) - centres)
     for j in range(n):
         i = (j + 1) % n
-        _push_disc(disc, load[j], inner[j] + pi, -sample["inner_force"][j], -sample["inner_traction"][j])
-        _push_disc(disc, load[j], outer[j], -sample["outer_force"][j], sample["outer_traction"][j])
-        _push_disc(disc, load[j], next_one[j], -sample["roller_roller_force"][j], 0.0)
-        _push_disc(disc, load[i], next_one[j] + pi, -sample["roller_roller_force"][j], 0.0)
+        _push_disc(disc, load[j], inner[j], -values["inner_force"][j], -values["inner_traction"][j])
+        _push_disc(disc, load[j], outer[j], -values["outer_force"][j], values["outer_traction"][j])
+        _push_disc(disc, load[j], ahead[j] - turns[j], -values["roller_roller_force"][j], 0.0)
+        _push_disc(disc, load[i], ahead[j] + pi - turns[i], -values["roller_roller_force"][j], 0.0)
     return disc.relaxed(load.reshape(n, -1).T).T.reshape(load.shape)
 
 
@@ -204,37 +304,3 @@ def _push_disc(disc: DiscBody, load: np.ndarray, angle: float, outward: float, a
 
 def _angle(vectors: np.ndarray) -> np.ndarray:
     return np.arctan2(vectors[:, 1], vectors[:, 0])
-
-
-def von_mises(points: np.ndarray, cells: np.ndarray, displacement: np.ndarray, material: Material) -> np.ndarray:
-    """Von Mises stress in plane strain at the nodes, Pa: the elements' stresses, averaged weighted by area.
-
-    Parameters
-    ----------
-    points : (n_nodes, 2), m; cells : (n_cells, 3 or 4); displacement : (n_nodes, 2), m
-
-    Errors
-    ------
-    One stress per element, at its centre: on a surface it lags half an element behind. What a mesh can't see
-    of a contact (`fem.subgrid`) is not in it.
-    """
-    corners = np.moveaxis(points[cells], 1, 0)  # (corner, cell, component)
-    if cells.shape[1] == 3:
-        shape, size = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]), 0.5
-    else:  # bilinear, at the centre
-        shape, size = 0.25 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]), 4.0
-    jacobian = np.einsum("kci,kj->cij", corners, shape)
-    gradients = np.einsum("kj,cji->cki", shape, np.linalg.inv(jacobian))
-    strain = np.einsum("cki,ckj->cij", gradients, displacement[cells])
-    strain = 0.5 * (strain + np.swapaxes(strain, 1, 2))
-    stress = 2.0 * material.lame_mu * strain
-    stress += material.lame_lambda * np.trace(strain, axis1=1, axis2=2)[:, None, None] * np.eye(2)
-    area = size * np.linalg.det(jacobian)
-    share = np.repeat(area, cells.shape[1])
-    weight = np.bincount(cells.ravel(), share, len(points))
-    xx, yy, xy = (
-        np.bincount(cells.ravel(), share * np.repeat(component, cells.shape[1]), len(points)) / weight
-        for component in (stress[:, 0, 0], stress[:, 1, 1], stress[:, 0, 1])
-    )
-    zz = material.poisson_ratio * (xx + yy)
-    return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * xy**2)

@@ -1,16 +1,20 @@
-"""An off-screen plane to draw on, seen along the bearing's axis.
+"""An off-screen page of panels to draw on, each a rectangle of a plane seen from above.
 
-Lengths in outside radii; fonts and line widths in pixels of a picture 1600 wide.
+Fonts and line widths are in pixels of a page 1600 wide.
 """
 
 import os
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # no warning without display
 
-import matplotlib  # for its fonts
+import matplotlib  # for its fonts and colour maps
 import numpy as np
 import pyvista as pv
+from matplotlib.colors import Colormap
+from PIL import Image
 
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
 BOLD = FONT.replace("DejaVuSans", "DejaVuSans-Bold")
@@ -21,73 +25,121 @@ LARGEST_WINDOW = 8192  # pixels
 INK = "#1a1a1a"
 
 
-class Canvas:
-    """A rectangle of the plane around `middle`, `tall` outside radii high; use as a context manager."""
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """A panel's place on the page, in shares from the lower left corner, and what it shows of its plane."""
 
-    def __init__(self, width: int, height: int, middle: tuple[float, float], tall: float):
-        self._finer = FINER if FINER * width <= LARGEST_WINDOW else 1
-        self._size = width, height
-        self._pixel = width * self._finer / REFERENCE_WIDTH
-        self._plotter = pv.Plotter(
-            off_screen=True, window_size=(width * self._finer, height * self._finer), lighting="none"
-        )
-        self._plotter.render_window.SetMultiSamples(0 if self._finer > 1 else 8)
-        self._plotter.renderer.SetBackground(1.0, 1.0, 1.0)
-        camera = self._plotter.camera
+    left: float = 0.0
+    bottom: float = 0.0
+    right: float = 1.0
+    top: float = 1.0
+    middle: tuple[float, float]
+    tall: float  # from the lower to the upper edge, in the plane's lengths
+
+
+class Panel:
+    """One renderer of a page."""
+
+    def __init__(self, canvas: "Canvas", index: int, view: View):
+        self._canvas, self._index, self.view = canvas, index, view
+        renderer = canvas._plotter.renderers[index]
+        renderer.SetViewport(view.left, view.bottom, view.right, view.top)
+        renderer.SetBackground(1.0, 1.0, 1.0)
+        camera = renderer.camera
         camera.parallel_projection = True  # not by the plotter's methods: each of them renders
+        middle = view.middle
         camera.focal_point, camera.position, camera.up = (*middle, 0.0), (*middle, 10.0), (0.0, 1.0, 0.0)
-        camera.parallel_scale = 0.5 * tall
+        camera.parallel_scale = 0.5 * view.tall
         camera.clipping_range = (1.0, 20.0)
 
-    def fill(self, mesh: pv.PolyData, color: str) -> None:
-        """An area of one colour."""
-        self._add(mesh, color=color)
+    @property
+    def wide(self) -> float:
+        """From the left to the right edge, in the plane's lengths."""
+        view, (width, height) = self.view, self._canvas.size
+        return view.tall * (view.right - view.left) * width / ((view.top - view.bottom) * height)
 
-    def stroke(self, mesh: pv.PolyData, color: str, pixels: float) -> None:
-        """A line."""
-        self._add(mesh, color=color, line_width=pixels * self._pixel)
+    def fill(self, meshes: pv.PolyData | Sequence[pv.PolyData], color: str, opacity: float = 1.0) -> None:
+        """Areas of one colour."""
+        self._add(_joined(meshes), color=color, opacity=opacity)
 
-    def field(self, mesh: pv.PolyData, values: np.ndarray, limit: float, colours: str, edges: bool) -> None:
-        """An area coloured by nodal values from 0 to `limit`."""
-        wires = {
-            "show_edges": True,
-            "edge_color": "white",
-            "edge_opacity": 0.25,
-            "line_width": 0.7 * self._pixel,
-        }
+    def stroke(
+        self, meshes: pv.PolyData | Sequence[pv.PolyData], color: str, pixels: float, opacity: float = 1.0
+    ) -> None:
+        """Lines."""
+        self._add(_joined(meshes), color=color, line_width=pixels * self._canvas.pixel, opacity=opacity)
+
+    def field(
+        self, mesh: pv.PolyData, values: np.ndarray, limits: tuple[float, float], colours: str | Colormap
+    ) -> None:
+        """An area coloured by nodal values; beyond the limits the ends' colours."""
+        size = colours.N if isinstance(colours, Colormap) else 256
         self._add(
-            mesh, scalars=values, clim=(0.0, limit), cmap=colours, n_colors=256, interpolate_before_map=True,
-            show_scalar_bar=False, **(wires if edges else {}),
+            mesh, scalars=values, clim=limits, cmap=colours, n_colors=size, interpolate_before_map=True,
+            show_scalar_bar=False,
         )  # fmt: skip
 
     def text(
-        self, text: str, x: float, y: float, size: float, color: str = INK, bold=False, align: str = "left"
-    ) -> None:
-        """Text whose left, center or right lies at (x, y), halfway up."""
+        self, text: str, x: float, y: float, size: float, color: str = INK, bold=False, align: str = "left",
+        backed=False,
+    ) -> None:  # fmt: skip
+        """Text whose left, center or right lies at (x, y), halfway up; `backed`: on white that shines through."""
         actor = pv.Text(text)
         actor.prop.SetFontFamily(FROM_FILE)
         actor.prop.SetFontFile(BOLD if bold else FONT)
-        actor.prop.font_size = round(size * self._pixel)
+        actor.prop.font_size = round(size * self._canvas.pixel)
         actor.prop.color = color
         actor.prop.justification_horizontal, actor.prop.justification_vertical = align, "center"
+        if backed:
+            actor.prop.background_color, actor.prop.background_opacity = "white", 0.75
         actor.prop.SetLineSpacing(1.2)
         place = actor.GetPositionCoordinate()
         place.SetCoordinateSystemToWorld()
         place.SetValue(x, y, 0.0)
-        self._plotter.add_actor(actor, render=False, reset_camera=False)
+        self._activate().add_actor(actor, render=False, reset_camera=False)
+
+    def _activate(self) -> pv.Plotter:
+        plotter = self._canvas._plotter
+        plotter.subplot(0, self._index)
+        return plotter
+
+    def _add(self, mesh: pv.PolyData, **how) -> None:
+        self._activate().add_mesh(mesh, lighting=False, render=False, reset_camera=False, **how)
+
+
+class Canvas:
+    """A page; later panels lie on top of earlier ones. Use as a context manager."""
+
+    def __init__(self, width: int, height: int, views: Sequence[View]):
+        self._finer = FINER if FINER * width <= LARGEST_WINDOW else 1
+        self.size = width, height
+        self.pixel = width * self._finer / REFERENCE_WIDTH
+        self._plotter = pv.Plotter(
+            off_screen=True, window_size=(width * self._finer, height * self._finer), lighting="none",
+            shape=(1, len(views)), border=False,
+        )  # fmt: skip
+        self._plotter.render_window.SetMultiSamples(0 if self._finer > 1 else 8)
+        self.panels = tuple(Panel(self, index, view) for index, view in enumerate(views))
+
+    def clear(self) -> None:
+        """An empty page again, for the next frame."""
+        for renderer in self._plotter.renderers:
+            renderer.clear_actors()
 
     def image(self) -> np.ndarray:
         """(height, width, 3) bytes."""
-        (width, height), finer = self._size, self._finer
-        pixels = np.asarray(self._plotter.screenshot(return_img=True))[..., :3]
-        blocks = pixels.reshape(height, finer, width, finer, 3).astype(np.uint16)
-        return (blocks.sum(axis=(1, 3)) // finer**2).astype(np.uint8)
-
-    def _add(self, mesh: pv.PolyData, **how) -> None:
-        self._plotter.add_mesh(mesh, lighting=False, render=False, reset_camera=False, **how)
+        self._plotter.render()
+        pixels = np.ascontiguousarray(self._plotter.screenshot(return_img=True)[..., :3])
+        return np.asarray(Image.fromarray(pixels).reduce(self._finer))
 
     def __enter__(self) -> "Canvas":
         return self
 
     def __exit__(self, *_) -> None:
         self._plotter.close()
+
+
+def _joined(meshes: pv.PolyData | Sequence[pv.PolyData]) -> pv.PolyData:
+    if isinstance(meshes, pv.PolyData):
+        return meshes
+    first, *others = meshes
+    return first.append_polydata(*others) if others else first

@@ -22,12 +22,28 @@ def circle(centre, radius: float, z: float) -> pv.PolyData:
     return line(arc(centre, radius, 0.0, 2.0 * np.pi), z)
 
 
-def ring(inner: float, outer: float, z: float) -> pv.PolyData:
-    """The area between two circles about the origin."""
-    points = np.concatenate([arc((0.0, 0.0), radius, 0.0, 2.0 * np.pi)[:-1] for radius in (inner, outer)])
+def ring(inner: float, outer: float, z: float, start: float = 0.0, end: float = 2.0 * np.pi) -> pv.PolyData:
+    """The area between two circles about the origin, or a sector of it, rad."""
+    points = np.concatenate([arc((0.0, 0.0), radius, start, end) for radius in (inner, outer)])
     n = len(points) // 2
-    k, after = np.arange(n), (np.arange(n) + 1) % n
-    return cells(points, np.column_stack([k, n + k, n + after, after]), z)
+    k = np.arange(n - 1)
+    return cells(points, np.column_stack([k, n + k, n + k + 1, k + 1]), z)
+
+
+def bar(corner, width: float, height: float, z: float) -> pv.PolyData:
+    """A rectangle by its lower left corner."""
+    return polygon(np.asarray(corner) + np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]), z)
+
+
+def frame(corner, width: float, height: float, z: float) -> pv.PolyData:
+    """The outline of a rectangle."""
+    corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]])
+    return line(np.asarray(corner) + corners, z)
+
+
+def segments(points: np.ndarray, pairs: np.ndarray, z: float) -> pv.PolyData:
+    """Straight lines between pairs of points."""
+    return pv.PolyData(_lifted(points, z), lines=np.column_stack([np.full(len(pairs), 2), pairs]).ravel())
 
 
 def cells(points: np.ndarray, corners: np.ndarray, z: float) -> pv.PolyData:

@@ -11,6 +11,7 @@ from fem import time_loop
 from fem.arrays import Arrays, make_arrays
 from fem.critical_step import critical_time_step
 from fem.discretise import model_of
+from fem.frames import Frame, frame_of
 from fem.limits import check_contacts, check_meshes, check_speed
 from fem.model import Model
 from fem.sample_kernels import BLOCKS, N_SCALARS
@@ -40,6 +41,7 @@ class Plan:
     stride: int  # steps between samples
     n_samples: int
     largest_force: float  # N, static, of any contact
+    frame_stride: int  # samples between stored fields; 0: none
 
     @property
     def interval(self) -> float:
@@ -102,6 +104,7 @@ def make_plan(scene: Scene) -> Plan:
         stride=stride,
         largest_force=expected,
         n_samples=1 + int(1e-3 * numerics.duration_ms / interval * (1.0 + 1e-12)),
+        frame_stride=round(1e-3 * scene.output.fields_every_ms / interval),
     )
 
 
@@ -161,10 +164,12 @@ def run(
     report: Callable[[Progress], None] = lambda progress: None,
     stop: Callable[[], bool] = lambda: False,
     state: RunState | None = None,
+    keep: Callable[[Frame], None] = lambda frame: None,
 ) -> Progress:
     """Advance a plan to its end, or until `stop` says so, handing samples to `write` as they come.
 
-    `state`, where given, is where to go on from; it is kept up to date after each block, before `report`.
+    `state`, where given, is where to go on from; it is kept up to date after each block, before `report`. `keep` gets
+    the fields the scene asks for, each before the sample of its instant.
 
     Errors
     ------
@@ -174,7 +179,13 @@ def run(
     compile_kernels(plan)
     block, imbalance = 1, 0.0
     while state.done < plan.n_samples and not stop():
-        rows = np.zeros((min(block, plan.n_samples - state.done), _row_width(plan)))
+        left = plan.n_samples - state.done
+        if plan.frame_stride:  # between two samples the state is that of the one to come
+            since = state.done % plan.frame_stride
+            left = min(left, plan.frame_stride - since)
+            if since == 0:
+                keep(frame_of(plan.model, state.arrays, state.done, plan.interval))
+        rows = np.zeros((min(block, left), _row_width(plan)))
         began = time.perf_counter()
         status, step, body = _advance(plan, state.arrays, state.done, rows)
         took = time.perf_counter() - began

@@ -18,6 +18,7 @@ from lagrange.scene import Scene
 
 if TYPE_CHECKING:  # a run of the Lagrangian model needs none of the finite elements behind it
     from fem.error_estimate import Estimate
+    from fem.frames import Frame, FrameStore
 
 FORMAT_VERSION = 1
 FLUSH_SECONDS = 0.5  # of wall time between two flushes
@@ -58,6 +59,7 @@ class Planned(Protocol):
     degrees_of_freedom: int
     time_step: float  # s
     critical_time_step: float
+    frame_stride: int  # samples between stored fields; 0: none
 
 
 def program_version() -> str:
@@ -112,6 +114,9 @@ class ResultFile:
             for name in VARIABLES:
                 self._file[name].resize(resume_at, axis=0)
             _drop_estimates(self._file)
+            self._frames = _frame_store(self._file, plan)
+            if self._frames is not None:
+                self._frames.keep_before(resume_at)
             self._file.attrs.update(scene=plan.scene.to_toml(), committed_samples=resume_at, status="running")
             self._file.flush()
 
@@ -125,6 +130,7 @@ class ResultFile:
         for name in VARIABLES:
             if name != "time":
                 self._create(name, n)
+        self._frames = _frame_store(self._file, plan)
         self._file.attrs.update(
             format_version=FORMAT_VERSION,
             program="run-fem",
@@ -171,6 +177,10 @@ class ResultFile:
         if time.monotonic() - self._flushed > FLUSH_SECONDS:
             self.commit()
 
+    def keep(self, frame: "Frame") -> None:
+        """Add the fields of a sample to come."""
+        self._frames.append(frame)
+
     def commit(self) -> None:
         """Bring the data to the disk, then say that it is there."""
         self._file.flush()
@@ -188,6 +198,14 @@ class ResultFile:
 
     def __exit__(self, *_) -> None:
         self._file.close()
+
+
+def _frame_store(file: h5py.File, plan: Planned) -> "FrameStore | None":
+    if not plan.frame_stride:
+        return None
+    from fem.frames import FrameStore
+
+    return FrameStore(file, plan.model)
 
 
 ESTIMATE = {

@@ -16,6 +16,7 @@ from meshes import Mesh, quality
 # one thread of a 2024 server core; only a guide, `wall_seconds` of a run is the truth
 SECONDS_PER_DOF = 0.9e-9
 SECONDS_PER_ROLLER = 0.35e-6
+BYTES_PER_NODE = 20  # of a stored frame: displacement and stress in single precision
 
 
 def print_plan(plan: Plan) -> None:
@@ -44,6 +45,7 @@ def print_plan(plan: Plan) -> None:
         f"{1e9 * plan.critical_time_step:.2f} ns)",
         "steps": f"{plan.steps} for {1e3 * (plan.n_samples - 1) * plan.interval:g} ms",
         "samples": f"{plan.n_samples}, one each {plan.stride} steps",
+        **_fields(plan),
         "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
         "expected time": f"about {seconds:.2g} s",
         "largest static contact force": f"{load:.1f} N, "
@@ -56,6 +58,15 @@ def print_plan(plan: Plan) -> None:
         )
     for name, value in rows.items():
         console.print(f"{name + ':':30s} {value}", soft_wrap=True)
+
+
+def _fields(plan: Plan) -> dict[str, str]:
+    """How much the stored fields will take, before compression."""
+    if not plan.frame_stride:
+        return {}
+    frames = 1 + (plan.n_samples - 1) // plan.frame_stride
+    size = 1e-6 * frames * plan.model.n_nodes * BYTES_PER_NODE
+    return {"fields": f"{frames}, one each {1e3 * plan.frame_stride * plan.interval:g} ms, {size:.3g} MB"}
 
 
 def memory_megabytes(arrays: Arrays) -> float:

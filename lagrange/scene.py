@@ -143,6 +143,10 @@ class LagrangeTable(_Table):
     angles: Literal["kinematic", "free"] = "kinematic"
 
 
+class OutputTable(_Table):
+    fields_every_ms: float = Field(0.0, ge=0.0, le=1e6)
+
+
 class Scene(_Table):
     """A whole scene. Defaults are the paper's bearing."""
 
@@ -154,6 +158,7 @@ class Scene(_Table):
     contact: ContactTable = ContactTable()
     lagrange: LagrangeTable = LagrangeTable()
     numerics: NumericsTable = NumericsTable()
+    output: OutputTable = OutputTable()
     table: Columns = Columns()
 
     @model_validator(mode="before")
@@ -192,6 +197,17 @@ class Scene(_Table):
             raise ValueError(
                 f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is finer than contact.model = "
                 f"'{self.contact.model}' is made for (at least {finest:.3g})"
+            )
+        interval = 1e-3 * self.numerics.output_interval_us
+        if self.output.fields_every_ms > 0.0 and self.model == "lagrange":
+            raise ValueError(
+                f"output.fields_every_ms = {self.output.fields_every_ms}: the Lagrangian model has no mesh and no "
+                "fields; leave it out or 0"
+            )
+        if 0.0 < self.output.fields_every_ms < interval * (1.0 - 1e-9):
+            raise ValueError(
+                f"output.fields_every_ms = {self.output.fields_every_ms} must not be below "
+                f"numerics.output_interval_us = {self.numerics.output_interval_us} ({interval:g} ms); 0 stores none"
             )
         return self
 

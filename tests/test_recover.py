@@ -1,7 +1,7 @@
 """Fields recovered from a result file: against the equilibrium they came from and the stored energy."""
 
 import shutil
-from math import pi, sqrt
+from math import pi
 
 import h5py
 import numpy as np
@@ -10,14 +10,11 @@ import pytest
 from fem.cli import run_main
 from fem.equilibrium import static_equilibrium
 from fem.errors import UsageError
-from fem.recover import read_instant, von_mises
+from fem.frames import rotated
+from fem.recover import StoredRun, read_instant
 from fem.start import rolling_motion
 from fem.subgrid import patch, ripple_at
-from lagrange import Material
 from lagrange.scene import SceneError
-from meshes import Annulus, Disc, mesh_of
-
-STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 
 
 @pytest.fixture(scope="module")
@@ -88,9 +85,30 @@ def test_static_energy_is_the_stored_one(static):
 
 
 @pytest.mark.parametrize("time", [1e-3, 2.5e-3, None])
-def test_energy_of_a_moving_bearing_is_the_stored_one_but_for_waves_and_mesh_orientation(coarse_run, time):
+def test_energy_of_a_moving_bearing_is_the_stored_one_but_for_waves(coarse_run, time):
     instant = read_instant(coarse_run, time)
-    assert instant.elastic_energy == pytest.approx(instant.stored_elastic_energy, rel=0.01)
+    assert instant.elastic_energy == pytest.approx(instant.stored_elastic_energy, rel=1e-4)
+
+
+def test_the_load_zone_is_the_lower_half_of_a_bearing_without_clearance(coarse_run):
+    run = StoredRun(coarse_run)
+    start, end = run.load_zone
+    zone = np.degrees([start, end])
+    # in 4 ms a roller goes 42 degrees, the next one follows at 28
+    assert 175.0 < zone[0] < 190.0 and (zone[1] + 180.0) % 360.0 - 180.0 == pytest.approx(0.0, abs=8.0)
+
+
+def test_a_bearing_nobody_loads_has_no_load_zone(coarse_run, tmp_path):
+    path = _copy(coarse_run, tmp_path)
+    with h5py.File(path, "r+") as file:
+        file["inner_force"][...] = 0.0
+    assert StoredRun(path).load_zone is None
+
+
+def test_the_orbit_is_the_hubs_path(coarse_run):
+    with h5py.File(coarse_run) as file:
+        expected = np.column_stack([file["inner_x"], file["inner_y"]])
+    assert np.array_equal(StoredRun(coarse_run).orbit, expected)
 
 
 def test_tractions_enter_the_fields(coarse_run, tmp_path):
@@ -101,9 +119,9 @@ def test_tractions_enter_the_fields(coarse_run, tmp_path):
         file["outer_traction"][-1] = -0.1 * file["inner_force"][-1]
     plain, sheared = read_instant(coarse_run), read_instant(path)
     j = int(plain.inner_force.argmax())
-    difference = sheared.rollers[j] - plain.rollers[j]
+    difference = rotated(sheared.rollers[j] - plain.rollers[j], plain.roller_turn[j])
     along = np.array([-np.sin(plain.inner_angle[j]), np.cos(plain.inner_angle[j])])
-    points = plain.model.roller.points
+    points = rotated(plain.model.roller.points, plain.roller_turn[j])
     radial = points @ np.array([np.cos(plain.inner_angle[j]), np.sin(plain.inner_angle[j])])
     inner_end, outer_end = np.argmin(radial), np.argmax(radial)
     assert difference[inner_end] @ along > 0.0 > difference[outer_end] @ along
@@ -125,29 +143,10 @@ def test_rollers_pressed_together_are_squeezed_along_their_line_of_centres(coars
     instant = read_instant(path)
     line = instant.centres[7] - instant.centres[5]
     line /= np.hypot(*line)
-    along = instant.model.roller.points @ line
-    ends = instant.rollers[6] @ line
+    along = rotated(instant.model.roller.points, instant.roller_turn[6]) @ line
+    ends = rotated(instant.rollers[6], instant.roller_turn[6]) @ line
     assert ends[np.argmax(along)] < 0.0 < ends[np.argmin(along)]
     assert np.abs(instant.rollers[0]).max() < 1e-3 * np.abs(instant.rollers[6]).max()
-
-
-@pytest.mark.parametrize(
-    "shape",
-    [Disc(radius=5e-3, layers=3), Annulus(inner_radius=12.5e-3, outer_radius=18e-3, sectors=56, layers=3)],
-)
-@pytest.mark.parametrize(
-    "gradient, stress",
-    [
-        ([[1e-4, 0.0], [0.0, 0.0]], 2.0 * STEEL.lame_mu * 1e-4),  # λ adds alike to all three
-        ([[0.0, 1e-4], [0.0, 0.0]], sqrt(3.0) * STEEL.lame_mu * 1e-4),
-        ([[1e-4, 0.0], [0.0, 1e-4]], 2.0 * STEEL.lame_mu * 1e-4),
-        ([[0.0, 1e-4], [-1e-4, 0.0]], 0.0),  # a rotation
-    ],
-)
-def test_von_mises_of_a_uniform_strain_is_exact(shape, gradient, stress):
-    mesh = mesh_of(shape)
-    found = von_mises(mesh.points, mesh.cells, mesh.points @ np.array(gradient).T, STEEL)
-    assert found == pytest.approx(np.full(len(mesh.points), stress), rel=1e-9, abs=1.0)
 
 
 def test_time_means_the_nearest_sample(coarse_run):

@@ -1,4 +1,4 @@
-"""The picture: what is drawn where, the probe, and the command."""
+"""Pictures: what is drawn where, the scales, the probe."""
 
 import subprocess
 from dataclasses import replace
@@ -6,14 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.cli import render_main, run_main
+from fem.cli import run_main
 from fem.errors import UsageError
-from fem.recover import read_instant
-from fem.render_bodies import LARGEST_SHARE, chosen_magnification, drawn_bearing
+from fem.near_contacts import FIRST_ROLLER, INNER_RING
+from fem.recover import StoredRun
+from fem.render_bodies import ARCS, drawn_bearing
+from fem.render_look import LARGEST_SHARE, Request, chosen_look, chosen_magnification
+from fem.render_scale import fringe_scale, linear_scale, logarithmic_scale, quantity
 from fem.rendering_probe import check_rendering
 
 PAPER_RADIUS = 32.5e-3  # m, outside
 WIDTH = 640
+SAMPLE = 400
+FORCE, HOUSING, LOAD_ZONE = (0xD7, 0x30, 0x1F), (0xE3, 0xE3, 0xE3), (0xF5, 0xDC, 0xA8)
 
 
 @pytest.fixture(scope="module")
@@ -25,56 +30,74 @@ def can_draw():
 
 
 @pytest.fixture(scope="module")
-def instant(coarse_run):
-    return read_instant(coarse_run)
+def run(coarse_run):
+    return StoredRun(coarse_run)
 
 
 @pytest.fixture(scope="module")
-def image(can_draw, instant):
-    from fem.render import picture
+def instant(run):
+    return run.instant(SAMPLE)
 
-    return picture(instant, width=WIDTH)
+
+@pytest.fixture(scope="module")
+def drawn(instant):
+    return drawn_bearing(instant)
+
+
+def _image(run, sample=SAMPLE, **request):
+    from fem.render import Renderer
+
+    with Renderer(run, Request(**{"width": WIDTH, **request}), [sample]) as renderer:
+        return renderer.image(sample)
+
+
+@pytest.fixture(scope="module")
+def image(can_draw, run):
+    return _image(run)
 
 
 def _near(image, colour, tolerance=12):
     return np.abs(image.astype(int) - colour).max(axis=-1) <= tolerance
 
 
-def test_the_chosen_magnification_is_round_and_draws_the_largest_displacement_near_its_share(instant):
-    drawn = drawn_bearing(instant)
-    factor = chosen_magnification(drawn, PAPER_RADIUS)
-    share = factor * drawn.largest_displacement / PAPER_RADIUS
+def _largest_displacement(drawn):
+    return float(np.hypot(*drawn.motion.T).max())
+
+
+def test_the_chosen_magnification_is_round_and_draws_the_largest_displacement_near_its_share(drawn):
+    factor = chosen_magnification(_largest_displacement(drawn), PAPER_RADIUS)
+    share = factor * _largest_displacement(drawn) / PAPER_RADIUS
     assert LARGEST_SHARE / 1.5 < share <= LARGEST_SHARE
     assert factor == float(f"{factor:.1e}")  # two digits say it
 
 
-def test_what_is_drawn_is_linear_in_the_magnification(instant):
-    body = drawn_bearing(instant).rollers[0]
-    assert body.points(0.0) == pytest.approx(body.reference, abs=0.0)
-    assert body.points(300.0) - body.reference == pytest.approx(300.0 * body.displacement, rel=1e-12, abs=1e-18)
+def test_what_is_drawn_is_linear_in_the_magnification(drawn):
+    assert drawn.points(0.0) == pytest.approx(drawn.reference, abs=0.0)
+    once, often = drawn.points(1.0) - drawn.reference, drawn.points(300.0) - drawn.reference
+    assert often == pytest.approx(300.0 * once, rel=1e-9, abs=1e-15)
 
 
-def test_at_magnification_one_rollers_and_hub_are_where_the_file_has_them(instant):
-    drawn = drawn_bearing(instant)
-    centres = np.array([instant.model.roller.mass @ body.points(1.0) for body in drawn.rollers])
+def test_at_magnification_one_rollers_and_hub_are_where_the_file_has_them(instant, drawn):
+    points, mass = drawn.points(1.0), instant.model.roller.mass
+    rollers = points[drawn.body >= FIRST_ROLLER].reshape(13, -1, 2)
+    centres = np.einsum("n,jnc->jc", mass, rollers) / mass.sum()
     # the drawn indentation moves a few surface nodes inward, by half a micrometre
-    assert centres / instant.model.roller.total_mass == pytest.approx(instant.centres, abs=0.2e-6)
-    bore = drawn.inner_ring.points(1.0)[drawn.inner_ring.edges[0]]
+    assert centres == pytest.approx(instant.centres, abs=0.2e-6)
+    bore = points[drawn.circles[0]]
     assert bore.mean(axis=0) == pytest.approx(instant.hub, abs=1e-12)
 
 
-def test_loaded_contacts_are_drawn_closed(instant):
-    """Magnified, a raceway's node in the middle of a contact and the roller's surface there fall together."""
-    model, factor = instant.model, 250.0
-    drawn = drawn_bearing(instant)
+def test_loaded_contacts_are_drawn_closed(instant, drawn):
+    """Magnified, a raceway and a roller's surface fall together in the middle of a contact."""
+    factor = 250.0
+    outlines = drawn.outlines(factor)
     touched = 0
     for j in np.flatnonzero(instant.outer_force > 100.0):
         normal = np.array([np.cos(instant.outer_angle[j]), np.sin(instant.outer_angle[j])])
-        outward = max(drawn.rollers[j].points(factor)[model.roller.first_surface_node :] @ normal)
-        raceway = drawn.outer_ring.points(factor)[drawn.outer_ring.edges[0]]
-        nearest = raceway[np.argmax(raceway @ normal)]
-        # facets of 2 mm lie up to 0.1 mm inside their circle; hub and rollers are displaced by 0.9 mm
-        assert nearest @ normal == pytest.approx(outward, abs=0.15e-3)
+        outward = max(outlines[4 + j] @ normal)
+        raceway = max(outlines[2] @ normal)
+        # hub and rollers are displaced by 0.9 mm; half the gap between nodes of a magnified curve remains
+        assert raceway == pytest.approx(outward, abs=0.1e-3)
         touched += 1
     assert touched >= 4
 
@@ -83,13 +106,20 @@ def test_clearance_is_magnified_like_displacements(tmp_path):
     path = tmp_path / "loose.nc"
     loose = ["--mesh-size", "2", "--duration", "0", "--set", "bearing.outer_raceway_diameter_mm=56.02"]
     assert run_main([*loose, "--set", 'numerics.start="rest"', "--output", str(path), "--quiet"]) == 0
-    drawn = drawn_bearing(read_instant(path))
-    raceway = drawn.outer_ring.points(100.0)[drawn.outer_ring.edges[0]]
+    raceway = drawn_bearing(StoredRun(path).instant(0)).outlines(100.0)[2][::ARCS]  # its nodes
     assert np.hypot(*raceway.T) == pytest.approx(np.full(len(raceway), 28e-3 + 100.0 * 10e-6), abs=1e-9)
 
 
+def test_refined_outlines_and_nodes_lie_on_the_circles(drawn):
+    fine = drawn.refined(1e-4, 4e-4, 0.3)
+    for points, radius in ((fine.outlines(0.0)[0], 12.5e-3), (fine.outlines(0.0)[1], 18e-3)):
+        assert np.hypot(*points.T) == pytest.approx(np.full(len(points), radius), rel=1e-9)
+    ring = fine.reference[fine.body == INNER_RING]
+    assert len(ring) > 2000 and np.hypot(*ring.T).max() == pytest.approx(18e-3, rel=1e-9)
+
+
 def test_forces_on_the_rollers_carry_the_load(can_draw, instant):
-    from fem.render import contact_forces
+    from fem.render_bearing import contact_forces
 
     (inner_at, inner), (outer_at, outer), *_ = contact_forces(instant)
     operation = instant.operation
@@ -112,15 +142,67 @@ def test_an_arrow_ends_at_its_tip_and_its_border_surrounds_it(can_draw):
     assert border.bounds[0] < plain.bounds[0] - 0.0099 and border.bounds[3] > 2.51
 
 
-def test_the_picture_shows_stress_forces_housing_and_text_on_white(image):
+# ---- scales
+
+
+def test_scales_end_at_round_numbers_and_label_their_ends():
+    linear = linear_scale("von-mises", 347e6)
+    assert linear.end == 400.0 and linear.limits == (0.0, 400.0)
+    assert linear.ticks()[-1] == (1.0, "400") and linear.ticks()[0] == (0.0, "0")
+    logarithmic = logarithmic_scale("max-shear", 230e6)
+    assert logarithmic.end == 250.0
+    shares, labels = zip(*logarithmic.ticks(), strict=True)
+    assert labels == ("0.5", "1", "2", "5", "10", "20", "50", "100", "200")
+    assert shares[0] == pytest.approx(0.0, abs=1e-9) and shares[-1] == pytest.approx(np.log10(400) / np.log10(500))
+
+
+def test_fringes_are_dark_at_whole_orders_and_fade_where_they_lie_too_close():
+    scale = fringe_scale(2e6, 10.0)
+    shades = scale.colours(np.arange(scale.colours.N))[:, 0]
+    order = np.linspace(0.0, scale.end, len(shades))
+    assert np.interp([0.0, 1.0, 5.0, 10.0], order, shades) == pytest.approx(0.0, abs=0.01)
+    assert np.interp([0.5, 4.5, 9.5], order, shades) == pytest.approx(1.0, abs=0.01)
+    assert shades[-1] == pytest.approx(0.5, abs=0.01)
+
+
+def test_fringe_orders_are_principal_stress_differences_over_the_constant(drawn):
+    scale = fringe_scale(2e6, 10.0)
+    xx, yy, xy = drawn.stress().T
+    principal = np.linalg.eigvalsh(np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2))
+    assert scale.values(drawn) == pytest.approx((principal[:, 1] - principal[:, 0]) / 2e6, rel=1e-9, abs=1e-9)
+
+
+def test_displacement_is_measured_from_parts_that_just_touch(instant, drawn):
+    inner = quantity("displacement", drawn)[drawn.circles[0]]
+    assert inner == pytest.approx(np.full(len(inner), np.hypot(*instant.hub)), rel=1e-9)
+
+
+def test_a_films_scales_suit_its_most_loaded_frame(run):
+    look = chosen_look(run, Request(), range(0, 401, 40), 0.002, 1.0)
+    forces = run.contact_forces(list(range(0, 401, 40)))
+    assert look.largest_force == forces.max()
+    assert chosen_look(run, Request(), [200], 0.002, 1.0).largest_force < forces.max()
+    assert look.roller == forces[:, 0].max(axis=0).argmax()
+
+
+def test_an_unknown_roller_is_refused(run):
+    with pytest.raises(UsageError, match=r"--roller 13: the run has rollers 0 to 12"):
+        chosen_look(run, Request(view="close-up", roller=13), [0], 0.002, 0.01)
+
+
+# ---- pictures
+
+
+def test_the_picture_shows_stress_forces_housing_load_zone_and_text_on_white(image):
     assert image.shape == (480, WIDTH, 3)
     share = {
         name: _near(image, colour).mean()
         for name, colour in {
             "paper": (255, 255, 255),
             "unloaded": (68, 1, 84),  # viridis at 0
-            "force": (0xD7, 0x30, 0x1F),
-            "housing": (0xE3, 0xE3, 0xE3),
+            "force": FORCE,
+            "housing": HOUSING,
+            "load zone": LOAD_ZONE,
             "ink": (0x1A, 0x1A, 0x1A),
         }.items()
     }
@@ -128,58 +210,80 @@ def test_the_picture_shows_stress_forces_housing_and_text_on_white(image):
     assert 0.03 < share["unloaded"] < 0.3
     assert 0.0005 < share["force"] < 0.02
     assert 0.01 < share["housing"] < 0.1
+    assert 0.01 < share["load zone"] < 0.1
     assert 0.005 < share["ink"] < 0.1
     # the scale's bar runs from viridis' one end to its other
     assert _near(image[:200, 440:], (253, 231, 37), 20).any()
-    # stress under the loaded rollers, none above: greens lie in the lower half
+    # stress under the loaded rollers, none above: greens lie in the lower half, as does the load zone
     green = (image[..., 1] > 120) & (image[..., 0] < 110) & (image[..., 2] < 150)
     green[:, 430:] = False
     assert green[240:].sum() > 20 * max(1, green[:240].sum())
+    assert not _near(image[:240], LOAD_ZONE).any() or _near(image[240:], LOAD_ZONE).sum() > 20 * _near(
+        image[:240], LOAD_ZONE
+    ).sum()
 
 
-def test_the_same_instant_gives_the_same_picture_and_another_magnification_another(image, instant):
-    from fem.render import picture
-
-    assert np.array_equal(picture(instant, width=WIDTH), image)
-    assert not np.array_equal(picture(instant, 1.0, WIDTH), image)
+def test_the_same_instant_gives_the_same_picture_and_another_magnification_another(image, run):
+    assert np.array_equal(_image(run), image)
+    assert not np.array_equal(_image(run, magnification=1.0), image)
 
 
-def test_an_unloaded_bearing_is_drawn_without_arrows(can_draw, instant):
-    from fem.render import picture
+def test_a_frame_drawn_after_another_is_the_picture_of_its_instant(can_draw, run, image):
+    from fem.render import Renderer
 
+    with Renderer(run, Request(width=WIDTH), [SAMPLE]) as renderer:
+        other = renderer.image(SAMPLE - 100)
+        assert np.array_equal(renderer.image(SAMPLE), image)
+    assert not np.array_equal(other, image)
+
+
+def test_an_unloaded_bearing_is_drawn_without_arrows(can_draw, coarse_run, monkeypatch):
     nothing = np.zeros(13)
+    run = StoredRun(coarse_run)
+    plain = run.instant(SAMPLE)
     still = replace(
-        instant,
+        plain,
         inner_force=nothing,
         outer_force=nothing,
         inner_traction=nothing,
         outer_traction=nothing,
-        inner_ring=0.0 * instant.inner_ring,
-        outer_ring=0.0 * instant.outer_ring,
-        rollers=0.0 * instant.rollers,
+        inner_ring=0.0 * plain.inner_ring,
+        outer_ring=0.0 * plain.outer_ring,
+        rollers=0.0 * plain.rollers,
     )
-    assert not _near(picture(still, width=400), (0xD7, 0x30, 0x1F)).any()
+    monkeypatch.setattr(run, "instant", lambda sample: still)
+    monkeypatch.setattr(run, "contact_forces", lambda samples: np.zeros((1, 3, 13)))
+    assert not _near(_image(run, width=400), FORCE).any()
+    assert _image(run, width=400, view="close-up").shape == (300, 400, 3)
 
 
-def test_the_command_writes_a_png_of_the_width_asked_for(can_draw, coarse_run, tmp_path, capsys):
-    from PIL import Image
+@pytest.mark.parametrize("field", ["max-shear", "displacement", "photoelastic"])
+def test_every_field_is_drawn(can_draw, run, image, field):
+    other = _image(run, field=field)
+    assert other.shape == image.shape and not np.array_equal(other, image)
 
-    target = tmp_path / "new folder" / "bearing.png"
-    arguments = [
-        str(coarse_run),
-        "--time",
-        "2",
-        "--output",
-        str(target),
-        "--width",
-        "400",
-        "--magnification",
-        "100",
-    ]
-    assert render_main(arguments) == 0
-    assert str(target) in capsys.readouterr().out
-    with Image.open(target) as picture:
-        assert picture.format == "PNG" and picture.size == (400, 300)
+
+def test_a_close_up_shows_the_shear_below_both_contacts(can_draw, run):
+    picture = _image(run, view="close-up")
+    assert picture.shape == (480, WIDTH, 3)
+    # the contacts' panels: brightest (viridis' yellow and green) on both sides of the contact, off the surface
+    for top, bottom in ((48, 200), (274, 428)):
+        panel = picture[top:bottom, 392:548].astype(int)
+        middle = panel[:, 76:82].mean(axis=1)
+        bright = middle[:, 1] > 150
+        half = len(bright) // 2
+        assert bright[half - 35 : half - 5].sum() > 5 and bright[half + 5 : half + 35].sum() > 5
+
+
+def test_photoelastic_pictures_are_grey_inside_the_bodies(can_draw, run):
+    picture = _image(run, field="photoelastic", view="close-up").astype(int)
+    roller = picture[200:330, 60:260]
+    assert np.ptp(roller, axis=-1).max() < 8
+    shade = roller[..., 0]
+    assert (shade < 60).mean() > 0.15 and (shade > 195).mean() > 0.15  # fringes, dark and bright
+
+
+# ---- the probe
 
 
 def test_the_probe_leaves_a_machine_that_draws_alone(can_draw):
@@ -208,30 +312,3 @@ def test_a_probe_that_hangs_is_answered_too(monkeypatch):
     monkeypatch.setattr(subprocess, "run", hang)
     with pytest.raises(UsageError, match="not finished in 60 s"):
         check_rendering()
-
-
-def test_the_command_on_a_machine_that_cannot_draw_exits_2_and_leaves_no_picture(
-    monkeypatch, coarse_run, tmp_path, capsys
-):
-    monkeypatch.setattr(subprocess, "run", lambda *_, **__: subprocess.CompletedProcess([], -11, "", ""))
-    target = tmp_path / "bearing.png"
-    assert render_main([str(coarse_run), "--output", str(target)]) == 2
-    told = capsys.readouterr().err
-    assert "apt-get install" in told and "Traceback" not in told
-    assert not target.exists()
-
-
-@pytest.mark.parametrize(
-    "options, words",
-    [
-        (["--time", "99"], "0 to 4 ms"),
-        (["--width", "10"], "--width 10"),
-        (["--magnification", "-1"], "--magnification -1"),
-        (["--magnification", "nan"], "--magnification nan"),
-        (["--output", "."], "is a folder"),
-    ],
-)
-def test_unusable_options_exit_2_in_a_sentence(coarse_run, capsys, options, words):
-    assert render_main([str(coarse_run), *options]) == 2
-    told = capsys.readouterr().err
-    assert words in told and "Traceback" not in told

@@ -1,0 +1,211 @@
+"""The command `render-fem`. Imports little: everything heavy waits until a run has been found."""
+
+import sys
+from math import inf
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from fem.cli import OK, RUNS, new_app, run_app_main
+from fem.errors import UsageError
+
+FRAMES, FRAMES_PER_SECOND = 120, 25.0
+WIDTH, FILM_WIDTH = 1600, 960
+
+render_app = new_app(
+    "render-fem",
+    """Draw a run off-screen: the whole bearing or one roller between its raceways, at one instant or as a film.
+
+Stress, displacement or photoelastic fringes on the deformed bodies, with what lies below the grid of a contact; contact
+forces, load zone, the hub's orbit. Or export mesh and fields for ParaView and others.
+
+Example: render-fem runs/paper.nc --time 12.5
+         render-fem runs/paper.nc --view close-up --field photoelastic
+         render-fem runs/paper.nc --animation paper.mp4 --start 10 --stop 20
+         render-fem runs/paper.nc --export paper.vtkhdf
+
+Exit codes: 0 done; 2 unusable input; 130 interrupted.
+""",
+)
+
+
+@render_app.default
+def _render(
+    run: Annotated[Path | None, Parameter(help="result file; default: the newest runs/*.nc")] = None,
+    /,
+    *,
+    output: Annotated[Path | None, Parameter(help="PNG file; default: <run>.png beside the run")] = None,
+    time: Annotated[float | None, Parameter(help="instant, ms; default: the last sample")] = None,
+    view: Annotated[Literal["bearing", "close-up"], Parameter(help="what is seen")] = "bearing",
+    field: Annotated[
+        Literal["von-mises", "max-shear", "displacement", "photoelastic"] | None,
+        Parameter(help="what is coloured; default: von-mises, of a close-up max-shear"),
+    ] = None,
+    roller: Annotated[int | None, Parameter(help="of a close-up; default: the most loaded one")] = None,
+    fringe: Annotated[
+        float | None, Parameter(help="MPa of principal stress difference a fringe; default: chosen and stated")
+    ] = None,
+    magnification: Annotated[float | None, Parameter(help="of the displacement; default: chosen and stated")] = None,
+    width: Annotated[int | None, Parameter(help=f"pixels; default: {WIDTH}, of a film {FILM_WIDTH}")] = None,
+    animation: Annotated[Path | None, Parameter(help="a film, .mp4 or .gif, instead of a picture")] = None,
+    export: Annotated[
+        Path | None,
+        Parameter(
+            help="mesh and fields instead of a picture: .vtkhdf or .pvd with all instants, or one in any format of "
+            "meshio (.vtu, .xdmf, ...)"
+        ),
+    ] = None,
+    start: Annotated[float | None, Parameter(help="first instant of a film or an export, ms")] = None,
+    stop: Annotated[float | None, Parameter(help="last one, ms")] = None,
+    frames: Annotated[
+        int | None, Parameter(help=f"their number; default: those whose fields are stored, else {FRAMES}")
+    ] = None,
+    fps: Annotated[float, Parameter(help="frames per second of a film")] = FRAMES_PER_SECOND,
+    quiet: Annotated[bool, Parameter(negative="", help="no progress")] = False,
+) -> int:
+    _check("--width", width, 200, 8000, "pixels")
+    _check("--magnification", magnification, 0.0, 1e9)
+    _check("--fringe", fringe, 1e-6, 1e6, "MPa")
+    _check("--frames", frames, 2, 100_000)
+    _check("--fps", fps, 0.1, 200.0)
+    for option, path in (("--output", output), ("--animation", animation), ("--export", export)):
+        if path is not None and path.is_dir():
+            raise UsageError(f"{option} {path}: is a folder; name a file in it")
+    if sum(path is not None for path in (output, animation, export)) > 1:
+        raise UsageError("--output, --animation, --export: one of them at a time")
+    _check_kind(animation, export)
+
+    from fem.recover import StoredRun
+
+    stored = StoredRun(run if run is not None else _newest())
+    many = animation is not None or (export is not None and _holds_series(export))
+    if many and time is not None:
+        raise UsageError("--time: one instant; a film or a series goes from --start to --stop")
+    if not many and (start is not None or stop is not None or frames is not None):
+        raise UsageError("--start, --stop, --frames: of a film or a series; one instant is --time")
+    samples = _samples(stored, start, stop, frames) if many else [stored.nearest(None if time is None else 1e-3 * time)]
+    if export is not None:
+        return _export(stored, export, samples, quiet)
+    from fem.render_look import Request
+
+    request = Request(
+        view=view,
+        field=field,
+        magnification=magnification,
+        stress_per_fringe=None if fringe is None else 1e6 * fringe,
+        roller=roller,
+        width=width or (WIDTH if animation is None else FILM_WIDTH),
+    )
+    if animation is not None:
+        return _film(stored, animation, request, samples, fps, quiet)
+    return _picture(stored, output or stored.path.with_suffix(".png"), request, samples[0])
+
+
+def _check(option: str, value: float | None, low: float, high: float, unit: str = "") -> None:
+    if value is not None and not low <= value <= high:
+        raise UsageError(f"{option} {value:g}: must lie between {low:g} and {high:g} {unit}".rstrip())
+
+
+def _check_kind(animation: Path | None, export: Path | None) -> None:
+    """Whether what a file's name ends in can be written, before anything is computed."""
+    if animation is not None and animation.suffix.lower() not in (".mp4", ".gif"):
+        raise UsageError(f"--animation {animation}: must end in .mp4 or .gif")
+    if export is not None and not _holds_series(export):
+        from meshes.export import known_suffixes
+
+        if export.suffix.lower() not in known_suffixes():
+            raise UsageError(
+                f"--export {export}: must end in .vtkhdf, .pvd or a format of meshio: {', '.join(known_suffixes())}"
+            )
+
+
+def _holds_series(export: Path) -> bool:
+    return export.suffix.lower() in (".vtkhdf", ".pvd")
+
+
+def _newest() -> Path:
+    found = sorted(RUNS.glob("*.nc"), key=lambda path: path.stat().st_mtime)
+    if not found:
+        raise UsageError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")
+    return found[-1]
+
+
+def _samples(stored, start: float | None, stop: float | None, frames: int | None) -> list[int]:
+    """Those of a film: in a span, evenly spaced, or those whose fields are stored."""
+    import numpy as np
+
+    first = 0 if start is None else stored.nearest(1e-3 * start)
+    last = stored.nearest(None if stop is None else 1e-3 * stop)
+    if last <= first:
+        raise UsageError(
+            f"--start, --stop: {1e3 * stored.times[first]:g} to {1e3 * stored.times[last]:g} ms leave nothing to show"
+        )
+    kept = stored.stored_samples
+    kept = kept[(kept >= first) & (kept <= last)]
+    if frames is None and len(kept) > 1:
+        return kept.tolist()
+    return np.unique(np.linspace(first, last, frames or FRAMES).round().astype(int)).tolist()
+
+
+def _picture(stored, target: Path, request, sample: int) -> int:
+    from fem.rendering_probe import check_rendering
+
+    check_rendering()
+    from fem.render import draw
+
+    draw(stored, target, request, sample)
+    print(f"Picture: {target}")
+    return OK
+
+
+def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> int:
+    from fem.rendering_probe import check_rendering
+
+    check_rendering()
+    from fem.film import write_film
+    from fem.progress import count_display
+    from fem.render import Renderer
+
+    shown = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
+    slower = 1.0 / (fps * shown) if shown > 0.0 else inf
+    with (
+        Renderer(stored, request, samples, f"{slower:.3g} × slower") as renderer,
+        count_display("frames", len(samples), quiet) as count,
+    ):
+
+        def images():
+            for sample in samples:
+                yield renderer.image(sample)
+                count()
+
+        write_film(target, images(), fps)
+    print(f"Film: {target} ({len(samples)} frames)")
+    return OK
+
+
+def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
+    from fem.export import write_instant, write_series
+    from fem.progress import count_display
+
+    with count_display("instants", len(samples), quiet) as count:
+        if _holds_series(target):
+            write_series(stored, target, samples, count)
+        else:
+            write_instant(stored, target, samples[0])
+    print(f"Fields: {target}")
+    return OK
+
+
+def render_main(arguments: list[str] | None = None) -> int:
+    """`render-fem`, its exit code."""
+    return run_app_main(render_app, arguments)
+
+
+def render_fem() -> None:
+    """Entry point."""
+    sys.exit(render_main())
+
+
+if __name__ == "__main__":
+    render_fem()

@@ -29,10 +29,13 @@ class BodyLoad:
     roller: int  # j of the contact
     load: SurfaceLoad
     radius: float  # m, of the surface, > 0 convex
-    spacing: float  # m, of its nodes
+    spacing: float  # m, a quarter of the patch that the mesh carries the force as
+    is_resolved: bool  # the mesh carries the true pressure: there is nothing to exchange
 
     def share(self, points: np.ndarray) -> np.ndarray:
         """How far the exchange is made at points (n, 2) from the body's centre: 1 at the contact, 0 far away."""
+        if self.is_resolved:
+            return np.zeros(len(points))
         if self.body >= FIRST_ROLLER:
             return np.ones(len(points))
         distance = np.hypot(*(points - self.load.point).T) / abs(self.radius)
@@ -55,9 +58,16 @@ def contact_loads(instant: Instant) -> list[BodyLoad]:
             point=radius * outward, inward=-convex * outward, force=force / length, half_width=half_width
         )
         kind, roller = contact
-        spacing = 2.0 * np.pi * radius / nodes
         loads.append(
-            BodyLoad(body=body, kind=kind, roller=roller, load=load, radius=convex * radius, spacing=spacing)
+            BodyLoad(
+                body=body,
+                kind=kind,
+                roller=roller,
+                load=load,
+                radius=convex * radius,
+                spacing=model.stretch * 2.0 * np.pi * radius / nodes,
+                is_resolved=model.is_resolved,
+            )
         )
 
     for kind, ring, body, sign in (("inner", inner, INNER_RING, 1.0), ("outer", outer, OUTER_RING, -1.0)):
@@ -89,6 +99,8 @@ def smooth_stress(instant: Instant, loads: list[BodyLoad]) -> list[np.ndarray]:
     model, fields = instant.model, global_fields(instant.model, instant)
     stresses = [fields["inner_ring"][1], fields["outer_ring"][1], *fields["roller"][1]]
     for item in loads:
+        if item.is_resolved:
+            continue
         body, turn = _body(model, instant, item.body)
         points = rotated(body.points, turn)
         near = np.hypot(*(points - item.load.point).T) < BEYOND * abs(item.radius)

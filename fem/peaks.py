@@ -27,14 +27,22 @@ class ShearPeak:
 
 
 def shear_peak(drawn: DrawnBearing, item: BodyLoad) -> ShearPeak:
-    """Search a fine grid: the mesh's smooth part, fitted around the contact, and Hertz's field."""
+    """Search a fine grid: the mesh's smooth part, fitted around the contact, and Hertz's field.
+
+    A mesh that resolves the contact is searched itself, node by node.
+    """
     load = item.load
     b = load.half_width
     along = np.array([load.inward[1], -load.inward[0]])
-    depth, across = (b * grid.ravel() for grid in np.meshgrid(DEPTHS, ACROSS))
-    points = load.point + depth[:, None] * load.inward + across[:, None] * along
-    stress = _smooth(drawn, item, points) + hertz_stress(points, load)
-    shear = max_shear(stress)
+    if item.is_resolved:
+        from_contact = drawn.local - load.point
+        near = np.flatnonzero((drawn.body == item.body) & (np.hypot(*from_contact.T) < DEPTHS[-1] * b))
+        depth, across = from_contact[near] @ load.inward, from_contact[near] @ along
+        shear = max_shear(drawn.smooth_stress[near])
+    else:
+        depth, across = (b * grid.ravel() for grid in np.meshgrid(DEPTHS, ACROSS))
+        points = load.point + depth[:, None] * load.inward + across[:, None] * along
+        shear = max_shear(_smooth(drawn, item, points) + hertz_stress(points, load))
     k = int(np.argmax(shear))
     pressure = 2.0 * float(np.hypot(*load.force)) / (pi * b)
     return ShearPeak(

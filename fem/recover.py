@@ -14,11 +14,12 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from fem.bodies import DiscBody, RingBody
+from fem.bodies import RingBody
+from fem.discretise import model_of
 from fem.errors import UsageError
 from fem.frames import Frame, read_frame, stored_samples
-from fem.discretise import model_of
 from fem.model import Model
+from fem.resolved import hertz_patch
 from fem.subgrid import patch
 from lagrange import Operation
 from lagrange.scene import Scene, parse_scene_text
@@ -257,49 +258,59 @@ def _recovered(scene: Scene, model: Model, values: dict, sample: int, time: floa
     for angle, force, traction in zip(
         _angle(centres - hub) - ring_turn, values["inner_force"], values["inner_traction"], strict=True
     ):
-        _push_ring(inner, inner_load, angle, -force, -traction)
+        _push_ring(model, inner, inner_load, angle, -force, -traction)
     outer_load = outer.body_load(operation.gravity)
     for angle, force, traction in zip(_angle(centres), values["outer_force"], values["outer_traction"], strict=True):
-        _push_ring(outer, outer_load, angle, force, -traction)
+        _push_ring(model, outer, outer_load, angle, force, -traction)
     return Frame(
         sample=sample,
         time=time,
         roller_turn=turns,
         ring_turn=ring_turn,
-        rollers=_roller_fields(model.roller, hub, centres, turns, values),
+        rollers=_roller_fields(model, hub, centres, turns, values),
         inner_ring=inner.held(inner_load),
         outer_ring=outer.held(outer_load),
     )
 
 
-def _roller_fields(disc: DiscBody, hub, centres, turns, values) -> np.ndarray:
-    n = len(centres)
+def _roller_fields(model: Model, hub, centres, turns, values) -> np.ndarray:
+    n, disc = len(centres), model.roller
     load = values["roller_spin"][:, None, None] ** 2 * (disc.mass[:, None] * disc.points)
     inner, outer = _angle(centres - hub) + pi - turns, _angle(centres) - turns
     ahead = _angle(np.roll(centres, -1, axis=0) - centres)
     for j in range(n):
         i = (j + 1) % n
-        _push_disc(disc, load[j], inner[j], -values["inner_force"][j], -values["inner_traction"][j])
-        _push_disc(disc, load[j], outer[j], -values["outer_force"][j], values["outer_traction"][j])
-        _push_disc(disc, load[j], ahead[j] - turns[j], -values["roller_roller_force"][j], 0.0)
-        _push_disc(disc, load[i], ahead[j] + pi - turns[i], -values["roller_roller_force"][j], 0.0)
+        push = values["roller_roller_force"][j]
+        _push_disc(model, model.inner_law, load[j], inner[j], -values["inner_force"][j], -values["inner_traction"][j])
+        _push_disc(model, model.outer_law, load[j], outer[j], -values["outer_force"][j], values["outer_traction"][j])
+        _push_disc(model, model.roller_law, load[j], ahead[j] - turns[j], -push, 0.0)
+        _push_disc(model, model.roller_law, load[i], ahead[j] + pi - turns[i], -push, 0.0)
     return disc.relaxed(load.reshape(n, -1).T).T.reshape(load.shape)
 
 
-def _push_ring(ring: RingBody, load: np.ndarray, angle: float, outward: float, along: float) -> None:
+def _push_ring(model: Model, ring: RingBody, load: np.ndarray, angle: float, outward: float, along: float) -> None:
     """Add a contact force, N, outward and counter-clockwise at `angle`, to polar nodal loads."""
-    nodes, weight, offset = patch(ring.n_sectors, angle)
+    law = model.inner_law if ring is model.inner_ring else model.outer_law
+    nodes, weight, offset = _patch(model, law, ring.raceway_radius, ring.n_sectors, angle, outward)
     cosine, sine = weight * np.cos(offset), weight * np.sin(offset)
     np.add.at(load, (ring.raceway_row, 0, nodes), outward * cosine - along * sine)
     np.add.at(load, (ring.raceway_row, 1, nodes), outward * sine + along * cosine)
 
 
-def _push_disc(disc: DiscBody, load: np.ndarray, angle: float, outward: float, along: float) -> None:
+def _push_disc(model: Model, law, load: np.ndarray, angle: float, outward: float, along: float) -> None:
     """Add a contact force, N, outward and counter-clockwise at `angle`, to (n_nodes, 2) loads."""
-    nodes, weight, _ = patch(disc.shape.surface_nodes, angle)
+    disc = model.roller
+    nodes, weight, _ = _patch(model, law, disc.shape.radius, disc.shape.surface_nodes, angle, outward)
     cosine, sine = np.cos(angle), np.sin(angle)
     force = np.array([outward * cosine - along * sine, outward * sine + along * cosine])
     np.add.at(load, disc.first_surface_node + nodes, np.outer(weight, force))
+
+
+def _patch(model: Model, law, radius: float, n_surface: int, angle: float, force: float):
+    """Nodes that carry a contact force, their shares, and the contact's angle less theirs."""
+    if not model.is_resolved:
+        return patch(n_surface, angle, model.stretch)
+    return hertz_patch(n_surface, angle, law.half_width(abs(force)) / radius)
 
 
 def _angle(vectors: np.ndarray) -> np.ndarray:

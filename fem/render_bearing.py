@@ -17,7 +17,7 @@ RELATIVE = 0.33, 0.17  # triangles over their distance from the contact; of frin
 HOUSING, LOAD_ZONE, SHAFT, FAINT, FORCE = "#e3e3e3", "#f5dca8", "#f4f4f4", "#8a8a8a", "#d7301f"
 HOUSING_RADIUS = 1.09
 OUTSIDE = 3  # of a drawn bearing's circles
-OUTLINE, WIRE = 1.5, 0.7  # pixels
+OUTLINE, WIRE, FINEST_WIRES = 1.5, 0.7, 6.0  # pixels; a finer mesh is not shown
 ARROW_WIDTH = 0.017
 MARK = 0.62, 0.09  # radius at which a roller's mark lies and its size, of the roller's radius
 
@@ -63,7 +63,7 @@ def _housing(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look) -> 
 def _bodies(page: Panel, drawn: DrawnBearing, fine: DrawnBearing, look: Look, scale: float) -> None:
     points = scale * fine.points(look.magnification)
     page.field(cells(points, fine.triangles, 0.0), look.scale.values(fine), look.scale.limits, look.scale.colours)
-    if look.scale.field != "photoelastic":
+    if look.scale.field != "photoelastic" and drawn.spacing > FINEST_WIRES * pixels()[0] / scale:
         wires = segments(scale * drawn.points(look.magnification), drawn.inner_edges(), 0.05)
         page.stroke(wires, "white", WIRE, opacity=0.22)
     page.stroke([line(scale * outline, 0.1) for outline in drawn.outlines(look.magnification)], INK, OUTLINE)

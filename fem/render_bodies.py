@@ -39,6 +39,7 @@ class DrawnBearing:
     cells: tuple[np.ndarray, ...]  # the finite elements' corners, for their edges
     circles: tuple[np.ndarray, ...]  # nodes of the outlines: bore, inner and outer raceway, outside, rollers
     loads: list[BodyLoad]
+    spacing: float  # m, of a roller's surface nodes
     hub: np.ndarray  # (2,), m
     roller_reference: np.ndarray  # (n_rollers, 2), m, centres, undeformed and just touching
     roller_shift: np.ndarray  # (n_rollers, 2), m, from there
@@ -170,6 +171,7 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
         cells=tuple(cells),
         circles=tuple(circles),
         loads=loads,
+        spacing=disc.shape.surface_spacing,
         hub=instant.hub,
         roller_reference=reference,
         roller_shift=shift,
@@ -193,33 +195,38 @@ def _halves(cells: np.ndarray) -> np.ndarray:
 def _dents(instant: Instant) -> list[np.ndarray]:
     """Indentation below the grid as it is drawn, (n_nodes, 2) of every body, m."""
     model, disc = instant.model, instant.model.roller
+    if model.is_resolved:
+        n = model.bearing.n_rollers
+        return [np.zeros_like(body.points) for body in (model.inner_ring, model.outer_ring, *n * (disc,))]
     inner_dent = 0.5 * model.inner_law.approach(instant.inner_force) * (instant.inner_force > 0.0)
     outer_dent = 0.5 * model.outer_law.approach(instant.outer_force) * (instant.outer_force > 0.0)
     inner, outer = model.inner_ring, model.outer_ring
     dents = [
-        inner.cartesian(_ring_dents(inner, instant.inner_angle - instant.ring_turn, -inner_dent), instant.ring_turn),
-        outer.cartesian(_ring_dents(outer, instant.outer_angle, outer_dent)),
+        inner.cartesian(
+            _ring_dents(inner, instant.inner_angle - instant.ring_turn, -inner_dent, model.stretch), instant.ring_turn
+        ),
+        outer.cartesian(_ring_dents(outer, instant.outer_angle, outer_dent, model.stretch)),
     ]
     for j, turn in enumerate(instant.roller_turn):
         dent = np.zeros((disc.n_nodes, 2))
         for angle, depth in ((instant.inner_angle[j] + pi, inner_dent[j]), (instant.outer_angle[j], outer_dent[j])):
-            nodes, share = _patch_shape(disc.shape.surface_nodes, angle - turn)
+            nodes, share = _patch_shape(disc.shape.surface_nodes, angle - turn, model.stretch)
             direction = np.array([np.cos(angle), np.sin(angle)])
             np.add.at(dent, disc.first_surface_node + nodes, -depth * np.outer(share, direction))
         dents.append(dent)
     return dents
 
 
-def _ring_dents(ring: RingBody, angles, depths) -> np.ndarray:
+def _ring_dents(ring: RingBody, angles, depths, stretch: int) -> np.ndarray:
     """Radial displacement of a raceway's nodes at every contact, (n_rows, 2, n_sectors), m."""
     dents = np.zeros((ring.n_rows, 2, ring.n_sectors))
     for angle, depth in zip(angles, depths, strict=True):
-        nodes, share = _patch_shape(ring.n_sectors, angle)
+        nodes, share = _patch_shape(ring.n_sectors, angle, stretch)
         np.add.at(dents, (ring.raceway_row, 0, nodes), depth * share)
     return dents
 
 
-def _patch_shape(n_surface: int, angle: float) -> tuple[np.ndarray, np.ndarray]:
+def _patch_shape(n_surface: int, angle: float, stretch: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes of a patch and how much of the indentation each one shows: 1 at the contact."""
-    nodes, weight, _ = patch(n_surface, angle)
-    return nodes, weight / LARGEST_WEIGHT
+    nodes, weight, _ = patch(n_surface, angle, stretch)
+    return nodes, weight * stretch / LARGEST_WEIGHT

@@ -31,7 +31,7 @@ FINEST, COARSEST = 0.003, 0.06  # of a roller's radius: triangles of the main pa
 RELATIVE = 0.33, 0.12  # triangles over their distance from the contact; of fringes
 FINEST_BELOW, RELATIVE_BELOW = 0.06, 0.12  # of a half-width, of the distance from the contact: of a contact's panel
 REACH = 2.6  # roller radii around the roller's centre that the main panel can see
-OUTLINE, WIRE = 1.8, 0.7  # pixels
+OUTLINE, WIRE, FINEST_WIRES = 1.8, 0.7, 6.0  # pixels; a finer mesh is not shown
 BARS = (0.685, 0.22, 0.72), (1.172, 0.24, 0.74)  # left, bottom and top of the main panel's scale, of the contacts'
 BAR_WIDTH = 0.020
 SMALL = 20.0  # pixels
@@ -108,7 +108,7 @@ def _roller(main: Panel, scene: _Scene) -> None:
     is_fringes = look.scale.field == "photoelastic"
     fine = drawn.near(centre, REACH * radius).refined(FINEST * radius, COARSEST * radius, RELATIVE[is_fringes])
     scene.show(main, fine, look.scale, centre, radius)
-    if not is_fringes:
+    if not is_fringes and drawn.spacing > FINEST_WIRES * pixels()[0] * radius:
         wires = segments(scene.placed(drawn.points(look.magnification), centre, radius), drawn.inner_edges(), 0.05)
         main.stroke(wires, "white", WIRE, opacity=0.25)
     left, tall = -0.48 * main.wide, MAIN.tall

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 LAYER = 8.0  # stiffness of the layer times the surface spacing, over E*: see docs/verification.md for what it costs
 POINTS_PER_NODE = 4
+HERTZ_POINTS = 64
 CLOSED_NODES = 12  # of a contact closed over so many, the middle knows no end
 SPAN = 3.0  # half-range of the points over the half-width at the largest static force
 
@@ -144,6 +145,14 @@ def _embedded(push: np.ndarray, first: np.ndarray, apart: int, size: int, law: R
     rows = np.stack([first, first + apart], axis=1).ravel()
     place = sparse.csc_matrix((np.ones(rows.size), (rows, np.arange(rows.size))), shape=(size, rows.size))
     return sqrt(2.0 * law.point_stiffness) * (place @ sparse.csc_matrix(push))
+
+
+def hertz_patch(n_surface: int, angle: float, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A Hertz pressure of a half-width in rad as nodal forces: nodes, shares, and the contact's angle less theirs."""
+    place = pi * np.arange(1, HERTZ_POINTS + 1) / (HERTZ_POINTS + 1)  # Gauss-Chebyshev points of the second kind
+    nodes, share = _hats(angle + half_width * np.cos(place), n_surface)
+    offset = np.mod(angle - (2.0 * pi / n_surface) * nodes + pi, 2.0 * pi) - pi
+    return nodes, share @ (2.0 / (HERTZ_POINTS + 1) * np.sin(place) ** 2), offset
 
 
 def _hats(angle: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:

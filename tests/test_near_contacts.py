@@ -39,6 +39,40 @@ def bearing(tmp_path_factory):
     return make
 
 
+@pytest.mark.slow
+def test_patches_stretched_over_more_nodes_give_way_to_the_same_stress(tmp_path):
+    """A mesh finer than its contacts."""
+    path = tmp_path / "stretched.nc"
+    sets = [*STANDING, "operation.radial_load_N=30000"]
+    options = [word for each in sets for word in ("--set", each)]
+    assert run_main(["--mesh-size", "0.3", "--duration", "0", "--output", str(path), "--quiet", *options]) == 0
+    instant = read_instant(path)
+    assert instant.model.stretch == 2
+    assert instant.elastic_energy == pytest.approx(instant.stored_elastic_energy, rel=1e-5)
+    drawn = drawn_bearing(instant)
+    rollers = [item for item in drawn.loads if item.body >= FIRST_ROLLER and np.hypot(*item.load.force) > 400e3]
+    for item in rollers:
+        peak = shear_peak(drawn, item)
+        # in so wide a contact the disc's own uniform tension and the opposite force count: q/(2πR) = p₀ b/(4R)
+        assert peak.shear / peak.pressure == pytest.approx(0.3003 + 0.25 * peak.half_width / 5e-3, rel=0.02)
+        assert peak.depth / peak.half_width == pytest.approx(0.7861, rel=0.02)
+    assert len(rollers) == 10
+
+
+@pytest.mark.slow
+def test_a_mesh_that_resolves_its_contacts_needs_no_exchange(tmp_path):
+    path = tmp_path / "resolved.nc"
+    sets = [*STANDING, "contact.model=resolved", "operation.radial_load_N=50000"]
+    options = [word for each in sets for word in ("--set", each)]
+    assert run_main(["--mesh-size", "0.08", "--duration", "0", "--output", str(path), "--quiet", *options]) == 0
+    instant = read_instant(path)
+    assert instant.elastic_energy == pytest.approx(instant.stored_elastic_energy, rel=0.01)
+    drawn = drawn_bearing(instant)
+    assert np.array_equal(drawn.stress(), drawn.smooth_stress)
+    found = _peaks(drawn, 700e3)  # nodal means of a mesh that has three to four elements in a half-width
+    assert np.all((found[:, 1] > 0.26) & (found[:, 1] < 0.31)) and np.all((found[:, 2] > 0.7) & (found[:, 2] < 1.1))
+
+
 def _peaks(drawn, least):
     """Of all contacts above a line load, N/m: body, shear over p₀, depth over b."""
     found = []

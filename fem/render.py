@@ -9,12 +9,14 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from fem import render_bearing, render_closeup
 from fem.recover import StoredRun
 from fem.render_bodies import drawn_bearing
 from fem.render_canvas import Canvas
 from fem.render_look import Request, chosen_look
+from fem.render_scale import TITLES
 
 ASPECT = 4.0 / 3.0
 
@@ -48,7 +50,7 @@ class Renderer:
 
 
 def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
-    """Write one picture as PNG.
+    """Write one picture as PNG; its text names the run and says what is shown.
 
     Errors
     ------
@@ -56,6 +58,11 @@ def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
     """
     with Renderer(run, request, [sample]) as renderer:
         image = renderer.image(sample)
+        shown = "the whole bearing" if request.view == "bearing" else f"roller {renderer.look.roller} in its contacts"
+    about = PngInfo()
+    about.add_itxt("Source", run.path.name)
+    title = TITLES[renderer.look.scale.field][0]
+    about.add_itxt("Description", f"{title}, {shown} at {1e3 * run.times[sample]:.6g} ms.")
     target = Path(target)
     target.parent.mkdir(parents=True, exist_ok=True)
-    Image.fromarray(image).save(target, format="PNG")
+    Image.fromarray(image).save(target, format="PNG", pnginfo=about)

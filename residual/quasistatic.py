@@ -1,0 +1,50 @@
+"""The Lagrangian model standing still at every angle the rollers pass: what motion alone adds to is seen beside it."""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from lagrange import contact_laws, static_equilibrium
+from lagrange.kinematics import roller_angles
+from lagrange.raceway_laws import law_names
+from residual.trajectory import Trajectory
+
+PHASES = 24  # of one roller pitch
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuasiStatic:
+    """Equilibria of rigid rings with rollers at cage speed, over one roller pitch."""
+
+    law: str
+    x: np.ndarray  # (PHASES + 1,), m, of the hub; the last closes the loop
+    y: np.ndarray
+    angle: np.ndarray  # (n,), rad from the load line, counter-clockwise, −π … π, rising
+    force: np.ndarray  # (n,), N, of the inner contact
+
+
+def quasi_static(trajectory: Trajectory, law: str) -> QuasiStatic | None:
+    """Equilibria with a named law, or where it was fitted to the run the usual one; None where there is none."""
+    bearing, operation = trajectory.bearing, trajectory.operation
+    known = law_names(bearing)
+    name = law if law in known else known[0]
+    laws = contact_laws(name, bearing)
+    pitch = 2.0 * pi / bearing.n_rollers
+    found, start = [], None
+    for phase in np.arange(PHASES + 1) / PHASES * pitch:
+        angles = roller_angles(bearing, operation.first_roller_angle) + phase
+        try:
+            found.append(static_equilibrium(bearing, operation, laws, angles=angles, start=start))
+        except RuntimeError:
+            return None
+        start = found[-1].x, found[-1].y
+    away = np.concatenate([np.mod(each.theta + 1.5 * pi, 2.0 * pi) - pi for each in found])
+    order = np.argsort(away)
+    return QuasiStatic(
+        law=name,
+        x=np.array([each.x for each in found]),
+        y=np.array([each.y for each in found]),
+        angle=away[order],
+        force=np.concatenate([each.inner_force for each in found])[order],
+    )

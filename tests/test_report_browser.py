@@ -1,0 +1,166 @@
+"""The report as a reader meets it, in a real browser without a network, on a desk and on a phone."""
+
+import os
+import shutil
+
+import pytest
+
+BROWSERS = ("chromium", "chromium-browser", "chromium-headless-shell", "google-chrome")
+WIDTHS = (390, 1280)
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Headless Chromium; where a browser is promised (REQUIRE_BROWSER), its absence is a failure."""
+    path = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+    missing = pytest.fail if os.environ.get("REQUIRE_BROWSER") else pytest.skip
+    if path is None:
+        missing(f"no browser here ({', '.join(BROWSERS)}): apt-get install chromium")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        missing("playwright is not installed: pip install playwright")
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="module")
+def report(coarse_run, tmp_path_factory):
+    """The report on the shared run, with a picture beside the run that says it is of it."""
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
+
+    from residual.cli import main
+
+    folder = tmp_path_factory.mktemp("report")
+    run = shutil.copy(coarse_run, folder / "run.nc")
+    about = PngInfo()
+    about.add_itxt("Source", "run.nc")
+    about.add_itxt("Description", "A picture of the run.")
+    Image.new("RGB", (800, 600), "#0072b2").save(folder / "run.png", pnginfo=about)
+    assert main([str(run), "--quiet"]) == 0
+    return folder / "run-residual" / "report.html"
+
+
+@pytest.fixture
+def page(browser, report, request):
+    """The report open at a width; what it asked for and complained of is kept."""
+    context = browser.new_context(viewport={"width": request.param, "height": 800}, offline=True)
+    page = context.new_page()
+    page.asked, page.complaints = [], []
+    page.on("request", lambda asked: page.asked.append(asked.url))
+    page.on("console", lambda message: page.complaints.append(message.text))
+    page.on("pageerror", lambda error: page.complaints.append(str(error)))
+    page.goto(report.as_uri())
+    yield page
+    context.close()
+
+
+everywhere = pytest.mark.parametrize("page", WIDTHS, indirect=True)
+on_a_desk = pytest.mark.parametrize("page", [1280], indirect=True)
+
+
+def test_the_report_is_one_file_of_a_bearable_size(report):
+    assert 100_000 < report.stat().st_size < 5_000_000
+
+
+@everywhere
+def test_nothing_is_fetched_and_nothing_complains(page, report):
+    page.wait_for_function("window.spectra !== undefined")
+    outside = [url for url in page.asked if url != report.as_uri() and not url.startswith("data:")]
+    assert outside == [] and page.complaints == []
+
+
+@everywhere
+def test_every_figure_is_seen(page):
+    figures = page.locator("figure")
+    names = figures.evaluate_all("all => all.map(figure => figure.id)")
+    assert {f"fig{n:02d}" for n in (4, 6, 7, 8, 9, 10, 11)} <= set(names)
+    assert {"picture", "orbit", "load_distribution", "passage", "energy", "budget", "spectra"} <= set(names)
+    for image in page.locator("figure img").all():
+        assert image.is_visible()
+        box = image.bounding_box()
+        assert box["width"] > 0.6 * min(page.viewport_size["width"], 750) and box["height"] > 80
+        assert image.evaluate("image => image.complete && image.naturalWidth > 300")
+
+
+@everywhere
+def test_the_page_is_no_wider_than_the_screen(page):
+    wide, screen = page.evaluate("[document.documentElement.scrollWidth, innerWidth]")
+    assert wide <= screen
+    small = page.evaluate(
+        "Math.min(...[...document.querySelectorAll('p, li, td, th')].map(e => parseFloat(getComputedStyle(e).fontSize)))"
+    )
+    assert small > 11.0  # pixels: readable
+
+
+@everywhere
+def test_the_verdict_comes_first_and_links_lead_somewhere(page):
+    verdict = page.locator(".verdict")
+    assert "equations (22) and (23) are off by" in verdict.inner_text()
+    assert verdict.bounding_box()["y"] < 300
+    targets = page.locator("nav a").evaluate_all("all => all.map(a => document.querySelector(a.getAttribute('href')))")
+    assert len(targets) >= 7 and all(target is not None for target in targets)
+
+
+def _range(page):
+    return page.evaluate("window.spectra.range()")
+
+
+@everywhere
+def test_the_spectra_zoom_by_buttons(page):
+    low, high = _range(page)
+    page.get_by_role("button", name="0-300 Hz").click()
+    assert _range(page)[1] <= 1001.0 and high > 40_000.0  # 4 ms: the fourth bin
+    page.get_by_role("button", name="whole band").click()
+    assert _range(page) == pytest.approx([low, high])
+    page.get_by_role("button", name="zoom in").click()
+    nearer = _range(page)
+    assert low < nearer[0] < nearer[1] < high
+    page.get_by_role("button", name="to higher frequencies").click()
+    assert _range(page)[0] > nearer[0]
+    page.get_by_role("button", name="log / linear").click()
+    page.get_by_role("button", name="zoom out").click()
+    assert _range(page)[0] < nearer[0]
+
+
+@on_a_desk
+def test_the_spectra_zoom_by_dragging_and_double_click_shows_all(page):
+    area = page.locator("#spectra .u-over")
+    area.scroll_into_view_if_needed()
+    box = area.bounding_box()
+    whole = _range(page)
+    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 50)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 60, steps=5)
+    page.mouse.up()
+    part = _range(page)
+    assert whole[0] < part[0] < part[1] < whole[1]
+    area.dblclick()
+    assert _range(page) == pytest.approx(whole)
+
+
+@on_a_desk
+def test_the_curves_are_drawn(page):
+    page.locator("#spectra").scroll_into_view_if_needed()
+    colours = page.evaluate(
+        """() => { const canvas = document.querySelector('#spectra canvas');
+        const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+        let blue = 0, red = 0;
+        for (let i = 0; i < pixels.length; i += 4) {
+          if (pixels[i] < 40 && pixels[i + 2] > 150 && pixels[i + 3] > 200) blue++;
+          if (pixels[i] > 190 && pixels[i + 2] < 60 && pixels[i + 3] > 200) red++;
+        } return [blue, red]; }"""
+    )
+    assert min(colours) > 500
+
+
+@on_a_desk
+def test_in_print_tables_are_whole_and_controls_are_gone(page):
+    page.emulate_media(media="print")
+    assert not page.locator("nav").is_visible()
+    assert not page.get_by_role("button", name="zoom in").is_visible()
+    cut = page.locator(".scroll").evaluate_all("all => all.filter(e => getComputedStyle(e).overflowX !== 'visible').length")
+    assert cut == 0

@@ -1,6 +1,5 @@
 """Frames made into a film: MP4 by ffmpeg, which imageio-ffmpeg brings along, or an animated GIF by Pillow."""
 
-import itertools
 import os
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,11 +10,16 @@ from PIL import Image
 
 KINDS = (".mp4", ".gif")
 QUALITY = "18"  # x264's constant rate factor; text stays sharp
-GIF_COLOURS = 255
 
 
-def write_film(target: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
+def write_film(
+    target: Path, images: Iterator[np.ndarray], frames_per_second: float, palette: np.ndarray
+) -> None:  # fmt: skip
     """Write the images, (height, width, 3) bytes, heights and widths even, as a film; whole or not at all.
+
+    Parameters
+    ----------
+    palette : (n, 3), bytes, n up to 256: the colours of a GIF
 
     Errors
     ------
@@ -24,7 +28,10 @@ def write_film(target: Path, images: Iterator[np.ndarray], frames_per_second: fl
     target.parent.mkdir(parents=True, exist_ok=True)
     part = target.with_name(f".{target.stem}.part{target.suffix}")
     try:
-        (_write_gif if target.suffix.lower() == ".gif" else _write_mp4)(part, images, frames_per_second)
+        if target.suffix.lower() == ".gif":
+            _write_gif(part, images, frames_per_second, palette)
+        else:
+            _write_mp4(part, images, frames_per_second)
         os.replace(part, target)
     finally:
         part.unlink(missing_ok=True)
@@ -46,14 +53,11 @@ def _write_mp4(target: Path, images: Iterator[np.ndarray], frames_per_second: fl
         writer.close()
 
 
-def _write_gif(target: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
-    """One palette for all frames, that of the first, so that colours keep their meaning."""
-    first = next(images)
-    palette = Image.fromarray(first).quantize(GIF_COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
-    frames = (
-        Image.fromarray(image).quantize(palette=palette, dither=Image.Dither.NONE)
-        for image in itertools.chain([first], images)
-    )
+def _write_gif(target: Path, images: Iterator[np.ndarray], frames_per_second: float, palette: np.ndarray) -> None:
+    """One palette for all frames, so that colours keep their meaning."""
+    colours = Image.new("P", (1, 1))
+    colours.putpalette(palette.astype(np.uint8).tobytes())
+    frames = (Image.fromarray(image).quantize(palette=colours, dither=Image.Dither.NONE) for image in images)
     next(frames).save(
         target, format="GIF", save_all=True, append_images=frames, duration=round(1e3 / frames_per_second), loop=0,
         optimize=False,

@@ -8,17 +8,21 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.colors import to_rgb
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from fem import render_bearing, render_closeup
 from fem.recover import StoredRun
 from fem.render_bodies import drawn_bearing
-from fem.render_canvas import Canvas
+from fem.render_canvas import INK, Canvas
 from fem.render_look import Request, chosen_look
 from fem.render_scale import TITLES
 
 ASPECT = 4.0 / 3.0
+SCALE_COLOURS, GREYS = 160, 32  # of a palette
+NEARLY_WHITE = 248.0
 
 
 class Renderer:
@@ -34,6 +38,22 @@ class Renderer:
         self._view = render_closeup if request.view == "close-up" else render_bearing
         self.look = chosen_look(run, request, samples, *self._view.pixels(), pace)
         self._canvas = Canvas(request.width, 2 * round(0.5 * request.width / ASPECT), self._view.views(self.look))
+
+    @property
+    def palette(self) -> np.ndarray:
+        """Up to 256 colours that show these pictures well, (n, 3) bytes: the scale's, greys, marks and their edges."""
+        scale = colormaps[self.look.scale.colours] if isinstance(self.look.scale.colours, str) else colormaps["gray"]
+        mixed = [
+            share * np.array(to_rgb(colour)) + (1.0 - share) * np.array(to_rgb(ground))
+            for colour in render_bearing.COLOURS
+            for ground in ("white", INK)
+            for share in (1.0, 0.75, 0.5, 0.25)
+        ]
+        shades = scale(np.linspace(0.0, 1.0, SCALE_COLOURS))[:, :3]
+        greys = np.repeat(np.linspace(0.0, 1.0, GREYS)[:, None], 3, axis=1)
+        found = np.unique(np.rint(255.0 * np.concatenate([shades, greys, mixed])), axis=0)
+        white_enough = found.min(axis=1) >= NEARLY_WHITE  # Pillow's nearest colour of white would be one of them
+        return np.concatenate([found[~white_enough], [[255.0, 255.0, 255.0]]])
 
     def image(self, sample: int) -> np.ndarray:
         """(height, width, 3) bytes."""

@@ -5,7 +5,7 @@ import numpy as np
 from fem.recover import Instant
 from fem.render_bodies import DrawnBearing
 from fem.render_canvas import INK, Canvas, Panel, View
-from fem.render_legend import draw_legend, orbit_view
+from fem.render_legend import ORBIT_DOT, draw_legend, orbit_view
 from fem.render_look import Look
 from fem.render_shapes import arrow, cells, circle, disc, line, ring, segments, turning_arrow
 
@@ -15,6 +15,7 @@ FINEST = 0.5  # pixels of a page 1600 wide: the smallest triangles
 COARSEST = 0.012  # of the outside radius: larger triangles would show as corners of a circle
 RELATIVE = 0.33, 0.17  # triangles over their distance from the contact; of fringes
 HOUSING, LOAD_ZONE, SHAFT, FAINT, FORCE = "#e3e3e3", "#f5dca8", "#f4f4f4", "#8a8a8a", "#d7301f"
+COLOURS = HOUSING, LOAD_ZONE, SHAFT, FORCE, ORBIT_DOT
 HOUSING_RADIUS = 1.09
 OUTSIDE = 3  # of a drawn bearing's circles
 OUTLINE, WIRE, FINEST_WIRES = 1.5, 0.7, 6.0  # pixels; a finer mesh is not shown

@@ -179,7 +179,7 @@ def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: 
                 yield renderer.image(sample)
                 count()
 
-        write_film(target, images(), fps)
+        write_film(target, images(), fps, renderer.palette)
     print(f"Film: {target} ({len(samples)} frames)")
     return OK
 

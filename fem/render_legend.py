@@ -12,7 +12,7 @@ from fem.render_scale import Scale, rounded_down
 from fem.render_shapes import arrow, bar, cells, disc, frame, line
 
 TITLE, HEADING, TEXT = 38.0, 26.0, 23.0  # pixels of 1600
-QUIET = "#4d4d4d"
+QUIET, ORBIT_DOT = "#4d4d4d", "#0072b2"
 # places in outside radii
 EDGE, TOP = -1.18, 1.325  # of the title
 COLUMN = 1.25  # left edge of the legend
@@ -156,7 +156,7 @@ def _orbit(canvas: Canvas, instant: Instant, look: Look) -> None:
     left, bottom, size = ORBIT
     page.text("Hub's orbit", left + size + 0.04, bottom + size - 0.05, HEADING, bold=True)
     inset.stroke(line(look.orbit, 0.0), "#7f7f7f", 1.2)
-    inset.fill(disc(1e6 * instant.hub, 0.035 * inset.view.tall, 0.1), "#0072b2")
+    inset.fill(disc(1e6 * instant.hub, 0.035 * inset.view.tall, 0.1), ORBIT_DOT)
     page.stroke(frame((left, bottom), size, size, 0.1), QUIET, 1.2)
     unit = rounded_down(0.5 * inset.view.tall)
     length = unit / inset.view.tall * size

@@ -14,7 +14,7 @@ figures         the paper's figures beside its ranges (`paper`); those it lacks:
                 `budget_figures`
 quasistatic     the Lagrangian model's equilibria at every angle; `meaning`: what the numbers say of that model
 tables          rows of the report's and the terminal's tables, with `law_tables` and `line_tables`
-report          the self-contained HTML page; `interactive`: its spectra's data; `picture`: render-fem's, if there is one
+report          the self-contained HTML page; `interactive`: its spectra's data; `picture`: render-fem's
 store           residual.nc, summary.json (`summary`), the report folder
 cli             the command `check-residual`
 

@@ -47,6 +47,7 @@ def test_a_gif_has_the_frames_asked_for_each_another_and_the_same_each_time(can_
     assert "4 frames" in capsys.readouterr().out
     assert films[0].read_bytes() == films[1].read_bytes()
     frames, info = _frames(films[0])
+    assert np.all(frames[0][5, 5] == 255) and np.all(frames[-1][290, 5] == 255)  # white stays white
     assert len(frames) == 4 and info["duration"] == 100 and frames[0].shape == (300, 400, 3)
     assert all((a != b).any() for a, b in pairwise(frames))
     # the scale beside the bearing stands still

@@ -10,7 +10,8 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import render_main, run_main
+from fem.cli import run_main
+from fem.render_cli import render_main
 from fem.store import VARIABLES
 from lagrange import contact_laws, simulate
 from lagrange.scene import read_scene

@@ -1,0 +1,140 @@
+"""Pictures of docs/, and the figures that docs/pictures.md states: stress below contacts, times, sizes.
+
+    python -m benchmarks.pictures             # prints the tables
+    python -m benchmarks.pictures --pictures  # also re-makes the pictures in docs/
+"""
+
+import argparse
+import resource
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from fem.cli import run_main
+from fem.near_contacts import FIRST_ROLLER, INNER_RING
+from fem.peaks import shear_peak
+from fem.recover import StoredRun
+from fem.render import draw
+from fem.render_bodies import drawn_bearing
+from fem.render_cli import render_main
+from fem.render_look import Request
+from fem.subsurface import AT_DEPTH, LARGEST_SHEAR
+
+DOCS = Path(__file__).parents[1] / "docs"
+MESH_SIZES = (2.0, 1.0, 0.5)  # mm
+PHASES = (0.0, 1.3, 4.1, 9.2, 13.8)  # degrees of the first roller from the load line
+LEAST_FORCE = 100.0  # N, of a contact looked at
+INSTANT = "12.5"  # ms
+PICTURES = {
+    "bearing.png": [],
+    "close-up.png": ["--view", "close-up"],
+    "photoelastic.png": ["--field", "photoelastic"],
+    "photoelastic-close-up.png": ["--view", "close-up", "--field", "photoelastic"],
+}
+# two roller passages, so that the film closes on itself but for the numbers
+FILM = ["--start", "10", "--stop", "15.16", "--frames", "30", "--fps", "12", "--width", "480"]
+
+
+def below_contacts(folder: Path) -> None:
+    """Largest shear below every contact of the standing bearing, over p₀, and its depth, over b."""
+    print("| mesh, mm | body | contacts | shear / p₀ | deviation | depth / b | deviation |")
+    print("|---|---|---|---|---|---|---|")
+    for mesh_size in MESH_SIZES:
+        found = {"inner ring": [], "outer ring": [], "roller": []}
+        for degrees in PHASES:
+            path = folder / "standing.nc"
+            sets = (f"operation.first_roller_deg={degrees}", "operation.speed_rpm=0", "operation.gravity_m_s2=0")
+            options = [word for each in sets for word in ("--set", each)]
+            options += ["--mesh-size", str(mesh_size), "--duration", "0", "--quiet", "--output", str(path)]
+            assert run_main(options) == 0
+            run = StoredRun(path)
+            drawn = drawn_bearing(run.instant(0))
+            for item in drawn.loads:
+                if np.hypot(*item.load.force) * run.model.bearing.roller_length > LEAST_FORCE:
+                    peak = shear_peak(drawn, item)
+                    body = "roller" if item.body >= FIRST_ROLLER else (
+                        "inner ring" if item.body == INNER_RING else "outer ring"
+                    )  # fmt: skip
+                    found[body].append((peak.shear / peak.pressure, peak.depth / peak.half_width))
+        for body, values in found.items():
+            shear, depth = np.array(values).T
+            print(
+                f"| {mesh_size:g} | {body} | {len(values)} | {shear.min():.4f} … {shear.max():.4f} | "
+                f"{_worst(shear, LARGEST_SHEAR)} | {depth.min():.3f} … {depth.max():.3f} | {_worst(depth, AT_DEPTH)} |"
+            )
+
+
+def _worst(values: np.ndarray, expected: float) -> str:
+    deviation = 100.0 * (values / expected - 1.0)
+    return f"{deviation[np.argmax(np.abs(deviation))]:+.1f} %"
+
+
+def times(run: Path, folder: Path) -> None:
+    """Seconds for pictures, films and exports of the paper's run, libraries loaded; of the clock and of all cores."""
+    print("| what | seconds | of CPU | MB |")
+    print("|---|---|---|---|")
+    stored = StoredRun(run)
+    sample = stored.nearest(1e-3 * float(INSTANT))
+    for name, request in (
+        ("bearing, first picture", Request()),
+        ("bearing", Request()),
+        ("close-up", Request(view="close-up")),
+        ("bearing, fringes", Request(field="photoelastic")),
+    ):
+        with _Row(name, folder / "one.png"):
+            draw(StoredRun(run), folder / "one.png", request, sample)
+    for name in ("film.mp4", "film.gif"):
+        with _Row(f"{name}, 120 frames, 960 wide", folder / name):
+            assert render_main([str(run), "--animation", str(folder / name), "--quiet"]) == 0
+    for name in ("run.vtkhdf", "run.pvd"):
+        with _Row(f"{name}, 120 instants", folder / name):
+            assert render_main([str(run), "--export", str(folder / name), "--quiet"]) == 0
+
+
+class _Row:
+    """A line of the table about what is done inside and the file, with a folder of its name, that comes of it."""
+
+    def __init__(self, name: str, path: Path):
+        self._name, self._path = name, path
+
+    def __enter__(self) -> None:
+        self._began, self._used = time.perf_counter(), _cpu()
+
+    def __exit__(self, *_) -> None:
+        took, used = time.perf_counter() - self._began, _cpu() - self._used
+        size = sum(file.stat().st_size for file in (self._path, *self._path.with_suffix("").glob("*")))
+        print(f"| {self._name} | {took:.1f} | {used:.1f} | {1e-6 * size:.2g} |", flush=True)
+
+
+def _cpu() -> float:
+    """CPU seconds of this process and its finished children."""
+    return sum(
+        usage.ru_utime + usage.ru_stime
+        for usage in map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--pictures", action="store_true", help="re-make the pictures in docs/")
+    wanted = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        run = folder / "paper.nc"
+        assert run_main(["--output", str(run), "--quiet"]) == 0
+        if wanted.pictures:
+            for file, words in PICTURES.items():
+                assert render_main([str(run), "--time", INSTANT, "--output", str(DOCS / file), *words]) == 0
+            assert render_main([str(run), "--animation", str(DOCS / "bearing.gif"), "--quiet", *FILM]) == 0
+        below_contacts(folder)
+        times(run, folder)
+        fields = folder / "fields.nc"
+        assert run_main(["--output", str(fields), "--quiet", "--set", "output.fields_every_ms=0.5"]) == 0
+        more = 1e-6 * (fields.stat().st_size - run.stat().st_size)
+        print(f"fields every 0.5 ms: {StoredRun(fields).stored_samples.size} frames, {more:.2g} MB more")
+
+
+if __name__ == "__main__":
+    main()

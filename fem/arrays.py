@@ -186,6 +186,8 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         inner_ripple=below.inner_surface.ripple if below else none,
         outer_ripple=below.outer_surface.ripple if below else none,
         force=force,
+        approach=np.full((3, n), np.nan),
+        push=np.zeros((3, n)),
         bracket=np.zeros((3, n)),
         traction=np.zeros((3, n)),
         normal=np.zeros((3, n, 2)),

@@ -11,11 +11,13 @@ a force across the line of centres and moments on the frames.
 
 from math import sqrt
 
+import numpy as np
+
 from fem import patch_kernels as patch
 from fem.jit import kernel
 from fem.resolved_kernels import resolved_contacts
 from fem.state import INNER, OUTER, ROLLER
-from fem.subgrid import contact_force
+from fem.subgrid import contact_force, kick_force
 
 
 @kernel(forceinline=True)
@@ -49,29 +51,29 @@ def push_contacts(rollers, inner, outer, contacts, drive):
     inner_u, inner_w, inner_mass = inner.u, inner.w, inner.row_mass[inner.raceway]
     outer_u, outer_w, outer_mass = outer.u, outer.w, outer.row_mass[outer.raceway]
     node, weight, along, across = contacts.node, contacts.weight, contacts.along, contacts.across
-    force, outward, stretch, dt = contacts.force, contacts.outward, contacts.stretch, drive.dt
+    push, outward, stretch, dt = contacts.push, contacts.outward, contacts.stretch, drive.dt
     on_nodes = 0.0
     for kind in range(3):
         for j in range(n):
-            if force[kind, j] == 0.0:
+            if push[kind, j] == 0.0:
                 continue
-            p, push = 2 * (kind * n + j), -force[kind, j] * dt
+            p, given = 2 * (kind * n + j), -push[kind, j] * dt
             i = second(kind, j, n)
             if kind == INNER:
                 on_nodes += patch.push_ring(
-                    inner_u, inner_w, inner.raceway, inner.radius, inner_mass, push, node, along, across, p, stretch
+                    inner_u, inner_w, inner.raceway, inner.radius, inner_mass, given, node, along, across, p, stretch
                 )
             elif kind == OUTER:
                 patch.push_ring(
-                    outer_u, outer_w, outer.raceway, outer.radius, outer_mass, -push, node, along, across, p, stretch
+                    outer_u, outer_w, outer.raceway, outer.radius, outer_mass, -given, node, along, across, p, stretch
                 )
             else:
                 patch.push_roller(
-                    w, lightness, columns, j, push * outward[p, 0], push * outward[p, 1], node, weight, p, stretch
+                    w, lightness, columns, j, given * outward[p, 0], given * outward[p, 1], node, weight, p, stretch
                 )
             p += 1
             patch.push_roller(
-                w, lightness, columns, i, push * outward[p, 0], push * outward[p, 1], node, weight, p, stretch
+                w, lightness, columns, i, given * outward[p, 0], given * outward[p, 1], node, weight, p, stretch
             )
     drive.ring[4] += on_nodes
 
@@ -94,6 +96,7 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
     ring_u, raceway, n_sectors, cosines, sines = inner.u, inner.raceway, inner.n_sectors, inner.cosines, inner.sines
     node, weight, along, across = contacts.node, contacts.weight, contacts.along, contacts.across
     force, bracket, normal, outward = contacts.force, contacts.bracket, contacts.normal, contacts.outward
+    push, approach = contacts.push, contacts.approach
     A, B, Q_line = contacts.A[INNER], contacts.B[INNER], contacts.Q_line[INNER]
     roller_ripple, ring_ripple = contacts.roller_ripple, contacts.inner_ripple
     hub_x, hub_y, dt = drive.hub[0], drive.hub[1], drive.dt
@@ -105,7 +108,7 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
         distance = sqrt(x * x + y * y)
         overlap = inner.radius + radius - distance
         if overlap < -contacts.reach:
-            force[INNER, j] = 0.0
+            force[INNER, j], push[INNER, j], approach[INNER, j] = 0.0, 0.0, np.nan
             continue
         nx, ny = x / distance, y / distance
         p = 2 * (INNER * rollers.n + j)
@@ -134,22 +137,24 @@ def inner_contacts(rollers, inner, contacts, drive, slope):
             u, columns, first, n_surface, j, bx, by, roller_ripple, node, weight, p + 1, slope, stretch
         )
         level = B + (ripple + ripple_r) / A
-        Q = contact_force(overlap + out + out_r, A, level, Q_line, force[INNER, j])
-        force[INNER, j], bracket[INNER, j] = Q, level
-        if Q == 0.0:
+        closed = overlap + out + out_r
+        Q = contact_force(closed, A, level, Q_line, force[INNER, j])
+        P = kick_force(approach[INNER, j], force[INNER, j], bracket[INNER, j], closed, Q, level, A, Q_line)
+        force[INNER, j], bracket[INNER, j], push[INNER, j], approach[INNER, j] = Q, level, P, closed
+        if P == 0.0:
             continue
         normal[INNER, j, 0], normal[INNER, j, 1] = nx, ny
         outward[p + 1, 0], outward[p + 1, 1] = bx, by
-        push, half = Q * dt, 0.5 * Q * Q
-        impulse[j, 0] += push * nx
-        impulse[j, 1] += push * ny
-        aside = (Q * (rate + side + rate_r + side_r) - half * (ripple_rate + ripple_rate_r)) / distance * dt
+        half = 0.5 * Q * Q
+        impulse[j, 0] += P * dt * nx
+        impulse[j, 1] += P * dt * ny
+        aside = (P * (rate + side + rate_r + side_r) - half * (ripple_rate + ripple_rate_r)) / distance * dt
         tilt[j, 0] += aside * ny
         tilt[j, 1] -= aside * nx
         hub_tilt_x -= aside * ny
         hub_tilt_y += aside * nx
-        turn_kick[j] += dt * (Q * rate_r - half * ripple_rate_r) / rollers.inertia
-        moment += half * ripple_rate - Q * rate
+        turn_kick[j] += dt * (P * rate_r - half * ripple_rate_r) / rollers.inertia
+        moment += half * ripple_rate - P * rate
     drive.impulse[0] += hub_tilt_x
     drive.impulse[1] += hub_tilt_y
     drive.ring[3] += moment
@@ -165,6 +170,7 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
     ring_u, raceway, n_sectors, cosines, sines = outer.u, outer.raceway, outer.n_sectors, outer.cosines, outer.sines
     node, weight, along, across = contacts.node, contacts.weight, contacts.along, contacts.across
     force, bracket, normal, outward = contacts.force, contacts.bracket, contacts.normal, contacts.outward
+    push, approach = contacts.push, contacts.approach
     A, B, Q_line = contacts.A[OUTER], contacts.B[OUTER], contacts.Q_line[OUTER]
     roller_ripple, ring_ripple = contacts.roller_ripple, contacts.outer_ripple
     dt, stretch = drive.dt, contacts.stretch
@@ -173,7 +179,7 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
         distance = sqrt(x * x + y * y)
         overlap = distance + radius - outer.radius
         if overlap < -contacts.reach:
-            force[OUTER, j] = 0.0
+            force[OUTER, j], push[OUTER, j], approach[OUTER, j] = 0.0, 0.0, np.nan
             continue
         nx, ny = x / distance, y / distance
         p = 2 * (OUTER * rollers.n + j)
@@ -200,19 +206,21 @@ def outer_contacts(rollers, outer, contacts, drive, slope):
             u, columns, first, n_surface, j, bx, by, roller_ripple, node, weight, p + 1, slope, stretch
         )
         level = B + (ripple + ripple_r) / A
-        Q = contact_force(overlap - out + out_r, A, level, Q_line, force[OUTER, j])
-        force[OUTER, j], bracket[OUTER, j] = Q, level
-        if Q == 0.0:
+        closed = overlap - out + out_r
+        Q = contact_force(closed, A, level, Q_line, force[OUTER, j])
+        P = kick_force(approach[OUTER, j], force[OUTER, j], bracket[OUTER, j], closed, Q, level, A, Q_line)
+        force[OUTER, j], bracket[OUTER, j], push[OUTER, j], approach[OUTER, j] = Q, level, P, closed
+        if P == 0.0:
             continue
         normal[OUTER, j, 0], normal[OUTER, j, 1] = nx, ny
         outward[p + 1, 0], outward[p + 1, 1] = bx, by
-        push, half = Q * dt, 0.5 * Q * Q
-        impulse[j, 0] -= push * nx
-        impulse[j, 1] -= push * ny
-        aside = (Q * (rate_r + side_r - rate - side) - half * (ripple_rate + ripple_rate_r)) / distance * dt
+        half = 0.5 * Q * Q
+        impulse[j, 0] -= P * dt * nx
+        impulse[j, 1] -= P * dt * ny
+        aside = (P * (rate_r + side_r - rate - side) - half * (ripple_rate + ripple_rate_r)) / distance * dt
         tilt[j, 0] += aside * ny
         tilt[j, 1] -= aside * nx
-        turn_kick[j] += dt * (Q * rate_r - half * ripple_rate_r) / rollers.inertia
+        turn_kick[j] += dt * (P * rate_r - half * ripple_rate_r) / rollers.inertia
 
 
 @kernel(forceinline=True)
@@ -223,7 +231,7 @@ def roller_contacts(rollers, contacts, drive, slope):
     cosine, sine, centre = rollers.cosine, rollers.sine, rollers.centre
     impulse, tilt, turn_kick = rollers.impulse, rollers.tilt, rollers.turn_kick
     node, weight, normal, outward = contacts.node, contacts.weight, contacts.normal, contacts.outward
-    force, bracket = contacts.force, contacts.bracket
+    force, bracket, push, approach = contacts.force, contacts.bracket, contacts.push, contacts.approach
     A, B, Q_line = contacts.A[ROLLER], contacts.B[ROLLER], contacts.Q_line[ROLLER]
     ripples, dt, stretch = contacts.roller_ripple, drive.dt, contacts.stretch
     touching = 2.0 * radius + contacts.reach
@@ -231,7 +239,7 @@ def roller_contacts(rollers, contacts, drive, slope):
         i = j + 1 if j + 1 < rollers.n else 0
         x, y = centre[i, 0] - centre[j, 0], centre[i, 1] - centre[j, 1]
         if x * x + y * y > touching * touching:
-            force[ROLLER, j] = 0.0
+            force[ROLLER, j], push[ROLLER, j], approach[ROLLER, j] = 0.0, 0.0, np.nan
             continue
         distance = sqrt(x * x + y * y)
         nx, ny = x / distance, y / distance
@@ -245,18 +253,20 @@ def roller_contacts(rollers, contacts, drive, slope):
             u, columns, first, n_surface, i, bx, by, ripples, node, weight, p + 1, slope, stretch
         )
         level = B + (ripple + ripple_r) / A
-        Q = contact_force(2.0 * radius - distance + out + out_r, A, level, Q_line, force[ROLLER, j])
-        force[ROLLER, j], bracket[ROLLER, j] = Q, level
-        if Q == 0.0:
+        closed = 2.0 * radius - distance + out + out_r
+        Q = contact_force(closed, A, level, Q_line, force[ROLLER, j])
+        P = kick_force(approach[ROLLER, j], force[ROLLER, j], bracket[ROLLER, j], closed, Q, level, A, Q_line)
+        force[ROLLER, j], bracket[ROLLER, j], push[ROLLER, j], approach[ROLLER, j] = Q, level, P, closed
+        if P == 0.0:
             continue
         normal[ROLLER, j, 0], normal[ROLLER, j, 1] = nx, ny
         outward[p, 0], outward[p, 1], outward[p + 1, 0], outward[p + 1, 1] = ax, ay, bx, by
-        push, half = Q * dt, 0.5 * Q * Q
-        aside = (Q * (rate + side + rate_r + side_r) - half * (ripple_rate + ripple_rate_r)) / distance * dt
+        half = 0.5 * Q * Q
+        aside = (P * (rate + side + rate_r + side_r) - half * (ripple_rate + ripple_rate_r)) / distance * dt
         for body, sign in ((i, 1.0), (j, -1.0)):
-            impulse[body, 0] += sign * push * nx
-            impulse[body, 1] += sign * push * ny
+            impulse[body, 0] += sign * P * dt * nx
+            impulse[body, 1] += sign * P * dt * ny
             tilt[body, 0] += sign * aside * ny
             tilt[body, 1] -= sign * aside * nx
-        turn_kick[j] += dt * (Q * rate - half * ripple_rate) / rollers.inertia
-        turn_kick[i] += dt * (Q * rate_r - half * ripple_rate_r) / rollers.inertia
+        turn_kick[j] += dt * (P * rate - half * ripple_rate) / rollers.inertia
+        turn_kick[i] += dt * (P * rate_r - half * ripple_rate_r) / rollers.inertia

@@ -79,6 +79,8 @@ class Contacts(NamedTuple):
     inner_ripple: np.ndarray
     outer_ripple: np.ndarray
     force: np.ndarray  # (3, n), N
+    approach: np.ndarray  # (3, n), m, below the grid, at the last kick; negative: apart; NaN: far apart
+    push: np.ndarray  # (3, n), N, that the last kick gave: see `kick_force`
     bracket: np.ndarray  # (3, n), B with the ripples of the present positions
     traction: np.ndarray  # (3, n), N, on side 1, along +θ (counter-clockwise about side 0)
     normal: np.ndarray  # (3, n, 2), unit, from side 0 to side 1 (outer contact: outward)

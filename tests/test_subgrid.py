@@ -27,6 +27,7 @@ from fem.subgrid import (
     contact_law,
     disc_compliance,
     disc_patch_force,
+    kick_force,
     patch,
     ring_compliance,
     ring_patch_force,
@@ -183,6 +184,55 @@ def test_stiffness_is_the_slope_of_the_force(name):
         assert law.stiffness(force) == pytest.approx(slope, rel=1e-8)
 
 
+def bounce(law, mass, speed, dt, gap, force_of_a_kick):
+    """Speed, m/s, at which a point mass thrown at the law comes back."""
+    position, velocity = -gap, speed
+    before, Q_before = np.nan, 0.0
+    while position > -2.0 * gap or velocity > 0.0:
+        Q = law.force(position)
+        velocity -= dt / mass * force_of_a_kick(before, Q_before, law.B, position, Q, law.B, law.A, law.Q_line)
+        before, Q_before = position, Q
+        position += dt * velocity
+    return -velocity
+
+
+def plain(before, Q_before, B_before, now, Q, B, A, Q_line):
+    return Q
+
+
+def test_a_mass_bounces_off_with_nearly_the_speed_it_came_with():
+    """Steps of 1/10 ... 1/80 of the time to the nearest point, beginning anywhere: third order and without a jump."""
+    law, mass, speed = laws()["inner"], 0.006, 0.1
+    counts, lost, usual = np.array([10.0, 20.0, 40.0, 80.0]), [], []
+    for count in counts:
+        dt = 0.5 * np.pi * np.sqrt(mass / law.stiffness(200.0)) / count
+        gaps = speed * dt * (3.0 + np.linspace(0.0, 0.9, 10))
+        away = np.array([bounce(law, mass, speed, dt, gap, kick_force) for gap in gaps])
+        lost.append(1.0 - away / speed)
+        usual.append(1.0 - np.array([bounce(law, mass, speed, dt, gap, plain) for gap in gaps]) / speed)
+    lost, usual = np.array(lost), np.array(usual)
+    assert np.polyfit(np.log(counts), np.log(lost.mean(axis=1)), 1)[0] == pytest.approx(-3.0, abs=0.2)
+    assert np.all(np.ptp(lost, axis=1) < 0.5 * lost.mean(axis=1))
+    assert np.all(np.abs(lost).max(axis=1) < 0.02 * np.abs(usual).max(axis=1))
+    assert lost[0].max() < 4e-5
+
+
+@pytest.mark.parametrize("inwards", [True, False], ids=["closing", "opening"])
+def test_at_constant_speed_kicks_add_up_to_the_true_impulse(inwards):
+    """The half of a kick that looks back and the half of the one before that looks ahead, step by step."""
+    law, speed, dt = laws()["inner"], 1.0, 3e-7
+    approach = (speed * dt * (np.arange(-4, 8) + 0.31))[:: 1 if inwards else -1]
+    force = np.array([law.force(x) for x in approach])
+    kicks = np.array([
+        kick_force(approach[i - 1], force[i - 1], law.B, approach[i], force[i], law.B, law.A, law.Q_line)
+        for i in range(1, len(approach))
+    ])  # fmt: skip
+    impulse = dt * (0.5 * force[0] + np.sum(kicks) - 0.5 * force[-1])
+    assert impulse == pytest.approx(contact_energy(force.max(), law.A, law.B, law.Q_line) / speed, rel=1e-9)
+    assert (kicks.min() < 0.0) != inwards  # the first after an opening takes back what the one before gave too much
+    assert np.all(kicks[approach[1:] > 0.0] > 0.0)
+
+
 def test_the_line_lies_far_above_the_papers_loads_at_its_mesh():
     whole = model(paper(), 1e-3)
     assert min(whole.inner_law.Q_line, whole.outer_law.Q_line) > 10.0 * 628.5
@@ -305,7 +355,8 @@ def test_kernels_and_matrices_use_the_same_ring_patch(angle):
     ripples = np.random.default_rng(4).standard_normal(8)
     sector = 2.0 * np.pi * (np.arange(56 + 2 * HALO) - HALO) / 56
     cosines, sines, shape = np.cos(sector), np.sin(sector), (2, N_NODES)
-    node, weight, across, slope = np.zeros(shape, dtype=np.int64), np.zeros(shape), np.zeros(shape), np.zeros((1, 6))
+    node, slope = np.zeros(shape, dtype=np.int64), np.zeros((1, 6))
+    weight, radial, across = np.zeros(shape), np.zeros(shape), np.zeros(shape)
 
     def read(at):
         return read_ring(
@@ -319,6 +370,7 @@ def test_kernels_and_matrices_use_the_same_ring_patch(angle):
             ripples,
             node,
             weight,
+            radial,
             across,
             1,
             slope,

@@ -280,20 +280,21 @@ every_scene = pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES.keys(
 
 @every_scene
 def test_energy_balances(scene):
-    samples, *_ = whole_run(**scene)
+    samples, _, how = whole_run(**scene)
     stored = (samples[:, ELASTIC] + samples[:, CONTACT]).max()
     left = np.abs(imbalance(samples)).max()
-    # measured 2e-12 (standing still), 2e-7, 1.3e-6 (loading in 0.1 ms)
-    assert left < 3e-6 * stored
+    # measured 2e-12 where nothing turns, else 2e-7 (small angles of the rollers' polar fit) or 3e-7 (loaded in 0.1 ms)
+    assert left < (1e-6 if how.speed else 1e-11) * stored
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 def test_the_energy_imbalance_is_of_second_order(friction):
+    """A sudden load at 18 000 rpm."""
     coarse, fine = (
-        np.abs(imbalance(whole_run(friction=friction, from_rest=True, ramp=1e-4, courant=c)[0])).max()
+        np.abs(imbalance(whole_run(friction=friction, speed=4.0 * SPIN, from_rest=True, courant=c)[0])).max()
         for c in (0.9, 0.3)
     )
-    assert fine < 0.16 * coarse  # measured 0.13, (1/3)² = 0.11
+    assert fine < 0.13 * coarse  # (1/3)² = 0.11
 
 
 # rms, N. The elastic ring's own motion is all that may be left: 1e-3 N in rolling without friction and gravity.

@@ -1,6 +1,7 @@
 """Short form of `python -m benchmarks.stability`: random scenes end well or say why not; the critical step is tight."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,8 +9,8 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
+from benchmarks.campaign import COMPLETE, FAILED, REFUSED, Outcome, Watch, append_csv, read_csv, try_scene
 from benchmarks.random_scenes import RANGES, random_scene
-from benchmarks.stability import COMPLETE, FAILED, REFUSED, Outcome, Watch, try_scene, write_csv
 from benchmarks.step_limit import SAFE_SIDE, at_ratio, energy_drift
 from fem.samples import Samples
 from fem.simulate import make_plan
@@ -21,7 +22,7 @@ CHEAP = 4e6  # degrees of freedom times steps of 5 ms
 
 @pytest.mark.parametrize("number", range(12))
 def test_a_random_scene_ends_well_or_says_why_not(number):
-    outcome = try_scene(number, random_scene(SEED, number, duration_ms=1.0, budget=CHEAP))
+    outcome = try_scene(SEED, number, random_scene(SEED, number, duration_ms=1.0, budget=CHEAP))
     assert outcome.ending != FAILED, outcome.what
 
 
@@ -56,20 +57,20 @@ def test_a_scene_is_the_same_again():
 def test_an_unsound_scene_counts_as_refused():
     scene = random_scene(SEED, 0, 1.0)
     scene["bearing"]["rollers"] = 200
-    assert try_scene(0, scene).ending == REFUSED
+    assert try_scene(SEED, 0, scene).ending == REFUSED
 
 
 def test_a_run_with_a_hidden_energy_error_fails(monkeypatch):
     scene = {"numerics": {"mesh_size_mm": 2.2, "duration_ms": 0.1}}
-    assert try_scene(0, scene).ending == COMPLETE
+    assert try_scene(SEED, 0, scene).ending == COMPLETE
     write = Watch.write
 
     def spoilt(self, samples):
         stored = samples["energy_elastic"] + samples["energy_contact"]
-        write(self, Samples(values=samples.values, imbalance=samples.imbalance + 0.011 * stored))
+        write(self, replace(samples, imbalance=samples.imbalance + 0.011 * stored))
 
     monkeypatch.setattr(Watch, "write", spoilt)
-    outcome = try_scene(0, scene)
+    outcome = try_scene(SEED, 0, scene)
     assert outcome.ending == FAILED
     assert outcome.imbalance == pytest.approx(0.011, rel=0.05)
 
@@ -80,19 +81,24 @@ def test_a_lost_roller_and_a_nan_fail():
     values = {name: np.zeros(1) for name in (*names, "energy_contact", "energy_kinetic")}
     watch = Watch(plan)
     values["roller_rho"] = np.array([[plan.model.bearing.pitch_radius + 1e-3]])
-    watch.write(Samples(values=values, imbalance=np.zeros(1)))
+    watch.write(Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1)))
     assert watch.faults == ["a roller has left the raceways"]
     values["roller_rho"] = np.array([[np.nan]])
-    watch.write(Samples(values=values, imbalance=np.zeros(1)))
+    watch.write(Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1)))
     assert watch.faults[-1] == "roller_rho is not finite"
 
 
 def test_the_result_file_has_a_line_a_scene(tmp_path):
     scenes = [random_scene(SEED, number, 1.0) for number in range(3)]
-    write_csv(tmp_path / "out.csv", [Outcome(number=i, what="a\nb", scene=scene) for i, scene in enumerate(scenes)])
+    for number, scene in enumerate(scenes):
+        append_csv(tmp_path / "out.csv", Outcome(seed=SEED, number=number, what="a\nb", imbalance=1e-3, scene=scene))
     lines = (tmp_path / "out.csv").read_text().splitlines()
     assert len(lines) == 4
-    assert lines[0].startswith("number,ending,what,imbalance")
+    assert lines[0].startswith("seed,number,ending,what,imbalance")
+    found = read_csv(tmp_path / "out.csv")
+    assert [(o.seed, o.number, o.ending, o.what, o.imbalance) for o in found] == [
+        (SEED, number, FAILED, "a b", 1e-3) for number in range(3)
+    ]
 
 
 def test_the_critical_step_is_below_the_true_limit_by_less_than_15_percent():

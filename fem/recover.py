@@ -24,6 +24,8 @@ from fem.subgrid import patch
 from lagrange import Operation
 from lagrange.scene import Scene, parse_scene_text
 
+ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is open
+FORCES = ("inner_force", "outer_force", "roller_roller_force")
 PER_TIME = ("inner_x", "inner_y", "energy_elastic", "energy_contact")
 PER_ROLLER = (
     "roller_x", "roller_y", "roller_spin", "inner_force", "outer_force", "inner_traction", "outer_traction",
@@ -127,14 +129,14 @@ class StoredRun:
 
     @cached_property
     def load_zone(self) -> tuple[float, float] | None:
-        """Where rollers carry load between the rings in the run: angles about the outer ring's centre, rad.
+        """Where rollers are pressed between the rings in the run: angles about the outer ring's centre, rad.
 
-        From the first to the second counter-clockwise; None where no roller ever does.
+        From the first to the second counter-clockwise; None where no roller ever is.
         """
-        n = len(self.times)
+        n, least = len(self.times), self._least_force
 
         def loaded(file):
-            closed = file["inner_force"][:n] > 0.0
+            closed = np.minimum(file["inner_force"][:n], file["outer_force"][:n]) > least
             return np.arctan2(file["roller_y"][:n][closed], file["roller_x"][:n][closed])
 
         angle = np.sort(np.mod(self._read(loaded), 2.0 * pi))
@@ -146,8 +148,18 @@ class StoredRun:
 
     def contact_forces(self, samples) -> np.ndarray:
         """Normal forces at some samples, (n_samples, 3, n_rollers), N: inner, outer, roller j on j + 1."""
-        n, names = len(self.times), ("inner_force", "outer_force", "roller_roller_force")
-        return np.stack([self._read(lambda file, name=name: file[name][:n][samples]) for name in names], axis=1)
+        n = len(self.times)
+        found = [self._read(lambda file, name=name: file[name][:n][samples]) for name in FORCES]
+        return self._closed(np.stack(found, axis=1))
+
+    @cached_property
+    def _least_force(self) -> float:
+        n = len(self.times)
+        return ROUND_OFF * max(self._read(lambda file, name=name: float(file[name][:n].max())) for name in FORCES)
+
+    def _closed(self, force: np.ndarray) -> np.ndarray:
+        """Forces, N, without what is round-off of an open contact."""
+        return np.where(force > self._least_force, force, 0.0)
 
     @cached_property
     def _turns(self) -> np.ndarray:
@@ -189,6 +201,7 @@ class StoredRun:
         for name, value in values.items():
             if not np.all(np.isfinite(value)):
                 raise UsageError(f"{self.path}: damaged: {name} is not finite at {1e3 * time:.6g} ms")
+        values |= {name: self._closed(values[name]) for name in FORCES}
         model = self.model
         if sample in self._frames:
             turn = self.scene.ideal_operation().speed * time

@@ -17,7 +17,7 @@ from fem.render_canvas import INK, Canvas, Panel, View
 from fem.render_legend import HEADING, QUIET, TEXT, draw_length, draw_scale, draw_title, signed
 from fem.render_look import Look
 from fem.render_scale import Scale
-from fem.render_shapes import cells, frame, line, segments
+from fem.render_shapes import border, cells, line, segments
 from fem.subsurface import AT_DEPTH, LARGEST_SHEAR
 
 PAGE = View(middle=(2.0 / 3.0, 0.5), tall=1.0)
@@ -127,6 +127,7 @@ def _contact(panel: Panel, scene: _Scene, kind: str, peaks: list[tuple[BodyLoad,
     near = scene.drawn.near(point, 1.5 * spacing + CONTACTS[0].tall * b)
     fine = near.refined(FINEST_BELOW * b, 0.5 * spacing, RELATIVE_BELOW)
     scene.show(panel, fine, scene.look.contact_scale, point, b)
+    panel.stroke(border((0.0, 0.0), panel.wide, panel.view.tall, 0.5), QUIET, 1.5)
     draw_length(panel, -0.46 * panel.wide, -0.44 * panel.view.tall, 1e3 * b, longest=2.0, backed=True)
     for item, peak in peaks:
         down = scene.placed(point + item.load.inward, point, 1.0)[1]  # the inward normal is upright in the panel
@@ -140,7 +141,6 @@ def _contact(panel: Panel, scene: _Scene, kind: str, peaks: list[tuple[BodyLoad,
 def _facts(page: Panel, view: View, scene: _Scene, kind: str, peaks: list[ShearPeak]) -> None:
     """Beside a contact's panel: its force, pressure and width, and the largest shear on either side."""
     left, bottom = ASPECT * view.left, view.bottom
-    page.stroke(frame((left, bottom), ASPECT * (view.right - view.left), view.top - bottom, 0.1), QUIET, 1.5)
     instant = scene.instant
     force = (instant.inner_force if kind == "inner" else instant.outer_force)[scene.look.roller]
     page.text(f"{kind.capitalize()} contact: {force:.0f} N", left, view.top + 0.022, HEADING, bold=True)

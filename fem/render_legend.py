@@ -9,7 +9,7 @@ from fem.recover import Instant
 from fem.render_canvas import INK, Canvas, Panel, View
 from fem.render_look import Look
 from fem.render_scale import Scale, rounded_down
-from fem.render_shapes import arrow, bar, cells, disc, frame, line
+from fem.render_shapes import arrow, bar, border, cells, disc, frame, line
 
 TITLE, HEADING, TEXT = 38.0, 26.0, 23.0  # pixels of 1600
 QUIET, ORBIT_DOT = "#4d4d4d", "#0072b2"
@@ -157,7 +157,7 @@ def _orbit(canvas: Canvas, instant: Instant, look: Look) -> None:
     page.text("Hub's orbit", left + size + 0.04, bottom + size - 0.05, HEADING, bold=True)
     inset.stroke(line(look.orbit, 0.0), "#7f7f7f", 1.2)
     inset.fill(disc(1e6 * instant.hub, 0.035 * inset.view.tall, 0.1), ORBIT_DOT)
-    page.stroke(frame((left, bottom), size, size, 0.1), QUIET, 1.2)
+    inset.stroke(border(inset.view.middle, inset.wide, inset.view.tall, 0.2), QUIET, 1.5)
     unit = rounded_down(0.5 * inset.view.tall)
     length = unit / inset.view.tall * size
     at = bottom + size - 0.05 - 1.3 * LINE

@@ -17,6 +17,7 @@ from lagrange import Bearing
 
 LARGEST_SHARE = 0.03  # of the outside radius: the largest displacement as drawn
 STEPS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)  # round magnifications, times a power of ten
+LARGEST_MAGNIFICATION = 1e4  # beyond, nanometres would be shown as if they mattered
 LOOKED_AT = 5  # frames of an animation that decide its magnification
 LONGEST_ARROW = 0.85  # of a roller's radius
 MOST_ORBIT_POINTS = 4000
@@ -146,6 +147,6 @@ def chosen_magnification(largest: float, outside_radius: float) -> float:
     """A round factor, at least 1, that draws the largest displacement, m, LARGEST_SHARE of the radius or less."""
     if largest <= 0.0:
         return 1.0
-    wanted = max(1.0, LARGEST_SHARE * outside_radius / largest)
+    wanted = min(max(1.0, LARGEST_SHARE * outside_radius / largest), LARGEST_MAGNIFICATION)
     decade = 10.0 ** floor(log10(wanted))
     return decade * max(step for step in STEPS if step * decade <= wanted * (1.0 + 1e-12))

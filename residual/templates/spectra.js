@@ -3,15 +3,33 @@
   const data = JSON.parse(document.getElementById("spectra-data").textContent);
   const holder = document.getElementById("spectra-plot");
   const band = [data.frequency[0], data.frequency[data.frequency.length - 1]];
-  const powers = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+  const raised = "⁰¹²³⁴⁵⁶⁷⁸⁹";
   let logarithmic = true;
   let plot = null;
 
+  // places 1 to 9 of every decade in sight
+  function places(u, axis, low, high) {
+    const found = [];
+    for (let decade = Math.floor(Math.log10(low)); decade <= Math.log10(high); decade++) {
+      for (let k = 1; k < 10; k++) found.push(Number(k + "e" + decade));
+    }
+    return found.filter((value) => value >= low && value <= high);
+  }
+
+  // powers of ten have a name; where few are in sight, others too
+  function names(u, values) {
+    const first = values.map((value) => value.toExponential()[0]);
+    const decades = first.filter((digit) => digit === "1").length;
+    return values.map((value, i) => {
+      if (decades > 2) return first[i] === "1" ? power(value) : "";
+      return decades === 0 || "125".includes(first[i]) ? short(value) : "";
+    });
+  }
+
   function power(value) {
-    const exponent = Math.log10(value);
-    if (!Number.isInteger(Math.round(exponent * 1e6) / 1e6)) return "";
-    const digits = String(Math.abs(Math.round(exponent))).replace(/\d/g, (digit) => powers[digit]);
-    return "10" + (exponent < -1e-9 ? "⁻" : "") + digits;
+    const exponent = Math.round(Math.log10(value));
+    const digits = String(Math.abs(exponent)).replace(/\d/g, (digit) => raised[digit]);
+    return "10" + (exponent < 0 ? "⁻" : "") + digits;
   }
 
   function short(value) {
@@ -51,14 +69,14 @@
     const width = holder.clientWidth;
     if (plot) plot.destroy();
     const kind = logarithmic ? 3 : 1;
-    const ticks = logarithmic ? (u, values) => values.map(power) : (u, values) => values.map(short);
+    const ticks = logarithmic ? { splits: places, filter: (u, splits) => splits, values: names } : { values: (u, values) => values.map(short) };
     const axis = { stroke: "#57606a", grid: { stroke: "#e3e3e3", width: 1 }, ticks: { stroke: "#d8dee4" } };
     plot = new uPlot({
       width, height: Math.max(260, Math.min(420, 0.6 * width)), padding: [18, 8, 0, 0],
       scales: { x: { time: false, distr: kind, range: (u, low, high) => [low, high] }, y: { distr: kind } },
       axes: [
-        { ...axis, label: "frequency, Hz", values: ticks },
-        { ...axis, label: "PSD, N²/Hz", values: ticks, size: 62 },
+        { ...axis, ...ticks, label: "frequency, Hz" },
+        { ...axis, ...ticks, label: "PSD, N²/Hz", size: 62 },
       ],
       series: [
         { label: "Hz", value: (u, value) => short(value) },

@@ -7,6 +7,8 @@ random_scenes   the draw of those scenes
 step_limit      energy drift against time step over critical step: where the true limit is
 lagrange_model  the Lagrangian model solved: its time, its energy, the checker on its own output
 pictures        docs' pictures; stress below contacts, times, sizes
+fuzz            every reader against changed files, guided by coverage; `mutations` makes them
+checkpoint_cost what checkpoints and commits cost, as paired ratios
 throughput      time of every phase of a step against the machine's ceilings
 machine         the ceilings, measured
 phases          the phases of a step, timed, and the work they need at least

@@ -1,6 +1,5 @@
 """The command `run-fem`. Imports little: everything heavy waits until a scene has been read."""
 
-import signal
 import sys
 from pathlib import Path
 from typing import Annotated, Literal
@@ -10,8 +9,7 @@ from cyclopts import App, Parameter
 from fem.errors import UsageError
 
 RUNS = Path("runs")
-CHECKPOINT_SECONDS = 10.0  # of wall time
-OK, FAILED, UNUSABLE, INTERRUPTED, TERMINATED = 0, 1, 2, 130, 143
+OK, UNUSABLE, INTERRUPTED = 0, 2, 130
 
 
 def _version() -> str:
@@ -66,6 +64,9 @@ def _run(
     estimate_error: Annotated[
         bool, Parameter(negative="", help="also run a mesh half as fine and state what the results may be off by")
     ] = False,
+    checkpoint: Annotated[
+        float | None, Parameter(help="seconds of wall time between checkpoints; default: 10, on slow disks more")
+    ] = None,
     quiet: Annotated[bool, Parameter(negative="", help="no progress, no summary")] = False,
 ) -> int:
     from lagrange.scene import read_scene
@@ -81,6 +82,8 @@ def _run(
     path = output if output is not None else RUNS / f"{chosen.name}.nc"
     if path.is_dir():
         raise UsageError(f"--output {path}: is a folder; name a file in it")
+    if checkpoint is not None and not checkpoint >= 0.0:
+        raise UsageError(f"--checkpoint {checkpoint:g}: must be a number of seconds >= 0")
     if chosen.model == "lagrange":
         if resume or estimate_error:
             told = "--resume: the Lagrangian model takes seconds and keeps no checkpoint; start it again"
@@ -89,11 +92,11 @@ def _run(
     if dry_run:
         return _dry_run(chosen)
     if not estimate_error:
-        return _simulate(chosen, path, quiet, resume)
+        return _simulate(chosen, path, quiet, resume, checkpoint)
     from fem.error_estimate import coarser_scene
 
     coarse, _ = _plan(coarser_scene(chosen), compiled=False)
-    code = _simulate(chosen, path, quiet, resume)
+    code = _simulate(chosen, path, quiet, resume, checkpoint)
     return code if code != OK else _estimate(chosen, coarse, path, quiet)
 
 
@@ -135,97 +138,20 @@ def _dry_run(scene) -> int:
     return OK
 
 
-def _simulate(scene, path: Path, quiet: bool, resume: bool) -> int:
-    import time
-
-    from fem.checkpoint import load_checkpoint, save_checkpoint
-    from fem.progress import progress_display
-    from fem.simulate import RunFailed, first_state, run
-    from fem.store import ResultFile
-    from fem.summary import print_run
+def _simulate(scene, path: Path, quiet: bool, resume: bool, checkpoint: float | None) -> int:
+    from fem.runner import simulate
 
     plan, setup_seconds = _plan(scene, compiled=True, quiet=quiet)
-    state = load_checkpoint(path, plan) if resume else first_state(plan)
-    stopped: list[int] = []
-    _on_signals(stopped.append)
-    seen, status, code = None, "complete", OK
-    saved = time.monotonic()
-
-    def keep() -> None:
-        nonlocal saved
-        store.commit()
-        save_checkpoint(path, plan, state)
-        saved = time.monotonic()
-
-    def watch(progress) -> None:
-        nonlocal seen
-        seen = progress
-        show(progress)
-        if time.monotonic() - saved > CHECKPOINT_SECONDS:
-            keep()
-
-    with ResultFile(path, plan, setup_seconds, state.done if resume else None) as store:
-        try:
-            with progress_display(plan, quiet) as show:
-                seen = run(plan, store.append, watch, lambda: bool(stopped), state, store.keep)
-            keep()
-            if stopped and seen.samples < plan.n_samples:
-                status = "interrupted"
-                code = TERMINATED if stopped[0] == signal.SIGTERM else INTERRUPTED
-        except RunFailed as error:
-            status, code = f"failed: {error}", FAILED
-        store.finish(status, seen.steps if seen else 0, seen.wall if seen else 0.0)
-    if code == FAILED:
-        print(f"error: {status}\nsamples up to then are in {path}", file=sys.stderr)
-    elif code != OK:
-        print(
-            f"{status} at {1e3 * seen.simulated:.3f} ms; samples up to then are in {path}; "
-            "the same command with --resume goes on",
-            file=sys.stderr,
-        )
-    elif not quiet:
-        print_run(plan, seen, path)
-    return code
+    for sentence in () if quiet else plan.cautions:
+        print(f"warning: {sentence}", file=sys.stderr, flush=True)
+    return simulate(plan, setup_seconds, path, resume=resume, quiet=quiet, every=checkpoint)
 
 
 def _estimate(scene, coarse, path: Path, quiet: bool) -> int:
-    from fem.error_estimate import NEEDED, estimate_error
-    from fem.progress import progress_display
-    from fem.simulate import RunFailed
-    from fem.store import read_columns, write_estimates
-    from fem.summary import print_estimates
+    from fem.runner import estimate
 
     plan, _ = _plan(scene, compiled=False)
-    stopped: list[int] = []
-    _on_signals(stopped.append)
-    try:
-        with progress_display(coarse, quiet) as show:
-            found = estimate_error(plan, coarse, read_columns(path, NEEDED), show, lambda: bool(stopped))
-    except RunFailed as error:
-        print(
-            f"error: the run on the coarser mesh failed: {error}\n{path} is complete, without an estimate",
-            file=sys.stderr,
-        )
-        return FAILED
-    if stopped:
-        print(f"interrupted; {path} is complete, without an estimate", file=sys.stderr)
-        return TERMINATED if stopped[0] == signal.SIGTERM else INTERRUPTED
-    size = 1e-3 * coarse.scene.numerics.mesh_size_mm
-    write_estimates(path, found, size)
-    if not quiet:
-        print_estimates(found, size)
-    return OK
-
-
-def _on_signals(stop) -> None:
-    """Ctrl-C and SIGTERM end the run after the block of samples in work; a second one ends it at once."""
-
-    def handle(number, frame):
-        stop(number)
-        signal.signal(number, signal.SIG_DFL)
-
-    signal.signal(signal.SIGINT, handle)
-    signal.signal(signal.SIGTERM, handle)
+    return estimate(plan, coarse, path, quiet=quiet)
 
 
 def run_app_main(app: App, arguments: list[str] | None) -> int:

@@ -12,9 +12,11 @@ from fem.resolved import resolved_laws
 from fem.state import INNER, OUTER
 from lagrange import Bearing, Operation
 from lagrange.scene import Scene
+from meshes import bearing_shapes, graded_shapes
 
 COARSEST = 0.6  # surface spacing over the half-width of a contact to be resolved
 WIDER = 1.5  # patches are made for forces that much larger than the static ones
+MOST_NODES = 1_000_000  # take about 3 GB to mesh and assemble
 WIDTHS = 2.5  # least half-width of a patch over the contact's: below 2.3 the law below the grid would be unstable
 
 
@@ -24,7 +26,7 @@ def model_of(scene: Scene) -> Model:
     Errors
     ------
     RuntimeError: gmsh is needed and missing. UsageError: balls, which no plane section describes; the mesh is too
-    coarse to resolve the contacts.
+    coarse to resolve the contacts or for a ring, or has too many nodes.
     """
     if scene.bearing.type == "ball":
         raise UsageError(
@@ -32,6 +34,7 @@ def model_of(scene: Scene) -> Model:
             "run-fem --model lagrange takes balls"
         )
     bearing, operation, mesh_size = scene.ideal_bearing(), scene.ideal_operation(), 1e-3 * scene.numerics.mesh_size_mm
+    check_mesh_size(bearing, mesh_size, graded=scene.contact.model == "resolved")
     if scene.contact.model == "resolved":
         _check_resolution(half_widths(bearing, largest_force(bearing, operation)), mesh_size)
         return build_resolved_model(bearing, mesh_size)
@@ -45,6 +48,32 @@ def _check_resolution(widths: tuple[float, float], mesh_size: float) -> None:
             f"contact.model = 'resolved': the narrowest of the most loaded contacts is {1e3 * min(widths):.3g} mm wide "
             f"on either side, the mesh {1e3 * mesh_size:.3g} mm; numerics.mesh_size_mm at most {1e3 * coarsest:.3g}, "
             "or take contact.model = 'subgrid'"
+        )
+
+
+def check_mesh_size(bearing: Bearing, mesh_size: float, graded: bool = False) -> None:
+    """Refuse a mesh before anything is allocated for it. `mesh_size` in m.
+
+    Errors
+    ------
+    UsageError: elements thicker than a ring, or too many nodes.
+    """
+    for name, thickness in (
+        ("inner ring", bearing.inner_raceway_radius - bearing.bore_radius),
+        ("outer ring", bearing.outside_radius - bearing.outer_raceway_radius),
+    ):
+        if mesh_size > thickness:
+            raise UsageError(
+                f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: the {name} is only {1e3 * thickness:.3g} mm thick; at "
+                f"most {1e3 * thickness:.3g}"
+            )
+    shapes = graded_shapes(bearing, mesh_size) if graded else bearing_shapes(bearing, mesh_size)
+    nodes = bearing.n_rollers * sum(count for _, count in shapes.roller.rows)
+    nodes += sum(ring.sectors * len(ring.radii) for ring in (shapes.inner_ring, shapes.outer_ring))
+    if nodes > MOST_NODES:
+        raise UsageError(
+            f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: makes {nodes:,} nodes, at most {MOST_NODES:,} are taken; at "
+            f"least about {1e3 * mesh_size * (nodes / MOST_NODES) ** 0.5:.2g}"
         )
 
 

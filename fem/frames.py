@@ -1,21 +1,27 @@
 """Fields at chosen instants: read off the running solver, stored in the result file's group `fields`, read back.
 
 Stored are nodal displacements from the bodies' rigid motion, in the fixed axes, and the mesh's nodal stresses, both in
-single precision: 1e-7 of a micrometre's displacement is far below any wave.
+single precision: 1e-7 of a micrometre's displacement is far below any wave. Room for all frames is made with the file;
+`store` writes them to their places.
 """
 
+import zlib
 from dataclasses import dataclass
 
 import h5py
 import numpy as np
 
 from fem.arrays import Arrays
+from fem.layout import new_block
 from fem.model import Model
 from fem.ring_kernels import HALO
 from fem.stress import turned
+from lagrange.stored import CHECKSUM, Damaged, check_array, has
 
 GROUP = "fields"
 BODIES = ("roller", "inner_ring", "outer_ring")
+KINDS = ("displacement", "stress")
+NO_SAMPLE = 2**63 - 1  # of a frame that has not been written
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,61 +78,62 @@ def rotated(vectors: np.ndarray, angle) -> np.ndarray:
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
-class FrameStore:
-    """The group `fields` of an open result file."""
+def lay_out(file: h5py.File, model: Model, capacity: int) -> list[str]:
+    """Make the group `fields` with room for so many frames; the names of what a frame writes, see `stored_values`."""
+    n = model.bearing.n_rollers
+    group = file.create_group(GROUP)
+    group.attrs["long_name"] = "displacement from the rigid motion and stress of the meshes, fixed axes"
+    _new(group, "time", (capacity,), "<f8", "s", "time of the frame", fill=np.nan)
+    group["time"].make_scale("time")
+    for name, count, words in (("component", 2, "x, y"), ("stress_component", 3, "xx, yy, xy")):
+        _dimension(group, name, count, words)
+    _new(group, "sample", (capacity,), "<i8", "1", "number of the frame's sample", group["time"], fill=NO_SAMPLE)
+    words = "CRC-32 of the frame's other variables, one after the other by name, little-endian"
+    _new(group, CHECKSUM, (capacity,), "<i8", "1", words, group["time"])
+    _new(group, "roller_turn", (capacity, n), "<f8", "rad", "turn of the roller's mesh", group["time"], file["roller"])
+    names = ["time", "sample", "roller_turn", CHECKSUM]
+    for name in BODIES:
+        body = getattr(model, name)
+        words = name.replace("_", " ")
+        _dimension(group, f"{name}_node", len(body.points), f"node of the {words}'s mesh")
+        _dimension(group, f"{name}_cell", len(body.cells), f"cell of the {words}'s mesh")
+        _dimension(group, f"{name}_corner", body.cells.shape[1], "corner of a cell")
+        node = group[f"{name}_node"]
+        points = group.create_dataset(f"{name}_points", data=body.points)
+        points.attrs["units"], points.attrs["long_name"] = "m", f"nodes of the {words}'s mesh, undeformed, turn 0"
+        _attach(points, node, group["component"])
+        cells = group.create_dataset(f"{name}_cells", data=body.cells)
+        cells.attrs["long_name"] = f"corner nodes of the {words}'s cells"
+        _attach(cells, group[f"{name}_cell"], group[f"{name}_corner"])
+        front, scales = ((n,), (file["roller"],)) if name == "roller" else ((), ())
+        for field, component, units in (("displacement", "component", "m"), ("stress", "stress_component", "Pa")):
+            shape = (capacity, *front, len(body.points), len(group[component]))
+            _new(
+                group, f"{name}_{field}", shape, "<f4", units, f"{field} of the {words}",
+                group["time"], *scales, node, group[component],
+            )  # fmt: skip
+            names.append(f"{name}_{field}")
+    return [f"{GROUP}/{name}" for name in names]
 
-    def __init__(self, file: h5py.File, model: Model):
-        self._model = model
-        self._group = file[GROUP] if GROUP in file else self._lay_out(file)
 
-    def _lay_out(self, file: h5py.File) -> h5py.Group:
-        model, n = self._model, self._model.bearing.n_rollers
-        group = file.create_group(GROUP)
-        group.attrs["long_name"] = "displacement from the rigid motion and stress of the meshes, fixed axes"
-        _new(group, "time", (0,), "f8", "s", "time of the frame")
-        group["time"].make_scale("time")
-        for name, count, words in (("component", 2, "x, y"), ("stress_component", 3, "xx, yy, xy")):
-            _dimension(group, name, count, words)
-        _new(group, "sample", (0,), "i8", "1", "number of the frame's sample", group["time"])
-        _new(group, "roller_turn", (0, n), "f8", "rad", "turn of the roller's mesh", group["time"], file["roller"])
-        for name in BODIES:
-            body = getattr(model, name)
-            words = name.replace("_", " ")
-            _dimension(group, f"{name}_node", len(body.points), f"node of the {words}'s mesh")
-            _dimension(group, f"{name}_cell", len(body.cells), f"cell of the {words}'s mesh")
-            _dimension(group, f"{name}_corner", body.cells.shape[1], "corner of a cell")
-            node = group[f"{name}_node"]
-            points = group.create_dataset(f"{name}_points", data=body.points)
-            points.attrs["units"], points.attrs["long_name"] = "m", f"nodes of the {words}'s mesh, undeformed, turn 0"
-            _attach(points, node, group["component"])
-            cells = group.create_dataset(f"{name}_cells", data=body.cells)
-            cells.attrs["long_name"] = f"corner nodes of the {words}'s cells"
-            _attach(cells, group[f"{name}_cell"], group[f"{name}_corner"])
-            front, scales = ((n,), (file["roller"],)) if name == "roller" else ((), ())
-            for field, component, units in (("displacement", "component", "m"), ("stress", "stress_component", "Pa")):
-                shape = (0, *front, len(body.points), len(group[component]))
-                _new(
-                    group, f"{name}_{field}", shape, "f4", units, f"{field} of the {words}",
-                    group["time"], *scales, node, group[component],
-                )  # fmt: skip
-        return group
+def stored_values(model: Model, frame: Frame) -> dict[str, bytes]:
+    """What a frame writes, by the names `lay_out` gives."""
+    values = {
+        "time": np.array(frame.time, dtype="<f8"),
+        "sample": np.array(frame.sample, dtype="<i8"),
+        "roller_turn": np.asarray(frame.roller_turn, dtype="<f8"),
+    }
+    for name, (displacement, stress) in global_fields(model, frame).items():
+        values |= {f"{name}_displacement": displacement.astype("<f4"), f"{name}_stress": stress.astype("<f4")}
+    values[CHECKSUM] = np.array(_checksum(values), dtype="<i8")
+    return {f"{GROUP}/{name}": value.tobytes() for name, value in values.items()}
 
-    def append(self, frame: Frame) -> None:
-        """Add one frame at the end."""
-        values = {"time": frame.time, "sample": frame.sample, "roller_turn": frame.roller_turn}
-        for name, (displacement, stress) in global_fields(self._model, frame).items():
-            values |= {f"{name}_displacement": displacement, f"{name}_stress": stress}
-        count = len(self._group["time"])
-        for name, value in values.items():
-            self._group[name].resize(count + 1, axis=0)
-            self._group[name][count] = value
 
-    def keep_before(self, samples: int) -> None:
-        """Drop the frames of that sample and later ones."""
-        count = int(np.searchsorted(self._group["sample"][:], samples))
-        for variable in self._group.values():
-            if variable.maxshape[0] is None:
-                variable.resize(count, axis=0)
+def _checksum(values: dict[str, np.ndarray]) -> int:
+    found = 0
+    for name in sorted(values):
+        found = zlib.crc32(values[name].tobytes(), found)
+    return found
 
 
 def _dimension(group, name: str, count: int, long_name: str) -> None:
@@ -135,11 +142,8 @@ def _dimension(group, name: str, count: int, long_name: str) -> None:
     scale.make_scale(name)
 
 
-def _new(group, name: str, shape, dtype: str, units: str, long_name: str, *scales) -> None:
-    variable = group.create_dataset(
-        name, shape=shape, maxshape=(None, *shape[1:]), chunks=(1, *shape[1:]) if len(shape) > 1 else (256,),
-        dtype=dtype, compression="gzip", compression_opts=4, shuffle=True,
-    )  # fmt: skip
+def _new(group, name: str, shape, dtype: str, units: str, long_name: str, *scales, fill=None) -> None:
+    variable = new_block(group, name, shape, dtype, fill)
     variable.attrs["units"], variable.attrs["long_name"] = units, long_name
     _attach(variable, *scales)
 
@@ -150,11 +154,24 @@ def _attach(variable, *scales) -> None:
 
 
 def stored_samples(file: h5py.File, committed: int) -> np.ndarray:
-    """Samples whose fields the file holds, (n_frames,)."""
-    if GROUP not in file:
+    """Samples whose fields the file holds, (n_frames,).
+
+    Errors
+    ------
+    Damaged: the group is not what a run writes.
+    """
+    if not has(file, GROUP):
         return np.zeros(0, dtype=int)
-    samples = file[GROUP]["sample"][:]
-    return samples[samples < committed]
+    check_array(file, GROUP, None)
+    group = file[GROUP]
+    check_array(group, "sample", 0, kinds="i", dimensions=(1,))
+    samples = group["sample"][:]
+    there = (samples >= 0) & (samples < committed)
+    count = int(np.argmin(there)) if not there.all() else len(there)
+    check_array(group, "roller_turn", count, dimensions=(2,))
+    for name in BODIES:
+        check_array(group, f"{name}_displacement", count, dimensions=(3, 4))
+    return samples[:count]
 
 
 def read_frame(file: h5py.File, model: Model, index: int, ring_turn: float) -> Frame:
@@ -162,9 +179,14 @@ def read_frame(file: h5py.File, model: Model, index: int, ring_turn: float) -> F
 
     Errors
     ------
-    KeyError, ValueError: the group is damaged or of another mesh.
+    Damaged, KeyError, ValueError: the group is damaged or of another mesh.
     """
     group = file[GROUP]
+    if has(group, CHECKSUM):
+        names = ("time", "sample", "roller_turn", *(f"{name}_{kind}" for name in BODIES for kind in KINDS))
+        values = {name: np.asarray(group[name][index]) for name in names}
+        if int(group[CHECKSUM][index]) != _checksum(values):
+            raise Damaged(f"the fields of sample {values['sample']} are not what was written: their checksum differs")
     turn = group["roller_turn"][index]
     vectors = {name: group[f"{name}_displacement"][index].astype(float) for name in BODIES}
     return Frame(

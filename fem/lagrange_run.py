@@ -41,6 +41,7 @@ class LagrangePlan:
     critical_time_step: float = 0.0  # s, known after the run
     mesh_nodes: int = 0
     frame_stride: int = 0
+    cautions: tuple[str, ...] = ()  # of law and material, which concern this run alone: told as it starts
 
     @property
     def degrees_of_freedom(self) -> int:

@@ -23,9 +23,12 @@ from fem.resolved import hertz_patch
 from fem.subgrid import patch
 from lagrange import Operation
 from lagrange.scene import Scene, parse_scene_text
+from lagrange.stored import Damaged, read_numbers, read_scene_text, refusal_in_child
 
 ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is open
 FORCES = ("inner_force", "outer_force", "roller_roller_force")
+READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
+READ_MEMORY, READ_COPIES = 2**29, 2  # bytes to read a file: at least, and times its size
 PER_TIME = ("inner_x", "inner_y", "energy_elastic", "energy_contact")
 PER_ROLLER = (
     "roller_x", "roller_y", "roller_spin", "inner_force", "outer_force", "inner_traction", "outer_traction",
@@ -101,11 +104,13 @@ class StoredRun:
         self.path = Path(path)
         if not self.path.is_file():
             raise UsageError(f"{path}: no such result file; run run-fem first, or name another")
-        count, self.times, text, frames = self._read(_heads)
-        if count < 1:
-            raise UsageError(f"{path}: holds no sample yet")
-        if len(self.times) != count:
-            raise UsageError(f"{path}: damaged: {count} samples are promised, {len(self.times)} are there")
+        size = self.path.stat().st_size
+        refusal = refusal_in_child(
+            lambda: self._read(_verified), str(path), READ_SECONDS + size / READ_RATE, READ_MEMORY + READ_COPIES * size
+        )
+        if refusal is not None:
+            raise UsageError(refusal)
+        self.times, text, frames = self._read(_verified)
         self.scene: Scene = parse_scene_text(text, f"{path}: its scene")
         self._frames = {int(sample): index for index, sample in enumerate(frames)}
 
@@ -236,7 +241,7 @@ class StoredRun:
                 return what(file)
         except (KeyError, IndexError, TypeError, ValueError) as error:
             raise UsageError(f"{self.path}: not a result file of run-fem, or damaged: {error}") from None
-        except OSError as error:
+        except (OSError, RuntimeError) as error:
             raise UsageError(f"{self.path}: can't be read as a result file (HDF5): {error}") from None
 
 
@@ -246,9 +251,15 @@ def read_instant(path: Path, time: float | None = None) -> Instant:
     return run.instant(run.nearest(time))
 
 
-def _heads(file) -> tuple[int, np.ndarray, str, np.ndarray]:
+def _verified(file) -> tuple[np.ndarray, str, np.ndarray]:
+    """Times, scene and samples with fields of a file all of whose variables are sound."""
     count = int(file.attrs["committed_samples"])
-    return count, file["time"][: max(0, count)], file.attrs["scene"], stored_samples(file, count)
+    if count < 1:
+        raise Damaged("it holds no sample yet")
+    times = read_numbers(file, "time", count)
+    for name in (*PER_TIME, *PER_ROLLER):
+        read_numbers(file, name, count)
+    return times, read_scene_text(file), stored_samples(file, count)
 
 
 def _row(file, sample: int) -> dict[str, np.ndarray]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from fem import time_loop
 from fem.arrays import Arrays, make_arrays
+from fem.cautions import cautions
 from fem.critical_step import critical_time_step
 from fem.discretise import model_of
 from fem.frames import Frame, frame_of
@@ -25,6 +26,8 @@ IMBALANCE_LIMIT = 0.05  # of the exchanged energy; a sound run stays far below 1
 # Modes that grow balance too: leapfrog's kinetic energy ½ v(t − dt/2)·M·v(t + dt/2) goes to minus the stored one. In a
 # mode of frequency ω it is −(ω dt/2)² of it at least, −0.98 at 0.99 of the critical step.
 NEGATIVE_LIMIT = 0.98
+LARGEST_BLOCK = 4096  # rows of samples, whatever the clock says
+LONGEST_UNWATCHED = 100  # steps between two looks at the energy
 
 
 class RunFailed(RuntimeError):
@@ -45,11 +48,18 @@ class Plan:
     n_samples: int
     largest_force: float  # N, static, of any contact
     frame_stride: int  # samples between stored fields; 0: none
+    cautions: tuple[str, ...] = ()
 
     @property
     def interval(self) -> float:
         """Between samples, s."""
         return self.stride * self.time_step
+
+    @property
+    def looks(self) -> int:
+        """At the energy per sample: as few as leave at most LONGEST_UNWATCHED steps between two."""
+        fewest = ceil(self.stride / LONGEST_UNWATCHED)
+        return next(looks for looks in range(fewest, self.stride + 1) if self.stride % looks == 0)
 
     @property
     def steps(self) -> int:
@@ -74,7 +84,8 @@ class Plan:
 def make_plan(scene: Scene) -> Plan:
     """Mesh, assemble, calibrate, solve the start, find the critical step.
 
-    The time step is the largest below safety · critical that divides the output interval.
+    The time step is the largest below safety · critical that divides the output interval, and the interval between two
+    looks at the energy.
 
     Errors
     ------
@@ -96,7 +107,9 @@ def make_plan(scene: Scene) -> Plan:
     )
     critical = critical_time_step(model, expected)
     interval = 1e-6 * numerics.output_interval_us
-    stride = max(1, ceil(interval / (numerics.time_step_safety * critical)))
+    steps = max(1, ceil(interval / (numerics.time_step_safety * critical)))
+    looks = ceil(steps / LONGEST_UNWATCHED)
+    stride = looks * ceil(steps / looks)  # `Plan.looks` shall divide it
     return Plan(
         scene=scene,
         model=model,
@@ -106,6 +119,7 @@ def make_plan(scene: Scene) -> Plan:
         time_step=interval / stride,
         stride=stride,
         largest_force=expected,
+        cautions=cautions(model, operation, loaded.equilibrium, interval),
         n_samples=1 + int(1e-3 * numerics.duration_ms / interval * (1.0 + 1e-12)),
         frame_stride=round(1e-3 * scene.output.fields_every_ms / interval),
     )
@@ -130,7 +144,7 @@ def _advance(plan: Plan, arrays: Arrays, done: int, rows: np.ndarray) -> tuple[i
         arrays.drive,
         arrays.scratch,
         done * plan.stride,
-        plan.stride,
+        plan.stride // plan.looks,
         rows,
     )
 
@@ -188,7 +202,7 @@ def run(
             left = min(left, plan.frame_stride - since)
             if since == 0:
                 keep(frame_of(plan.model, state.arrays, state.done, plan.interval))
-        rows = np.zeros((min(block, left), _row_width(plan)))
+        rows = np.zeros((plan.looks * min(block, left), _row_width(plan)))
         began = time.perf_counter()
         status, step, body = _advance(plan, state.arrays, state.done, rows)
         took = time.perf_counter() - began
@@ -196,21 +210,24 @@ def run(
         if status != time_loop.DONE:
             rows = rows[: _good_rows(rows)]
         if len(rows):
-            samples = state.reader.read(rows)
-            good, imbalance = _balanced(samples)
-            write(samples.first(good))
-            state.done += good
+            looked = state.reader.read(rows)
+            good, imbalance = _balanced(looked)
+            samples = looked.first(good).every(plan.looks)
+            write(samples)
+            state.done += len(samples)
             if good < len(rows):
-                raise RunFailed(_energy_trouble(plan, samples, good, imbalance))
+                raise RunFailed(_energy_trouble(plan, looked, good, imbalance))
         if status != time_loop.DONE:
             raise RunFailed(_velocity_trouble(plan, step, body))
-        report(_progress(plan, state, imbalance))
-        per_row = took / len(rows)
-        block = max(1, min(4 * block, int(BLOCK_SECONDS / per_row))) if per_row > 0.0 else 4 * block
-    return _progress(plan, state, imbalance)
+        report(progress_of(plan, state, imbalance))
+        block = min(4 * block, LARGEST_BLOCK // plan.looks or 1)
+        if took > 0.0:  # clocks have stood still
+            block = max(1, min(block, int(BLOCK_SECONDS / took * len(samples))))
+    return progress_of(plan, state, imbalance)
 
 
-def _progress(plan: Plan, state: RunState, imbalance: float) -> Progress:
+def progress_of(plan: Plan, state: RunState, imbalance: float = 0.0) -> Progress:
+    """Where a run stands after its last sample."""
     last = max(0, state.done - 1)
     return Progress(
         samples=state.done,

@@ -1,11 +1,15 @@
-"""The result file: HDF5 with dimension scales, written while the run goes.
+"""The result file while a run writes it.
 
 Samples are trusted up to the attribute `committed_samples`, which is written after the data it counts has reached the
-disk. A killed run therefore leaves a readable file up to its last flush.
+disk (where it stands: `layout`). A killed run therefore leaves a readable file up to its last commit, with unused room
+behind; one that ends in any other way leaves a file of exactly the samples it has.
 """
 
+import os
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -13,53 +17,45 @@ from typing import TYPE_CHECKING, Protocol
 import h5py
 import numpy as np
 
+from fem.durable import alone_in, is_in_use, move_into_place, open_locked, real_path, write_at
 from fem.errors import UsageError
+from fem.layout import COMMITTED, FORMAT_VERSION, VARIABLES, Places, create
 from lagrange.scene import Scene
+from lagrange.stored import Damaged, check_array, checksum, refusal_in_child, text_checksum
 
-if TYPE_CHECKING:  # a run of the Lagrangian model needs none of the finite elements behind it
-    from fem.error_estimate import Estimate
-    from fem.frames import Frame, FrameStore
+if TYPE_CHECKING:
+    from fem.frames import Frame
 
-FORMAT_VERSION = 1
-FLUSH_SECONDS = 0.5  # of wall time between two flushes
-CHUNK = 512  # samples
-
-PER_TIME, PER_ROLLER = ("time",), ("time", "roller")
-VARIABLES = {
-    "time": (PER_TIME, "s", "time"),
-    "inner_x": (PER_TIME, "m", "hub centre, x"),
-    "inner_y": (PER_TIME, "m", "hub centre, y (up; the load acts along -y)"),
-    "inner_vx": (PER_TIME, "m/s", "hub velocity, x"),
-    "inner_vy": (PER_TIME, "m/s", "hub velocity, y"),
-    "inner_ax": (PER_TIME, "m/s2", "hub acceleration of the integrator, x"),
-    "inner_ay": (PER_TIME, "m/s2", "hub acceleration of the integrator, y"),
-    "roller_x": (PER_ROLLER, "m", "roller's centre of mass, x"),
-    "roller_y": (PER_ROLLER, "m", "roller's centre of mass, y"),
-    "roller_rho": (PER_ROLLER, "m", "roller's distance from the outer ring's centre"),
-    "roller_theta": (PER_ROLLER, "rad", "roller's angle from +x, counter-clockwise, unwrapped"),
-    "roller_spin": (PER_ROLLER, "rad/s", "roller's spin in the fixed frame"),
-    "inner_force": (PER_ROLLER, "N", "normal force, inner raceway on roller"),
-    "outer_force": (PER_ROLLER, "N", "normal force, outer raceway on roller"),
-    "inner_traction": (PER_ROLLER, "N", "tangential force of the inner raceway on the roller, along +theta"),
-    "outer_traction": (PER_ROLLER, "N", "tangential force of the outer raceway on the roller, along +theta"),
-    "roller_roller_force": (PER_ROLLER, "N", "normal force, roller j on roller j + 1"),
-    "energy_kinetic": (PER_TIME, "J", "kinetic energy of all bodies"),
-    "energy_elastic": (PER_TIME, "J", "elastic energy of the meshes"),
-    "energy_contact": (PER_TIME, "J", "elastic energy of the contacts below the grid"),
-    "work_external": (PER_TIME, "J", "work of load, gravity and drive since the start"),
-    "work_dissipated": (PER_TIME, "J", "work dissipated by friction since the start"),
-}
+COMMIT_SECONDS = 0.5  # of wall time between two commits
+COMMIT_SHARE = 0.005  # of the wall time at most: a slow disk is asked less often
+BLOCK = 4096  # samples copied at once
+READ_SECONDS, READ_RATE = 10.0, 20e6  # to read an earlier file: at least, and B/s
+READ_MEMORY = 2**29  # bytes
 
 
 class Planned(Protocol):
     """What the file says of a run, whichever model it is of."""
 
     scene: Scene
+    n_samples: int
     mesh_nodes: int
     degrees_of_freedom: int
     time_step: float  # s
     critical_time_step: float
+    cautions: tuple[str, ...]
     frame_stride: int  # samples between stored fields; 0: none
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stored:
+    """How far a result file had come when its run's state was saved."""
+
+    samples: int
+    checksums: dict[str, int]  # of each variable's first `samples`
+
+
+class WriteFailed(OSError):
+    """The result file can't be written any more; what it has committed stays."""
 
 
 def program_version() -> str:
@@ -70,186 +66,211 @@ def program_version() -> str:
         return "not installed"
 
 
-def _refuse_if_in_use(path: Path) -> None:
-    """HDF5 would empty the file of another run before it finds it locked."""
-    if not path.is_file() or not h5py.is_hdf5(path):
-        return
-    try:
-        h5py.File(path, "r+").close()
-    except BlockingIOError:
-        raise UsageError(f"{path}: another run is writing it; name another file with --output") from None
-    except OSError:
-        pass  # damaged: to be replaced
-
-
-def _open_to_resume(path: Path, samples: int) -> h5py.File:
-    try:
-        file = h5py.File(path, "r+")
-    except BlockingIOError:
-        raise UsageError(f"{path}: another run is writing it; wait for it, or stop it") from None
-    except OSError as error:
-        raise UsageError(f"{path}: can't be opened to resume ({error.strerror or 'damaged'}); start again") from None
-    committed = int(file.attrs.get("committed_samples", 0))
-    if committed < samples or any(name not in file for name in VARIABLES):
-        file.close()
-        raise UsageError(f"{path}: holds {committed} samples, the checkpoint {samples}; start again without --resume")
-    return file
-
-
 class ResultFile:
-    """Appends samples; use as a context manager."""
+    """Appends samples; use as a context manager.
 
-    def __init__(self, path: Path, plan: Planned, setup_seconds: float, resume_at: int | None = None):
-        """A new file, or one to go on with after its first `resume_at` samples."""
-        self._flushed = time.monotonic()
-        if resume_at is None:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._count = 0
-            _refuse_if_in_use(path)
-            self._file = h5py.File(path, "w")
-            self._lay_out(plan, setup_seconds)
-        else:
-            self._count = resume_at
-            self._file = _open_to_resume(path, resume_at)
+    Errors
+    ------
+    UsageError: another program has the file open; it is not what was stored. OSError: no room on the disk, a folder
+    or an earlier file that can't be written; an earlier file stays as it was. WriteFailed, later: the disk fails.
+    """
+
+    def __init__(self, path: Path, plan: Planned, setup_seconds: float, resume: Stored | None = None):
+        """A new file in the place of any earlier one, or one that goes on after what was stored."""
+        self._path = real_path(path)
+        self._attributes = _attributes(plan, setup_seconds)
+        self._plan = plan
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        with alone_in(self._path.parent):
+            _refuse_if_in_use(self._path)
+            if resume is None:
+                self._begin(plan.n_samples, Stored(samples=0, checksums=dict.fromkeys(VARIABLES, 0)))
+            else:
+                _check_earlier(self._path, resume)
+                self._begin(plan.n_samples, resume)
+
+    def _begin(self, capacity: int, stored: Stored) -> None:
+        """Put a new file with the samples stored in the earlier one in its place, and go on with it."""
+        part = self._path.with_name(self._path.name + ".part")
+        with self._named(), ExitStack() as undo:
+            undo.callback(part.unlink, missing_ok=True)
+            places = create(part, self._plan.scene.bearing.rollers, capacity, self._attributes, self._fields(capacity))
+            handle = open_locked(part)
+            undo.callback(os.close, handle)
+            if stored.samples and self._copy(handle, places, stored.samples) != stored.checksums:
+                raise UsageError(f"{self._path}: damaged: its samples are not those that were written; start again")
+            for name, place in places.checksum.items():
+                write_at(handle, _integers(stored.samples, stored.checksums[name], -1, 0), place)
+            write_at(handle, _integers(stored.samples), places.committed)
+            os.fsync(handle)
+            move_into_place(part, self._path)
+            undo.pop_all()
+        self._handle, self._places = handle, places
+        self._count, self._checksums = stored.samples, dict(stored.checksums)
+        self._in_force = 0  # which of a variable's two checksums holds
+        self._committed, self._committed_at, self._commit_cost = stored.samples, time.monotonic(), 0.0
+
+    def _copy(self, handle: int, places: Places, count: int) -> dict[str, int]:
+        """Copy the first samples of the file in place; gives the checksums of what was copied."""
+        checksums = dict.fromkeys(VARIABLES, 0)
+        with h5py.File(self._path, "r", locking=False) as earlier:
             for name in VARIABLES:
-                self._file[name].resize(resume_at, axis=0)
-            _drop_estimates(self._file)
-            self._frames = _frame_store(self._file, plan)
-            if self._frames is not None:
-                self._frames.keep_before(resume_at)
-            self._file.attrs.update(scene=plan.scene.to_toml(), committed_samples=resume_at, status="running")
-            self._file.flush()
+                for start in range(0, count, BLOCK):
+                    block = earlier[name][start : min(start + BLOCK, count)]
+                    write_at(handle, _doubles(block), places.data[name] + start * places.width[name])
+                    checksums[name] = checksum(block, checksums[name])
+            for name, place in places.frames.items():
+                for index in range(frames_of(count, self._plan.frame_stride)):
+                    write_at(handle, earlier[name][index].tobytes(), place + index * places.frame_width[name])
+        return checksums
 
-    def _lay_out(self, plan: Planned, setup_seconds: float) -> None:
-        n = plan.scene.bearing.rollers
-        roller = self._file.create_dataset("roller", data=np.arange(n, dtype=np.int64))
-        roller.attrs["units"], roller.attrs["long_name"] = "1", "roller, counted along +theta"
-        roller.make_scale("roller")
-        self._create("time", n)
-        self._file["time"].make_scale("time")
-        for name in VARIABLES:
-            if name != "time":
-                self._create(name, n)
-        self._frames = _frame_store(self._file, plan)
-        self._file.attrs.update(
-            format_version=FORMAT_VERSION,
-            program="run-fem",
-            program_version=program_version(),
-            scene=plan.scene.to_toml(),
-            mesh_nodes=plan.mesh_nodes,
-            degrees_of_freedom=plan.degrees_of_freedom,
-            time_step=plan.time_step,
-            critical_time_step=plan.critical_time_step,
-            steps=0,
-            wall_seconds=0.0,
-            setup_seconds=setup_seconds,
-            committed_samples=0,
-            status="running",
-        )
-        self._file.flush()
+    def _fields(self, capacity: int) -> Callable[[h5py.File], list[str]] | None:
+        """What makes room for the frames of so many samples."""
+        if not self._plan.frame_stride:
+            return None
+        from fem.frames import lay_out  # a run of the Lagrangian model needs none of the finite elements behind it
 
-    def _create(self, name: str, n_rollers: int) -> None:
-        dimensions, units, long_name = VARIABLES[name]
-        tail = (n_rollers,) if dimensions == PER_ROLLER else ()
-        variable = self._file.create_dataset(
-            name,
-            shape=(0, *tail),
-            maxshape=(None, *tail),
-            chunks=(CHUNK, *tail),
-            dtype="f8",
-            compression="gzip",
-            compression_opts=1,
-            shuffle=True,
-        )
-        variable.attrs["units"], variable.attrs["long_name"] = units, long_name
-        if name != "time":
-            for axis, dimension in enumerate(dimensions):
-                variable.dims[axis].attach_scale(self._file[dimension])
-
-    def append(self, samples: Mapping[str, np.ndarray]) -> None:
-        """Add samples by variable; flushed at least every FLUSH_SECONDS of wall time when called that often."""
-        end = self._count + len(samples["time"])
-        for name in VARIABLES:
-            variable = self._file[name]
-            variable.resize(end, axis=0)
-            variable[self._count : end] = samples[name]
-        self._count = end
-        if time.monotonic() - self._flushed > FLUSH_SECONDS:
-            self.commit()
+        return lambda file: lay_out(file, self._plan.model, frames_of(capacity, self._plan.frame_stride))
 
     def keep(self, frame: "Frame") -> None:
-        """Add the fields of a sample to come."""
-        self._frames.append(frame)
+        """Write the fields of a sample to come."""
+        from fem.frames import stored_values
+
+        if frame.sample >= self._plan.n_samples:
+            return
+        index = frame.sample // self._plan.frame_stride
+        with self._named():
+            for name, data in stored_values(self._plan.model, frame).items():
+                write_at(self._handle, data, self._places.frames[name] + index * self._places.frame_width[name])
+
+    @property
+    def committed(self) -> int:
+        """Samples that are on the disk."""
+        return self._committed
+
+    @property
+    def stored(self) -> Stored:
+        """What is in the file; on the disk after a `commit`."""
+        return Stored(samples=self._count, checksums=dict(self._checksums))
+
+    def append(self, samples: Mapping[str, np.ndarray]) -> None:
+        """Add samples by variable; committed when COMMIT_SECONDS have gone by."""
+        with self._named():
+            for name in VARIABLES:
+                place = self._places.data[name] + self._count * self._places.width[name]
+                write_at(self._handle, _doubles(samples[name]), place)
+                self._checksums[name] = checksum(samples[name], self._checksums[name])
+            self._count += len(samples["time"])
+        if time.monotonic() - self._committed_at > max(COMMIT_SECONDS, self._commit_cost / COMMIT_SHARE):
+            self.commit()
 
     def commit(self) -> None:
         """Bring the data to the disk, then say that it is there."""
-        self._file.flush()
-        self._file.attrs["committed_samples"] = self._count
-        self._file.flush()
-        self._flushed = time.monotonic()
+        if self._count == self._committed:
+            return
+        began = time.monotonic()
+        spare = 1 - self._in_force
+        with self._named():
+            for name, place in self._places.checksum.items():
+                write_at(self._handle, _integers(self._count, self._checksums[name]), place + 16 * spare)
+            os.fsync(self._handle)
+            write_at(self._handle, _integers(self._count), self._places.committed)
+            os.fsync(self._handle)
+        self._in_force, self._committed, self._committed_at = spare, self._count, time.monotonic()
+        self._commit_cost = self._committed_at - began
 
     def finish(self, status: str, steps: int, wall_seconds: float) -> None:
-        """Write the outcome."""
-        self._file.attrs.update(steps=steps, wall_seconds=wall_seconds, status=status)
+        """Write the outcome, in a new file without unused room that takes this one's place."""
         self.commit()
+        outcome = dict(steps=steps, wall_seconds=wall_seconds, status=status)
+        self._attributes |= outcome
+        working = self._handle
+        try:
+            with alone_in(self._path.parent):
+                self._begin(self._count, self.stored)
+            os.close(working)
+        except WriteFailed:  # no room for two of them
+            with self._named(), h5py.File(self._path, "r+", locking=False) as file:
+                for name, value in outcome.items():
+                    file.attrs.modify(name, value)
+
+    @contextmanager
+    def _named(self) -> Iterator[None]:
+        """Name the file when the disk fails."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:  # HDF5's own come as either
+            number = getattr(error, "errno", None) or 0
+            reason = getattr(error, "strerror", None) or str(error)
+            if "HDF5" in reason or "(" in reason:  # its words, with addresses
+                reason = os.strerror(number) if number else reason.partition(" (")[0]
+            raise WriteFailed(number, reason, str(self._path)) from error
 
     def __enter__(self) -> "ResultFile":
         return self
 
     def __exit__(self, *_) -> None:
-        self._file.close()
+        os.close(self._handle)
 
 
-def _frame_store(file: h5py.File, plan: Planned) -> "FrameStore | None":
-    if not plan.frame_stride:
-        return None
-    from fem.frames import FrameStore
-
-    return FrameStore(file, plan.model)
+def frames_of(samples: int, stride: int) -> int:
+    """How many frames belong to so many samples."""
+    return -(-samples // stride) if stride else 0
 
 
-ESTIMATE = {
-    "quantity": "name of a quantity of interest",
-    "quantity_unit": "unit of its value and error",
-    "quantity_meaning": "what it is",
-    "quantity_value": "on the run's mesh",
-    "quantity_coarse_value": "on the coarser mesh",
-    "quantity_error": "estimated discretisation error of the value, not negative",
-}
+def _doubles(values: np.ndarray) -> bytes:
+    return np.ascontiguousarray(values, dtype="<f8").tobytes()
 
 
-def write_estimates(path: Path, found: list["Estimate"], coarse_mesh_size: float) -> None:
-    """Add error estimates to a finished result file; mesh size of the coarser run in m."""
-    columns = {
-        "quantity": [each.quantity.name for each in found],
-        "quantity_unit": [each.quantity.unit for each in found],
-        "quantity_meaning": [each.quantity.meaning for each in found],
-        "quantity_value": [each.quantity.value for each in found],
-        "quantity_coarse_value": [each.coarse_value for each in found],
-        "quantity_error": [each.error for each in found],
-    }
-    with h5py.File(path, "r+") as file:
-        _drop_estimates(file)
-        for name, values in columns.items():
-            variable = file.create_dataset(name, data=values)
-            variable.attrs["long_name"] = ESTIMATE[name]
-        file["quantity"].make_scale("quantity")
-        for name in ESTIMATE:
-            if name != "quantity":
-                file[name].dims[0].attach_scale(file["quantity"])
-        file.attrs["coarse_mesh_size"] = coarse_mesh_size
+def _integers(*values: int) -> bytes:
+    return np.array(values, dtype="<i8").tobytes()
 
 
-def _drop_estimates(file: h5py.File) -> None:
-    """An estimate belongs to one record; a longer one has none yet."""
-    for name in reversed(ESTIMATE):
-        if name in file:
-            del file[name]
-    file.attrs.pop("coarse_mesh_size", None)
+def _attributes(plan: Planned, setup_seconds: float) -> dict[str, object]:
+    scene = plan.scene.to_toml()
+    return dict(
+        format_version=FORMAT_VERSION,
+        program="run-fem",
+        program_version=program_version(),
+        scene=scene,
+        scene_checksum=text_checksum(scene),
+        mesh_nodes=plan.mesh_nodes,
+        degrees_of_freedom=plan.degrees_of_freedom,
+        time_step=plan.time_step,
+        critical_time_step=plan.critical_time_step,
+        steps=0,
+        wall_seconds=0.0,
+        setup_seconds=setup_seconds,
+        warnings="\n".join(plan.cautions),
+        status="running",
+    )
 
 
-def read_columns(path: Path, names: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """Committed samples of some variables."""
-    with h5py.File(path, "r") as file:
-        count = int(file.attrs["committed_samples"])
-        return {name: file[name][:count] for name in names}
+def _refuse_if_in_use(path: Path) -> None:
+    if not path.exists():
+        return
+    if not path.is_file():
+        raise UsageError(f"{path}: is not a plain file; name another with --output")
+    if is_in_use(path):
+        raise UsageError(f"{path}: is in use, by another run or a program that reads it; name another with --output")
+
+
+def _check_earlier(path: Path, stored: Stored) -> None:
+    """Refuse a file that does not hold what was stored."""
+    if not path.is_file():
+        raise UsageError(f"{path}: not found, though its checkpoint is there; start again without --resume")
+
+    def read() -> None:
+        try:
+            with h5py.File(path, "r", locking=False) as file:
+                if int(file.attrs[COMMITTED]) < stored.samples:
+                    raise Damaged(f"its checkpoint counts {stored.samples} samples, it holds fewer")
+                for name in VARIABLES:
+                    check_array(file, name, stored.samples)
+        except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
+            raise UsageError(f"{path}: can't be resumed ({error}); start again without --resume") from None
+
+    refusal = refusal_in_child(read, str(path), READ_SECONDS + path.stat().st_size / READ_RATE, READ_MEMORY)
+    if refusal is not None:
+        raise UsageError(refusal)
+    read()

@@ -58,6 +58,7 @@ def print_plan(plan: Plan) -> None:
         )
     for name, value in rows.items():
         console.print(f"{name + ':':30s} {value}", soft_wrap=True)
+    _print_cautions(console, plan)
 
 
 def _fields(plan: Plan) -> dict[str, str]:
@@ -84,6 +85,7 @@ def print_run(plan: Plan, progress: Progress, path: Path) -> None:
         lines = [run_line(progress.simulated, progress.wall, progress.steps, progress.imbalance, "exchanged")]
     for line in lines:
         console.print(line, soft_wrap=True)
+    _print_cautions(console, plan)
     console.print(f"Result: {path}", soft_wrap=True, markup=False)
 
 
@@ -104,3 +106,8 @@ def print_estimates(found: list[Estimate], coarse_mesh_size: float) -> None:
             f"{100 * each.relative:.2g} %" if each.relative < 1.0 else "-",
         )
     console.print(table)
+
+
+def _print_cautions(console: Console, plan: Plan) -> None:
+    for sentence in plan.cautions:
+        console.print(f"Warning: {sentence}", soft_wrap=True, markup=False)

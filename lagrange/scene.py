@@ -16,6 +16,9 @@ from lagrange.bearing import BallBearing, Bearing, Material, Operation
 from lagrange.raceway_laws import law_names
 from lagrange.scene_columns import Columns
 
+LONGEST_TEXT = 2**20  # characters of a scene
+LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
+MOST_FAULTS = 20  # told at once: a file that is no scene may have thousands
 RPM = 2.0 * pi / 60.0
 MM = 1e-3
 FINEST = {"subgrid": 400.0, "resolved": 2000.0}  # roller diameters over mesh sizes
@@ -25,6 +28,12 @@ USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 
 class SceneError(ValueError):
     """The scene can't be used; the text names file, key, value and limit, one fault a line."""
+
+
+def _refuse(faults: list[str]) -> None:
+    """All that contradicts each other in a table, at once."""
+    if faults:
+        raise ValueError("\n".join(faults))
 
 
 class _Table(BaseModel):
@@ -50,26 +59,27 @@ class BearingTable(_Table):
 
     @model_validator(mode="after")
     def _fits_together(self):
+        faults = []
         for key in USUAL_GROOVES:
             if self.type == "roller" and getattr(self, key) is not None:
-                raise ValueError(f'{key} = {getattr(self, key)}: only for balls; add type = "ball" or leave it out')
+                faults.append(f'{key} = {getattr(self, key)}: only for balls; add type = "ball" or leave it out')
         roller, inner, outer = self.roller_diameter_mm, self.inner_raceway_diameter_mm, self.outer_raceway_diameter_mm
         if self.bore_diameter_mm >= inner:
-            raise ValueError(
+            faults.append(
                 f"bore_diameter_mm = {self.bore_diameter_mm} must be below inner_raceway_diameter_mm = {inner}"
             )
         if self.outside_diameter_mm <= outer:
-            raise ValueError(
+            faults.append(
                 f"outside_diameter_mm = {self.outside_diameter_mm} must be above outer_raceway_diameter_mm = {outer}"
             )
         clearance = outer - inner - 2.0 * roller
         if clearance < -0.005 * roller:
-            raise ValueError(
+            faults.append(
                 f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is more preload than the model "
                 f"bears (at least {-0.005 * roller:.4g} mm); widen outer_raceway_diameter_mm = {outer}"
             )
         if clearance > 0.2 * roller:
-            raise ValueError(
+            faults.append(
                 f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is too large (at most "
                 f"{0.2 * roller:.4g} mm); lower outer_raceway_diameter_mm = {outer}"
             )
@@ -77,10 +87,11 @@ class BearingTable(_Table):
         room = pitch * sin(pi / self.rollers)
         if room <= roller:
             most = int(pi / asin(roller / pitch)) if roller < pitch else 1
-            raise ValueError(
+            faults.append(
                 f"rollers = {self.rollers} of roller_diameter_mm = {roller} do not fit on the pitch circle of "
                 f"{pitch:g} mm; at most {most}"
             )
+        _refuse(faults)
         return self
 
 
@@ -131,8 +142,17 @@ class NumericsTable(_Table):
     start: Literal["equilibrium", "rest"] = "equilibrium"
     load_ramp_ms: float = Field(1.0, ge=0.0, le=1e6)
     mesh_size_mm: float = Field(1.0, gt=0.0, le=100.0)
-    time_step_safety: float = Field(0.9, gt=0.0, lt=1.0)
-    output_interval_us: float = Field(10.0, gt=0.0, le=1e6)
+    time_step_safety: float = Field(0.9, ge=0.01, lt=1.0)
+    output_interval_us: float = Field(10.0, ge=1e-3, le=1e6)
+
+    @model_validator(mode="after")
+    def _samples(self):
+        if 0.0 < 1e3 * self.duration_ms < self.output_interval_us:
+            raise ValueError(
+                f"output_interval_us = {self.output_interval_us:g} is longer than the run (duration_ms = "
+                f"{self.duration_ms:g}): nothing but the start would be stored; at most {1e3 * self.duration_ms:g}"
+            )
+        return self
 
 
 class LagrangeTable(_Table):
@@ -173,42 +193,44 @@ class Scene(_Table):
 
     @model_validator(mode="after")
     def _consistent(self):
+        faults = []
         known = law_names(self.ideal_bearing())
         if self.lagrange.law not in known:
-            raise ValueError(
+            faults.append(
                 f"lagrange.law = {self.lagrange.law!r}: unknown for bearing.type = {self.bearing.type!r}; known are "
                 f"{', '.join(known)}"
             )
         ring = self.ideal_bearing().inner_ring_mass
         if self.operation.inner_ring_and_shaft_kg <= ring:
-            raise ValueError(
+            faults.append(
                 f"operation.inner_ring_and_shaft_kg = {self.operation.inner_ring_and_shaft_kg} must exceed the mass of "
                 f"the elastic inner ring, {ring:.4g} kg"
             )
         meshed = self.bearing.type == "roller"
         coarsest = pi * self.bearing.roller_diameter_mm / 10.0
         if meshed and self.numerics.mesh_size_mm > coarsest:
-            raise ValueError(
+            faults.append(
                 f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is too coarse for rollers of "
                 f"{self.bearing.roller_diameter_mm} mm (at most {coarsest:.3g})"
             )
         finest = self.bearing.roller_diameter_mm / FINEST[self.contact.model]
         if meshed and self.numerics.mesh_size_mm < finest:
-            raise ValueError(
+            faults.append(
                 f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is finer than contact.model = "
                 f"'{self.contact.model}' is made for (at least {finest:.3g})"
             )
         interval = 1e-3 * self.numerics.output_interval_us
         if self.output.fields_every_ms > 0.0 and self.model == "lagrange":
-            raise ValueError(
+            faults.append(
                 f"output.fields_every_ms = {self.output.fields_every_ms}: the Lagrangian model has no mesh and no "
                 "fields; leave it out or 0"
             )
         if 0.0 < self.output.fields_every_ms < interval * (1.0 - 1e-9):
-            raise ValueError(
+            faults.append(
                 f"output.fields_every_ms = {self.output.fields_every_ms} must not be below "
                 f"numerics.output_interval_us = {self.numerics.output_interval_us} ({interval:g} ms); 0 stores none"
             )
+        _refuse(faults)
         return self
 
     def ideal_bearing(self) -> Bearing:
@@ -265,13 +287,12 @@ def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) 
     if path is not None:
         name = str(path)
         try:
-            data = tomllib.loads(Path(path).read_bytes().decode("utf-8"))
+            with open(path, "rb") as file:
+                data = _load(file.read(LONGEST_TEXT + 1).decode("utf-8"), name)
         except OSError as error:
             raise SceneError(f"{name}: can't be read: {error.strerror}") from None
         except UnicodeDecodeError as error:
             raise SceneError(f"{name}: not UTF-8 text (byte {error.start}); is it a scene file?") from None
-        except tomllib.TOMLDecodeError as error:
-            raise SceneError(f"{name}: not valid TOML: {error}") from None
     for override in overrides:
         _apply(data, override)
     return parse_scene(data, name)
@@ -279,11 +300,21 @@ def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) 
 
 def parse_scene_text(text: str, name: str) -> Scene:
     """A scene from TOML text, e.g. the `scene` attribute of a result file."""
+    return parse_scene(_load(text, name), name)
+
+
+def _load(text: str, name: str) -> dict[str, Any]:
+    """Tables of a TOML text."""
+    if len(text) > LONGEST_TEXT:
+        raise SceneError(f"{name}: longer than {LONGEST_TEXT} characters; is it a scene file?")
     try:
-        data = tomllib.loads(text)
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise SceneError(f"{name}: not valid TOML: {error}") from None
-    return parse_scene(data, name)
+    except RecursionError:
+        raise SceneError(f"{name}: not a scene: arrays or tables are nested too deeply") from None
+    except ValueError as error:  # Python's own limit on the digits of a whole number
+        raise SceneError(f"{name}: not a scene: {str(error).partition(';')[0]}") from None
 
 
 def parse_scene(data: dict[str, Any], name: str) -> Scene:
@@ -291,8 +322,11 @@ def parse_scene(data: dict[str, Any], name: str) -> Scene:
     try:
         return Scene.model_validate(data)
     except ValidationError as error:
-        faults = dict.fromkeys(_explain(fault) for fault in error.errors())
-        raise SceneError("\n".join(f"{name}: {fault}" for fault in faults)) from None
+        faults = list(dict.fromkeys(line for fault in error.errors() for line in _explain(fault)))
+        lines = [f"{name}: {fault}" for fault in faults[:MOST_FAULTS]]
+        if len(faults) > MOST_FAULTS:
+            lines.append(f"{name}: and {len(faults) - MOST_FAULTS} more")
+        raise SceneError("\n".join(lines)) from None
 
 
 def _apply(data: dict[str, Any], override: str) -> None:
@@ -302,9 +336,10 @@ def _apply(data: dict[str, Any], override: str) -> None:
     if not equals or not all(parts):
         raise SceneError(f"--set {override!r}: must read table.key=value, e.g. --set operation.speed_rpm=3000")
     try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        value = text.strip()
+        value = _load(f"value = {text}", "")
+    except SceneError:
+        value = {}
+    value = value["value"] if set(value) == {"value"} else text.strip()  # more than one: a string with line breaks
     table = data
     for part in parts[:-1]:
         table = table.setdefault(part, {})
@@ -313,19 +348,27 @@ def _apply(data: dict[str, Any], override: str) -> None:
     table[parts[-1]] = value
 
 
-def _explain(fault: dict[str, Any]) -> str:
-    """One pydantic fault in the user's words."""
-    place = ".".join(str(part) for part in fault["loc"])
+def _explain(fault: dict[str, Any]) -> list[str]:
+    """One pydantic fault in the user's words, a line for each thing that is wrong."""
+    place = ".".join(_quoted(str(part)) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
-        return f"{place}: unknown key{_likely(fault['loc'])}"
+        return [f"{place}: unknown key{_likely(fault['loc'])}"]
     value = fault["input"]
     if fault["type"] == "value_error":
-        reason = str(fault["ctx"]["error"])
-        return f"{place}: {reason}" if place else reason
+        return [f"{place}: {reason}" if place else reason for reason in str(fault["ctx"]["error"]).split("\n")]
     if isinstance(value, dict | BaseModel):
         value = "a table"
     reason = fault["msg"].removeprefix("Input ").replace("should", "must", 1)
-    return f"{place} = {value!r}: {reason}"
+    return [f"{place} = {_short(repr(value))}: {reason}"]
+
+
+def _quoted(key: str) -> str:
+    """A key as it is, or as TOML would have to quote it."""
+    return _short(key if key.isprintable() else repr(key))
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST_QUOTE else f"{text[: LONGEST_QUOTE - 3]}..."
 
 
 def _likely(loc: tuple) -> str:

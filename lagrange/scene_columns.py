@@ -17,6 +17,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
+LONGEST_NAME = 200  # characters
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9}
 LENGTH = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "in": 0.0254}
 ANGLE = {"rad": 1.0, "deg": pi / 180.0, "°": pi / 180.0}
@@ -55,8 +56,8 @@ class Columns(BaseModel):
     @field_validator(*UNITS)
     @classmethod
     def _usable(cls, name: str, info: ValidationInfo) -> str:
-        if not name.strip():
-            raise ValueError("must be a column's name")
+        if not name.strip() or len(name) > LONGEST_NAME:
+            raise ValueError(f"must be a column's name of at most {LONGEST_NAME} characters")
         unit, units = _split(name)[1], UNITS[info.field_name]
         if unit is not None and unit not in units:
             raise ValueError(f"the unit [{unit}] is unknown; known are {', '.join(units)}")

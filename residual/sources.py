@@ -5,12 +5,20 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.scene import Scene, SceneError, parse_scene_text
+from lagrange.stored import Damaged, check_array, has, read_numbers, read_scene_text, refusal_in_child
 from residual.trajectory import FEWEST_SAMPLES, Estimate, InputError, Trajectory, checked
 
 FORMAT_VERSION = 1
 LARGEST_READ = 4 * 2**30  # bytes of arrays held in memory
+READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
+READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times its size
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
+MOST_ESTIMATES, LONGEST_WORDS = 1000, 2000
+ATTRIBUTES = (
+    "scene", "committed_samples", "format_version", "program_version", "status", "warnings", "mesh_nodes",
+    "degrees_of_freedom", "time_step", "critical_time_step", "steps", "wall_seconds", "setup_seconds",
+)  # fmt: skip
 ENERGIES = ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")
 
 
@@ -19,13 +27,24 @@ def read_result(path: str | Path) -> Trajectory:
 
     Errors
     ------
-    InputError: no such file, not HDF5, damaged, another program's, another format version, variables missing,
-    of the wrong shape or not finite, irregular time, too few samples.
+    InputError: no such file, not HDF5, damaged (also where its checksums tell), another program's, another format
+    version, variables missing, of the wrong shape, not finite or in another file, irregular time, too few samples,
+    too large.
     """
-    import h5py
-
     path = Path(path)
     check_readable(path)
+    size = path.stat().st_size
+    refusal = refusal_in_child(
+        lambda: _read(path), str(path), READ_SECONDS + size / READ_RATE, READ_MEMORY + READ_COPIES * size
+    )
+    if refusal is not None:
+        raise InputError(refusal)
+    return _read(path)
+
+
+def _read(path: Path) -> Trajectory:
+    import h5py
+
     try:
         with h5py.File(path, "r", locking=False) as file:
             return checked(_from_file(path, file))
@@ -33,14 +52,19 @@ def read_result(path: str | Path) -> Trajectory:
         raise
     except SceneError as error:
         raise InputError(str(error)) from None
-    except (OSError, RuntimeError, KeyError, UnicodeDecodeError) as error:
-        reason = str(error).strip("'\"").splitlines()[0]
+    except Damaged as error:
+        raise InputError(f"{path}: damaged, or not a result file of run-fem: {error}") from None
+    except (OSError, RuntimeError, LookupError, TypeError, ValueError, ArithmeticError) as error:  # h5py's, of damage
+        reason = (str(error).strip("'\"").splitlines() or [type(error).__name__])[0]
         raise InputError(f"{path}: damaged or truncated HDF5 file ({reason}); run the simulation again") from None
 
 
 def _from_file(path: Path, file) -> Trajectory:
     """Unchecked trajectory of an open result file."""
-    attributes = {key: _plain(value) for key, value in file.attrs.items()}
+    attributes = {name: _plain(file.attrs[name]) for name in ATTRIBUTES if name in file.attrs}
+    for name in ("status", "warnings", "program_version"):  # they are printed
+        if name in attributes:
+            attributes[name] = _words(attributes[name])
     if "scene" not in attributes or "committed_samples" not in attributes:
         raise InputError(
             f"{path}: not a result file of run-fem: the attributes scene and committed_samples are missing"
@@ -50,8 +74,8 @@ def _from_file(path: Path, file) -> Trajectory:
         raise InputError(
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
         )
-    scene = parse_scene_text(str(attributes["scene"]), f"{path}, attribute scene")
-    missing = [name for name in MOTION if name not in file]
+    scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene")
+    missing = [name for name in MOTION if not has(file, name)]
     if missing:
         raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file of run-fem?")
     n = attributes["committed_samples"]
@@ -59,13 +83,13 @@ def _from_file(path: Path, file) -> Trajectory:
         raise InputError(f"{path}: committed_samples = {n!r} must be a whole number >= 0; the file is damaged")
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
-    names = [name for name in (*MOTION, *OPTIONAL, *ENERGIES) if name in file]
-    _check_datasets(path, file, names, n, scene)
-    arrays = {name: file[name][:n].astype(float) for name in names}
+    names = [name for name in (*MOTION, *OPTIONAL, *ENERGIES) if has(file, name)]
+    _check_size(path, file, names, n, scene)
+    arrays = {name: read_numbers(file, name, n) for name in names}
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
     energies = {name: arrays.pop(name) for name in ENERGIES if name in arrays}
-    status = str(attributes.get("status", "unknown"))
-    notes = []
+    status = attributes.setdefault("status", "unknown")
+    notes = [warning for warning in attributes.get("warnings", "").splitlines() if warning]
     if status != "complete":
         notes.append(f"the run is not complete (status: {status}); its first {n} samples are used")
     elif file["time"].shape[0] > n:
@@ -79,31 +103,35 @@ def _from_file(path: Path, file) -> Trajectory:
 def _estimates(file) -> tuple[Estimate, ...]:
     """Error estimates, where `run-fem --estimate-error` has left any."""
     names = ("quantity_meaning", "quantity_unit", "quantity_value", "quantity_error")
-    if any(name not in file for name in names):
+    if not all(has(file, name) for name in names):
         return ()
-    columns = [[_plain(value) for value in file[name][:]] for name in names]
+    columns = []
+    for name in names:
+        numbers = name in ("quantity_value", "quantity_error")
+        check_array(file, name, 0, kinds="f" if numbers else "OS", dimensions=(1,))
+        if len(file[name]) > MOST_ESTIMATES:
+            raise Damaged(f"{name} holds {len(file[name])} values, at most {MOST_ESTIMATES} are read")
+        columns.append([_plain(value) if numbers else _words(_plain(value)) for value in file[name][:]])
     return tuple(
         Estimate(meaning=meaning, unit=unit, value=value, error=error)
         for meaning, unit, value, error in zip(*columns, strict=True)
     )
 
 
-def _check_datasets(path: Path, file, names: list[str], n: int, scene: Scene) -> None:
-    """Kinds, shapes and sizes, before anything is read."""
-    import h5py
+def _words(value: object) -> str:
+    """Text fit to be printed."""
+    return "".join(c if c.isprintable() or c == "\n" else "?" for c in str(value)[:LONGEST_WORDS])
 
+
+def _check_size(path: Path, file, names: list[str], n: int, scene: Scene) -> None:
+    """Kinds, shapes and sizes, before anything is read."""
     size = 0
     for name in names:
-        data = file[name]
-        if not isinstance(data, h5py.Dataset) or data.dtype.kind != "f":
-            raise InputError(f"{path}: {name} is not an array of floating-point numbers; the file is damaged")
-        if data.ndim not in (1, 2) or data.shape[0] < n:
-            raise InputError(
-                f"{path}: {name} has shape {data.shape} but {n} samples are committed; the file is truncated"
-            )
-        if data.ndim == 2 and data.shape[1] != scene.bearing.rollers:
-            raise InputError(f"{path}: {name} holds {data.shape[1]} rollers, its scene says {scene.bearing.rollers}")
-        size += 8 * n * (data.shape[1] if data.ndim == 2 else 1)
+        check_array(file, name, n)
+        shape = file[name].shape
+        if len(shape) == 2 and shape[1] != scene.bearing.rollers:
+            raise InputError(f"{path}: {name} holds {shape[1]} rollers, its scene says {scene.bearing.rollers}")
+        size += 8 * n * (shape[1] if len(shape) == 2 else 1)
     if size > LARGEST_READ:
         raise InputError(
             f"{path}: {size / 2**30:.1f} GiB of arrays, at most {LARGEST_READ / 2**30:.0f} are read; "

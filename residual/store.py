@@ -2,8 +2,8 @@
 
 import json
 import os
+import secrets
 import shutil
-import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -40,8 +40,9 @@ def write_report(evaluation: Evaluation, folder: str | Path, tolerance: float | 
     folder = Path(folder)
     check_replaceable(folder)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    fresh = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+    fresh = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")  # known before it exists: no signal leaves it
     try:
+        fresh.mkdir(mode=0o700)
         summary = _fill(evaluation, fresh, tolerance)
         umask = os.umask(0)
         os.umask(umask)

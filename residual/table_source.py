@@ -1,6 +1,7 @@
 """Trajectory tables (CSV, TSV, semicolons): other people's data -> `Trajectory`."""
 
 import csv
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -8,14 +9,17 @@ import numpy as np
 from lagrange.scene import Scene
 from lagrange.scene_columns import Columns, per_roller
 from residual.resampling import evenly_sampled
-from residual.sources import check_readable
+from residual.sources import LARGEST_READ, check_readable
 from residual.trajectory import InputError, Trajectory, checked
 
+LONGEST_LINE = 2**20  # characters
+LONGEST_QUOTE = 200  # characters of a message
 MOTION = ("time", "inner_x", "inner_y")
 CARTESIAN, POLAR = ("roller_x", "roller_y"), ("roller_rho", "roller_theta")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what overflows is not finite, and refused as such
 def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Trajectory:
     """A trajectory table with one header line.
 
@@ -31,14 +35,19 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Trajec
     Errors
     ------
     InputError: no such file, not text, columns missing or twice, a number of rollers other than the scene's, a row
-    that can't be read, and all that `checked` refuses.
+    that can't be read, more than fits in memory, and all that `checked` refuses.
     """
     path = Path(path)
-    columns = scene.table
     check_readable(path)
+    return _trajectory(path, scene, _read_columns(path, scene), resample)
+
+
+def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
+    """Every quantity the table has, SI."""
+    columns = scene.table
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
-            lines = (line for line in file if line.strip() and not line.startswith("#"))
+            lines = (line for line in _lines(path, file) if line.strip() and not line.startswith("#"))
             first = next(lines, "")
             delimiter = _delimiter(first)
             header = [name.strip() for name in next(csv.reader([first], delimiter=delimiter), [])]
@@ -46,19 +55,44 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Trajec
             if columns.decimal == ",":
                 lines = (line.replace(",", ".") for line in lines)
             order = [index for indices, _ in found.values() for index in indices]
-            table = np.loadtxt(lines, delimiter=delimiter, usecols=order, ndmin=2)
+            lines = _at_most(path, lines, LARGEST_READ // (8 * len(order)))
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # of an empty table, which is refused for want of samples
+                table = np.loadtxt(lines, delimiter=delimiter, usecols=order, ndmin=2)
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: neither an HDF5 result file nor a text table (byte {error.start})") from None
+    except InputError:
+        raise
     except (ValueError, csv.Error) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path}: a row can't be read: {str(error).splitlines()[0]}") from None
+        raise InputError(f"{path}: a row can't be read: {_shown(str(error))}") from None
     arrays, start = {}, 0
     for quantity, (indices, factor) in found.items():
         values = factor * table[:, start : start + len(indices)]
         arrays[quantity] = values if per_roller(quantity) else values[:, 0]
         start += len(indices)
-    return _trajectory(path, scene, arrays, resample)
+    return arrays
+
+
+def _lines(path: Path, file):
+    """Lines of a text, none so long that it can't be a table's."""
+    while line := file.readline(LONGEST_LINE + 1):
+        if len(line) > LONGEST_LINE:
+            raise InputError(f"{path}: a line of more than {LONGEST_LINE} characters; is it a table?")
+        yield line
+
+
+def _at_most(path: Path, lines, most: int):
+    """No more rows than fit in memory."""
+    for count, line in enumerate(lines):
+        if count >= most:
+            raise InputError(f"{path}: more than {most} samples, {LARGEST_READ / 2**30:.0f} GiB; cut it into parts")
+        yield line
+
+
+def _shown(text: str) -> str:
+    """The first line of a message, fit to be printed."""
+    line = (text.splitlines() or [""])[0]
+    return "".join(c if c.isprintable() else "?" for c in line[:LONGEST_QUOTE])
 
 
 def _trajectory(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: bool) -> Trajectory:

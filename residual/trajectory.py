@@ -11,6 +11,8 @@ from lagrange.scene import Scene
 
 FEWEST_SAMPLES = 32  # fewer give no statistics and hardly a spectrum
 TIME_JITTER = 1e-3  # of the interval: what rounding the times to some decimals may cost
+LARGEST = 1e15  # SI: far above any position, acceleration, force or energy of a bearing
+SHORTEST_INTERVAL = 1e-12  # s
 SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
 
 
@@ -84,6 +86,7 @@ class Trajectory:
         return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()})
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what overflows is refused
 def checked(trajectory: Trajectory) -> Trajectory:
     """The trajectory itself, if it makes sense.
 
@@ -113,6 +116,13 @@ def checked(trajectory: Trajectory) -> Trajectory:
             "scene's pitch "
             f"radius is {pitch:.4g} m; are the positions in metres and the scene the right one?"
         )
+    hub = np.hypot(trajectory.inner_x, trajectory.inner_y)
+    if hub.max() > SAME_RUN * pitch:
+        i = int(np.argmax(hub))
+        raise InputError(
+            f"{source}: the inner ring's centre (inner_x, inner_y) is {hub[i]:.4g} m off at sample {i}, the scene's "
+            f"pitch radius is {pitch:.4g} m; are the positions in metres?"
+        )
     return trajectory
 
 
@@ -124,6 +134,8 @@ def _check_array(source: Path, name: str, value: np.ndarray, n_times: int, n_rol
         raise InputError(f"{source}: {name} holds {value.shape[1]} rollers, its scene says {n_rollers}")
     if value.shape != wanted:
         raise InputError(f"{source}: {name} has shape {value.shape}, expected {wanted}; the file is damaged")
+    if value.size and np.abs(value[np.isfinite(value)]).max(initial=0.0) > LARGEST:
+        raise InputError(f"{source}: {name} exceeds {LARGEST:g} in SI units; are the units right?")
     bad = ~np.isfinite(value)
     if bad.any():
         where = np.unravel_index(np.argmax(bad), value.shape)
@@ -142,6 +154,11 @@ def _check_time(source: Path, time: np.ndarray, interval: float) -> None:
         raise InputError(
             f"{source}: time does not rise after sample {i} ({time[i]:.9g} s is followed by "
             f"{time[i + 1]:.9g} s); sort it"
+        )
+    if interval < SHORTEST_INTERVAL:
+        raise InputError(
+            f"{source}: the sampling interval is {interval:.3g} s, at least {SHORTEST_INTERVAL:g} s is taken; is time "
+            "in seconds?"
         )
     uneven = np.abs(steps - interval)
     i = int(np.argmax(uneven))

@@ -7,8 +7,9 @@ import pytest
 from fem.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
 from fem.cli import run_main
 from fem.errors import UsageError
+from fem.layout import VARIABLES
 from fem.simulate import first_state, make_plan, run
-from fem.store import VARIABLES, ResultFile
+from fem.store import ResultFile
 from lagrange.scene import read_scene
 from tests.test_run_fem import _start_run
 
@@ -21,8 +22,9 @@ def stop_after(plan, path, samples):
     state = first_state(plan)
     with ResultFile(path, plan, 0.0) as store:
         run(plan, store.append, stop=lambda: state.done >= samples, state=state)
+        store.commit()
+        save_checkpoint(path, plan, state, store.stored)
         store.finish("interrupted", 0, 0.0)
-        save_checkpoint(path, plan, state)
     return state.done
 
 
@@ -64,7 +66,7 @@ def test_samples_beyond_the_checkpoint_are_written_again(whole, tmp_path):
     with ResultFile(path, plan, 0.0) as store:
         run(plan, store.append, stop=lambda: state.done >= 20, state=state)
         store.commit()
-        save_checkpoint(path, plan, state)
+        save_checkpoint(path, plan, state, store.stored)
         run(plan, store.append, stop=lambda: state.done >= 60, state=state)
         store.commit()
     assert run_main([*OPTIONS, "--duration", "2", "--output", str(path), "--resume"]) == 0
@@ -114,7 +116,7 @@ def test_another_version_is_refused(whole, monkeypatch):
 
     plan = make_plan(read_scene(None, SETTINGS))
     monkeypatch.setattr("fem.checkpoint.cache_folder", lambda: Path("kernels/other"))
-    with pytest.raises(UsageError, match="another version"):
+    with pytest.raises(UsageError, match=r"another version of the program \(kernels was '\w+', now 'other'\)"):
         load_checkpoint(whole, plan)
 
 
@@ -122,7 +124,10 @@ def test_a_second_run_on_the_same_file_is_refused_and_harms_nothing(tmp_path, ca
     path = tmp_path / "shared.nc"
     process = _start_run(path)
     try:
-        assert "another run" in refused([*OPTIONS, "--duration", "1", "--output", str(path)], capsys)
+        with h5py.File(path) as file:  # anyone may look on
+            assert file.attrs["status"] == "running"
+            assert np.all(np.isfinite(file["time"][: file.attrs["committed_samples"]]))
+        assert "in use" in refused([*OPTIONS, "--duration", "1", "--output", str(path)], capsys)
     finally:
         process.terminate()
         process.communicate(timeout=60)

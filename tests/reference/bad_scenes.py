@@ -1,0 +1,210 @@
+"""Scenes and options that run-fem must refuse: name -> a function that writes them into a folder.
+
+Each gives the command, its arguments and what the refusal must say.
+"""
+
+from fem.cli import run_main
+
+
+def scene(text, *words):
+    """A scene file, and what the refusal must say besides its name."""
+
+    def make(folder):
+        path = folder / "scene.toml"
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return run_main, [str(path)], ["scene.toml", *words]
+
+    return make
+
+
+def setting(*settings, say):
+    """Values given by --set."""
+    return options(*(word for each in settings for word in ("--set", each)), say=say)
+
+
+def options(*arguments, say):
+    """Options of run-fem."""
+    return lambda folder: (run_main, [str(a).format(folder=folder) for a in arguments], say.split(" & "))
+
+
+BAD_SCENES = {
+    # names and types
+    "unknown key": scene("[operation]\nspeed_rmp = 4500", "operation.speed_rmp", "did you mean speed_rpm?"),
+    "unknown table": scene("[bearings]\nrollers = 3", "bearings", "did you mean bearing?"),
+    "unknown key without a likely one": scene(
+        "[contact]\nzzz = 1", "contact.zzz", "known here: ", "friction_coefficient"
+    ),
+    "misspelt override": scene("[material.roler]\ndensity_kg_m3 = 1", "material.roler", "roller"),
+    "misspelt key of an override": scene("[material.roller]\ndensity = 1", "material.roller.density", "density_kg_m3"),
+    "misspelt option of the model": scene("[lagrange]\ndamping = 3.0", "lagrange.damping", "damping_N_s_m"),
+    "misspelt column": scene('[table]\ntiem = "t"', "table.tiem", "time"),
+    "settings of another program": scene("\n".join(f"key_{i} = {i}" for i in range(500)), "key_0", "and 480 more"),
+    "key of another table": scene("[numerics]\nspeed_rpm = 1.0", "numerics.speed_rpm"),
+    "text for a number": scene("[bearing]\nrollers = 'many'", "bearing.rollers", "'many'", "integer"),
+    "digits in quotes": scene("[operation]\nspeed_rpm = '4500'", "operation.speed_rpm = '4500'"),
+    "half a roller": scene("[bearing]\nrollers = 12.5", "bearing.rollers = 12.5", "integer"),
+    "truth for a number": scene("[bearing]\nrollers = true", "bearing.rollers = True"),
+    "date for a number": scene("[operation]\nspeed_rpm = 2007-06-18", "operation.speed_rpm"),
+    "list for a number": scene("[operation]\nspeed_rpm = [1, 2]", "operation.speed_rpm = [1, 2]"),
+    "table for a number": scene("[numerics.duration_ms]\nx = 1", "numerics.duration_ms", "number"),
+    "number for a table": scene("bearing = 3", "bearing = 3"),
+    "list of tables": scene("[[bearing]]\nrollers = 3", "bearing"),
+    "number for a name": scene("name = 3", "name = 3", "string"),
+    "number for a column": scene("[table]\ntime = 3", "table.time = 3"),
+    # numbers that are none, or too large
+    "not a number": scene("[operation]\nspeed_rpm = nan", "operation.speed_rpm = nan", "finite"),
+    "infinite": scene("[operation]\nradial_load_N = inf", "operation.radial_load_N = inf", "finite"),
+    "infinite by overflow": scene("[operation]\nradial_load_N = 1e400", "operation.radial_load_N = inf", "finite"),
+    "more digits than Python reads": scene(f"[bearing]\nrollers = {'9' * 5000}", "digits"),
+    "as many digits as it reads": scene(f"[operation]\nspeed_rpm = {'9' * 4000}", "operation.speed_rpm = 999", "..."),
+    "more rollers than a word holds": scene(f"[bearing]\nrollers = {2**70}", "bearing.rollers", "200"),
+    # one value out of range
+    "too few rollers": scene("[bearing]\nrollers = 2", "bearing.rollers = 2", "3"),
+    "negative rollers": scene("[bearing]\nrollers = -13", "bearing.rollers = -13", "3"),
+    "thousands of rollers": scene("[bearing]\nrollers = 5000", "bearing.rollers = 5000", "200"),
+    "negative diameter": scene("[bearing]\nroller_diameter_mm = -1", "bearing.roller_diameter_mm = -1", "0.5"),
+    "diameter in metres": scene("[bearing]\nroller_diameter_mm = 0.01", "bearing.roller_diameter_mm = 0.01", "0.5"),
+    "no length": scene("[bearing]\nroller_length_mm = 0", "bearing.roller_length_mm = 0", "0.1"),
+    "endless rollers": scene("[bearing]\nroller_length_mm = 1e6", "bearing.roller_length_mm = 1000000", "2000"),
+    "no raceway": scene("[bearing]\ninner_raceway_diameter_mm = 0", "bearing.inner_raceway_diameter_mm = 0"),
+    "raceway of kilometres": scene("[bearing]\nouter_raceway_diameter_mm = 1e7", "bearing.outer_raceway_diameter_mm"),
+    "no bore": scene("[bearing]\nbore_diameter_mm = 0.0", "bearing.bore_diameter_mm = 0.0"),
+    "negative outside": scene("[bearing]\noutside_diameter_mm = -65", "bearing.outside_diameter_mm = -65"),
+    "unknown kind of bearing": scene('[bearing]\ntype = "needle"', "bearing.type = 'needle'", "'ball'"),
+    "no stiffness": scene("[material]\nyoungs_modulus_GPa = 0", "material.youngs_modulus_GPa = 0", "0.1"),
+    "stiffness in pascals": scene("[material]\nyoungs_modulus_GPa = 210e9", "material.youngs_modulus_GPa", "2000"),
+    "incompressible": scene("[material]\npoisson_ratio = 0.5", "material.poisson_ratio = 0.5", "0.45"),
+    "auxetic": scene("[material]\npoisson_ratio = -0.1", "material.poisson_ratio = -0.1", "0"),
+    "no mass": scene("[material]\ndensity_kg_m3 = 0", "material.density_kg_m3 = 0", "100"),
+    "density in g/cm3": scene("[material]\ndensity_kg_m3 = 7.85", "material.density_kg_m3 = 7.85", "100"),
+    "override out of range": scene("[material.inner_ring]\npoisson_ratio = 1", "material.inner_ring.poisson_ratio = 1"),
+    "faster than anything": scene("[operation]\nspeed_rpm = 1e6", "operation.speed_rpm = 1000000.0", "200000"),
+    "load upwards": scene("[operation]\nradial_load_N = -1", "operation.radial_load_N = -1", "0"),
+    "load of a mountain": scene("[operation]\nradial_load_N = 1e12", "operation.radial_load_N = 1000000000000.0"),
+    "massless shaft": scene("[operation]\ninner_ring_and_shaft_kg = 0", "operation.inner_ring_and_shaft_kg = 0"),
+    "gravity upwards": scene("[operation]\ngravity_m_s2 = -9.81", "operation.gravity_m_s2 = -9.81", "0"),
+    "roller many turns away": scene("[operation]\nfirst_roller_deg = 3600", "operation.first_roller_deg = 3600", "360"),
+    "negative friction": scene("[contact]\nfriction_coefficient = -0.1", "contact.friction_coefficient = -0.1"),
+    "friction above 1": scene("[contact]\nfriction_coefficient = 1.5", "contact.friction_coefficient = 1.5", "1"),
+    "unknown contact": scene("[contact]\nmodel = 'penalty'", "contact.model = 'penalty'", "'subgrid' or 'resolved'"),
+    "negative duration": scene("[numerics]\nduration_ms = -1", "numerics.duration_ms = -1", "0"),
+    "duration of years": scene("[numerics]\nduration_ms = 1e12", "numerics.duration_ms = 1000000000000.0"),
+    "unknown start": scene("[numerics]\nstart = 'running'", "numerics.start = 'running'", "'equilibrium' or 'rest'"),
+    "negative ramp": scene("[numerics]\nload_ramp_ms = -1", "numerics.load_ramp_ms = -1", "0"),
+    "no mesh": scene("[numerics]\nmesh_size_mm = 0", "numerics.mesh_size_mm = 0", "0"),
+    "safety of 1": scene("[numerics]\ntime_step_safety = 1.0", "numerics.time_step_safety = 1.0", "less than 1"),
+    "no time step": scene("[numerics]\ntime_step_safety = 1e-300", "numerics.time_step_safety = 1e-300", "0.01"),
+    "no interval": scene("[numerics]\noutput_interval_us = 0", "numerics.output_interval_us = 0", "0.001"),
+    "interval below any step": scene("[numerics]\noutput_interval_us = 1e-300", "output_interval_us = 1e-300", "0.001"),
+    "negative damping": scene("[lagrange]\ndamping_N_s_m = -1.0", "lagrange.damping_N_s_m = -1.0", "0"),
+    "unknown model": scene('model = "spring"', "model = 'spring'", "'fem' or 'lagrange'"),
+    "unit of no length": scene('[table]\ninner_x = "x [fortnight]"', "table.inner_x", "fortnight"),
+    "column without a number": scene('[table]\nroller_x = "x"', "table.roller_x", "{j}"),
+    "column with one too many": scene('[table]\ninner_x = "x{j}"', "table.inner_x", "{j}"),
+    "name of a column without end": scene(f'[table]\ntime = "t{" " * 5000}"', "table.time", "200"),
+    "odd decimal sign": scene("[table]\ndecimal = ';'", "table.decimal = ';'"),
+    "negative first roller": scene("[table]\nfirst_roller = -1", "table.first_roller = -1"),
+    # values that contradict each other
+    "too many rollers": scene("[bearing]\nrollers = 15", "rollers = 15", "at most 14"),
+    "bore larger than raceway": scene("[bearing]\nbore_diameter_mm = 36.5", "bore_diameter_mm", "inner_raceway"),
+    "bore as large as raceway": scene("[bearing]\nbore_diameter_mm = 36.0", "bore_diameter_mm = 36.0", "inner_raceway"),
+    "outside below raceway": scene("[bearing]\noutside_diameter_mm = 55", "outside_diameter_mm", "outer_raceway"),
+    "too much preload": scene("[bearing]\nouter_raceway_diameter_mm = 55", "preload", "outer_raceway_diameter_mm"),
+    "too much clearance": scene("[bearing]\nouter_raceway_diameter_mm = 59", "clearance", "outer_raceway_diameter_mm"),
+    "raceways exchanged": scene(
+        "[bearing]\ninner_raceway_diameter_mm = 56\nouter_raceway_diameter_mm = 36\noutside_diameter_mm = 70",
+        "outer_raceway_diameter_mm = 36",
+    ),
+    "mass below the ring's": scene("[operation]\ninner_ring_and_shaft_kg = 0.03", "inner_ring_and_shaft_kg", "0.04137"),
+    "heavy inner ring": scene("[material.inner_ring]\ndensity_kg_m3 = 30000", "inner_ring_and_shaft_kg = 0.078"),
+    "mesh too coarse": scene("[numerics]\nmesh_size_mm = 4", "mesh_size_mm = 4", "at most"),
+    "mesh too fine": scene("[numerics]\nmesh_size_mm = 0.01", "mesh_size_mm = 0.01", "at least"),
+    "interval longer than the run": scene(
+        "[numerics]\nduration_ms = 1\noutput_interval_us = 2000",
+        "output_interval_us = 2000",
+        "duration_ms = 1",
+        "at most",
+    ),
+    "grooves of a roller bearing": scene("[bearing]\ninner_conformity = 0.52", "inner_conformity", 'type = "ball"'),
+    "grooves tighter than the ball": scene(
+        '[bearing]\ntype = "ball"\nouter_conformity = 0.5', "outer_conformity = 0.5"
+    ),
+    "law of balls for rollers": scene('[lagrange]\nlaw = "hertz"', "lagrange.law = 'hertz'", "harris"),
+    "law of rollers for balls": scene('[bearing]\ntype = "ball"\n[lagrange]\nlaw = "harris"', "lagrange.law", "hertz"),
+    # files that are no scenes
+    "broken TOML": scene("[bearing\nrollers = 3", "TOML", "line 1"),
+    "unfinished TOML": scene("name = ", "TOML"),
+    "key twice": scene("[bearing]\nrollers = 12\nrollers = 13", "TOML"),
+    "table twice": scene("[bearing]\n[bearing]", "TOML"),
+    "JSON": scene('{"bearing": {"rollers": 13}}', "TOML"),
+    "YAML": scene("bearing:\n  rollers: 13", "TOML"),
+    "not text": scene(b"\xff\xfe\x00\x01", "UTF-8"),
+    "text of another encoding": scene("name = 'Wälzlager'".encode("utf-16"), "UTF-8"),
+    "zeros": scene(bytes(100), "TOML"),
+    "arrays without end": scene(f"name = {'[' * 100_000}", "nested"),
+    "tables without end": scene(f"{'a.' * 5000}b = 1", "a"),
+    "a million spaces": scene(" " * 2**21, "longer than"),
+    "name that leads elsewhere": scene("name = '../evil'", "name = '../evil'", "pattern"),
+    "name of a root folder": scene("name = '/etc/passwd'", "name = '/etc/passwd'"),
+    "name without letters": scene("name = ''", "name = ''"),
+    "name of a thousand letters": scene(f"name = '{'x' * 1000}'", "name = 'xxx", "100"),
+    "name with a line break": scene('name = "a\\nb"', "name = 'a\\nb'"),
+    "keys that move the cursor": scene('"\\u001b[2J" = 1', "\\x1b[2J", "unknown key"),
+    "value of a million letters": scene(f"[bearing]\nrollers = '{'x' * 10**6}'", "bearing.rollers = 'xxx", "..."),
+}
+
+BAD_SETTINGS = {
+    "no key": setting("speed", say="--set 'speed' & table.key=value"),
+    "empty key": setting("=3", say="--set '=3'"),
+    "half a key": setting("operation.=3", say="--set 'operation.=3'"),
+    "table behind a value": setting("name=x", "name.first=1", say="--set 'name.first=1' & name is a value"),
+    "unknown key by option": setting("operation.speed=1", say="operation.speed & did you mean speed_rpm?"),
+    "word for a number by option": setting("operation.speed_rpm=fast", say="operation.speed_rpm = 'fast'"),
+    "second key in a value": setting("operation.speed_rpm=1\nname='x'", say="operation.speed_rpm"),
+    "comment for a value": setting("operation.speed_rpm=# 3", say="operation.speed_rpm"),
+    "out of range by option": setting("contact.friction_coefficient=2", say="contact.friction_coefficient = 2"),
+    "negative mesh size": options("--mesh-size", "-1", say="numerics.mesh_size_mm = -1"),
+    "mesh size of nan": options("--mesh-size", "nan", say="numerics.mesh_size_mm = nan"),
+    "mesh size in words": options("--mesh-size", "fine", say="--mesh-size"),
+    "duration of nan": options("--duration", "nan", say="numerics.duration_ms = nan"),
+    "duration in words": options("--duration", "long", say="--duration"),
+    "negative seconds between checkpoints": options("--checkpoint", "-1", say="--checkpoint -1"),
+    "checkpoint of nan": options("--checkpoint", "nan", say="--checkpoint nan"),
+    "unknown model by option": options("--model", "spring", say="--model"),
+    "misspelt option": options("--mesh-sise", "2", say="--mesh-sise"),
+    "two scenes": options("a.toml", "b.toml", say="b.toml"),
+    "no such scene": options("gone.toml", say="gone.toml & can't be read"),
+    "folder for a scene": options("{folder}", say="can't be read"),
+    "folder for a result": options("--output", "{folder}", say="--output & is a folder"),
+    "folder that can't be made": options("--output", "/proc/nothing/x.nc", "--mesh-size", "2", say="/proc/nothing"),
+    "nothing to resume": options(
+        "--resume", "--mesh-size", "2", "--output", "none.nc", say="none.nc & nothing to resume"
+    ),
+    "resumed Lagrangian model": options("--model", "lagrange", "--resume", say="--resume & Lagrangian"),
+    "error estimate without a mesh": options("--model", "lagrange", "--estimate-error", say="--estimate-error"),
+    # sensible values of a bearing that can't be simulated
+    "centrifugal strain": setting(
+        "operation.speed_rpm=150000", "material.youngs_modulus_GPa=50", say="operation.speed_rpm & at most"
+    ),
+    "contacts beyond Hertz": setting("operation.radial_load_N=1e6", say="Hertz & radial_load_N"),
+    "mesh coarser than a resolved contact": setting(
+        "contact.model=resolved", "numerics.mesh_size_mm=0.2", say="contact.model & mesh_size_mm at most"
+    ),
+    "needle through the inner ring": setting(
+        "bearing.bore_diameter_mm=0.5", "operation.inner_ring_and_shaft_kg=0.1", say="inner ring & edges"
+    ),
+    "ring thinner than an element": setting(
+        "bearing.outside_diameter_mm=57", say="outer ring & 0.5 mm thick & mesh_size_mm"
+    ),
+    "more nodes than memory": setting("numerics.mesh_size_mm=0.03", say="mesh_size_mm = 0.03 & nodes & at most"),
+    "balls as plane sections": setting("bearing.type=ball", say='bearing.type = "ball" & --model lagrange'),
+    "Lagrangian run beyond memory": options(
+        "--model",
+        "lagrange",
+        "--duration",
+        "1e6",
+        "--set",
+        "numerics.output_interval_us=0.1",
+        say="numerics.duration_ms & GiB",
+    ),
+}

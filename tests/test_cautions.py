@@ -1,0 +1,71 @@
+"""What a plan warns of: pressures that steel does not bear, samples too seldom; told everywhere a user looks."""
+
+import json
+from math import pi, sqrt
+
+import h5py
+import pytest
+
+from fem.cli import run_main
+from fem.simulate import make_plan
+from lagrange.scene import read_scene
+from residual.cli import main as check_main
+from residual.sources import read_result
+
+COARSE = "numerics.mesh_size_mm=2"
+ISO_76 = 4e9  # Pa, ISO 76:2006, roller bearings
+
+
+def hertz_pressure(force):
+    """Line contact of roller and inner raceway: p0 = sqrt(Q E* / (π R L)) (Johnson, Contact Mechanics, 1985, 4.2)."""
+    modulus = 210e9 / (2.0 * (1.0 - 0.3**2))
+    radius = 1.0 / (1.0 / 5e-3 + 1.0 / 18e-3)
+    return sqrt(force * modulus / (pi * radius * 10e-3))
+
+
+def plan_of(*settings):
+    return make_plan(read_scene(None, (COARSE, *settings)))
+
+
+@pytest.mark.parametrize("load", [40e3, 52e3, 55e3, 70e3])
+def test_a_pressure_above_the_static_rating_is_warned_of(load):
+    plan = plan_of(f"operation.radial_load_N={load}")
+    pressure = hertz_pressure(plan.start.equilibrium.inner_force.max())
+    assert abs(pressure - ISO_76) > 0.002 * ISO_76  # the load is not chosen on the edge
+    assert bool(plan.cautions) == (pressure > ISO_76)
+    if plan.cautions:
+        assert f"{1e-6 * pressure:.0f} MPa" in plan.cautions[0]
+        assert "ISO 76" in plan.cautions[0] and "4000 MPa" in plan.cautions[0]
+
+
+def test_the_largest_preload_a_scene_may_have_is_warned_of_in_stiff_bodies_only():
+    """Beyond 0.5 % of the roller's diameter the scene refuses it; at 500 GPa that is too much already."""
+    preload = ("bearing.outer_raceway_diameter_mm=55.951", "operation.radial_load_N=0")
+    assert not plan_of(*preload).cautions
+    assert "the preload" in plan_of(*preload, "material.youngs_modulus_GPa=500").cautions[0]
+
+
+@pytest.mark.parametrize(("interval", "warned"), [(10.0, False), (30.0, False), (50.0, True), (1000.0, True)])
+def test_samples_that_can_not_follow_the_hub_are_warned_of(interval, warned):
+    """The hub of the paper's bearing swings at about 13.6 kHz on its contacts: 37 µs."""
+    plan = plan_of(f"numerics.output_interval_us={interval}")
+    assert bool(plan.cautions) == warned
+    if warned:
+        assert f"numerics.output_interval_us = {interval:g}" in plan.cautions[0]
+
+
+def test_a_warning_is_told_wherever_a_user_looks(tmp_path, capsys):
+    path = tmp_path / "run.nc"
+    options = ["--mesh-size", "2", "--duration", "1", "--set", "operation.radial_load_N=60000", "--output", str(path)]
+    assert run_main([*options, "--dry-run"]) == 0
+    assert "Warning: the largest static force" in capsys.readouterr().out
+    assert run_main(options) == 0
+    out, error = capsys.readouterr()
+    assert "Warning: the largest static force" in out and "warning: the largest static force" in error
+    with h5py.File(path) as file:
+        assert "ISO 76" in file.attrs["warnings"]
+    assert any("ISO 76" in note for note in read_result(path).notes)
+    assert check_main([str(path), "--output", str(tmp_path / "report")]) == 0
+    assert "ISO 76" in capsys.readouterr().err
+    summary = json.loads((tmp_path / "report" / "summary.json").read_text(encoding="utf-8"))
+    assert any("ISO 76" in note for note in summary["notes"])

@@ -1,0 +1,437 @@
+"""Disks that fail, fill up, tear a write or flip a bit; folders and files that can't be written; clocks that jump."""
+
+import errno
+import itertools
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "reference"))
+from recorded_disk import RecordedDisk
+from synthetic_run import make_run, write_result
+
+import residual.store  # noqa: F401 (loaded before the right to do so is given up)
+from fem.checkpoint import checkpoint_path, load_checkpoint
+from fem.cli import run_main
+from fem.errors import UsageError
+from fem.layout import MARK, PER_TIME, VARIABLES, create
+from fem.simulate import make_plan
+from fem.store import ResultFile
+from lagrange.scene import read_scene
+from lagrange.stored import read_numbers
+from residual.cli import main as check_main
+from residual.sources import read_result
+from residual.trajectory import InputError
+
+ROOT = Path(__file__).resolve().parent.parent
+BLOCKS = (1, 4, 15)  # samples appended and committed at a time, of 41
+ROLLERS = 13
+OPTIONS = ["--mesh-size", "2", "--quiet", "--checkpoint", "0"]
+SHORT = [*OPTIONS, "--duration", "2"]
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.4")))
+
+
+@pytest.fixture(scope="module")
+def samples():
+    """Made-up samples: what a file holds of them can be told apart."""
+    n = sum(BLOCKS)
+    numbers = np.random.default_rng(1)
+    return {
+        name: numbers.uniform(size=n if dimensions == PER_TIME else (n, ROLLERS))
+        for name, (dimensions, *_) in VARIABLES.items()
+    }
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A short run that nothing disturbed."""
+    path = tmp_path_factory.mktemp("whole") / "whole.nc"
+    assert run_main([*SHORT, "--output", str(path)]) == 0
+    return path
+
+
+def write(path, plan, samples):
+    """All blocks, each committed; fewer samples than there is room for."""
+    with ResultFile(path, plan, 0.0) as store:
+        for block, start in zip(BLOCKS, itertools.accumulate((0, *BLOCKS)), strict=False):
+            part = {name: values[start : start + block] for name, values in samples.items()}
+            store.append(part)
+            store.commit()
+        store.finish("interrupted", 7, 1.5)
+
+
+ENDS = [(0, "running"), (1, "running"), (5, "running"), (20, "running"), (20, "interrupted")]
+
+
+def found(path, samples):
+    """Number of samples and status of a file that any HDF5 reader can open; its samples must be right."""
+    with h5py.File(path, "r", locking=False) as file:
+        count = int(file.attrs["committed_samples"])
+        for name in VARIABLES:
+            np.testing.assert_array_equal(read_numbers(file, name, count), samples[name][:count])
+        return count, file.attrs["status"]
+
+
+def same_data(left, right):
+    with h5py.File(left) as a, h5py.File(right) as b:
+        return all(np.array_equal(a[name][:], b[name][:]) for name in VARIABLES)
+
+
+def names_in(folder):
+    return sorted(entry.name for entry in folder.iterdir())
+
+
+def test_a_run_that_is_killed_after_any_write_leaves_the_samples_of_its_last_commit(
+    plan, samples, tmp_path, monkeypatch
+):
+    path, probe = tmp_path / "run.nc", tmp_path / "probe.nc"
+    disk = RecordedDisk(monkeypatch)
+    write(path, plan, samples)
+    ends = []
+    for content in dict.fromkeys(disk.after_kills(path)):
+        probe.write_bytes(content)
+        ends.append(found(probe, samples))
+    assert len(ends) > 3 * 2 * len(VARIABLES)
+    assert list(dict.fromkeys(ends)) == ENDS
+
+
+def test_a_power_cut_leaves_a_sound_file_whichever_sectors_had_reached_the_disk(plan, samples, tmp_path, monkeypatch):
+    path, probe = tmp_path / "run.nc", tmp_path / "probe.nc"
+    disk = RecordedDisk(monkeypatch)
+    write(path, plan, samples)
+    ends = []
+    for content in dict.fromkeys(disk.after_power_cuts(path, np.random.default_rng(5), tries=2)):
+        probe.write_bytes(content)
+        ends.append(ENDS.index(found(probe, samples)))
+    assert len(ends) > 200
+    assert set(ends) == set(range(len(ENDS)))
+    assert all(later >= sooner - 1 for sooner, later in itertools.pairwise(ends))  # the commit in work is on it or not
+
+
+def test_the_counter_is_not_torn(plan, tmp_path):
+    """Eight aligned bytes: within one sector, and one page."""
+    places = create(tmp_path / "run.nc", ROLLERS, 41, {})
+    assert places.committed % 8 == 0
+    with h5py.File(tmp_path / "run.nc") as file:
+        assert file.attrs["committed_samples"] == MARK and np.all(np.isnan(file["time"]))
+
+
+@pytest.mark.parametrize("every", [7, pytest.param(1, marks=pytest.mark.slow)])
+def test_a_disk_that_fails_at_a_write_leaves_the_earlier_file_or_a_sound_one(
+    every, plan, samples, tmp_path, monkeypatch
+):
+    path = tmp_path / "run.nc"
+    with monkeypatch.context() as sound:
+        disk = RecordedDisk(sound)
+        write(path, plan, samples)
+    earlier, left = b"an earlier result", []
+    for fail_at in range(0, disk.calls - 1, every):  # the last one syncs the folder, which not all can
+        path.write_bytes(earlier)
+        with monkeypatch.context() as failing:
+            RecordedDisk(failing, fail_at)
+            try:
+                write(path, plan, samples)
+                left.append("ended")
+            except OSError as error:
+                assert error.filename == str(path) and error.strerror == "No space left on device"
+        assert names_in(tmp_path) == ["run.nc"]
+        left.append(earlier if path.read_bytes() == earlier else found(path, samples))
+    if every == 1:
+        # once all samples are there and only a second file can't be written, the first one takes the outcome
+        assert list(dict.fromkeys(left)) == [earlier, *ENDS[:-1], "ended", ENDS[-1]]
+    assert set(left) <= {earlier, *ENDS, "ended"} and len(set(left)) > 4
+
+
+STAGES = {  # of a run in the order they come: function, how many calls go well before it fails
+    "claiming room": ("os.posix_fallocate", 0),
+    "syncing the new file": ("os.fsync", 0),
+    "moving it into place": ("os.replace", 0),
+    "the first commit": ("os.fsync", 2),  # the second sync is of the folder
+    "its counter": ("os.fsync", 3),
+}
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_a_result_that_can_not_be_written_is_said_and_what_was_there_stays(stage, whole, tmp_path, monkeypatch, capsys):
+    path = Path(shutil.copy(whole, tmp_path / "run.nc"))
+    function, good = STAGES[stage]
+    fail_after(monkeypatch, function, good)
+    assert run_main([*SHORT, "--output", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith(f"error: {path}: Input/output error") and "Traceback" not in error
+    assert names_in(tmp_path) == ["run.nc"]
+    if good:
+        with h5py.File(path) as file:
+            assert file.attrs["status"] == "running"
+    else:
+        assert path.read_bytes() == whole.read_bytes()
+
+
+def fail_after(monkeypatch, function, good):
+    """Every call of a function of `os` after the first `good` ones fails."""
+    name = function.removeprefix("os.")
+    real, calls = getattr(os, name), itertools.count()
+
+    def failing(*arguments):
+        if next(calls) >= good:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        return real(*arguments)
+
+    monkeypatch.setattr(f"os.{name}", failing)
+
+
+@pytest.mark.parametrize("function", ["open", "np.savez", "move_into_place"])
+def test_a_checkpoint_that_can_not_be_written_leaves_the_last_one_and_the_run_goes_on(
+    function, whole, tmp_path, monkeypatch, capsys
+):
+    path = tmp_path / "run.nc"
+    assert run_main([*SHORT[:-1], "1", "--output", str(path)]) == 0
+    kept = checkpoint_path(path).read_bytes()
+
+    def fail(*_, **__):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(f"fem.checkpoint.{function}", fail, raising=False)
+    assert run_main([*SHORT, "--output", str(path), "--resume"]) == 0
+    error = capsys.readouterr().err
+    assert f"warning: {checkpoint_path(path)}: No space left" in error and "Traceback" not in error
+    assert checkpoint_path(path).read_bytes() == kept
+    assert same_data(path, whole)
+    assert names_in(tmp_path) == ["run.nc", "run.nc.checkpoint"]
+
+
+def limited(arguments, limit):
+    """run-fem in a process whose files can't grow beyond a limit, bytes."""
+    import resource
+
+    return subprocess.run(
+        [sys.executable, "-m", "fem.cli", *arguments],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)),
+        capture_output=True,
+        text=True,
+    )
+
+
+@pytest.mark.skipif(os.name != "posix", reason="POSIX limits")
+def test_a_result_larger_than_a_file_may_be_is_refused_before_the_run(tmp_path):
+    path = tmp_path / "run.nc"
+    path.write_bytes(b"an earlier result")
+    done = limited([*OPTIONS, "--duration", "60", "--output", str(path)], 10**6)
+    assert done.returncode == 2
+    assert f"error: {path}: File too large" in done.stderr and "Traceback" not in done.stderr
+    assert names_in(tmp_path) == ["run.nc"] and path.read_bytes() == b"an earlier result"
+
+
+@pytest.mark.skipif(not hasattr(os, "posix_fallocate") or sys.platform != "linux", reason="Linux")
+def test_a_run_whose_disk_fails_half_way_can_be_resumed(tmp_path):
+    """The limit on file sizes is lowered while the run goes; it hits the variables that lie beyond it."""
+    import resource
+
+    path, other = tmp_path / "run.nc", tmp_path / "other.nc"
+    arguments = [*OPTIONS, "--duration", "15", "--output"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "fem.cli", *arguments, str(path)],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    deadline = time.monotonic() + 120.0
+    while not checkpoint_path(path).exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (800_000, 800_000))
+    _, error = process.communicate(timeout=120)
+    assert process.returncode == 2
+    assert f"error: {path}: File too large" in error and "--resume goes on" in error and "Traceback" not in error
+    assert names_in(tmp_path) == ["run.nc", "run.nc.checkpoint"]
+    assert run_main([*arguments, str(path), "--resume"]) == 0
+    assert run_main([*arguments, str(other)]) == 0
+    assert same_data(path, other)
+
+
+def mounts_tmpfs():
+    """Whether this user may mount a file system in a name space of their own."""
+    command = ["unshare", "--user", "--map-root-user", "--mount", "mount", "-t", "tmpfs", "none", "/mnt"]
+    return shutil.which("unshare") is not None and subprocess.run(command, capture_output=True).returncode == 0
+
+
+@pytest.mark.skipif(not mounts_tmpfs(), reason="needs user name spaces")
+def test_on_a_disk_of_one_megabyte_a_run_that_fits_is_complete_and_one_that_does_not_is_refused(tmp_path):
+    """1.02 MB of result leave no room for a checkpoint of 84 kB and for a second file to finish in."""
+    disk, log = tmp_path / "disk", tmp_path / "log"
+    disk.mkdir()
+    run = f'"{sys.executable}" -m fem.cli {" ".join(OPTIONS)} --output "{disk}/run.nc"'
+    script = f"""
+        mount -t tmpfs -o size=1m none "{disk}"
+        {run} --duration 8.8; echo "exit $?"; cp "{disk}/run.nc" "{tmp_path}"; ls -A "{disk}"
+        {run} --duration 12; echo "exit $?"; cmp "{disk}/run.nc" "{tmp_path}/run.nc" && ls -A "{disk}"
+    """
+    with open(log, "w") as out:
+        subprocess.run(
+            ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", script],
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            stdout=out,
+            stderr=subprocess.STDOUT,
+        )
+    lines = [line for line in log.read_text().splitlines() if not line.startswith("warning:")]
+    assert f"warning: {disk}/run.nc.checkpoint: No space left on device" in log.read_text()
+    assert lines[:2] == ["exit 0", "run.nc"]
+    assert lines[2].startswith(f"error: {disk}/run.nc: No space left on device")
+    assert lines[3:] == ["exit 2", "run.nc"]
+    other = tmp_path / "other.nc"
+    assert run_main([*OPTIONS, "--duration", "8.8", "--output", str(other)]) == 0
+    assert same_data(tmp_path / "run.nc", other)
+
+
+@pytest.fixture
+def closed_folder():
+    """A folder with a result in it that this user can't write to (and one in it that they can); for root, as nobody."""
+    folder = Path(tempfile.mkdtemp())
+    (folder / "open").mkdir()
+    (folder / "open").chmod(0o777)
+    for path in (folder / "run.nc", folder / "open" / "run.nc"):
+        write_result(path, make_run(n_times=40))
+        path.chmod(0o444)
+    folder.chmod(0o555)
+    as_root = hasattr(os, "geteuid") and os.geteuid() == 0
+    if as_root:
+        os.seteuid(65534)
+    try:
+        yield folder
+    finally:
+        if as_root:
+            os.seteuid(0)
+        folder.chmod(0o755)
+        shutil.rmtree(folder)
+
+
+@pytest.mark.usefixtures("whole")  # kernels are compiled
+def test_a_folder_or_file_that_can_not_be_written_is_named_and_left_alone(closed_folder, capsys):
+    """A read-only file in an open folder could be renamed away, which its owner will not want."""
+    path, content = closed_folder / "run.nc", (closed_folder / "run.nc").read_bytes()
+    for command, arguments in (
+        (run_main, [*SHORT, "--output", str(closed_folder / "fresh.nc")]),
+        (run_main, [*SHORT, "--output", str(path)]),
+        (run_main, [*SHORT, "--output", str(closed_folder / "open" / "run.nc")]),
+        (run_main, [*SHORT, "--output", str(closed_folder / "deeper" / "run.nc")]),
+        (check_main, [str(path)]),
+    ):
+        assert command(arguments) == 2
+        error = capsys.readouterr().err
+        assert str(closed_folder) in error and "Permission denied" in error and "Traceback" not in error
+    assert names_in(closed_folder) == ["open", "run.nc"] and names_in(closed_folder / "open") == ["run.nc"]
+    assert path.read_bytes() == (closed_folder / "open" / "run.nc").read_bytes() == content
+
+
+@pytest.mark.parametrize("command", ["write", "resume"])
+def test_a_result_that_is_open_elsewhere_is_left_alone(command, whole, tmp_path, capsys):
+    path = Path(shutil.copy(whole, tmp_path / "run.nc"))
+    shutil.copy(checkpoint_path(whole), checkpoint_path(path))
+    before = path.read_bytes()
+    with h5py.File(path, "r"):
+        assert run_main([*SHORT, "--output", str(path), *(["--resume"] if command == "resume" else [])]) == 2
+    assert f"{path}: is in use" in capsys.readouterr().err
+    assert path.read_bytes() == before and names_in(tmp_path) == ["run.nc", "run.nc.checkpoint"]
+
+
+@pytest.mark.parametrize("what", ["a folder", "a pipe"])
+def test_what_is_no_plain_file_is_not_replaced(what, tmp_path, capsys):
+    path = tmp_path / "run.nc"
+    path.mkdir() if what == "a folder" else os.mkfifo(path)
+    assert run_main([*SHORT, "--output", str(path)]) == 2
+    assert str(path) in capsys.readouterr().err
+    assert names_in(tmp_path) == ["run.nc"] and not path.is_file()
+
+
+def test_a_link_keeps_leading_to_the_result(whole, tmp_path):
+    (tmp_path / "disk").mkdir()
+    link, target = tmp_path / "run.nc", tmp_path / "disk" / "result.nc"
+    target.write_bytes(b"an earlier result")
+    link.symlink_to(target)
+    assert run_main([*SHORT, "--output", str(link)]) == 0
+    assert link.is_symlink() and same_data(target, whole)
+
+
+@pytest.mark.parametrize("clock", ["back and forth", "an hour a look", "stands still"])
+def test_clocks_that_jump_change_nothing(clock, whole, tmp_path, monkeypatch):
+    """The hour set, a laptop asleep, a virtual machine moved: no sample, no end and no memory depend on it."""
+    numbers, now = np.random.default_rng(3), itertools.count()
+
+    def told():
+        if clock == "stands still":
+            return 5.0
+        return 3600.0 * next(now) if clock == "an hour a look" else float(numbers.uniform(-1e6, 1e6))
+
+    for name in ("time", "monotonic", "perf_counter"):
+        monkeypatch.setattr(f"time.{name}", told)
+    path = tmp_path / "run.nc"
+    assert run_main([*SHORT, "--output", str(path)]) == 0
+    assert same_data(path, whole)
+    assert load_checkpoint(path, make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=2"))))
+
+
+@pytest.mark.parametrize("flips", [100, pytest.param(1000, marks=pytest.mark.slow)])
+def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path, monkeypatch):
+    """Either the file is refused, or all that is read from it is what was written."""
+    monkeypatch.setattr("residual.sources.READ_SECONDS", 0.3)  # some bits send HDF5 round in circles
+    path, scene = tmp_path / "run.nc", ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.5")
+    plan = make_plan(read_scene(None, scene))
+    assert run_main([*OPTIONS, "--duration", "0.5", "--output", str(path)]) == 0
+    good, sound = path.read_bytes(), read_result(path)
+    with h5py.File(path) as file:
+        blocks = [(file[name].id.get_offset(), file[name].nbytes) for name in VARIABLES]
+    inside = np.zeros(len(good), dtype=bool)
+    for start, size in blocks:
+        inside[start : start + size] = True
+    numbers = np.random.default_rng(7)
+    structure, data = np.flatnonzero(~inside), np.flatnonzero(inside)
+    places = np.concatenate([numbers.choice(structure, 3 * flips // 4), numbers.choice(data, flips // 4)])
+    refused = 0
+    for place in places:
+        spoilt = bytearray(good)
+        spoilt[place] ^= 1 << int(numbers.integers(8))
+        path.write_bytes(spoilt)
+        try:
+            read = read_result(path)
+        except InputError as error:
+            assert str(path) in str(error)
+            refused += 1
+            continue
+        assert read.scene == sound.scene == plan.scene
+        for name in ("time", "inner_x", "inner_y", "roller_x", "roller_y", "inner_force", "outer_traction"):
+            np.testing.assert_array_equal(getattr(read, name), getattr(sound, name))
+    assert refused > flips // 5
+
+
+def test_no_flipped_bit_of_a_checkpoint_goes_unnoticed(plan, tmp_path):
+    path = tmp_path / "run.nc"
+    assert run_main([*OPTIONS, "--duration", "0.4", "--output", str(path)]) == 0
+    good = checkpoint_path(path).read_bytes()
+    sound, stored = load_checkpoint(path, plan)
+    numbers, refused = np.random.default_rng(8), 0
+    for place in numbers.integers(0, len(good), 300):
+        spoilt = bytearray(good)
+        spoilt[place] ^= 1 << int(numbers.integers(8))
+        checkpoint_path(path).write_bytes(spoilt)
+        try:
+            state, same = load_checkpoint(path, plan)
+        except UsageError as error:
+            assert str(checkpoint_path(path)) in str(error)
+            refused += 1
+            continue
+        assert same == stored
+        np.testing.assert_array_equal(state.arrays.rollers.u, sound.arrays.rollers.u)
+        np.testing.assert_array_equal(state.arrays.inner.w, sound.arrays.inner.w)
+    assert refused > 250

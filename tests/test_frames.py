@@ -147,6 +147,24 @@ def test_damaged_fields_are_refused(with_fields, tmp_path):
         read_instant(path, 1e-3)
 
 
+def test_a_changed_frame_is_refused_by_its_checksum(with_fields, tmp_path):
+    path = shutil.copy(with_fields, tmp_path / "copy.nc")
+    with h5py.File(path, "r+") as file:
+        file[GROUP]["inner_ring_stress"][3, 7, 1] *= 1.0 + 1e-6
+    assert StoredRun(path).instant(100).stored
+    with pytest.raises(UsageError, match="sample 150 .* checksum"):
+        StoredRun(path).instant(150)
+
+
+def test_fields_in_another_file_are_not_followed(with_fields, tmp_path):
+    path = shutil.copy(with_fields, tmp_path / "copy.nc")
+    with h5py.File(path, "r+") as file:
+        del file[GROUP]["outer_ring_displacement"]
+        file[GROUP]["outer_ring_displacement"] = h5py.ExternalLink("/etc/passwd", "/x")
+    with pytest.raises(UsageError, match="outer_ring_displacement is a link"):
+        StoredRun(path)
+
+
 def test_fields_more_often_than_samples_are_refused():
     with pytest.raises(SceneError, match=r"output\.fields_every_ms = 0\.005 must not be below .* \(0\.01 ms\)"):
         read_scene(None, ("output.fields_every_ms=0.005",))

@@ -10,9 +10,13 @@ import pytest
 
 from fem.checkpoint import checkpoint_path
 from fem.cli import run_main
+from fem.frames import GROUP, stored_samples
 from fem.layout import VARIABLES
 
-OPTIONS = ["--mesh-size", "2", "--quiet", "--duration", "12", "--checkpoint", "0.05", "--output"]
+OPTIONS = [
+    "--mesh-size", "2", "--quiet", "--duration", "12", "--checkpoint", "0.05", "--set", "output.fields_every_ms=1",
+    "--output",
+]  # fmt: skip
 LONGEST = 1.2  # s, a little more than a leg takes to its end
 
 
@@ -21,7 +25,8 @@ def undisturbed(tmp_path_factory):
     path = tmp_path_factory.mktemp("whole") / "whole.nc"
     assert run_main([*OPTIONS, str(path)]) == 0
     with h5py.File(path) as file:
-        return {name: file[name][:] for name in VARIABLES}
+        fields = {f"{GROUP}/{name}": variable[:] for name, variable in file[GROUP].items()}
+        return {name: file[name][:] for name in VARIABLES} | fields
 
 
 def killed_run(path, moment):
@@ -46,6 +51,11 @@ def samples_in(path, undisturbed):
         assert file.attrs["status"] in ("running", "complete")
         for name in VARIABLES:
             assert np.array_equal(file[name][:count], undisturbed[name][:count]), name
+        frames = len(stored_samples(file, count))
+        assert frames == len(range(0, count, 100))
+        for name in ("time", "sample", "roller_displacement", "outer_ring_stress"):
+            stored = undisturbed[f"{GROUP}/{name}"]
+            assert np.array_equal(file[GROUP][name][:frames], stored[:frames]), name
     return count
 
 

@@ -323,7 +323,7 @@ def parse_scene(data: dict[str, Any], name: str) -> Scene:
         return Scene.model_validate(data)
     except ValidationError as error:
         faults = list(dict.fromkeys(line for fault in error.errors() for line in _explain(fault)))
-        lines = [f"{name}: {fault}" for fault in faults[:MOST_FAULTS]]
+        lines = [f"{name}: {_printable(fault)}" for fault in faults[:MOST_FAULTS]]
         if len(faults) > MOST_FAULTS:
             lines.append(f"{name}: and {len(faults) - MOST_FAULTS} more")
         raise SceneError("\n".join(lines)) from None
@@ -360,6 +360,11 @@ def _explain(fault: dict[str, Any]) -> list[str]:
         value = "a table"
     reason = fault["msg"].removeprefix("Input ").replace("should", "must", 1)
     return [f"{place} = {_short(repr(value))}: {reason}"]
+
+
+def _printable(text: str) -> str:
+    """Without characters that would move a terminal's cursor or hide."""
+    return "".join(c if c.isprintable() else "?" for c in text)
 
 
 def _quoted(key: str) -> str:

@@ -152,7 +152,7 @@ def test_a_changed_frame_is_refused_by_its_checksum(with_fields, tmp_path):
     with h5py.File(path, "r+") as file:
         file[GROUP]["inner_ring_stress"][3, 7, 1] *= 1.0 + 1e-6
     assert StoredRun(path).instant(100).stored
-    with pytest.raises(UsageError, match="sample 150 .* checksum"):
+    with pytest.raises(UsageError, match=r"sample 150 .* checksum"):
         StoredRun(path).instant(150)
 
 

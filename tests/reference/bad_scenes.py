@@ -99,6 +99,7 @@ BAD_SCENES = {
     "negative damping": scene("[lagrange]\ndamping_N_s_m = -1.0", "lagrange.damping_N_s_m = -1.0", "0"),
     "unknown model": scene('model = "spring"', "model = 'spring'", "'fem' or 'lagrange'"),
     "unit of no length": scene('[table]\ninner_x = "x [fortnight]"', "table.inner_x", "fortnight"),
+    "unit with hidden characters": scene('[table]\ntime = "t [ms\ufeff\\u0001]"', "table.time", "ms??"),
     "column without a number": scene('[table]\nroller_x = "x"', "table.roller_x", "{j}"),
     "column with one too many": scene('[table]\ninner_x = "x{j}"', "table.inner_x", "{j}"),
     "name of a column without end": scene(f'[table]\ntime = "t{" " * 5000}"', "table.time", "200"),

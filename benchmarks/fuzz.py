@@ -11,6 +11,7 @@ import argparse
 import io
 import json
 import os
+import resource
 import sys
 import tempfile
 import warnings
@@ -193,7 +194,7 @@ def _table(path: Path, delimiter: str) -> bytes:
 
 
 def guided(name: str, seconds: int, corpus: Path) -> None:
-    """Let Atheris search; does not return."""
+    """Let Atheris search for some seconds of processor time; does not return."""
     import atheris
 
     import_module("fem.simulate")  # numba compiles it, and must find it as it is
@@ -210,8 +211,13 @@ def guided(name: str, seconds: int, corpus: Path) -> None:
 
     def once(data: bytes) -> None:
         taken[target(data)] += 1
-        if sum(taken) & (sum(taken) - 1) == 0:  # powers of two
-            print(f"{sum(taken)} inputs: {taken[1]} taken, {taken[0]} refused", file=sys.stderr)
+        tried = sum(taken)
+        over = tried % 100 == 0 and _processor_seconds() > seconds
+        if over or tried & (tried - 1) == 0:  # powers of two
+            spent = f"{_processor_seconds():.0f} s, at most {_peak_mb():.0f} MB"
+            print(f"{tried} inputs: {taken[1]} taken, {taken[0]} refused, {spent}", flush=True)
+        if over:
+            os._exit(0)
 
     def mutated(data: bytes, longest: int, seed: int) -> bytes:
         random = Random(seed)
@@ -222,19 +228,27 @@ def guided(name: str, seconds: int, corpus: Path) -> None:
     _bound_memory()
     longest = 2 * max(len(seed) for seed in sound)
     atheris.Setup(
-        [sys.argv[0], f"-max_total_time={seconds}", f"-rss_limit_mb={MEMORY_MB}", f"-timeout={SECONDS_PER_INPUT}",
-         f"-max_len={longest}", f"-artifact_prefix={corpus.parent}/find-{name}-", "-print_final_stats=1",
-         "-verbosity=0", str(corpus)],
+        [sys.argv[0], f"-rss_limit_mb={MEMORY_MB}", f"-timeout={SECONDS_PER_INPUT}", f"-max_len={longest}",
+         f"-artifact_prefix={corpus.parent}/find-{name}-", "-verbosity=0", str(corpus)],
         once,
         custom_mutator=mutated,
     )  # fmt: skip
     atheris.Fuzz()
 
 
+def _processor_seconds() -> float:
+    """Of this process and of the children that read first."""
+    own, children = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
+
+
+def _peak_mb() -> float:
+    """Most memory this process or a child has held; Linux counts in kB."""
+    return max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) / 1e3
+
+
 def _bound_memory() -> None:
     """As in the child that reads first, so that HDF5 meets the same limit here."""
-    import resource
-
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     most = pages * os.sysconf("SC_PAGE_SIZE") + MEMORY_MB * 2**20 // 2
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
@@ -244,7 +258,7 @@ def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("target", choices=NAMES)
-    parser.add_argument("--seconds", type=int, default=600)
+    parser.add_argument("--seconds", type=int, default=600, help="of processor time")
     parser.add_argument("--corpus", type=Path, default=Path("fuzz"), help="folder for inputs and finds")
     parser.add_argument("--input", type=Path, help="try one file, e.g. a find, and nothing else")
     given = parser.parse_args()

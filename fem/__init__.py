@@ -4,7 +4,8 @@ cli, render_cli               the commands; summary, progress: what they print
 simulate, limits, start       from a scene to a plan and a run; what is refused; the state a run starts from
 lagrange_run, wording         the Lagrangian model in place of the finite elements; sentences both end with
 samples, frames               rows of the time loop as quantities; stored fields
-store, layout, durable        the result file while it is written; what is in it; files that appear whole or not at all
+store, layout, earlier        the result file while it is written; what is in it; what is in its place before
+durable                       files that appear whole or not at all
 checkpoint, runner            the solver's state on disk; a run with checkpoints and signals
 assembly, bodies, model       scikit-fem's matrices; a disc as rows of blocks, a ring as one sector's stencil; the whole
 subgrid, patches              the calibrated contact law below the grid; B-spline patches

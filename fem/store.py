@@ -17,11 +17,12 @@ from typing import TYPE_CHECKING, Protocol
 import h5py
 import numpy as np
 
-from fem.durable import alone_in, is_in_use, move_into_place, open_locked, real_path, write_at
+from fem.durable import alone_in, move_into_place, open_locked, real_path, write_at
+from fem.earlier import check_earlier, refuse_if_in_use
 from fem.errors import UsageError
-from fem.layout import COMMITTED, FORMAT_VERSION, VARIABLES, Places, create
+from fem.layout import FORMAT_VERSION, VARIABLES, Places, create
 from lagrange.scene import Scene
-from lagrange.stored import Damaged, check_array, checksum, refusal_in_child, text_checksum
+from lagrange.stored import checksum, text_checksum
 
 if TYPE_CHECKING:
     from fem.frames import Frame
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
 COMMIT_SECONDS = 0.5  # of wall time between two commits
 COMMIT_SHARE = 0.005  # of the wall time at most: a slow disk is asked less often
 BLOCK = 4096  # samples copied at once
-READ_SECONDS, READ_RATE = 10.0, 20e6  # to read an earlier file: at least, and B/s
-READ_MEMORY = 2**29  # bytes
 
 
 class Planned(Protocol):
@@ -82,16 +81,18 @@ class ResultFile:
         self._plan = plan
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with alone_in(self._path.parent):
-            _refuse_if_in_use(self._path)
+            refuse_if_in_use(self._path)
             if resume is None:
                 self._begin(plan.n_samples, Stored(samples=0, checksums=dict.fromkeys(VARIABLES, 0)))
             else:
-                _check_earlier(self._path, resume)
+                frames = frames_of(resume.samples, plan.frame_stride)
+                check_earlier(self._path, tuple(VARIABLES), resume.samples, frames)
                 self._begin(plan.n_samples, resume)
 
     def _begin(self, capacity: int, stored: Stored) -> None:
         """Put a new file with the samples stored in the earlier one in its place, and go on with it."""
         part = self._path.with_name(self._path.name + ".part")
+        capacity = max(1, capacity)  # HDF5 gives nothing no place
         with self._named(), ExitStack() as undo:
             undo.callback(part.unlink, missing_ok=True)
             places = create(part, self._plan.scene.bearing.rollers, capacity, self._attributes, self._fields(capacity))
@@ -244,33 +245,3 @@ def _attributes(plan: Planned, setup_seconds: float) -> dict[str, object]:
         warnings="\n".join(plan.cautions),
         status="running",
     )
-
-
-def _refuse_if_in_use(path: Path) -> None:
-    if not path.exists():
-        return
-    if not path.is_file():
-        raise UsageError(f"{path}: is not a plain file; name another with --output")
-    if is_in_use(path):
-        raise UsageError(f"{path}: is in use, by another run or a program that reads it; name another with --output")
-
-
-def _check_earlier(path: Path, stored: Stored) -> None:
-    """Refuse a file that does not hold what was stored."""
-    if not path.is_file():
-        raise UsageError(f"{path}: not found, though its checkpoint is there; start again without --resume")
-
-    def read() -> None:
-        try:
-            with h5py.File(path, "r", locking=False) as file:
-                if int(file.attrs[COMMITTED]) < stored.samples:
-                    raise Damaged(f"its checkpoint counts {stored.samples} samples, it holds fewer")
-                for name in VARIABLES:
-                    check_array(file, name, stored.samples)
-        except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
-            raise UsageError(f"{path}: can't be resumed ({error}); start again without --resume") from None
-
-    refusal = refusal_in_child(read, str(path), READ_SECONDS + path.stat().st_size / READ_RATE, READ_MEMORY)
-    if refusal is not None:
-        raise UsageError(refusal)
-    read()

@@ -40,7 +40,7 @@ def whole(tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize("samples", [1, 17, 60])
+@pytest.mark.parametrize("samples", [0, 1, 17, 60])
 def test_a_resumed_run_is_the_uninterrupted_one(samples, whole, tmp_path):
     path = tmp_path / "stopped.nc"
     done = stop_after(make_plan(read_scene(None, SETTINGS)), path, samples)

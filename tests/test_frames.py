@@ -132,6 +132,16 @@ def test_a_resumed_run_has_every_frame_once(tmp_path, stop_at):
         assert instant.elastic_energy == pytest.approx(instant.stored_elastic_energy, rel=1e-6)
 
 
+def test_a_file_whose_frames_are_gone_is_not_gone_on_with(tmp_path, capsys):
+    path = tmp_path / "run.nc"
+    options = ["--mesh-size", "2", "--output", str(path), "--quiet", *EVERY, "--duration"]
+    assert run_main([*options, "1"]) == 0
+    with h5py.File(path, "r+") as file:
+        del file[GROUP]
+    assert run_main([*options, "2", "--resume"]) == 2
+    assert "frames" in capsys.readouterr().err
+
+
 def test_frames_beyond_the_committed_samples_are_not_trusted(with_fields, tmp_path):
     path = unchecked_copy(with_fields, tmp_path / "copy.nc")
     with h5py.File(path, "r+") as file:

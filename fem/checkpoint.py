@@ -7,12 +7,14 @@ Plain arrays and a line of JSON; nothing in it is ever executed.
 import json
 import os
 import zipfile
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 from numpy.lib import format as npy
 
+from fem.arrays import Arrays
 from fem.durable import move_into_place, real_path
 from fem.errors import UsageError
 from fem.jit import cache_folder
@@ -112,12 +114,20 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
             f"numerics.duration_ms = {plan.scene.numerics.duration_ms:g}: the run has reached "
             f"{1e3 * (stored.samples - 1) * plan.interval:.6g} ms already; --resume takes at least that"
         )
-    for name, value in arrays.items():
-        if not name.startswith("reader."):
-            value[...] = loaded[name]
+    state.arrays = _with(state.arrays, loaded)
     state.reader.carry_on({name: loaded[f"reader.{name}"] for name in state.reader.carried()})
     state.done = stored.samples
     return state, stored
+
+
+def _with(arrays: Arrays, loaded: dict[str, np.ndarray]) -> Arrays:
+    """The arrays of a checkpoint in the place of others, which stay as they are: some are the model's own."""
+    groups = {}
+    for group in GROUPS:
+        own = getattr(arrays, group)
+        fields = {name: loaded[f"{group}.{name}"] for name in own._fields if f"{group}.{name}" in loaded}
+        groups[group] = own._replace(**fields)
+    return replace(arrays, **groups)
 
 
 def _read(archive: zipfile.ZipFile, name: str, dtype: np.dtype, shape: tuple | None) -> np.ndarray:
@@ -139,7 +149,7 @@ def _read(archive: zipfile.ZipFile, name: str, dtype: np.dtype, shape: tuple | N
         data = file.read(size + 1)  # to the end, so that the checksum is looked at
         if len(data) != size:
             raise ValueError(f"{name} is cut short, or too long")
-    return (np.frombuffer(data, dtype=kind) if data else np.empty(0, kind)).reshape(found)
+    return (np.frombuffer(data, dtype=kind) if data else np.empty(0, kind)).reshape(found).copy()
 
 
 def _check(path: Path, meta: dict, scene: Scene) -> None:

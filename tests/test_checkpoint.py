@@ -120,6 +120,20 @@ def test_another_version_is_refused(whole, monkeypatch):
         load_checkpoint(whole, plan)
 
 
+def test_a_checkpoint_changes_nothing_of_the_plan_it_is_read_for(whole, tmp_path):
+    """Found by fuzzing: some of the solver's arrays are the model's own, and were written over."""
+    plan = make_plan(read_scene(None, SETTINGS))
+    path, points = tmp_path / "copy.nc", plan.model.roller.points.copy()
+    with np.load(checkpoint_path(whole)) as file:
+        arrays = dict(file)
+    arrays["rollers.points"] = 2.0 * arrays["rollers.points"]
+    with open(checkpoint_path(path), "wb") as file:
+        np.savez(file, **arrays)
+    state, _ = load_checkpoint(path, plan)
+    assert np.array_equal(state.arrays.rollers.points, arrays["rollers.points"])
+    assert np.array_equal(plan.model.roller.points, points)
+
+
 def test_a_second_run_on_the_same_file_is_refused_and_harms_nothing(tmp_path, capsys):
     path = tmp_path / "shared.nc"
     process = _start_run(path)

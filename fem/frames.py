@@ -7,6 +7,7 @@ single precision: 1e-7 of a micrometre's displacement is far below any wave. Roo
 
 import zlib
 from dataclasses import dataclass
+from typing import Protocol
 
 import h5py
 import numpy as np
@@ -54,7 +55,17 @@ def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Fram
     )
 
 
-def global_fields(model: Model, frame: Frame) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+class Displaced(Protocol):
+    """What has displacements as a `Frame` has them."""
+
+    roller_turn: np.ndarray
+    ring_turn: float
+    rollers: np.ndarray
+    inner_ring: np.ndarray
+    outer_ring: np.ndarray
+
+
+def global_fields(model: Model, frame: Displaced) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Displacement (..., n_nodes, 2), m, and the mesh's stress (..., n_nodes, 3), Pa, of each kind of body.
 
     In the fixed axes; a roller's arrays have the rollers in front.

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from fem.errors import UsageError
-from fem.samples import Samples
-from fem.simulate import Plan, RunFailed, make_plan, run
+from fem.solver.samples import Samples
+from fem.solver.simulate import Plan, RunFailed, make_plan, run
 from lagrange.scene import SceneError, parse_scene
 
 COMPLETE, REFUSED, STOPPED, FAILED = "complete", "refused", "stopped", "FAILED"

@@ -11,10 +11,10 @@ import tempfile
 import time
 from pathlib import Path
 
-from fem.checkpoint import checkpoint_path
+from fem.result.checkpoint import checkpoint_path
+from fem.result.store import ResultFile
 from fem.runner import Checkpoints, simulate
-from fem.simulate import Plan, compile_kernels, make_plan
-from fem.store import ResultFile
+from fem.solver.simulate import Plan, compile_kernels, make_plan
 from lagrange.scene import read_scene
 
 NEVER = float("inf")

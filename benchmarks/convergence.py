@@ -18,11 +18,11 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem.error_estimate import NEEDED
-from fem.exact_statics import exact_statics
-from fem.quantities import moving_quantities, static_quantities
-from fem.simulate import make_plan, run
-from fem.store import ResultFile
+from fem.result.store import ResultFile
+from fem.solver.error_estimate import NEEDED
+from fem.solver.simulate import make_plan, run
+from fem.statics.exact_statics import exact_statics
+from fem.statics.quantities import moving_quantities, static_quantities
 from lagrange.scene import Scene, read_scene
 from residual.cli import main as check_main
 
@@ -237,7 +237,7 @@ python -m benchmarks.convergence
 ```
 
 Each table halves one choice. Orders are log₂ of the ratio of successive changes, or of true errors where the limit is
-exact (series for every body, `fem.exact_statics`). `residual_*` are the mean and rms of the error forces of
+exact (series for every body, `fem.statics.exact_statics`). `residual_*` are the mean and rms of the error forces of
 `check-residual --law {law}`, `differentiation_rms_*` the part of them that its finite differences make. The mesh
 carries its time step with it. The series of step and interval start at rest, preloaded, under a load that comes within
 0.05 ms: in steady running their errors are below round-off, and a contact that opens a step later is an error of no

@@ -12,11 +12,11 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem.discretise import half_widths, stretch
-from fem.equilibrium import standing
-from fem.exact_statics import exact_contacts, exact_statics
-from fem.model import Model, build_model, build_resolved_model
-from fem.statics import equilibrium
+from fem.elastic.model import Model, build_model, build_resolved_model
+from fem.solver.discretise import half_widths, stretch
+from fem.statics.equilibrium import standing
+from fem.statics.exact_statics import exact_contacts, exact_statics
+from fem.statics.solve import equilibrium
 from lagrange.kinematics import roller_angles
 from lagrange.scene import read_scene
 

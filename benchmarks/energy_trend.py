@@ -6,7 +6,7 @@ import numpy as np
 from cyclopts import App
 from rich.console import Console
 
-from fem.simulate import make_plan, run
+from fem.solver.simulate import make_plan, run
 from lagrange.scene import read_scene
 
 

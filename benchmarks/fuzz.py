@@ -22,10 +22,10 @@ from random import Random
 
 from benchmarks.mutations import MUTATIONS
 
-INSTRUMENTED = ["lagrange", "residual", "fem.checkpoint", "tomllib", "csv"]
+INSTRUMENTED = ["lagrange", "residual", "fem.result.checkpoint", "tomllib", "csv"]
 READERS = (
     "csv", "tomllib", "lagrange.scene", "residual.sources", "residual.table_source", "residual.evaluation",
-    "residual.summary", "fem.checkpoint",
+    "residual.summary", "fem.result.checkpoint",
 )  # fmt: skip
 MEMORY_MB = 1024
 SECONDS_PER_INPUT = 25
@@ -91,8 +91,8 @@ class Targets:
 
     def checkpoint(self, data: bytes) -> bool:
         """The state of a run."""
-        from fem.checkpoint import load_checkpoint
         from fem.errors import UsageError
+        from fem.result.checkpoint import load_checkpoint
 
         self._file("fuzzed.nc.checkpoint", data)
         try:
@@ -129,7 +129,7 @@ _PLANS: list = []
 
 
 def _plan():
-    from fem.simulate import make_plan
+    from fem.solver.simulate import make_plan
     from lagrange.scene import read_scene
 
     if not _PLANS:
@@ -197,7 +197,7 @@ def guided(name: str, seconds: int, corpus: Path) -> None:
     """Let Atheris search for some seconds of processor time; does not return."""
     import atheris
 
-    import_module("fem.simulate")  # numba compiles it, and must find it as it is
+    import_module("fem.solver.simulate")  # numba compiles it, and must find it as it is
     with atheris.instrument_imports(include=INSTRUMENTED):
         for name_of_module in READERS:
             import_module(name_of_module)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
-from fem.simd import add, fma, load, splat, store
+from fem.kernels.simd import add, fma, load, splat, store
 
 REPEATS = 7
 CACHES = {"L1": 32 << 10, "L2": 1 << 20, "L3": 32 << 20}  # bytes, where the system does not tell

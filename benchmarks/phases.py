@@ -8,11 +8,11 @@ import numpy as np
 from numba import njit
 
 from benchmarks.machine import Machine, median_seconds
-from fem import disc_kernels, ring_kernels, sample_kernels, time_loop
-from fem.arrays import Arrays
-from fem.contact_kernels import normal_contacts, push_contacts
-from fem.friction_kernels import friction_contacts, grips, slips
-from fem.simulate import Plan
+from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
+from fem.kernels.contact_kernels import normal_contacts, push_contacts
+from fem.kernels.friction_kernels import friction_contacts, grips, slips
+from fem.solver.arrays import Arrays
+from fem.solver.simulate import Plan
 
 TARGET_SECONDS = 0.02  # of one measurement
 # arithmetic instructions (multiply-add, or add) per node at least

@@ -1,7 +1,7 @@
 """Pictures of docs/, and the figures that docs/pictures.md states: stress below contacts, times, sizes.
 
-    python -m benchmarks.pictures             # prints the tables
-    python -m benchmarks.pictures --pictures  # also re-makes the pictures in docs/
+python -m benchmarks.pictures             # prints the tables
+python -m benchmarks.pictures --pictures  # also re-makes the pictures in docs/
 """
 
 import argparse
@@ -13,14 +13,14 @@ from pathlib import Path
 import numpy as np
 
 from fem.cli import run_main
-from fem.near_contacts import FIRST_ROLLER, INNER_RING
-from fem.peaks import shear_peak
-from fem.recover import StoredRun
-from fem.render import draw
-from fem.render_bodies import drawn_bearing
+from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING
+from fem.pictures.peaks import shear_peak
+from fem.pictures.recover import StoredRun
+from fem.pictures.render import draw
+from fem.pictures.render_bodies import drawn_bearing
+from fem.pictures.render_look import Request
+from fem.pictures.subsurface import AT_DEPTH, LARGEST_SHEAR
 from fem.render_cli import render_main
-from fem.render_look import Request
-from fem.subsurface import AT_DEPTH, LARGEST_SHEAR
 
 DOCS = Path(__file__).parents[1] / "docs"
 MESH_SIZES = (2.0, 1.0, 0.5)  # mm

@@ -9,8 +9,8 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.random_scenes import random_scene
-from fem.samples import Samples
-from fem.simulate import Plan, RunFailed, make_plan, run
+from fem.solver.samples import Samples
+from fem.solver.simulate import Plan, RunFailed, make_plan, run
 from lagrange.scene import Scene, parse_scene
 
 RATIOS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0, 1.0025, 1.005, 1.01, 1.015, 1.02, 1.04, 1.07, 1.1, 1.15, 1.2)

@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks import machine, phases
-from fem.simulate import Plan, compile_kernels, make_plan, run
+from fem.solver.simulate import Plan, compile_kernels, make_plan, run
 from lagrange.scene import read_scene
 
 SIZES_MM = (2.0, 1.0, 0.5, 0.25)

@@ -16,10 +16,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem.exact_statics import exact_statics
-from fem.quantities import moving_quantities
-from fem.simulate import make_plan, run
-from fem.statics import static_error
+from fem.solver.simulate import make_plan, run
+from fem.statics.exact_statics import exact_statics
+from fem.statics.quantities import moving_quantities
+from fem.statics.solve import static_error
 from lagrange import contact_laws, simulate, static_equilibrium
 from lagrange.scene import read_scene
 
@@ -204,8 +204,8 @@ python -m benchmarks.work_precision
 
 * *time*: of the time loop, median of three, scaled to 60 ms from a record of 4 ms, of 0.01 ms with resolved contacts.
   The rigid bodies' is that of their whole 60 ms. The 2007 simulation took at least 300 CPU hours.
-* *static hub error*: against the exact series for every body (`fem.exact_statics`), which agrees with an independent
-  solution on resolved quadratic meshes within 0.03 %. The rigid bodies' is that of their contact law.
+* *static hub error*: against the exact series for every body (`fem.statics.exact_statics`), which agrees with an
+  independent solution on resolved quadratic meshes within 0.03 %. The rigid bodies' is that of their contact law.
 * *hub mean*, *varying compliance* (standard deviation of x), *largest load*: over the first 4 ms, against the finest
   mesh.
 * *contacts resolved*: no law below the grid; what is left is mostly the layer between the surfaces

@@ -93,7 +93,7 @@ def _run(
         return _dry_run(chosen)
     if not estimate_error:
         return _simulate(chosen, path, quiet, resume, checkpoint)
-    from fem.error_estimate import coarser_scene
+    from fem.solver.error_estimate import coarser_scene
 
     coarse, _ = _plan(coarser_scene(chosen), compiled=False)
     code = _simulate(chosen, path, quiet, resume, checkpoint)
@@ -114,15 +114,15 @@ def _plan(scene, compiled: bool, quiet: bool = False):
     import time
 
     began = time.perf_counter()
-    from fem.simulate import make_plan
+    from fem.solver.simulate import make_plan
 
     try:
         plan = make_plan(scene)
     except RuntimeError as error:
         raise UsageError(str(error)) from None
     if compiled:
-        from fem.jit import is_compiled
-        from fem.simulate import compile_kernels
+        from fem.kernels.jit import is_compiled
+        from fem.solver.simulate import compile_kernels
 
         if not (quiet or is_compiled()):
             print("compiling the kernels, once, about half a minute", file=sys.stderr, flush=True)

@@ -15,7 +15,7 @@ import numpy as np
 from rich.console import Console
 
 from fem.errors import UsageError
-from fem.store import ResultFile
+from fem.result.store import ResultFile
 from fem.wording import run_line, statics_lines
 from lagrange import Trajectory, contact_laws, simulate, static_equilibrium
 from lagrange.laws import PowerLaw

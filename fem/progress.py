@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 from contextlib import contextmanager
 
-from fem.simulate import Plan, Progress
+from fem.solver.simulate import Plan, Progress
 
 PLAIN_SECONDS = 10.0
 

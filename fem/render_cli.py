@@ -76,7 +76,7 @@ def _render(
         raise UsageError("--output, --animation, --export: one of them at a time")
     _check_kind(animation, export)
 
-    from fem.recover import StoredRun
+    from fem.pictures.recover import StoredRun
 
     stored = StoredRun(run if run is not None else _newest())
     many = animation is not None or (export is not None and _holds_series(export))
@@ -87,7 +87,7 @@ def _render(
     samples = _samples(stored, start, stop, frames) if many else [stored.nearest(None if time is None else 1e-3 * time)]
     if export is not None:
         return _export(stored, export, samples, quiet)
-    from fem.render_look import Request
+    from fem.pictures.render_look import Request
 
     request = Request(
         view=view,
@@ -149,10 +149,10 @@ def _samples(stored, start: float | None, stop: float | None, frames: int | None
 
 
 def _picture(stored, target: Path, request, sample: int) -> int:
-    from fem.rendering_probe import check_rendering
+    from fem.pictures.rendering_probe import check_rendering
 
     check_rendering()
-    from fem.render import draw
+    from fem.pictures.render import draw
 
     draw(stored, target, request, sample)
     print(f"Picture: {target}")
@@ -160,12 +160,12 @@ def _picture(stored, target: Path, request, sample: int) -> int:
 
 
 def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> int:
-    from fem.rendering_probe import check_rendering
+    from fem.pictures.rendering_probe import check_rendering
 
     check_rendering()
-    from fem.film import write_film
+    from fem.pictures.film import write_film
+    from fem.pictures.render import Renderer
     from fem.progress import count_display
-    from fem.render import Renderer
 
     shown = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
     slower = 1.0 / (fps * shown) if shown > 0.0 else inf
@@ -185,7 +185,7 @@ def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: 
 
 
 def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
-    from fem.export import write_instant, write_series
+    from fem.pictures.export import write_instant, write_series
     from fem.progress import count_display
 
     with count_display("instants", len(samples), quiet) as count:

@@ -6,12 +6,12 @@ import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from fem.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
-from fem.error_estimate import NEEDED, estimate_error
-from fem.estimate_columns import read_columns, write_estimates
 from fem.progress import progress_display
-from fem.simulate import Plan, RunFailed, RunState, first_state, progress_of, run
-from fem.store import ResultFile, WriteFailed
+from fem.result.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
+from fem.result.estimate_columns import read_columns, write_estimates
+from fem.result.store import ResultFile, WriteFailed
+from fem.solver.error_estimate import NEEDED, estimate_error
+from fem.solver.simulate import Plan, RunFailed, RunState, first_state, progress_of, run
 from fem.summary import print_estimates, print_run
 
 OK, FAILED, INTERRUPTED, TERMINATED = 0, 1, 130, 143

@@ -5,11 +5,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from fem.arrays import Arrays
-from fem.error_estimate import Estimate
-from fem.model import peak_pressure
-from fem.simulate import Plan, Progress
-from fem.statics import static_error
+from fem.elastic.model import peak_pressure
+from fem.solver.arrays import Arrays
+from fem.solver.error_estimate import Estimate
+from fem.solver.simulate import Plan, Progress
+from fem.statics.solve import static_error
 from fem.wording import run_line, statics_lines
 from meshes import Mesh, quality
 

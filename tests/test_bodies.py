@@ -19,10 +19,10 @@ from benchmarks.verification.elastic_bodies import (
     exact_growth,
     ring_mode,
 )
-from fem import disc_kernels, ring_kernels
-from fem.assembly import assemble
-from fem.bodies import rigid_modes
-from fem.ring_kernels import HALO
+from fem.elastic.assembly import assemble
+from fem.elastic.bodies import rigid_modes
+from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.ring_kernels import HALO
 from meshes import Mesh
 
 ROUND_OFF = 1e-13  # of stiffness times displacement: sums of ten products

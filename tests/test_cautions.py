@@ -7,7 +7,7 @@ import h5py
 import pytest
 
 from fem.cli import run_main
-from fem.simulate import make_plan
+from fem.solver.simulate import make_plan
 from lagrange.scene import read_scene
 from residual.cli import main as check_main
 from residual.sources import read_result

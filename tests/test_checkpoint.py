@@ -4,12 +4,12 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
 from fem.cli import run_main
 from fem.errors import UsageError
-from fem.layout import VARIABLES
-from fem.simulate import first_state, make_plan, run
-from fem.store import ResultFile
+from fem.result.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
+from fem.result.layout import VARIABLES
+from fem.result.store import ResultFile
+from fem.solver.simulate import first_state, make_plan, run
 from lagrange.scene import read_scene
 from tests.test_run_fem import _start_run
 
@@ -115,7 +115,7 @@ def test_another_version_is_refused(whole, monkeypatch):
     from pathlib import Path
 
     plan = make_plan(read_scene(None, SETTINGS))
-    monkeypatch.setattr("fem.checkpoint.cache_folder", lambda: Path("kernels/other"))
+    monkeypatch.setattr("fem.result.checkpoint.cache_folder", lambda: Path("kernels/other"))
     with pytest.raises(UsageError, match=r"another version of the program \(kernels was '\w+', now 'other'\)"):
         load_checkpoint(whole, plan)
 

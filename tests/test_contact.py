@@ -23,8 +23,8 @@ from bearings import (
 from line_contact import carter_creep, impact_on_rigid_flat
 
 from benchmarks.verification.collision import WIDE, collide
-from fem import sample_kernels
-from fem.contact_kernels import (
+from fem.kernels import sample_kernels
+from fem.kernels.contact_kernels import (
     contact_forces,
     inner_contacts,
     normal_contacts,
@@ -33,9 +33,9 @@ from fem.contact_kernels import (
     push_nodes,
     roller_contacts,
 )
-from fem.friction_kernels import creep_traction, friction_contacts, grips, slips
-from fem.ring_kernels import HALO
-from fem.state import INNER, OUTER, ROLLER
+from fem.kernels.friction_kernels import creep_traction, friction_contacts, grips, slips
+from fem.kernels.ring_kernels import HALO
+from fem.kernels.state import INNER, OUTER, ROLLER
 
 DT = 1e-7
 PRESSED = 5e-6  # m, typical overlap of the circles

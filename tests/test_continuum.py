@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev, legendre
 
-from fem import continuum
-from fem.continuum import (
+from fem.elastic import continuum
+from fem.elastic.continuum import (
     CUBIC_BSPLINE_LOG_MOMENT,
     cubic_bspline_patch,
     disc_compliance,

@@ -11,11 +11,11 @@ from scipy.linalg import eigh
 sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from bearings import LENGTH, STEEL, disc, model, paper, ring
 
-from fem import disc_kernels, ring_kernels
-from fem.assembly import assemble
-from fem.critical_step import LANCZOS_TOLERANCE, LOAD_MARGIN, critical_time_step
-from fem.ring_kernels import HALO
-from fem.subgrid import disc_patch_force, ring_patch_force
+from fem.elastic.assembly import assemble
+from fem.elastic.critical_step import LANCZOS_TOLERANCE, LOAD_MARGIN, critical_time_step
+from fem.elastic.subgrid import disc_patch_force, ring_patch_force
+from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.ring_kernels import HALO
 from meshes import Mesh
 
 LOAD = 650.0  # N, on the most loaded roller

@@ -12,10 +12,10 @@ from bearings import STEEL, arrays, copies, loop_arguments, model, operation, pa
 from resolved_bearing import RESOLVED
 
 from benchmarks.verification.shapes import LOAD, ON_A_ROLLER, SHAPES, fair_load
-from fem import time_loop
-from fem.contact_balance import LOOSE_SPRING
-from fem.contact_kernels import normal_contacts
-from fem.equilibrium import Motion, static_equilibrium
+from fem.kernels import time_loop
+from fem.kernels.contact_kernels import normal_contacts
+from fem.statics.contact_balance import LOOSE_SPRING
+from fem.statics.equilibrium import Motion, static_equilibrium
 from lagrange import Bearing
 from lagrange.kinematics import roller_angles
 

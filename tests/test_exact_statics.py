@@ -8,7 +8,7 @@ from bearings import own_folder
 
 from benchmarks.verification.contact_statics import at_rest
 from benchmarks.verification.shapes import HALF_PITCH, LOAD, paper
-from fem.exact_statics import exact_statics
+from fem.statics.exact_statics import exact_statics
 
 
 def test_the_elements_converge_to_the_yardstick():

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
-from fem.critical_step import critical_time_step
-from fem.ring_kernels import HALO
-from fem.samples import SampleReader
-from fem.simulate import LONGEST_UNWATCHED, RunFailed, _advance, _row_width, first_state, make_plan, run
+from fem.elastic.critical_step import critical_time_step
+from fem.kernels.ring_kernels import HALO
+from fem.solver.samples import SampleReader
+from fem.solver.simulate import LONGEST_UNWATCHED, RunFailed, _advance, _row_width, first_state, make_plan, run
 from lagrange.scene import read_scene
 
 SELDOM = ("numerics.mesh_size_mm=2", "numerics.duration_ms=40", "numerics.output_interval_us=2000")
@@ -63,7 +63,7 @@ def test_a_value_that_is_not_a_number_is_noticed_within_100_steps(body, plan):
 
 def test_a_failed_run_keeps_its_good_samples_and_says_what_to_do(tmp_path, monkeypatch, capsys):
     path = tmp_path / "run.nc"
-    monkeypatch.setattr("fem.simulate.critical_time_step", lambda *given: 1.3 * critical_time_step(*given))
+    monkeypatch.setattr("fem.solver.simulate.critical_time_step", lambda *given: 1.3 * critical_time_step(*given))
     options = ["--mesh-size", "2", "--duration", "5", "--output", str(path), "--checkpoint", "0"]
     assert run_main(options) == 1
     error = capsys.readouterr().err

@@ -19,12 +19,12 @@ from recorded_disk import RecordedDisk
 from synthetic_run import make_run, write_result
 
 import residual.store  # noqa: F401 (loaded before the right to do so is given up)
-from fem.checkpoint import checkpoint_path, load_checkpoint
 from fem.cli import run_main
 from fem.errors import UsageError
-from fem.layout import MARK, PER_TIME, VARIABLES, create
-from fem.simulate import make_plan
-from fem.store import ResultFile
+from fem.result.checkpoint import checkpoint_path, load_checkpoint
+from fem.result.layout import MARK, PER_TIME, VARIABLES, create
+from fem.result.store import ResultFile
+from fem.solver.simulate import make_plan
 from lagrange.scene import read_scene
 from lagrange.stored import read_numbers
 from residual.cli import main as check_main
@@ -203,7 +203,7 @@ def test_a_checkpoint_that_can_not_be_written_leaves_the_last_one_and_the_run_go
     def fail(*_, **__):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(f"fem.checkpoint.{function}", fail, raising=False)
+    monkeypatch.setattr(f"fem.result.checkpoint.{function}", fail, raising=False)
     assert run_main([*SHORT, "--output", str(path), "--resume"]) == 0
     error = capsys.readouterr().err
     assert f"warning: {checkpoint_path(path)}: No space left" in error and "Traceback" not in error

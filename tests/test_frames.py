@@ -13,12 +13,13 @@ sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from unchecked import unchecked_copy
 
 from fem.cli import run_main
+from fem.elastic.stress import turned
 from fem.errors import UsageError
-from fem.frames import GROUP, frame_of
-from fem.recover import StoredRun, read_instant
-from fem.simulate import first_state, make_plan, run
-from fem.store import ResultFile
-from fem.stress import turned
+from fem.pictures.recover import StoredRun, read_instant
+from fem.result.fields import GROUP
+from fem.result.store import ResultFile
+from fem.solver.frames import frame_of
+from fem.solver.simulate import first_state, make_plan, run
 from lagrange.scene import SceneError, read_scene
 
 EVERY = ["--set", "output.fields_every_ms=0.5"]

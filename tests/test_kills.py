@@ -8,10 +8,10 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.checkpoint import checkpoint_path
 from fem.cli import run_main
-from fem.frames import GROUP, stored_samples
-from fem.layout import VARIABLES
+from fem.result.checkpoint import checkpoint_path
+from fem.result.fields import GROUP, stored_samples
+from fem.result.layout import VARIABLES
 
 OPTIONS = [
     "--mesh-size", "2", "--quiet", "--duration", "12", "--checkpoint", "0.05", "--set", "output.fields_every_ms=1",

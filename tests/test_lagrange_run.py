@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
-from fem.layout import VARIABLES
 from fem.render_cli import render_main
+from fem.result.layout import VARIABLES
 from lagrange import contact_laws, simulate
 from lagrange.scene import read_scene
 from residual.cli import main as check_main
@@ -193,7 +193,8 @@ def test_neither_meshes_nor_compiled_kernels_are_loaded(tmp_path):
     code = (
         "import sys; from fem.cli import run_main; "
         f"assert run_main(['--model', 'lagrange', '--duration', '0', '--output', {str(tmp_path / 'a.nc')!r}]) == 0; "
-        "print([m for m in 'numba gmsh skfem meshes pyvista fem.model fem.time_loop'.split() if m in sys.modules])"
+        "names = 'numba gmsh skfem meshes pyvista fem.elastic.model fem.kernels.time_loop'.split(); "
+        "print([m for m in names if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(ROOT)},
                           capture_output=True, text=True, check=True)  # fmt: skip

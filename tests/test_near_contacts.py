@@ -13,11 +13,11 @@ from half_plane import mcewen
 from resolved_roller import resolved_disc
 
 from fem.cli import run_main
-from fem.near_contacts import FIRST_ROLLER, INNER_RING, OUTER_RING
-from fem.peaks import shear_peak
-from fem.recover import read_instant
-from fem.render_bodies import drawn_bearing
-from fem.stress import max_shear
+from fem.elastic.stress import max_shear
+from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING, OUTER_RING
+from fem.pictures.peaks import shear_peak
+from fem.pictures.recover import read_instant
+from fem.pictures.render_bodies import drawn_bearing
 
 STANDING = ["operation.speed_rpm=0", "operation.gravity_m_s2=0", "contact.friction_coefficient=0"]
 

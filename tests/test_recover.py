@@ -12,12 +12,13 @@ sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from unchecked import unchecked_copy
 
 from fem.cli import run_main
-from fem.equilibrium import static_equilibrium
+from fem.elastic.subgrid import patch
 from fem.errors import UsageError
-from fem.frames import rotated
-from fem.recover import StoredRun, read_instant
-from fem.start import rolling_motion
-from fem.subgrid import patch, ripple_at
+from fem.kernels.law import ripple_at
+from fem.pictures.recover import StoredRun, read_instant
+from fem.solver.frames import rotated
+from fem.solver.start import rolling_motion
+from fem.statics.equilibrium import static_equilibrium
 from lagrange.scene import SceneError
 
 

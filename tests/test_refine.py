@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.refine import refined
+from fem.pictures.refine import refined
 from meshes import Disc, mesh_of
 
 

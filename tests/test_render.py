@@ -8,12 +8,12 @@ import pytest
 
 from fem.cli import run_main
 from fem.errors import UsageError
-from fem.near_contacts import FIRST_ROLLER, INNER_RING
-from fem.recover import StoredRun
-from fem.render_bodies import ARCS, drawn_bearing
-from fem.render_look import LARGEST_SHARE, Request, chosen_look, chosen_magnification
-from fem.render_scale import fringe_scale, linear_scale, logarithmic_scale, quantity
-from fem.rendering_probe import check_rendering
+from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING
+from fem.pictures.recover import StoredRun
+from fem.pictures.render_bodies import ARCS, drawn_bearing
+from fem.pictures.render_look import LARGEST_SHARE, Request, chosen_look, chosen_magnification
+from fem.pictures.render_scale import fringe_scale, linear_scale, logarithmic_scale, quantity
+from fem.pictures.rendering_probe import check_rendering
 
 PAPER_RADIUS = 32.5e-3  # m, outside
 WIDTH = 640
@@ -45,7 +45,7 @@ def drawn(instant):
 
 
 def _image(run, sample=SAMPLE, **request):
-    from fem.render import Renderer
+    from fem.pictures.render import Renderer
 
     with Renderer(run, Request(**{"width": WIDTH, **request}), [sample]) as renderer:
         return renderer.image(sample)
@@ -119,7 +119,7 @@ def test_refined_outlines_and_nodes_lie_on_the_circles(drawn):
 
 
 def test_forces_on_the_rollers_carry_the_load(can_draw, instant):
-    from fem.render_bearing import contact_forces
+    from fem.pictures.render_bearing import contact_forces
 
     (inner_at, inner), (outer_at, outer), *_ = contact_forces(instant)
     operation = instant.operation
@@ -131,7 +131,7 @@ def test_forces_on_the_rollers_carry_the_load(can_draw, instant):
 
 
 def test_an_arrow_ends_at_its_tip_and_its_border_surrounds_it(can_draw):
-    from fem.render_shapes import arrow
+    from fem.pictures.render_shapes import arrow
 
     plain, border = (
         arrow((1.0, 2.0), (1.0, 2.5), 0.02, 0.0),
@@ -218,9 +218,10 @@ def test_the_picture_shows_stress_forces_housing_load_zone_and_text_on_white(ima
     green = (image[..., 1] > 120) & (image[..., 0] < 110) & (image[..., 2] < 150)
     green[:, 430:] = False
     assert green[240:].sum() > 20 * max(1, green[:240].sum())
-    assert not _near(image[:240], LOAD_ZONE).any() or _near(image[240:], LOAD_ZONE).sum() > 20 * _near(
-        image[:240], LOAD_ZONE
-    ).sum()
+    assert (
+        not _near(image[:240], LOAD_ZONE).any()
+        or _near(image[240:], LOAD_ZONE).sum() > 20 * _near(image[:240], LOAD_ZONE).sum()
+    )
 
 
 def test_the_same_instant_gives_the_same_picture_and_another_magnification_another(image, run):
@@ -229,7 +230,7 @@ def test_the_same_instant_gives_the_same_picture_and_another_magnification_anoth
 
 
 def test_a_frame_drawn_after_another_is_the_picture_of_its_instant(can_draw, run, image):
-    from fem.render import Renderer
+    from fem.pictures.render import Renderer
 
     with Renderer(run, Request(width=WIDTH), [SAMPLE]) as renderer:
         other = renderer.image(SAMPLE - 100)

@@ -8,8 +8,8 @@ import pytest
 from PIL import Image
 
 from fem.errors import UsageError
+from fem.pictures.rendering_probe import check_rendering
 from fem.render_cli import render_main
-from fem.rendering_probe import check_rendering
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_an_mp4_has_the_frames_asked_for(can_draw, coarse_run, tmp_path):
 
 
 def test_a_film_that_fails_leaves_nothing(can_draw, coarse_run, tmp_path, monkeypatch):
-    from fem.render import Renderer
+    from fem.pictures.render import Renderer
 
     def fail(self, sample):
         raise OSError(28, "No space left on device")

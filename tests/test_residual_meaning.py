@@ -148,8 +148,8 @@ def test_only_a_picture_of_this_very_run_is_shown(tmp_path):
 
 def test_render_fem_s_picture_is_shown(coarse_run, tmp_path):
     from fem.errors import UsageError
+    from fem.pictures.rendering_probe import check_rendering
     from fem.render_cli import render_main
-    from fem.rendering_probe import check_rendering
 
     try:
         check_rendering()

@@ -5,17 +5,17 @@ import itertools
 import numpy as np
 import pytest
 
-from fem.contact_kernels import contact_forces
-from fem.critical_step import critical_time_step
-from fem.equilibrium import standing
-from fem.exact_statics import exact_statics
-from fem.limits import check_meshes
-from fem.model import build_model
-from fem.resolved_statics import contact_pressures
-from fem.sample_kernels import BLOCKS, HUB_AX, HUB_AY, N_SCALARS
-from fem.simulate import make_plan, run
-from fem.statics import equilibrium
-from fem.time_loop import advance
+from fem.elastic.critical_step import critical_time_step
+from fem.elastic.model import build_model
+from fem.kernels.contact_kernels import contact_forces
+from fem.kernels.sample_kernels import BLOCKS, HUB_AX, HUB_AY, N_SCALARS
+from fem.kernels.time_loop import advance
+from fem.solver.limits import check_meshes
+from fem.solver.simulate import make_plan, run
+from fem.statics.equilibrium import standing
+from fem.statics.exact_statics import exact_statics
+from fem.statics.resolved_statics import contact_pressures
+from fem.statics.solve import equilibrium
 from lagrange.scene import parse_scene
 from meshes import GradedAnnulus, GradedDisc, quality
 from meshes.graded import graded_disc

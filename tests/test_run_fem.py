@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
-from fem.layout import VARIABLES
-from fem.simulate import RunFailed, make_plan, run
-from fem.store import ResultFile
+from fem.result.layout import VARIABLES
+from fem.result.store import ResultFile
+from fem.solver.simulate import RunFailed, make_plan, run
 from lagrange.scene import read_scene
 
 COARSE = ("numerics.mesh_size_mm=2", "numerics.duration_ms=1")

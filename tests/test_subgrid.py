@@ -14,30 +14,19 @@ from bearings import LENGTH, STEEL, disc, model, paper, ring
 from line_contact import half_width, squeezed_disc_approach
 
 from benchmarks.verification.contact_statics import POSITIONS, RIGID, squeezed
-from fem.bodies import disc_body
-from fem.continuum import ring_hertz_approach
-from fem.model import peak_pressure
-from fem.patch_kernels import place, read_ring, read_roller
-from fem.patches import N_NODES, weight_slopes, weights
-from fem.ring_kernels import HALO
-from fem.subgrid import (
-    STEEPEST,
-    contact_energy,
-    contact_force,
-    contact_law,
-    disc_compliance,
-    disc_patch_force,
-    kick_force,
-    patch,
-    ring_compliance,
-    ring_patch_force,
-    ripple_at,
-)
+from fem.elastic.bodies import disc_body
+from fem.elastic.continuum import ring_hertz_approach
+from fem.elastic.model import peak_pressure
+from fem.elastic.subgrid import contact_law, disc_compliance, disc_patch_force, patch, ring_compliance, ring_patch_force
+from fem.kernels.law import STEEPEST, contact_energy, contact_force, kick_force, ripple_at
+from fem.kernels.patch_kernels import place, read_ring, read_roller
+from fem.kernels.patches import N_NODES, weight_slopes, weights
+from fem.kernels.ring_kernels import HALO
 from lagrange import Material
 from meshes import Disc
 
 RADIUS = 0.005
-CALIBRATED_AT = 5e-5  # half-width b, m, as `fem.model` does for this roller
+CALIBRATED_AT = 5e-5  # half-width b, m, as `fem.elastic.model` does for this roller
 FORCES = np.array([100.0, 200.0, 400.0, 628.0, 800.0, 1000.0])
 MODULUS = 210e9 / (1.0 - 0.3**2)
 

@@ -9,7 +9,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from half_plane import cubic_bspline, flamant, mcewen
 
-from fem.subsurface import AT_DEPTH, LARGEST_SHEAR, SurfaceLoad, hertz_stress, spline_displacement
+from fem.pictures.subsurface import AT_DEPTH, LARGEST_SHEAR, SurfaceLoad, hertz_stress, spline_displacement
 from lagrange import Material
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)

@@ -26,10 +26,10 @@ from bearings import (
 )
 from scipy.linalg import eigh
 
-from fem import disc_kernels, ring_kernels, sample_kernels, time_loop
-from fem.critical_step import critical_time_step
-from fem.ring_kernels import HALO
-from fem.sample_kernels import (
+from fem.elastic.critical_step import critical_time_step
+from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
+from fem.kernels.ring_kernels import HALO
+from fem.kernels.sample_kernels import (
     BLOCKS,
     CONTACT,
     DISSIPATED,
@@ -47,7 +47,7 @@ from fem.sample_kernels import (
     WORK_GRAVITY,
     WORK_LOAD,
 )
-from fem.time_loop import NOT_FINITE, advance
+from fem.kernels.time_loop import NOT_FINITE, advance
 from lagrange import Bearing
 
 

@@ -7,9 +7,10 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
-from fem import disc_kernels
-from fem.assembly import assemble
-from fem.subgrid import ContactLaw, contact_energy
+from fem.elastic.assembly import assemble
+from fem.elastic.subgrid import ContactLaw
+from fem.kernels import disc_kernels
+from fem.kernels.law import contact_energy
 from lagrange import Material
 from meshes import Mesh
 
@@ -41,8 +42,9 @@ def strip(n_elements: int) -> Mesh:
 def fall(n_elements: int, duration: float, safety: float = 0.9) -> Fall:
     """Drop the bar, unstrained and at rest, and follow it.
 
-    Assembled by `fem.assembly` in plane strain, one-dimensional because Poisson's ratio is 0; moved by the kernels of
-    a free body, whose frame is left standing; the floor pushes with `fem.subgrid`'s law, as stiff as one element.
+    Assembled by `fem.elastic.assembly` in plane strain, one-dimensional because Poisson's ratio is 0; moved by the
+    kernels of a free body, whose frame is left standing; the floor pushes with `fem.kernels.law`, as stiff as one
+    element.
     """
     mesh = strip(n_elements)
     side = LENGTH / n_elements

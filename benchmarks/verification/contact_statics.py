@@ -18,11 +18,12 @@ from benchmarks.verification.shapes import (
     model,
     paper,
 )
-from fem.bodies import DiscBody
-from fem.equilibrium import Equilibrium, Motion, static_equilibrium
-from fem.exact_statics import ExactStatics, exact_statics
-from fem.model import REFERENCE_HALF_WIDTH
-from fem.subgrid import SurfaceCompliance, contact_law, disc_compliance, disc_patch_force, ripple_at
+from fem.elastic.bodies import DiscBody
+from fem.elastic.model import REFERENCE_HALF_WIDTH
+from fem.elastic.subgrid import SurfaceCompliance, contact_law, disc_compliance, disc_patch_force
+from fem.kernels.law import ripple_at
+from fem.statics.equilibrium import Equilibrium, Motion, static_equilibrium
+from fem.statics.exact_statics import ExactStatics, exact_statics
 from lagrange import Bearing
 from lagrange.kinematics import roller_angles
 from tests.reference.line_contact import half_width, squeezed_disc_approach
@@ -32,7 +33,7 @@ from tests.reference.resolved_bearing import RESOLVED
 RIGID = SurfaceCompliance(missing=0.0, half_width=1.0, unit=0.0, ripple=np.zeros(8), spread=0.0)
 POSITIONS = (0.0, 0.13, 0.5, 0.77, 1.31, 2.06, 2.5, 3.9, 4.44)  # in node spacings, off the ripple's knots
 RESOLVED_SOURCE = "independent statics on locally refined quadratic meshes, converged to 0.02 %"
-SERIES = "our own exact series, no mesh (fem.exact_statics)"
+SERIES = "our own exact series, no mesh (fem.statics.exact_statics)"
 
 
 def squeezed(body: DiscBody, surface: SurfaceCompliance, position: float) -> float:

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import eigsh
 
 from benchmarks.verification.case import Case, Check, Origin
 from benchmarks.verification.shapes import LENGTH, STEEL, disc, ring
-from fem.bodies import DiscBody, RingBody
+from fem.elastic.bodies import DiscBody, RingBody
 from lagrange import Material
 from tests.reference.free_vibration import disc_frequency, ring_frequency
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from benchmarks.verification.case import Case, Check, Origin
 from benchmarks.verification.runs import plan_of, record
-from fem.equilibrium import standing
-from fem.model import build_resolved_model
-from fem.resolved import POINTS_PER_NODE
-from fem.resolved_statics import Pressures, contact_pressures
+from fem.elastic.model import build_resolved_model
+from fem.elastic.resolved import POINTS_PER_NODE
+from fem.statics.equilibrium import standing
+from fem.statics.resolved_statics import Pressures, contact_pressures
 from lagrange import Bearing, Material, kinematics
 from tests.reference.line_contact import half_width
 

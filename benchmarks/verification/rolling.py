@@ -7,10 +7,10 @@ from scipy.optimize import brentq
 
 from benchmarks.verification.case import Case, Check, Origin
 from benchmarks.verification.runs import plan_of, record, without_spin
-from fem.contact_kernels import normal_contacts, push_contacts
-from fem.friction_kernels import friction_contacts, grips, slips
-from fem.simulate import Plan
-from fem.state import INNER
+from fem.kernels.contact_kernels import normal_contacts, push_contacts
+from fem.kernels.friction_kernels import friction_contacts, grips, slips
+from fem.kernels.state import INNER
+from fem.solver.simulate import Plan
 from lagrange import kinematics
 from tests.reference.line_contact import carter_creep, half_width
 

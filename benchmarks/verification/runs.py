@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.samples import Samples
-from fem.simulate import Plan, make_plan, run
+from fem.solver.samples import Samples
+from fem.solver.simulate import Plan, make_plan, run
 from lagrange.scene import read_scene
 
 

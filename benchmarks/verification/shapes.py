@@ -4,8 +4,8 @@ from dataclasses import replace
 from functools import cache
 from math import pi
 
-from fem.bodies import DiscBody, RingBody, disc_body, ring_body
-from fem.model import Model, build_model
+from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
+from fem.elastic.model import Model, build_model
 from lagrange import Bearing, Material
 from lagrange.scene import read_scene
 from meshes import Annulus, Disc

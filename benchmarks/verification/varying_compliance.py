@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.verification.case import Case, Check, Origin
 from benchmarks.verification.runs import Record, plan_of, record
 from benchmarks.verification.shapes import LOAD, ON_A_ROLLER, paper
-from fem.exact_statics import exact_statics
+from fem.statics.exact_statics import exact_statics
 from lagrange import contact_laws, kinematics, static_equilibrium
 from lagrange.scene import read_scene
 
@@ -58,7 +58,7 @@ def varying_compliance():
     amplitude = line(last)
 
     exact = over_a_pitch(lambda angle: exact_statics(bearing, LOAD, angle).hub)
-    series = "our own exact series at each angle, at rest (fem.exact_statics)"
+    series = "our own exact series at each angle, at rest (fem.statics.exact_statics)"
     for i, axis in enumerate("xy"):
         yield Check(
             quantity=f"amplitude of the ball-pass line, {axis}", unit="nm", computed=1e9 * float(abs(amplitude[i])),

@@ -9,9 +9,9 @@ import h5py
 import numpy as np
 from synthetic_run import make_run, write_result, write_table
 
-from fem.checkpoint import checkpoint_path
 from fem.cli import run_main
 from fem.render_cli import render_main
+from fem.result.checkpoint import checkpoint_path
 from residual.cli import main as check_main
 
 RUN = make_run(n_times=64)

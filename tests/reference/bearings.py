@@ -10,12 +10,12 @@ import numpy as np
 
 from benchmarks.verification import shapes
 from benchmarks.verification.shapes import LENGTH, STEEL, paper
-from fem.arrays import Arrays, make_arrays
-from fem.bodies import DiscBody, RingBody
-from fem.model import Model, build_resolved_model
-from fem.sample_kernels import BLOCKS, N_SCALARS
-from fem.start import Start, equilibrium_start, rest_start
-from fem.time_loop import advance
+from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.model import Model, build_resolved_model
+from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
+from fem.kernels.time_loop import advance
+from fem.solver.arrays import Arrays, make_arrays
+from fem.solver.start import Start, equilibrium_start, rest_start
 from lagrange import Bearing, Material, Operation
 from lagrange.scene import read_scene
 

@@ -6,7 +6,7 @@ import os
 
 import numpy as np
 
-import fem.store
+import fem.result.store
 
 SECTOR = 512  # bytes a disk writes whole
 
@@ -21,9 +21,9 @@ class RecordedDisk:
         self.calls = 0
         self._log: list[tuple] = []  # ("write", file, place, bytes), ("sync",), ("move", file, path, content)
         self._fail_at = fail_at
-        self._write, self._move, self._sync = fem.store.write_at, fem.store.move_into_place, os.fsync
-        monkeypatch.setattr("fem.store.write_at", self._watched_write)
-        monkeypatch.setattr("fem.store.move_into_place", self._watched_move)
+        self._write, self._move, self._sync = fem.result.store.write_at, fem.result.store.move_into_place, os.fsync
+        monkeypatch.setattr("fem.result.store.write_at", self._watched_write)
+        monkeypatch.setattr("fem.result.store.move_into_place", self._watched_move)
         monkeypatch.setattr("os.fsync", self._watched_sync)
 
     def _attempt(self) -> None:

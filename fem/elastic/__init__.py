@@ -1,0 +1,8 @@
+"""The elastic bodies, the contacts between them, and the exact solutions both are calibrated on.
+
+assembly, bodies, stress  scikit-fem's matrices; a disc as rows of blocks, a ring as one sector's stencil; stresses
+continuum                 exact series of discs and rings
+subgrid, resolved         the calibrated law below the grid; contacts that the mesh resolves
+model                     the whole bearing
+critical_step             2/ω_max with the contacts in it
+"""

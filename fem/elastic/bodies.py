@@ -1,0 +1,294 @@
+"""Bodies as the time loop wants them: a disc in rows of 2 x 2 blocks, a ring as one sector's stencil."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from fem.elastic.assembly import assemble
+from fem.elastic.stress import stress_operator
+from lagrange import Material
+from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, mesh_of
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiscBody:
+    """An elastic roller, free in the plane; all rollers of a bearing share it.
+
+    The surface nodes are the last ones, equally spaced from angle 0.
+    """
+
+    shape: Disc | GradedDisc
+    material: Material
+    points: np.ndarray  # (n_nodes, 2), m
+    cells: np.ndarray
+    mass: np.ndarray  # (n_nodes,), kg
+    stiffness: sparse.csr_matrix  # (2 n_nodes, 2 n_nodes), N/m
+
+    @property
+    def n_nodes(self) -> int:
+        return len(self.mass)
+
+    @property
+    def first_surface_node(self) -> int:
+        return self.n_nodes - self.shape.surface_nodes
+
+    @property
+    def total_mass(self) -> float:
+        return float(self.mass.sum())
+
+    @property
+    def polar_inertia(self) -> float:
+        """Σ m |X|², kg m²."""
+        return float(self.mass @ np.sum(self.points**2, axis=1))
+
+    @property
+    def centre_of_mass(self) -> np.ndarray:
+        return self.mass @ self.points / self.total_mass
+
+    def blocks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Stiffness in 2 x 2 blocks: row starts (n_nodes + 1,), column nodes (n_blocks,), blocks (n_blocks, 2, 2)."""
+        rows = self.stiffness.tobsr((2, 2))
+        rows.sort_indices()
+        return rows.indptr.astype(np.int64), rows.indices.astype(np.int64), rows.data
+
+    @cached_property
+    def _factor(self):
+        # rigid motions are held by three Lagrange multipliers: no mean displacement, no mean rotation
+        constraint = sparse.csc_matrix(rigid_modes(self.points) * np.repeat(self.mass, 2)[:, None])
+        return splu(sparse.bmat([[self.stiffness, constraint], [constraint.T, None]], format="csc"))
+
+    @cached_property
+    def stress(self) -> sparse.csr_matrix:
+        """From nodal displacements to nodal stresses: `fem.elastic.stress.stress_operator`."""
+        return stress_operator(self.points, self.cells, self.material)
+
+    def relaxed(self, force: np.ndarray) -> np.ndarray:
+        """Displacement, (2 n_nodes, ...), m, of the freely accelerating disc under nodal forces, N (inertia relief).
+
+        Mass-weighted mean displacement and rotation are zero; the resultant is carried by uniform and rotational
+        inertia.
+        """
+        modes, mass = rigid_modes(self.points), np.repeat(self.mass, 2)
+        weighted = modes * mass[:, None]
+        acceleration = np.linalg.solve(modes.T @ weighted, modes.T @ force)
+        balanced = force - weighted @ acceleration
+        zeros = np.zeros((3, *force.shape[1:]))
+        return self._factor.solve(np.concatenate([balanced, zeros]))[: force.shape[0]]
+
+    @cached_property
+    def _responses(self) -> dict[int, np.ndarray]:
+        return {}
+
+    def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
+        """Compliance between surface nodes, (2 m, 2 m), m/N, of the freely accelerating disc; x and y of each node."""
+        dofs = (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel()
+        first = 2 * self.first_surface_node
+        missing = [dof for dof in dofs if dof not in self._responses]
+        for some in np.array_split(missing, 1 + len(missing) // 64):
+            force = np.zeros((2 * self.n_nodes, len(some)))
+            force[first + some.astype(int), np.arange(len(some))] = 1.0
+            self._responses.update(zip(some, self.relaxed(force)[first:].T.copy(), strict=True))
+        return np.array([self._responses[dof][dofs] for dof in dofs])
+
+
+def rigid_modes(points: np.ndarray) -> np.ndarray:
+    """Two translations and the rotation about the origin, (2n, 3)."""
+    modes = np.zeros((len(points), 2, 3))
+    modes[:, 0, 0] = modes[:, 1, 1] = 1.0
+    modes[:, 0, 2], modes[:, 1, 2] = -points[:, 1], points[:, 0]
+    return modes.reshape(-1, 3)
+
+
+def disc_body(shape: Disc | GradedDisc, material: Material, thickness: float) -> DiscBody:
+    """Assemble a roller; the mass its polygon lacks against the circle is spread over all nodes."""
+    mesh = mesh_of(shape)
+    matrices = assemble(mesh, material, thickness)
+    full = material.density * thickness * np.pi * shape.radius**2
+    return DiscBody(
+        shape=shape,
+        material=material,
+        points=mesh.points,
+        cells=mesh.cells,
+        mass=matrices.mass * (full / matrices.mass.sum()),
+        stiffness=matrices.stiffness,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingBody:
+    """An elastic ring of equal sectors, held on one circle and loaded on the other.
+
+    In polar components (u_r, u_θ) the stiffness of every sector is the same, so one row of coefficients per node row
+    is the whole matrix: force on (row i, sector k) = −Σ stencil[i, i'−i+1, d+1] · u(i', k+d), i' = i−1..i+1, d = −1..1.
+    """
+
+    shape: Annulus | GradedAnnulus
+    material: Material
+    points: np.ndarray
+    cells: np.ndarray
+    radii: np.ndarray  # (n_rows,), m
+    row_mass: np.ndarray  # (n_rows,), kg, of one node
+    stencil: np.ndarray  # (n_rows, 3, 3, 2, 2), N/m
+    held_row: int  # 0 (inner ring) or n_rows − 1 (outer ring)
+
+    @property
+    def n_rows(self) -> int:
+        return len(self.radii)
+
+    @property
+    def n_sectors(self) -> int:
+        return self.shape.sectors
+
+    @property
+    def raceway_row(self) -> int:
+        return self.n_rows - 1 - self.held_row
+
+    @property
+    def raceway_radius(self) -> float:
+        return float(self.radii[self.raceway_row])
+
+    @property
+    def free_rows(self) -> np.ndarray:
+        return np.delete(np.arange(self.n_rows), self.held_row)
+
+    @property
+    def total_mass(self) -> float:
+        return float(self.n_sectors * self.row_mass.sum())
+
+    @property
+    def angles(self) -> np.ndarray:
+        return 2.0 * np.pi * np.arange(self.n_sectors) / self.n_sectors
+
+    @cached_property
+    def stress(self) -> sparse.csr_matrix:
+        """From nodal displacements in the ring's axes to nodal stresses: `fem.elastic.stress.stress_operator`."""
+        return stress_operator(self.points, self.cells, self.material)
+
+    def cartesian(self, polar: np.ndarray, turn: float = 0.0) -> np.ndarray:
+        """Vectors (n_rows, 2, n_sectors) in polar components as (n_nodes, 2) in x and y, the ring turned by `turn`."""
+        c, s = np.cos(self.angles + turn), np.sin(self.angles + turn)
+        radial, around = polar[:, 0], polar[:, 1]
+        return np.stack([radial * c - around * s, radial * s + around * c], axis=-1).reshape(-1, 2)
+
+    def polar(self, vectors: np.ndarray, turn: float = 0.0) -> np.ndarray:
+        """What `cartesian` makes, taken back."""
+        c, s = np.cos(self.angles + turn), np.sin(self.angles + turn)
+        x, y = np.moveaxis(vectors.reshape(self.n_rows, self.n_sectors, 2), -1, 0)
+        return np.stack([x * c + y * s, y * c - x * s], axis=1)
+
+    def body_load(self, gravity: float, turn: float = 0.0, speed: float = 0.0) -> np.ndarray:
+        """Weight and centrifugal force of every node, (n_rows, 2, n_sectors), polar, N, in a frame turned by `turn`."""
+        angle = self.angles + turn
+        load = -gravity * self.row_mass[:, None, None] * np.stack([np.sin(angle), np.cos(angle)])
+        load[:, 0] += (speed**2 * self.row_mass * self.radii)[:, None]
+        return load
+
+    def force(self, displacement: np.ndarray) -> np.ndarray:
+        """K·u, N; both (n_rows, 2, n_sectors), polar."""
+        force = np.zeros_like(displacement)
+        for row in range(self.n_rows):
+            for other in range(max(0, row - 1), min(self.n_rows, row + 2)):
+                for shift in (-1, 0, 1):
+                    block = self.stencil[row, other - row + 1, shift + 1]
+                    force[row] += block @ np.roll(displacement[other], -shift, axis=-1)
+        return force
+
+    def harmonic_stiffness(self, harmonics: np.ndarray) -> np.ndarray:
+        """Stiffness acting on u(i, k) = û(i) exp(2πi·m·k/n_sectors), (n_harmonics, 2 n_rows, 2 n_rows), complex."""
+        phase = np.exp(2j * np.pi * np.outer(harmonics, [-1, 0, 1]) / self.n_sectors)
+        matrix = np.zeros((len(harmonics), self.n_rows, 2, self.n_rows, 2), dtype=complex)
+        for row in range(self.n_rows):
+            for other in range(max(0, row - 1), min(self.n_rows, row + 2)):
+                coefficients = self.stencil[row, other - row + 1]
+                matrix[:, row, :, other, :] = np.einsum("md,dab->mab", phase, coefficients)
+        return matrix.reshape(len(harmonics), 2 * self.n_rows, 2 * self.n_rows)
+
+    @cached_property
+    def _harmonic_compliance(self) -> np.ndarray:
+        harmonics = np.arange(self.n_sectors // 2 + 1)
+        keep = (2 * self.free_rows[:, None] + np.arange(2)).ravel()
+        return np.linalg.inv(self.harmonic_stiffness(harmonics)[:, keep][:, :, keep])
+
+    def held(self, force: np.ndarray) -> np.ndarray:
+        """Displacement of the held ring under nodal forces; both (n_rows, 2, n_sectors, ...), polar, m and N."""
+        rows = self.free_rows
+        spectrum = np.fft.rfft(force[rows], axis=2)  # (rows, 2, harmonic, ...)
+        stacked = np.moveaxis(spectrum, 2, 0).reshape(spectrum.shape[2], 2 * len(rows), -1)
+        solved = (self._harmonic_compliance @ stacked).reshape(spectrum.shape[2], len(rows), 2, *force.shape[3:])
+        displacement = np.zeros_like(force)
+        displacement[rows] = np.fft.irfft(np.moveaxis(solved, 0, 2), n=self.n_sectors, axis=2)
+        return displacement
+
+    @cached_property
+    def _raceway_kernel(self) -> np.ndarray:
+        """Motion of every raceway node by a unit force on node 0, (component moved, component pushed, n_sectors)."""
+        force = np.zeros((self.n_rows, 2, self.n_sectors, 2))
+        force[self.raceway_row, 0, 0, 0] = force[self.raceway_row, 1, 0, 1] = 1.0
+        return np.moveaxis(self.held(force)[self.raceway_row], 1, 2)
+
+    def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
+        """Compliance between raceway nodes, (2 m, 2 m), m/N; polar components of each node."""
+        nodes = np.asarray(nodes)
+        apart = (nodes[:, None] - nodes[None, :]) % self.n_sectors
+        found = self._raceway_kernel[:, :, apart]  # (component moved, component pushed, node moved, node pushed)
+        return found.transpose(2, 0, 3, 1).reshape(2 * nodes.size, 2 * nodes.size)
+
+
+def ring_body(shape: Annulus | GradedAnnulus, material: Material, thickness: float, held_inside: bool) -> RingBody:
+    """Assemble a ring and reduce it to one sector.
+
+    Errors
+    ------
+    RuntimeError: the mesh's sectors are not equal to 1e-9.
+    """
+    mesh = mesh_of(shape)
+    matrices = assemble(mesh, material, thickness)
+    rows, sectors = shape.layers + 1, shape.sectors
+    stencil = _sector_stencil(matrices.stiffness, rows, sectors, 0)
+    elsewhere = _sector_stencil(matrices.stiffness, rows, sectors, sectors // 3)
+    full = material.density * thickness * np.pi * (shape.outer_radius**2 - shape.inner_radius**2)
+    mass = (matrices.mass * (full / matrices.mass.sum())).reshape(rows, sectors)
+    spread = np.abs(stencil - elsewhere).max() / np.abs(stencil).max()
+    if spread > 1e-9 or np.ptp(mass, axis=1).max() > 1e-9 * mass.max():
+        raise RuntimeError(f"the sectors of {shape} differ by {spread:.1e}: the mesh is not rotation-invariant")
+    return RingBody(
+        shape=shape,
+        material=material,
+        points=mesh.points,
+        cells=mesh.cells,
+        radii=shape.radii,
+        row_mass=mass.mean(axis=1),
+        stencil=_mirrored(stencil),
+        held_row=0 if held_inside else rows - 1,
+    )
+
+
+def _sector_stencil(stiffness, rows: int, sectors: int, sector: int) -> np.ndarray:
+    """Coefficients of one sector's nodes in polar components, (rows, 3, 3, 2, 2)."""
+    stencil = np.zeros((rows, 3, 3, 2, 2))
+    for row in range(rows):
+        node = row * sectors + sector
+        line = stiffness[2 * node : 2 * node + 2].toarray()
+        for other in range(max(0, row - 1), min(rows, row + 2)):
+            for shift in (-1, 0, 1):
+                neighbour = other * sectors + (sector + shift) % sectors
+                block = line[:, 2 * neighbour : 2 * neighbour + 2]
+                stencil[row, other - row + 1, shift + 1] = (
+                    _polar(sector, sectors).T @ block @ _polar(sector + shift, sectors)
+                )
+    return stencil
+
+
+def _polar(sector: int, sectors: int) -> np.ndarray:
+    """Columns e_r, e_θ at a sector's angle."""
+    angle = 2.0 * np.pi * sector / sectors
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def _mirrored(stencil: np.ndarray) -> np.ndarray:
+    """Remove the round-off that breaks the mirror symmetry k → −k: u_r even, u_θ odd."""
+    sign = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    return 0.5 * (stencil + stencil[:, :, ::-1] * sign)

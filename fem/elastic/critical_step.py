@@ -1,0 +1,87 @@
+"""The critical time step of leapfrog, 2/ω_max, with the contacts' stiffness in it."""
+
+from math import sqrt
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.model import Model
+from fem.elastic.resolved import layer_springs
+from fem.elastic.subgrid import disc_patch_force, ring_patch_force
+
+LOAD_MARGIN = 10.0  # contacts are as stiff as at this many times the largest static force
+LANCZOS_TOLERANCE = 1e-4  # relative, of ω²; the found value is that much too low at most
+
+
+def critical_time_step(model: Model, largest_force: float) -> float:
+    """2/ω_max, s, of all bodies with every contact closed at LOAD_MARGIN times `largest_force`, N.
+
+    A spring k between two bodies is counted as 2k on each: k (a + b)² <= 2k a² + 2k b², so no coupled mode is
+    faster than the fastest body. Friction is implicit and does not count.
+
+    Errors
+    ------
+    Lanczos approaches ω_max² from below; its tolerance is added.
+    """
+    springs = (
+        layer_springs(model) if model.is_resolved else _patch_springs(model, LOAD_MARGIN * max(largest_force, 1.0))
+    )
+    fastest = max(
+        _disc_limit(model.roller, springs["roller"]),
+        _ring_limit(model.inner_ring, springs["inner_ring"]),
+        _ring_limit(model.outer_ring, springs["outer_ring"]),
+    )
+    return 2.0 / sqrt(fastest * (1.0 + LANCZOS_TOLERANCE))
+
+
+def _patch_springs(model: Model, force: float) -> dict[str, sparse.csc_matrix]:
+    """Columns √(2k)·load of the springs on each kind of body; a roller has one of each kind, apart from each other."""
+    laws = model.inner_law, model.outer_law, model.roller_law
+    inner, outer, between = (sqrt(2.0 * law.stiffness(min(force, law.Q_line))) for law in laws)
+    angles = 2.0 * np.pi * np.arange(3) / 3.0
+    on_roller = [
+        size * disc_patch_force(model.roller, angle, model.stretch)
+        for size, angle in zip((inner, outer, between), angles, strict=True)
+    ]
+    return {
+        "roller": sparse.csc_matrix(np.stack(on_roller, axis=1)),
+        "inner_ring": _column(inner * ring_patch_force(model.inner_ring, 0.0, model.stretch)),
+        "outer_ring": _column(outer * ring_patch_force(model.outer_ring, 0.0, model.stretch)),
+    }
+
+
+def _column(load: np.ndarray) -> sparse.csc_matrix:
+    return sparse.csc_matrix(load.reshape(-1, 1))
+
+
+def _disc_limit(disc: DiscBody, springs: sparse.csc_matrix) -> float:
+    """Largest ω², 1/s², of a disc on springs."""
+    scale = 1.0 / np.sqrt(np.repeat(disc.mass, 2))
+
+    def apply(vector):
+        u = scale * vector.ravel()
+        return scale * (disc.stiffness @ u + springs @ (springs.T @ u))
+
+    return _largest(apply, scale.size)
+
+
+def _ring_limit(ring: RingBody, springs: sparse.csc_matrix) -> float:
+    """Largest ω², 1/s², of a held ring on springs."""
+    rows = ring.free_rows
+    scale = 1.0 / np.sqrt(ring.row_mass[rows])[:, None, None]
+
+    def apply(vector):
+        u = np.zeros((ring.n_rows, 2, ring.n_sectors))
+        u[rows] = scale * vector.reshape(len(rows), 2, ring.n_sectors)
+        force = ring.force(u) + (springs @ (springs.T @ u.ravel())).reshape(u.shape)
+        return (scale * force[rows]).ravel()
+
+    return _largest(apply, 2 * len(rows) * ring.n_sectors)
+
+
+def _largest(apply, size: int) -> float:
+    operator = LinearOperator((size, size), matvec=apply, dtype=float)
+    start = np.random.default_rng(0).standard_normal(size)  # seeded: the same scene gets the same step
+    return float(eigsh(operator, k=1, which="LA", v0=start, tol=LANCZOS_TOLERANCE, return_eigenvectors=False)[0])

@@ -1,0 +1,117 @@
+"""A bearing made discrete: three kinds of body and the laws of their contacts."""
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
+from fem.elastic.resolved import ResolvedLaw, resolved_laws
+from fem.elastic.subgrid import ContactLaw, SurfaceCompliance, contact_law, disc_compliance, ring_compliance
+from fem.kernels.state import INNER, OUTER, ROLLER
+from lagrange import Bearing
+from meshes import BearingShapes, bearing_shapes, graded_shapes
+
+# the sub-grid constants hold for any narrow contact; they are evaluated at this share of a roller's radius
+REFERENCE_HALF_WIDTH = 0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class Model:
+    """Everything about a bearing that its mesh decides."""
+
+    bearing: Bearing
+    roller: DiscBody
+    inner_ring: RingBody
+    outer_ring: RingBody
+    inner_law: ContactLaw | ResolvedLaw  # inner raceway and roller
+    outer_law: ContactLaw | ResolvedLaw  # roller and outer raceway
+    roller_law: ContactLaw | ResolvedLaw  # two rollers
+    # of contacts below the grid only
+    stretch: int = 1
+    roller_surface: SurfaceCompliance | None = None
+    inner_surface: SurfaceCompliance | None = None
+    outer_surface: SurfaceCompliance | None = None
+
+    @property
+    def is_resolved(self) -> bool:
+        """Whether the mesh resolves the contacts, so that no law stands below it."""
+        return self.roller_surface is None
+
+    @property
+    def n_nodes(self) -> int:
+        rings = sum(ring.n_rows * ring.n_sectors for ring in (self.inner_ring, self.outer_ring))
+        return self.bearing.n_rollers * self.roller.n_nodes + rings
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Free ones: two per node off the held circles, two of the hub."""
+        rings = sum((ring.n_rows - 1) * ring.n_sectors for ring in (self.inner_ring, self.outer_ring))
+        return 2 * (self.bearing.n_rollers * self.roller.n_nodes + rings) + 2
+
+
+def build_model(bearing: Bearing, mesh_size: float, stretch: int = 1, graded: bool = False) -> Model:
+    """Mesh, assemble and calibrate a bearing at a surface spacing, m, with contacts below the grid.
+
+    Parameters
+    ----------
+    stretch : of the contact patches, see `patches`; graded : meshes that coarsen away from the raceways
+    """
+    roller, inner, outer = _bodies(
+        bearing, graded_shapes(bearing, mesh_size) if graded else bearing_shapes(bearing, mesh_size)
+    )
+    thickness = bearing.roller_length
+    half_width = REFERENCE_HALF_WIDTH * bearing.roller_radius
+    roller_surface = disc_compliance(roller, thickness, half_width, stretch)
+    inner_surface = ring_compliance(inner, thickness, half_width, stretch)
+    outer_surface = ring_compliance(outer, thickness, half_width, stretch)
+    radius = bearing.roller_radius
+    return Model(
+        bearing=bearing,
+        roller=roller,
+        inner_ring=inner,
+        outer_ring=outer,
+        inner_law=contact_law(inner_surface, roller_surface, 1.0 / (1.0 / radius + 1.0 / bearing.inner_raceway_radius)),
+        outer_law=contact_law(roller_surface, outer_surface, 1.0 / (1.0 / radius - 1.0 / bearing.outer_raceway_radius)),
+        roller_law=contact_law(roller_surface, roller_surface, 0.5 * radius),
+        stretch=stretch,
+        roller_surface=roller_surface,
+        inner_surface=inner_surface,
+        outer_surface=outer_surface,
+    )
+
+
+def build_resolved_model(bearing: Bearing, mesh_size: float) -> Model:
+    """Mesh and assemble a bearing at a surface spacing, m, finer than its contacts."""
+    roller, inner, outer = _bodies(bearing, graded_shapes(bearing, mesh_size))
+    laws = resolved_laws(
+        bearing,
+        {
+            "roller": roller.shape.surface_spacing,
+            "inner_ring": 2.0 * pi * inner.raceway_radius / inner.n_sectors,
+            "outer_ring": 2.0 * pi * outer.raceway_radius / outer.n_sectors,
+        },
+    )
+    return Model(
+        bearing=bearing,
+        roller=roller,
+        inner_ring=inner,
+        outer_ring=outer,
+        inner_law=laws[INNER],
+        outer_law=laws[OUTER],
+        roller_law=laws[ROLLER],
+    )
+
+
+def _bodies(bearing: Bearing, shapes: BearingShapes) -> tuple[DiscBody, RingBody, RingBody]:
+    thickness = bearing.roller_length
+    return (
+        disc_body(shapes.roller, bearing.roller, thickness),
+        ring_body(shapes.inner_ring, bearing.inner_ring, thickness, held_inside=True),
+        ring_body(shapes.outer_ring, bearing.outer_ring, thickness, held_inside=False),
+    )
+
+
+def peak_pressure(law: ContactLaw | ResolvedLaw, force: float, thickness: float) -> float:
+    """Hertz's maximum pressure, Pa: 2 Q / (π b L) (Johnson, Contact Mechanics, 1985, chapter 4)."""
+    if force <= 0.0:
+        return 0.0
+    return 2.0 * force / (pi * sqrt(law.half_width_factor * force) * thickness)

@@ -1,0 +1,168 @@
+"""Contacts that the mesh resolves: the layer that keeps the surfaces apart, and where its pressure is sampled."""
+
+from dataclasses import dataclass
+from math import ceil, log2, pi, sqrt
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import sparse
+
+from fem.elastic.bodies import DiscBody, RingBody
+from fem.kernels.patches import N_NODES
+from fem.kernels.state import INNER, OUTER, ROLLER, Resolved
+from lagrange import Bearing, Material
+
+if TYPE_CHECKING:
+    from fem.elastic.model import Model
+
+LAYER = 8.0  # stiffness of the layer times the surface spacing, over E*: see docs/verification.md for what it costs
+POINTS_PER_NODE = 4
+HERTZ_POINTS = 64
+CLOSED_NODES = 12  # of a contact closed over so many, the middle knows no end
+SPAN = 3.0  # half-range of the points over the half-width at the largest static force
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResolvedLaw:
+    """A pair of surfaces in resolved contact."""
+
+    relative_radius: float  # R, m
+    half_width_factor: float  # b²/Q = 4R/(π E* L), m²/N (Johnson, Contact Mechanics, 1985, ch. 4)
+    layer: float  # pressure per penetration, Pa/m
+    spacing: float  # of the points, m
+    radii: tuple[float, float]  # of side 0 and side 1, m; a bore's is negative
+    thickness: float  # m
+
+    def half_width(self, force: float) -> float:
+        """Hertz half-width b, m."""
+        return sqrt(self.half_width_factor * force)
+
+    @property
+    def point_stiffness(self) -> float:
+        """Force per penetration of one point, N/m."""
+        return self.layer * self.spacing * self.thickness
+
+    def layer_approach(self, force: float) -> float:
+        """What the layer adds to the approach, m: the mean of its deflection weighted with Hertz's pressure."""
+        return 8.0 / (3.0 * pi) * 2.0 * force / (pi * self.half_width(force) * self.thickness) / self.layer
+
+
+def resolved_law(radii: tuple[float, float], materials: tuple[Material, Material], thickness: float, spacing: float):
+    """Law of two circles; `spacing` is the finer of the two surfaces', m."""
+    modulus = 1.0 / sum(1.0 / material.plane_strain_modulus for material in materials)
+    relative = 1.0 / sum(1.0 / radius for radius in radii)
+    return ResolvedLaw(
+        relative_radius=relative,
+        half_width_factor=4.0 * relative / (pi * modulus * thickness),
+        layer=LAYER * modulus / spacing,
+        spacing=spacing / POINTS_PER_NODE,
+        radii=radii,
+        thickness=thickness,
+    )
+
+
+def resolved_laws(bearing: Bearing, spacings: dict[str, float]) -> dict[int, ResolvedLaw]:
+    """Laws by kind of contact; `spacings` of the surfaces by body, m."""
+    roller, inner, outer = bearing.roller, bearing.inner_ring, bearing.outer_ring
+    r, length = bearing.roller_radius, bearing.roller_length
+    finest = {name: min(spacings[name], spacings["roller"]) for name in ("roller", "inner_ring", "outer_ring")}
+    return {
+        INNER: resolved_law((bearing.inner_raceway_radius, r), (inner, roller), length, finest["inner_ring"]),
+        OUTER: resolved_law((-bearing.outer_raceway_radius, r), (outer, roller), length, finest["outer_ring"]),
+        ROLLER: resolved_law((r, r), (roller, roller), length, finest["roller"]),
+    }
+
+
+def points(laws: dict[int, ResolvedLaw], largest_force: float, n_rollers: int) -> Resolved:
+    """Where pressures are sampled, up to SPAN half-widths at the largest static force, N."""
+    n = max(ceil(SPAN * law.half_width(largest_force) / law.spacing) for law in laws.values())
+    shift, tangent, rise = np.zeros((3, 2, 2 * n)), np.zeros((3, 2, 2 * n)), np.zeros((3, 2 * n))
+    for kind, law in laws.items():
+        across = (np.arange(-n, n) + 0.5) * law.spacing
+        for side, radius in enumerate(law.radii):
+            angle = np.arcsin(across / abs(radius))
+            # along t the points of a roller that faces side 0 lie clockwise about its own centre
+            shift[kind, side] = -angle if side == 1 and kind != OUTER else angle
+            tangent[kind, side] = np.sign(radius) * np.tan(angle)
+            rise[kind] += radius * (1.0 - np.cos(angle))
+    return Resolved(
+        shift=shift,
+        tangent=tangent,
+        rise=rise,
+        stiffness=np.array([laws[kind].point_stiffness for kind in (INNER, OUTER, ROLLER)]),
+        energy=np.zeros((3, n_rollers)),
+    )
+
+
+def stretch_for(resolved: Resolved, nodes: tuple[int, ...]) -> tuple[int, ...]:
+    """Stretch of patches that hold every node under the points: a power of two, as each is compiled for itself."""
+    widest = max(
+        2.0 * np.abs(resolved.shift[kind, side]).max() * count / (2.0 * pi)
+        for (kind, side), count in zip(((INNER, 0), (OUTER, 0), (INNER, 1)), nodes, strict=True)
+    )
+    return (0,) * 2 ** max(0, ceil(log2((widest + 3.0) / N_NODES)))
+
+
+def ring_push(ring: RingBody, angle: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Raceway nodes and their polar forces under forces along the radius at angles: (m,), (2 m, n_angles)."""
+    nodes, share = _hats(angle, ring.n_sectors)
+    off = angle[None, :] - (2.0 * pi / ring.n_sectors) * nodes[:, None]
+    push = np.stack([share * np.cos(off), share * np.sin(off)], axis=1) * size
+    return nodes, push.reshape(2 * nodes.size, -1)
+
+
+def disc_push(disc: DiscBody, angle: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Surface nodes and their forces under forces along the outward radius at angles: (m,), (2 m, n_angles)."""
+    nodes, share = _hats(angle, disc.shape.surface_nodes)
+    push = np.stack([share * np.cos(angle), share * np.sin(angle)], axis=1) * size
+    return nodes, push.reshape(2 * nodes.size, -1)
+
+
+def layer_springs(model: "Model") -> dict[str, sparse.csc_matrix]:
+    """Columns √(2k)·load of the points of a contact closed over many nodes, on each kind of body."""
+    disc = model.roller
+    stiffest = max((model.inner_law, model.outer_law, model.roller_law), key=lambda law: law.layer)
+    nodes, push = disc_push(disc, _closed(stiffest, disc.shape.radius), 1.0)
+    found = {"roller": _embedded(push, 2 * (disc.first_surface_node + nodes), 1, 2 * disc.n_nodes, stiffest)}
+    for name, ring, law in (
+        ("inner_ring", model.inner_ring, model.inner_law),
+        ("outer_ring", model.outer_ring, model.outer_law),
+    ):
+        nodes, push = ring_push(ring, _closed(law, ring.raceway_radius), 1.0)
+        first = ring.raceway_row * 2 * ring.n_sectors + nodes
+        found[name] = _embedded(push, first, ring.n_sectors, 2 * ring.n_rows * ring.n_sectors, law)
+    return found
+
+
+def _closed(law: ResolvedLaw, radius: float) -> np.ndarray:
+    """Angles of as many points as lie over CLOSED_NODES nodes."""
+    half = POINTS_PER_NODE * CLOSED_NODES // 2
+    return (np.arange(-half, half) + 0.5) * law.spacing / radius
+
+
+def _embedded(push: np.ndarray, first: np.ndarray, apart: int, size: int, law: ResolvedLaw) -> sparse.csc_matrix:
+    """Two components per node, `apart` from each other, put to their places among all degrees of freedom."""
+    rows = np.stack([first, first + apart], axis=1).ravel()
+    place = sparse.csc_matrix((np.ones(rows.size), (rows, np.arange(rows.size))), shape=(size, rows.size))
+    return sqrt(2.0 * law.point_stiffness) * (place @ sparse.csc_matrix(push))
+
+
+def hertz_patch(n_surface: int, angle: float, half_width: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A Hertz pressure of a half-width in rad as nodal forces: nodes, shares, and the contact's angle less theirs."""
+    place = pi * np.arange(1, HERTZ_POINTS + 1) / (HERTZ_POINTS + 1)  # Gauss-Chebyshev points of the second kind
+    nodes, share = _hats(angle + half_width * np.cos(place), n_surface)
+    offset = np.mod(angle - (2.0 * pi / n_surface) * nodes + pi, 2.0 * pi) - pi
+    return nodes, share @ (2.0 / (HERTZ_POINTS + 1) * np.sin(place) ** 2), offset
+
+
+def _hats(angle: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Surface nodes around points at angles, (m,), and each node's share of each point, (m, n_angles)."""
+    position = angle * n_nodes / (2.0 * pi)
+    base = np.floor(position).astype(int)
+    beyond = position - base
+    nodes = np.unique(np.concatenate([base, base + 1]) % n_nodes)
+    share = np.zeros((nodes.size, angle.size))
+    column = np.arange(angle.size)
+    np.add.at(share, (np.searchsorted(nodes, base % n_nodes), column), 1.0 - beyond)
+    np.add.at(share, (np.searchsorted(nodes, (base + 1) % n_nodes), column), beyond)
+    return nodes, share

@@ -1,0 +1,12 @@
+"""What runs in the time loop: numba over plain arrays.
+
+state                           the arrays, as named tuples
+time_loop                       leapfrog steps
+disc_kernels, ring_kernels      forces and motion of rollers and rings
+contact_kernels, patch_kernels  normal forces; what a contact reads from and writes to surface nodes
+law, patches                    the law below the grid; B-spline patches
+resolved_kernels                contacts as pressures on points, where the mesh resolves them
+friction_kernels                Carter's creep and Coulomb's limit
+sample_kernels                  what a stored sample holds
+simd, jit                       eight lanes as one value; @kernel: compiled once per version of the code
+"""

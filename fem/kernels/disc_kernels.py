@@ -1,0 +1,83 @@
+"""Rollers: all columns of one congruent disc at once, eight per register.
+
+State of every roller in its own frame, which turns with it and moves with its centre of mass:
+`u` displacement, `w` velocity relative to the centre of mass in the frame's axes. Flat arrays (n_nodes, 2, columns),
+columns a multiple of 16; spare columns stay 0.
+"""
+
+from fem.kernels.jit import kernel
+from fem.kernels.simd import add, fma, fma_lanes, load, multiply, splat, store, subtract
+
+COLUMNS = 16  # handled together
+
+
+@kernel
+def kick(starts, neighbours, blocks, mass, u, w, columns, torque):
+    """w += dt·internal acceleration; torque of the internal forces.
+
+    Parameters
+    ----------
+    starts, neighbours : rows of 2 x 2 blocks, (n_nodes + 1,) and (n_blocks,)
+    blocks : (4 n_blocks,), −dt·M⁻¹K, m/s per m
+    mass : (n_nodes,), kg
+    torque : (columns,), filled with dt·Σ u x f, N m s: second order in u, 0 for exact elasticity
+    """
+    n_nodes = starts.size - 1
+    stride = 2 * columns
+    for block in range(0, columns, COLUMNS):
+        t0, t1 = splat(0.0), splat(0.0)
+        for i in range(n_nodes):
+            fx0, fx1, fy0, fy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+            for k in range(starts[i], starts[i + 1]):
+                at = neighbours[k] * stride + block
+                x0, x1 = load(u, at), load(u, at + 8)
+                y0, y1 = load(u, at + columns), load(u, at + columns + 8)
+                xx, xy, yx, yy = blocks[4 * k], blocks[4 * k + 1], blocks[4 * k + 2], blocks[4 * k + 3]
+                fx0, fx1 = fma(xx, x0, fx0), fma(xx, x1, fx1)
+                fy0, fy1 = fma(yx, x0, fy0), fma(yx, x1, fy1)
+                fx0, fx1 = fma(xy, y0, fx0), fma(xy, y1, fx1)
+                fy0, fy1 = fma(yy, y0, fy0), fma(yy, y1, fy1)
+            at = i * stride + block
+            m = mass[i]
+            t0 = fma(m, subtract(multiply(load(u, at), fy0), multiply(load(u, at + columns), fx0)), t0)
+            t1 = fma(m, subtract(multiply(load(u, at + 8), fy1), multiply(load(u, at + columns + 8), fx1)), t1)
+            store(w, at, add(load(w, at), fx0))
+            store(w, at + 8, add(load(w, at + 8), fx1))
+            store(w, at + columns, add(load(w, at + columns), fy0))
+            store(w, at + columns + 8, add(load(w, at + columns + 8), fy1))
+        store(torque, block, t0)
+        store(torque, block + 8, t1)
+
+
+@kernel
+def drift(points, mass, u, w, columns, dt, turn_kick, cosine, sine, shift_x, shift_y, moment):
+    """Add a rigid turn, take out the mean velocity, move, and turn the frame.
+
+    Parameters
+    ----------
+    turn_kick : (columns,), rad/s, gained by turning the undeformed body as a whole
+    cosine, sine : (columns,), of the frame's turn in this step
+    shift_x, shift_y : (columns,), m/s, gained by the centre of mass through nodal forces, in the frame's axes
+    moment : (columns,), filled with Σ m X x (X + u), kg m²: inertia times the angle by which the body leads its frame
+    """
+    n_nodes = mass.size
+    stride = 2 * columns
+    for block in range(0, columns, 8):
+        c, s = load(cosine, block), load(sine, block)
+        ax, ay, k = load(shift_x, block), load(shift_y, block), load(turn_kick, block)
+        lead = splat(0.0)
+        for i in range(n_nodes):
+            at = i * stride + block
+            px, py = splat(points[2 * i]), splat(points[2 * i + 1])
+            wx = subtract(fma(-points[2 * i + 1], k, load(w, at)), ax)
+            wy = subtract(fma(points[2 * i], k, load(w, at + columns)), ay)
+            x = add(px, fma(dt, wx, load(u, at)))
+            y = add(py, fma(dt, wy, load(u, at + columns)))
+            ux = subtract(fma_lanes(s, y, multiply(c, x)), px)
+            uy = subtract(subtract(multiply(c, y), multiply(s, x)), py)
+            store(u, at, ux)
+            store(u, at + columns, uy)
+            store(w, at, fma_lanes(s, wy, multiply(c, wx)))
+            store(w, at + columns, subtract(multiply(c, wy), multiply(s, wx)))
+            lead = fma(mass[i], subtract(multiply(px, uy), multiply(py, ux)), lead)
+        store(moment, block, lead)

@@ -1,0 +1,243 @@
+"""Contacts resolved by the mesh: pressure at quadrature points between exact circles, no law below the grid.
+
+For two circles with unit normal n along the line of centres and t = Jn, the points at transverse distance s from that
+line face each other. Their gap along n is that of the undeformed circles less what the surfaces' outward displacements
+along their own normals m₁(s), m₂(s) close of it,
+
+    g(s) = g₀(s, d) − U₁·m₁ / cos φ₁ − U₂·m₂ / cos φ₂,    sin φ_i = s / r_i,
+
+U by linear interpolation between surface nodes. A stiff layer resists: p = ε ⟨−g⟩. The points stand still relative to
+the contact while nodes pass through it. All forces are the gradient of Σ ½ ε g² Δs L, as in `contact_kernels`.
+"""
+
+from math import sqrt
+
+import numpy as np
+
+from fem.kernels.jit import kernel
+from fem.kernels.patch_kernels import place
+from fem.kernels.patches import N_NODES
+from fem.kernels.ring_kernels import HALO
+from fem.kernels.state import INNER, OUTER, ROLLER
+
+
+@kernel
+def resolved_contacts(rollers, inner, outer, contacts, drive, resolved):
+    """Normal forces of every contact at the present positions, and their impulses over one step.
+
+    A contact wider than the points given to it makes its force not a number, which stops the run.
+    """
+    centre, n, radius = rollers.centre, rollers.n, rollers.radius
+    hub_x, hub_y = drive.hub[0], drive.hub[1]
+    for kind in range(3):
+        for j in range(n):
+            i = j
+            if kind == INNER:
+                x, y = centre[j, 0] - hub_x, centre[j, 1] - hub_y
+            elif kind == OUTER:
+                x, y = centre[j, 0], centre[j, 1]
+            else:
+                i = j + 1 if j + 1 < n else 0
+                x, y = centre[i, 0] - centre[j, 0], centre[i, 1] - centre[j, 1]
+            distance = sqrt(x * x + y * y)
+            if kind == INNER:
+                overlap = inner.radius + radius - distance
+            elif kind == OUTER:
+                overlap = distance + radius - outer.radius
+            else:
+                overlap = 2.0 * radius - distance
+            contacts.force[kind, j] = 0.0
+            resolved.energy[kind, j] = 0.0
+            if overlap < -contacts.reach:
+                continue
+            contacts.normal[kind, j, 0], contacts.normal[kind, j, 1] = x / distance, y / distance
+            _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distance, overlap)
+
+
+@kernel
+def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distance, overlap):
+    """One contact: side 0 is a ring or roller j, side 1 is roller i."""
+    nx, ny = contacts.normal[kind, j, 0], contacts.normal[kind, j, 1]
+    dt, _n, patch = drive.dt, rollers.n, 2 * (kind * rollers.n + j)
+    first = 1.0 if kind != OUTER else -1.0  # outward direction of side 0's surface is ±n
+    second = 1.0 if kind == OUTER else -1.0
+    node, weight = contacts.node, contacts.weight
+    width = N_NODES * len(contacts.stretch)
+    for k in range(width):
+        weight[patch, k] = 0.0
+        weight[patch + 1, k] = 0.0
+    if kind == INNER:
+        c0, s0, nodes0 = drive.ring[1], drive.ring[2], inner.n_sectors
+    elif kind == OUTER:
+        c0, s0, nodes0 = 1.0, 0.0, outer.n_sectors
+    else:
+        c0, s0, nodes0 = rollers.cosine[j], rollers.sine[j], rollers.n_surface
+    c1, s1 = rollers.cosine[i], rollers.sine[i]
+    contacts.outward[patch, 0], contacts.outward[patch, 1] = c0 * nx + s0 * ny, c0 * ny - s0 * nx
+    contacts.outward[patch + 1, 0] = second * (c1 * nx + s1 * ny)
+    contacts.outward[patch + 1, 1] = second * (c1 * ny - s1 * nx)
+    per_radian0, per_radian1 = nodes0 / (2.0 * np.pi), rollers.n_surface / (2.0 * np.pi)
+    at0 = place(c0 * nx + s0 * ny, c0 * ny - s0 * nx, nodes0)
+    at1 = place(second * (c1 * nx + s1 * ny), second * (c1 * ny - s1 * nx), rollers.n_surface)
+    n_points = resolved.shift.shape[2]
+    start0 = int(np.floor(at0 - abs(resolved.shift[kind, 0, 0]) * per_radian0))
+    start1 = int(np.floor(at1 - abs(resolved.shift[kind, 1, 0]) * per_radian1))
+    stiffness = resolved.stiffness[kind]
+    total, energy, aside, turn0, turn1 = 0.0, 0.0, 0.0, 0.0, 0.0
+    tilt0, tilt1 = 0.0, 0.0
+    for q in range(n_points):
+        rise = resolved.rise[kind, q]
+        tan0, tan1 = resolved.tangent[kind, 0, q], resolved.tangent[kind, 1, q]
+        x0 = at0 + resolved.shift[kind, 0, q] * per_radian0
+        x1 = at1 + resolved.shift[kind, 1, q] * per_radian1
+        # directions of the surface normals over cos φ: ±n + tan φ t
+        m0x, m0y = first * nx - tan0 * ny, first * ny + tan0 * nx
+        m1x, m1y = second * nx - tan1 * ny, second * ny + tan1 * nx
+        f0x, f0y = c0 * m0x + s0 * m0y, c0 * m0y - s0 * m0x
+        f1x, f1y = c1 * m1x + s1 * m1y, c1 * m1y - s1 * m1x
+        if kind == INNER:
+            out0, side0, rate0 = _read_ring(inner, x0, f0x, f0y)
+            out0 -= drive.hub[0] * m0x + drive.hub[1] * m0y
+            side0 -= drive.hub[1] * m0x - drive.hub[0] * m0y
+        elif kind == OUTER:
+            out0, side0, rate0 = _read_ring(outer, x0, f0x, f0y)
+        else:
+            out0, side0, rate0 = _read_roller(rollers, j, x0, f0x, f0y)
+        out1, side1, rate1 = _read_roller(rollers, i, x1, f1x, f1y)
+        rate0 *= per_radian0
+        rate1 *= per_radian1
+        closing = overlap - rise + out0 + out1
+        if closing <= 0.0:
+            continue
+        p = stiffness * closing
+        if q == 0 or q == n_points - 1:
+            p = np.nan
+        total += p
+        energy += 0.5 * p * closing
+        aside += p * (rate0 + side0 + rate1 + side1)
+        turn0 += p * rate0
+        turn1 += p * rate1
+        tilt0 += p * tan0
+        tilt1 += p * tan1
+        push = p * dt
+        if kind == INNER:
+            drive.ring[4] += _push_ring(inner, x0, f0x, f0y, -push)
+        elif kind == OUTER:
+            _push_ring(outer, x0, f0x, f0y, -push)
+        else:
+            _push_roller(rollers, j, x0, f0x, f0y, -push)
+        _push_roller(rollers, i, x1, f1x, f1y, -push)
+        _gather(weight, patch, x0, start0, p, width)
+        _gather(weight, patch + 1, x1, start1, p, width)
+    if total == 0.0:
+        return
+    contacts.force[kind, j] = total
+    resolved.energy[kind, j] = energy
+    _share(contacts, patch, start0, nodes0, total, width, HALO if kind != ROLLER else rollers.first_surface)
+    _share(contacts, patch + 1, start1, rollers.n_surface, total, width, rollers.first_surface)
+    if kind != ROLLER:
+        bx, by = c0 * nx + s0 * ny, c0 * ny - s0 * nx
+        cosines, sines = (inner.cosines, inner.sines) if kind == INNER else (outer.cosines, outer.sines)
+        for k in range(width):
+            at = node[patch, k]
+            contacts.along[patch, k] = weight[patch, k] * (bx * cosines[at] + by * sines[at])
+            contacts.across[patch, k] = weight[patch, k] * (by * cosines[at] - bx * sines[at])
+
+    impulse, tilt = rollers.impulse, rollers.tilt
+    turned = aside / distance
+    impulse[i, 0] -= dt * (total * second * nx - tilt1 * ny)
+    impulse[i, 1] -= dt * (total * second * ny + tilt1 * nx)
+    on_second = dt * (tilt1 - turned)  # along t
+    tilt[i, 0] -= on_second * ny
+    tilt[i, 1] += on_second * nx
+    rollers.turn_kick[i] += dt * turn1 / rollers.inertia
+    on_first = dt * (tilt0 + turned)
+    if kind == INNER:
+        drive.impulse[0] -= on_first * ny
+        drive.impulse[1] += on_first * nx
+        drive.ring[3] -= turn0
+    elif kind == ROLLER:
+        impulse[j, 0] -= dt * (total * first * nx - tilt0 * ny)
+        impulse[j, 1] -= dt * (total * first * ny + tilt0 * nx)
+        tilt[j, 0] -= on_first * ny
+        tilt[j, 1] += on_first * nx
+        rollers.turn_kick[j] += dt * turn0 / rollers.inertia
+
+
+@kernel(forceinline=True)
+def _pair(x, n_nodes):
+    """The two nodes around a position and how far it is beyond the first; positions may lie one turn outside."""
+    base = int(np.floor(x))
+    t = x - base
+    near = base % n_nodes
+    far = near + 1 if near + 1 < n_nodes else 0
+    return near, far, t
+
+
+@kernel(forceinline=True)
+def _read_ring(ring, x, mx, my):
+    """Displacement along m and along Jm at a position, and the change of the first per node spacing."""
+    near, far, t = _pair(x, ring.n_sectors)
+    near += HALO
+    far += HALO
+    c, s = mx * ring.cosines[near] + my * ring.sines[near], my * ring.cosines[near] - mx * ring.sines[near]
+    a, b = ring.u[ring.raceway, 0, near], ring.u[ring.raceway, 1, near]
+    along0, side0 = a * c + b * s, b * c - a * s
+    c, s = mx * ring.cosines[far] + my * ring.sines[far], my * ring.cosines[far] - mx * ring.sines[far]
+    a, b = ring.u[ring.raceway, 0, far], ring.u[ring.raceway, 1, far]
+    along1, side1 = a * c + b * s, b * c - a * s
+    return (1.0 - t) * along0 + t * along1, (1.0 - t) * side0 + t * side1, along1 - along0
+
+
+@kernel(forceinline=True)
+def _read_roller(rollers, column, x, mx, my):
+    near, far, t = _pair(x, rollers.n_surface)
+    columns = rollers.columns
+    at = (near + rollers.first_surface) * 2 * columns + column
+    a, b = rollers.u[at], rollers.u[at + columns]
+    along0, side0 = a * mx + b * my, b * mx - a * my
+    at = (far + rollers.first_surface) * 2 * columns + column
+    a, b = rollers.u[at], rollers.u[at + columns]
+    along1, side1 = a * mx + b * my, b * mx - a * my
+    return (1.0 - t) * along0 + t * along1, (1.0 - t) * side0 + t * side1, along1 - along0
+
+
+@kernel(forceinline=True)
+def _push_ring(ring, x, mx, my, impulse):
+    """Returns the moment of what is pushed about the origin, N m s."""
+    near, far, t = _pair(x, ring.n_sectors)
+    row, moment = ring.raceway, 0.0
+    for node, share in ((near + HALO, 1.0 - t), (far + HALO, t)):
+        radial = impulse * share * (mx * ring.cosines[node] + my * ring.sines[node])
+        around = impulse * share * (my * ring.cosines[node] - mx * ring.sines[node])
+        ring.w[row, 0, node] += radial / ring.row_mass[row]
+        ring.w[row, 1, node] += around / ring.row_mass[row]
+        moment += (ring.radius + ring.u[row, 0, node]) * around - ring.u[row, 1, node] * radial
+    return moment
+
+
+@kernel(forceinline=True)
+def _push_roller(rollers, column, x, mx, my, impulse):
+    near, far, t = _pair(x, rollers.n_surface)
+    for k, share in ((near + rollers.first_surface, 1.0 - t), (far + rollers.first_surface, t)):
+        at = k * 2 * rollers.columns + column
+        rollers.w[at] += impulse * share * mx / rollers.mass[k]
+        rollers.w[at + rollers.columns] += impulse * share * my / rollers.mass[k]
+
+
+@kernel(forceinline=True)
+def _gather(weight, patch, x, start, p, width):
+    """Add a point's force to the nodes' shares, for friction, which is spread as the pressure is."""
+    base = int(np.floor(x))
+    t = x - base
+    k = base - start
+    if 0 <= k and k + 1 < width:
+        weight[patch, k] += p * (1.0 - t)
+        weight[patch, k + 1] += p * t
+
+
+@kernel(forceinline=True)
+def _share(contacts, patch, start, n_nodes, total, width, offset):
+    for k in range(width):
+        contacts.node[patch, k] = offset + (start + k) % n_nodes
+        contacts.weight[patch, k] /= total

@@ -1,0 +1,257 @@
+"""What a sample stores, read off the state in the middle of a step: motion, forces, energies, works.
+
+Off the hot path: once in a stride of steps.
+"""
+
+from math import cos, sin
+
+from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.jit import kernel
+from fem.kernels.law import contact_energy
+from fem.kernels.ring_kernels import HALO
+
+# columns of a sample: the hub, the energies, then blocks of n_rollers
+(
+    TIME,
+    HUB_X,
+    HUB_Y,
+    HUB_VX,
+    HUB_VY,
+    HUB_AX,
+    HUB_AY,
+    KINETIC,
+    ELASTIC,
+    CONTACT,
+    WORK_LOAD,
+    WORK_GRAVITY,
+    WORK_DRIVE,
+    DISSIPATED,
+) = range(14)
+N_SCALARS = 14
+BLOCKS = (
+    "roller_x",
+    "roller_y",
+    "roller_turn",
+    "roller_spin",
+    "inner_force",
+    "outer_force",
+    "roller_roller_force",
+    "inner_traction",
+    "outer_traction",
+)
+
+
+@kernel
+def remember(rollers, inner, outer, drive, scratch):
+    """Keep the velocities before a kick: a sample needs those of both half steps."""
+    for i in range(rollers.w.size):
+        scratch.rollers_w[i] = rollers.w[i]
+    for component in range(2):
+        scratch.hub_velocity[component] = drive.velocity[component]
+        for j in range(rollers.n):
+            scratch.rollers_velocity[j, component] = rollers.velocity[j, component]
+    _copy(inner.w, scratch.inner_w)
+    _copy(outer.w, scratch.outer_w)
+
+
+@kernel
+def _copy(source, target):
+    """An assignment of slices would allocate, lest they overlap."""
+    for row in range(source.shape[0]):
+        for component in range(2):
+            for k in range(source.shape[2]):
+                target[row, component, k] = source[row, component, k]
+
+
+@kernel
+def write_sample(rollers, inner, outer, contacts, drive, scratch, out, time, load, moment):
+    """Everything a sample stores, at the instant of the kick just made.
+
+    Of the kick's works that part belongs to it which the forces did with the velocities before: leapfrog's energy
+    changes by ½ dt v·(F + F') from one instant to the next. `load`, N, and `moment`, N m s, are the kick's.
+    """
+    before, after, dt = scratch.hub_velocity, drive.velocity, drive.dt
+    out[TIME] = time
+    out[HUB_X], out[HUB_Y] = drive.hub[0], drive.hub[1]
+    out[HUB_VX], out[HUB_VY] = 0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])
+    out[HUB_AX], out[HUB_AY] = (after[0] - before[0]) / dt, (after[1] - before[1]) / dt
+    out[KINETIC] = kinetic_energy(rollers, inner, outer, drive, scratch)
+    out[WORK_DRIVE] = _drive_work(inner, drive, scratch, time, moment)
+    out[ELASTIC] = elastic_energy(rollers, inner, outer, drive, scratch)  # after what needs the velocities before
+    out[CONTACT] = contacts_energy(contacts, rollers.n, contacts.resolved)
+    out[WORK_LOAD] = drive.sums[0] - 0.5 * load * dt * before[1]
+    out[WORK_GRAVITY] = -drive.gravity * weighted_height(rollers, inner, outer, drive)
+    rubbed = 0.0
+    for kind in range(3):
+        for j in range(rollers.n):
+            rubbed -= contacts.traction[kind, j] * contacts.slip[kind, j]
+    out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed
+    n = rollers.n
+    for j in range(n):
+        at = N_SCALARS + j
+        out[at] = rollers.centre[j, 0]
+        out[at + n] = rollers.centre[j, 1]
+        out[at + 2 * n] = rollers.turn[j] + rollers.lead[j]
+        out[at + 3 * n] = rollers.spin[j]
+        for kind in range(3):
+            out[at + (4 + kind) * n] = contacts.force[kind, j]
+        for kind in range(2):
+            out[at + (7 + kind) * n] = contacts.traction[kind, j]
+
+
+@kernel
+def _drive_work(inner, drive, scratch, time, moment):
+    """Work of what keeps the shaft's speed, J, up to a constant: speed times the moment on ring and hub it must give.
+
+    That is the change of their angular momentum about the origin less the moment of all other forces; gravity's,
+    a smooth one, is summed at samples only.
+    """
+    if drive.speed == 0.0:
+        return 0.0
+    before, after = scratch.hub_velocity, drive.velocity
+    angular = drive.mass * (drive.hub[0] * (before[1] + after[1]) - drive.hub[1] * (before[0] + after[0]))
+    for row in range(inner.first_row, inner.last_row):
+        part = 0.0
+        for k in range(HALO, HALO + inner.n_sectors):
+            x, y = inner.radii[row] + inner.u[row, 0, k], inner.u[row, 1, k]
+            part += x * (scratch.inner_w[row, 1, k] + inner.w[row, 1, k])
+            part -= y * (scratch.inner_w[row, 0, k] + inner.w[row, 0, k])
+        angular += inner.row_mass[row] * part
+    weight = -drive.gravity * (drive.mass * drive.hub[0] + _ring_place(inner, drive.ring[1], drive.ring[2])[0])
+    drive.sums[3] += 0.5 * (weight + drive.sums[4]) * (time - drive.sums[5])
+    drive.sums[4], drive.sums[5] = weight, time
+    given = 0.5 * angular - drive.sums[1] - 0.5 * moment - drive.sums[3]
+    return sin(drive.speed * drive.dt) / drive.dt * given
+
+
+@kernel
+def kinetic_energy(rollers, inner, outer, drive, scratch):
+    """½ v(t − dt/2)·M·v(t + dt/2): with ½ uᵀKu the energy leapfrog conserves exactly.
+
+    Less ½ (1 − cos ω dt) Σ m X·a of the bodies that turn: their forces turn with them within a step.
+    """
+    total, dt = 0.0, drive.dt
+    columns, n = rollers.columns, rollers.n
+    for i in range(rollers.mass.size):
+        for component in range(2):
+            at = (2 * i + component) * columns
+            x = rollers.points[2 * i + component]
+            for j in range(n):
+                before, after = scratch.rollers_w[at + j], rollers.w[at + j]
+                total += rollers.mass[i] * before * after
+                total -= rollers.mass[i] * (1.0 - cos(rollers.spin[j] * dt)) * x * (after - before) / dt
+        for j in range(n):  # what turning as a whole will still add to the velocities after
+            x, y = rollers.points[2 * i], rollers.points[2 * i + 1]
+            at = 2 * i * columns + j
+            total += (
+                rollers.mass[i]
+                * rollers.turn_kick[j]
+                * (x * scratch.rollers_w[at + columns] - y * scratch.rollers_w[at])
+            )
+    for j in range(n):
+        for component in range(2):
+            before = scratch.rollers_velocity[j, component]
+            after = rollers.velocity[j, component] + rollers.impulse[j, component] / rollers.total_mass
+            total += rollers.total_mass * before * after
+    total += _ring_kinetic(inner, scratch.inner_w) + _ring_kinetic(outer, scratch.outer_w)
+    outward = 0.0
+    for row in range(inner.first_row, inner.last_row):
+        for k in range(HALO, HALO + inner.n_sectors):
+            gained = inner.w[row, 0, k] - scratch.inner_w[row, 0, k]
+            outward += inner.row_mass[row] * inner.radii[row] * gained
+    total -= (1.0 - cos(drive.speed * dt)) * outward / dt
+    before, after = scratch.hub_velocity, drive.velocity
+    total += drive.mass * (before[0] * after[0] + before[1] * after[1])
+    rim = drive.speed * inner.radii[inner.held]
+    total += inner.row_mass[inner.held] * inner.n_sectors * rim * rim
+    return 0.5 * total
+
+
+@kernel
+def _ring_kinetic(ring, before):
+    total = 0.0
+    for row in range(ring.first_row, ring.last_row):
+        part = 0.0
+        for component in range(2):
+            for k in range(HALO, HALO + ring.n_sectors):
+                part += before[row, component, k] * ring.w[row, component, k]
+        total += ring.row_mass[row] * part
+    return total
+
+
+@kernel
+def elastic_energy(rollers, inner, outer, drive, scratch):
+    """Energy ½ uᵀKu of all bodies, J. The copies of velocities in `scratch` are overwritten."""
+    total = 0.0
+    dt = drive.dt
+    columns, n = rollers.columns, rollers.n
+    scratch.rollers_w[:] = 0.0
+    disc_kernels.kick(
+        rollers.starts,
+        rollers.neighbours,
+        rollers.blocks,
+        rollers.mass,
+        rollers.u,
+        scratch.rollers_w,
+        columns,
+        scratch.torque,
+    )
+    for i in range(rollers.mass.size):
+        for component in range(2):
+            at = (2 * i + component) * columns
+            for j in range(n):
+                total -= rollers.mass[i] / dt * rollers.u[at + j] * scratch.rollers_w[at + j]
+    total += _ring_elastic(inner, scratch.inner_w, 0, inner.radii.size, dt)
+    total += _ring_elastic(outer, scratch.outer_w, outer.first_row, outer.last_row, dt)
+    return 0.5 * total
+
+
+@kernel
+def _ring_elastic(ring, room, first_row, last_row, dt):
+    """uᵀKu, J; rows without stiffness of their own may be left out."""
+    room[:] = 0.0
+    ring_kernels.kick(ring.table, ring.u, room, first_row, last_row)
+    total = 0.0
+    for row in range(first_row, last_row):
+        part = 0.0
+        for component in range(2):
+            for k in range(HALO, HALO + ring.n_sectors):
+                part += ring.u[row, component, k] * room[row, component, k]
+        total -= ring.row_mass[row] / dt * part
+    return total
+
+
+@kernel
+def contacts_energy(contacts, n, resolved):
+    """Energy below the grid, or in the layers, of all contacts, J; the ripples' share is ½·ripple·Q²."""
+    total = 0.0
+    for kind in range(3):
+        for j in range(n):
+            Q = contacts.force[kind, j]
+            if resolved is not None:
+                total += resolved.energy[kind, j]
+            elif Q > 0.0:
+                total += contact_energy(Q, contacts.A[kind], contacts.bracket[kind, j], contacts.Q_line[kind])
+    return total
+
+
+@kernel
+def weighted_height(rollers, inner, outer, drive):
+    """Σ m y of all that moves, kg m."""
+    total = drive.mass * drive.hub[1]
+    for j in range(rollers.n):
+        total += rollers.total_mass * rollers.centre[j, 1]
+    return total + _ring_place(inner, drive.ring[1], drive.ring[2])[1] + _ring_place(outer, 1.0, 0.0)[1]
+
+
+@kernel
+def _ring_place(ring, c, s):
+    """Σ m x and Σ m y of the free nodes, kg m; c, s of the ring's turn."""
+    total_x, total_y = 0.0, 0.0
+    for row in range(ring.first_row, ring.last_row):
+        for k in range(HALO, HALO + ring.n_sectors):
+            x = ring.u[row, 0, k] * ring.cosines[k] - ring.u[row, 1, k] * ring.sines[k]
+            y = ring.u[row, 0, k] * ring.sines[k] + ring.u[row, 1, k] * ring.cosines[k]
+            total_x += ring.row_mass[row] * (c * x - s * y)
+            total_y += ring.row_mass[row] * (s * x + c * y)
+    return total_x, total_y

@@ -1,0 +1,342 @@
+"""The fields of a stored instant: as stored, or recovered from what every result file keeps, positions and forces.
+
+Where the file holds no fields of an instant, every body is loaded by its stored contact forces, its weight and its
+centrifugal load and solved quasi-statically, which leaves out elastic waves, the small share of the hub's acceleration
+in the deformation, and the tractions between rollers. How far the rollers' meshes have turned is then their stored spin
+summed up.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from fem.elastic.bodies import RingBody
+from fem.elastic.model import Model
+from fem.elastic.resolved import hertz_patch
+from fem.elastic.subgrid import patch
+from fem.errors import UsageError
+from fem.result.fields import read_frame, stored_samples
+from fem.solver.discretise import model_of
+from fem.solver.frames import Frame
+from lagrange import Operation
+from lagrange.scene import Scene, parse_scene_text
+from lagrange.stored import Damaged, read_numbers, read_scene_text, refusal_in_child
+
+ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is open
+FORCES = ("inner_force", "outer_force", "roller_roller_force")
+READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
+READ_MEMORY, READ_COPIES = 2**29, 2  # bytes to read a file: at least, and times its size
+PER_TIME = ("inner_x", "inner_y", "energy_elastic", "energy_contact")
+PER_ROLLER = (
+    "roller_x", "roller_y", "roller_spin", "inner_force", "outer_force", "inner_traction", "outer_traction",
+    "roller_roller_force",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Instant:
+    """One sample with its displacements; SI, fields as in `fem.statics.equilibrium.Equilibrium`."""
+
+    scene: Scene
+    model: Model
+    time: float  # s, of the sample
+    hub: np.ndarray  # (2,), m
+    centres: np.ndarray  # (n_rollers, 2), m
+    inner_force: np.ndarray  # (n_rollers,), N
+    outer_force: np.ndarray
+    inner_traction: np.ndarray  # N, on the roller, positive along +theta
+    outer_traction: np.ndarray
+    roller_force: np.ndarray  # N, roller j on j + 1
+    ring_turn: float  # rad
+    roller_turn: np.ndarray  # (n_rollers,), rad
+    inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub, in the ring's frame, m
+    outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, m
+    rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass, in each roller's frame, m
+    stored: bool  # the run's own fields, not recovered ones
+    stored_elastic_energy: float  # J, of the meshes in the run
+    stored_contact_energy: float  # J, below the grid
+
+    @property
+    def operation(self) -> Operation:
+        return self.scene.ideal_operation()
+
+    @property
+    def inner_angle(self) -> np.ndarray:
+        """Direction from the hub to every roller, rad."""
+        return _angle(self.centres - self.hub)
+
+    @property
+    def outer_angle(self) -> np.ndarray:
+        """Direction from the outer ring's centre to every roller, rad."""
+        return _angle(self.centres)
+
+    @property
+    def next_angle(self) -> np.ndarray:
+        """Direction from every roller to the following one, rad."""
+        return _angle(np.roll(self.centres, -1, axis=0) - self.centres)
+
+    @property
+    def elastic_energy(self) -> float:
+        """½ uᵀKu over all bodies, J."""
+        total = sum(
+            np.vdot(u, ring.force(u))
+            for ring, u in (
+                (self.model.inner_ring, self.inner_ring),
+                (self.model.outer_ring, self.outer_ring),
+            )
+        )
+        flat = self.rollers.reshape(len(self.rollers), -1).T
+        return 0.5 * float(total + np.vdot(flat, self.model.roller.stiffness @ flat))
+
+
+class StoredRun:
+    """A result file, opened for its fields: the model is built once, samples are read when asked for.
+
+    Errors
+    ------
+    UsageError: no such file, not a result file, damaged, nothing in it yet. SceneError: its scene can't be used.
+    """
+
+    def __init__(self, path: Path):
+        self.path = Path(path)
+        if not self.path.is_file():
+            raise UsageError(f"{path}: no such result file; run run-fem first, or name another")
+        size = self.path.stat().st_size
+        refusal = refusal_in_child(
+            lambda: self._read(_verified), str(path), READ_SECONDS + size / READ_RATE, READ_MEMORY + READ_COPIES * size
+        )
+        if refusal is not None:
+            raise UsageError(refusal)
+        self.times, text, frames = self._read(_verified)
+        self.scene: Scene = parse_scene_text(text, f"{path}: its scene")
+        self._frames = {int(sample): index for index, sample in enumerate(frames)}
+
+    @cached_property
+    def model(self) -> Model:
+        try:
+            return model_of(self.scene)
+        except RuntimeError as error:
+            raise UsageError(str(error)) from None
+
+    @property
+    def stored_samples(self) -> np.ndarray:
+        """Samples whose fields are in the file."""
+        return np.array(sorted(self._frames), dtype=int)
+
+    @cached_property
+    def orbit(self) -> np.ndarray:
+        """The hub's positions at all samples, (n_times, 2), m."""
+        n = len(self.times)
+        return self._read(lambda file: np.column_stack([file["inner_x"][:n], file["inner_y"][:n]]))
+
+    @cached_property
+    def load_zone(self) -> tuple[float, float] | None:
+        """Where rollers are pressed between the rings in the run: angles about the outer ring's centre, rad.
+
+        From the first to the second counter-clockwise; None where no roller ever is.
+        """
+        n, least = len(self.times), self._least_force
+
+        def loaded(file):
+            closed = np.minimum(file["inner_force"][:n], file["outer_force"][:n]) > least
+            return np.arctan2(file["roller_y"][:n][closed], file["roller_x"][:n][closed])
+
+        angle = np.sort(np.mod(self._read(loaded), 2.0 * pi))
+        if angle.size == 0:
+            return None
+        gaps = np.diff(angle, append=angle[0] + 2.0 * pi)
+        widest = int(np.argmax(gaps))
+        return float(angle[(widest + 1) % angle.size]), float(angle[widest])
+
+    def contact_forces(self, samples) -> np.ndarray:
+        """Normal forces at some samples, (n_samples, 3, n_rollers), N: inner, outer, roller j on j + 1."""
+        n = len(self.times)
+        found = [self._read(lambda file, name=name: file[name][:n][samples]) for name in FORCES]
+        return self._closed(np.stack(found, axis=1))
+
+    @cached_property
+    def _least_force(self) -> float:
+        n = len(self.times)
+        return ROUND_OFF * max(self._read(lambda file, name=name: float(file[name][:n].max())) for name in FORCES)
+
+    def _closed(self, force: np.ndarray) -> np.ndarray:
+        """Forces, N, without what is round-off of an open contact."""
+        return np.where(force > self._least_force, force, 0.0)
+
+    @cached_property
+    def _turns(self) -> np.ndarray:
+        """Spin summed up by the trapezoidal rule, (n_times, n_rollers), rad."""
+        spin = self._read(lambda file: file["roller_spin"][: len(self.times)])
+        steps = 0.5 * (spin[1:] + spin[:-1]) * np.diff(self.times)[:, None]
+        return np.concatenate([np.zeros((1, spin.shape[1])), np.cumsum(steps, axis=0)])
+
+    def nearest(self, time: float | None = None) -> int:
+        """The sample nearest to a time, s; None: the last one.
+
+        Errors
+        ------
+        UsageError: the time lies outside the run.
+        """
+        times = self.times
+        if time is None:
+            return len(times) - 1
+        slack = 0.5 * (times[1] - times[0]) if len(times) > 1 else 1e-9
+        if not times[0] - slack <= time <= times[-1] + slack:
+            raise UsageError(
+                f"{self.path}: no sample at {1e3 * time:.6g} ms; it holds {1e3 * times[0]:.6g} to "
+                f"{1e3 * times[-1]:.6g} ms"
+            )
+        return int(np.argmin(np.abs(times - time)))
+
+    def instant(self, sample: int) -> Instant:
+        """A sample with its fields, the run's own where the file has them.
+
+        Errors
+        ------
+        UsageError: damaged.
+        """
+        values = self._read(lambda file: _row(file, sample))
+        n = self.scene.bearing.rollers
+        if any(values[name].shape != (n,) for name in PER_ROLLER):
+            raise UsageError(f"{self.path}: damaged: its scene has {n} rollers, its arrays {values['roller_x'].shape}")
+        time = float(self.times[sample])
+        for name, value in values.items():
+            if not np.all(np.isfinite(value)):
+                raise UsageError(f"{self.path}: damaged: {name} is not finite at {1e3 * time:.6g} ms")
+        values |= {name: self._closed(values[name]) for name in FORCES}
+        model = self.model
+        if sample in self._frames:
+            turn = self.scene.ideal_operation().speed * time
+            frame = self._read(lambda file: read_frame(file, model, self._frames[sample], turn))
+        else:
+            frame = _recovered(self.scene, model, values, sample, time, self._turns[sample])
+        return Instant(
+            scene=self.scene,
+            model=model,
+            time=time,
+            hub=np.array([values["inner_x"], values["inner_y"]]),
+            centres=_centres(values),
+            inner_force=values["inner_force"],
+            outer_force=values["outer_force"],
+            inner_traction=values["inner_traction"],
+            outer_traction=values["outer_traction"],
+            roller_force=values["roller_roller_force"],
+            ring_turn=frame.ring_turn,
+            roller_turn=frame.roller_turn,
+            inner_ring=frame.inner_ring,
+            outer_ring=frame.outer_ring,
+            rollers=frame.rollers,
+            stored=sample in self._frames,
+            stored_elastic_energy=float(values["energy_elastic"]),
+            stored_contact_energy=float(values["energy_contact"]),
+        )
+
+    def _read(self, what):
+        """Something of the open file; every way it can be unusable becomes a UsageError."""
+        try:
+            with h5py.File(self.path, "r", locking=False) as file:
+                return what(file)
+        except (KeyError, IndexError, TypeError, ValueError) as error:
+            raise UsageError(f"{self.path}: not a result file of run-fem, or damaged: {error}") from None
+        except (OSError, RuntimeError) as error:
+            raise UsageError(f"{self.path}: can't be read as a result file (HDF5): {error}") from None
+
+
+def read_instant(path: Path, time: float | None = None) -> Instant:
+    """The sample nearest to a time, s (None: the last one), with its fields; errors as in `StoredRun`."""
+    run = StoredRun(path)
+    return run.instant(run.nearest(time))
+
+
+def _verified(file) -> tuple[np.ndarray, str, np.ndarray]:
+    """Times, scene and samples with fields of a file all of whose variables are sound."""
+    count = int(file.attrs["committed_samples"])
+    if count < 1:
+        raise Damaged("it holds no sample yet")
+    times = read_numbers(file, "time", count)
+    for name in (*PER_TIME, *PER_ROLLER):
+        read_numbers(file, name, count)
+    return times, read_scene_text(file), stored_samples(file, count)
+
+
+def _row(file, sample: int) -> dict[str, np.ndarray]:
+    return {name: np.asarray(file[name][sample], dtype=float) for name in (*PER_TIME, *PER_ROLLER)}
+
+
+def _centres(values: dict) -> np.ndarray:
+    return np.column_stack([values["roller_x"], values["roller_y"]])
+
+
+def _recovered(scene: Scene, model: Model, values: dict, sample: int, time: float, turns: np.ndarray) -> Frame:
+    """The quasi-static displacements under the stored forces."""
+    hub, centres = np.array([values["inner_x"], values["inner_y"]]), _centres(values)
+    inner, outer = model.inner_ring, model.outer_ring
+    operation = scene.ideal_operation()
+    speed = operation.speed
+    ring_turn = speed * time
+
+    inner_load = inner.body_load(operation.gravity, ring_turn, speed)
+    for angle, force, traction in zip(
+        _angle(centres - hub) - ring_turn, values["inner_force"], values["inner_traction"], strict=True
+    ):
+        _push_ring(model, inner, inner_load, angle, -force, -traction)
+    outer_load = outer.body_load(operation.gravity)
+    for angle, force, traction in zip(_angle(centres), values["outer_force"], values["outer_traction"], strict=True):
+        _push_ring(model, outer, outer_load, angle, force, -traction)
+    return Frame(
+        sample=sample,
+        time=time,
+        roller_turn=turns,
+        ring_turn=ring_turn,
+        rollers=_roller_fields(model, hub, centres, turns, values),
+        inner_ring=inner.held(inner_load),
+        outer_ring=outer.held(outer_load),
+    )
+
+
+def _roller_fields(model: Model, hub, centres, turns, values) -> np.ndarray:
+    n, disc = len(centres), model.roller
+    load = values["roller_spin"][:, None, None] ** 2 * (disc.mass[:, None] * disc.points)
+    inner, outer = _angle(centres - hub) + pi - turns, _angle(centres) - turns
+    ahead = _angle(np.roll(centres, -1, axis=0) - centres)
+    for j in range(n):
+        i = (j + 1) % n
+        push = values["roller_roller_force"][j]
+        _push_disc(model, model.inner_law, load[j], inner[j], -values["inner_force"][j], -values["inner_traction"][j])
+        _push_disc(model, model.outer_law, load[j], outer[j], -values["outer_force"][j], values["outer_traction"][j])
+        _push_disc(model, model.roller_law, load[j], ahead[j] - turns[j], -push, 0.0)
+        _push_disc(model, model.roller_law, load[i], ahead[j] + pi - turns[i], -push, 0.0)
+    return disc.relaxed(load.reshape(n, -1).T).T.reshape(load.shape)
+
+
+def _push_ring(model: Model, ring: RingBody, load: np.ndarray, angle: float, outward: float, along: float) -> None:
+    """Add a contact force, N, outward and counter-clockwise at `angle`, to polar nodal loads."""
+    law = model.inner_law if ring is model.inner_ring else model.outer_law
+    nodes, weight, offset = _patch(model, law, ring.raceway_radius, ring.n_sectors, angle, outward)
+    cosine, sine = weight * np.cos(offset), weight * np.sin(offset)
+    np.add.at(load, (ring.raceway_row, 0, nodes), outward * cosine - along * sine)
+    np.add.at(load, (ring.raceway_row, 1, nodes), outward * sine + along * cosine)
+
+
+def _push_disc(model: Model, law, load: np.ndarray, angle: float, outward: float, along: float) -> None:
+    """Add a contact force, N, outward and counter-clockwise at `angle`, to (n_nodes, 2) loads."""
+    disc = model.roller
+    nodes, weight, _ = _patch(model, law, disc.shape.radius, disc.shape.surface_nodes, angle, outward)
+    cosine, sine = np.cos(angle), np.sin(angle)
+    force = np.array([outward * cosine - along * sine, outward * sine + along * cosine])
+    np.add.at(load, disc.first_surface_node + nodes, np.outer(weight, force))
+
+
+def _patch(model: Model, law, radius: float, n_surface: int, angle: float, force: float):
+    """Nodes that carry a contact force, their shares, and the contact's angle less theirs."""
+    if not model.is_resolved:
+        return patch(n_surface, angle, model.stretch)
+    return hertz_patch(n_surface, angle, law.half_width(abs(force)) / radius)
+
+
+def _angle(vectors: np.ndarray) -> np.ndarray:
+    return np.arctan2(vectors[:, 1], vectors[:, 0])

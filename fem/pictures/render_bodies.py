@@ -1,0 +1,240 @@
+"""What a picture shows of the bodies: one mesh of triangles, displaced by the magnified displacement, with its stress.
+
+Magnified is everything that differs from a bearing whose parts are undeformed and just touch: the elastic
+displacement, the hub's, the rollers' along their radius, and the clearance. Gaps and overlaps then grow
+alike, and a closed contact looks closed. The indentation below the grid is part of a contact's approach but
+not of the mesh's displacement; it is drawn spread over the contact's patch, half on either side, or else
+bodies would seem to overlap.
+"""
+
+from dataclasses import dataclass, replace
+from math import pi
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from fem.elastic.bodies import RingBody
+from fem.elastic.subgrid import patch
+from fem.pictures.near_contacts import (
+    FIRST_ROLLER,
+    INNER_RING,
+    OUTER_RING,
+    BodyLoad,
+    add_hertz,
+    contact_loads,
+    smooth_stress,
+)
+from fem.pictures.recover import Instant
+from fem.pictures.refine import refined
+from fem.solver.frames import rotated
+
+LARGEST_WEIGHT = 0.55  # of a patch: the quintic B-spline's peak, 66/120
+
+ARCS = 16  # an outline's points for each surface node
+
+# columns of the nodal data that refinement carries along
+_LOCAL, _RADIUS, _CENTRE, _MOTION, _DENT = slice(0, 2), 2, slice(3, 5), slice(5, 7), slice(7, 9)
+_STRESS, _POISSON, _BODY = slice(9, 12), 12, 13
+_COLUMNS = 14
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawnBearing:
+    """All bodies as one mesh; nodes of a body follow each other: inner ring, outer ring, rollers."""
+
+    data: np.ndarray  # (n_nodes, _COLUMNS)
+    triangles: np.ndarray  # (n_triangles, 3)
+    cells: tuple[np.ndarray, ...]  # the finite elements' corners, for their edges
+    circles: tuple[np.ndarray, ...]  # nodes of the outlines: bore, inner and outer raceway, outside, rollers
+    loads: list[BodyLoad]
+    spacing: float  # m, of a roller's surface nodes
+    hub: np.ndarray  # (2,), m
+    roller_reference: np.ndarray  # (n_rollers, 2), m, centres, undeformed and just touching
+    roller_shift: np.ndarray  # (n_rollers, 2), m, from there
+
+    @property
+    def body(self) -> np.ndarray:
+        """Number of each node's body: 0 inner ring, 1 outer ring, 2 + j roller j."""
+        return np.rint(self.data[:, _BODY]).astype(int)
+
+    @property
+    def reference(self) -> np.ndarray:
+        """Nodes of the undeformed bearing whose parts just touch, (n_nodes, 2), m; refined ones lie on the circles."""
+        return self.data[:, _CENTRE] + self.local
+
+    @property
+    def local(self) -> np.ndarray:
+        """The same from the bodies' centres."""
+        local = self.data[:, _LOCAL]
+        length = np.hypot(*local.T)[:, None]
+        return np.where(length > 0.0, local / np.maximum(length, 1e-300) * self.data[:, _RADIUS, None], 0.0)
+
+    @property
+    def motion(self) -> np.ndarray:
+        """Displacement from the reference, (n_nodes, 2), m."""
+        return self.data[:, _MOTION]
+
+    def points(self, magnification: float) -> np.ndarray:
+        """Nodes as drawn, (n_nodes, 2), m."""
+        return self.reference + magnification * (self.data[:, _MOTION] + self.data[:, _DENT])
+
+    def outlines(self, magnification: float) -> list[np.ndarray]:
+        """The bodies' circles as drawn, closed, m; in the order of `circles`."""
+        share = np.arange(ARCS)[:, None] / ARCS
+        found = []
+        for circle in self.circles:
+            near, far = self.data[circle, None], self.data[np.roll(circle, -1), None]
+            between = ((1.0 - share) * near + share * far).reshape(-1, _COLUMNS)
+            points = replace(self, data=between).points(magnification)
+            found.append(np.concatenate([points, points[:1]]))
+        return found
+
+    @property
+    def poisson_ratio(self) -> np.ndarray:
+        return self.data[:, _POISSON]
+
+    @property
+    def smooth_stress(self) -> np.ndarray:
+        """The mesh's less its patches' near the contacts, (n_nodes, 3), Pa."""
+        return self.data[:, _STRESS]
+
+    def stress(self) -> np.ndarray:
+        """With what lies below the grid, (n_nodes, 3), Pa."""
+        stress = self.smooth_stress.copy()
+        add_hertz(stress, self.local, self.body, self.loads)
+        return stress
+
+    @property
+    def contact_points(self) -> np.ndarray:
+        """Of all loads, in the reference, (n_loads, 2), m."""
+        centres = np.concatenate([np.zeros((2, 2)), self.roller_reference])
+        return np.array([item.load.point + centres[item.body] for item in self.loads]).reshape(-1, 2)
+
+    def inner_edges(self) -> np.ndarray:
+        """Edges of the finite elements but those on outlines, (n, 2) nodes."""
+        edges = np.concatenate([np.stack([c, np.roll(c, -1, axis=1)], axis=-1).reshape(-1, 2) for c in self.cells])
+        edges = np.unique(np.sort(edges, axis=1), axis=0)
+        rim = np.zeros(len(self.data), dtype=bool)
+        rim[np.concatenate(self.circles)] = True
+        return edges[~rim[edges].all(axis=1)]
+
+    def near(self, point: np.ndarray, distance: float) -> "DrawnBearing":
+        """Only the triangles with a corner within a distance, m, of a point of the reference."""
+        inside = np.hypot(*(self.reference - point).T) < distance
+        return replace(self, triangles=self.triangles[inside[self.triangles].any(axis=1)])
+
+    def refined(self, finest: float, coarsest: float, relative: float) -> "DrawnBearing":
+        """The same with triangles no larger than `relative` times their distance from a contact, within limits, m."""
+        centre = self.data[:, _CENTRE]
+        placed = self.data.copy()
+        placed[:, _LOCAL] += centre  # bodies lie apart; moved back below
+        tree = cKDTree(self.contact_points) if self.loads else None
+
+        def wanted(middles):
+            if tree is None:
+                return np.full(len(middles), coarsest)
+            return np.clip(relative * tree.query(middles)[0], finest, coarsest)
+
+        data, triangles = refined(placed, self.triangles, wanted)
+        data[:, _LOCAL] -= data[:, _CENTRE]
+        return replace(self, data=data, triangles=triangles)
+
+
+def drawn_bearing(instant: Instant) -> DrawnBearing:
+    """Bodies of an instant in the fixed axes, on the finite elements' nodes."""
+    model, bearing = instant.model, instant.model.bearing
+    inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
+    n = bearing.n_rollers
+    touching = bearing.inner_raceway_radius + bearing.roller_radius
+    radial = np.column_stack([np.cos(instant.outer_angle), np.sin(instant.outer_angle)])
+    reference = touching * radial
+    shift = instant.centres - reference
+    dents = _dents(instant)
+    loads = contact_loads(instant)
+    stresses = smooth_stress(instant, loads)
+
+    clearance = bearing.radial_clearance
+    outward = np.zeros((outer.n_rows, 2, outer.n_sectors))
+    outward[:, 0] = clearance
+    parts = [
+        _part(INNER_RING, inner, rotated(inner.points, instant.ring_turn), (0.0, 0.0),
+              instant.hub + inner.cartesian(instant.inner_ring, instant.ring_turn), dents[0], stresses[0]),
+        _part(OUTER_RING, outer, outer.points - outer.cartesian(outward), (0.0, 0.0),
+              outer.cartesian(instant.outer_ring + outward), dents[1], stresses[1]),
+    ]  # fmt: skip
+    for j in range(n):
+        turn = instant.roller_turn[j]
+        parts.append(_part(FIRST_ROLLER + j, disc, rotated(disc.points, turn), reference[j],
+                           shift[j] + rotated(instant.rollers[j], turn), dents[2 + j],
+                           stresses[FIRST_ROLLER + j]))  # fmt: skip
+    first = np.concatenate([[0], np.cumsum([len(part) for part in parts])])
+    cells = [body.cells + start for body, start in zip((inner, outer, *n * (disc,)), first, strict=False)]
+    circles = []
+    for k, ring in enumerate((inner, outer)):
+        circles += [first[k] + np.arange(ring.n_sectors), first[k + 1] - ring.n_sectors + np.arange(ring.n_sectors)]
+    circles += [np.arange(first[k + 1] - disc.shape.surface_nodes, first[k + 1]) for k in range(2, n + 2)]
+    return DrawnBearing(
+        data=np.concatenate(parts),
+        triangles=np.concatenate([_halves(c) for c in cells]),
+        cells=tuple(cells),
+        circles=tuple(circles),
+        loads=loads,
+        spacing=disc.shape.surface_spacing,
+        hub=instant.hub,
+        roller_reference=reference,
+        roller_shift=shift,
+    )
+
+
+def _part(number, body, local, centre, motion, dent, stress) -> np.ndarray:
+    """Nodal data of one body."""
+    data = np.empty((len(local), _COLUMNS))
+    data[:, _LOCAL], data[:, _RADIUS], data[:, _CENTRE] = local, np.hypot(*local.T), centre
+    data[:, _MOTION], data[:, _DENT], data[:, _STRESS] = motion, dent, stress
+    data[:, _POISSON], data[:, _BODY] = body.material.poisson_ratio, number
+    return data
+
+
+def _halves(cells: np.ndarray) -> np.ndarray:
+    """Quadrilaterals as two triangles each; triangles as they are."""
+    return cells if cells.shape[1] == 3 else np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
+
+
+def _dents(instant: Instant) -> list[np.ndarray]:
+    """Indentation below the grid as it is drawn, (n_nodes, 2) of every body, m."""
+    model, disc = instant.model, instant.model.roller
+    if model.is_resolved:
+        n = model.bearing.n_rollers
+        return [np.zeros_like(body.points) for body in (model.inner_ring, model.outer_ring, *n * (disc,))]
+    inner_dent = 0.5 * model.inner_law.approach(instant.inner_force) * (instant.inner_force > 0.0)
+    outer_dent = 0.5 * model.outer_law.approach(instant.outer_force) * (instant.outer_force > 0.0)
+    inner, outer = model.inner_ring, model.outer_ring
+    dents = [
+        inner.cartesian(
+            _ring_dents(inner, instant.inner_angle - instant.ring_turn, -inner_dent, model.stretch), instant.ring_turn
+        ),
+        outer.cartesian(_ring_dents(outer, instant.outer_angle, outer_dent, model.stretch)),
+    ]
+    for j, turn in enumerate(instant.roller_turn):
+        dent = np.zeros((disc.n_nodes, 2))
+        for angle, depth in ((instant.inner_angle[j] + pi, inner_dent[j]), (instant.outer_angle[j], outer_dent[j])):
+            nodes, share = _patch_shape(disc.shape.surface_nodes, angle - turn, model.stretch)
+            direction = np.array([np.cos(angle), np.sin(angle)])
+            np.add.at(dent, disc.first_surface_node + nodes, -depth * np.outer(share, direction))
+        dents.append(dent)
+    return dents
+
+
+def _ring_dents(ring: RingBody, angles, depths, stretch: int) -> np.ndarray:
+    """Radial displacement of a raceway's nodes at every contact, (n_rows, 2, n_sectors), m."""
+    dents = np.zeros((ring.n_rows, 2, ring.n_sectors))
+    for angle, depth in zip(angles, depths, strict=True):
+        nodes, share = _patch_shape(ring.n_sectors, angle, stretch)
+        np.add.at(dents, (ring.raceway_row, 0, nodes), depth * share)
+    return dents
+
+
+def _patch_shape(n_surface: int, angle: float, stretch: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes of a patch and how much of the indentation each one shows: 1 at the contact."""
+    nodes, weight, _ = patch(n_surface, angle, stretch)
+    return nodes, weight * stretch / LARGEST_WEIGHT

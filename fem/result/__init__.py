@@ -1,0 +1,8 @@
+"""The result file.
+
+durable                    files that appear whole or not at all
+layout, store              what is in it; the file while it is written
+fields, estimate_columns   what stands in it on request
+earlier                    what is in its place before a run
+checkpoint                 the solver's state beside it
+"""

@@ -1,0 +1,186 @@
+"""The solver's whole state on disk: a run goes on from it bit for bit.
+
+One file beside the result, written whole and moved into place, after the samples it counts have reached the disk.
+Plain arrays and a line of JSON; nothing in it is ever executed.
+"""
+
+import json
+import os
+import zipfile
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+from numpy.lib import format as npy
+
+from fem.errors import UsageError
+from fem.kernels.jit import cache_folder
+from fem.result.durable import move_into_place, real_path
+from fem.result.layout import VARIABLES
+from fem.result.store import Stored, program_version
+from fem.solver.arrays import Arrays
+from fem.solver.samples import SampleReader
+from fem.solver.simulate import Plan, RunState
+from lagrange.scene import Scene, SceneError, parse_scene_text
+
+FORMAT = 2
+GROUPS = ("rollers", "inner", "outer", "contacts", "drive")
+LONGEST_META = 2**20  # bytes
+
+
+def checkpoint_path(result: Path) -> Path:
+    """Where the state of a result file's run is kept."""
+    result = real_path(result)
+    return result.with_name(result.name + ".checkpoint")
+
+
+def save_checkpoint(result: Path, plan: Plan, state: RunState, stored: Stored) -> None:
+    """Write the state after its last sample, atomically; `stored`, those samples, must be on the disk.
+
+    Errors
+    ------
+    OSError: it can't be written; an earlier checkpoint stays.
+    """
+    path = checkpoint_path(result)
+    meta = {
+        "format": FORMAT,
+        "versions": _versions(),
+        "samples": stored.samples,
+        "checksums": stored.checksums,
+        "wall_seconds": state.wall,
+        "scene": plan.scene.to_toml(),
+    }
+    temporary = path.with_name(path.name + ".part")
+    try:
+        with open(temporary, "wb") as file:
+            arrays = {name: np.asarray(value, order="C") for name, value in _arrays(state).items()}
+            np.savez(file, meta=np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8), **arrays)
+            file.flush()
+            os.fsync(file.fileno())
+        move_into_place(temporary, path)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from None
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def _arrays(state: RunState) -> dict[str, np.ndarray]:
+    """Every array of a state by its name in the file."""
+    arrays = {
+        f"{group}.{name}": value
+        for group in GROUPS
+        for name, value in getattr(state.arrays, group)._asdict().items()
+        if isinstance(value, np.ndarray)
+    }
+    return arrays | {f"reader.{name}": value for name, value in state.reader.carried().items()}
+
+
+def _versions() -> dict[str, str]:
+    """Of everything that decides the bits of a run on one machine."""
+    return {"program": program_version(), "kernels": cache_folder().name, "numba": version("numba")}
+
+
+def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
+    """The state to go on from, and what the result file must hold.
+
+    Errors
+    ------
+    UsageError: no checkpoint, a damaged one, another scene or another version of the program (the difference is
+    named), or a duration that is behind already.
+    """
+    path = checkpoint_path(result)
+    if not path.is_file():
+        raise UsageError(f"{path}: not found; there is nothing to resume, start again without --resume")
+    state = RunState(arrays=plan.arrays(), reader=SampleReader(plan))
+    arrays = _arrays(state)
+    try:
+        with zipfile.ZipFile(path) as archive:
+            meta = json.loads(_read(archive, "meta", np.uint8, None).tobytes())
+            _check(path, meta, plan.scene)
+            loaded = {name: _read(archive, name, value.dtype, value.shape) for name, value in arrays.items()}
+        stored = Stored(
+            samples=int(meta["samples"]), checksums={name: int(meta["checksums"][name]) for name in VARIABLES}
+        )
+        if stored.samples < 0:
+            raise ValueError("no number of samples")
+        state.wall = float(meta["wall_seconds"])
+    except UsageError:
+        raise
+    except Exception as error:  # an archive can be damaged in more ways than there are errors to name here
+        raise UsageError(f"{path}: damaged ({type(error).__name__}); start again without --resume") from None
+    if stored.samples > plan.n_samples:
+        raise UsageError(
+            f"numerics.duration_ms = {plan.scene.numerics.duration_ms:g}: the run has reached "
+            f"{1e3 * (stored.samples - 1) * plan.interval:.6g} ms already; --resume takes at least that"
+        )
+    state.arrays = _with(state.arrays, loaded)
+    state.reader.carry_on({name: loaded[f"reader.{name}"] for name in state.reader.carried()})
+    state.done = stored.samples
+    return state, stored
+
+
+def _with(arrays: Arrays, loaded: dict[str, np.ndarray]) -> Arrays:
+    """The arrays of a checkpoint in the place of others, which stay as they are: some are the model's own."""
+    groups = {}
+    for group in GROUPS:
+        own = getattr(arrays, group)
+        fields = {name: loaded[f"{group}.{name}"] for name in own._fields if f"{group}.{name}" in loaded}
+        groups[group] = own._replace(**fields)
+    return replace(arrays, **groups)
+
+
+def _read(archive: zipfile.ZipFile, name: str, dtype: np.dtype, shape: tuple | None) -> np.ndarray:
+    """One array, of the type and shape it must have; zipfile verifies its checksum.
+
+    Errors
+    ------
+    Whatever damage makes of an archive: KeyError, ValueError, OSError, zipfile.BadZipFile and more.
+    """
+    with archive.open(f"{name}.npy") as file:
+        if npy.read_magic(file) != (1, 0):
+            raise ValueError(f"{name} is of another format")
+        found, fortran, kind = npy.read_array_header_1_0(file)
+        if kind != dtype or fortran or (found != shape if shape is not None else len(found) != 1):
+            raise ValueError(f"{name} is {kind} {found}")
+        size = int(np.prod(found)) * kind.itemsize
+        if shape is None and size > LONGEST_META:
+            raise ValueError(f"{name} is too long")
+        data = file.read(size + 1)  # to the end, so that the checksum is looked at
+        if len(data) != size:
+            raise ValueError(f"{name} is cut short, or too long")
+    return (np.frombuffer(data, dtype=kind) if data else np.empty(0, kind)).reshape(found).copy()
+
+
+def _check(path: Path, meta: dict, scene: Scene) -> None:
+    """Refuse a state that would not go on as it began. Another duration is welcome."""
+    if meta["format"] != FORMAT:
+        raise UsageError(f"{path}: of format {meta['format']!r}, this program has {FORMAT}; start again")
+    found = {str(key): value for key, value in meta["versions"].items()}
+    if changed := _differences(found, _versions()):
+        raise UsageError(
+            f"{path}: written by another version of the program ({'; '.join(changed)}); go on with that one, or start "
+            "again without --resume"
+        )
+    try:
+        before = parse_scene_text(meta["scene"], str(path))
+    except SceneError:
+        raise UsageError(f"{path}: its scene can't be read; start again without --resume") from None
+    old, new = (_flat(s.model_dump()) for s in (before, scene))
+    for tables in (old, new):
+        del tables["numerics.duration_ms"]
+    if changed := _differences(old, new):
+        raise UsageError(f"{path}: the scene has changed ({'; '.join(changed)}); give the same scene or start again")
+
+
+def _differences(old: dict, new: dict) -> list[str]:
+    return [
+        f"{key} was {old.get(key)!r}, now {new.get(key)!r}" for key in sorted(old | new) if old.get(key) != new.get(key)
+    ]
+
+
+def _flat(tables: dict, prefix: str = "") -> dict:
+    flat = {}
+    for key, value in tables.items():
+        flat |= _flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
+    return flat

@@ -1,0 +1,62 @@
+"""What stands in a result's place before a run begins: nothing, a file to be replaced, or one to go on with."""
+
+from pathlib import Path
+
+import h5py
+
+from fem.errors import UsageError
+from fem.result.durable import is_in_use
+from lagrange.stored import Damaged, check_array, refusal_in_child
+
+READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
+READ_MEMORY = 2**29  # bytes
+
+
+def refuse_if_in_use(path: Path) -> None:
+    """Refuse to replace what is open elsewhere or no plain file.
+
+    Errors
+    ------
+    UsageError. OSError: a file that can't be written.
+    """
+    if not path.exists():
+        return
+    if not path.is_file():
+        raise UsageError(f"{path}: is not a plain file; name another with --output")
+    if is_in_use(path):
+        raise UsageError(f"{path}: is in use, by another run or a program that reads it; name another with --output")
+
+
+def check_earlier(path: Path, names: tuple[str, ...], samples: int, frames: int) -> None:
+    """Refuse to go on with a file that does not hold so many samples of the variables, and frames of fields.
+
+    Errors
+    ------
+    UsageError.
+    """
+    if not path.is_file():
+        raise UsageError(f"{path}: not found, though its checkpoint is there; start again without --resume")
+
+    def read() -> None:
+        try:
+            with h5py.File(path, "r", locking=False) as file:
+                _check(file, names, samples, frames)
+        except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
+            raise UsageError(f"{path}: can't be resumed ({error}); start again without --resume") from None
+
+    refusal = refusal_in_child(read, str(path), READ_SECONDS + path.stat().st_size / READ_RATE, READ_MEMORY)
+    if refusal is not None:
+        raise UsageError(refusal)
+    read()
+
+
+def _check(file: h5py.File, names: tuple[str, ...], samples: int, frames: int) -> None:
+    if int(file.attrs["committed_samples"]) < samples:
+        raise Damaged(f"its checkpoint counts {samples} samples, it holds fewer")
+    for name in names:
+        check_array(file, name, samples)
+    if frames:
+        from fem.result.fields import stored_samples
+
+        if len(stored_samples(file, samples)) != frames:
+            raise Damaged(f"its checkpoint counts {frames} frames of fields, it holds others")

@@ -1,0 +1,74 @@
+"""Error estimates in a finished result file."""
+
+import os
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from fem.result.durable import alone_in, move_into_place, real_path
+from fem.solver.error_estimate import Estimate
+
+ESTIMATE = {
+    "quantity": "name of a quantity of interest",
+    "quantity_unit": "unit of its value and error",
+    "quantity_meaning": "what it is",
+    "quantity_value": "on the run's mesh",
+    "quantity_coarse_value": "on the coarser mesh",
+    "quantity_error": "estimated discretisation error of the value, not negative",
+}
+
+
+def write_estimates(path: Path, found: list[Estimate], coarse_mesh_size: float) -> None:
+    """Add error estimates to a finished result file, which is exchanged for one that has them.
+
+    Parameters
+    ----------
+    coarse_mesh_size : of the coarser run, m
+
+    Errors
+    ------
+    OSError: no room for a second file; the first stays as it is.
+    """
+    path = real_path(path)
+    part = path.with_name(path.name + ".part")
+    try:
+        with alone_in(path.parent):
+            shutil.copyfile(path, part)
+            with h5py.File(part, "r+") as file:
+                _add(file, found, coarse_mesh_size)
+            with open(part, "r+b") as file:
+                os.fsync(file.fileno())
+            move_into_place(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _add(file: h5py.File, found: list[Estimate], coarse_mesh_size: float) -> None:
+    columns = {
+        "quantity": [each.quantity.name for each in found],
+        "quantity_unit": [each.quantity.unit for each in found],
+        "quantity_meaning": [each.quantity.meaning for each in found],
+        "quantity_value": [each.quantity.value for each in found],
+        "quantity_coarse_value": [each.coarse_value for each in found],
+        "quantity_error": [each.error for each in found],
+    }
+    for name in reversed(ESTIMATE):  # of an earlier estimate
+        if name in file:
+            del file[name]
+    for name, values in columns.items():
+        variable = file.create_dataset(name, data=values)
+        variable.attrs["long_name"] = ESTIMATE[name]
+    file["quantity"].make_scale("quantity")
+    for name in ESTIMATE:
+        if name != "quantity":
+            file[name].dims[0].attach_scale(file["quantity"])
+    file.attrs["coarse_mesh_size"] = coarse_mesh_size
+
+
+def read_columns(path: Path, names: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """Committed samples of some variables."""
+    with h5py.File(path, "r") as file:
+        count = int(file.attrs["committed_samples"])
+        return {name: file[name][:count] for name in names}

@@ -1,0 +1,143 @@
+"""What a result file holds, and where in it each number stands.
+
+HDF5 lays the file out with room for all samples; the run then fills the numbers in by plain writes at known places, so
+that the file's structure is never touched again. A process may die between any two writes and the file stays readable,
+and a disk that fails is seen at once (HDF5 notices late, and then may crash). Each variable is one contiguous block.
+It is HDF5's earliest format, whose headers carry no checksums: a counter in them changes by one write of eight aligned
+bytes, which is made whole or not at all.
+
+Every variable has the attribute `checksum`: twice a number of samples and the CRC-32 of the variable up to there (as
+little-endian doubles). The pair whose number is `committed_samples` holds; the other is the next one or the last one.
+"""
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from fem.result.durable import claim
+from lagrange.stored import CHECKSUM
+
+FORMAT_VERSION = 1
+COMMITTED = "committed_samples"
+MARK = 0x5EED_F00D_0000_0000  # plus a number: stands in a new file where a counter will be, to find the place
+
+PER_TIME, PER_ROLLER = ("time",), ("time", "roller")
+VARIABLES = {
+    "time": (PER_TIME, "s", "time"),
+    "inner_x": (PER_TIME, "m", "hub centre, x"),
+    "inner_y": (PER_TIME, "m", "hub centre, y (up; the load acts along -y)"),
+    "inner_vx": (PER_TIME, "m/s", "hub velocity, x"),
+    "inner_vy": (PER_TIME, "m/s", "hub velocity, y"),
+    "inner_ax": (PER_TIME, "m/s2", "hub acceleration of the integrator, x"),
+    "inner_ay": (PER_TIME, "m/s2", "hub acceleration of the integrator, y"),
+    "roller_x": (PER_ROLLER, "m", "roller's centre of mass, x"),
+    "roller_y": (PER_ROLLER, "m", "roller's centre of mass, y"),
+    "roller_rho": (PER_ROLLER, "m", "roller's distance from the outer ring's centre"),
+    "roller_theta": (PER_ROLLER, "rad", "roller's angle from +x, counter-clockwise, unwrapped"),
+    "roller_spin": (PER_ROLLER, "rad/s", "roller's spin in the fixed frame"),
+    "inner_force": (PER_ROLLER, "N", "normal force, inner raceway on roller"),
+    "outer_force": (PER_ROLLER, "N", "normal force, outer raceway on roller"),
+    "inner_traction": (PER_ROLLER, "N", "tangential force of the inner raceway on the roller, along +theta"),
+    "outer_traction": (PER_ROLLER, "N", "tangential force of the outer raceway on the roller, along +theta"),
+    "roller_roller_force": (PER_ROLLER, "N", "normal force, roller j on roller j + 1"),
+    "energy_kinetic": (PER_TIME, "J", "kinetic energy of all bodies"),
+    "energy_elastic": (PER_TIME, "J", "elastic energy of the meshes"),
+    "energy_contact": (PER_TIME, "J", "elastic energy of the contacts below the grid"),
+    "work_external": (PER_TIME, "J", "work of load, gravity and drive since the start"),
+    "work_dissipated": (PER_TIME, "J", "work dissipated by friction since the start"),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Places:
+    """Where numbers stand in a result file: bytes from its start."""
+
+    data: dict[str, int]  # each variable's first sample
+    width: dict[str, int]  # bytes of one sample of it
+    checksum: dict[str, int]  # two pairs of int64: samples, CRC-32
+    committed: int  # int64
+    frames: dict[str, int]  # what each frame of fields holds: the first one's place
+    frame_width: dict[str, int]  # bytes of it in one frame
+
+
+def create(
+    path: Path,
+    n_rollers: int,
+    capacity: int,
+    attributes: Mapping[str, object],
+    fields: Callable[[h5py.File], list[str]] | None = None,
+) -> Places:
+    """A new file with room for `capacity` samples. Times are NaN until they are written.
+
+    Parameters
+    ----------
+    fields : makes further variables, one row a frame, and gives their names
+
+    Errors
+    ------
+    OSError: the disk has not enough room.
+    """
+    per_sample = sum(8 * (n_rollers if dimensions == PER_ROLLER else 1) for dimensions, *_ in VARIABLES.values())
+    with open(path, "wb") as file:  # before HDF5 tries, which would name no reason
+        claim(file.fileno(), capacity * per_sample)
+    with h5py.File(path, "w", libver="earliest") as file:
+        roller = file.create_dataset("roller", data=np.arange(n_rollers, dtype=np.int64))
+        roller.attrs["units"], roller.attrs["long_name"] = "1", "roller, counted along +theta"
+        roller.make_scale("roller")
+        for number, name in enumerate(VARIABLES, start=1):
+            _variable(file, name, n_rollers, capacity, MARK + number)
+        file.attrs.update({**attributes, COMMITTED: MARK})
+        of_frames = [] if fields is None else fields(file)
+        start = {name: file[name].id.get_offset() for name in (*VARIABLES, *of_frames)}
+        size = {name: file[name].nbytes for name in start}
+        rows = {name: len(file[name]) for name in start}
+    with open(path, "r+b") as file:
+        claim(file.fileno(), os.fstat(file.fileno()).st_size)
+        marks = _marks(file, sorted((start[name], size[name]) for name in start))
+    return Places(
+        data={name: start[name] for name in VARIABLES},
+        width={name: size[name] // rows[name] for name in VARIABLES},
+        checksum={name: marks[number] for number, name in enumerate(VARIABLES, start=1)},
+        committed=marks[0],
+        frames={name: start[name] for name in of_frames},
+        frame_width={name: size[name] // rows[name] for name in of_frames},
+    )
+
+
+def new_block(group, name: str, shape: tuple[int, ...], dtype: str, fill=None) -> h5py.Dataset:
+    """A variable whose numbers stand in one piece of the file, allotted at once."""
+    room = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    room.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    return group.create_dataset(name, shape=shape, dtype=dtype, fillvalue=fill, dcpl=room)
+
+
+def _variable(file: h5py.File, name: str, n_rollers: int, capacity: int, mark: int) -> None:
+    dimensions, units, long_name = VARIABLES[name]
+    shape = (capacity,) if dimensions == PER_TIME else (capacity, n_rollers)
+    variable = new_block(file, name, shape, "<f8", np.nan if name == "time" else None)
+    variable.attrs["units"], variable.attrs["long_name"] = units, long_name
+    variable.attrs[CHECKSUM] = np.array([mark, 0, 0, 0], dtype="<i8")
+    if name == "time":
+        variable.make_scale("time")
+        return
+    for axis, dimension in enumerate(dimensions):
+        variable.dims[axis].attach_scale(file[dimension])
+
+
+def _marks(file, blocks: list[tuple[int, int]]) -> list[int]:
+    """Places of all marks by their number, looked for between the blocks of samples."""
+    found: dict[int, int] = {}
+    start = 0
+    for end, size in [*blocks, (os.fstat(file.fileno()).st_size, 0)]:
+        file.seek(start)
+        text = file.read(end - start)
+        for number in range(len(VARIABLES) + 1):
+            at = text.find((MARK + number).to_bytes(8, "little"))
+            if at >= 0:
+                found[number] = start + at
+        start = end + size
+    return [found[number] for number in range(len(VARIABLES) + 1)]

@@ -1,0 +1,249 @@
+"""The result file while a run writes it.
+
+Samples are trusted up to the attribute `committed_samples`, which is written after the data it counts has reached the
+disk (where it stands: `layout`). A killed run therefore leaves a readable file up to its last commit, with unused room
+behind; one that ends in any other way leaves a file of exactly the samples it has.
+"""
+
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+import h5py
+import numpy as np
+
+from fem.errors import UsageError
+from fem.result.durable import alone_in, move_into_place, open_locked, real_path, write_at
+from fem.result.earlier import check_earlier, refuse_if_in_use
+from fem.result.layout import FORMAT_VERSION, VARIABLES, Places, create
+from lagrange.scene import Scene
+from lagrange.stored import checksum, text_checksum
+
+if TYPE_CHECKING:
+    from fem.solver.frames import Frame
+
+COMMIT_SECONDS = 0.5  # of wall time between two commits
+COMMIT_SHARE = 0.005  # of the wall time at most: a slow disk is asked less often
+BLOCK = 4096  # samples copied at once
+
+
+class Planned(Protocol):
+    """What the file says of a run, whichever model it is of."""
+
+    scene: Scene
+    n_samples: int
+    mesh_nodes: int
+    degrees_of_freedom: int
+    time_step: float  # s
+    critical_time_step: float
+    cautions: tuple[str, ...]
+    frame_stride: int  # samples between stored fields; 0: none
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stored:
+    """How far a result file had come when its run's state was saved."""
+
+    samples: int
+    checksums: dict[str, int]  # of each variable's first `samples`
+
+
+class WriteFailed(OSError):
+    """The result file can't be written any more; what it has committed stays."""
+
+
+def program_version() -> str:
+    """Of the installed package."""
+    try:
+        return version("roller-bearing-fem")
+    except PackageNotFoundError:
+        return "not installed"
+
+
+class ResultFile:
+    """Appends samples; use as a context manager.
+
+    Errors
+    ------
+    UsageError: another program has the file open; it is not what was stored. OSError: no room on the disk, a folder
+    or an earlier file that can't be written; an earlier file stays as it was. WriteFailed, later: the disk fails.
+    """
+
+    def __init__(self, path: Path, plan: Planned, setup_seconds: float, resume: Stored | None = None):
+        """A new file in the place of any earlier one, or one that goes on after what was stored."""
+        self._path = real_path(path)
+        self._attributes = _attributes(plan, setup_seconds)
+        self._plan = plan
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        with alone_in(self._path.parent):
+            refuse_if_in_use(self._path)
+            if resume is None:
+                self._begin(plan.n_samples, Stored(samples=0, checksums=dict.fromkeys(VARIABLES, 0)))
+            else:
+                frames = frames_of(resume.samples, plan.frame_stride)
+                check_earlier(self._path, tuple(VARIABLES), resume.samples, frames)
+                self._begin(plan.n_samples, resume)
+
+    def _begin(self, capacity: int, stored: Stored) -> None:
+        """Put a new file with the samples stored in the earlier one in its place, and go on with it."""
+        part = self._path.with_name(self._path.name + ".part")
+        capacity = max(1, capacity)  # HDF5 gives nothing no place
+        with self._named(), ExitStack() as undo:
+            undo.callback(part.unlink, missing_ok=True)
+            places = create(part, self._plan.scene.bearing.rollers, capacity, self._attributes, self._fields(capacity))
+            handle = open_locked(part)
+            undo.callback(os.close, handle)
+            if stored.samples and self._copy(handle, places, stored.samples) != stored.checksums:
+                raise UsageError(f"{self._path}: damaged: its samples are not those that were written; start again")
+            for name, place in places.checksum.items():
+                write_at(handle, _integers(stored.samples, stored.checksums[name], -1, 0), place)
+            write_at(handle, _integers(stored.samples), places.committed)
+            os.fsync(handle)
+            move_into_place(part, self._path)
+            undo.pop_all()
+        self._handle, self._places = handle, places
+        self._count, self._checksums = stored.samples, dict(stored.checksums)
+        self._in_force = 0  # which of a variable's two checksums holds
+        self._committed, self._committed_at, self._commit_cost = stored.samples, time.monotonic(), 0.0
+
+    def _copy(self, handle: int, places: Places, count: int) -> dict[str, int]:
+        """Copy the first samples of the file in place; gives the checksums of what was copied."""
+        checksums = dict.fromkeys(VARIABLES, 0)
+        with h5py.File(self._path, "r", locking=False) as earlier:
+            for name in VARIABLES:
+                for start in range(0, count, BLOCK):
+                    block = earlier[name][start : min(start + BLOCK, count)]
+                    write_at(handle, _doubles(block), places.data[name] + start * places.width[name])
+                    checksums[name] = checksum(block, checksums[name])
+            for name, place in places.frames.items():
+                for index in range(frames_of(count, self._plan.frame_stride)):
+                    write_at(handle, earlier[name][index].tobytes(), place + index * places.frame_width[name])
+        return checksums
+
+    def _fields(self, capacity: int) -> Callable[[h5py.File], list[str]] | None:
+        """What makes room for the frames of so many samples."""
+        if not self._plan.frame_stride:
+            return None
+        from fem.result.fields import (
+            lay_out,  # a run of the Lagrangian model needs none of the finite elements behind it
+        )
+
+        return lambda file: lay_out(file, self._plan.model, frames_of(capacity, self._plan.frame_stride))
+
+    def keep(self, frame: "Frame") -> None:
+        """Write the fields of a sample to come."""
+        from fem.result.fields import stored_values
+
+        if frame.sample >= self._plan.n_samples:
+            return
+        index = frame.sample // self._plan.frame_stride
+        with self._named():
+            for name, data in stored_values(self._plan.model, frame).items():
+                write_at(self._handle, data, self._places.frames[name] + index * self._places.frame_width[name])
+
+    @property
+    def committed(self) -> int:
+        """Samples that are on the disk."""
+        return self._committed
+
+    @property
+    def stored(self) -> Stored:
+        """What is in the file; on the disk after a `commit`."""
+        return Stored(samples=self._count, checksums=dict(self._checksums))
+
+    def append(self, samples: Mapping[str, np.ndarray]) -> None:
+        """Add samples by variable; committed when COMMIT_SECONDS have gone by."""
+        with self._named():
+            for name in VARIABLES:
+                place = self._places.data[name] + self._count * self._places.width[name]
+                write_at(self._handle, _doubles(samples[name]), place)
+                self._checksums[name] = checksum(samples[name], self._checksums[name])
+            self._count += len(samples["time"])
+        if time.monotonic() - self._committed_at > max(COMMIT_SECONDS, self._commit_cost / COMMIT_SHARE):
+            self.commit()
+
+    def commit(self) -> None:
+        """Bring the data to the disk, then say that it is there."""
+        if self._count == self._committed:
+            return
+        began = time.monotonic()
+        spare = 1 - self._in_force
+        with self._named():
+            for name, place in self._places.checksum.items():
+                write_at(self._handle, _integers(self._count, self._checksums[name]), place + 16 * spare)
+            os.fsync(self._handle)
+            write_at(self._handle, _integers(self._count), self._places.committed)
+            os.fsync(self._handle)
+        self._in_force, self._committed, self._committed_at = spare, self._count, time.monotonic()
+        self._commit_cost = self._committed_at - began
+
+    def finish(self, status: str, steps: int, wall_seconds: float) -> None:
+        """Write the outcome, in a new file without unused room that takes this one's place."""
+        self.commit()
+        outcome = dict(steps=steps, wall_seconds=wall_seconds, status=status)
+        self._attributes |= outcome
+        working = self._handle
+        try:
+            with alone_in(self._path.parent):
+                self._begin(self._count, self.stored)
+            os.close(working)
+        except WriteFailed:  # no room for two of them
+            with self._named(), h5py.File(self._path, "r+", locking=False) as file:
+                for name, value in outcome.items():
+                    file.attrs.modify(name, value)
+
+    @contextmanager
+    def _named(self) -> Iterator[None]:
+        """Name the file when the disk fails."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:  # HDF5's own come as either
+            number = getattr(error, "errno", None) or 0
+            reason = getattr(error, "strerror", None) or str(error)
+            if "HDF5" in reason or "(" in reason:  # its words, with addresses
+                reason = os.strerror(number) if number else reason.partition(" (")[0]
+            raise WriteFailed(number, reason, str(self._path)) from error
+
+    def __enter__(self) -> "ResultFile":
+        return self
+
+    def __exit__(self, *_) -> None:
+        os.close(self._handle)
+
+
+def frames_of(samples: int, stride: int) -> int:
+    """How many frames belong to so many samples."""
+    return -(-samples // stride) if stride else 0
+
+
+def _doubles(values: np.ndarray) -> bytes:
+    return np.ascontiguousarray(values, dtype="<f8").tobytes()
+
+
+def _integers(*values: int) -> bytes:
+    return np.array(values, dtype="<i8").tobytes()
+
+
+def _attributes(plan: Planned, setup_seconds: float) -> dict[str, object]:
+    scene = plan.scene.to_toml()
+    return dict(
+        format_version=FORMAT_VERSION,
+        program="run-fem",
+        program_version=program_version(),
+        scene=scene,
+        scene_checksum=text_checksum(scene),
+        mesh_nodes=plan.mesh_nodes,
+        degrees_of_freedom=plan.degrees_of_freedom,
+        time_step=plan.time_step,
+        critical_time_step=plan.critical_time_step,
+        steps=0,
+        wall_seconds=0.0,
+        setup_seconds=setup_seconds,
+        warnings="\n".join(plan.cautions),
+        status="running",
+    )

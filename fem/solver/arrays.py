@@ -1,0 +1,251 @@
+"""Fill the time loop's arrays from a model, a start and a time step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.model import Model
+from fem.elastic.resolved import points, stretch_for
+from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.patches import N_NODES
+from fem.kernels.ring_kernels import HALO
+from fem.kernels.state import INNER, OUTER, ROLLER, Contacts, Drive, Ring, Rollers, Scratch
+from fem.solver.start import Start
+from lagrange import Bearing, Operation, kinematics
+
+REACH = 0.01  # of a roller's radius
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrays:
+    """All state of a run: what the kernels change in place."""
+
+    rollers: Rollers
+    inner: Ring
+    outer: Ring
+    contacts: Contacts
+    drive: Drive
+    scratch: Scratch
+
+
+def make_arrays(
+    model: Model,
+    operation: Operation,
+    start: Start,
+    dt: float,
+    friction: float,
+    ramp: float,
+    largest_force: float,
+) -> Arrays:
+    """Positions at t = 0 and velocities at −dt/2. `ramp` in s; the largest static contact force in N."""
+    inner = _ring(model.inner_ring, dt)
+    outer = _ring(model.outer_ring, dt)
+    rollers = _rollers(model.roller, model.bearing.n_rollers, dt)
+    drive = _drive(model, operation, start, dt, friction, ramp)
+    contacts = _contacts(model, operation, start, largest_force)
+    _place_inner(model.inner_ring, inner, start, operation.speed, dt)
+    _fill(outer.u, start.equilibrium.outer_ring)
+    _fill(outer.w, start.outer_rate)
+    _place_rollers(model.roller, rollers, start, dt)
+    return Arrays(
+        rollers=rollers,
+        inner=inner,
+        outer=outer,
+        contacts=contacts,
+        drive=drive,
+        scratch=_scratch(rollers, inner, outer, contacts),
+    )
+
+
+def _rollers(disc: DiscBody, n: int, dt: float) -> Rollers:
+    starts, neighbours, blocks = disc.blocks()
+    rows = np.repeat(np.arange(disc.n_nodes), np.diff(starts))
+    columns = -(-n // disc_kernels.COLUMNS) * disc_kernels.COLUMNS
+    return Rollers(
+        starts=starts,
+        neighbours=neighbours,
+        blocks=np.ascontiguousarray(-dt * blocks / disc.mass[rows][:, None, None]).ravel(),
+        points=np.ascontiguousarray(disc.points).ravel(),
+        mass=disc.mass.copy(),
+        lightness=1.0 / disc.mass,
+        u=np.zeros(disc.n_nodes * 2 * columns),
+        w=np.zeros(disc.n_nodes * 2 * columns),
+        centre=np.zeros((columns, 2)),
+        velocity=np.zeros((columns, 2)),
+        turn=np.zeros(columns),
+        cosine=np.ones(columns),
+        sine=np.zeros(columns),
+        increment=np.zeros(columns),
+        lead=np.zeros(columns),
+        spin=np.zeros(columns),
+        impulse=np.zeros((columns, 2)),
+        tilt=np.zeros((columns, 2)),
+        turn_kick=np.zeros(columns),
+        first_surface=disc.first_surface_node,
+        n_surface=disc.shape.surface_nodes,
+        n=n,
+        columns=columns,
+        total_mass=disc.total_mass,
+        inertia=disc.polar_inertia,
+        radius=disc.shape.radius,
+    )
+
+
+def _ring(ring: RingBody, dt: float) -> Ring:
+    width = ring.n_sectors + 2 * HALO
+    angle = 2.0 * np.pi * (np.arange(width) - HALO) / ring.n_sectors
+    table = ring_kernels.coefficients(ring.stencil)
+    first = 1 if ring.held_row == 0 else 0
+    return Ring(
+        table=-dt * table / ring.row_mass[:, None],
+        u=np.zeros((ring.n_rows, 2, width)),
+        w=np.zeros((ring.n_rows, 2, width)),
+        radii=ring.radii.copy(),
+        row_mass=ring.row_mass.copy(),
+        cosines=np.cos(angle),
+        sines=np.sin(angle),
+        n_sectors=ring.n_sectors,
+        first_row=first,
+        last_row=first + ring.n_rows - 1,
+        raceway=ring.raceway_row,
+        held=ring.held_row,
+        radius=ring.raceway_radius,
+    )
+
+
+def _fill(target: np.ndarray, values: np.ndarray) -> None:
+    target[:, :, HALO:-HALO] = values
+    target[:, :, HALO - 1] = target[:, :, -HALO - 1]
+    target[:, :, -HALO] = target[:, :, HALO]
+
+
+def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: float) -> None:
+    """Polar state about the outer ring's centre: the hub's motion, the rotation and the deformation."""
+    cosine, sine = np.cos(body.angles), np.sin(body.angles)
+
+    def polar(vector):
+        return np.stack([vector[0] * cosine + vector[1] * sine, vector[1] * cosine - vector[0] * sine])
+
+    deformed = start.equilibrium.inner_ring.copy()
+    _fill(ring.u, deformed + polar(start.equilibrium.hub))
+    position = deformed.copy()
+    position[:, 0] += body.radii[:, None]
+    turned = np.stack([-position[:, 1], position[:, 0]], axis=1)
+    velocity = start.inner_rate + speed * turned + polar(start.hub_velocity)
+    if start.steady:
+        velocity += 0.5 * dt * speed**2 * position
+    _fill(ring.w, velocity)
+
+
+def _place_rollers(disc: DiscBody, rollers: Rollers, start: Start, dt: float) -> None:
+    n, spin, cage = rollers.n, start.kinematics.roller, start.kinematics.cage
+    rho, angle = start.equilibrium.rho, start.angle
+    rollers.centre[:n] = np.column_stack([rho * np.cos(angle), rho * np.sin(angle)])
+    half_step = 0.5 * dt if start.steady else 0.0
+    rollers.velocity[:n] = start.roller_velocity + half_step * cage**2 * rollers.centre[:n]
+    rollers.spin[:n] = spin
+    rollers.increment[:n] = spin * dt
+    position = disc.points + start.equilibrium.rollers
+    turned = np.stack([-position[..., 1], position[..., 0]], axis=-1)
+    velocity = start.roller_rate + spin * turned + half_step * spin**2 * position
+    shape = (disc.n_nodes, 2, rollers.columns)
+    rollers.u.reshape(shape)[:, :, :n] = np.moveaxis(start.equilibrium.rollers, 0, -1)
+    rollers.w.reshape(shape)[:, :, :n] = np.moveaxis(velocity, 0, -1)
+
+
+def _reach(model: Model, operation: Operation) -> float:
+    """A gap that elastic motion can't close: far above any contact's approach, and twice the growth under rotation."""
+    ring, disc = model.inner_ring, model.roller
+    growth = ring.held(ring.body_load(0.0, 0.0, operation.speed))
+    spin = kinematics(model.bearing, operation.speed).roller
+    swelling = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel())
+    return REACH * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max())
+
+
+def _contacts(model: Model, operation: Operation, start: Start, largest_force: float) -> Contacts:
+    n = model.bearing.n_rollers
+    laws = (model.inner_law, model.outer_law, model.roller_law)
+    force = np.zeros((3, n))
+    force[0], force[1] = start.equilibrium.inner_force, start.equilibrium.outer_force
+    surface_nodes = (model.inner_ring.n_sectors, model.outer_ring.n_sectors, model.roller.shape.surface_nodes)
+    resolved, stretch, none = None, (0,) * model.stretch, np.zeros(0)
+    if model.is_resolved:
+        resolved = points({INNER: laws[INNER], OUTER: laws[OUTER], ROLLER: laws[ROLLER]}, largest_force, n)
+        stretch = stretch_for(resolved, surface_nodes)
+    width = N_NODES * len(stretch)
+    below = None if model.is_resolved else model
+    return Contacts(
+        A=np.array([law.A for law in laws]) if below else none,
+        B=np.array([law.B for law in laws]) if below else none,
+        Q_line=np.array([law.Q_line for law in laws]) if below else none,
+        reach=_reach(model, operation),
+        half_width_factor=np.array([law.half_width_factor for law in laws]),
+        curvature=np.array([1.0 / law.relative_radius for law in laws]),
+        roller_ripple=below.roller_surface.ripple if below else none,
+        inner_ripple=below.inner_surface.ripple if below else none,
+        outer_ripple=below.outer_surface.ripple if below else none,
+        force=force,
+        approach=np.full((3, n), np.nan),
+        push=np.zeros((3, n)),
+        bracket=np.zeros((3, n)),
+        traction=np.zeros((3, n)),
+        normal=np.zeros((3, n, 2)),
+        slip=np.zeros((3, n)),
+        crowded=_crowded(model.bearing, surface_nodes, width),
+        stretch=stretch,
+        node=np.zeros((6 * n, width), dtype=np.int64),
+        weight=np.zeros((6 * n, width)),
+        outward=np.zeros((6 * n, 2)),
+        along=np.zeros((6 * n, width)),
+        across=np.zeros((6 * n, width)),
+        grip_x=np.zeros((6 * n, width)),
+        grip_y=np.zeros((6 * n, width)),
+        resolved=resolved,
+    )
+
+
+def _crowded(bearing: Bearing, surface_nodes: tuple[int, int, int], width: int) -> bool:
+    """Whether patches `width` nodes wide can overlap: on a ring those of rollers that touch, on a roller its own."""
+    apart = 2.0 * np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius))  # of rollers that touch
+    inner, outer, roller = (nodes / (2.0 * np.pi) for nodes in surface_nodes)
+    return bool(min(inner * apart, outer * apart, roller * 0.5 * (np.pi - apart)) < width)
+
+
+def _drive(model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float) -> Drive:
+    ring = model.inner_ring
+    held = ring.n_sectors * ring.row_mass[ring.held_row]
+    return Drive(
+        hub=start.equilibrium.hub.copy(),
+        velocity=start.hub_velocity.copy(),
+        impulse=np.zeros(2),
+        ring=np.array([0.0, 1.0, 0.0, 0.0, 0.0]),
+        sums=np.zeros(6),
+        mass=float(operation.inner_mass - ring.total_mass + held),
+        speed=float(operation.speed),
+        gravity=float(operation.gravity),
+        friction=float(friction),
+        dt=float(dt),
+        load=float(operation.radial_load),
+        ramp=float(ramp),
+    )
+
+
+def _scratch(rollers: Rollers, inner: Ring, outer: Ring, contacts: Contacts) -> Scratch:
+    columns = rollers.columns
+    return Scratch(
+        slope=np.zeros((1, contacts.weight.shape[1])),
+        slip=np.zeros((3, rollers.n)),
+        bore=np.zeros((2, inner.u.shape[2])),
+        line=np.zeros((2, outer.u.shape[2])),
+        torque=np.zeros(columns),
+        still=np.zeros(columns),
+        shift=np.zeros((2, columns)),
+        cosine=np.ones(columns),
+        sine=np.zeros(columns),
+        rollers_w=np.zeros_like(rollers.w),
+        rollers_velocity=np.zeros_like(rollers.velocity),
+        inner_w=np.zeros_like(inner.w),
+        outer_w=np.zeros_like(outer.w),
+        hub_velocity=np.zeros(2),
+    )

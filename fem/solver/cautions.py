@@ -1,0 +1,58 @@
+"""What a plan warns of: the run is sound, but its numbers need care."""
+
+from math import pi, sqrt
+
+import numpy as np
+
+from fem.elastic.model import Model, peak_pressure
+from fem.statics.equilibrium import Equilibrium
+from lagrange import Operation, contact_laws
+
+# Static load rating of roller bearings (ISO 76): at this Hertz pressure steel keeps a dent of 1e-4 of the diameter
+ISO_76_PRESSURE = 4e9  # Pa
+
+
+def cautions(model: Model, operation: Operation, equilibrium: Equilibrium, interval: float) -> tuple[str, ...]:
+    """Sentences; none where all is well. `interval` between samples, s."""
+    found = (_yield(model, equilibrium), _sampling(model, operation, equilibrium, interval))
+    return tuple(sentence for sentence in found if sentence)
+
+
+def _yield(model: Model, equilibrium: Equilibrium) -> str | None:
+    """The model is elastic at any pressure; steel is not."""
+    length = model.bearing.roller_length
+    worst, name, force = max(
+        (peak_pressure(law, float(forces.max()), length), name, float(forces.max()))
+        for name, law, forces in (
+            ("inner", model.inner_law, equilibrium.inner_force),
+            ("outer", model.outer_law, equilibrium.outer_force),
+        )
+    )
+    if worst <= ISO_76_PRESSURE:
+        return None
+    return (
+        f"the largest static force, {force:.4g} N on the {name} raceway, makes a Hertz pressure of "
+        f"{1e-6 * worst:.0f} MPa, above the {1e-6 * ISO_76_PRESSURE:.0f} MPa of ISO 76's static load rating: steel "
+        "yields there, the model stays elastic; lower operation.radial_load_N, or the preload (a larger "
+        "bearing.outer_raceway_diameter_mm)"
+    )
+
+
+def _sampling(model: Model, operation: Operation, equilibrium: Equilibrium, interval: float) -> str | None:
+    """Samples must follow the hub's vibration on its contacts, or accelerations can't be found from them."""
+    bearing = model.bearing
+    laws = contact_laws("johnson", bearing)
+    inner, outer = (
+        law.slope(law.approach(forces))
+        for law, forces in ((laws.inner, equilibrium.inner_force), (laws.outer, equilibrium.outer_force))
+    )
+    loaded = (inner > 0.0) & (outer > 0.0)
+    in_series = np.where(loaded, inner * outer / np.where(loaded, inner + outer, 1.0), 0.0)
+    angle = operation.first_roller_angle + 2.0 * pi * np.arange(bearing.n_rollers) / bearing.n_rollers
+    resonance = sqrt(float(np.sum(in_series * np.sin(angle) ** 2)) / operation.inner_mass) / (2.0 * pi)
+    if 2.0 * resonance * interval < 1.0:
+        return None
+    return (
+        f"numerics.output_interval_us = {1e6 * interval:g}: too seldom to follow the hub's vibration on its contacts, "
+        f"about {1e-3 * resonance:.3g} kHz; check-residual needs less than {0.5e6 / resonance:.3g}"
+    )

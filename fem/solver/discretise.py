@@ -1,0 +1,117 @@
+"""From a scene to its discrete model: which meshes, which contact patches."""
+
+from math import ceil
+
+import numpy as np
+
+from fem.elastic.model import Model, build_model, build_resolved_model
+from fem.elastic.resolved import resolved_laws
+from fem.errors import UsageError
+from fem.kernels.state import INNER, OUTER
+from fem.statics.contact_balance import NotFound
+from fem.statics.exact_statics import exact_statics
+from lagrange import Bearing, Operation
+from lagrange.scene import Scene
+from meshes import bearing_shapes, graded_shapes
+
+COARSEST = 0.6  # surface spacing over the half-width of a contact to be resolved
+WIDER = 1.5  # patches are made for forces that much larger than the static ones
+MOST_NODES = 1_000_000  # take about 3 GB to mesh and assemble
+WIDTHS = 2.5  # least half-width of a patch over the contact's: below 2.3 the law below the grid would be unstable
+
+
+def model_of(scene: Scene) -> Model:
+    """The discrete model of a scene.
+
+    Errors
+    ------
+    RuntimeError: gmsh is needed and missing. UsageError: balls, which no plane section describes; the mesh is too
+    coarse to resolve the contacts or for a ring, or has too many nodes.
+    """
+    if scene.bearing.type == "ball":
+        raise UsageError(
+            'bearing.type = "ball": finite elements and pictures are of plane sections of cylindrical rollers; '
+            "run-fem --model lagrange takes balls"
+        )
+    bearing, operation, mesh_size = scene.ideal_bearing(), scene.ideal_operation(), 1e-3 * scene.numerics.mesh_size_mm
+    check_mesh_size(bearing, mesh_size, graded=scene.contact.model == "resolved")
+    if scene.contact.model == "resolved":
+        _check_resolution(half_widths(bearing, largest_force(bearing, operation)), mesh_size)
+        return build_resolved_model(bearing, mesh_size)
+    return build_model(bearing, mesh_size, stretch(bearing, operation, mesh_size))
+
+
+def _check_resolution(widths: tuple[float, float], mesh_size: float) -> None:
+    coarsest = COARSEST * min(widths)
+    if mesh_size > coarsest:
+        raise UsageError(
+            f"contact.model = 'resolved': the narrowest of the most loaded contacts is {1e3 * min(widths):.3g} mm wide "
+            f"on either side, the mesh {1e3 * mesh_size:.3g} mm; numerics.mesh_size_mm at most {1e3 * coarsest:.3g}, "
+            "or take contact.model = 'subgrid'"
+        )
+
+
+def check_mesh_size(bearing: Bearing, mesh_size: float, graded: bool = False) -> None:
+    """Refuse a mesh before anything is allocated for it. `mesh_size` in m.
+
+    Errors
+    ------
+    UsageError: elements thicker than a ring, or too many nodes.
+    """
+    for name, thickness in (
+        ("inner ring", bearing.inner_raceway_radius - bearing.bore_radius),
+        ("outer ring", bearing.outside_radius - bearing.outer_raceway_radius),
+    ):
+        if mesh_size > thickness:
+            raise UsageError(
+                f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: the {name} is only {1e3 * thickness:.3g} mm thick; at "
+                f"most {1e3 * thickness:.3g}"
+            )
+    shapes = graded_shapes(bearing, mesh_size) if graded else bearing_shapes(bearing, mesh_size)
+    nodes = bearing.n_rollers * sum(count for _, count in shapes.roller.rows)
+    nodes += sum(ring.sectors * len(ring.radii) for ring in (shapes.inner_ring, shapes.outer_ring))
+    if nodes > MOST_NODES:
+        raise UsageError(
+            f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: makes {nodes:,} nodes, at most {MOST_NODES:,} are taken; at "
+            f"least about {1e3 * mesh_size * (nodes / MOST_NODES) ** 0.5:.2g}"
+        )
+
+
+def stretch(bearing: Bearing, operation: Operation, mesh_size: float) -> int:
+    """Stretch of contact patches that keeps them wider than the widest contact on a mesh finer than it."""
+    widest = WIDTHS * max(half_widths(bearing, WIDER * _bound(bearing, operation)))
+    if widest > 2.0 * mesh_size:  # the bound is far above what a roller carries
+        widest = WIDTHS * max(half_widths(bearing, WIDER * largest_force(bearing, operation)))
+    return max(1, ceil(widest / (2.0 * mesh_size)))
+
+
+def half_widths(bearing: Bearing, force: float) -> tuple[float, float]:
+    """Hertz half-widths, m, of the inner and of the outer contact under a force, N."""
+    laws = resolved_laws(bearing, dict.fromkeys(("roller", "inner_ring", "outer_ring"), 1.0))
+    return laws[INNER].half_width(force), laws[OUTER].half_width(force)
+
+
+def largest_force(bearing: Bearing, operation: Operation) -> float:
+    """Largest force of a contact, N, by exact statics; a bound where there is none."""
+    centrifugal = _centrifugal(bearing, operation)
+    try:
+        found = exact_statics(bearing, _load(operation), operation.first_roller_angle)
+    except NotFound:
+        return _bound(bearing, operation)
+    return float(np.concatenate([found.inner_force, found.outer_force]).max()) + centrifugal
+
+
+def _load(operation: Operation) -> float:
+    return operation.radial_load + operation.inner_mass * operation.gravity
+
+
+def _centrifugal(bearing: Bearing, operation: Operation) -> float:
+    cage = 0.5 * abs(operation.speed)  # or less
+    return bearing.roller_mass * cage**2 * bearing.pitch_radius
+
+
+def _bound(bearing: Bearing, operation: Operation) -> float:
+    """Above any contact's force, N: all the load on one roller, and the preload of rigid rings."""
+    preload = max(0.0, -bearing.radial_clearance)
+    modulus = max(m.plane_strain_modulus for m in (bearing.roller, bearing.inner_ring, bearing.outer_ring))
+    return _load(operation) + _centrifugal(bearing, operation) + modulus * bearing.roller_length * preload

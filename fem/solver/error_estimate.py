@@ -1,0 +1,86 @@
+"""How far a run is from the continuum: the same scene on a mesh half as fine, extrapolated."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from fem.errors import UsageError
+from fem.solver.simulate import Plan, Progress, run
+from fem.statics.quantities import Quantity, moving_quantities, static_quantities
+from lagrange.scene import Scene
+
+COARSER = 2.0  # mesh size over the scene's
+LEAST_COARSER = 1.6  # below, rounding to whole layers of nodes may leave the same mesh
+ORDER = 2.0  # of every quantity in the mesh size, the step with it: docs/verification.md
+SAFETY = 1.25  # Roache's factor where the order is known: benchmarks.convergence observes it
+NEEDED = ("time", "inner_x", "inner_y", "inner_force", "roller_theta")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """A quantity on the scene's mesh and on the coarser one, and what the first may be off by."""
+
+    quantity: Quantity
+    coarse_value: float
+    error: float  # in the quantity's unit, >= 0
+
+    @property
+    def relative(self) -> float:
+        """Error over value; infinite where the value is 0."""
+        return self.error / abs(self.quantity.value) if self.quantity.value else float("inf")
+
+
+def coarser_scene(scene: Scene) -> Scene:
+    """The scene on the mesh to compare with.
+
+    Errors
+    ------
+    UsageError: the scene's mesh is too coarse for that.
+    """
+    size = scene.numerics.mesh_size_mm
+    coarsest = pi * scene.bearing.roller_diameter_mm / 10.0
+    coarser = min(COARSER * size, coarsest)
+    if coarser < LEAST_COARSER * size:
+        raise UsageError(
+            f"--estimate-error compares with a coarser mesh, and numerics.mesh_size_mm = {size:g} leaves none; at most "
+            f"{coarsest / LEAST_COARSER:.3g}"
+        )
+    return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"mesh_size_mm": coarser})})
+
+
+def estimates(fine: list[Quantity], coarse: list[Quantity], ratio: float) -> list[Estimate]:
+    """Error of each quantity by Richardson's extrapolation, with Roache's factor of safety.
+
+    Source: Roache, Perspective: a method for uniform reporting of grid refinement studies (J. Fluids Eng. 116, 1994).
+    """
+    found = []
+    for mine, other in zip(fine, coarse, strict=True):
+        error = SAFETY * abs(mine.value - other.value) / (ratio**ORDER - 1.0)
+        found.append(Estimate(quantity=mine, coarse_value=other.value, error=error))
+    return found
+
+
+def estimate_error(
+    plan: Plan,
+    coarse: Plan,
+    samples: dict[str, np.ndarray],
+    report: Callable[[Progress], None] = lambda progress: None,
+    stop: Callable[[], bool] = lambda: False,
+) -> list[Estimate]:
+    """Run the coarser mesh and compare; `samples` of the finished run, by the result file's names (NEEDED).
+
+    Errors
+    ------
+    RunFailed: the coarser run went wrong. NotFound: no equilibrium at rest.
+    """
+    fine, other = (static_quantities(each.model, each.operation) for each in (plan, coarse))
+    if plan.n_samples > 1:
+        blocks = []
+        run(coarse, blocks.append, report, stop)
+        record = {name: np.concatenate([block[name] for block in blocks]) for name in NEEDED}
+        fine += moving_quantities(samples)
+        other += moving_quantities(record)
+    ratio = coarse.model.roller.shape.surface_spacing / plan.model.roller.shape.surface_spacing
+    return estimates(fine, other, ratio)

@@ -1,0 +1,121 @@
+"""Rows of the time loop turned into the result file's quantities."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.kernels import sample_kernels as row
+
+TURN = 2.0 * np.pi
+
+
+@dataclass(frozen=True, kw_only=True)
+class Samples:
+    """A block of samples: arrays by the result file's names, time first; SI."""
+
+    values: dict[str, np.ndarray]
+    imbalance: np.ndarray  # (n,), J: stored energy less what came in
+    exchanged: np.ndarray  # (n,), J, the most so far of elastic and contact energy, or of the kinetic energy's change
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.values[name]
+
+    def __len__(self) -> int:
+        return len(self.imbalance)
+
+    def first(self, count: int) -> "Samples":
+        """The first samples of the block."""
+        return Samples(
+            values={name: array[:count] for name, array in self.values.items()},
+            imbalance=self.imbalance[:count],
+            exchanged=self.exchanged[:count],
+        )
+
+    def every(self, looks: int) -> "Samples":
+        """The first of each so many."""
+        return Samples(
+            values={name: array[::looks] for name, array in self.values.items()},
+            imbalance=self.imbalance[::looks],
+            exchanged=self.exchanged[::looks],
+        )
+
+
+class SampleReader:
+    """Reads blocks of rows, `plan.looks` a sample, in order; carries what runs on from block to block.
+
+    How the rows are cut into blocks, which is a matter of the wall clock, changes no bit of any quantity.
+    """
+
+    def __init__(self, plan):
+        self._n = plan.model.bearing.n_rollers
+        self._looks = plan.looks
+        self._interval = plan.interval
+        self._count = 0
+        self._angle = plan.start.angle
+        self._base = None
+        self._exchanged = 0.0
+
+    def carried(self) -> dict[str, np.ndarray]:
+        """What runs on, as arrays; `carry_on` takes it back."""
+        base = (np.nan,) * 4 if self._base is None else self._base
+        return {
+            "count": np.array(self._count),
+            "angle": self._angle,
+            "sums": np.array([*base, self._exchanged]),
+        }
+
+    def carry_on(self, carried: dict[str, np.ndarray]) -> None:
+        """Go on where another reader of the same plan stopped."""
+        self._count = int(carried["count"])
+        self._angle = carried["angle"]
+        *base, self._exchanged = (float(value) for value in carried["sums"])
+        self._base = None if np.isnan(base[0]) else tuple(base)
+
+    def read(self, rows: np.ndarray) -> Samples:
+        """Quantities of the next rows."""
+        n = self._n
+        blocks = rows[:, row.N_SCALARS :].reshape(len(rows), len(row.BLOCKS), n)
+        block = {name: blocks[:, i] for i, name in enumerate(row.BLOCKS)}
+        x, y = block["roller_x"], block["roller_y"]
+        works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1)
+        kinetic, stored = rows[:, row.KINETIC], rows[:, row.ELASTIC] + rows[:, row.CONTACT]
+        if self._base is None:
+            self._base = works[0], rows[0, row.DISSIPATED], kinetic[0], stored[0]
+        work, dissipated = works - self._base[0], rows[:, row.DISSIPATED] - self._base[1]
+        gained = kinetic - self._base[2]
+        exchanged = np.fmax.accumulate(np.fmax(np.fmax(stored, np.abs(gained)), self._exchanged))
+        self._exchanged = float(exchanged[-1])
+        values = {
+            "time": (self._count + np.arange(len(rows))) / self._looks * self._interval,
+            "inner_x": rows[:, row.HUB_X],
+            "inner_y": rows[:, row.HUB_Y],
+            "inner_vx": rows[:, row.HUB_VX],
+            "inner_vy": rows[:, row.HUB_VY],
+            "inner_ax": rows[:, row.HUB_AX],
+            "inner_ay": rows[:, row.HUB_AY],
+            "roller_x": x,
+            "roller_y": y,
+            "roller_rho": np.hypot(x, y),
+            "roller_theta": self._unwrap(np.arctan2(y, x)),
+            "roller_spin": block["roller_spin"],
+            "inner_force": block["inner_force"],
+            "outer_force": block["outer_force"],
+            "inner_traction": block["inner_traction"],
+            "outer_traction": block["outer_traction"],
+            "roller_roller_force": block["roller_roller_force"],
+            "energy_kinetic": kinetic,
+            "energy_elastic": rows[:, row.ELASTIC],
+            "energy_contact": rows[:, row.CONTACT],
+            "work_external": work,
+            "work_dissipated": dissipated,
+        }
+        self._count += len(rows)
+        imbalance = gained + (stored - self._base[3]) - work + dissipated
+        return Samples(values=values, imbalance=imbalance, exchanged=exchanged)
+
+    def _unwrap(self, angle: np.ndarray) -> np.ndarray:
+        first = np.round((self._angle - angle[:1]) / TURN)
+        turns = np.concatenate([first, -np.round(np.diff(angle, axis=0) / TURN)]).cumsum(axis=0)
+        unwrapped = angle + TURN * turns
+        self._angle = unwrapped[-1]
+        return unwrapped

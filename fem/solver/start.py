@@ -1,0 +1,125 @@
+"""The state a run starts from: static equilibrium in rolling motion, or undeformed and centred."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem.elastic.model import Model
+from fem.statics.contact_balance import NotFound
+from fem.statics.equilibrium import Equilibrium, Motion
+from fem.statics.solve import equilibrium
+from lagrange import Kinematics, Operation, kinematics
+from lagrange.kinematics import roller_angles
+
+ROUND_OFF = 1e-12  # of a roller radius: less preload than this is none
+JUMP = 0.01  # of the surface speed: no hub moves that fast from one equilibrium to the next
+LOOK_AHEAD = 0.01  # of a node spacing: how far contacts roll between the equilibria that give the velocities
+
+
+@dataclass(frozen=True, kw_only=True)
+class Start:
+    """Positions and velocities at t = 0. SI; frames as in `disc_kernels` and `ring_kernels`."""
+
+    equilibrium: Equilibrium
+    kinematics: Kinematics
+    angle: np.ndarray  # (n_rollers,), rad
+    hub_velocity: np.ndarray  # (2,)
+    roller_velocity: np.ndarray  # (n_rollers, 2)
+    roller_rate: np.ndarray  # du/dt in the frames, (n_rollers, n_nodes, 2)
+    inner_rate: np.ndarray  # (n_rows, 2, n_sectors)
+    outer_rate: np.ndarray
+    steady: bool = True  # forces hold every node on its circle; False: nothing is strained yet, nodes go straight on
+
+
+def rolling_motion(model: Model, operation: Operation, time: float) -> tuple[Motion, Kinematics]:
+    """Angles at a time if everything rolls without slip."""
+    ideal = kinematics(model.bearing, operation.speed)
+    angle = roller_angles(model.bearing, operation.first_roller_angle)
+    n = model.bearing.n_rollers
+    motion = Motion(
+        roller_angle=angle + ideal.cage * time,
+        roller_turn=np.full(n, ideal.roller * time),
+        ring_turn=operation.speed * time,
+        cage_speed=ideal.cage,
+        roller_speed=ideal.roller,
+        ring_speed=operation.speed,
+    )
+    return motion, ideal
+
+
+def equilibrium_start(model: Model, operation: Operation) -> Start:
+    """Static equilibrium at t = 0, with the velocities of passing through the equilibria before and after.
+
+    Elastic waves excited by the start are thereby of second order in the rolling speed over the wave speed. Where the
+    equilibria do not follow each other (a hub balanced on one roller in clearance) it starts without these velocities.
+    """
+    weight = operation.inner_mass * operation.gravity
+
+    def at(time, near=None):
+        motion, _ = rolling_motion(model, operation, time)
+        return equilibrium(model, motion, operation.radial_load, weight, operation.gravity, near)
+
+    middle = at(0.0)
+    motion, ideal = rolling_motion(model, operation, 0.0)
+    speed = abs(operation.speed) * model.bearing.inner_raceway_radius
+    if speed == 0.0:
+        return _still(model, middle, ideal, motion)
+    ahead = LOOK_AHEAD * model.roller.shape.surface_spacing / speed
+    try:
+        before, after = at(-ahead, middle), at(ahead, middle)
+    except NotFound:
+        return _still(model, middle, ideal, motion)
+    if np.linalg.norm(after.hub - before.hub) > JUMP * 2.0 * ahead * speed:
+        return _still(model, middle, ideal, motion)
+
+    def rate(name):
+        return (getattr(after, name) - getattr(before, name)) / (2.0 * ahead)
+
+    radial, around = _directions(motion.roller_angle)
+    return Start(
+        equilibrium=middle,
+        kinematics=ideal,
+        angle=motion.roller_angle,
+        hub_velocity=rate("hub"),
+        roller_velocity=rate("rho")[:, None] * radial + (ideal.cage * middle.rho)[:, None] * around,
+        roller_rate=rate("rollers"),
+        inner_rate=rate("inner_ring"),
+        outer_rate=rate("outer_ring"),
+    )
+
+
+def rest_start(model: Model, operation: Operation) -> Start:
+    """Centred and undeformed, in rolling motion; with preload, the equilibrium without load."""
+    motion, ideal = rolling_motion(model, operation, 0.0)
+    if model.bearing.radial_clearance < -ROUND_OFF * model.bearing.roller_radius:
+        return _still(model, equilibrium(model, motion, 0.0, 0.0, 0.0), ideal, motion)
+    n, inner, outer = model.bearing.n_rollers, model.inner_ring, model.outer_ring
+    undeformed = Equilibrium(
+        hub=np.zeros(2),
+        rho=np.full(n, model.bearing.pitch_radius),
+        inner_force=np.zeros(n),
+        outer_force=np.zeros(n),
+        inner_ring=np.zeros((inner.n_rows, 2, inner.n_sectors)),
+        outer_ring=np.zeros((outer.n_rows, 2, outer.n_sectors)),
+        rollers=np.zeros((n, model.roller.n_nodes, 2)),
+    )
+    return replace(_still(model, undeformed, ideal, motion), steady=False)
+
+
+def _still(model: Model, equilibrium: Equilibrium, ideal: Kinematics, motion: Motion) -> Start:
+    """A start whose deformation does not change in the bodies' frames."""
+    _, around = _directions(motion.roller_angle)
+    return Start(
+        equilibrium=equilibrium,
+        kinematics=ideal,
+        angle=motion.roller_angle,
+        hub_velocity=np.zeros(2),
+        roller_velocity=(ideal.cage * equilibrium.rho)[:, None] * around,
+        roller_rate=np.zeros_like(equilibrium.rollers),
+        inner_rate=np.zeros_like(equilibrium.inner_ring),
+        outer_rate=np.zeros_like(equilibrium.outer_ring),
+    )
+
+
+def _directions(angle):
+    return np.column_stack([np.cos(angle), np.sin(angle)]), np.column_stack([-np.sin(angle), np.cos(angle)])

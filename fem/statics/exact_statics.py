@@ -1,0 +1,107 @@
+"""Statics of the whole bearing without a mesh: exact series for every body under Hertz pressures.
+
+The yardstick for the finite-element model: any bearing, frictionless, standing, weightless, in milliseconds.
+"""
+
+from dataclasses import dataclass
+from math import exp, log, pi
+
+import numpy as np
+
+from fem.elastic.continuum import (
+    disc_hertz_approach,
+    hertz_patch,
+    patch_displacement,
+    ring_compliance,
+    ring_hertz_approach,
+)
+from fem.elastic.subgrid import ContactLaw
+from fem.kernels.law import STEEPEST
+from fem.statics.contact_balance import Condensed, Loads, balance, closed_forces, first_guess
+from lagrange import Bearing, Material
+from lagrange.kinematics import roller_angles
+
+HALF_WIDTH = 0.01  # of a roller's radius; the logarithm of the true half-width is in the law
+N_HARMONICS_PER_WIDTH = 200.0  # harmonics times b/R: point values under Hertz pressures converge slowly
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExactStatics:
+    """Hub position, m, and contact forces, N."""
+
+    hub: np.ndarray  # (2,)
+    inner_force: np.ndarray  # (n_rollers,)
+    outer_force: np.ndarray
+
+
+def exact_statics(bearing: Bearing, radial_load: float, first_roller_angle: float) -> ExactStatics:
+    """Equilibrium of elastic bodies in Hertz contact under a load along −y, N; angle in rad from +x.
+
+    Errors
+    ------
+    Each contact errs as Hertz's theory does, by (b/R)² of its approach; couplings are exact for loads along the radius.
+    NotFound: no equilibrium.
+
+    Source: Michell's series for ring and disc (`continuum`); Johnson, Contact Mechanics (1985), chapters 4 and 5.
+    """
+    n = bearing.n_rollers
+    contacts = exact_contacts(bearing, roller_angles(bearing, first_roller_angle))
+    start = first_guess(bearing, contacts.radial, radial_load)
+    position, forces = balance(contacts, Loads(radial_load, 0.0, 0.0), start)
+    forces = closed_forces(forces)
+    return ExactStatics(hub=position[:2], inner_force=forces[:n], outer_force=forces[n:])
+
+
+def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
+    """The bearing reduced to its contacts by exact series, rollers at angles from +x, (n_rollers,), rad."""
+    n = bearing.n_rollers
+    radial = np.column_stack([np.cos(angle), np.sin(angle)])
+    half_width = HALF_WIDTH * bearing.roller_radius
+    inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
+    outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+    single = disc_hertz_approach(bearing.roller_radius, bearing.roller, half_width, 1)
+    squeezed = disc_hertz_approach(bearing.roller_radius, bearing.roller, half_width, 2)
+    j = np.arange(n)
+    compliance = np.zeros((2 * n, 2 * n))
+    compliance[:n, :n] = _ring_coupling(*inner, half_width, angle)
+    compliance[n:, n:] = _ring_coupling(*outer, half_width, angle)
+    compliance[j, n + j] = compliance[n + j, j] = squeezed - single
+    curvature = 1.0 / bearing.roller_radius
+    return Condensed(
+        bearing=bearing,
+        radial=radial,
+        inner_law=_law(bearing, inner, single, half_width, curvature + 1.0 / bearing.inner_raceway_radius),
+        outer_law=_law(bearing, outer, single, half_width, curvature - 1.0 / bearing.outer_raceway_radius),
+        compliance=compliance / bearing.roller_length,
+        growth=np.zeros(2 * n),
+    )
+
+
+def _ring_coupling(radius: float, held: float, material: Material, half_width: float, angle) -> np.ndarray:
+    """Displacement of each contact by a unit load, N/m, on each other; zero on the diagonal."""
+    harmonics = np.arange(int(N_HARMONICS_PER_WIDTH * radius / half_width))
+    series = ring_compliance(harmonics, radius, held, material)
+    pressure = hertz_patch(harmonics, half_width, radius)
+    coupling = np.zeros((len(angle), len(angle)))
+    for shift in range(1, len(angle)):  # equally spaced: one value per distance
+        value = patch_displacement(series, pressure, 1.0, radius, angle[shift] - angle[0])
+        i = np.arange(len(angle))
+        coupling[i, (i + shift) % len(angle)] = value
+    return coupling
+
+
+def _law(bearing: Bearing, ring, roller_approach: float, half_width: float, curvature: float) -> ContactLaw:
+    """The whole approach of one contact, both bodies, as a law δ = A Q (B − ½ ln Q)."""
+    radius, held, material = ring
+    length = bearing.roller_length
+    A = sum(2.0 / (pi * m.plane_strain_modulus * length) for m in (bearing.roller, material))
+    factor = 2.0 * A / curvature
+    total = (ring_hertz_approach(radius, held, material, half_width) + roller_approach) / length
+    B = total / A + log(half_width) - 0.5 * log(factor)
+    return ContactLaw(
+        A=A,
+        B=B,
+        Q_line=exp(2.0 * (B - 0.5 - STEEPEST)),
+        relative_radius=1.0 / curvature,
+        half_width_factor=factor,
+    )

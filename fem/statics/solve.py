@@ -1,0 +1,45 @@
+"""The static equilibrium of a model by its contacts' kind, and how far it is from exact elasticity."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.elastic.model import Model
+from fem.statics.equilibrium import Equilibrium, Motion, standing, static_equilibrium
+from fem.statics.exact_statics import exact_statics
+from fem.statics.resolved_statics import resolved_equilibrium
+from lagrange import Operation
+
+
+def equilibrium(
+    model: Model, motion: Motion, radial_load: float, weight: float, gravity: float, start: Equilibrium | None = None
+) -> Equilibrium:
+    """Equilibrium under a load, N, and the weight, N, of hub and inner ring; `start`: one that is near."""
+    solve = resolved_equilibrium if model.is_resolved else static_equilibrium
+    return solve(model, motion, radial_load, weight, gravity, start)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiscretisationError:
+    """The mesh against the series, standing, weightless and frictionless."""
+
+    hub: float  # relative error of the hub's displacement
+    largest_force: float  # largest error of a roller's load over the largest load
+
+
+def static_error(model: Model, operation: Operation) -> DiscretisationError:
+    """How far the finite elements of a scene are from exact elasticity under its load.
+
+    Errors
+    ------
+    ValueError: without load there is nothing to compare. NotFound: no equilibrium.
+    """
+    if operation.radial_load <= 0.0:
+        raise ValueError("without a radial load there is no static displacement to compare")
+    still = standing(model.bearing, operation.first_roller_angle)
+    exact = exact_statics(model.bearing, operation.radial_load, operation.first_roller_angle)
+    found = equilibrium(model, still, operation.radial_load, 0.0, 0.0)
+    return DiscretisationError(
+        hub=float(np.linalg.norm(found.hub - exact.hub) / np.linalg.norm(exact.hub)),
+        largest_force=float(np.abs(found.inner_force - exact.inner_force).max() / exact.inner_force.max()),
+    )

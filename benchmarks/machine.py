@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numba import njit
 
-from fem.kernels.simd import add, fma, load, splat, store
+from fem.kernels.simd import fma, load, splat, store
 
 REPEATS = 7
 CACHES = {"L1": 32 << 10, "L2": 1 << 20, "L3": 32 << 20}  # bytes, where the system does not tell
@@ -44,8 +44,8 @@ def multiply_adds(count, scale, out):
         e, f, g, h = fma(scale, e, one), fma(scale, f, one), fma(scale, g, one), fma(scale, h, one)
         i, j, k, m = fma(scale, i, one), fma(scale, j, one), fma(scale, k, one), fma(scale, m, one)
         n, o, p, q = fma(scale, n, one), fma(scale, o, one), fma(scale, p, one), fma(scale, q, one)
-    left = add(add(add(a, b), add(c, d)), add(add(e, f), add(g, h)))
-    store(out, 0, add(left, add(add(add(i, j), add(k, m)), add(add(n, o), add(p, q)))))
+    left = ((a + b) + (c + d)) + ((e + f) + (g + h))
+    store(out, 0, left + (((i + j) + (k + m)) + ((n + o) + (p + q))))
 
 
 @njit
@@ -54,9 +54,9 @@ def read(count, flat, out):
     a, b, c, d = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for _ in range(count):
         for i in range(0, flat.size, 32):
-            a, b = add(a, load(flat, i)), add(b, load(flat, i + 8))
-            c, d = add(c, load(flat, i + 16)), add(d, load(flat, i + 24))
-    store(out, 0, add(add(a, b), add(c, d)))
+            a, b = a + load(flat, i), b + load(flat, i + 8)
+            c, d = c + load(flat, i + 16), d + load(flat, i + 24)
+    store(out, 0, (a + b) + (c + d))
 
 
 @njit

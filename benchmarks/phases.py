@@ -42,7 +42,7 @@ def _normal(rollers, inner, outer, contacts, drive, slope):
 
 @njit
 def _slip_and_friction(rollers, inner, outer, contacts, drive, still, slip):
-    grips(rollers, contacts)
+    grips(rollers, inner, outer, contacts)
     slips(rollers, inner, outer, contacts, still, contacts.slip)
     friction_contacts(rollers, inner, outer, contacts, drive, slip)
 

@@ -26,11 +26,10 @@ from benchmarks.verification.collision import WIDE, collide
 from fem.kernels import sample_kernels
 from fem.kernels.contact_kernels import (
     contact_forces,
-    inner_contacts,
     normal_contacts,
-    outer_contacts,
     push_contacts,
     push_nodes,
+    ring_contacts,
     roller_contacts,
 )
 from fem.kernels.friction_kernels import creep_traction, friction_contacts, grips, slips
@@ -70,7 +69,7 @@ def random_state(seed, resolved=False):
     angle[4] = angle[3] + 2.0 * np.arcsin((rollers.radius - 0.5 * PRESSED) / 0.023)  # 3 and 4 press on each other
     rho = 0.023 + PRESSED * rng.uniform(-1.0, 1.0, n)
     rho[4] = rho[3]
-    rollers.centre[:n] = rho[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    rollers.centre[:, :n] = rho * np.cos(angle), rho * np.sin(angle)
     state.drive.hub[:] = PRESSED * rng.uniform(-1.0, 1.0, 2)
     set_turns(state, rng.uniform(-np.pi, np.pi, n), rng.uniform(-np.pi, np.pi))
     roller_field(state, rollers.u)[:] = WAVY * rng.standard_normal((rollers.mass.size, 2, n))
@@ -129,7 +128,7 @@ class Motion:
         state = copies(state)
         n = state.rollers.n
         roller_field(state, state.rollers.u)[:] += step * self.roller_u
-        state.rollers.centre[:n] += step * self.centre
+        state.rollers.centre[:, :n] += step * self.centre.T
         set_turns(state, state.rollers.turn[:n] + step * self.turn, state.drive.ring[0] + step * self.ring_turn)
         fill_ring(state.inner.u, state.inner.u[:, :, HALO:-HALO] + step * self.inner_u)
         fill_ring(state.outer.u, state.outer.u[:, :, HALO:-HALO] + step * self.outer_u)
@@ -148,7 +147,7 @@ class Motion:
         position = rollers.points.reshape(-1, 2, 1) + roller_field(pressed, rollers.u)
         turned = np.stack([-position[:, 1], position[:, 0]], axis=1) * self.turn
         total = np.sum(force * (self.roller_u + centre[None] + turned))
-        total += np.sum(rollers.tilt[:n] * self.centre) / DT
+        total += np.sum(rollers.tilt[:, :n].T * self.centre) / DT
         total += rollers.inertia * (rollers.turn_kick[:n] @ self.turn) / DT
         for ring, rate, spin in ((pressed.inner, self.inner_u, self.ring_turn), (pressed.outer, self.outer_u, 0.0)):
             nodal = ring.w[:, :, HALO:-HALO] * ring.row_mass[:, None, None] / DT
@@ -234,7 +233,7 @@ def with_random_velocities(state, seed):
     roller_field(state, state.rollers.w)[:] = rng.standard_normal((state.rollers.mass.size, 2, n))
     fill_ring(state.inner.w, rng.standard_normal((state.inner.radii.size, 2, state.inner.n_sectors)))
     fill_ring(state.outer.w, rng.standard_normal((state.outer.radii.size, 2, state.outer.n_sectors)))
-    state.rollers.velocity[:n] = rng.standard_normal((n, 2))
+    state.rollers.velocity[:, :n] = rng.standard_normal((n, 2)).T
     state.rollers.spin[:n] = 500.0 * rng.standard_normal(n)
     return state
 
@@ -245,15 +244,15 @@ def test_normal_forces_are_action_and_reaction(kind, seed):
     state = copies(random_state(seed))
     rollers, contacts, drive, slope = state.rollers, state.contacts, state.drive, state.scratch.slope
     if kind == "inner":
-        inner_contacts(rollers, state.inner, contacts, drive, slope)
+        ring_contacts(INNER, rollers, state.inner, contacts, drive, contacts.inner_ripple, slope)
     elif kind == "outer":
-        outer_contacts(rollers, state.outer, contacts, drive, slope)
+        ring_contacts(OUTER, rollers, state.outer, contacts, drive, contacts.outer_ripple, slope)
     else:
         roller_contacts(rollers, contacts, drive, slope)
     push_contacts(rollers, state.inner, state.outer, contacts, drive)
     number = {"inner": INNER, "outer": OUTER, "roller": ROLLER}[kind]
-    Q, normal = contacts.force[number], contacts.normal[number]
-    scale, impulse, tilt = Q.sum() * DT, rollers.impulse[:13], rollers.tilt[:13]
+    Q, normal = contacts.force[number, :13], contacts.normal[number, :, :13].T
+    scale, impulse, tilt = Q.sum() * DT, rollers.impulse[:, :13].T, rollers.tilt[:, :13].T
     fresh = random_state(seed)
     rollers.w[:] -= fresh.rollers.w
     state.inner.w[:] -= fresh.inner.w
@@ -277,11 +276,11 @@ def test_nothing_touches_nothing_pushes():
     state = random_state(1)
     state.drive.hub[:] = 0.0
     angle = 2.0 * np.pi * np.arange(13) / 13.0
-    state.rollers.centre[:13] = 0.0229 * np.column_stack([np.cos(angle), np.sin(angle)])
+    state.rollers.centre[:, :13] = 0.0229 * np.cos(angle), 0.0229 * np.sin(angle)
     pressed = press(state)  # 0.1 mm off the outer ring and into the inner one
     assert np.all(pressed.contacts.force[OUTER] == 0.0)
     assert np.all(pressed.contacts.force[ROLLER] == 0.0)
-    assert np.all(pressed.contacts.force[INNER] > 0.0)
+    assert np.all(pressed.contacts.force[INNER, :13] > 0.0)
     assert np.all(pressed.outer.w == 0.0)
 
 
@@ -327,6 +326,11 @@ def test_creep_traction_is_continuous_where_sliding_sets_in():
     np.testing.assert_allclose(below, above, rtol=1e-8)
 
 
+def by_contact(normal):
+    """(kind, 2, columns) as (kind, 13, 2)."""
+    return np.moveaxis(normal[:, :, :13], 1, 2)
+
+
 def rubbing_state(seed=1):
     state = with_random_velocities(random_state(seed), 7)
     state = state_with(state, friction=0.1)
@@ -349,7 +353,7 @@ def rub(state):
     """Friction at a copy; returns it, slips before and after, and the dissipated energy, J."""
     state = copies(state)
     three = state.contacts.slip
-    grips(state.rollers, state.contacts)
+    grips(*loop_arguments(state)[:4])
     slips(*loop_arguments(state)[:4], state.rollers.turn_kick, three)
     before = three.copy()
     dissipated = friction_contacts(*loop_arguments(state)[:5], state.scratch.slip)
@@ -366,17 +370,17 @@ def test_slip_is_the_sideways_speed_of_the_material():
     state.drive.hub[:] = 0.0
     rng = np.random.default_rng(8)
     rollers, n, spin, velocity = state.rollers, 13, 800.0 * rng.standard_normal(13), rng.standard_normal((13, 2))
-    rollers.spin[:n], rollers.velocity[:n] = spin, velocity
+    rollers.spin[:n], rollers.velocity[:, :n] = spin, velocity.T
     points = rollers.points.reshape(-1, 2)
     roller_field(state, rollers.w)[:] = np.stack([-points[:, 1], points[:, 0]], axis=1)[:, :, None] * spin
     w = np.zeros((state.inner.radii.size, 2, state.inner.n_sectors))
     w[:, 1] = state.drive.speed * state.inner.radii[:, None]
     fill_ring(state.inner.w, w)
     state = press_keeping_velocities(state)
-    found = np.zeros((3, n))
-    grips(state.rollers, state.contacts)
+    found = np.zeros_like(state.contacts.slip)
+    grips(*loop_arguments(state)[:4])
     slips(*loop_arguments(state)[:4], state.scratch.still, found)
-    normal, closed = state.contacts.normal, state.contacts.force > 0.0
+    found, normal, closed = found[:, :n], by_contact(state.contacts.normal), state.contacts.force[:, :n] > 0.0
     across = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
     own = np.einsum("kja,ja->kj", across, velocity)
     r = rollers.radius
@@ -405,10 +409,10 @@ def test_tractions_are_on_carters_curve_at_the_slip_they_leave():
     pitch = 0.028 - 0.005
     for kind, j in np.argwhere(closed):
         Q, traction = law.force[kind, j], law.traction[kind, j]
-        n = law.normal[kind, j]
+        n = law.normal[kind, :, j]
         rolling = 0.0
         if kind != ROLLER:
-            orbit = (rollers.velocity[j, 1] * n[0] - rollers.velocity[j, 0] * n[1]) / pitch
+            orbit = (rollers.velocity[1, j] * n[0] - rollers.velocity[0, j] * n[1]) / pitch
             rolling = abs(rollers.spin[j] - orbit) * rollers.radius
         full = max(0.1 * np.sqrt(law.half_width_factor[kind] * Q) * law.curvature[kind] * rolling, 1e-4)
         share = min(abs(after[kind, j]) / full, 1.0)
@@ -425,18 +429,19 @@ def test_tractions_are_on_carters_curve_at_the_slip_they_leave():
 def test_friction_is_action_and_reaction_with_the_raceways_arm():
     state = rubbing_state()
     rubbed, *_ = rub(state)
-    traction, normal, closed = rubbed.contacts.traction, rubbed.contacts.normal, rubbed.contacts.force > 0.0
+    traction, normal = rubbed.contacts.traction[:, :13], by_contact(rubbed.contacts.normal)
+    closed = rubbed.contacts.force[:, :13] > 0.0
     scale = np.abs(traction[closed]).sum()
     across = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
     push = traction[..., None] * across * closed[..., None]
     wanted = push[INNER] + push[OUTER] + np.roll(push[ROLLER], 1, axis=0) - push[ROLLER]
-    np.testing.assert_allclose(rubbed.rollers.impulse[:13] / DT, wanted, rtol=0.0, atol=1e-12 * scale)
+    np.testing.assert_allclose(rubbed.rollers.impulse[:, :13].T / DT, wanted, rtol=0.0, atol=1e-12 * scale)
 
     gained = copies(rubbed)
     for name in ("rollers", "inner", "outer"):
         getattr(gained, name).w[:] -= getattr(state, name).w
     round_off = 1e-9 * scale * DT  # velocities of metres per second change by micrometres per second
-    np.testing.assert_allclose(roller_resultants(gained), rubbed.rollers.impulse[:13], rtol=0.0, atol=round_off)
+    np.testing.assert_allclose(roller_resultants(gained), rubbed.rollers.impulse[:, :13].T, rtol=0.0, atol=round_off)
     inner = cartesian_resultant(gained.inner, *gained.drive.ring[1:3])
     np.testing.assert_allclose(inner, -push[INNER].sum(axis=0) * DT, rtol=0.0, atol=round_off)
     outer = cartesian_resultant(gained.outer)

@@ -126,8 +126,9 @@ def test_the_resolved_start_stands_still():
     state = copies(arrays(model, how, dt))
     wanted = solved(model, LOAD, how.first_roller_angle)
     contact_forces(*loop_arguments(state)[:5], state.scratch.slope, state.contacts.resolved)
-    np.testing.assert_allclose(state.contacts.force[0], wanted.inner_force, rtol=0.0, atol=1e-6 * LOAD)
-    np.testing.assert_allclose(state.contacts.force[1], wanted.outer_force, rtol=0.0, atol=1e-6 * LOAD)
+    found = state.contacts.force[:, : len(wanted.inner_force)]
+    np.testing.assert_allclose(found[0], wanted.inner_force, rtol=0.0, atol=1e-6 * LOAD)
+    np.testing.assert_allclose(found[1], wanted.outer_force, rtol=0.0, atol=1e-6 * LOAD)
     acceleration = advanced(copies(arrays(model, how, dt)), 1, 1)[0, [HUB_AX, HUB_AY]]
     assert np.abs(acceleration).max() * how.inner_mass < 1e-3 * LOAD
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numba import njit
 from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
@@ -22,6 +23,7 @@ from fem.kernels.law import STEEPEST, contact_energy, contact_force, kick_force,
 from fem.kernels.patch_kernels import place, read_ring, read_roller
 from fem.kernels.patches import N_NODES, weight_slopes, weights
 from fem.kernels.ring_kernels import HALO
+from fem.kernels.simd import count_from, load, store
 from lagrange import Material
 from meshes import Disc
 
@@ -243,15 +245,15 @@ FRACTIONS = np.append(np.linspace(0.0, 1.0, 41)[:-1], np.nextafter(1.0, 0.0))
 
 
 def weights_at(t):
-    out = np.empty((1, N_NODES))
-    weights(t, out, 0, (0,))
-    return out[0]
+    out = np.empty(N_NODES)
+    weights(t, out, 0, 1, (0,))
+    return out
 
 
 def slopes_at(t):
-    out = np.empty((1, N_NODES))
-    weight_slopes(t, out, 0, (0,))
-    return out[0]
+    out = np.empty(N_NODES)
+    weight_slopes(t, out, 0, 1, (0,))
+    return out
 
 
 def test_weights_are_schoenbergs_quintic_spline():
@@ -305,78 +307,92 @@ def test_patches_wrap_round_the_body():
     assert weight @ offset == pytest.approx(0.0, abs=1e-15)
 
 
-ANGLES = (0.0, 0.37, 2.0, -0.01, -3.0, np.pi)
+ANGLES = np.array([0.0, 0.37, 2.0, -0.01, -3.0, np.pi, -1.6, 1.234])  # of eight contacts, read at once
+GROUP, COLUMNS = 8, 16
 
 
-@pytest.mark.parametrize("angle", ANGLES)
-def test_kernels_and_matrices_use_the_same_roller_patch(angle):
-    body, columns, column = disc(RADIUS, 3), 16, 11
-    u = np.random.default_rng(1).standard_normal((body.n_nodes, 2, columns))
+@njit
+def read_rollers(u, first, n_surface, bx, by, ripples, start, weight, slope, out):
+    column = count_from(GROUP)
+    found = read_roller(
+        u, column, COLUMNS, first, n_surface, load(bx, 0), load(by, 0), ripples, start, weight, 1, GROUP, slope, (0,)
+    )
+    for k in range(5):
+        store(out, 8 * k, found[k])
+
+
+@njit
+def read_rings(u, row, n_sectors, cosines, sines, bx, by, ripples, start, weight, along, across, slope, out):
+    found = read_ring(
+        u, row, n_sectors, cosines, sines, load(bx, 0), load(by, 0), ripples, start, weight, along, across, COLUMNS, 1,
+        GROUP, slope, (0,),
+    )  # fmt: skip
+    for k in range(5):
+        store(out, 8 * k, found[k])
+
+
+def patch_arrays():
+    return np.zeros((2, COLUMNS), dtype=np.int64), *(np.zeros((2, N_NODES, COLUMNS)) for _ in range(3))
+
+
+def test_kernels_and_matrices_use_the_same_roller_patches():
+    body = disc(RADIUS, 3)
+    u = np.random.default_rng(1).standard_normal((body.n_nodes, 2, COLUMNS))
     ripples = np.random.default_rng(2).standard_normal(3 * 8)
-    node, weight, slope = np.zeros((2, N_NODES), dtype=np.int64), np.zeros((2, N_NODES)), np.zeros((1, N_NODES))
+    start, weight, *_ = patch_arrays()
 
     def read(at):
-        return read_roller(
-            u.ravel(), columns, body.first_surface_node, body.shape.surface_nodes, column,
-            np.cos(at), np.sin(at), ripples, node, weight, 1, slope, (0,),
+        out = np.zeros((5, 8))
+        read_rollers(
+            u, body.first_surface_node, body.shape.surface_nodes, np.cos(at), np.sin(at), ripples, start, weight,
+            np.zeros((N_NODES, 8)), out,
         )  # fmt: skip
+        return out
 
-    out, side, rate, ripple, ripple_rate = read(angle)
-    mine = u[:, :, column].ravel()
-    along = disc_patch_force(body, angle)
-    assert out == pytest.approx(along @ mine, abs=1e-14)
-    across = np.einsum("ab,nb->na", [[0.0, -1.0], [1.0, 0.0]], along.reshape(-1, 2)).ravel()
-    assert side == pytest.approx(across @ mine, abs=1e-14)
+    out, side, rate, ripple, ripple_rate = read(ANGLES)
     step = 1e-6
-    ahead, behind = read(angle + step), read(angle - step)
+    ahead, behind = read(ANGLES + step), read(ANGLES - step)
+    for j, angle in enumerate(ANGLES):
+        mine = u[:, :, GROUP + j].ravel()
+        along = disc_patch_force(body, angle)
+        assert out[j] == pytest.approx(along @ mine, abs=1e-14)
+        across = np.einsum("ab,nb->na", [[0.0, -1.0], [1.0, 0.0]], along.reshape(-1, 2)).ravel()
+        assert side[j] == pytest.approx(across @ mine, abs=1e-14)
+        position = np.mod(angle * 18.0 / (2.0 * np.pi), 18.0)
+        assert ripple[j] == pytest.approx(ripple_at(position, ripples)[0], abs=1e-12)
     # out turns with the direction as well: d(U·b)/ds = dU/ds·b + U·Jb
-    assert rate + side == pytest.approx((ahead[0] - behind[0]) / (2.0 * step), abs=1e-7)
-    assert ripple_rate == pytest.approx((ahead[3] - behind[3]) / (2.0 * step), rel=1e-5, abs=1e-5)
-    position = np.mod(angle * 18.0 / (2.0 * np.pi), 18.0)
-    assert ripple == pytest.approx(ripple_at(position, ripples)[0], abs=1e-12)
+    np.testing.assert_allclose(rate + side, (ahead[0] - behind[0]) / (2.0 * step), rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(ripple_rate, (ahead[3] - behind[3]) / (2.0 * step), rtol=1e-5, atol=1e-5)
 
 
-@pytest.mark.parametrize("angle", ANGLES)
-def test_kernels_and_matrices_use_the_same_ring_patch(angle):
+def test_kernels_and_matrices_use_the_same_ring_patches():
     body = ring(0.0125, 0.018, 56, 3, True)
     u = np.random.default_rng(3).standard_normal((body.n_rows, 2, body.n_sectors))
     padded = np.ascontiguousarray(np.concatenate([u[..., -HALO:], u, u[..., :HALO]], axis=-1))
     ripples = np.random.default_rng(4).standard_normal(8)
     sector = 2.0 * np.pi * (np.arange(56 + 2 * HALO) - HALO) / 56
-    cosines, sines, shape = np.cos(sector), np.sin(sector), (2, N_NODES)
-    node, slope = np.zeros(shape, dtype=np.int64), np.zeros((1, 6))
-    weight, radial, across = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    start, weight, radial, across = patch_arrays()
 
     def read(at):
-        return read_ring(
-            padded,
-            body.raceway_row,
-            56,
-            cosines,
-            sines,
-            np.cos(at),
-            np.sin(at),
-            ripples,
-            node,
-            weight,
-            radial,
-            across,
-            1,
-            slope,
-            (0,),
-        )
+        out = np.zeros((5, 8))
+        read_rings(
+            padded, body.raceway_row, 56, np.cos(sector), np.sin(sector), np.cos(at), np.sin(at), ripples, start,
+            weight, radial, across, np.zeros((N_NODES, 8)), out,
+        )  # fmt: skip
+        return out
 
-    out, side, rate, ripple, ripple_rate = read(angle)
-    along = ring_patch_force(body, angle)
-    assert out == pytest.approx(np.vdot(along, u), abs=1e-13)
-    turned = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    assert side == pytest.approx(np.vdot(turned, u), abs=1e-13)
+    out, side, rate, ripple, ripple_rate = read(ANGLES)
     step = 1e-6
-    ahead, behind = read(angle + step), read(angle - step)
-    assert rate + side == pytest.approx((ahead[0] - behind[0]) / (2.0 * step), abs=1e-6)
-    assert ripple_rate == pytest.approx((ahead[3] - behind[3]) / (2.0 * step), rel=1e-5, abs=1e-4)
-    position = np.mod(angle * 56.0 / (2.0 * np.pi), 1.0)
-    assert ripple == pytest.approx(ripple_at(position, ripples)[0], abs=1e-10)
+    ahead, behind = read(ANGLES + step), read(ANGLES - step)
+    for j, angle in enumerate(ANGLES):
+        along = ring_patch_force(body, angle)
+        assert out[j] == pytest.approx(np.vdot(along, u), abs=1e-13)
+        turned = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        assert side[j] == pytest.approx(np.vdot(turned, u), abs=1e-13)
+        position = np.mod(angle * 56.0 / (2.0 * np.pi), 1.0)
+        assert ripple[j] == pytest.approx(ripple_at(position, ripples)[0], abs=1e-10)
+    np.testing.assert_allclose(rate + side, (ahead[0] - behind[0]) / (2.0 * step), rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(ripple_rate, (ahead[3] - behind[3]) / (2.0 * step), rtol=1e-5, atol=1e-4)
 
 
 def test_the_ripple_goes_through_its_samples_and_is_smooth():

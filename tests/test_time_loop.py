@@ -216,7 +216,7 @@ def vibrate(courant, smooth, n_steps):
     energy, angular = np.array(energy), np.array(angular)
     vibration = energy[0] - 1.5 * rollers.inertia * SPIN**2
     np.testing.assert_allclose(rollers.turn[:3] + rollers.lead[:3], SPIN * dt * n_steps, rtol=1e-4)  # u/R of inertia
-    assert np.abs(rollers.velocity[:3]).max() < 1e-12
+    assert np.abs(rollers.velocity[:, :3]).max() < 1e-12
     return energy / vibration, angular / angular[0], max(mean), max(lead)
 
 

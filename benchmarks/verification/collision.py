@@ -60,8 +60,8 @@ def collide(velocities, mesh_size=1e-3, friction=0.0, spins=(0.0, 0.0), courant=
     field = rollers.w.reshape(rollers.mass.size, 2, rollers.columns)
     points = rollers.points.reshape(-1, 2)
     for j, side in enumerate((-1.0, 1.0)):
-        rollers.centre[j] = side * (rollers.radius + 0.5 * GAP), -0.0229
-        rollers.velocity[j] = velocities[j]
+        rollers.centre[:, j] = side * (rollers.radius + 0.5 * GAP), -0.0229
+        rollers.velocity[:, j] = velocities[j]
         rollers.spin[j], rollers.increment[j] = spins[j], spins[j] * dt
         field[:, 0, j], field[:, 1, j] = -spins[j] * points[:, 1], spins[j] * points[:, 0]
     rows, since, touched = [], 0, False
@@ -99,8 +99,8 @@ def _step(state: Arrays) -> list[float]:
     n = rollers.n
     own = np.sum(mass * (position[:, 0] * w[:, 1] - position[:, 1] * w[:, 0]))
     own += rollers.inertia * rollers.turn_kick[:n].sum()  # as `drift` does
-    velocity = rollers.velocity[:n] + rollers.impulse[:n] / rollers.total_mass
-    centre = rollers.centre[:n]
+    velocity = (rollers.velocity[:, :n] + rollers.impulse[:, :n] / rollers.total_mass).T
+    centre = rollers.centre[:, :n].T
     orbital = rollers.total_mass * np.sum(centre[:, 0] * velocity[:, 1] - centre[:, 1] * velocity[:, 0])
     momentum = rollers.total_mass * velocity.sum(axis=0)
     found = [

@@ -24,9 +24,9 @@ def _creep(plan: Plan, sliding: float) -> tuple[float, float, float]:
     bodies = (state.rollers, state.inner, state.outer, state.contacts, state.drive)
     normal_contacts(*bodies, state.scratch.slope)
     push_contacts(*bodies)
-    across = state.contacts.normal[INNER, 0] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
-    state.rollers.velocity[0] += sliding * across
-    grips(state.rollers, state.contacts)
+    across = state.contacts.normal[INNER, :, 0] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+    state.rollers.velocity[:, 0] += sliding * across
+    grips(*bodies[:4])
     slips(*bodies[:4], state.rollers.turn_kick, state.contacts.slip)
     friction_contacts(*bodies, state.scratch.slip)
     left = np.zeros_like(state.contacts.slip)

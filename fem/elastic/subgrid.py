@@ -73,10 +73,10 @@ def patch(n_surface: int, angle: float, stretch: int = 1) -> tuple[np.ndarray, n
     """Nodes, weights and angular offsets (contact minus node, rad) of the patch at an angle; each (6·stretch,)."""
     position = angle * n_surface / (2.0 * pi)
     base, spread = int(np.floor(position)), (0,) * stretch
-    weight = np.empty((1, N_NODES * stretch))
-    weights(position - base, weight, 0, spread)
+    weight = np.empty(N_NODES * stretch)
+    weights(position - base, weight, 0, 1, spread)
     nodes = first_node(base, spread) + np.arange(N_NODES * stretch)
-    return nodes % n_surface, weight[0], (position - nodes) * (2.0 * pi / n_surface)
+    return nodes % n_surface, weight, (position - nodes) * (2.0 * pi / n_surface)
 
 
 def ring_patch_force(ring: RingBody, angle: float, stretch: int = 1) -> np.ndarray:

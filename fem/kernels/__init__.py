@@ -8,5 +8,6 @@ law, patches                    the law below the grid; B-spline patches
 resolved_kernels                contacts as pressures on points, where the mesh resolves them
 friction_kernels                Carter's creep and Coulomb's limit
 sample_kernels                  what a stored sample holds
-simd, jit                       eight lanes as one value; @kernel: compiled once per version of the code
+simd, lane_functions            eight lanes as one value, and functions of them
+jit                             @kernel: compiled once per version of the code
 """

@@ -7,9 +7,9 @@ Approach of two bodies 1, 2 with unit normal n along the line of centres and pat
 The potential V(δ, s₁, s₂) depends on positions through δ and through where the patches sit. Its gradient at fixed
 patches is the nodal force Q W; the rest is small (the tilt of the deformed surfaces) and acts on bodies as a whole:
 a force across the line of centres and moments on the frames.
-"""
 
-from math import sqrt
+Eight contacts at a time: lanes are rollers, of which the last may be spare. Arrays of contacts are (kind, roller).
+"""
 
 import numpy as np
 
@@ -17,6 +17,19 @@ from fem.kernels import patch_kernels as patch
 from fem.kernels.jit import kernel
 from fem.kernels.law import contact_force, kick_force
 from fem.kernels.resolved_kernels import resolved_contacts
+from fem.kernels.simd import (
+    WIDTH,
+    any_lane,
+    count_from,
+    gather,
+    load,
+    root,
+    scatter_add,
+    select,
+    splat,
+    store,
+    total,
+)
 from fem.kernels.state import INNER, OUTER, ROLLER
 
 
@@ -39,8 +52,8 @@ def push_nodes(rollers, inner, outer, contacts, drive, resolved):
 @kernel(forceinline=True)
 def normal_contacts(rollers, inner, outer, contacts, drive, slope):
     """Normal forces of every contact at the present positions, and their impulses over one step on whole bodies."""
-    inner_contacts(rollers, inner, contacts, drive, slope)
-    outer_contacts(rollers, outer, contacts, drive, slope)
+    ring_contacts(INNER, rollers, inner, contacts, drive, contacts.inner_ripple, slope)
+    ring_contacts(OUTER, rollers, outer, contacts, drive, contacts.outer_ripple, slope)
     roller_contacts(rollers, contacts, drive, slope)
 
 
@@ -48,33 +61,56 @@ def normal_contacts(rollers, inner, outer, contacts, drive, slope):
 def push_contacts(rollers, inner, outer, contacts, drive):
     """Impulses of the normal forces over one step on the surface nodes."""
     w, lightness, columns, n = rollers.w, rollers.lightness, rollers.columns, rollers.n
+    first, n_surface = rollers.first_surface, rollers.n_surface
     inner_u, inner_w, inner_mass = inner.u, inner.w, inner.row_mass[inner.raceway]
     outer_u, outer_w, outer_mass = outer.u, outer.w, outer.row_mass[outer.raceway]
-    node, weight, along, across = contacts.node, contacts.weight, contacts.along, contacts.across
+    start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
     push, outward, stretch, dt = contacts.push, contacts.outward, contacts.stretch, drive.dt
     on_nodes = 0.0
     for kind in range(3):
         for j in range(n):
             if push[kind, j] == 0.0:
                 continue
-            p, given = 2 * (kind * n + j), -push[kind, j] * dt
+            p, given = 2 * kind, -push[kind, j] * dt
             i = second(kind, j, n)
             if kind == INNER:
                 on_nodes += patch.push_ring(
-                    inner_u, inner_w, inner.raceway, inner.radius, inner_mass, given, node, along, across, p, stretch
+                    inner_u,
+                    inner_w,
+                    inner.raceway,
+                    inner.n_sectors,
+                    inner.radius,
+                    inner_mass,
+                    given,
+                    start,
+                    along,
+                    across,
+                    p,
+                    j,
+                    stretch,
                 )
             elif kind == OUTER:
                 patch.push_ring(
-                    outer_u, outer_w, outer.raceway, outer.radius, outer_mass, -given, node, along, across, p, stretch
+                    outer_u,
+                    outer_w,
+                    outer.raceway,
+                    outer.n_sectors,
+                    outer.radius,
+                    outer_mass,
+                    -given,
+                    start,
+                    along,
+                    across,
+                    p,
+                    j,
+                    stretch,
                 )
             else:
-                patch.push_roller(
-                    w, lightness, columns, j, given * outward[p, 0], given * outward[p, 1], node, weight, p, stretch
-                )
+                x, y = given * outward[p, 0, j], given * outward[p, 1, j]
+                patch.push_roller(w, lightness, columns, j, first, n_surface, x, y, start, weight, p, j, stretch)
             p += 1
-            patch.push_roller(
-                w, lightness, columns, i, given * outward[p, 0], given * outward[p, 1], node, weight, p, stretch
-            )
+            x, y = given * outward[p, 0, j], given * outward[p, 1, j]
+            patch.push_roller(w, lightness, columns, i, first, n_surface, x, y, start, weight, p, j, stretch)
     drive.ring[4] += on_nodes
 
 
@@ -87,186 +123,180 @@ def second(kind, j, n):
 
 
 @kernel(forceinline=True)
-def inner_contacts(rollers, inner, contacts, drive, slope):
-    """Rollers on the inner raceway: normal from the hub to the roller."""
-    u, columns = rollers.u, rollers.columns
-    first, n_surface, radius = rollers.first_surface, rollers.n_surface, rollers.radius
-    cosine, sine, centre = rollers.cosine, rollers.sine, rollers.centre
-    impulse, tilt, turn_kick = rollers.impulse, rollers.tilt, rollers.turn_kick
-    ring_u, raceway, n_sectors, cosines, sines = inner.u, inner.raceway, inner.n_sectors, inner.cosines, inner.sines
-    node, weight, along, across = contacts.node, contacts.weight, contacts.along, contacts.across
-    force, bracket, normal, outward = contacts.force, contacts.bracket, contacts.normal, contacts.outward
-    push, approach = contacts.push, contacts.approach
-    A, B, Q_line = contacts.A[INNER], contacts.B[INNER], contacts.Q_line[INNER]
-    roller_ripple, ring_ripple = contacts.roller_ripple, contacts.inner_ripple
-    hub_x, hub_y, dt = drive.hub[0], drive.hub[1], drive.dt
-    ring_c, ring_s = drive.ring[1], drive.ring[2]
-    stretch = contacts.stretch
-    hub_tilt_x, hub_tilt_y, moment = 0.0, 0.0, 0.0
-    for j in range(rollers.n):
-        x, y = centre[j, 0] - hub_x, centre[j, 1] - hub_y
-        distance = sqrt(x * x + y * y)
-        overlap = inner.radius + radius - distance
-        if overlap < -contacts.reach:
-            force[INNER, j], push[INNER, j], approach[INNER, j] = 0.0, 0.0, np.nan
-            continue
-        nx, ny = x / distance, y / distance
-        p = 2 * (INNER * rollers.n + j)
-        out, side, rate, ripple, ripple_rate = patch.read_ring(
-            ring_u,
-            raceway,
-            n_sectors,
-            cosines,
-            sines,
-            ring_c * nx + ring_s * ny,
-            ring_c * ny - ring_s * nx,
-            ring_ripple,
-            node,
-            weight,
-            along,
-            across,
-            p,
-            slope,
-            stretch,
-        )
-        out -= hub_x * nx + hub_y * ny  # the ring's state holds the hub's motion
-        side -= hub_y * nx - hub_x * ny
-        c, s = cosine[j], sine[j]
-        bx, by = -(c * nx + s * ny), s * nx - c * ny
-        out_r, side_r, rate_r, ripple_r, ripple_rate_r = patch.read_roller(
-            u, columns, first, n_surface, j, bx, by, roller_ripple, node, weight, p + 1, slope, stretch
-        )
-        level = B + (ripple + ripple_r) / A
-        closed = overlap + out + out_r
-        Q = contact_force(closed, A, level, Q_line, force[INNER, j])
-        P = kick_force(approach[INNER, j], force[INNER, j], bracket[INNER, j], closed, Q, level, A, Q_line)
-        force[INNER, j], bracket[INNER, j], push[INNER, j], approach[INNER, j] = Q, level, P, closed
-        if P == 0.0:
-            continue
-        normal[INNER, j, 0], normal[INNER, j, 1] = nx, ny
-        outward[p + 1, 0], outward[p + 1, 1] = bx, by
-        half = 0.5 * Q * Q
-        impulse[j, 0] += P * dt * nx
-        impulse[j, 1] += P * dt * ny
-        aside = (P * (rate + side + rate_r + side_r) - half * (ripple_rate + ripple_rate_r)) / distance * dt
-        tilt[j, 0] += aside * ny
-        tilt[j, 1] -= aside * nx
-        hub_tilt_x -= aside * ny
-        hub_tilt_y += aside * nx
-        turn_kick[j] += dt * (P * rate_r - half * ripple_rate_r) / rollers.inertia
-        moment += half * ripple_rate - P * rate
-    drive.impulse[0] += hub_tilt_x
-    drive.impulse[1] += hub_tilt_y
-    drive.ring[3] += moment
+def next_rollers(group, n):
+    """The rollers after eight from `group` on, lanes; of the last and of spare lanes the first."""
+    after = count_from(group) + 1
+    return select(after >= n, 0, after)
 
 
 @kernel(forceinline=True)
-def outer_contacts(rollers, outer, contacts, drive, slope):
-    """Rollers on the outer raceway: normal from the outer ring's centre to the roller."""
-    u, columns = rollers.u, rollers.columns
-    first, n_surface, radius = rollers.first_surface, rollers.n_surface, rollers.radius
+def _open(contacts, row):
+    """Eight contacts out of reach."""
+    store(contacts.force, row, splat(0.0))
+    store(contacts.push, row, splat(0.0))
+    store(contacts.approach, row, splat(np.nan))
+
+
+@kernel(forceinline=True)
+def _press(contacts, kind, row, near, closed, level):
+    """Forces of eight contacts and what a kick gives, N; 0 where they are not near."""
+    A, B, Q_line = contacts.A[kind], contacts.B[kind], contacts.Q_line[kind]
+    force, bracket, approach = contacts.force, contacts.bracket, contacts.approach
+    level = B + level * (1.0 / A)
+    inside = select(near, closed, -1.0)
+    before = load(force, row)
+    Q = contact_force(inside, A, level, Q_line, before)
+    P = kick_force(load(approach, row), before, load(bracket, row), inside, Q, level, A, Q_line)
+    P = select(near, P, 0.0)
+    store(force, row, Q)
+    store(bracket, row, level)
+    store(approach, row, select(near, closed, np.nan))
+    store(contacts.push, row, P)
+    return Q, P
+
+
+@kernel(forceinline=True)
+def _add(array, at, lanes):
+    """array[at : at + 8] += lanes."""
+    store(array, at, load(array, at) + lanes)
+
+
+@kernel(forceinline=True)
+def ring_contacts(kind, rollers, ring, contacts, drive, ring_ripple, slope):
+    """Rollers on a raceway: normal from the ring's centre to the roller."""
+    u, columns, n, radius = rollers.u, rollers.columns, rollers.n, rollers.radius
+    first, n_surface, dt = rollers.first_surface, rollers.n_surface, drive.dt
     cosine, sine, centre = rollers.cosine, rollers.sine, rollers.centre
     impulse, tilt, turn_kick = rollers.impulse, rollers.tilt, rollers.turn_kick
-    ring_u, raceway, n_sectors, cosines, sines = outer.u, outer.raceway, outer.n_sectors, outer.cosines, outer.sines
-    node, weight, along, across = contacts.node, contacts.weight, contacts.along, contacts.across
-    force, bracket, normal, outward = contacts.force, contacts.bracket, contacts.normal, contacts.outward
-    push, approach = contacts.push, contacts.approach
-    A, B, Q_line = contacts.A[OUTER], contacts.B[OUTER], contacts.Q_line[OUTER]
-    roller_ripple, ring_ripple = contacts.roller_ripple, contacts.outer_ripple
-    dt, stretch = drive.dt, contacts.stretch
-    for j in range(rollers.n):
-        x, y = centre[j, 0], centre[j, 1]
-        distance = sqrt(x * x + y * y)
-        overlap = distance + radius - outer.radius
-        if overlap < -contacts.reach:
-            force[OUTER, j], push[OUTER, j], approach[OUTER, j] = 0.0, 0.0, np.nan
+    start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
+    normal, outward, stretch = contacts.normal, contacts.outward, contacts.stretch
+    sign, hub_x, hub_y, ring_c, ring_s = -1.0, 0.0, 0.0, 1.0, 0.0  # outward of the outer raceway is −n
+    if kind == INNER:
+        sign, hub_x, hub_y, ring_c, ring_s = 1.0, drive.hub[0], drive.hub[1], drive.ring[1], drive.ring[2]
+    hub_tilt_x, hub_tilt_y, moment = splat(0.0), splat(0.0), splat(0.0)
+    for group in range(0, n, WIDTH):
+        row = kind * columns + group
+        x, y = load(centre, group) - hub_x, load(centre, columns + group) - hub_y
+        distance = root(x * x + y * y)
+        overlap = sign * (ring.radius - distance) + radius
+        near = (overlap >= -contacts.reach) & (count_from(group) < n)
+        if not any_lane(near):
+            _open(contacts, row)
             continue
-        nx, ny = x / distance, y / distance
-        p = 2 * (OUTER * rollers.n + j)
+        scale = 1.0 / select(near, distance, 1.0)
+        nx, ny = x * scale, y * scale
         out, side, rate, ripple, ripple_rate = patch.read_ring(
-            ring_u,
-            raceway,
-            n_sectors,
-            cosines,
-            sines,
-            nx,
-            ny,
+            ring.u,
+            ring.raceway,
+            ring.n_sectors,
+            ring.cosines,
+            ring.sines,
+            ring_c * nx + ring_s * ny,
+            ring_c * ny - ring_s * nx,
             ring_ripple,
-            node,
+            start,
             weight,
             along,
             across,
-            p,
+            columns,
+            2 * kind,
+            group,
             slope,
             stretch,
         )
-        c, s = cosine[j], sine[j]
-        bx, by = c * nx + s * ny, c * ny - s * nx
+        out -= hub_x * nx + hub_y * ny  # the inner ring's state holds the hub's motion
+        side -= hub_y * nx - hub_x * ny
+        c, s = load(cosine, group), load(sine, group)
+        bx, by = -sign * (c * nx + s * ny), sign * (s * nx - c * ny)
         out_r, side_r, rate_r, ripple_r, ripple_rate_r = patch.read_roller(
-            u, columns, first, n_surface, j, bx, by, roller_ripple, node, weight, p + 1, slope, stretch
+            u,
+            count_from(group),
+            columns,
+            first,
+            n_surface,
+            bx,
+            by,
+            contacts.roller_ripple,
+            start,
+            weight,
+            2 * kind + 1,
+            group,
+            slope,
+            stretch,
         )
-        level = B + (ripple + ripple_r) / A
-        closed = overlap - out + out_r
-        Q = contact_force(closed, A, level, Q_line, force[OUTER, j])
-        P = kick_force(approach[OUTER, j], force[OUTER, j], bracket[OUTER, j], closed, Q, level, A, Q_line)
-        force[OUTER, j], bracket[OUTER, j], push[OUTER, j], approach[OUTER, j] = Q, level, P, closed
-        if P == 0.0:
-            continue
-        normal[OUTER, j, 0], normal[OUTER, j, 1] = nx, ny
-        outward[p + 1, 0], outward[p + 1, 1] = bx, by
+        Q, P = _press(contacts, kind, row, near, overlap + sign * out + out_r, ripple + ripple_r)
+        store(normal, 2 * kind * columns + group, nx)
+        store(normal, (2 * kind + 1) * columns + group, ny)
+        store(outward, (4 * kind + 2) * columns + group, bx)
+        store(outward, (4 * kind + 3) * columns + group, by)
         half = 0.5 * Q * Q
-        impulse[j, 0] -= P * dt * nx
-        impulse[j, 1] -= P * dt * ny
-        aside = (P * (rate_r + side_r - rate - side) - half * (ripple_rate + ripple_rate_r)) / distance * dt
-        tilt[j, 0] += aside * ny
-        tilt[j, 1] -= aside * nx
-        turn_kick[j] += dt * (P * rate_r - half * ripple_rate_r) / rollers.inertia
+        push = P * (sign * dt)
+        _add(impulse, group, push * nx)
+        _add(impulse, columns + group, push * ny)
+        aside = P * (sign * (rate + side) + rate_r + side_r) - half * (ripple_rate + ripple_rate_r)
+        aside = aside * scale * dt
+        _add(tilt, group, aside * ny)
+        _add(tilt, columns + group, -(aside * nx))
+        _add(turn_kick, group, (P * rate_r - half * ripple_rate_r) * (dt / rollers.inertia))
+        hub_tilt_x -= aside * ny
+        hub_tilt_y += aside * nx
+        moment += half * ripple_rate - P * rate
+    if kind == INNER:
+        drive.impulse[0] += total(hub_tilt_x)
+        drive.impulse[1] += total(hub_tilt_y)
+        drive.ring[3] += total(moment)
 
 
 @kernel(forceinline=True)
 def roller_contacts(rollers, contacts, drive, slope):
     """Roller j on roller j + 1: normal from j to j + 1."""
-    u, columns = rollers.u, rollers.columns
-    first, n_surface, radius = rollers.first_surface, rollers.n_surface, rollers.radius
+    u, columns, n, radius = rollers.u, rollers.columns, rollers.n, rollers.radius
+    first, n_surface, dt = rollers.first_surface, rollers.n_surface, drive.dt
     cosine, sine, centre = rollers.cosine, rollers.sine, rollers.centre
     impulse, tilt, turn_kick = rollers.impulse, rollers.tilt, rollers.turn_kick
-    node, weight, normal, outward = contacts.node, contacts.weight, contacts.normal, contacts.outward
-    force, bracket, push, approach = contacts.force, contacts.bracket, contacts.push, contacts.approach
-    A, B, Q_line = contacts.A[ROLLER], contacts.B[ROLLER], contacts.Q_line[ROLLER]
-    ripples, dt, stretch = contacts.roller_ripple, drive.dt, contacts.stretch
+    start, weight, ripples = contacts.start, contacts.weight, contacts.roller_ripple
+    normal, outward, stretch = contacts.normal, contacts.outward, contacts.stretch
     touching = 2.0 * radius + contacts.reach
-    for j in range(rollers.n):
-        i = j + 1 if j + 1 < rollers.n else 0
-        x, y = centre[i, 0] - centre[j, 0], centre[i, 1] - centre[j, 1]
-        if x * x + y * y > touching * touching:
-            force[ROLLER, j], push[ROLLER, j], approach[ROLLER, j] = 0.0, 0.0, np.nan
+    for group in range(0, n, WIDTH):
+        row, j, i = ROLLER * columns + group, count_from(group), next_rollers(group, n)
+        x = gather(centre, i) - load(centre, group)
+        y = gather(centre, i + columns) - load(centre, columns + group)
+        square = x * x + y * y
+        near = (square <= touching * touching) & (j < n)
+        if not any_lane(near):
+            _open(contacts, row)
             continue
-        distance = sqrt(x * x + y * y)
-        nx, ny = x / distance, y / distance
-        p = 2 * (ROLLER * rollers.n + j)
-        ax, ay = cosine[j] * nx + sine[j] * ny, cosine[j] * ny - sine[j] * nx
-        bx, by = -(cosine[i] * nx + sine[i] * ny), sine[i] * nx - cosine[i] * ny
+        distance = select(near, root(square), 1.0)
+        scale = 1.0 / distance
+        nx, ny = x * scale, y * scale
+        c, s, c_i, s_i = load(cosine, group), load(sine, group), gather(cosine, i), gather(sine, i)
+        ax, ay = c * nx + s * ny, c * ny - s * nx
+        bx, by = -(c_i * nx + s_i * ny), s_i * nx - c_i * ny
         out, side, rate, ripple, ripple_rate = patch.read_roller(
-            u, columns, first, n_surface, j, ax, ay, ripples, node, weight, p, slope, stretch
+            u, j, columns, first, n_surface, ax, ay, ripples, start, weight, 2 * ROLLER, group, slope, stretch
         )
-        out_r, side_r, rate_r, ripple_r, ripple_rate_r = patch.read_roller(
-            u, columns, first, n_surface, i, bx, by, ripples, node, weight, p + 1, slope, stretch
+        out_i, side_i, rate_i, ripple_i, ripple_rate_i = patch.read_roller(
+            u, i, columns, first, n_surface, bx, by, ripples, start, weight, 2 * ROLLER + 1, group, slope, stretch
         )
-        level = B + (ripple + ripple_r) / A
-        closed = 2.0 * radius - distance + out + out_r
-        Q = contact_force(closed, A, level, Q_line, force[ROLLER, j])
-        P = kick_force(approach[ROLLER, j], force[ROLLER, j], bracket[ROLLER, j], closed, Q, level, A, Q_line)
-        force[ROLLER, j], bracket[ROLLER, j], push[ROLLER, j], approach[ROLLER, j] = Q, level, P, closed
-        if P == 0.0:
-            continue
-        normal[ROLLER, j, 0], normal[ROLLER, j, 1] = nx, ny
-        outward[p, 0], outward[p, 1], outward[p + 1, 0], outward[p + 1, 1] = ax, ay, bx, by
+        Q, P = _press(contacts, ROLLER, row, near, 2.0 * radius - distance + out + out_i, ripple + ripple_i)
+        store(normal, 2 * ROLLER * columns + group, nx)
+        store(normal, (2 * ROLLER + 1) * columns + group, ny)
+        store(outward, 4 * ROLLER * columns + group, ax)
+        store(outward, (4 * ROLLER + 1) * columns + group, ay)
+        store(outward, (4 * ROLLER + 2) * columns + group, bx)
+        store(outward, (4 * ROLLER + 3) * columns + group, by)
         half = 0.5 * Q * Q
-        aside = (P * (rate + side + rate_r + side_r) - half * (ripple_rate + ripple_rate_r)) / distance * dt
-        for body, sign in ((i, 1.0), (j, -1.0)):
-            impulse[body, 0] += sign * P * dt * nx
-            impulse[body, 1] += sign * P * dt * ny
-            tilt[body, 0] += sign * aside * ny
-            tilt[body, 1] -= sign * aside * nx
-        turn_kick[j] += dt * (P * rate - half * ripple_rate) / rollers.inertia
-        turn_kick[i] += dt * (P * rate_r - half * ripple_rate_r) / rollers.inertia
+        push_x, push_y = P * nx * dt, P * ny * dt
+        aside = P * (rate + side + rate_i + side_i) - half * (ripple_rate + ripple_rate_i)
+        aside = aside * scale * dt
+        over = dt / rollers.inertia
+        scatter_add(impulse, i, push_x)
+        scatter_add(impulse, i + columns, push_y)
+        scatter_add(tilt, i, aside * ny)
+        scatter_add(tilt, i + columns, -(aside * nx))
+        scatter_add(turn_kick, i, (P * rate_i - half * ripple_rate_i) * over)
+        _add(impulse, group, -push_x)
+        _add(impulse, columns + group, -push_y)
+        _add(tilt, group, -(aside * ny))
+        _add(tilt, columns + group, aside * nx)
+        _add(turn_kick, group, (P * rate - half * ripple_rate) * over)

@@ -6,7 +6,7 @@ columns a multiple of 16; spare columns stay 0.
 """
 
 from fem.kernels.jit import kernel
-from fem.kernels.simd import add, fma, fma_lanes, load, multiply, splat, store, subtract
+from fem.kernels.simd import fma, load, splat, store
 
 COLUMNS = 16  # handled together
 
@@ -39,12 +39,12 @@ def kick(starts, neighbours, blocks, mass, u, w, columns, torque):
                 fy0, fy1 = fma(yy, y0, fy0), fma(yy, y1, fy1)
             at = i * stride + block
             m = mass[i]
-            t0 = fma(m, subtract(multiply(load(u, at), fy0), multiply(load(u, at + columns), fx0)), t0)
-            t1 = fma(m, subtract(multiply(load(u, at + 8), fy1), multiply(load(u, at + columns + 8), fx1)), t1)
-            store(w, at, add(load(w, at), fx0))
-            store(w, at + 8, add(load(w, at + 8), fx1))
-            store(w, at + columns, add(load(w, at + columns), fy0))
-            store(w, at + columns + 8, add(load(w, at + columns + 8), fy1))
+            t0 = fma(m, load(u, at) * fy0 - load(u, at + columns) * fx0, t0)
+            t1 = fma(m, load(u, at + 8) * fy1 - load(u, at + columns + 8) * fx1, t1)
+            store(w, at, load(w, at) + fx0)
+            store(w, at + 8, load(w, at + 8) + fx1)
+            store(w, at + columns, load(w, at + columns) + fy0)
+            store(w, at + columns + 8, load(w, at + columns + 8) + fy1)
         store(torque, block, t0)
         store(torque, block + 8, t1)
 
@@ -68,16 +68,16 @@ def drift(points, mass, u, w, columns, dt, turn_kick, cosine, sine, shift_x, shi
         lead = splat(0.0)
         for i in range(n_nodes):
             at = i * stride + block
-            px, py = splat(points[2 * i]), splat(points[2 * i + 1])
-            wx = subtract(fma(-points[2 * i + 1], k, load(w, at)), ax)
-            wy = subtract(fma(points[2 * i], k, load(w, at + columns)), ay)
-            x = add(px, fma(dt, wx, load(u, at)))
-            y = add(py, fma(dt, wy, load(u, at + columns)))
-            ux = subtract(fma_lanes(s, y, multiply(c, x)), px)
-            uy = subtract(subtract(multiply(c, y), multiply(s, x)), py)
+            px, py = points[2 * i], points[2 * i + 1]
+            wx = load(w, at) - py * k - ax
+            wy = load(w, at + columns) + px * k - ay
+            x = px + fma(dt, wx, load(u, at))
+            y = py + fma(dt, wy, load(u, at + columns))
+            ux = c * x + s * y - px
+            uy = c * y - s * x - py
             store(u, at, ux)
             store(u, at + columns, uy)
-            store(w, at, fma_lanes(s, wy, multiply(c, wx)))
-            store(w, at + columns, subtract(multiply(c, wy), multiply(s, wx)))
-            lead = fma(mass[i], subtract(multiply(px, uy), multiply(py, ux)), lead)
+            store(w, at, c * wx + s * wy)
+            store(w, at + columns, c * wy - s * wx)
+            lead = fma(mass[i], px * uy - py * ux, lead)
         store(moment, block, lead)

@@ -4,13 +4,25 @@ A traction T acts along t = Jn, spread over the nodes of both patches. The slip 
 what T dissipates is exactly what it takes from the bodies.
 """
 
-from math import sqrt
-
-import numpy as np
-
 from fem.kernels import patch_kernels as patch
-from fem.kernels.contact_kernels import second
+from fem.kernels.contact_kernels import next_rollers, second
 from fem.kernels.jit import kernel
+from fem.kernels.lane_functions import larger
+from fem.kernels.simd import (
+    WIDTH,
+    any_lane,
+    count_from,
+    gather,
+    load,
+    magnitude,
+    root,
+    scatter_add,
+    select,
+    splat,
+    store,
+    total,
+    with_sign,
+)
 from fem.kernels.state import INNER, OUTER, ROLLER
 
 SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
@@ -18,147 +30,200 @@ SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's
 
 @kernel(forceinline=True)
 def creep_traction(slip, limit, full_slip, mobility_dt):
-    """Traction, N, that opposes a slip velocity, and the slip it leaves, m/s.
+    """Traction, N, that opposes a slip velocity, and the slip it leaves, m/s; scalars or lanes.
 
     Carter's law T = limit·(1 − (1 − v/v_full)²) up to v_full, then `limit`; solved implicitly for the velocity after
     the step, v = slip − mobility·dt·T(v), so that no stiffness limits the step.
 
     Parameters
     ----------
-    limit : float, N, μQ; full_slip : float, m/s; mobility_dt : float, m/s per N
+    limit : N, μQ; full_slip : m/s; mobility_dt : m/s per N
 
     Source: Carter, On the action of a locomotive driving wheel (1926); Johnson, Contact Mechanics (1985), chapter 8.
     """
-    v = abs(slip)
+    v = magnitude(slip)
     k = mobility_dt * limit / full_slip
     x = v / full_slip
-    if x >= 1.0 + k:
-        return np.copysign(limit, slip), np.copysign(v - mobility_dt * limit, slip)
+    sliding = x >= 1.0 + k
     b = 1.0 + 2.0 * k
-    x = 2.0 * x / (b + sqrt(b * b - 4.0 * k * x))
-    return np.copysign(limit * x * (2.0 - x), slip), np.copysign(x * full_slip, slip)
+    x = 2.0 * x / (b + root(select(sliding, 0.0, b * b - 4.0 * k * x)))
+    traction = select(sliding, limit, limit * x * (2.0 - x))
+    left = select(sliding, v - mobility_dt * limit, x * full_slip)
+    return with_sign(traction, slip), with_sign(left, slip)
 
 
 @kernel(forceinline=True)
-def grips(rollers, contacts):
-    """Tangential directions of all closed contacts' patches, for `slips` and `friction_contacts`."""
-    points, radius, n = rollers.points, rollers.radius, rollers.n
-    node, weight, along, across = contacts.node, contacts.weight, contacts.along, contacts.across
+def grips(rollers, inner, outer, contacts):
+    """How all closed contacts' patches grip, for `slips` and `friction_contacts`."""
+    points, radius, n, columns = rollers.points, rollers.radius, rollers.n, rollers.columns
+    lightness, first, n_surface = rollers.lightness, rollers.first_surface, rollers.n_surface
+    start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
     force, outward, stretch = contacts.force, contacts.outward, contacts.stretch
-    grip_x, grip_y = contacts.grip_x, contacts.grip_y
+    scale, lean = contacts.scale, contacts.lean
     for kind in range(3):
-        for j in range(n):
-            if force[kind, j] == 0.0:
+        for group in range(0, n, WIDTH):
+            if not any_lane(load(force, kind * columns + group) > 0.0):
                 continue
-            p = 2 * (kind * n + j)
+            side, at = 2 * kind, 4 * kind * columns + group
             if kind == ROLLER:
-                patch.grip_roller(
-                    points, radius, outward[p, 0], outward[p, 1], node, weight, p, grip_x, grip_y, stretch
-                )
+                x, y = load(outward, at), load(outward, at + columns)
+                mobility = patch.grip_roller(
+                    points, lightness, first, n_surface, radius, x, y, start, weight, columns, side, group, scale, lean,
+                    stretch,
+                )  # fmt: skip
             else:
-                patch.grip_ring(weight, along, across, p, grip_x, grip_y, stretch)
-            p += 1
-            patch.grip_roller(points, radius, outward[p, 0], outward[p, 1], node, weight, p, grip_x, grip_y, stretch)
+                mass = inner.row_mass[inner.raceway] if kind == INNER else outer.row_mass[outer.raceway]
+                mobility = patch.grip_ring(mass, weight, along, across, columns, side, group, scale, lean, stretch)
+            x, y = load(outward, at + 2 * columns), load(outward, at + 3 * columns)
+            mobility += patch.grip_roller(
+                points, lightness, first, n_surface, radius, x, y, start, weight, columns, side + 1, group, scale, lean,
+                stretch,
+            )  # fmt: skip
+            store(contacts.mobility, kind * columns + group, mobility)
 
 
 @kernel(forceinline=True)
 def slips(rollers, inner, outer, contacts, turn_kick, out):
-    """Sideways velocity of side 1 less that of side 0 along t = Jn for every closed contact, m/s; out (3, n).
+    """Sideways velocity of side 1 less that of side 0 along t = Jn for every closed contact, m/s; out (3, columns).
 
     `grips` must have been called at the present positions. `turn_kick`, (columns,), rad/s: what the rollers are still
-    to gain by turning as a whole.
+    to gain by turning as a whole. Contacts that are open get what has no meaning.
     """
     w, columns, velocity, radius, n = rollers.w, rollers.columns, rollers.velocity, rollers.radius, rollers.n
-    inner_w, inner_row, outer_w, outer_row = inner.w, inner.raceway, outer.w, outer.raceway
-    node, grip_x, grip_y, stretch = contacts.node, contacts.grip_x, contacts.grip_y, contacts.stretch
-    force, normal = contacts.force, contacts.normal
+    points, first, n_surface = rollers.points, rollers.first_surface, rollers.n_surface
+    start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
+    force, normal, outward, stretch = contacts.force, contacts.normal, contacts.outward, contacts.stretch
+    scale, lean = contacts.scale, contacts.lean
     for kind in range(3):
-        for j in range(n):
-            if force[kind, j] == 0.0:
+        for group in range(0, n, WIDTH):
+            row = kind * columns + group
+            if not any_lane(load(force, row) > 0.0):
                 continue
-            nx, ny = normal[kind, j, 0], normal[kind, j, 1]
-            p, i = 2 * (kind * n + j), second(kind, j, n)
-            own = patch.sideways_roller(w, columns, i, node, grip_x, grip_y, p + 1, stretch) + turn_kick[i] * radius
-            slip = velocity[i, 1] * nx - velocity[i, 0] * ny
-            slip += own if kind == OUTER else -own
-            if kind == INNER:
-                slip -= patch.sideways_ring(inner_w, inner_row, node, grip_x, grip_y, p, stretch)
-            elif kind == OUTER:
-                slip -= patch.sideways_ring(outer_w, outer_row, node, grip_x, grip_y, p, stretch)
+            nx, ny = load(normal, 2 * kind * columns + group), load(normal, (2 * kind + 1) * columns + group)
+            side, at, i = 2 * kind, 4 * kind * columns + group, count_from(group)
+            if kind == ROLLER:
+                i = next_rollers(group, n)
+            bx, by = load(outward, at + 2 * columns), load(outward, at + 3 * columns)
+            own = gather(turn_kick, i) * radius + patch.sideways_roller(
+                w, i, points, first, n_surface, radius, bx, by, start, weight, columns, side + 1, group, scale, lean,
+                stretch,
+            )  # fmt: skip
+            slip = gather(velocity, i + columns) * nx - gather(velocity, i) * ny
+            if kind == OUTER:
+                slip += own
+                slip -= patch.sideways_ring(
+                    outer.w, outer.raceway, outer.n_sectors, start, weight, along, across, columns, side, group, scale,
+                    lean, stretch,
+                )  # fmt: skip
+            elif kind == INNER:
+                slip -= own
+                slip -= patch.sideways_ring(
+                    inner.w, inner.raceway, inner.n_sectors, start, weight, along, across, columns, side, group, scale,
+                    lean, stretch,
+                )  # fmt: skip
             else:
-                slip -= patch.sideways_roller(w, columns, j, node, grip_x, grip_y, p, stretch) + turn_kick[j] * radius
-                slip -= velocity[j, 1] * nx - velocity[j, 0] * ny
-            out[kind, j] = slip
+                bx, by = load(outward, at), load(outward, at + columns)
+                slip -= own + load(turn_kick, group) * radius
+                slip -= patch.sideways_roller(
+                    w, count_from(group), points, first, n_surface, radius, bx, by, start, weight, columns, side, group,
+                    scale, lean, stretch,
+                )  # fmt: skip
+                slip -= load(velocity, columns + group) * nx - load(velocity, group) * ny
+            store(out, row, slip)
 
 
 @kernel(forceinline=True)
 def friction_contacts(rollers, inner, outer, contacts, drive, after):
     """Tractions of every contact and their impulses; returns the work they dissipate in this step, J.
 
-    Each is implicit in its own patch's velocity. `after`, (3, n), m/s, is filled with the slips they leave. Where
+    Each is implicit in its own patch's velocity. `after`, (3, columns), m/s, is filled with the slips they leave. Where
     patches of neighbours overlap (on coarse rings), what neighbours add to a slip is in the work, not in the traction.
     """
     slips(rollers, inner, outer, contacts, rollers.turn_kick, after)
-    w, lightness, columns, velocity, spin = (
-        rollers.w,
-        rollers.lightness,
-        rollers.columns,
-        rollers.velocity,
-        rollers.spin,
-    )
-    node, grip_x, grip_y, stretch = contacts.node, contacts.grip_x, contacts.grip_y, contacts.stretch
-    force, traction, normal, before = contacts.force, contacts.traction, contacts.normal, contacts.slip
-    inner_u, outer_u, inner_w, outer_w = inner.u, outer.u, inner.w, outer.w
-    inner_mass, outer_mass = inner.row_mass[inner.raceway], outer.row_mass[outer.raceway]
-    friction, dt, n, radius = drive.friction, drive.dt, rollers.n, rollers.radius
-    impulse, pitch = rollers.impulse, outer.radius - radius
-    on_nodes = 0.0
-    for kind in range(3):
-        sign = 1.0 if kind == OUTER else -1.0
-        for j in range(n):
-            Q = force[kind, j]
-            if Q == 0.0:
-                traction[kind, j] = 0.0
-                continue
-            nx, ny = normal[kind, j, 0], normal[kind, j, 1]
-            p, i = 2 * (kind * n + j), second(kind, j, n)
-            mobility = patch.mobility_roller(lightness, node, grip_x, grip_y, p + 1, stretch)
-            rolling = 0.0
-            if kind == INNER:
-                mobility += patch.mobility_ring(inner_mass, grip_x, grip_y, p, stretch)
-            elif kind == OUTER:
-                mobility += patch.mobility_ring(outer_mass, grip_x, grip_y, p, stretch)
-            else:
-                mobility += patch.mobility_roller(lightness, node, grip_x, grip_y, p, stretch)
-            if kind != ROLLER:
-                orbit = (velocity[j, 1] * nx - velocity[j, 0] * ny) / pitch
-                rolling = abs(spin[j] - orbit) * radius
-            half_width = sqrt(contacts.half_width_factor[kind] * Q)
-            full_slip = max(friction * half_width * contacts.curvature[kind] * rolling, SLIP_FLOOR)
-            T, after[kind, j] = creep_traction(after[kind, j], friction * Q, full_slip, mobility * dt)
-            traction[kind, j] = -T
-            push = T * dt
-            ix, iy = push * ny, -push * nx  # −T along t on side 1
-            patch.rub_roller(w, lightness, columns, i, -sign * push, node, grip_x, grip_y, p + 1, stretch)
-            impulse[i, 0] += ix
-            impulse[i, 1] += iy
-            if kind == INNER:
-                on_nodes += patch.rub_ring(
-                    inner_u, inner_w, inner.raceway, inner.radius, inner_mass, push, node, grip_x, grip_y, p, stretch
-                )
-            elif kind == OUTER:
-                patch.rub_ring(
-                    outer_u, outer_w, outer.raceway, outer.radius, outer_mass, push, node, grip_x, grip_y, p, stretch
-                )
-            else:
-                patch.rub_roller(w, lightness, columns, j, push, node, grip_x, grip_y, p, stretch)
-                impulse[j, 0] -= ix
-                impulse[j, 1] -= iy
-    drive.ring[4] += on_nodes
+    _find_tractions(rollers, outer.radius - rollers.radius, contacts, drive, after)
+    _rub(rollers, inner, outer, contacts, drive)
     if contacts.crowded:
         slips(rollers, inner, outer, contacts, rollers.turn_kick, after)
-    dissipated = 0.0
+    traction, before = contacts.traction, contacts.slip
+    dissipated = splat(0.0)
+    for at in range(0, traction.size, WIDTH):
+        dissipated -= load(traction, at) * (load(before, at) + load(after, at))
+    return 0.5 * drive.dt * total(dissipated)
+
+
+@kernel(forceinline=True)
+def _find_tractions(rollers, pitch, contacts, drive, slip):
+    """Tractions from the slips, which become those that are left, and their impulses on whole rollers."""
+    columns, n, radius = rollers.columns, rollers.n, rollers.radius
+    velocity, spin, impulse = rollers.velocity, rollers.spin, rollers.impulse
+    force, traction, normal = contacts.force, contacts.traction, contacts.normal
+    friction, dt = drive.friction, drive.dt
+    for kind in range(3):
+        for group in range(0, n, WIDTH):
+            row = kind * columns + group
+            Q = load(force, row)
+            if not any_lane(Q > 0.0):
+                store(traction, row, splat(0.0))
+                continue
+            nx, ny = load(normal, 2 * kind * columns + group), load(normal, (2 * kind + 1) * columns + group)
+            rolling = splat(0.0)
+            if kind != ROLLER:
+                orbit = (load(velocity, columns + group) * nx - load(velocity, group) * ny) * (1.0 / pitch)
+                rolling = magnitude(load(spin, group) - orbit) * radius
+            half_width = root(contacts.half_width_factor[kind] * Q)
+            full_slip = larger(friction * contacts.curvature[kind] * half_width * rolling, SLIP_FLOOR)
+            T, left = creep_traction(load(slip, row), friction * Q, full_slip, load(contacts.mobility, row) * dt)
+            T = select(Q > 0.0, T, 0.0)
+            store(slip, row, left)
+            store(traction, row, -T)
+            x, y = T * ny * dt, T * nx * -dt  # −T along t on side 1
+            if kind == ROLLER:
+                i = next_rollers(group, n)
+                scatter_add(impulse, i, x)
+                scatter_add(impulse, i + columns, y)
+                x, y = -x, -y
+            store(impulse, group, load(impulse, group) + x)
+            store(impulse, columns + group, load(impulse, columns + group) + y)
+
+
+@kernel(forceinline=True)
+def _rub(rollers, inner, outer, contacts, drive):
+    """The tractions' impulses over one step on the surface nodes."""
+    w, lightness, columns, n = rollers.w, rollers.lightness, rollers.columns, rollers.n
+    points, first, n_surface, radius = rollers.points, rollers.first_surface, rollers.n_surface, rollers.radius
+    inner_u, inner_w, inner_mass = inner.u, inner.w, inner.row_mass[inner.raceway]
+    outer_u, outer_w, outer_mass = outer.u, outer.w, outer.row_mass[outer.raceway]
+    start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
+    traction, outward, stretch, dt = contacts.traction, contacts.outward, contacts.stretch, drive.dt
+    scale, lean = contacts.scale, contacts.lean
+    on_nodes = 0.0
     for kind in range(3):
         for j in range(n):
-            dissipated -= 0.5 * dt * traction[kind, j] * (before[kind, j] + after[kind, j])
-    return dissipated
+            given = traction[kind, j] * dt  # along t on side 1
+            if given == 0.0:
+                continue
+            side = 2 * kind
+            i = second(kind, j, n)
+            own = given if kind == OUTER else -given
+            bx, by = outward[side + 1, 0, j], outward[side + 1, 1, j]
+            patch.rub_roller(
+                w, lightness, columns, i, points, first, n_surface, radius, bx, by, own, start, weight, side + 1, j,
+                scale, lean, stretch,
+            )  # fmt: skip
+            if kind == INNER:
+                on_nodes += patch.rub_ring(
+                    inner_u, inner_w, inner.raceway, inner.n_sectors, inner.radius, inner_mass, -given, start, weight,
+                    along, across, side, j, scale, lean, stretch,
+                )  # fmt: skip
+            elif kind == OUTER:
+                patch.rub_ring(
+                    outer_u, outer_w, outer.raceway, outer.n_sectors, outer.radius, outer_mass, -given, start, weight,
+                    along, across, side, j, scale, lean, stretch,
+                )  # fmt: skip
+            else:
+                bx, by = outward[side, 0, j], outward[side, 1, j]
+                patch.rub_roller(
+                    w, lightness, columns, j, points, first, n_surface, radius, bx, by, -given, start, weight, side, j,
+                    scale, lean, stretch,
+                )  # fmt: skip
+    drive.ring[4] += on_nodes

@@ -1,8 +1,13 @@
-"""The contact law below the grid in the time loop: force, energy, the force of a kick, the ripple along a surface."""
+"""The contact law below the grid in the time loop: force, energy, the force of a kick, the ripple along a surface.
 
-import numpy as np
+All but the energy take scalars or eight lanes (contacts).
+"""
+
+from math import log
 
 from fem.kernels.jit import kernel
+from fem.kernels.lane_functions import larger, logarithm, smaller
+from fem.kernels.simd import any_lane, gather, magnitude, real, select, whole
 
 KNOTS_PER_NODE = 8  # the ripple's highest wave is one node spacing long
 STANDING = 1e-4  # of its value: an approach that changes less works as a constant force
@@ -15,29 +20,27 @@ def contact_force(approach, A, B, Q_line, guess):
 
     Parameters
     ----------
-    approach : float, m; A, B, Q_line : the law; guess : float, N, the last force, or 0
+    approach : m; A, B, Q_line : the law; guess : N, the last force, or 0
 
     Errors
     ------
-    Newton's method on a concave function, to round-off.
+    Newton's method on a concave function, to round-off. What is not a number stays so.
     """
-    if approach <= 0.0:
-        return 0.0
     at_line = A * Q_line * (0.5 + STEEPEST)
-    if approach >= at_line:
-        return Q_line + (approach - at_line) / (A * STEEPEST)
-    Q = guess
-    if not 0.0 < Q < Q_line:
-        Q = approach / (A * (abs(B) + 10.0))
+    apart, beyond = approach <= 0.0, approach >= at_line
+    idle = apart | beyond
+    Q = select((guess > 0.0) & (guess < Q_line), guess, approach / (A * (magnitude(B) + 10.0)))
+    Q = select(idle, Q_line, Q)
     for _ in range(60):
-        bracket = B - 0.5 * np.log(Q)
+        bracket = B - 0.5 * logarithm(Q)
         step = (approach - A * Q * bracket) / (A * (bracket - 0.5))
-        new = min(max(Q + step, 0.1 * Q), Q_line)
-        converged = abs(new - Q) <= 1e-8 * new  # the error left is a tenth of the square of the relative step
+        new = select(idle, Q, smaller(larger(Q + step, 0.1 * Q), Q_line))
+        moving = magnitude(new - Q) > 1e-8 * new  # the error left is a tenth of the square of the relative step
         Q = new
-        if converged:
+        if not any_lane(moving):
             break
-    return Q
+    Q = select(beyond, Q_line + (approach - at_line) / (A * STEEPEST), Q + (approach - approach))
+    return select(apart, 0.0, Q)
 
 
 @kernel(forceinline=True)
@@ -51,20 +54,18 @@ def kick_force(before, Q_before, B_before, now, Q, B, A, Q_line):
 
     Parameters
     ----------
-    before, now : float, m, approaches at this kick and the one before; negative: apart, NaN: not known
-    Q_before, Q : float, N; B_before, B : the law's level then and now; A, Q_line : the law
+    before, now : m, approaches at this kick and the one before; negative: apart, NaN: not known
+    Q_before, Q : N; B_before, B : the law's level then and now; A, Q_line : the law
 
     Source: Gonzalez, J. Nonlinear Sci. 6 (1996) 449 (discrete gradients).
     """
-    if np.isnan(before) or max(before, now) <= 0.0:
-        return Q
-    step, closed = now - before, min(before, now) > 0.0
-    if (closed and abs(step) < STANDING * now) or max(Q, Q_before) > Q_line:
-        return Q
+    step, closed = now - before, smaller(before, now) > 0.0
+    plain = (before != before) | (larger(before, now) <= 0.0) | (larger(Q, Q_before) > Q_line)
+    plain = plain | (closed & (magnitude(step) < STANDING * now))
     work = _stored(Q, now, A) - _stored(Q_before, before, A)
-    if closed:  # what the level's change has done is not this force's work
-        work += 0.25 * A * (Q * Q + Q_before * Q_before) * (B - B_before)
-    return 0.5 * (Q - Q_before) + work / step
+    level = 0.25 * A * (Q * Q + Q_before * Q_before) * (B - B_before)
+    work = work + select(closed, level, 0.0)  # what the level's change has done is not this force's work
+    return select(plain, Q, 0.5 * (Q - Q_before) + work / step)
 
 
 @kernel(forceinline=True)
@@ -79,7 +80,7 @@ def contact_energy(Q, A, B, Q_line):
     if Q <= 0.0:
         return 0.0
     q = min(Q, Q_line)
-    energy = 0.5 * A * q * q * (B - 0.5 * np.log(q) - 0.25)
+    energy = 0.5 * A * q * q * (B - 0.5 * log(q) - 0.25)
     if Q > Q_line:
         energy += 0.5 * A * STEEPEST * (Q * Q - Q_line * Q_line)
     return energy
@@ -88,24 +89,20 @@ def contact_energy(Q, A, B, Q_line):
 @kernel(forceinline=True)
 def ripple_at(position, coefficients):
     """Ripple of A_i·B_i and its slope per node spacing at a position in node spacings, >= 0."""
-    x = position * KNOTS_PER_NODE
-    base = int(x)
-    t = x - base
-    r = 1.0 - t
+    x = position * (1.0 * KNOTS_PER_NODE)
     n = coefficients.size
-    while base >= n:
-        base -= n
-    before, after = base - 1, base + 1
-    if before < 0:
-        before += n
-    if after >= n:
-        after -= n
-    beyond = after + 1
-    if beyond >= n:
-        beyond -= n
-    c0, c1, c2, c3 = coefficients[before], coefficients[base], coefficients[after], coefficients[beyond]
+    base = whole(x)
+    t = x - real(base)
+    r = 1.0 - t
+    base = base - whole(real(base) * (1.0 / n)) * n  # round-off may leave it n or −1
+    base = select(base >= n, base - n, select(base < 0, base + n, base))
+    before = select(base < 1, base + (n - 1), base - 1)
+    after = select(base >= n - 1, base + (1 - n), base + 1)
+    beyond = select(after >= n - 1, after + (1 - n), after + 1)
+    c0, c1 = gather(coefficients, before), gather(coefficients, base)
+    c2, c3 = gather(coefficients, after), gather(coefficients, beyond)
     value = (
         r * r * r * c0 + (4.0 - 3.0 * t * t * (2.0 - t)) * c1 + (4.0 - 3.0 * r * r * (2.0 - r)) * c2 + t * t * t * c3
-    ) / 6.0
-    slope = 0.5 * (-r * r * c0 + t * (3.0 * t - 4.0) * c1 - r * (3.0 * r - 4.0) * c2 + t * t * c3)
-    return value, slope * KNOTS_PER_NODE
+    ) * (1.0 / 6.0)
+    slope = 0.5 * (t * (3.0 * t - 4.0) * c1 - r * r * c0 - r * (3.0 * r - 4.0) * c2 + t * t * c3)
+    return value, slope * (1.0 * KNOTS_PER_NODE)

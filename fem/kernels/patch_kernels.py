@@ -1,60 +1,80 @@
-"""What a contact reads from and writes to the surface nodes of a roller or a ring.
+"""What contacts read from and write to the surface nodes of a roller or a ring.
 
-The functions are inlined into the contact loops and take bare arrays: a named tuple taken apart here would count
-references to every array at every access, twenty times the cost of the arithmetic.
+Eight contacts at a time are read (lanes), side by side from roller `group` on; pushing is one contact's, for two
+contacts may push one node. `side` is 2·kind + 0 or 1. A patch is its first node, the others follow, and weights
+(side, node of the patch, roller); a ring's has them also times cosine and sine of the angle from each node to the
+contact. The functions are inlined into the contact loops and take bare arrays: a named tuple taken
+apart here would count references to every array at every access, twenty times the cost of the arithmetic.
 """
 
-from math import atan2, pi
+from math import pi
 
 from fem.kernels.jit import kernel
+from fem.kernels.lane_functions import arc_tangent
 from fem.kernels.law import ripple_at
 from fem.kernels.patches import N_NODES, first_node, weight_slopes, weights
 from fem.kernels.ring_kernels import HALO
+from fem.kernels.simd import WIDTH, gather, load, real, select, splat, store, whole
 
 
 @kernel(forceinline=True)
 def place(x, y, n_nodes):
-    """Position, in node spacings in [0, n_nodes), of a direction in a body's frame."""
-    position = atan2(y, x) * (n_nodes / (2.0 * pi))
-    if position < 0.0:
-        position += n_nodes
-    if position >= n_nodes:
-        position -= n_nodes
-    return position
+    """Position, in node spacings in [0, n_nodes), of a direction in a body's frame; scalars or lanes."""
+    position = arc_tangent(y, x) * (n_nodes / (2.0 * pi))
+    position = select(position < 0.0, position + 1.0 * n_nodes, position)
+    return select(position >= 1.0 * n_nodes, position - 1.0 * n_nodes, position)
 
 
 @kernel(forceinline=True)
-def _nodes(base, n_nodes, offset, node, patch, stretch):
-    """Fill the patch's node numbers."""
+def _base(position, n_nodes):
+    """The node at or before a position; of one that is not a number the first, lest memory be read elsewhere."""
+    base = whole(position)
+    return select((base >= 0) & (base < n_nodes), base, 0)
+
+
+@kernel(forceinline=True)
+def _begin(base, n_nodes, stretch):
+    """The patch's first node."""
     i = first_node(base, stretch)
-    if i < 0:
-        i += n_nodes
-    for k in range(N_NODES * len(stretch)):
-        node[patch, k] = offset + i
-        i += 1
-        if i >= n_nodes:
-            i -= n_nodes
+    return select(i < 0, i + n_nodes, i)
 
 
 @kernel(forceinline=True)
-def read_roller(u, columns, first, n_surface, column, bx, by, ripples, node, weight, patch, slope, stretch):
-    """Place a roller's patch around its outward direction b (in its frame) and read the mean motion there.
+def _next(i, n_nodes):
+    """The node after node i of a circle; scalar or lanes."""
+    return select(i >= n_nodes - 1, 0, i + 1)
+
+
+@kernel(forceinline=True)
+def _row(side, group, columns, stretch):
+    """Flat index of eight patches' first weights."""
+    return side * N_NODES * len(stretch) * columns + group
+
+
+@kernel(forceinline=True)
+def read_roller(u, column, columns, first, n_surface, bx, by, ripples, start, weight, side, group, slope, stretch):
+    """Place patches of rollers `column` around their outward directions b (in their frames) and read the motion there.
 
     Returns outward motion U·b, sideways motion U·Jb, dU/ds·b per rad, ripple of A·B, its slope per rad.
     """
     position = place(bx, by, n_surface)
-    base = int(position)
-    weights(position - base, weight, patch, stretch)
-    weight_slopes(position - base, slope, 0, stretch)
-    _nodes(base, n_surface, first, node, patch, stretch)
-    ux, uy, sx, sy = 0.0, 0.0, 0.0, 0.0
+    base = _base(position, n_surface)
+    t, at = position - real(base), _row(side, group, columns, stretch)
+    weights(t, weight, at, columns, stretch)
+    weight_slopes(t, slope, 0, WIDTH, stretch)
+    node = _begin(base, n_surface, stretch)
+    store(start, side * columns + group, node)
+    column = column + 2 * columns * first
+    ux, uy, sx, sy = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES * len(stretch)):
-        at = node[patch, k] * 2 * columns + column
-        x, y = u[at], u[at + columns]
-        ux += weight[patch, k] * x
-        uy += weight[patch, k] * y
-        sx += slope[0, k] * x
-        sy += slope[0, k] * y
+        i = node * (2 * columns) + column
+        x, y = gather(u, i), gather(u, i + columns)
+        share, change = load(weight, at + k * columns), load(slope, k * WIDTH)
+        ux += share * x
+        uy += share * y
+        sx += change * x
+        sy += change * y
+        node = _next(node, n_surface)
     ripple, ripple_slope = ripple_at(position, ripples)
     per_radian = n_surface / (2.0 * pi)
     return ux * bx + uy * by, uy * bx - ux * by, (sx * bx + sy * by) * per_radian, ripple, ripple_slope * per_radian
@@ -62,148 +82,206 @@ def read_roller(u, columns, first, n_surface, column, bx, by, ripples, node, wei
 
 @kernel(forceinline=True)
 def read_ring(
-    u, raceway, n_sectors, cosines, sines, bx, by, ripples, node, weight, along, across, patch, slope, stretch
+    u,
+    raceway,
+    n_sectors,
+    cosines,
+    sines,
+    bx,
+    by,
+    ripples,
+    start,
+    weight,
+    along,
+    across,
+    columns,
+    side,
+    group,
+    slope,
+    stretch,
 ):
-    """Place a ring's patch around the radial direction b (in its frame); returns the same as `read_roller` along +b."""
+    """Place a ring's patches around radial directions b (in its frame); returns the same as `read_roller` along +b."""
     position = place(bx, by, n_sectors)
-    base = int(position)
-    weights(position - base, weight, patch, stretch)
-    weight_slopes(position - base, slope, 0, stretch)
-    _nodes(base, n_sectors, HALO, node, patch, stretch)
-    out, side, rate = 0.0, 0.0, 0.0
+    base = _base(position, n_sectors)
+    t, at = position - real(base), _row(side, group, columns, stretch)
+    weights(t, weight, at, columns, stretch)
+    weight_slopes(t, slope, 0, WIDTH, stretch)
+    node = _begin(base, n_sectors, stretch)
+    store(start, side * columns + group, node)
+    width = cosines.size
+    radial, tangential = 2 * raceway * width + HALO, (2 * raceway + 1) * width + HALO
+    first_c, first_s = gather(cosines, node + HALO), gather(sines, node + HALO)
+    ahead_c, ahead_s = bx * first_c + by * first_s, by * first_c - bx * first_s  # of the angle from the first node to b
+    out, sideways, rate = splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES * len(stretch)):
-        at = node[patch, k]
-        c, s = bx * cosines[at] + by * sines[at], by * cosines[at] - bx * sines[at]
-        a, b = u[raceway, 0, at], u[raceway, 1, at]
+        j = at + k * columns
+        step_c, step_s = cosines[HALO + k], sines[HALO + k]
+        c, s = ahead_c * step_c + ahead_s * step_s, ahead_s * step_c - ahead_c * step_s
+        a, b = gather(u, node + radial), gather(u, node + tangential)
+        share = load(weight, j)
         outward = a * c + b * s
-        out += weight[patch, k] * outward
-        side += weight[patch, k] * (b * c - a * s)
-        rate += slope[0, k] * outward
-        along[patch, k] = weight[patch, k] * c
-        across[patch, k] = weight[patch, k] * s
-    ripple, ripple_slope = ripple_at(position - base, ripples)
+        out += share * outward
+        sideways += share * (b * c - a * s)
+        rate += load(slope, k * WIDTH) * outward
+        store(along, j, share * c)
+        store(across, j, share * s)
+        node = _next(node, n_sectors)
+    ripple, ripple_slope = ripple_at(t, ripples)
     per_radian = n_sectors / (2.0 * pi)
-    return out, side, rate * per_radian, ripple, ripple_slope * per_radian
+    return out, sideways, rate * per_radian, ripple, ripple_slope * per_radian
 
 
 @kernel(forceinline=True)
-def push_roller(w, lightness, columns, column, bx, by, node, weight, patch, stretch):
-    """Spread an impulse, N s, with components in the roller's frame over its patch."""
+def push_roller(w, lightness, columns, column, first, n_surface, bx, by, start, weight, side, j, stretch):
+    """Spread an impulse, N s, with components in the frame of roller `column` over its patch in contact j."""
+    node = start[side, j]
     for k in range(N_NODES * len(stretch)):
-        i = node[patch, k]
-        share = weight[patch, k] * lightness[i]
+        i = first + node
+        share = weight[side, k, j] * lightness[i]
         at = i * 2 * columns + column
         w[at] += share * bx
         w[at + columns] += share * by
+        node = _next(node, n_surface)
 
 
 @kernel(forceinline=True)
-def push_ring(u, w, raceway, radius, node_mass, push, node, along, across, patch, stretch):
-    """Spread an impulse, N s, along the patch's normal over a ring's patch; returns its moment about the origin."""
-    speed, moment = push / node_mass, 0.0
+def push_ring(u, w, raceway, n_sectors, radius, node_mass, push, start, along, across, side, j, stretch):
+    """Spread an impulse, N s, along the normal over a ring's patch in contact j; returns its moment, N m s."""
+    speed, moment, node = push / node_mass, 0.0, start[side, j]
     for k in range(N_NODES * len(stretch)):
-        at = node[patch, k]
-        w[raceway, 0, at] += speed * along[patch, k]
-        w[raceway, 1, at] += speed * across[patch, k]
-        moment += (radius + u[raceway, 0, at]) * across[patch, k] - u[raceway, 1, at] * along[patch, k]
+        at = node + HALO
+        radial, around = along[side, k, j], across[side, k, j]
+        w[raceway, 0, at] += speed * radial
+        w[raceway, 1, at] += speed * around
+        moment += (radius + u[raceway, 0, at]) * around - u[raceway, 1, at] * radial
+        node = _next(node, n_sectors)
     return push * moment
 
 
 # Tangential motion and force of a patch. Along the contact's tangent t alone it would miss a share 1 − Σ W cos φ of a
 # rotation and of the moment (φ from the contact to the node), along the nodes' own tangents as much of a translation
-# and of the force. Directions (t + t_node + b Σ W sin φ)/(1 + Σ W cos φ), weighted with W, miss nothing: all that a
-# traction does to a body it does at its own nodes, and no other contact of the body has a part in it.
+# and of the force. Directions g = (t_node + t + lean·b)·scale, lean = Σ W sin φ, scale = 1/(1 + Σ W cos φ), weighted
+# with W, miss nothing: all that a traction does to a body it does at its own nodes, and no other contact of the body
+# has a part in it. The mobility is the velocity Σ W g·w that a patch gains per unit impulse along its W g, 1/kg.
 
 
 @kernel(forceinline=True)
-def grip_roller(points, radius, bx, by, node, weight, patch, grip_x, grip_y, stretch):
-    """Weighted tangential directions of a roller's patch, in its frame's axes."""
-    x, y = 0.0, 0.0
+def grip_roller(
+    points, lightness, first, n_surface, radius, bx, by, start, weight, columns, side, group, scale, lean, stretch
+):
+    """Scale and lean of rollers' patches with outward directions b; returns their mobilities."""
+    at, over = _row(side, group, columns, stretch), 1.0 / radius
+    node = load(start, side * columns + group)
+    i = (node + first) * 2
+    first_x, first_y = gather(points, i) * over, gather(points, i + 1) * over
+    x, y, light, light_x, light_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES * len(stretch)):
-        i = node[patch, k]
-        x += weight[patch, k] * points[2 * i]
-        y += weight[patch, k] * points[2 * i + 1]
-    scale, lean = 1.0 / (1.0 + (bx * x + by * y) / radius), (bx * y - by * x) / radius
-    x, y, curvature = lean * bx - by, lean * by + bx, 1.0 / radius
-    for k in range(N_NODES * len(stretch)):
-        i, share = node[patch, k], scale * weight[patch, k]
-        grip_x[patch, k] = share * (x - curvature * points[2 * i + 1])
-        grip_y[patch, k] = share * (y + curvature * points[2 * i])
+        c, s = points[2 * (first + k)] * over, points[2 * (first + k) + 1] * over
+        node_x, node_y = first_x * c - first_y * s, first_y * c + first_x * s
+        share = load(weight, at + k * columns)
+        x += share * node_x
+        y += share * node_y
+        share = share * share * gather(lightness, node + first)
+        light += share
+        light_x += share * node_x
+        light_y += share * node_y
+        node = _next(node, n_surface)
+    size, leaning = 1.0 / (1.0 + (bx * x + by * y)), bx * y - by * x
+    store(scale, side * columns + group, size)
+    store(lean, side * columns + group, leaning)
+    across = (leaning * by + bx) * light_x - (leaning * bx - by) * light_y
+    return size * size * ((2.0 + leaning * leaning) * light + 2.0 * across)
 
 
 @kernel(forceinline=True)
-def grip_ring(weight, along, across, patch, grip_x, grip_y, stretch):
-    """Weighted tangential directions of a ring's patch, radial and tangential at every node."""
-    both, lean = 1.0, 0.0
+def grip_ring(node_mass, weight, along, across, columns, side, group, scale, lean, stretch):
+    """Scale and lean of a ring's patches; returns their mobilities."""
+    at = _row(side, group, columns, stretch)
+    x, y, light, light_x, light_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES * len(stretch)):
-        both += along[patch, k]
-        lean -= across[patch, k]
-    scale = 1.0 / both
-    for k in range(N_NODES * len(stretch)):
-        c, s = along[patch, k], across[patch, k]
-        grip_x[patch, k] = scale * (lean * c - s)
-        grip_y[patch, k] = scale * (c + weight[patch, k] + lean * s)
+        share, c, s = load(weight, at + k * columns), load(along, at + k * columns), load(across, at + k * columns)
+        x += c
+        y -= s
+        light += share * share
+        light_x += share * c
+        light_y += share * s
+    size = 1.0 / (1.0 + x)
+    store(scale, side * columns + group, size)
+    store(lean, side * columns + group, y)
+    return size * size * ((2.0 + y * y) * light + 2.0 * (light_x + y * light_y)) * (1.0 / node_mass)
 
 
 @kernel(forceinline=True)
-def sideways_roller(w, columns, column, node, grip_x, grip_y, patch, stretch):
-    """Velocity of the surface along t relative to the centre of mass, m/s."""
-    v = 0.0
+def sideways_roller(
+    w, column, points, first, n_surface, radius, bx, by, start, weight, columns, side, group, scale, lean, stretch
+):
+    """Velocity of the surfaces of rollers `column` along t relative to their centres of mass, m/s."""
+    at, over = _row(side, group, columns, stretch), 1.0 / radius
+    node = load(start, side * columns + group)
+    i = (node + first) * 2
+    first_x, first_y = gather(points, i) * over, gather(points, i + 1) * over
+    column = column + 2 * columns * first
+    x, y, around = splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES * len(stretch)):
-        at = node[patch, k] * 2 * columns + column
-        v += grip_x[patch, k] * w[at] + grip_y[patch, k] * w[at + columns]
-    return v
+        c, s = points[2 * (first + k)] * over, points[2 * (first + k) + 1] * over
+        node_x, node_y = first_x * c - first_y * s, first_y * c + first_x * s
+        i = node * (2 * columns) + column
+        share = load(weight, at + k * columns)
+        vx, vy = share * gather(w, i), share * gather(w, i + columns)
+        x += vx
+        y += vy
+        around += node_x * vy - node_y * vx
+        node = _next(node, n_surface)
+    size, leaning = load(scale, side * columns + group), load(lean, side * columns + group)
+    return size * (x * (leaning * bx - by) + y * (leaning * by + bx) + around)
 
 
 @kernel(forceinline=True)
-def sideways_ring(w, raceway, node, grip_x, grip_y, patch, stretch):
+def sideways_ring(w, raceway, n_sectors, start, weight, along, across, columns, side, group, scale, lean, stretch):
     """Velocity of the surface along t, m/s."""
-    v = 0.0
+    at, width = _row(side, group, columns, stretch), w.shape[2]
+    radial, tangential = 2 * raceway * width + HALO, (2 * raceway + 1) * width + HALO
+    node = load(start, side * columns + group)
+    outward, around = splat(0.0), splat(0.0)
     for k in range(N_NODES * len(stretch)):
-        at = node[patch, k]
-        v += grip_x[patch, k] * w[raceway, 0, at] + grip_y[patch, k] * w[raceway, 1, at]
-    return v
+        j = at + k * columns
+        p, q = gather(w, node + radial), gather(w, node + tangential)
+        c, s = load(along, j), load(across, j)
+        outward += c * p + s * q
+        around += (c + load(weight, j)) * q - s * p
+        node = _next(node, n_sectors)
+    return load(scale, side * columns + group) * (load(lean, side * columns + group) * outward + around)
 
 
 @kernel(forceinline=True)
-def rub_roller(w, lightness, columns, column, push, node, grip_x, grip_y, patch, stretch):
-    """Spread an impulse along t, N s, over a roller's patch."""
+def rub_roller(
+    w, lightness, columns, column, points, first, n_surface, radius, bx, by, push, start, weight, side, j, scale, lean,
+    stretch,
+):  # fmt: skip
+    """Spread an impulse along t, N s, over the patch of roller `column` in contact j."""
+    x, y, over = lean[side, j] * bx - by, lean[side, j] * by + bx, 1.0 / radius
+    node, push = start[side, j], push * scale[side, j]
     for k in range(N_NODES * len(stretch)):
-        i = node[patch, k]
-        speed = push * lightness[i]
+        i = first + node
+        speed = push * weight[side, k, j] * lightness[i]
         at = i * 2 * columns + column
-        w[at] += speed * grip_x[patch, k]
-        w[at + columns] += speed * grip_y[patch, k]
+        w[at] += speed * (x - points[2 * i + 1] * over)
+        w[at + columns] += speed * (y + points[2 * i] * over)
+        node = _next(node, n_surface)
 
 
 @kernel(forceinline=True)
-def rub_ring(u, w, raceway, radius, node_mass, push, node, grip_x, grip_y, patch, stretch):
-    """Spread an impulse along t, N s, over a ring's patch; returns its moment about the origin, N m s."""
-    speed, moment = push / node_mass, 0.0
+def rub_ring(
+    u, w, raceway, n_sectors, radius, node_mass, push, start, weight, along, across, side, j, scale, lean, stretch
+):
+    """Spread an impulse along t, N s, over a ring's patch in contact j; returns its moment about the origin, N m s."""
+    push *= scale[side, j]
+    leaning, speed, moment, node = lean[side, j], push / node_mass, 0.0, start[side, j]
     for k in range(N_NODES * len(stretch)):
-        at = node[patch, k]
-        x, y = grip_x[patch, k], grip_y[patch, k]
+        at, c, s = node + HALO, along[side, k, j], across[side, k, j]
+        x, y = leaning * c - s, weight[side, k, j] + c + leaning * s
         w[raceway, 0, at] += speed * x
         w[raceway, 1, at] += speed * y
         moment += (radius + u[raceway, 0, at]) * y - u[raceway, 1, at] * x
+        node = _next(node, n_sectors)
     return push * moment
-
-
-@kernel(forceinline=True)
-def mobility_roller(lightness, node, grip_x, grip_y, patch, stretch):
-    """Velocity that `sideways_roller` gains per unit impulse of `rub_roller`, 1/kg."""
-    total = 0.0
-    for k in range(N_NODES * len(stretch)):
-        x, y = grip_x[patch, k], grip_y[patch, k]
-        total += (x * x + y * y) * lightness[node[patch, k]]
-    return total
-
-
-@kernel(forceinline=True)
-def mobility_ring(node_mass, grip_x, grip_y, patch, stretch):
-    """Velocity that `sideways_ring` gains per unit impulse of `rub_ring`, 1/kg."""
-    total = 0.0
-    for k in range(N_NODES * len(stretch)):
-        x, y = grip_x[patch, k], grip_y[patch, k]
-        total += x * x + y * y
-    return total / node_mass

@@ -33,12 +33,12 @@ def resolved_contacts(rollers, inner, outer, contacts, drive, resolved):
         for j in range(n):
             i = j
             if kind == INNER:
-                x, y = centre[j, 0] - hub_x, centre[j, 1] - hub_y
+                x, y = centre[0, j] - hub_x, centre[1, j] - hub_y
             elif kind == OUTER:
-                x, y = centre[j, 0], centre[j, 1]
+                x, y = centre[0, j], centre[1, j]
             else:
                 i = j + 1 if j + 1 < n else 0
-                x, y = centre[i, 0] - centre[j, 0], centre[i, 1] - centre[j, 1]
+                x, y = centre[0, i] - centre[0, j], centre[1, i] - centre[1, j]
             distance = sqrt(x * x + y * y)
             if kind == INNER:
                 overlap = inner.radius + radius - distance
@@ -50,22 +50,22 @@ def resolved_contacts(rollers, inner, outer, contacts, drive, resolved):
             resolved.energy[kind, j] = 0.0
             if overlap < -contacts.reach:
                 continue
-            contacts.normal[kind, j, 0], contacts.normal[kind, j, 1] = x / distance, y / distance
+            contacts.normal[kind, 0, j], contacts.normal[kind, 1, j] = x / distance, y / distance
             _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distance, overlap)
 
 
 @kernel
 def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distance, overlap):
     """One contact: side 0 is a ring or roller j, side 1 is roller i."""
-    nx, ny = contacts.normal[kind, j, 0], contacts.normal[kind, j, 1]
-    dt, _n, patch = drive.dt, rollers.n, 2 * (kind * rollers.n + j)
+    nx, ny = contacts.normal[kind, 0, j], contacts.normal[kind, 1, j]
+    dt, patch = drive.dt, 2 * kind
     first = 1.0 if kind != OUTER else -1.0  # outward direction of side 0's surface is ±n
     second = 1.0 if kind == OUTER else -1.0
-    node, weight = contacts.node, contacts.weight
+    weight = contacts.weight
     width = N_NODES * len(contacts.stretch)
     for k in range(width):
-        weight[patch, k] = 0.0
-        weight[patch + 1, k] = 0.0
+        weight[patch, k, j] = 0.0
+        weight[patch + 1, k, j] = 0.0
     if kind == INNER:
         c0, s0, nodes0 = drive.ring[1], drive.ring[2], inner.n_sectors
     elif kind == OUTER:
@@ -73,9 +73,9 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
     else:
         c0, s0, nodes0 = rollers.cosine[j], rollers.sine[j], rollers.n_surface
     c1, s1 = rollers.cosine[i], rollers.sine[i]
-    contacts.outward[patch, 0], contacts.outward[patch, 1] = c0 * nx + s0 * ny, c0 * ny - s0 * nx
-    contacts.outward[patch + 1, 0] = second * (c1 * nx + s1 * ny)
-    contacts.outward[patch + 1, 1] = second * (c1 * ny - s1 * nx)
+    contacts.outward[patch, 0, j], contacts.outward[patch, 1, j] = c0 * nx + s0 * ny, c0 * ny - s0 * nx
+    contacts.outward[patch + 1, 0, j] = second * (c1 * nx + s1 * ny)
+    contacts.outward[patch + 1, 1, j] = second * (c1 * ny - s1 * nx)
     per_radian0, per_radian1 = nodes0 / (2.0 * np.pi), rollers.n_surface / (2.0 * np.pi)
     at0 = place(c0 * nx + s0 * ny, c0 * ny - s0 * nx, nodes0)
     at1 = place(second * (c1 * nx + s1 * ny), second * (c1 * ny - s1 * nx), rollers.n_surface)
@@ -127,29 +127,29 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         else:
             _push_roller(rollers, j, x0, f0x, f0y, -push)
         _push_roller(rollers, i, x1, f1x, f1y, -push)
-        _gather(weight, patch, x0, start0, p, width)
-        _gather(weight, patch + 1, x1, start1, p, width)
+        _gather(weight, patch, j, x0, start0, p, width)
+        _gather(weight, patch + 1, j, x1, start1, p, width)
     if total == 0.0:
         return
     contacts.force[kind, j] = total
     resolved.energy[kind, j] = energy
-    _share(contacts, patch, start0, nodes0, total, width, HALO if kind != ROLLER else rollers.first_surface)
-    _share(contacts, patch + 1, start1, rollers.n_surface, total, width, rollers.first_surface)
+    _share(contacts, patch, j, start0, nodes0, total, width)
+    _share(contacts, patch + 1, j, start1, rollers.n_surface, total, width)
     if kind != ROLLER:
         bx, by = c0 * nx + s0 * ny, c0 * ny - s0 * nx
         cosines, sines = (inner.cosines, inner.sines) if kind == INNER else (outer.cosines, outer.sines)
         for k in range(width):
-            at = node[patch, k]
-            contacts.along[patch, k] = weight[patch, k] * (bx * cosines[at] + by * sines[at])
-            contacts.across[patch, k] = weight[patch, k] * (by * cosines[at] - bx * sines[at])
+            at = HALO + (start0 + k) % nodes0
+            contacts.along[patch, k, j] = weight[patch, k, j] * (bx * cosines[at] + by * sines[at])
+            contacts.across[patch, k, j] = weight[patch, k, j] * (by * cosines[at] - bx * sines[at])
 
     impulse, tilt = rollers.impulse, rollers.tilt
     turned = aside / distance
-    impulse[i, 0] -= dt * (total * second * nx - tilt1 * ny)
-    impulse[i, 1] -= dt * (total * second * ny + tilt1 * nx)
+    impulse[0, i] -= dt * (total * second * nx - tilt1 * ny)
+    impulse[1, i] -= dt * (total * second * ny + tilt1 * nx)
     on_second = dt * (tilt1 - turned)  # along t
-    tilt[i, 0] -= on_second * ny
-    tilt[i, 1] += on_second * nx
+    tilt[0, i] -= on_second * ny
+    tilt[1, i] += on_second * nx
     rollers.turn_kick[i] += dt * turn1 / rollers.inertia
     on_first = dt * (tilt0 + turned)
     if kind == INNER:
@@ -157,10 +157,10 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         drive.impulse[1] += on_first * nx
         drive.ring[3] -= turn0
     elif kind == ROLLER:
-        impulse[j, 0] -= dt * (total * first * nx - tilt0 * ny)
-        impulse[j, 1] -= dt * (total * first * ny + tilt0 * nx)
-        tilt[j, 0] -= on_first * ny
-        tilt[j, 1] += on_first * nx
+        impulse[0, j] -= dt * (total * first * nx - tilt0 * ny)
+        impulse[1, j] -= dt * (total * first * ny + tilt0 * nx)
+        tilt[0, j] -= on_first * ny
+        tilt[1, j] += on_first * nx
         rollers.turn_kick[j] += dt * turn0 / rollers.inertia
 
 
@@ -226,18 +226,18 @@ def _push_roller(rollers, column, x, mx, my, impulse):
 
 
 @kernel(forceinline=True)
-def _gather(weight, patch, x, start, p, width):
+def _gather(weight, patch, j, x, start, p, width):
     """Add a point's force to the nodes' shares, for friction, which is spread as the pressure is."""
     base = int(np.floor(x))
     t = x - base
     k = base - start
     if 0 <= k and k + 1 < width:
-        weight[patch, k] += p * (1.0 - t)
-        weight[patch, k + 1] += p * t
+        weight[patch, k, j] += p * (1.0 - t)
+        weight[patch, k + 1, j] += p * t
 
 
 @kernel(forceinline=True)
-def _share(contacts, patch, start, n_nodes, total, width, offset):
+def _share(contacts, patch, j, start, n_nodes, total, width):
+    contacts.start[patch, j] = start % n_nodes
     for k in range(width):
-        contacts.node[patch, k] = offset + (start + k) % n_nodes
-        contacts.weight[patch, k] /= total
+        contacts.weight[patch, k, j] /= total

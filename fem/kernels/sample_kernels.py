@@ -7,8 +7,11 @@ from math import cos, sin
 
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.jit import kernel
+from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.law import contact_energy
 from fem.kernels.ring_kernels import HALO
+from fem.kernels.simd import WIDTH, load, splat
+from fem.kernels.simd import total as lane_total
 
 # columns of a sample: the hub, the energies, then blocks of n_rollers
 (
@@ -49,7 +52,7 @@ def remember(rollers, inner, outer, drive, scratch):
     for component in range(2):
         scratch.hub_velocity[component] = drive.velocity[component]
         for j in range(rollers.n):
-            scratch.rollers_velocity[j, component] = rollers.velocity[j, component]
+            scratch.rollers_velocity[component, j] = rollers.velocity[component, j]
     _copy(inner.w, scratch.inner_w)
     _copy(outer.w, scratch.outer_w)
 
@@ -89,8 +92,8 @@ def write_sample(rollers, inner, outer, contacts, drive, scratch, out, time, loa
     n = rollers.n
     for j in range(n):
         at = N_SCALARS + j
-        out[at] = rollers.centre[j, 0]
-        out[at + n] = rollers.centre[j, 1]
+        out[at] = rollers.centre[0, j]
+        out[at + n] = rollers.centre[1, j]
         out[at + 2 * n] = rollers.turn[j] + rollers.lead[j]
         out[at + 3 * n] = rollers.spin[j]
         for kind in range(3):
@@ -132,26 +135,23 @@ def kinetic_energy(rollers, inner, outer, drive, scratch):
     """
     total, dt = 0.0, drive.dt
     columns, n = rollers.columns, rollers.n
-    for i in range(rollers.mass.size):
-        for component in range(2):
-            at = (2 * i + component) * columns
-            x = rollers.points[2 * i + component]
-            for j in range(n):
-                before, after = scratch.rollers_w[at + j], rollers.w[at + j]
-                total += rollers.mass[i] * before * after
-                total -= rollers.mass[i] * (1.0 - cos(rollers.spin[j] * dt)) * x * (after - before) / dt
-        for j in range(n):  # what turning as a whole will still add to the velocities after
-            x, y = rollers.points[2 * i], rollers.points[2 * i + 1]
+    for j in range(0, n, WIDTH):
+        cosine, _ = cosine_and_sine(load(rollers.spin, j) * dt)
+        turned, kick = (1.0 - cosine) * (1.0 / dt), load(rollers.turn_kick, j)
+        part = splat(0.0)
+        for i in range(rollers.mass.size):
             at = 2 * i * columns + j
-            total += (
-                rollers.mass[i]
-                * rollers.turn_kick[j]
-                * (x * scratch.rollers_w[at + columns] - y * scratch.rollers_w[at])
-            )
+            x, y, mass = rollers.points[2 * i], rollers.points[2 * i + 1], rollers.mass[i]
+            bx, by = load(scratch.rollers_w, at), load(scratch.rollers_w, at + columns)
+            ax, ay = load(rollers.w, at), load(rollers.w, at + columns)
+            outward = x * (ax - bx) + y * (ay - by)
+            around = x * by - y * bx  # what turning as a whole will still add to the velocities after
+            part += mass * (bx * ax + by * ay - turned * outward + kick * around)
+        total += lane_total(part)
     for j in range(n):
         for component in range(2):
-            before = scratch.rollers_velocity[j, component]
-            after = rollers.velocity[j, component] + rollers.impulse[j, component] / rollers.total_mass
+            before = scratch.rollers_velocity[component, j]
+            after = rollers.velocity[component, j] + rollers.impulse[component, j] / rollers.total_mass
             total += rollers.total_mass * before * after
     total += _ring_kinetic(inner, scratch.inner_w) + _ring_kinetic(outer, scratch.outer_w)
     outward = 0.0
@@ -196,11 +196,13 @@ def elastic_energy(rollers, inner, outer, drive, scratch):
         columns,
         scratch.torque,
     )
-    for i in range(rollers.mass.size):
-        for component in range(2):
-            at = (2 * i + component) * columns
-            for j in range(n):
-                total -= rollers.mass[i] / dt * rollers.u[at + j] * scratch.rollers_w[at + j]
+    for j in range(0, n, WIDTH):
+        part = splat(0.0)
+        for i in range(rollers.mass.size):
+            at, mass = 2 * i * columns + j, rollers.mass[i] / dt
+            part += mass * (load(rollers.u, at) * load(scratch.rollers_w, at))
+            part += mass * (load(rollers.u, at + columns) * load(scratch.rollers_w, at + columns))
+        total -= lane_total(part)
     total += _ring_elastic(inner, scratch.inner_w, 0, inner.radii.size, dt)
     total += _ring_elastic(outer, scratch.outer_w, outer.first_row, outer.last_row, dt)
     return 0.5 * total
@@ -240,7 +242,7 @@ def weighted_height(rollers, inner, outer, drive):
     """Σ m y of all that moves, kg m."""
     total = drive.mass * drive.hub[1]
     for j in range(rollers.n):
-        total += rollers.total_mass * rollers.centre[j, 1]
+        total += rollers.total_mass * rollers.centre[1, j]
     return total + _ring_place(inner, drive.ring[1], drive.ring[2])[1] + _ring_place(outer, 1.0, 0.0)[1]
 
 

@@ -1,83 +1,339 @@
-"""Eight float64 lanes as one value inside numba kernels.
+"""Eight lanes as one value inside numba kernels: floats, whole numbers and truth values, with Python's operators.
 
 LLVM's loop vectoriser does not trust a gather over many rows (it must prove that no row overlaps the output) and falls
 back to scalar code, 5 times slower. A value of eight lanes says what is meant. LLVM lowers it to whatever the processor
-has: one AVX-512 register, two AVX, four SSE2 or NEON.
+has: one AVX-512 register, two AVX, four SSE2 or NEON. A scalar beside lanes stands for all of them; products and sums
+may be fused. All functions but `load` also take scalars for lanes, so that a kernel can be called for one value.
+Memory is addressed by a flat index into a C-ordered array of any shape, unchecked.
 """
+
+import operator
 
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic, models, register_model
+from numba.extending import intrinsic, models, overload, register_model
 
 WIDTH = 8
-_VECTOR = ir.VectorType(ir.DoubleType(), WIDTH)
+_DOUBLE, _LONG, _BIT = ir.DoubleType(), ir.IntType(64), ir.IntType(1)
+_FUSED = ("contract",)
 
 
 class LanesType(types.Type):
-    """Numba type of eight float64 lanes."""
+    """Numba type of eight lanes of one LLVM element type."""
 
-    def __init__(self):
-        super().__init__(name="Lanes8")
+    def __init__(self, name, element):
+        super().__init__(name=name)
+        self.vector = ir.VectorType(element, WIDTH)
 
 
-LANES = LanesType()
+LANES = LanesType("Lanes8", _DOUBLE)
+WHOLE = LanesType("WholeLanes8", _LONG)
+MASK = LanesType("MaskLanes8", _BIT)
 
 
 @register_model(LanesType)
 class _LanesModel(models.PrimitiveModel):
     def __init__(self, dmm, fe_type):
-        super().__init__(dmm, fe_type, _VECTOR)
+        super().__init__(dmm, fe_type, fe_type.vector)
 
 
-def _pointer(context, builder, array_type, array, index):
-    data = context.make_array(array_type)(context, builder, array).data
-    return builder.bitcast(builder.gep(data, [index]), _VECTOR.as_pointer())
+def _of(array_type):
+    return LANES if array_type.dtype == types.float64 else WHOLE
 
 
-def _splat(builder, scalar):
-    empty = ir.Constant(_VECTOR, ir.Undefined)
+def _data(context, builder, array_type, array, index):
+    return builder.gep(context.make_array(array_type)(context, builder, array).data, [index])
+
+
+def _splat(builder, scalar, vector):
+    empty = ir.Constant(vector, ir.Undefined)
     first = builder.insert_element(empty, scalar, ir.Constant(ir.IntType(32), 0))
     lanes = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [0] * WIDTH)
     return builder.shuffle_vector(first, empty, lanes)
 
 
-def _multiply_add(builder, left, right, addend):
-    # fmuladd, not fma: a processor without the fused instruction multiplies and adds instead of calling a library
-    signature = ir.FunctionType(_VECTOR, [_VECTOR] * 3)
-    function = builder.module.declare_intrinsic("llvm.fmuladd.v8f64", (), signature)
-    return builder.call(function, [left, right, addend])
+_SCALARS = {LANES: types.float64, WHOLE: types.intp, MASK: types.boolean}
+
+
+def _like(kind, value_type):
+    """Lanes of a kind, or its scalar, as the value is lanes or scalar."""
+    return kind if isinstance(value_type, LanesType) else _SCALARS[kind]
+
+
+def _lane(number):
+    return ir.Constant(ir.IntType(32), number)
+
+
+def _as(builder, value, value_type, lanes):
+    """The value, a scalar spread over all lanes."""
+    return value if isinstance(value_type, LanesType) else _splat(builder, value, lanes.vector)
+
+
+def _call(builder, name, arguments):
+    """An intrinsic of floats that returns what it is given."""
+    kind = arguments[0].type
+    suffix = "v8f64" if isinstance(kind, ir.VectorType) else "f64"
+    signature = ir.FunctionType(kind, [kind] * len(arguments))
+    return builder.call(builder.module.declare_intrinsic(f"{name}.{suffix}", (), signature), arguments)
+
+
+# ---- memory
 
 
 @intrinsic
-def load(typingctx, flat, index):
-    """Lanes flat[index : index + 8] of a C-ordered one-dimensional float64 array; unchecked."""
+def load(typingctx, array, index):
+    """Lanes at index ... index + 7."""
+    lanes = _of(array)
 
     def codegen(context, builder, signature, arguments):
-        return builder.load(_pointer(context, builder, signature.args[0], *arguments), align=8)
+        pointer = _data(context, builder, signature.args[0], *arguments)
+        return builder.load(builder.bitcast(pointer, lanes.vector.as_pointer()), align=8)
 
-    return LANES(flat, types.intp), codegen
+    return lanes(array, types.intp), codegen
 
 
 @intrinsic
-def store(typingctx, flat, index, lanes):
-    """flat[index : index + 8] = lanes; unchecked."""
+def store(typingctx, array, index, lanes):
+    """Write lanes to index ... index + 7, a scalar to index."""
 
     def codegen(context, builder, signature, arguments):
-        array, at, value = arguments
-        builder.store(value, _pointer(context, builder, signature.args[0], array, at), align=8)
+        pointer = _data(context, builder, signature.args[0], *arguments[:2])
+        builder.store(arguments[2], builder.bitcast(pointer, arguments[2].type.as_pointer()), align=8)
         return context.get_dummy_value()
 
-    return types.void(flat, types.intp, LANES), codegen
+    return types.void(array, types.intp, _like(_of(array), lanes)), codegen
+
+
+@intrinsic
+def gather(typingctx, array, at):
+    """Lanes from eight indices; lane by lane, which costs no more than the processor's own instruction."""
+    lanes = _of(array)
+
+    def codegen(context, builder, signature, arguments):
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        if not isinstance(at, LanesType):
+            return builder.load(builder.gep(data, [arguments[1]]))
+        found = ir.Constant(lanes.vector, ir.Undefined)
+        for k in range(WIDTH):
+            index = builder.extract_element(arguments[1], _lane(k))
+            found = builder.insert_element(found, builder.load(builder.gep(data, [index])), _lane(k))
+        return found
+
+    return _like(lanes, at)(array, _like(WHOLE, at)), codegen
+
+
+@intrinsic
+def scatter_add(typingctx, array, at, lanes):
+    """Add lanes at eight indices one after the other, so that the same index may come twice."""
+
+    def codegen(context, builder, signature, arguments):
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        for k in range(WIDTH):
+            pointer = builder.gep(data, [builder.extract_element(arguments[1], _lane(k))])
+            builder.store(builder.fadd(builder.load(pointer), builder.extract_element(arguments[2], _lane(k))), pointer)
+        return context.get_dummy_value()
+
+    return types.void(array, WHOLE, LANES), codegen
+
+
+# ---- making and taking apart
 
 
 @intrinsic
 def splat(typingctx, scalar):
     """All lanes equal to a scalar."""
+    lanes = WHOLE if isinstance(scalar, types.Integer) else LANES
 
     def codegen(context, builder, signature, arguments):
-        return _splat(builder, arguments[0])
+        return _splat(builder, arguments[0], lanes.vector)
 
-    return LANES(types.float64), codegen
+    return lanes(types.intp if lanes is WHOLE else types.float64), codegen
+
+
+@intrinsic
+def count_from(typingctx, first):
+    """first, first + 1, ... first + 7."""
+
+    def codegen(context, builder, signature, arguments):
+        steps = ir.Constant(WHOLE.vector, list(range(WIDTH)))
+        return builder.add(_splat(builder, arguments[0], WHOLE.vector), steps)
+
+    return WHOLE(types.intp), codegen
+
+
+@intrinsic
+def whole(typingctx, lanes):
+    """Whole part of lanes that are not negative."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.fptosi(arguments[0], context.get_value_type(signature.return_type))
+
+    return _like(WHOLE, lanes)(_like(LANES, lanes)), codegen
+
+
+@intrinsic
+def real(typingctx, lanes):
+    """Whole numbers as floats."""
+
+    def codegen(context, builder, signature, arguments):
+        return builder.sitofp(arguments[0], context.get_value_type(signature.return_type))
+
+    return _like(LANES, lanes)(_like(WHOLE, lanes)), codegen
+
+
+@intrinsic
+def total(typingctx, lanes):
+    """Sum of the lanes, from first to last."""
+
+    def codegen(context, builder, signature, arguments):
+        found = builder.extract_element(arguments[0], _lane(0))
+        for k in range(1, WIDTH):
+            found = builder.fadd(found, builder.extract_element(arguments[0], _lane(k)))
+        return found
+
+    return types.float64(LANES), codegen
+
+
+@intrinsic
+def any_lane(typingctx, mask):
+    """Whether any lane is true."""
+
+    def codegen(context, builder, signature, arguments):
+        if not isinstance(mask, LanesType):
+            return arguments[0]
+        bits = builder.bitcast(arguments[0], ir.IntType(WIDTH))
+        return builder.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
+
+    return types.boolean(_like(MASK, mask)), codegen
+
+
+@intrinsic
+def select(typingctx, mask, yes, no):
+    """`yes` where the mask is true, else `no`; either may be a scalar."""
+    kind = WHOLE if all(t == WHOLE or isinstance(t, types.Integer) for t in (yes, no)) else LANES
+
+    def codegen(context, builder, signature, arguments):
+        choices = arguments[1:]
+        if isinstance(mask, LanesType):
+            choices = [_as(builder, a, t, kind) for a, t in zip(choices, signature.args[1:], strict=True)]
+        return builder.select(arguments[0], *choices)
+
+    return _like(kind, mask)(_like(MASK, mask), _like(kind, yes), _like(kind, no)), codegen
+
+
+# ---- arithmetic
+
+
+def _operands(left, right):
+    """The lanes a pair of operands makes, or None."""
+    found = {t for t in (left, right) if isinstance(t, LanesType)}
+    scalars = [t for t in (left, right) if not isinstance(t, LanesType)]
+    if len(found) != 1:
+        return None
+    (lanes,) = found
+    fitting = {LANES: types.Float, WHOLE: types.Integer}.get(lanes, ())
+    return lanes if all(isinstance(t, fitting) for t in scalars) else None
+
+
+def _define(symbol, build, result=None, kinds=(LANES, WHOLE)):
+    """Give an operator to lanes; `build(builder, lanes, left, right)`; `result`: None for the operands' own kind."""
+
+    @intrinsic
+    def call(typingctx, left, right):
+        lanes = _operands(left, right)
+
+        def codegen(context, builder, signature, arguments):
+            pair = [_as(builder, a, t, lanes) for a, t in zip(arguments, signature.args, strict=True)]
+            return build(builder, lanes, *pair)
+
+        return (result or lanes)(_like(lanes, left), _like(lanes, right)), codegen
+
+    @overload(symbol)
+    def choose(left, right):
+        if _operands(left, right) in kinds:
+            return lambda left, right: call(left, right)
+        return None
+
+
+def _either(of_floats, of_wholes):
+    def build(builder, lanes, left, right):
+        if lanes is LANES:
+            return getattr(builder, of_floats)(left, right, flags=_FUSED)
+        return getattr(builder, of_wholes)(left, right)
+
+    return build
+
+
+def _compare(sign):
+    def build(builder, lanes, left, right):
+        if lanes is LANES:
+            compare = builder.fcmp_unordered if sign == "!=" else builder.fcmp_ordered
+            return compare(sign, left, right)
+        return builder.icmp_signed(sign, left, right)
+
+    return build
+
+
+for _symbol in (operator.add, operator.iadd):
+    _define(_symbol, _either("fadd", "add"))
+for _symbol in (operator.sub, operator.isub):
+    _define(_symbol, _either("fsub", "sub"))
+_define(operator.mul, _either("fmul", "mul"))
+_define(operator.truediv, lambda builder, lanes, left, right: builder.fdiv(left, right), kinds=(LANES,))
+for _symbol, _sign in (
+    (operator.lt, "<"),
+    (operator.le, "<="),
+    (operator.gt, ">"),
+    (operator.ge, ">="),
+    (operator.ne, "!="),
+    (operator.eq, "=="),
+):
+    _define(_symbol, _compare(_sign), MASK)
+_define(operator.and_, lambda builder, lanes, left, right: builder.and_(left, right), kinds=(MASK,))
+_define(operator.or_, lambda builder, lanes, left, right: builder.or_(left, right), kinds=(MASK,))
+
+
+@intrinsic
+def _negated(typingctx, lanes):
+    def codegen(context, builder, signature, arguments):
+        return builder.fneg(arguments[0])
+
+    return LANES(LANES), codegen
+
+
+@overload(operator.neg)
+def _negate(lanes):
+    return (lambda lanes: _negated(lanes)) if lanes == LANES else None
+
+
+@intrinsic
+def root(typingctx, lanes):
+    """Square root."""
+
+    def codegen(context, builder, signature, arguments):
+        return _call(builder, "llvm.sqrt", arguments)
+
+    return _like(LANES, lanes)(_like(LANES, lanes)), codegen
+
+
+@intrinsic
+def magnitude(typingctx, lanes):
+    """Absolute value."""
+
+    def codegen(context, builder, signature, arguments):
+        return _call(builder, "llvm.fabs", arguments)
+
+    return _like(LANES, lanes)(_like(LANES, lanes)), codegen
+
+
+@intrinsic
+def with_sign(typingctx, lanes, sign):
+    """Magnitude of the first, sign of the second."""
+
+    def codegen(context, builder, signature, arguments):
+        return _call(builder, "llvm.copysign", arguments)
+
+    return _like(LANES, lanes)(_like(LANES, lanes), _like(LANES, sign)), codegen
 
 
 @intrinsic
@@ -85,47 +341,28 @@ def fma(typingctx, scalar, lanes, addend):
     """scalar·lanes + addend."""
 
     def codegen(context, builder, signature, arguments):
-        factor, value, rest = arguments
-        return _multiply_add(builder, _splat(builder, factor), value, rest)
+        factor = _splat(builder, arguments[0], LANES.vector)
+        # fmuladd, not fma: a processor without the fused instruction multiplies and adds instead of calling a library
+        return _call(builder, "llvm.fmuladd", [factor, *arguments[1:]])
 
     return LANES(types.float64, LANES, LANES), codegen
 
 
 @intrinsic
-def fma_lanes(typingctx, left, right, addend):
-    """left·right + addend, lane by lane."""
+def exponent_and_mantissa(typingctx, lanes):
+    """Of positive normal numbers: the power of two, as a float, and what is left, in [1, 2)."""
+    kind = _like(LANES, lanes)
 
     def codegen(context, builder, signature, arguments):
-        return _multiply_add(builder, *arguments)
+        floats, integers = (context.get_value_type(_like(k, lanes)) for k in (LANES, WHOLE))
 
-    return LANES(LANES, LANES, LANES), codegen
+        def constant(value):
+            return ir.Constant(integers, [value] * WIDTH if isinstance(lanes, LanesType) else value)
 
+        bits = builder.bitcast(arguments[0], integers)
+        power = builder.sub(builder.lshr(bits, constant(52)), constant(1023))
+        rest = builder.or_(builder.and_(bits, constant((1 << 52) - 1)), constant(1023 << 52))
+        values = [builder.sitofp(power, floats), builder.bitcast(rest, floats)]
+        return context.make_tuple(builder, types.UniTuple(kind, 2), values)
 
-@intrinsic
-def add(typingctx, left, right):
-    """left + right, lane by lane."""
-
-    def codegen(context, builder, signature, arguments):
-        return builder.fadd(*arguments)
-
-    return LANES(LANES, LANES), codegen
-
-
-@intrinsic
-def subtract(typingctx, left, right):
-    """left − right, lane by lane."""
-
-    def codegen(context, builder, signature, arguments):
-        return builder.fsub(*arguments)
-
-    return LANES(LANES, LANES), codegen
-
-
-@intrinsic
-def multiply(typingctx, left, right):
-    """left·right, lane by lane."""
-
-    def codegen(context, builder, signature, arguments):
-        return builder.fmul(*arguments)
-
-    return LANES(LANES, LANES), codegen
+    return types.UniTuple(kind, 2)(kind), codegen

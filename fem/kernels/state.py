@@ -18,16 +18,16 @@ class Rollers(NamedTuple):
     lightness: np.ndarray  # (n_nodes,), 1/kg: 1/mass
     u: np.ndarray  # (n_nodes · 2 · columns,), m
     w: np.ndarray  # m/s
-    centre: np.ndarray  # (columns, 2), m
-    velocity: np.ndarray  # (columns, 2), m/s, at t − dt/2
+    centre: np.ndarray  # (2, columns), m
+    velocity: np.ndarray  # (2, columns), m/s, at t − dt/2
     turn: np.ndarray  # (columns,), rad, of the frames
     cosine: np.ndarray  # of turn
     sine: np.ndarray
     increment: np.ndarray  # rad, the frames' next turn
     lead: np.ndarray  # rad, by which the bodies lead their frames
     spin: np.ndarray  # rad/s
-    impulse: np.ndarray  # (columns, 2), N s, of this step, through nodes
-    tilt: np.ndarray  # (columns, 2), N s, of this step, on the whole body
+    impulse: np.ndarray  # (2, columns), N s, of this step, through nodes
+    tilt: np.ndarray  # (2, columns), N s, of this step, on the whole body
     turn_kick: np.ndarray  # (columns,), rad/s, of this step, turning the whole body
     first_surface: int
     n_surface: int
@@ -67,7 +67,10 @@ class Resolved(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """All contacts, by kind and roller; side 0 is the ring (or roller j), side 1 the roller (or roller j + 1)."""
+    """All contacts, by kind and roller; side 0 is the ring (or roller j), side 1 the roller (or roller j + 1).
+
+    Arrays over rollers have `columns` entries, spare ones without meaning or 0.
+    """
 
     A: np.ndarray  # (3,)
     B: np.ndarray
@@ -78,23 +81,24 @@ class Contacts(NamedTuple):
     roller_ripple: np.ndarray
     inner_ripple: np.ndarray
     outer_ripple: np.ndarray
-    force: np.ndarray  # (3, n), N
-    approach: np.ndarray  # (3, n), m, below the grid, at the last kick; negative: apart; NaN: far apart
-    push: np.ndarray  # (3, n), N, that the last kick gave: see `kick_force`
-    bracket: np.ndarray  # (3, n), B with the ripples of the present positions
-    traction: np.ndarray  # (3, n), N, on side 1, along +θ (counter-clockwise about side 0)
-    normal: np.ndarray  # (3, n, 2), unit, from side 0 to side 1 (outer contact: outward)
-    slip: np.ndarray  # (3, n), m/s, before the step's kick
+    force: np.ndarray  # (3, columns), N
+    approach: np.ndarray  # (3, columns), m, below the grid, at the last kick; negative: apart; NaN: far apart
+    push: np.ndarray  # (3, columns), N, that the last kick gave: see `kick_force`
+    bracket: np.ndarray  # (3, columns), B with the ripples of the present positions
+    traction: np.ndarray  # (3, columns), N, on side 1, along +θ (counter-clockwise about side 0)
+    normal: np.ndarray  # (3, 2, columns), unit, from side 0 to side 1 (outer contact: outward)
+    slip: np.ndarray  # (3, columns), m/s, before the step's kick
     crowded: bool  # patches of neighbouring contacts may overlap
     stretch: tuple[int, ...]  # m entries: see `patches`
-    # patches: row 2·(kind·n + j) + side
-    node: np.ndarray  # (6 n, 6 m), surface node, or sector plus HALO
-    weight: np.ndarray  # (6 n, 6 m)
-    outward: np.ndarray  # (6 n, 2), of a roller, unit, in its frame
-    along: np.ndarray  # (6 n, 6 m), of a ring: weight times the cosine of the angle to the node's radius
+    # patches: 2·kind + side
+    start: np.ndarray  # (6, columns), first surface node or sector
+    weight: np.ndarray  # (6, 6 m, columns)
+    outward: np.ndarray  # (6, 2, columns), of a roller, unit, in its frame
+    along: np.ndarray  # (6, 6 m, columns), of a ring: weight times the cosine of the angle to the node's radius
     across: np.ndarray  # times the sine
-    grip_x: np.ndarray  # (6 n, 6 m), weighted tangential direction: of a roller in its frame, of a ring polar
-    grip_y: np.ndarray
+    scale: np.ndarray  # (6, columns), of the tangential directions, see `patch_kernels`
+    lean: np.ndarray  # (6, columns)
+    mobility: np.ndarray  # (3, columns), 1/kg, of both sides together
     resolved: Resolved | None  # None: the law below the grid
 
 
@@ -122,8 +126,8 @@ class Drive(NamedTuple):
 class Scratch(NamedTuple):
     """Room to work in; nothing here outlives a step."""
 
-    slope: np.ndarray  # (1, 6 m)
-    slip: np.ndarray  # (3, n)
+    slope: np.ndarray  # (6 m, 8)
+    slip: np.ndarray  # (3, columns)
     bore: np.ndarray  # (2, inner n_sectors + 2 HALO)
     line: np.ndarray  # (2, outer n_sectors + 2 HALO)
     torque: np.ndarray  # (columns,)

@@ -6,7 +6,9 @@ from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.contact_kernels import contact_forces, push_nodes
 from fem.kernels.friction_kernels import friction_contacts, grips, slips
 from fem.kernels.jit import kernel
+from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.sample_kernels import remember, write_sample
+from fem.kernels.simd import WIDTH, fma, load, store
 
 DONE, NOT_FINITE = 0, 1
 FASTEST = 1e5  # m/s; no body is faster unless the run has blown up
@@ -36,12 +38,13 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     drive.ring[4] = 0.0
     contact_forces(rollers, inner, outer, contacts, drive, scratch.slope, contacts.resolved)
     if drive.friction > 0.0:
-        grips(rollers, contacts)
+        grips(rollers, inner, outer, contacts)
         slips(rollers, inner, outer, contacts, scratch.still, contacts.slip)
     push_nodes(rollers, inner, outer, contacts, drive, contacts.resolved)
+    velocity, tilt, lightness = rollers.velocity, rollers.tilt, 1.0 / rollers.total_mass
     for j in range(rollers.n):
-        rollers.velocity[j, 0] += rollers.tilt[j, 0] / rollers.total_mass
-        rollers.velocity[j, 1] += rollers.tilt[j, 1] / rollers.total_mass - drive.gravity * dt
+        velocity[0, j] += tilt[0, j] * lightness
+        velocity[1, j] += tilt[1, j] * lightness - drive.gravity * dt
 
     # the hub, by the reaction of the ring's held row
     bore_r, bore_t = scratch.bore[0], scratch.bore[1]
@@ -89,16 +92,21 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
 @kernel(forceinline=True)
 def drift(rollers, inner, outer, drive, scratch):
     """Advance all positions by one step."""
-    dt = drive.dt
-    for j in range(rollers.n):
-        c, s = rollers.cosine[j], rollers.sine[j]
-        px, py = rollers.impulse[j, 0] / rollers.total_mass, rollers.impulse[j, 1] / rollers.total_mass
-        scratch.shift[0, j], scratch.shift[1, j] = c * px + s * py, c * py - s * px
-        scratch.cosine[j], scratch.sine[j] = cos(rollers.increment[j]), sin(rollers.increment[j])
-        rollers.velocity[j, 0] += px
-        rollers.velocity[j, 1] += py
-        rollers.centre[j, 0] += dt * rollers.velocity[j, 0]
-        rollers.centre[j, 1] += dt * rollers.velocity[j, 1]
+    dt, columns, over = drive.dt, rollers.columns, 1.0 / rollers.total_mass
+    impulse, velocity, centre, shift = rollers.impulse, rollers.velocity, rollers.centre, scratch.shift
+    for j in range(0, rollers.n, WIDTH):
+        c, s = load(rollers.cosine, j), load(rollers.sine, j)
+        px, py = load(impulse, j) * over, load(impulse, columns + j) * over
+        store(shift, j, c * px + s * py)
+        store(shift, columns + j, c * py - s * px)
+        step_c, step_s = cosine_and_sine(load(rollers.increment, j))
+        store(scratch.cosine, j, step_c)
+        store(scratch.sine, j, step_s)
+        vx, vy = load(velocity, j) + px, load(velocity, columns + j) + py
+        store(velocity, j, vx)
+        store(velocity, columns + j, vy)
+        store(centre, j, fma(dt, vx, load(centre, j)))
+        store(centre, columns + j, fma(dt, vy, load(centre, columns + j)))
     disc_kernels.drift(
         rollers.points,
         rollers.mass,
@@ -113,14 +121,18 @@ def drift(rollers, inner, outer, drive, scratch):
         scratch.shift[1],
         scratch.torque,
     )
-    for j in range(rollers.n):
-        rollers.turn[j] += rollers.increment[j]
-        rollers.cosine[j], rollers.sine[j] = cos(rollers.turn[j]), sin(rollers.turn[j])
-        lead = scratch.torque[j] / rollers.inertia
-        turned = rollers.increment[j] + lead - rollers.lead[j]
-        rollers.spin[j] = turned / dt
-        rollers.increment[j] = turned + lead
-        rollers.lead[j] = lead
+    for j in range(0, rollers.n, WIDTH):
+        increment = load(rollers.increment, j)
+        turn = load(rollers.turn, j) + increment
+        c, s = cosine_and_sine(turn)
+        lead = load(scratch.torque, j) * (1.0 / rollers.inertia)
+        turned = increment + lead - load(rollers.lead, j)
+        store(rollers.turn, j, turn)
+        store(rollers.cosine, j, c)
+        store(rollers.sine, j, s)
+        store(rollers.spin, j, turned * (1.0 / dt))
+        store(rollers.increment, j, turned + lead)
+        store(rollers.lead, j, lead)
 
     drive.hub[0] += dt * drive.velocity[0]
     drive.hub[1] += dt * drive.velocity[1]
@@ -170,6 +182,6 @@ def _lost(rollers, drive):
     if not abs(drive.velocity[0]) + abs(drive.velocity[1]) < FASTEST:
         return -1
     for j in range(rollers.n):
-        if not abs(rollers.velocity[j, 0]) + abs(rollers.velocity[j, 1]) < FASTEST:
+        if not abs(rollers.velocity[0, j]) + abs(rollers.velocity[1, j]) < FASTEST:
             return j
     return -2

@@ -10,6 +10,7 @@ from fem.elastic.resolved import points, stretch_for
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
+from fem.kernels.simd import WIDTH
 from fem.kernels.state import INNER, OUTER, ROLLER, Contacts, Drive, Ring, Rollers, Scratch
 from fem.solver.start import Start
 from lagrange import Bearing, Operation, kinematics
@@ -43,7 +44,7 @@ def make_arrays(
     outer = _ring(model.outer_ring, dt)
     rollers = _rollers(model.roller, model.bearing.n_rollers, dt)
     drive = _drive(model, operation, start, dt, friction, ramp)
-    contacts = _contacts(model, operation, start, largest_force)
+    contacts = _contacts(model, operation, start, largest_force, rollers.columns)
     _place_inner(model.inner_ring, inner, start, operation.speed, dt)
     _fill(outer.u, start.equilibrium.outer_ring)
     _fill(outer.w, start.outer_rate)
@@ -71,16 +72,16 @@ def _rollers(disc: DiscBody, n: int, dt: float) -> Rollers:
         lightness=1.0 / disc.mass,
         u=np.zeros(disc.n_nodes * 2 * columns),
         w=np.zeros(disc.n_nodes * 2 * columns),
-        centre=np.zeros((columns, 2)),
-        velocity=np.zeros((columns, 2)),
+        centre=np.zeros((2, columns)),
+        velocity=np.zeros((2, columns)),
         turn=np.zeros(columns),
         cosine=np.ones(columns),
         sine=np.zeros(columns),
         increment=np.zeros(columns),
         lead=np.zeros(columns),
         spin=np.zeros(columns),
-        impulse=np.zeros((columns, 2)),
-        tilt=np.zeros((columns, 2)),
+        impulse=np.zeros((2, columns)),
+        tilt=np.zeros((2, columns)),
         turn_kick=np.zeros(columns),
         first_surface=disc.first_surface_node,
         n_surface=disc.shape.surface_nodes,
@@ -141,9 +142,10 @@ def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: flo
 def _place_rollers(disc: DiscBody, rollers: Rollers, start: Start, dt: float) -> None:
     n, spin, cage = rollers.n, start.kinematics.roller, start.kinematics.cage
     rho, angle = start.equilibrium.rho, start.angle
-    rollers.centre[:n] = np.column_stack([rho * np.cos(angle), rho * np.sin(angle)])
+    rollers.centre[:, :n] = rho * np.cos(angle), rho * np.sin(angle)
+    rollers.centre[:, n:] = rollers.centre[:, :1]  # spare columns need a direction, lest there be a division by 0
     half_step = 0.5 * dt if start.steady else 0.0
-    rollers.velocity[:n] = start.roller_velocity + half_step * cage**2 * rollers.centre[:n]
+    rollers.velocity[:, :n] = start.roller_velocity.T + half_step * cage**2 * rollers.centre[:, :n]
     rollers.spin[:n] = spin
     rollers.increment[:n] = spin * dt
     position = disc.points + start.equilibrium.rollers
@@ -163,11 +165,11 @@ def _reach(model: Model, operation: Operation) -> float:
     return REACH * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max())
 
 
-def _contacts(model: Model, operation: Operation, start: Start, largest_force: float) -> Contacts:
+def _contacts(model: Model, operation: Operation, start: Start, largest_force: float, columns: int) -> Contacts:
     n = model.bearing.n_rollers
     laws = (model.inner_law, model.outer_law, model.roller_law)
-    force = np.zeros((3, n))
-    force[0], force[1] = start.equilibrium.inner_force, start.equilibrium.outer_force
+    force = np.zeros((3, columns))
+    force[0, :n], force[1, :n] = start.equilibrium.inner_force, start.equilibrium.outer_force
     surface_nodes = (model.inner_ring.n_sectors, model.outer_ring.n_sectors, model.roller.shape.surface_nodes)
     resolved, stretch, none = None, (0,) * model.stretch, np.zeros(0)
     if model.is_resolved:
@@ -186,21 +188,22 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         inner_ripple=below.inner_surface.ripple if below else none,
         outer_ripple=below.outer_surface.ripple if below else none,
         force=force,
-        approach=np.full((3, n), np.nan),
-        push=np.zeros((3, n)),
-        bracket=np.zeros((3, n)),
-        traction=np.zeros((3, n)),
-        normal=np.zeros((3, n, 2)),
-        slip=np.zeros((3, n)),
+        approach=np.full((3, columns), np.nan),
+        push=np.zeros((3, columns)),
+        bracket=np.zeros((3, columns)),
+        traction=np.zeros((3, columns)),
+        normal=np.zeros((3, 2, columns)),
+        slip=np.zeros((3, columns)),
         crowded=_crowded(model.bearing, surface_nodes, width),
         stretch=stretch,
-        node=np.zeros((6 * n, width), dtype=np.int64),
-        weight=np.zeros((6 * n, width)),
-        outward=np.zeros((6 * n, 2)),
-        along=np.zeros((6 * n, width)),
-        across=np.zeros((6 * n, width)),
-        grip_x=np.zeros((6 * n, width)),
-        grip_y=np.zeros((6 * n, width)),
+        start=np.zeros((6, columns), dtype=np.int64),
+        weight=np.zeros((6, width, columns)),
+        outward=np.zeros((6, 2, columns)),
+        along=np.zeros((6, width, columns)),
+        across=np.zeros((6, width, columns)),
+        scale=np.zeros((6, columns)),
+        lean=np.zeros((6, columns)),
+        mobility=np.zeros((3, columns)),
         resolved=resolved,
     )
 
@@ -234,8 +237,8 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, friction
 def _scratch(rollers: Rollers, inner: Ring, outer: Ring, contacts: Contacts) -> Scratch:
     columns = rollers.columns
     return Scratch(
-        slope=np.zeros((1, contacts.weight.shape[1])),
-        slip=np.zeros((3, rollers.n)),
+        slope=np.zeros((contacts.weight.shape[1], WIDTH)),
+        slip=np.zeros((3, rollers.columns)),
         bore=np.zeros((2, inner.u.shape[2])),
         line=np.zeros((2, outer.u.shape[2])),
         torque=np.zeros(columns),

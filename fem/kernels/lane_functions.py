@@ -1,0 +1,139 @@
+"""Functions of eight lanes, or of scalars, to round-off.
+
+Arguments reduced as in Sun's fdlibm (s_atan.c, e_log.c, k_sin.c, k_cos.c, 1993), with its minimax coefficients.
+"""
+
+from math import log, pi
+
+from fem.kernels.jit import kernel
+from fem.kernels.simd import exponent_and_mantissa, magnitude, real, select, whole, with_sign
+
+TAN_EIGHTH = 0.41421356237309503  # tan(π/8)
+LN_2 = log(2.0)
+ROOT_2 = 1.4142135623730951
+# π/2 in three parts; the first two have 33 bits, so that their multiples are exact
+HALF_PI_1, HALF_PI_2, HALF_PI_3 = 1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21
+
+
+@kernel(forceinline=True)
+def arc_tangent(y, x):
+    """Angle of (x, y) in (−π, π], rad."""
+    wide, high = magnitude(x), magnitude(y)
+    steep = high > wide
+    small, large = select(steep, wide, high), select(steep, high, wide)
+    upper = small > TAN_EIGHTH * large
+    t = select(upper, small - large, small) / select(upper, small + large, large)
+    z = t * t
+    w = z * z
+    even = z * (
+        3.33333333333329318027e-01
+        + w
+        * (
+            1.42857142725034663711e-01
+            + w
+            * (
+                9.09088713343650656196e-02
+                + w * (6.66107313738753120669e-02 + w * (4.97687799461593236017e-02 + w * 1.62858201153657823623e-02))
+            )
+        )
+    )
+    odd = w * (
+        1.99999999998764832476e-01
+        + w
+        * (
+            1.11111104054623557880e-01
+            + w * (7.69187620504482999495e-02 + w * (5.83357013379057348645e-02 + w * 3.65315727442169155270e-02))
+        )
+    )
+    angle = t + t * (odd - even)
+    angle = select(upper, angle + 0.25 * pi, angle)
+    angle = select(steep, 0.5 * pi - angle, angle)
+    return with_sign(select(x < 0.0, pi - angle, angle), y)
+
+
+@kernel(forceinline=True)
+def logarithm(x):
+    """Natural logarithm of positive numbers."""
+    power, m = exponent_and_mantissa(x)
+    above = m > ROOT_2
+    m, power = select(above, 0.5 * m, m), select(above, power + 1.0, power)
+    f = m - 1.0
+    s = f / (2.0 + f)
+    z = s * s
+    R = z * (
+        6.666666666666735130e-01
+        + z
+        * (
+            3.999999999940941908e-01
+            + z
+            * (
+                2.857142874366239149e-01
+                + z
+                * (
+                    2.222219843214978396e-01
+                    + z * (1.818357216161805012e-01 + z * (1.531383769920937332e-01 + z * 1.479819860511658591e-01))
+                )
+            )
+        )
+    )
+    half = 0.5 * f * f
+    return power * LN_2 + (f - (half - s * (half + R)))
+
+
+@kernel(forceinline=True)
+def cosine_and_sine(angle):
+    """Of angles of any sign up to some 10⁶ rad."""
+    size = magnitude(angle)
+    quarter = whole(size * (2.0 / pi) + 0.5)
+    turns = real(quarter)
+    r = ((size - turns * HALF_PI_1) - turns * HALF_PI_2) - turns * HALF_PI_3
+    z = r * r
+    s = r + r * z * (
+        -1.66666666666666324348e-01
+        + z
+        * (
+            8.33333333332248946124e-03
+            + z
+            * (
+                -1.98412698298579493134e-04
+                + z * (2.75573137070700676789e-06 + z * (-2.50507602534068634195e-08 + z * 1.58969099521155010221e-10))
+            )
+        )
+    )
+    c = (
+        1.0
+        - 0.5 * z
+        + z
+        * z
+        * (
+            4.16666666666666019037e-02
+            + z
+            * (
+                -1.38888888888741095749e-03
+                + z
+                * (
+                    2.48015872894767294178e-05
+                    + z
+                    * (-2.75573143513906633035e-07 + z * (2.08757232129817482790e-09 + z * -1.13596475577881948265e-11))
+                )
+            )
+        )
+    )
+    beyond = turns - 4.0 * real(whole(0.25 * turns))  # quarters past a whole turn: 0, 1, 2, 3
+    odd = (beyond == 1.0) | (beyond == 3.0)
+    cosine, sine = select(odd, s, c), select(odd, c, s)
+    cosine = select((beyond == 1.0) | (beyond == 2.0), -cosine, cosine)
+    sine = select(beyond >= 2.0, -sine, sine)
+    return cosine, select(angle < 0.0, -sine, sine)
+
+
+@kernel(forceinline=True)
+def smaller(a, b):
+    """The smaller of two, lane by lane; the second where one is not a number."""
+    return select(a < b, a, b)
+
+
+@kernel(forceinline=True)
+def larger(a, b):
+    """The larger of two, lane by lane; the second where one is not a number."""
+    return select(a > b, a, b)

@@ -126,7 +126,7 @@ def disc_body(shape: Disc | GradedDisc, material: Material, thickness: float) ->
 
 
 def _end_corrected(mass: np.ndarray, points: np.ndarray, disc: Disc) -> np.ndarray:
-    """Masses with a share (about an eighth) of the surface nodes' on the next row, which makes the polar inertia ½ m R².
+    """Masses with an eighth, about, of the surface nodes' on the next row, which makes the polar inertia ½ m R².
 
     Row sums integrate like the trapezoidal rule, exactly but for its end: surface nodes stand for mass that lies
     inside of them. Taken back where it arises it also halves the error of the disc's modes; spread over all nodes it

@@ -6,12 +6,14 @@ from fem.kernels.jit import kernel
 
 KNOTS_PER_NODE = 8  # the ripple's highest wave is one node spacing long
 STANDING = 1e-4  # of its value: an approach that changes less works as a constant force
-STEEPEST = 0.25  # below this bracket the mesh resolves the contact and the law is continued as a straight line
+STEEPEST = 0.25  # at this bracket less a half the mesh resolves the contact; the law goes on as a straight line
 
 
 @kernel(forceinline=True)
 def contact_force(approach, A, B, Q_line, guess):
     """Force of a sub-grid approach; 0 where the surfaces are apart.
+
+    δ = A Q (B − ½ ln Q) up to Q_line, from there straight on with the slope it has there.
 
     Parameters
     ----------
@@ -23,12 +25,9 @@ def contact_force(approach, A, B, Q_line, guess):
     """
     if approach <= 0.0:
         return 0.0
-    at_line = A * Q_line * (0.5 + STEEPEST)
-    if approach >= at_line:
-        return Q_line + (approach - at_line) / (A * STEEPEST)
     Q = guess
-    if not 0.0 < Q < Q_line:
-        Q = approach / (A * (abs(B) + 10.0))
+    if not 0.0 < Q <= Q_line:
+        Q = min(approach / (A * (abs(B) + 10.0)), Q_line)
     for _ in range(60):
         bracket = B - 0.5 * np.log(Q)
         step = (approach - A * Q * bracket) / (A * (bracket - 0.5))
@@ -37,7 +36,16 @@ def contact_force(approach, A, B, Q_line, guess):
         Q = new
         if converged:
             break
-    return Q
+    if Q < Q_line:
+        return Q
+    # the ripple in B tilts the line as well: its slope has to be that of this place, or energy would not be conserved
+    return max(Q_line, (approach / A - 0.5 * Q_line) / _slope_of_line(B, Q_line))
+
+
+@kernel(forceinline=True)
+def _slope_of_line(B, Q_line):
+    """dδ/dQ above Q_line over A: STEEPEST but for B's ripple."""
+    return B - 0.5 * np.log(Q_line) - 0.5
 
 
 @kernel(forceinline=True)
@@ -59,18 +67,19 @@ def kick_force(before, Q_before, B_before, now, Q, B, A, Q_line):
     if np.isnan(before) or max(before, now) <= 0.0:
         return Q
     step, closed = now - before, min(before, now) > 0.0
-    if (closed and abs(step) < STANDING * now) or max(Q, Q_before) > Q_line:
+    if closed and abs(step) < STANDING * now:
         return Q
-    work = _stored(Q, now, A) - _stored(Q_before, before, A)
+    work = _stored(Q, now, A, Q_line) - _stored(Q_before, before, A, Q_line)
     if closed:  # what the level's change has done is not this force's work
         work += 0.25 * A * (Q * Q + Q_before * Q_before) * (B - B_before)
     return 0.5 * (Q - Q_before) + work / step
 
 
 @kernel(forceinline=True)
-def _stored(Q, approach, A):
-    """`contact_energy` below Q_line, by way of the approach."""
-    return 0.5 * Q * (approach - 0.25 * A * Q)
+def _stored(Q, approach, A, Q_line):
+    """`contact_energy` by way of the approach."""
+    q = min(Q, Q_line)
+    return 0.5 * Q * approach - 0.125 * A * q * (2.0 * Q - q)
 
 
 @kernel(forceinline=True)
@@ -81,7 +90,7 @@ def contact_energy(Q, A, B, Q_line):
     q = min(Q, Q_line)
     energy = 0.5 * A * q * q * (B - 0.5 * np.log(q) - 0.25)
     if Q > Q_line:
-        energy += 0.5 * A * STEEPEST * (Q * Q - Q_line * Q_line)
+        energy += 0.5 * A * _slope_of_line(B, Q_line) * (Q * Q - Q_line * Q_line)
     return energy
 
 

@@ -68,27 +68,54 @@ def slips(rollers, inner, outer, contacts, turn_kick, out):
     `grips` must have been called at the present positions. `turn_kick`, (columns,), rad/s: what the rollers are still
     to gain by turning as a whole.
     """
-    w, columns, velocity, radius, n = rollers.w, rollers.columns, rollers.velocity, rollers.radius, rollers.n
-    inner_w, inner_row, outer_w, outer_row = inner.w, inner.raceway, outer.w, outer.raceway
-    node, grip_x, grip_y, stretch = contacts.node, contacts.grip_x, contacts.grip_y, contacts.stretch
-    force, normal = contacts.force, contacts.normal
     for kind in range(3):
-        for j in range(n):
-            if force[kind, j] == 0.0:
-                continue
-            nx, ny = normal[kind, j, 0], normal[kind, j, 1]
-            p, i = 2 * (kind * n + j), second(kind, j, n)
-            own = patch.sideways_roller(w, columns, i, node, grip_x, grip_y, p + 1, stretch) + turn_kick[i] * radius
-            slip = velocity[i, 1] * nx - velocity[i, 0] * ny
-            slip += own if kind == OUTER else -own
-            if kind == INNER:
-                slip -= patch.sideways_ring(inner_w, inner_row, node, grip_x, grip_y, p, stretch)
-            elif kind == OUTER:
-                slip -= patch.sideways_ring(outer_w, outer_row, node, grip_x, grip_y, p, stretch)
-            else:
-                slip -= patch.sideways_roller(w, columns, j, node, grip_x, grip_y, p, stretch) + turn_kick[j] * radius
-                slip -= velocity[j, 1] * nx - velocity[j, 0] * ny
-            out[kind, j] = slip
+        for j in range(rollers.n):
+            if contacts.force[kind, j] > 0.0:
+                out[kind, j] = slip_of(rollers, inner, outer, contacts, turn_kick, kind, j)
+
+
+@kernel(forceinline=True)
+def slip_of(rollers, inner, outer, contacts, turn_kick, kind, j):
+    """`slips` of one contact, m/s."""
+    w, columns, velocity, radius, n = rollers.w, rollers.columns, rollers.velocity, rollers.radius, rollers.n
+    node, grip_x, grip_y, stretch = contacts.node, contacts.grip_x, contacts.grip_y, contacts.stretch
+    nx, ny = contacts.normal[kind, j, 0], contacts.normal[kind, j, 1]
+    p, i = 2 * (kind * n + j), second(kind, j, n)
+    own = patch.sideways_roller(w, columns, i, node, grip_x, grip_y, p + 1, stretch) + turn_kick[i] * radius
+    slip = velocity[i, 1] * nx - velocity[i, 0] * ny
+    slip += own if kind == OUTER else -own
+    if kind == INNER:
+        return slip - patch.sideways_ring(inner.w, inner.raceway, node, grip_x, grip_y, p, stretch)
+    if kind == OUTER:
+        return slip - patch.sideways_ring(outer.w, outer.raceway, node, grip_x, grip_y, p, stretch)
+    slip -= patch.sideways_roller(w, columns, j, node, grip_x, grip_y, p, stretch) + turn_kick[j] * radius
+    return slip - (velocity[j, 1] * nx - velocity[j, 0] * ny)
+
+
+@kernel(forceinline=True)
+def rub(rollers, inner, outer, contacts, kind, j, push):
+    """The impulse `push`, N s, of one contact's traction against t on side 1; returns its moment on an inner ring."""
+    w, lightness, columns, impulse, n = rollers.w, rollers.lightness, rollers.columns, rollers.impulse, rollers.n
+    node, grip_x, grip_y, stretch = contacts.node, contacts.grip_x, contacts.grip_y, contacts.stretch
+    p, i = 2 * (kind * n + j), second(kind, j, n)
+    ix, iy = push * contacts.normal[kind, j, 1], -push * contacts.normal[kind, j, 0]
+    sign = 1.0 if kind == OUTER else -1.0
+    patch.rub_roller(w, lightness, columns, i, -sign * push, node, grip_x, grip_y, p + 1, stretch)
+    impulse[i, 0] += ix
+    impulse[i, 1] += iy
+    if kind == INNER:
+        mass = inner.row_mass[inner.raceway]
+        return patch.rub_ring(
+            inner.u, inner.w, inner.raceway, inner.radius, mass, push, node, grip_x, grip_y, p, stretch
+        )
+    if kind == OUTER:
+        mass = outer.row_mass[outer.raceway]
+        patch.rub_ring(outer.u, outer.w, outer.raceway, outer.radius, mass, push, node, grip_x, grip_y, p, stretch)
+    else:
+        patch.rub_roller(w, lightness, columns, j, push, node, grip_x, grip_y, p, stretch)
+        impulse[j, 0] -= ix
+        impulse[j, 1] -= iy
+    return 0.0
 
 
 @kernel(forceinline=True)
@@ -96,32 +123,30 @@ def friction_contacts(rollers, inner, outer, contacts, drive, after):
     """Tractions of every contact and their impulses; returns the work they dissipate in this step, J.
 
     Each is implicit in its own patch's velocity. `after`, (3, n), m/s, is filled with the slips they leave. Where
-    patches of neighbours overlap (on coarse rings), what neighbours add to a slip is in the work, not in the traction.
+    patches of neighbours overlap (on coarse rings), each starts from its last value and they are solved for in turn
+    (Gauss and Seidel): without neighbours' part sticking contacts would shake each other.
     """
-    slips(rollers, inner, outer, contacts, rollers.turn_kick, after)
-    w, lightness, columns, velocity, spin = (
-        rollers.w,
-        rollers.lightness,
-        rollers.columns,
-        rollers.velocity,
-        rollers.spin,
-    )
+    lightness, velocity, spin, radius, n = rollers.lightness, rollers.velocity, rollers.spin, rollers.radius, rollers.n
     node, grip_x, grip_y, stretch = contacts.node, contacts.grip_x, contacts.grip_y, contacts.stretch
     force, traction, normal, before = contacts.force, contacts.traction, contacts.normal, contacts.slip
-    inner_u, outer_u, inner_w, outer_w = inner.u, outer.u, inner.w, outer.w
     inner_mass, outer_mass = inner.row_mass[inner.raceway], outer.row_mass[outer.raceway]
-    friction, dt, n, radius = drive.friction, drive.dt, rollers.n, rollers.radius
-    impulse, pitch = rollers.impulse, outer.radius - radius
+    friction, dt, pitch = drive.friction, drive.dt, outer.radius - radius
     on_nodes = 0.0
+    if not contacts.crowded:
+        slips(rollers, inner, outer, contacts, rollers.turn_kick, after)
+    else:
+        for kind in range(3):
+            for j in range(n):
+                if force[kind, j] > 0.0:
+                    on_nodes += rub(rollers, inner, outer, contacts, kind, j, -traction[kind, j] * dt)
     for kind in range(3):
-        sign = 1.0 if kind == OUTER else -1.0
         for j in range(n):
             Q = force[kind, j]
             if Q == 0.0:
                 traction[kind, j] = 0.0
                 continue
             nx, ny = normal[kind, j, 0], normal[kind, j, 1]
-            p, i = 2 * (kind * n + j), second(kind, j, n)
+            p = 2 * (kind * n + j)
             mobility = patch.mobility_roller(lightness, node, grip_x, grip_y, p + 1, stretch)
             rolling = 0.0
             if kind == INNER:
@@ -135,25 +160,15 @@ def friction_contacts(rollers, inner, outer, contacts, drive, after):
                 rolling = abs(spin[j] - orbit) * radius
             half_width = sqrt(contacts.half_width_factor[kind] * Q)
             full_slip = max(friction * half_width * contacts.curvature[kind] * rolling, SLIP_FLOOR)
+            given = 0.0
+            if contacts.crowded:
+                given = -traction[kind, j]
+                after[kind, j] = (
+                    slip_of(rollers, inner, outer, contacts, rollers.turn_kick, kind, j) + mobility * dt * given
+                )
             T, after[kind, j] = creep_traction(after[kind, j], friction * Q, full_slip, mobility * dt)
             traction[kind, j] = -T
-            push = T * dt
-            ix, iy = push * ny, -push * nx  # −T along t on side 1
-            patch.rub_roller(w, lightness, columns, i, -sign * push, node, grip_x, grip_y, p + 1, stretch)
-            impulse[i, 0] += ix
-            impulse[i, 1] += iy
-            if kind == INNER:
-                on_nodes += patch.rub_ring(
-                    inner_u, inner_w, inner.raceway, inner.radius, inner_mass, push, node, grip_x, grip_y, p, stretch
-                )
-            elif kind == OUTER:
-                patch.rub_ring(
-                    outer_u, outer_w, outer.raceway, outer.radius, outer_mass, push, node, grip_x, grip_y, p, stretch
-                )
-            else:
-                patch.rub_roller(w, lightness, columns, j, push, node, grip_x, grip_y, p, stretch)
-                impulse[j, 0] -= ix
-                impulse[j, 1] -= iy
+            on_nodes += rub(rollers, inner, outer, contacts, kind, j, (T - given) * dt)
     drive.ring[4] += on_nodes
     if contacts.crowded:
         slips(rollers, inner, outer, contacts, rollers.turn_kick, after)

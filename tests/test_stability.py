@@ -107,7 +107,7 @@ def test_the_critical_step_is_below_the_true_limit_by_less_than_15_percent():
     assert np.isnan(energy_drift(at_ratio(plan, 1.0 + SAFE_SIDE, 6000)))
 
 
-@pytest.mark.parametrize("ratio", [1.02, 1.05, 1.2])
+@pytest.mark.parametrize("ratio", [1.04, 1.07, 1.2])
 def test_no_sample_of_a_run_that_blows_up_is_handed_on(ratio):
     """A growing mode balances its energy: the elastic one goes to infinity, the kinetic one to minus infinity."""
     plan = at_ratio(make_plan(read_scene(None, ("numerics.mesh_size_mm=2",))), ratio, 6000)
@@ -134,3 +134,23 @@ def test_a_hub_in_free_flight_is_no_imbalance():
     outcome = try_scene(SEED, 0, scene)
     assert outcome.ending == COMPLETE, outcome.what
     assert outcome.imbalance < 5e-4  # measured 2.5e-4: two steps from touch to 300 N
+
+
+def test_sticking_contacts_only_dissipate_where_patches_of_neighbours_overlap():
+    """A ring of 40 nodes under 13 rollers, 10 rpm: solved one by one, tractions would shake each other."""
+    plan = make_plan(
+        read_scene(
+            None,
+            (
+                "numerics.mesh_size_mm=3", "operation.speed_rpm=10", "contact.friction_coefficient=0.3",
+                "numerics.duration_ms=20",
+            ),
+        )
+    )  # fmt: skip
+    assert plan.arrays().contacts.crowded
+    kept = []
+    run(plan, kept.append)
+    dissipated = np.concatenate([block["work_dissipated"] for block in kept])
+    assert np.all(np.diff(dissipated) >= 0.0)  # else 251 samples gain, 0.02 µJ at most
+    traction = np.concatenate([block["inner_traction"] for block in kept])[-500:]
+    assert np.abs(traction).max(axis=1).mean() < 6.0  # N; 4.4, else 9.9

@@ -74,7 +74,7 @@ def disc_modes():
         yield Check(
             quantity=f"frequency, n = {n}", unit="kHz",
             computed=1e-3 * hertz * found[mode], reference=1e-3 * hertz * exact[mode],
-            tolerance=0.0012,  # second order in the mesh: 0.6/layers², n = 2 a quarter of it
+            tolerance=7e-4,  # second order in the mesh: 0.4/layers², n = 2 a quarter of it
             origin=Origin.ANALYTIC, source="root of Love's equation (Love 1927; Graff 1975, 8.2)",
         )  # fmt: skip
 
@@ -156,7 +156,7 @@ def spinning_disc():
     radius, speed = 0.018, 4500.0 * pi / 30.0
     yield Check(
         quantity="radial growth", unit="nm", computed=1e9 * centrifugal_growth(disc(radius, 16), speed),
-        reference=1e9 * exact_growth(radius, speed, STEEL), tolerance=5e-3,
+        reference=1e9 * exact_growth(radius, speed, STEEL), tolerance=1.5e-3,
         origin=Origin.ANALYTIC, source="Timoshenko and Goodier, article 32, plane strain",
     )  # fmt: skip
 

@@ -103,18 +103,44 @@ def rigid_modes(points: np.ndarray) -> np.ndarray:
 
 
 def disc_body(shape: Disc | GradedDisc, material: Material, thickness: float) -> DiscBody:
-    """Assemble a roller; the mass its polygon lacks against the circle is spread over all nodes."""
+    """Assemble a roller of the circle's mass; that of a `Disc` also has the circle's polar moment of inertia.
+
+    The mass the polygon lacks is spread over all nodes.
+
+    Errors
+    ------
+    Polar inertia of a `GradedDisc`: at most 1e-3 too large on meshes finer than a fiftieth of the radius.
+    """
     mesh = mesh_of(shape)
     matrices = assemble(mesh, material, thickness)
     full = material.density * thickness * np.pi * shape.radius**2
+    mass = matrices.mass * (full / matrices.mass.sum())
     return DiscBody(
         shape=shape,
         material=material,
         points=mesh.points,
         cells=mesh.cells,
-        mass=matrices.mass * (full / matrices.mass.sum()),
+        mass=_end_corrected(mass, mesh.points, shape) if isinstance(shape, Disc) else mass,
         stiffness=matrices.stiffness,
     )
+
+
+def _end_corrected(mass: np.ndarray, points: np.ndarray, disc: Disc) -> np.ndarray:
+    """Masses with an eighth, about, of the surface nodes' on the next row, which makes the polar inertia ½ m R².
+
+    Row sums integrate like the trapezoidal rule, exactly but for its end: surface nodes stand for mass that lies
+    inside of them. Taken back where it arises it also halves the error of the disc's modes; spread over all nodes it
+    would not.
+
+    Source: after Gregory's end correction of the trapezoidal rule, weights 1/2, 1, … → 5/12, 13/12, …
+    """
+    surface, below = disc.rows[-1], disc.rows[-2]
+    n = len(mass)
+    on_surface = np.arange(n) >= n - surface[1]
+    on_below = (np.arange(n) >= n - surface[1] - below[1]) & ~on_surface
+    excess = mass @ np.sum(points**2, axis=1) - 0.5 * mass.sum() * disc.radius**2
+    moved = excess / (surface[0] ** 2 - below[0] ** 2)
+    return mass * (1.0 - on_surface * moved / mass[on_surface].sum() + on_below * moved / mass[on_below].sum())
 
 
 @dataclass(frozen=True, kw_only=True)

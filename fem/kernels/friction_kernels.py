@@ -15,12 +15,13 @@ from fem.kernels.simd import (
     gather,
     load,
     magnitude,
+    real,
     root,
-    scatter_add,
     select,
     splat,
     store,
     total,
+    whole,
     with_sign,
 )
 from fem.kernels.state import INNER, OUTER, ROLLER
@@ -89,47 +90,53 @@ def slips(rollers, inner, outer, contacts, turn_kick, out):
     `grips` must have been called at the present positions. `turn_kick`, (columns,), rad/s: what the rollers are still
     to gain by turning as a whole. Contacts that are open get what has no meaning.
     """
+    for kind in range(3):
+        slips_of(kind, rollers, inner, outer, contacts, turn_kick, out)
+
+
+@kernel(forceinline=True)
+def slips_of(kind, rollers, inner, outer, contacts, turn_kick, out):
+    """`slips` of one kind of contact."""
     w, columns, velocity, radius, n = rollers.w, rollers.columns, rollers.velocity, rollers.radius, rollers.n
     points, first, n_surface = rollers.points, rollers.first_surface, rollers.n_surface
     start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
     force, normal, outward, stretch = contacts.force, contacts.normal, contacts.outward, contacts.stretch
     scale, lean = contacts.scale, contacts.lean
-    for kind in range(3):
-        for group in range(0, n, WIDTH):
-            row = kind * columns + group
-            if not any_lane(load(force, row) > 0.0):
-                continue
-            nx, ny = load(normal, 2 * kind * columns + group), load(normal, (2 * kind + 1) * columns + group)
-            side, at, i = 2 * kind, 4 * kind * columns + group, count_from(group)
-            if kind == ROLLER:
-                i = next_rollers(group, n)
-            bx, by = load(outward, at + 2 * columns), load(outward, at + 3 * columns)
-            own = gather(turn_kick, i) * radius + patch.sideways_roller(
-                w, i, points, first, n_surface, radius, bx, by, start, weight, columns, side + 1, group, scale, lean,
-                stretch,
+    for group in range(0, n, WIDTH):
+        row = kind * columns + group
+        if not any_lane(load(force, row) > 0.0):
+            continue
+        nx, ny = load(normal, 2 * kind * columns + group), load(normal, (2 * kind + 1) * columns + group)
+        side, at, i = 2 * kind, 4 * kind * columns + group, count_from(group)
+        if kind == ROLLER:
+            i = next_rollers(group, n)
+        bx, by = load(outward, at + 2 * columns), load(outward, at + 3 * columns)
+        own = gather(turn_kick, i) * radius + patch.sideways_roller(
+            w, i, points, first, n_surface, radius, bx, by, start, weight, columns, side + 1, group, scale, lean,
+            stretch,
+        )  # fmt: skip
+        slip = gather(velocity, i + columns) * nx - gather(velocity, i) * ny
+        if kind == OUTER:
+            slip += own
+            slip -= patch.sideways_ring(
+                outer.w, outer.raceway, outer.n_sectors, start, weight, along, across, columns, side, group, scale,
+                lean, stretch,
             )  # fmt: skip
-            slip = gather(velocity, i + columns) * nx - gather(velocity, i) * ny
-            if kind == OUTER:
-                slip += own
-                slip -= patch.sideways_ring(
-                    outer.w, outer.raceway, outer.n_sectors, start, weight, along, across, columns, side, group, scale,
-                    lean, stretch,
-                )  # fmt: skip
-            elif kind == INNER:
-                slip -= own
-                slip -= patch.sideways_ring(
-                    inner.w, inner.raceway, inner.n_sectors, start, weight, along, across, columns, side, group, scale,
-                    lean, stretch,
-                )  # fmt: skip
-            else:
-                bx, by = load(outward, at), load(outward, at + columns)
-                slip -= own + load(turn_kick, group) * radius
-                slip -= patch.sideways_roller(
-                    w, count_from(group), points, first, n_surface, radius, bx, by, start, weight, columns, side, group,
-                    scale, lean, stretch,
-                )  # fmt: skip
-                slip -= load(velocity, columns + group) * nx - load(velocity, group) * ny
-            store(out, row, slip)
+        elif kind == INNER:
+            slip -= own
+            slip -= patch.sideways_ring(
+                inner.w, inner.raceway, inner.n_sectors, start, weight, along, across, columns, side, group, scale,
+                lean, stretch,
+            )  # fmt: skip
+        else:
+            bx, by = load(outward, at), load(outward, at + columns)
+            slip -= own + load(turn_kick, group) * radius
+            slip -= patch.sideways_roller(
+                w, count_from(group), points, first, n_surface, radius, bx, by, start, weight, columns, side, group,
+                scale, lean, stretch,
+            )  # fmt: skip
+            slip -= load(velocity, columns + group) * nx - load(velocity, group) * ny
+        store(out, row, slip)
 
 
 @kernel(forceinline=True)
@@ -137,13 +144,16 @@ def friction_contacts(rollers, inner, outer, contacts, drive, after):
     """Tractions of every contact and their impulses; returns the work they dissipate in this step, J.
 
     Each is implicit in its own patch's velocity. `after`, (3, columns), m/s, is filled with the slips they leave. Where
-    patches of neighbours overlap (on coarse rings), what neighbours add to a slip is in the work, not in the traction.
+    patches of neighbours overlap (on coarse rings), each starts from its last value and every other one is solved for
+    in turn (Gauss and Seidel): without neighbours' part sticking contacts would shake each other.
     """
-    slips(rollers, inner, outer, contacts, rollers.turn_kick, after)
-    _find_tractions(rollers, outer.radius - rollers.radius, contacts, drive, after)
-    _rub(rollers, inner, outer, contacts, drive)
-    if contacts.crowded:
+    if not contacts.crowded:
         slips(rollers, inner, outer, contacts, rollers.turn_kick, after)
+        for kind in range(3):
+            _find_tractions(kind, 0, 1, rollers, outer.radius - rollers.radius, contacts, drive, after)
+            _rub(kind, rollers, inner, outer, contacts, drive)
+    else:
+        _solve_in_turn(rollers, inner, outer, contacts, drive, after)
     traction, before = contacts.traction, contacts.slip
     dissipated = splat(0.0)
     for at in range(0, traction.size, WIDTH):
@@ -151,79 +161,110 @@ def friction_contacts(rollers, inner, outer, contacts, drive, after):
     return 0.5 * drive.dt * total(dissipated)
 
 
-@kernel(forceinline=True)
-def _find_tractions(rollers, pitch, contacts, drive, slip):
-    """Tractions from the slips, which become those that are left, and their impulses on whole rollers."""
-    columns, n, radius = rollers.columns, rollers.n, rollers.radius
-    velocity, spin, impulse = rollers.velocity, rollers.spin, rollers.impulse
-    force, traction, normal = contacts.force, contacts.traction, contacts.normal
-    friction, dt = drive.friction, drive.dt
+@kernel
+def _solve_in_turn(rollers, inner, outer, contacts, drive, after):
+    """Tractions and impulses of contacts whose patches overlap; seldom needed, so kept out of the time loop."""
+    for kind in range(3):  # every contact that is still closed gets its last traction
+        for group in range(0, rollers.n, WIDTH):
+            row = kind * rollers.columns + group
+            last = select(load(contacts.force, row) > 0.0, load(contacts.traction, row), 0.0)
+            store(contacts.traction, row, last)
+            store(contacts.change, row, last)
+        _rub(kind, rollers, inner, outer, contacts, drive)
     for kind in range(3):
-        for group in range(0, n, WIDTH):
-            row = kind * columns + group
-            Q = load(force, row)
-            if not any_lane(Q > 0.0):
-                store(traction, row, splat(0.0))
-                continue
-            nx, ny = load(normal, 2 * kind * columns + group), load(normal, (2 * kind + 1) * columns + group)
-            rolling = splat(0.0)
-            if kind != ROLLER:
-                orbit = (load(velocity, columns + group) * nx - load(velocity, group) * ny) * (1.0 / pitch)
-                rolling = magnitude(load(spin, group) - orbit) * radius
-            half_width = root(contacts.half_width_factor[kind] * Q)
-            full_slip = larger(friction * contacts.curvature[kind] * half_width * rolling, SLIP_FLOOR)
-            T, left = creep_traction(load(slip, row), friction * Q, full_slip, load(contacts.mobility, row) * dt)
-            T = select(Q > 0.0, T, 0.0)
-            store(slip, row, left)
-            store(traction, row, -T)
-            x, y = T * ny * dt, T * nx * -dt  # −T along t on side 1
-            if kind == ROLLER:
-                i = next_rollers(group, n)
-                scatter_add(impulse, i, x)
-                scatter_add(impulse, i + columns, y)
-                x, y = -x, -y
-            store(impulse, group, load(impulse, group) + x)
-            store(impulse, columns + group, load(impulse, columns + group) + y)
+        for first in range(2):
+            slips_of(kind, rollers, inner, outer, contacts, rollers.turn_kick, after)
+            _find_tractions(kind, first, 2, rollers, outer.radius - rollers.radius, contacts, drive, after)
+            _rub(kind, rollers, inner, outer, contacts, drive)
+    slips(rollers, inner, outer, contacts, rollers.turn_kick, after)
 
 
 @kernel(forceinline=True)
-def _rub(rollers, inner, outer, contacts, drive):
-    """The tractions' impulses over one step on the surface nodes."""
+def _find_tractions(kind, first, step, rollers, pitch, contacts, drive, slip):
+    """Tractions of every `step`-th contact of a kind from the slips, which become those that are left.
+
+    What they differ by from those that the bodies have been given is left in `contacts.change`.
+    """
+    columns, n, radius = rollers.columns, rollers.n, rollers.radius
+    velocity, spin = rollers.velocity, rollers.spin
+    force, traction, change, normal = contacts.force, contacts.traction, contacts.change, contacts.normal
+    friction, dt = drive.friction, drive.dt
+    for group in range(0, n, WIDTH):
+        row = kind * columns + group
+        Q = load(force, row)
+        if not any_lane(Q > 0.0):
+            store(traction, row, splat(0.0))
+            store(change, row, splat(0.0))
+            continue
+        nx, ny = load(normal, 2 * kind * columns + group), load(normal, (2 * kind + 1) * columns + group)
+        rolling = splat(0.0)
+        if kind != ROLLER:
+            orbit = (load(velocity, columns + group) * nx - load(velocity, group) * ny) * (1.0 / pitch)
+            rolling = magnitude(load(spin, group) - orbit) * radius
+        half_width = root(contacts.half_width_factor[kind] * Q)
+        full_slip = larger(friction * contacts.curvature[kind] * half_width * rolling, SLIP_FLOOR)
+        mobility = load(contacts.mobility, row) * dt
+        given, found = splat(0.0), load(slip, row)
+        chosen = Q > 0.0
+        if step > 1:
+            given = load(traction, row)
+            number = count_from(group + first)
+            chosen = chosen & (number - whole(real(number) * 0.5) * 2 == 0)
+        T, left = creep_traction(found - mobility * given, friction * Q, full_slip, mobility)
+        T = select(chosen, -T, select(Q > 0.0, given, 0.0))  # on side 1, along t
+        store(slip, row, select(chosen, left, found))
+        store(traction, row, T)
+        store(change, row, T - given)
+
+
+@kernel(forceinline=True)
+def _rub(kind, rollers, inner, outer, contacts, drive):
+    """Impulses over one step of the changes of tractions, on whole rollers and on the surface nodes."""
     w, lightness, columns, n = rollers.w, rollers.lightness, rollers.columns, rollers.n
     points, first, n_surface, radius = rollers.points, rollers.first_surface, rollers.n_surface, rollers.radius
     inner_u, inner_w, inner_mass = inner.u, inner.w, inner.row_mass[inner.raceway]
     outer_u, outer_w, outer_mass = outer.u, outer.w, outer.row_mass[outer.raceway]
     start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
-    traction, outward, stretch, dt = contacts.traction, contacts.outward, contacts.stretch, drive.dt
-    scale, lean = contacts.scale, contacts.lean
+    change, outward, normal, stretch, dt = (
+        contacts.change,
+        contacts.outward,
+        contacts.normal,
+        contacts.stretch,
+        drive.dt,
+    )
+    scale, lean, impulse = contacts.scale, contacts.lean, rollers.impulse
     on_nodes = 0.0
-    for kind in range(3):
-        for j in range(n):
-            given = traction[kind, j] * dt  # along t on side 1
-            if given == 0.0:
-                continue
-            side = 2 * kind
-            i = second(kind, j, n)
-            own = given if kind == OUTER else -given
-            bx, by = outward[side + 1, 0, j], outward[side + 1, 1, j]
+    for j in range(n):
+        given = change[kind, j] * dt  # along t on side 1
+        if given == 0.0:
+            continue
+        side = 2 * kind
+        i = second(kind, j, n)
+        own = given if kind == OUTER else -given
+        x, y = -given * normal[kind, 1, j], given * normal[kind, 0, j]
+        impulse[0, i] += x
+        impulse[1, i] += y
+        bx, by = outward[side + 1, 0, j], outward[side + 1, 1, j]
+        patch.rub_roller(
+            w, lightness, columns, i, points, first, n_surface, radius, bx, by, own, start, weight, side + 1, j,
+            scale, lean, stretch,
+        )  # fmt: skip
+        if kind == INNER:
+            on_nodes += patch.rub_ring(
+                inner_u, inner_w, inner.raceway, inner.n_sectors, inner.radius, inner_mass, -given, start, weight,
+                along, across, side, j, scale, lean, stretch,
+            )  # fmt: skip
+        elif kind == OUTER:
+            patch.rub_ring(
+                outer_u, outer_w, outer.raceway, outer.n_sectors, outer.radius, outer_mass, -given, start, weight,
+                along, across, side, j, scale, lean, stretch,
+            )  # fmt: skip
+        else:
+            impulse[0, j] -= x
+            impulse[1, j] -= y
+            bx, by = outward[side, 0, j], outward[side, 1, j]
             patch.rub_roller(
-                w, lightness, columns, i, points, first, n_surface, radius, bx, by, own, start, weight, side + 1, j,
+                w, lightness, columns, j, points, first, n_surface, radius, bx, by, -given, start, weight, side, j,
                 scale, lean, stretch,
             )  # fmt: skip
-            if kind == INNER:
-                on_nodes += patch.rub_ring(
-                    inner_u, inner_w, inner.raceway, inner.n_sectors, inner.radius, inner_mass, -given, start, weight,
-                    along, across, side, j, scale, lean, stretch,
-                )  # fmt: skip
-            elif kind == OUTER:
-                patch.rub_ring(
-                    outer_u, outer_w, outer.raceway, outer.n_sectors, outer.radius, outer_mass, -given, start, weight,
-                    along, across, side, j, scale, lean, stretch,
-                )  # fmt: skip
-            else:
-                bx, by = outward[side, 0, j], outward[side, 1, j]
-                patch.rub_roller(
-                    w, lightness, columns, j, points, first, n_surface, radius, bx, by, -given, start, weight, side, j,
-                    scale, lean, stretch,
-                )  # fmt: skip
     drive.ring[4] += on_nodes

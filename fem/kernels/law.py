@@ -11,12 +11,14 @@ from fem.kernels.simd import any_lane, gather, magnitude, real, select, whole
 
 KNOTS_PER_NODE = 8  # the ripple's highest wave is one node spacing long
 STANDING = 1e-4  # of its value: an approach that changes less works as a constant force
-STEEPEST = 0.25  # below this bracket the mesh resolves the contact and the law is continued as a straight line
+STEEPEST = 0.25  # at this bracket less a half the mesh resolves the contact; the law goes on as a straight line
 
 
 @kernel(forceinline=True)
 def contact_force(approach, A, B, Q_line, guess):
     """Force of a sub-grid approach; 0 where the surfaces are apart.
+
+    δ = A Q (B − ½ ln Q) up to Q_line, from there straight on with the slope it has there.
 
     Parameters
     ----------
@@ -26,21 +28,29 @@ def contact_force(approach, A, B, Q_line, guess):
     ------
     Newton's method on a concave function, to round-off. What is not a number stays so.
     """
-    at_line = A * Q_line * (0.5 + STEEPEST)
-    apart, beyond = approach <= 0.0, approach >= at_line
-    idle = apart | beyond
-    Q = select((guess > 0.0) & (guess < Q_line), guess, approach / (A * (magnitude(B) + 10.0)))
-    Q = select(idle, Q_line, Q)
+    apart = approach <= 0.0
+    known = (guess > 0.0) & (guess <= Q_line)
+    Q = select(known, guess, smaller(approach / (A * (magnitude(B) + 10.0)), Q_line))
+    Q = select(apart, Q_line, Q)
     for _ in range(60):
         bracket = B - 0.5 * logarithm(Q)
         step = (approach - A * Q * bracket) / (A * (bracket - 0.5))
-        new = select(idle, Q, smaller(larger(Q + step, 0.1 * Q), Q_line))
+        new = select(apart, Q, smaller(larger(Q + step, 0.1 * Q), Q_line))
         moving = magnitude(new - Q) > 1e-8 * new  # the error left is a tenth of the square of the relative step
         Q = new
         if not any_lane(moving):
             break
-    Q = select(beyond, Q_line + (approach - at_line) / (A * STEEPEST), Q + (approach - approach))
-    return select(apart, 0.0, Q)
+    if any_lane((Q >= Q_line) & (approach > 0.0)):
+        # the ripple in B tilts the line as well: with another slope than this place's energy would not be conserved
+        line = (approach * (1.0 / A) - 0.5 * Q_line) / _slope_of_line(B, Q_line)
+        Q = select(Q >= Q_line, larger(line, Q_line), Q)
+    return select(apart, 0.0, Q + (approach - approach))
+
+
+@kernel(forceinline=True)
+def _slope_of_line(B, Q_line):
+    """dδ/dQ above Q_line over A: STEEPEST but for B's ripple."""
+    return B - 0.5 * log(Q_line) - 0.5
 
 
 @kernel(forceinline=True)
@@ -60,18 +70,18 @@ def kick_force(before, Q_before, B_before, now, Q, B, A, Q_line):
     Source: Gonzalez, J. Nonlinear Sci. 6 (1996) 449 (discrete gradients).
     """
     step, closed = now - before, smaller(before, now) > 0.0
-    plain = (before != before) | (larger(before, now) <= 0.0) | (larger(Q, Q_before) > Q_line)
-    plain = plain | (closed & (magnitude(step) < STANDING * now))
-    work = _stored(Q, now, A) - _stored(Q_before, before, A)
+    plain = (before != before) | (larger(before, now) <= 0.0) | (closed & (magnitude(step) < STANDING * now))
+    work = _stored(Q, now, A, Q_line) - _stored(Q_before, before, A, Q_line)
     level = 0.25 * A * (Q * Q + Q_before * Q_before) * (B - B_before)
     work = work + select(closed, level, 0.0)  # what the level's change has done is not this force's work
     return select(plain, Q, 0.5 * (Q - Q_before) + work / step)
 
 
 @kernel(forceinline=True)
-def _stored(Q, approach, A):
-    """`contact_energy` below Q_line, by way of the approach."""
-    return 0.5 * Q * (approach - 0.25 * A * Q)
+def _stored(Q, approach, A, Q_line):
+    """`contact_energy` by way of the approach."""
+    q = smaller(Q, Q_line)
+    return 0.5 * Q * approach - 0.125 * A * q * (2.0 * Q - q)
 
 
 @kernel(forceinline=True)
@@ -82,7 +92,7 @@ def contact_energy(Q, A, B, Q_line):
     q = min(Q, Q_line)
     energy = 0.5 * A * q * q * (B - 0.5 * log(q) - 0.25)
     if Q > Q_line:
-        energy += 0.5 * A * STEEPEST * (Q * Q - Q_line * Q_line)
+        energy += 0.5 * A * _slope_of_line(B, Q_line) * (Q * Q - Q_line * Q_line)
     return energy
 
 

@@ -86,6 +86,7 @@ class Contacts(NamedTuple):
     push: np.ndarray  # (3, columns), N, that the last kick gave: see `kick_force`
     bracket: np.ndarray  # (3, columns), B with the ripples of the present positions
     traction: np.ndarray  # (3, columns), N, on side 1, along +θ (counter-clockwise about side 0)
+    change: np.ndarray  # (3, columns), N, of the traction, that the bodies are still to be given
     normal: np.ndarray  # (3, 2, columns), unit, from side 0 to side 1 (outer contact: outward)
     slip: np.ndarray  # (3, columns), m/s, before the step's kick
     crowded: bool  # patches of neighbouring contacts may overlap

@@ -16,6 +16,7 @@ from fem.solver.start import Start
 from lagrange import Bearing, Operation, kinematics
 
 REACH = 0.01  # of a roller's radius
+NEIGHBOURLY = 4  # nodes; two patches so far apart share 1.3e-4 of what each has of itself (a B-spline of degree 11)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,9 +193,10 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         push=np.zeros((3, columns)),
         bracket=np.zeros((3, columns)),
         traction=np.zeros((3, columns)),
+        change=np.zeros((3, columns)),
         normal=np.zeros((3, 2, columns)),
         slip=np.zeros((3, columns)),
-        crowded=_crowded(model.bearing, surface_nodes, width),
+        crowded=_crowded(model.bearing, surface_nodes, width if model.is_resolved else NEIGHBOURLY * len(stretch)),
         stretch=stretch,
         start=np.zeros((6, columns), dtype=np.int64),
         weight=np.zeros((6, width, columns)),
@@ -209,7 +211,7 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
 
 
 def _crowded(bearing: Bearing, surface_nodes: tuple[int, int, int], width: int) -> bool:
-    """Whether patches `width` nodes wide can overlap: on a ring those of rollers that touch, on a roller its own."""
+    """Whether patches can come within `width` nodes: on a ring those of rollers that touch, on a roller its own."""
     apart = 2.0 * np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius))  # of rollers that touch
     inner, outer, roller = (nodes / (2.0 * np.pi) for nodes in surface_nodes)
     return bool(min(inner * apart, outer * apart, roller * 0.5 * (np.pi - apart)) < width)

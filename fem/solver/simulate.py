@@ -249,7 +249,7 @@ def _balanced(samples: Samples) -> tuple[int, float]:
     # a bearing without load exchanges next to nothing: round-off of the kinetic energy is not an imbalance
     relative = samples.imbalance / np.fmax(samples.exchanged, 1e-9 * np.abs(samples["energy_kinetic"]) + 1e-30)
     stored = samples["energy_elastic"] + samples["energy_contact"]
-    growing = (samples["energy_kinetic"] < -NEGATIVE_LIMIT * stored) & (stored >= samples.exchanged)
+    growing = (samples["energy_kinetic"] < -NEGATIVE_LIMIT * stored) & (stored > 0.5 * samples.exchanged)
     bad = ~(np.abs(relative) <= IMBALANCE_LIMIT) | growing
     good = int(np.argmax(bad)) if bad.any() else len(bad)
     return good, float(relative[min(good, len(bad) - 1)])

@@ -4,7 +4,6 @@ One thread, its processor time, medians, the paper's scene. Close other programs
 """
 
 import os
-import statistics
 import sys
 import time
 from dataclasses import dataclass
@@ -15,22 +14,13 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks import machine, phases
-from fem.solver.simulate import Plan, compile_kernels, make_plan, run
+from benchmarks.skips import skip_table
+from fem.solver.simulate import Plan, compile_kernels, make_plan
 from lagrange.scene import read_scene
 
 SIZES_MM = (2.0, 1.0, 0.5, 0.25)
 FULL_S = 0.06
 KERNELS = ("rollers' forces", "rings' forces")
-FRICTION, GRAVITY = "contact.friction_coefficient=0.0", "operation.gravity_m_s2=0.0"
-SPEED = "operation.speed_rpm=0.0"
-SKIPS = {
-    "friction 0": (FRICTION,),
-    "gravity 0": (GRAVITY,),
-    "speed 0": (SPEED,),
-    "all three": (FRICTION, GRAVITY, SPEED),
-    "none (how exact the ratios are)": (),
-}
-SKIP_MS = 5.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,33 +121,6 @@ def size_table(meshes: list[Mesh]) -> Table:
 def exponent(meshes: list[Mesh]) -> float:
     """Of the time for a fixed simulated time against degrees of freedom."""
     return float(np.polyfit(np.log([m.freedom for m in meshes]), np.log([m.full for m in meshes]), 1)[0])
-
-
-def skip_table(size_mm: float, pairs: int) -> Table:
-    """Time loop of a scene that needs less over the paper's, taken in turns."""
-    table = Table(
-        title=f"What a scene does not need: {size_mm:g} mm, {SKIP_MS:g} ms, {pairs} pairs in turns",
-        title_justify="left",
-    )
-    for name in ("scene", "time over the paper's (median)", "lowest … highest"):
-        table.add_column(name, justify="right" if name != "scene" else "left")
-    base = (f"numerics.mesh_size_mm={size_mm}", f"numerics.duration_ms={SKIP_MS}")
-    plain = make_plan(read_scene(None, base))
-    for name, overrides in SKIPS.items():
-        other = make_plan(read_scene(None, (*base, *overrides)))
-        ratios = []
-        for _ in range(pairs):
-            whole = _loop_seconds(plain)
-            ratios.append(_loop_seconds(other) / whole)
-        table.add_row(name, f"{statistics.median(ratios):.3f}", f"{min(ratios):.3f} … {max(ratios):.3f}")
-    return table
-
-
-def _loop_seconds(plan: Plan) -> float:
-    """Per step."""
-    began = time.thread_time()
-    run(plan, lambda samples: None)
-    return (time.thread_time() - began) / plan.steps
 
 
 app = App(help=__doc__)

@@ -272,6 +272,22 @@ def test_normal_forces_are_action_and_reaction(kind, seed):
         np.testing.assert_allclose(np.sum(tilt * normal, axis=1)[closed], 0.0, rtol=0.0, atol=1e-15 * scale)
 
 
+def test_spare_lanes_that_sit_on_a_roller_add_nothing():
+    """Thirteen rollers are two groups of eight: the last three lanes stand where roller 0 is."""
+    state = random_state(1)
+    rollers = state.rollers
+    rollers.centre[:, 13:] = rollers.centre[:, :1]
+    pressed = press(state)
+    assert pressed.contacts.force[ROLLER, 3] > 0.0
+    angle, apart = np.arctan2(*rollers.centre[::-1, 12]), 2.0 * np.arcsin(0.2174)  # 12 and 0 touch: in the last group
+    rollers.centre[:, 0] = 0.023 * np.cos(angle + apart), 0.023 * np.sin(angle + apart)
+    rollers.centre[:, 13:] = rollers.centre[:, :1]
+    pressed = press(state)
+    assert pressed.contacts.force[ROLLER, 12] > 0.0
+    for entry in (pressed.rollers.impulse, pressed.rollers.tilt, pressed.rollers.turn_kick, pressed.rollers.w):
+        assert np.all(np.isfinite(entry))
+
+
 def test_nothing_touches_nothing_pushes():
     state = random_state(1)
     state.drive.hub[:] = 0.0

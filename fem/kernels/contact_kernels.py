@@ -184,7 +184,7 @@ def ring_contacts(kind, rollers, ring, contacts, drive, ring_ripple, slope):
             _open(contacts, row)
             continue
         scale = 1.0 / select(near, distance, 1.0)
-        nx, ny = x * scale, y * scale
+        nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
         out, side, rate, ripple, ripple_rate = patch.read_ring(
             ring.u,
             ring.raceway,
@@ -268,7 +268,7 @@ def roller_contacts(rollers, contacts, drive, slope):
             continue
         distance = select(near, root(square), 1.0)
         scale = 1.0 / distance
-        nx, ny = x * scale, y * scale
+        nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
         c, s, c_i, s_i = load(cosine, group), load(sine, group), gather(cosine, i), gather(sine, i)
         ax, ay = c * nx + s * ny, c * ny - s * nx
         bx, by = -(c_i * nx + s_i * ny), s_i * nx - c_i * ny

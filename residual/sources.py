@@ -16,9 +16,10 @@ MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
 MOST_ESTIMATES, LONGEST_WORDS = 1000, 2000
 ATTRIBUTES = (
-    "scene", "committed_samples", "format_version", "program_version", "status", "warnings", "mesh_nodes",
+    "scene", "committed_samples", "format_version", "program", "program_version", "status", "warnings", "mesh_nodes",
     "degrees_of_freedom", "time_step", "critical_time_step", "steps", "wall_seconds", "setup_seconds",
 )  # fmt: skip
+SOLVER = "run-fem"  # attribute `program`: of a file that holds all variables
 ENERGIES = ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")
 
 
@@ -75,7 +76,8 @@ def _from_file(path: Path, file) -> Trajectory:
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
         )
     scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene")
-    missing = [name for name in MOTION if not has(file, name)]
+    promised = (*MOTION, *OPTIONAL, *ENERGIES) if attributes.get("program") == SOLVER else MOTION
+    missing = [name for name in promised if not has(file, name)]
     if missing:
         raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file of run-fem?")
     n = attributes["committed_samples"]

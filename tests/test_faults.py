@@ -28,7 +28,7 @@ from fem.solver.simulate import make_plan
 from lagrange.scene import read_scene
 from lagrange.stored import read_numbers
 from residual.cli import main as check_main
-from residual.sources import read_result
+from residual.sources import MOTION, OPTIONAL, read_result
 from residual.trajectory import InputError
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -410,8 +410,11 @@ def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path, monkeypatch)
             refused += 1
             continue
         assert read.scene == sound.scene == plan.scene
-        for name in ("time", "inner_x", "inner_y", "roller_x", "roller_y", "inner_force", "outer_traction"):
+        for name in (*MOTION, *OPTIONAL):
             np.testing.assert_array_equal(getattr(read, name), getattr(sound, name))
+        assert read.energies.keys() == sound.energies.keys()
+        for name in sound.energies:
+            np.testing.assert_array_equal(read.energies[name], sound.energies[name])
     assert refused > flips // 5
 
 

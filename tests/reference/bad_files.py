@@ -191,6 +191,10 @@ BAD_FILES = {
     "nothing committed": attribute("committed_samples", 0, "0 committed samples"),
     "no inner_y": replaced("inner_y", None, "inner_y"),
     "no time": replaced("time", None, "time"),
+    "no loads in a file of run-fem": result(
+        lambda file: (file.attrs.update(program="run-fem"), file.move("outer_traction", "outer_tractioo")),
+        "missing outer_traction",
+    ),
     "no variable at all": result(lambda file: [file.pop(name) for name in list(file)], "missing"),
     "NaN": poked("inner_x", 7, np.nan, "inner_x is nan at sample 7"),
     "infinite force": poked("inner_force", (7, 3), np.inf, "inner_force is inf at sample 7, roller 3"),

@@ -288,7 +288,7 @@ def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) 
         name = str(path)
         try:
             with open(path, "rb") as file:
-                data = _load(file.read(LONGEST_TEXT + 1).decode("utf-8"), name)
+                data = _load(file.read(LONGEST_TEXT + 1).decode("utf-8-sig"), name)
         except OSError as error:
             raise SceneError(f"{name}: can't be read: {error.strerror}") from None
         except UnicodeDecodeError as error:
@@ -353,6 +353,8 @@ def _explain(fault: dict[str, Any]) -> list[str]:
     place = ".".join(_quoted(str(part)) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
         return [f"{place}: unknown key{_likely(fault['loc'])}"]
+    if fault["type"] == "model_type":
+        return [f"{place} = {_short(repr(fault['input']))}: must be a table, [{place}]"]
     value = fault["input"]
     if fault["type"] == "value_error":
         return [f"{place}: {reason}" if place else reason for reason in str(fault["ctx"]["error"]).split("\n")]

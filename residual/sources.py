@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.scene import Scene, SceneError, parse_scene_text
-from lagrange.stored import Damaged, check_array, has, read_numbers, read_scene_text, refusal_in_child
+from lagrange.stored import SIGNATURE, Damaged, check_array, has, read_numbers, read_scene_text, refusal_in_child
 from residual.trajectory import FEWEST_SAMPLES, Estimate, InputError, Trajectory, checked
 
 FORMAT_VERSION = 1
@@ -146,7 +146,7 @@ def is_result(path: Path) -> bool:
     if path.suffix.lower() in (".nc", ".h5", ".hdf5"):
         return True
     with path.open("rb") as file:
-        return file.read(8) == b"\x89HDF\r\n\x1a\n"
+        return file.read(len(SIGNATURE)) == SIGNATURE
 
 
 def check_readable(path: Path) -> None:
@@ -159,10 +159,10 @@ def check_readable(path: Path) -> None:
         raise InputError(f"{path}: the file is empty; run the simulation again")
     try:
         with path.open("rb") as file:
-            start = file.read(8)
+            start = file.read(len(SIGNATURE))
     except OSError as error:
         raise InputError(f"{path}: can't be read: {error.strerror}") from None
-    if path.suffix.lower() in (".nc", ".h5", ".hdf5") and start != b"\x89HDF\r\n\x1a\n":
+    if path.suffix.lower() in (".nc", ".h5", ".hdf5") and start != SIGNATURE:
         raise InputError(f"{path}: not an HDF5 file; give a result file of run-fem, or a table named .csv")
 
 

@@ -338,6 +338,7 @@ BAD_PICTURES = {
     "picture too wide": picture("--width", "100000", say="--width 100000 & 8000"),
     "picture without width": picture("--width", "0", say="--width 0 & 200"),
     "picture magnified backwards": picture("--magnification", "-1", say="--magnification -1"),
+    "picture over the run": picture("--output", "{folder}/made.nc", say="--output & must end in .png"),
     "picture into a folder": picture("--output", "{folder}", say="--output & is a folder"),
     "picture of another scene": picture(
         say="made.nc & 9 rollers", change=lambda file: file.attrs.update(scene="[bearing]\nrollers = 9\n")

@@ -163,6 +163,8 @@ def outside(kind):
 BAD_FILES = {
     "no such file": lambda folder: (check_main, [str(folder / "gone.nc")], ["gone.nc", "no such file"]),
     "a folder": lambda folder: (check_main, [str(folder)], [str(folder), "not a file"]),
+    "the folder one is in": lambda folder: (check_main, ["."], [".: not a file"]),
+    "no name": lambda folder: (check_main, [""], [".: not a file"]),
     "no runs at all": lambda folder: (check_main, [], ["run-fem", "runs"]),
     "empty file": content("bad.nc", "", "empty"),
     "not HDF5": content("bad.nc", "time,inner_x\n", "not an HDF5 file"),

@@ -13,6 +13,7 @@ import json
 import os
 import resource
 import shutil
+import signal
 import sys
 import tempfile
 import warnings
@@ -220,6 +221,7 @@ def guided(name: str, seconds: int, corpus: Path) -> None:
         if tried % 100 == 0 and _memory_mb() > begun_with + MOST_LEAKED_MB:
             print(f"{tried} inputs: {taken[1]} taken, {taken[0]} refused; begun anew, for Atheris leaks", flush=True)
             shutil.rmtree(folder)
+            signal.setitimer(signal.ITIMER_REAL, 0)  # libFuzzer's, which would outlive it
             os.execv(sys.executable, [sys.executable, "-m", "benchmarks.fuzz", *sys.argv[1:]])
 
     def mutated(data: bytes, longest: int, seed: int) -> bytes:

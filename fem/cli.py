@@ -1,5 +1,6 @@
 """The command `run-fem`. Imports little: everything heavy waits until a scene has been read."""
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Literal
@@ -156,6 +157,8 @@ def _estimate(scene, coarse, path: Path, quiet: bool) -> int:
 
 def run_app_main(app: App, arguments: list[str] | None) -> int:
     """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback."""
+    if sys.stderr is None:  # closed; its number would go to the next file opened, and complaints of libraries into that
+        sys.stderr = open(os.devnull, "w")
     try:
         result = app(arguments)
         return result if isinstance(result, int) else OK

@@ -74,7 +74,7 @@ def _render(
             raise UsageError(f"{option} {path}: is a folder; name a file in it")
     if sum(path is not None for path in (output, animation, export)) > 1:
         raise UsageError("--output, --animation, --export: one of them at a time")
-    _check_kind(animation, export)
+    _check_kind(output, animation, export)
 
     from fem.pictures.recover import StoredRun
 
@@ -107,8 +107,10 @@ def _check(option: str, value: float | None, low: float, high: float, unit: str 
         raise UsageError(f"{option} {value:g}: must lie between {low:g} and {high:g} {unit}".rstrip())
 
 
-def _check_kind(animation: Path | None, export: Path | None) -> None:
-    """Whether what a file's name ends in can be written, before anything is computed."""
+def _check_kind(output: Path | None, animation: Path | None, export: Path | None) -> None:
+    """Whether what a file's name ends in can be written, before anything is computed; a run is never drawn over."""
+    if output is not None and output.suffix.lower() != ".png":
+        raise UsageError(f"--output {output}: must end in .png")
     if animation is not None and animation.suffix.lower() not in (".mp4", ".gif"):
         raise UsageError(f"--animation {animation}: must end in .mp4 or .gif")
     if export is not None and not _holds_series(export):

@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from fem.progress import progress_display
-from fem.result.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
+from fem.result.checkpoint import checkpoint_path, load_checkpoint, refuse_no_place, save_checkpoint
 from fem.result.estimate_columns import read_columns, write_estimates
 from fem.result.store import ResultFile, WriteFailed
 from fem.solver.error_estimate import NEEDED, estimate_error
@@ -57,6 +57,7 @@ def simulate(
     ------
     UsageError: there is nothing to resume, or not by this plan; the file is in use. OSError: it can't be written.
     """
+    refuse_no_place(path)
     state, stored = load_checkpoint(path, plan) if resume else (first_state(plan), None)
     stopped: list[int] = []
     _on_signals(stopped.append)

@@ -14,6 +14,7 @@ integrate     time stepping: Blanes and Moan's fourth-order scheme, leapfrog wit
 simulate      forward solution: start, step, samples
 trajectory    its result: motion, forces, energies, works
 scene         the TOML scene file: validated, in the bearing engineer's units; gives the objects above in SI
+scene_columns columns of tables made elsewhere; `scene_faults`: what is wrong with a scene, all at once
 stored        numbers out of HDF5 files that may be damaged or hostile
 
 Example, 5 ms of the paper's bearing:

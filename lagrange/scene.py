@@ -3,21 +3,21 @@
 It stands on the ground floor because both the solver and the checker read it, and neither may know the other.
 """
 
-import difflib
 import tomllib
+from collections.abc import Iterator
 from math import asin, pi, radians, sin
 from pathlib import Path
 from typing import Any, Literal
 
 import tomli_w
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, ValidationError
 
 from lagrange.bearing import BallBearing, Bearing, Material, Operation
 from lagrange.raceway_laws import law_names
 from lagrange.scene_columns import Columns
+from lagrange.scene_faults import Check, Table, all_faults
 
 LONGEST_TEXT = 2**20  # characters of a scene
-LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
 MOST_FAULTS = 20  # told at once: a file that is no scene may have thousands
 RPM = 2.0 * pi / 60.0
 MM = 1e-3
@@ -30,17 +30,7 @@ class SceneError(ValueError):
     """The scene can't be used; the text names file, key, value and limit, one fault a line."""
 
 
-def _refuse(faults: list[str]) -> None:
-    """All that contradicts each other in a table, at once."""
-    if faults:
-        raise ValueError("\n".join(faults))
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
-
-
-class BearingTable(_Table):
+class BearingTable(Table):
     type: Literal["roller", "ball"] = "roller"
     rollers: int = Field(13, ge=3, le=200)
     roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0)
@@ -52,56 +42,60 @@ class BearingTable(_Table):
     inner_conformity: float | None = Field(None, gt=0.5, le=1.0)  # of balls: groove radius over ball diameter
     outer_conformity: float | None = Field(None, gt=0.5, le=1.0)
 
-    @model_validator(mode="before")
     @classmethod
-    def _usual_grooves(cls, data):
-        return USUAL_GROOVES | data if isinstance(data, dict) and data.get("type") == "ball" else data
+    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        return USUAL_GROOVES | data if data.get("type") == "ball" else data
 
-    @model_validator(mode="after")
-    def _fits_together(self):
-        faults = []
+    def checks(self) -> tuple[Check, ...]:
+        return self._grooves, self._inner_ring, self._outer_ring, self._clearance, self._room
+
+    def _grooves(self) -> Iterator[str]:
         for key in USUAL_GROOVES:
             if self.type == "roller" and getattr(self, key) is not None:
-                faults.append(f'{key} = {getattr(self, key)}: only for balls; add type = "ball" or leave it out')
-        roller, inner, outer = self.roller_diameter_mm, self.inner_raceway_diameter_mm, self.outer_raceway_diameter_mm
+                yield f'{key} = {getattr(self, key)}: only for balls; add type = "ball" or leave it out'
+
+    def _inner_ring(self) -> Iterator[str]:
+        inner = self.inner_raceway_diameter_mm
         if self.bore_diameter_mm >= inner:
-            faults.append(
-                f"bore_diameter_mm = {self.bore_diameter_mm} must be below inner_raceway_diameter_mm = {inner}"
-            )
+            yield f"bore_diameter_mm = {self.bore_diameter_mm} must be below inner_raceway_diameter_mm = {inner}"
+
+    def _outer_ring(self) -> Iterator[str]:
+        outer = self.outer_raceway_diameter_mm
         if self.outside_diameter_mm <= outer:
-            faults.append(
-                f"outside_diameter_mm = {self.outside_diameter_mm} must be above outer_raceway_diameter_mm = {outer}"
-            )
-        clearance = outer - inner - 2.0 * roller
+            yield f"outside_diameter_mm = {self.outside_diameter_mm} must be above outer_raceway_diameter_mm = {outer}"
+
+    def _clearance(self) -> Iterator[str]:
+        roller, outer = self.roller_diameter_mm, self.outer_raceway_diameter_mm
+        clearance = outer - self.inner_raceway_diameter_mm - 2.0 * roller
         if clearance < -0.005 * roller:
-            faults.append(
+            yield (
                 f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is more preload than the model "
                 f"bears (at least {-0.005 * roller:.4g} mm); widen outer_raceway_diameter_mm = {outer}"
             )
         if clearance > 0.2 * roller:
-            faults.append(
+            yield (
                 f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is too large (at most "
                 f"{0.2 * roller:.4g} mm); lower outer_raceway_diameter_mm = {outer}"
             )
-        pitch = 0.5 * (inner + outer)
-        room = pitch * sin(pi / self.rollers)
-        if room <= roller:
+
+    def _room(self) -> Iterator[str]:
+        roller = self.roller_diameter_mm
+        pitch = 0.5 * (self.inner_raceway_diameter_mm + self.outer_raceway_diameter_mm)
+        if pitch * sin(pi / self.rollers) <= roller:
             most = int(pi / asin(roller / pitch)) if roller < pitch else 1
-            faults.append(
+            yield (
                 f"rollers = {self.rollers} of roller_diameter_mm = {roller} do not fit on the pitch circle of "
                 f"{pitch:g} mm; at most {most}"
             )
-        _refuse(faults)
-        return self
 
 
-class MaterialOverride(_Table):
+class MaterialOverride(Table):
     youngs_modulus_GPa: float | None = Field(None, ge=0.1, le=2000.0)
     poisson_ratio: float | None = Field(None, ge=0.0, le=0.45)
     density_kg_m3: float | None = Field(None, ge=100.0, le=30_000.0)
 
 
-class MaterialTable(_Table):
+class MaterialTable(Table):
     youngs_modulus_GPa: float = Field(210.0, ge=0.1, le=2000.0)
     poisson_ratio: float = Field(0.3, ge=0.0, le=0.45)
     density_kg_m3: float = Field(7850.0, ge=100.0, le=30_000.0)
@@ -124,7 +118,7 @@ class MaterialTable(_Table):
         )
 
 
-class OperationTable(_Table):
+class OperationTable(Table):
     speed_rpm: float = Field(4500.0, ge=-200_000.0, le=200_000.0)
     radial_load_N: float = Field(2000.0, ge=0.0, le=1e7)
     inner_ring_and_shaft_kg: float = Field(0.078, gt=0.0, le=1e6)
@@ -132,12 +126,12 @@ class OperationTable(_Table):
     first_roller_deg: float = Field(0.0, ge=-360.0, le=360.0)
 
 
-class ContactTable(_Table):
+class ContactTable(Table):
     model: Literal["subgrid", "resolved"] = "subgrid"
     friction_coefficient: float = Field(0.1, ge=0.0, le=1.0)
 
 
-class NumericsTable(_Table):
+class NumericsTable(Table):
     duration_ms: float = Field(60.0, ge=0.0, le=1e6)
     start: Literal["equilibrium", "rest"] = "equilibrium"
     load_ramp_ms: float = Field(1.0, ge=0.0, le=1e6)
@@ -145,17 +139,18 @@ class NumericsTable(_Table):
     time_step_safety: float = Field(0.9, ge=0.01, lt=1.0)
     output_interval_us: float = Field(10.0, ge=1e-3, le=1e6)
 
-    @model_validator(mode="after")
-    def _samples(self):
+    def checks(self) -> tuple[Check, ...]:
+        return (self._samples,)
+
+    def _samples(self) -> Iterator[str]:
         if 0.0 < 1e3 * self.duration_ms < self.output_interval_us:
-            raise ValueError(
+            yield (
                 f"output_interval_us = {self.output_interval_us:g} is longer than the run (duration_ms = "
                 f"{self.duration_ms:g}): nothing but the start would be stored; at most {1e3 * self.duration_ms:g}"
             )
-        return self
 
 
-class LagrangeTable(_Table):
+class LagrangeTable(Table):
     """Options of the Lagrangian model: of its own solution and of what trajectories are checked against."""
 
     law: str = "harris"
@@ -163,11 +158,11 @@ class LagrangeTable(_Table):
     angles: Literal["kinematic", "free"] = "kinematic"
 
 
-class OutputTable(_Table):
+class OutputTable(Table):
     fields_every_ms: float = Field(0.0, ge=0.0, le=1e6)
 
 
-class Scene(_Table):
+class Scene(Table):
     """A whole scene. Defaults are the paper's bearing."""
 
     name: str = Field("paper", min_length=1, max_length=100, pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
@@ -181,57 +176,58 @@ class Scene(_Table):
     output: OutputTable = OutputTable()
     table: Columns = Columns()
 
-    @model_validator(mode="before")
     @classmethod
-    def _usual_law(cls, data):
-        if not isinstance(data, dict) or not isinstance(data.get("bearing"), dict):
-            return data
-        options = data.get("lagrange", {})
-        if data["bearing"].get("type") == "ball" and isinstance(options, dict):
+    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        bearing, options = data.get("bearing"), data.get("lagrange", {})
+        if isinstance(bearing, dict) and bearing.get("type") == "ball" and isinstance(options, dict):
             return data | {"lagrange": {"law": "hertz"} | options}
         return data
 
-    @model_validator(mode="after")
-    def _consistent(self):
-        faults = []
+    def checks(self) -> tuple[Check, ...]:
+        return self._law, self._mass, self._mesh, self._fields
+
+    def _law(self) -> Iterator[str]:
         known = law_names(self.ideal_bearing())
         if self.lagrange.law not in known:
-            faults.append(
+            yield (
                 f"lagrange.law = {self.lagrange.law!r}: unknown for bearing.type = {self.bearing.type!r}; known are "
                 f"{', '.join(known)}"
             )
+
+    def _mass(self) -> Iterator[str]:
         ring = self.ideal_bearing().inner_ring_mass
         if self.operation.inner_ring_and_shaft_kg <= ring:
-            faults.append(
+            yield (
                 f"operation.inner_ring_and_shaft_kg = {self.operation.inner_ring_and_shaft_kg} must exceed the mass of "
                 f"the elastic inner ring, {ring:.4g} kg"
             )
-        meshed = self.bearing.type == "roller"
-        coarsest = pi * self.bearing.roller_diameter_mm / 10.0
-        if meshed and self.numerics.mesh_size_mm > coarsest:
-            faults.append(
-                f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is too coarse for rollers of "
-                f"{self.bearing.roller_diameter_mm} mm (at most {coarsest:.3g})"
+
+    def _mesh(self) -> Iterator[str]:
+        if self.bearing.type == "ball":
+            return
+        size, roller = self.numerics.mesh_size_mm, self.bearing.roller_diameter_mm
+        coarsest = pi * roller / 10.0
+        if size > coarsest:
+            yield (f"numerics.mesh_size_mm = {size} is too coarse for rollers of {roller} mm (at most {coarsest:.3g})")
+        finest = roller / FINEST[self.contact.model]
+        if size < finest:
+            yield (
+                f"numerics.mesh_size_mm = {size} is finer than contact.model = '{self.contact.model}' is made for "
+                f"(at least {finest:.3g})"
             )
-        finest = self.bearing.roller_diameter_mm / FINEST[self.contact.model]
-        if meshed and self.numerics.mesh_size_mm < finest:
-            faults.append(
-                f"numerics.mesh_size_mm = {self.numerics.mesh_size_mm} is finer than contact.model = "
-                f"'{self.contact.model}' is made for (at least {finest:.3g})"
+
+    def _fields(self) -> Iterator[str]:
+        every = self.output.fields_every_ms
+        if every > 0.0 and self.model == "lagrange":
+            yield (
+                f"output.fields_every_ms = {every}: the Lagrangian model has no mesh and no fields; leave it out or 0"
             )
         interval = 1e-3 * self.numerics.output_interval_us
-        if self.output.fields_every_ms > 0.0 and self.model == "lagrange":
-            faults.append(
-                f"output.fields_every_ms = {self.output.fields_every_ms}: the Lagrangian model has no mesh and no "
-                "fields; leave it out or 0"
+        if 0.0 < every < interval * (1.0 - 1e-9):
+            yield (
+                f"output.fields_every_ms = {every} must not be below numerics.output_interval_us = "
+                f"{self.numerics.output_interval_us} ({interval:g} ms); 0 stores none"
             )
-        if 0.0 < self.output.fields_every_ms < interval * (1.0 - 1e-9):
-            faults.append(
-                f"output.fields_every_ms = {self.output.fields_every_ms} must not be below "
-                f"numerics.output_interval_us = {self.numerics.output_interval_us} ({interval:g} ms); 0 stores none"
-            )
-        _refuse(faults)
-        return self
 
     def ideal_bearing(self) -> Bearing:
         """The bearing in SI."""
@@ -288,7 +284,7 @@ def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) 
         name = str(path)
         try:
             with open(path, "rb") as file:
-                data = _load(file.read(LONGEST_TEXT + 1).decode("utf-8"), name)
+                data = _load(file.read(LONGEST_TEXT + 1).decode("utf-8-sig"), name)
         except OSError as error:
             raise SceneError(f"{name}: can't be read: {error.strerror}") from None
         except UnicodeDecodeError as error:
@@ -322,8 +318,8 @@ def parse_scene(data: dict[str, Any], name: str) -> Scene:
     try:
         return Scene.model_validate(data)
     except ValidationError as error:
-        faults = list(dict.fromkeys(line for fault in error.errors() for line in _explain(fault)))
-        lines = [f"{name}: {_printable(fault)}" for fault in faults[:MOST_FAULTS]]
+        faults = all_faults(error, Scene, data)
+        lines = [f"{name}: {fault}" for fault in faults[:MOST_FAULTS]]
         if len(faults) > MOST_FAULTS:
             lines.append(f"{name}: and {len(faults) - MOST_FAULTS} more")
         raise SceneError("\n".join(lines)) from None
@@ -346,41 +342,3 @@ def _apply(data: dict[str, Any], override: str) -> None:
         if not isinstance(table, dict):
             raise SceneError(f"--set {override!r}: {part} is a value, not a table")
     table[parts[-1]] = value
-
-
-def _explain(fault: dict[str, Any]) -> list[str]:
-    """One pydantic fault in the user's words, a line for each thing that is wrong."""
-    place = ".".join(_quoted(str(part)) for part in fault["loc"])
-    if fault["type"] == "extra_forbidden":
-        return [f"{place}: unknown key{_likely(fault['loc'])}"]
-    value = fault["input"]
-    if fault["type"] == "value_error":
-        return [f"{place}: {reason}" if place else reason for reason in str(fault["ctx"]["error"]).split("\n")]
-    if isinstance(value, dict | BaseModel):
-        value = "a table"
-    reason = fault["msg"].removeprefix("Input ").replace("should", "must", 1)
-    return [f"{place} = {_short(repr(value))}: {reason}"]
-
-
-def _printable(text: str) -> str:
-    """Without characters that would move a terminal's cursor or hide."""
-    return "".join(c if c.isprintable() else "?" for c in text)
-
-
-def _quoted(key: str) -> str:
-    """A key as it is, or as TOML would have to quote it."""
-    return _short(key if key.isprintable() else repr(key))
-
-
-def _short(text: str) -> str:
-    return text if len(text) <= LONGEST_QUOTE else f"{text[: LONGEST_QUOTE - 3]}..."
-
-
-def _likely(loc: tuple) -> str:
-    """The key that was probably meant, or the known ones."""
-    model: Any = Scene
-    for part in loc[:-1]:
-        model = model.model_fields[part].annotation
-    known = list(model.model_fields)
-    close = difflib.get_close_matches(str(loc[-1]), known, n=1, cutoff=0.5)
-    return f"; did you mean {close[0]}?" if close else f"; known here: {', '.join(known)}"

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
+SIGNATURE = b"\x89HDF\r\n\x1a\n"  # an HDF5 file's first bytes
 CHECKSUM = "checksum"  # attribute: twice a number of samples and the CRC-32 of the variable up to there
 SCENE_CHECKSUM = "scene_checksum"  # attribute of the file: CRC-32 of the scene's text
 FILTERS = {1: "deflate", 2: "shuffle", 3: "fletcher32"}  # by HDF5's numbers

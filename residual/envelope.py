@@ -13,6 +13,7 @@ from residual.spectrum import Spectrum, power_spectrum
 BAND = (2.0**-0.5, 2.0**0.5)  # of the resonance: one octave around it
 FILTER_ORDER = 4
 TOP_OF_NYQUIST = 0.9
+TRANSIENT = 6.0  # periods of the band's width, both ends together
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +28,7 @@ class Envelope:
 
 
 def envelope(record, interval: float, resonance: float, slowest_line: float = 0.0) -> Envelope | None:
-    """Envelope around a resonance, Hz; None where the record is sampled too coarsely or has no resonance.
+    """Envelope around a resonance, Hz; None where the record is too coarse or too short for it, or has none.
 
     Parameters
     ----------
@@ -46,6 +47,8 @@ def envelope(record, interval: float, resonance: float, slowest_line: float = 0.
     if resonance <= 0.0 or resonance >= high:
         return None
     record = np.asarray(record, dtype=float)
+    if (high - low) * record.size * interval < TRANSIENT:
+        return None
     sections = butter(FILTER_ORDER, (low, high), "bandpass", fs=1.0 / interval, output="sos")
     band = sosfiltfilt(sections, record - record.mean(), padlen=min(record.size - 1, 60))
     level = np.abs(hilbert(band))

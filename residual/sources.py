@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.scene import Scene, SceneError, parse_scene_text
-from lagrange.stored import Damaged, check_array, has, read_numbers, read_scene_text, refusal_in_child
+from lagrange.stored import SIGNATURE, Damaged, check_array, has, read_numbers, read_scene_text, refusal_in_child
 from residual.trajectory import FEWEST_SAMPLES, Estimate, InputError, Trajectory, checked
 
 FORMAT_VERSION = 1
@@ -16,9 +16,10 @@ MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
 MOST_ESTIMATES, LONGEST_WORDS = 1000, 2000
 ATTRIBUTES = (
-    "scene", "committed_samples", "format_version", "program_version", "status", "warnings", "mesh_nodes",
+    "scene", "committed_samples", "format_version", "program", "program_version", "status", "warnings", "mesh_nodes",
     "degrees_of_freedom", "time_step", "critical_time_step", "steps", "wall_seconds", "setup_seconds",
 )  # fmt: skip
+SOLVER = "run-fem"  # attribute `program`: of a file that holds all variables
 ENERGIES = ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")
 
 
@@ -75,7 +76,8 @@ def _from_file(path: Path, file) -> Trajectory:
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
         )
     scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene")
-    missing = [name for name in MOTION if not has(file, name)]
+    promised = (*MOTION, *OPTIONAL, *ENERGIES) if attributes.get("program") == SOLVER else MOTION
+    missing = [name for name in promised if not has(file, name)]
     if missing:
         raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file of run-fem?")
     n = attributes["committed_samples"]
@@ -144,7 +146,7 @@ def is_result(path: Path) -> bool:
     if path.suffix.lower() in (".nc", ".h5", ".hdf5"):
         return True
     with path.open("rb") as file:
-        return file.read(8) == b"\x89HDF\r\n\x1a\n"
+        return file.read(len(SIGNATURE)) == SIGNATURE
 
 
 def check_readable(path: Path) -> None:
@@ -157,10 +159,10 @@ def check_readable(path: Path) -> None:
         raise InputError(f"{path}: the file is empty; run the simulation again")
     try:
         with path.open("rb") as file:
-            start = file.read(8)
+            start = file.read(len(SIGNATURE))
     except OSError as error:
         raise InputError(f"{path}: can't be read: {error.strerror}") from None
-    if path.suffix.lower() in (".nc", ".h5", ".hdf5") and start != b"\x89HDF\r\n\x1a\n":
+    if path.suffix.lower() in (".nc", ".h5", ".hdf5") and start != SIGNATURE:
         raise InputError(f"{path}: not an HDF5 file; give a result file of run-fem, or a table named .csv")
 
 

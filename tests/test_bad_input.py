@@ -75,8 +75,27 @@ def test_unusable_input_exits_2_names_the_culprit_and_leaves_nothing(kind, name,
             "[operation]\ninner_ring_and_shaft_kg = 0.01\n[numerics]\nmesh_size_mm = 9\n[lagrange]\nlaw = 'hooke'\n",
             ("inner_ring_and_shaft_kg = 0.01", "mesh_size_mm = 9", "lagrange.law = 'hooke'"),
         ),
+        (
+            "[bearing]\nbore_diameter_mm = 40\nrolers = 12\nroller_diameter_mm = 11\nroller_length_mm = -1\n"
+            "[operation]\ninner_ring_and_shaft_kg = 0.01\n[numerics]\noutput_interval_us = nan\nmesh_size_mm = 9\n",
+            (
+                "bore_diameter_mm = 40",
+                "rolers",
+                "more preload",
+                "roller_length_mm = -1",
+                "interval_us",
+                "mesh_size_mm = 9",
+            ),
+        ),
+        ("bearing = 3\n[numerics]\nduration_ms = 0.001\nmesh_size = 1\n", ("bearing = 3", "duration_ms", "mesh_size")),
     ],
-    ids=["values", "values of one table that contradict each other", "values of several tables"],
+    ids=[
+        "values",
+        "values of one table that contradict each other",
+        "values of several tables",
+        "contradictions beside values and keys that can't be used",
+        "contradictions beside a table that is none",
+    ],
 )
 def test_all_faults_of_a_scene_come_at_once(text, named, tmp_path, capsys):
     path = tmp_path / "scene.toml"

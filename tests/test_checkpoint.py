@@ -1,5 +1,7 @@
 """A run that stops goes on bit for bit, or says why it can't."""
 
+import re
+
 import h5py
 import numpy as np
 import pytest
@@ -56,6 +58,15 @@ def test_a_complete_run_can_be_extended(whole, tmp_path):
     assert run_main([*OPTIONS, "--duration", "0.7", "--output", str(path)]) == 0
     assert run_main([*OPTIONS, "--duration", "2", "--output", str(path), "--resume"]) == 0
     assert same_data(path, whole)
+
+
+def test_a_complete_run_that_is_resumed_tells_its_energy_balance_again(tmp_path, capsys):
+    arguments = ["--mesh-size", "2", "--duration", "0.7", "--output", str(tmp_path / "run.nc")]
+    told = []
+    for options in ([], ["--resume"]):
+        assert run_main([*arguments, *options]) == 0
+        told.append(re.search(r"energy imbalance (\S+) of", capsys.readouterr().out)[1])
+    assert told[0] == told[1] and float(told[0]) != 0.0
 
 
 def test_samples_beyond_the_checkpoint_are_written_again(whole, tmp_path):

@@ -26,14 +26,15 @@ from fem.result.layout import MARK, PER_TIME, VARIABLES, create
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan
 from lagrange.scene import read_scene
-from lagrange.stored import read_numbers
+from lagrange.stored import SIGNATURE, read_numbers
 from residual.cli import main as check_main
-from residual.sources import read_result
+from residual.sources import MOTION, OPTIONAL, read_result
 from residual.trajectory import InputError
 
 ROOT = Path(__file__).resolve().parent.parent
 BLOCKS = (1, 4, 15)  # samples appended and committed at a time, of 41
 ROLLERS = 13
+EARLIER = SIGNATURE + b"an earlier result"
 OPTIONS = ["--mesh-size", "2", "--quiet", "--checkpoint", "0"]
 SHORT = [*OPTIONS, "--duration", "2"]
 
@@ -136,7 +137,7 @@ def test_a_disk_that_fails_at_a_write_leaves_the_earlier_file_or_a_sound_one(
     with monkeypatch.context() as sound:
         disk = RecordedDisk(sound)
         write(path, plan, samples)
-    earlier, left = b"an earlier result", []
+    earlier, left = EARLIER, []
     for fail_at in range(0, disk.calls - 1, every):  # the last one syncs the folder, which not all can
         path.write_bytes(earlier)
         with monkeypatch.context() as failing:
@@ -228,11 +229,11 @@ def limited(arguments, limit):
 @pytest.mark.skipif(os.name != "posix", reason="POSIX limits")
 def test_a_result_larger_than_a_file_may_be_is_refused_before_the_run(tmp_path):
     path = tmp_path / "run.nc"
-    path.write_bytes(b"an earlier result")
+    path.write_bytes(EARLIER)
     done = limited([*OPTIONS, "--duration", "60", "--output", str(path)], 10**6)
     assert done.returncode == 2
     assert f"error: {path}: File too large" in done.stderr and "Traceback" not in done.stderr
-    assert names_in(tmp_path) == ["run.nc"] and path.read_bytes() == b"an earlier result"
+    assert names_in(tmp_path) == ["run.nc"] and path.read_bytes() == EARLIER
 
 
 @pytest.mark.skipif(not hasattr(os, "posix_fallocate") or sys.platform != "linux", reason="Linux")
@@ -346,19 +347,55 @@ def test_a_result_that_is_open_elsewhere_is_left_alone(command, whole, tmp_path,
     assert path.read_bytes() == before and names_in(tmp_path) == ["run.nc", "run.nc.checkpoint"]
 
 
-@pytest.mark.parametrize("what", ["a folder", "a pipe"])
+@pytest.mark.parametrize("what", ["a folder", "a pipe", "a link to itself"])
 def test_what_is_no_plain_file_is_not_replaced(what, tmp_path, capsys):
     path = tmp_path / "run.nc"
-    path.mkdir() if what == "a folder" else os.mkfifo(path)
+    if what == "a folder":
+        path.mkdir()
+    elif what == "a pipe":
+        os.mkfifo(path)
+    else:
+        path.symlink_to(path)
     assert run_main([*SHORT, "--output", str(path)]) == 2
     assert str(path) in capsys.readouterr().err
     assert names_in(tmp_path) == ["run.nc"] and not path.is_file()
 
 
+@pytest.mark.parametrize("model", ["fem", "lagrange"])
+def test_a_scene_is_not_replaced_by_its_result(model, tmp_path, capsys):
+    path = tmp_path / "scene.toml"
+    path.write_text('name = "mine"\n')
+    assert run_main([str(path), "--model", model, "--mesh-size", "2", "--duration", "2", "--output", str(path)]) == 2
+    assert f"{path}: is no result file (HDF5) and is not replaced" in capsys.readouterr().err
+    assert names_in(tmp_path) == ["scene.toml"] and path.read_text() == 'name = "mine"\n'
+
+
+@pytest.mark.parametrize("what", ["a folder in its place", "a name too long for it"])
+def test_a_run_whose_checkpoint_has_no_place_is_refused_before_it_replaces_anything(what, whole, tmp_path, capsys):
+    folder = what == "a folder in its place"
+    path = tmp_path / ("run.nc" if folder else "x" * 243 + ".nc")
+    shutil.copy(whole, path)
+    if folder:
+        checkpoint_path(path).mkdir()
+    assert run_main([*SHORT, "--output", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert f"error: {checkpoint_path(path)}: " in error and error.count("\n") == 1
+    assert path.read_bytes() == whole.read_bytes()
+
+
+@pytest.mark.usefixtures("whole")  # kernels are compiled
+def test_a_closed_standard_error_stops_no_run(tmp_path):
+    path = tmp_path / "run.nc"
+    command = f'"{sys.executable}" -m fem.cli --mesh-size 2 --duration 2 --output "{path}" 2>&-'
+    assert subprocess.run(command, shell=True, env={**os.environ, "PYTHONPATH": str(ROOT)}).returncode == 0
+    with h5py.File(path) as file:
+        assert file.attrs["status"] == "complete"
+
+
 def test_a_link_keeps_leading_to_the_result(whole, tmp_path):
     (tmp_path / "disk").mkdir()
     link, target = tmp_path / "run.nc", tmp_path / "disk" / "result.nc"
-    target.write_bytes(b"an earlier result")
+    target.write_bytes(EARLIER)
     link.symlink_to(target)
     assert run_main([*SHORT, "--output", str(link)]) == 0
     assert link.is_symlink() and same_data(target, whole)
@@ -410,8 +447,11 @@ def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path, monkeypatch)
             refused += 1
             continue
         assert read.scene == sound.scene == plan.scene
-        for name in ("time", "inner_x", "inner_y", "roller_x", "roller_y", "inner_force", "outer_traction"):
+        for name in (*MOTION, *OPTIONAL):
             np.testing.assert_array_equal(getattr(read, name), getattr(sound, name))
+        assert read.energies.keys() == sound.energies.keys()
+        for name in sound.energies:
+            np.testing.assert_array_equal(read.energies[name], sound.energies[name])
     assert refused > flips // 5
 
 

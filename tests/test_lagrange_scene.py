@@ -89,6 +89,13 @@ def test_all_faults_are_told_at_once():
         assert word in message
 
 
+def test_a_byte_order_mark_is_no_part_of_the_scene(tmp_path):
+    """Editors on Windows write one."""
+    path = tmp_path / "scene.toml"
+    path.write_text('name = "marked"\n', encoding="utf-8-sig")
+    assert read_scene(path).name == "marked"
+
+
 def test_override_on_the_command_line():
     scene = read_scene(None, ("operation.speed_rpm=3000.0", "name=fast", "bearing.rollers=12"))
     assert (scene.operation.speed_rpm, scene.name, scene.bearing.rollers) == (3000.0, "fast", 12)

@@ -65,6 +65,11 @@ def test_response_is_the_gain_on_a_sine():
     assert abs(1 - response(frequency, dt)) < 6e-4
 
 
+@pytest.mark.parametrize("order", [4, 6, 8])
+def test_response_is_1_far_below_the_sampling_frequency(order):
+    np.testing.assert_allclose(response([0.0, 1e-12, 1e-6, 1.0], 1e-5, order), 1.0, rtol=1e-12)
+
+
 def test_round_off_floor_bounds_the_error_of_positions_stored_in_single_precision():
     eps, step = float(np.finfo(np.float32).eps), 1e-5
     exact = 4e-6 * np.sin(OMEGA * step * np.arange(4000))

@@ -151,7 +151,7 @@ def test_envelope_shows_what_modulates_the_resonance():
     assert plain.band_rms(BPFO - 10, BPFO + 10) < 0.01  # nothing at BPFO itself
 
 
-@pytest.mark.parametrize("resonance", [0.0, 60_000.0])
+@pytest.mark.parametrize("resonance", [0.0, 1e-6, 120.0, 60_000.0])
 def test_no_envelope_where_the_record_cannot_show_one(resonance):
     assert envelope(noise(0.06), STEP, resonance) is None
 

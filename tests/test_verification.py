@@ -70,7 +70,9 @@ def pretend(monkeypatch, *cases):
 
 
 @pytest.mark.parametrize(
-    ("cases", "code"), [((good,), 0), ((good, wrong), 1), ((broken,), 1), ((empty,), 1)], ids=lambda value: str(value)
+    ("cases", "code"),
+    [((good,), 0), ((good, wrong), 1), ((broken,), 1), ((empty,), 1)],
+    ids=["good", "good and wrong", "broken", "empty"],
 )
 def test_the_exit_code_tells_whether_all_passed(cases, code, monkeypatch):
     pretend(monkeypatch, *cases)

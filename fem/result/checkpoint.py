@@ -24,7 +24,7 @@ from fem.solver.samples import SampleReader
 from fem.solver.simulate import Plan, RunState
 from lagrange.scene import Scene, SceneError, parse_scene_text
 
-FORMAT = 2
+FORMAT = 3
 GROUPS = ("rollers", "inner", "outer", "contacts", "drive")
 LONGEST_META = 2**20  # bytes
 
@@ -33,6 +33,18 @@ def checkpoint_path(result: Path) -> Path:
     """Where the state of a result file's run is kept."""
     result = real_path(result)
     return result.with_name(result.name + ".checkpoint")
+
+
+def refuse_no_place(result: Path) -> None:
+    """Refuse a result file beside which no checkpoint can stand.
+
+    Errors
+    ------
+    UsageError. OSError: its name is too long.
+    """
+    path = checkpoint_path(result)
+    if path.exists() and not path.is_file():
+        raise UsageError(f"{path}: is not a plain file, and the run's state is to be kept there; name another --output")
 
 
 def save_checkpoint(result: Path, plan: Plan, state: RunState, stored: Stored) -> None:
@@ -49,6 +61,7 @@ def save_checkpoint(result: Path, plan: Plan, state: RunState, stored: Stored) -
         "samples": stored.samples,
         "checksums": stored.checksums,
         "wall_seconds": state.wall,
+        "imbalance": state.imbalance,
         "scene": plan.scene.to_toml(),
     }
     temporary = path.with_name(path.name + ".part")
@@ -104,7 +117,7 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
         )
         if stored.samples < 0:
             raise ValueError("no number of samples")
-        state.wall = float(meta["wall_seconds"])
+        state.wall, state.imbalance = float(meta["wall_seconds"]), float(meta["imbalance"])
     except UsageError:
         raise
     except Exception as error:  # an archive can be damaged in more ways than there are errors to name here

@@ -1,5 +1,6 @@
 """Files that appear whole or not at all, in folders that several runs share; writes that say when they fail."""
 
+import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -12,8 +13,13 @@ except ImportError:  # not a POSIX system: files are not locked there
 
 
 def real_path(path: Path) -> Path:
-    """Where a link leads; else the path as it was given."""
-    return Path(os.path.realpath(path)) if path.is_symlink() else path
+    """Where a link leads; else the path as it was given. OSError: links that lead round in a circle."""
+    if not path.is_symlink():
+        return path
+    real = Path(os.path.realpath(path))
+    if real.is_symlink():
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
+    return real
 
 
 @contextmanager

@@ -6,10 +6,25 @@ import h5py
 
 from fem.errors import UsageError
 from fem.result.durable import is_in_use
-from lagrange.stored import Damaged, check_array, refusal_in_child
+from lagrange.stored import SIGNATURE, Damaged, check_array, refusal_in_child
 
 READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
 READ_MEMORY = 2**29  # bytes
+
+
+def refuse_foreign(path: Path) -> None:
+    """Refuse to replace what can't have been a result file, such as the scene itself.
+
+    Errors
+    ------
+    UsageError. OSError: a file that can't be read.
+    """
+    if not path.is_file():
+        return
+    with open(path, "rb") as file:
+        start = file.read(len(SIGNATURE))
+    if start not in (b"", SIGNATURE):
+        raise UsageError(f"{path}: is no result file (HDF5) and is not replaced; name another with --output")
 
 
 def refuse_if_in_use(path: Path) -> None:

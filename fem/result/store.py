@@ -19,7 +19,7 @@ import numpy as np
 
 from fem.errors import UsageError
 from fem.result.durable import alone_in, move_into_place, open_locked, real_path, write_at
-from fem.result.earlier import check_earlier, refuse_if_in_use
+from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
 from fem.result.layout import FORMAT_VERSION, VARIABLES, Places, create
 from lagrange.scene import Scene
 from lagrange.stored import checksum, text_checksum
@@ -83,6 +83,7 @@ class ResultFile:
         with alone_in(self._path.parent):
             refuse_if_in_use(self._path)
             if resume is None:
+                refuse_foreign(self._path)
                 self._begin(plan.n_samples, Stored(samples=0, checksums=dict.fromkeys(VARIABLES, 0)))
             else:
                 frames = frames_of(resume.samples, plan.frame_stride)

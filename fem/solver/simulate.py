@@ -168,6 +168,7 @@ class RunState:
     reader: SampleReader
     done: int = 0  # samples
     wall: float = 0.0  # s, time loop only
+    imbalance: float = 0.0  # energy imbalance of the last sample over the exchanged energy
 
 
 def first_state(plan: Plan) -> RunState:
@@ -194,7 +195,7 @@ def run(
     """
     state = first_state(plan) if state is None else state
     compile_kernels(plan)
-    block, imbalance = 1, 0.0
+    block = 1
     while state.done < plan.n_samples and not stop():
         left = plan.n_samples - state.done
         if plan.frame_stride:  # between two samples the state is that of the one to come
@@ -211,22 +212,22 @@ def run(
             rows = rows[: _good_rows(rows)]
         if len(rows):
             looked = state.reader.read(rows)
-            good, imbalance = _balanced(looked)
+            good, state.imbalance = _balanced(looked)
             samples = looked.first(good).every(plan.looks)
             write(samples)
             state.done += len(samples)
             if good < len(rows):
-                raise RunFailed(_energy_trouble(plan, looked, good, imbalance))
+                raise RunFailed(_energy_trouble(plan, looked, good, state.imbalance))
         if status != time_loop.DONE:
             raise RunFailed(_velocity_trouble(plan, step, body))
-        report(progress_of(plan, state, imbalance))
+        report(progress_of(plan, state))
         block = min(4 * block, LARGEST_BLOCK // plan.looks or 1)
         if took > 0.0:  # clocks have stood still
             block = max(1, min(block, int(BLOCK_SECONDS / took * len(samples))))
-    return progress_of(plan, state, imbalance)
+    return progress_of(plan, state)
 
 
-def progress_of(plan: Plan, state: RunState, imbalance: float = 0.0) -> Progress:
+def progress_of(plan: Plan, state: RunState) -> Progress:
     """Where a run stands after its last sample."""
     last = max(0, state.done - 1)
     return Progress(
@@ -234,7 +235,7 @@ def progress_of(plan: Plan, state: RunState, imbalance: float = 0.0) -> Progress
         steps=last * plan.stride,
         simulated=last * plan.interval,
         wall=state.wall,
-        imbalance=imbalance,
+        imbalance=state.imbalance,
     )
 
 

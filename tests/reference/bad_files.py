@@ -163,6 +163,8 @@ def outside(kind):
 BAD_FILES = {
     "no such file": lambda folder: (check_main, [str(folder / "gone.nc")], ["gone.nc", "no such file"]),
     "a folder": lambda folder: (check_main, [str(folder)], [str(folder), "not a file"]),
+    "the folder one is in": lambda folder: (check_main, ["."], [".: not a file"]),
+    "no name": lambda folder: (check_main, [""], [".: not a file"]),
     "no runs at all": lambda folder: (check_main, [], ["run-fem", "runs"]),
     "empty file": content("bad.nc", "", "empty"),
     "not HDF5": content("bad.nc", "time,inner_x\n", "not an HDF5 file"),
@@ -191,6 +193,10 @@ BAD_FILES = {
     "nothing committed": attribute("committed_samples", 0, "0 committed samples"),
     "no inner_y": replaced("inner_y", None, "inner_y"),
     "no time": replaced("time", None, "time"),
+    "no loads in a file of run-fem": result(
+        lambda file: (file.attrs.update(program="run-fem"), file.move("outer_traction", "outer_tractioo")),
+        "missing outer_traction",
+    ),
     "no variable at all": result(lambda file: [file.pop(name) for name in list(file)], "missing"),
     "NaN": poked("inner_x", 7, np.nan, "inner_x is nan at sample 7"),
     "infinite force": poked("inner_force", (7, 3), np.inf, "inner_force is inf at sample 7, roller 3"),
@@ -334,6 +340,7 @@ BAD_PICTURES = {
     "picture too wide": picture("--width", "100000", say="--width 100000 & 8000"),
     "picture without width": picture("--width", "0", say="--width 0 & 200"),
     "picture magnified backwards": picture("--magnification", "-1", say="--magnification -1"),
+    "picture over the run": picture("--output", "{folder}/made.nc", say="--output & must end in .png"),
     "picture into a folder": picture("--output", "{folder}", say="--output & is a folder"),
     "picture of another scene": picture(
         say="made.nc & 9 rollers", change=lambda file: file.attrs.update(scene="[bearing]\nrollers = 9\n")

@@ -47,8 +47,8 @@ BAD_SCENES = {
     "date for a number": scene("[operation]\nspeed_rpm = 2007-06-18", "operation.speed_rpm"),
     "list for a number": scene("[operation]\nspeed_rpm = [1, 2]", "operation.speed_rpm = [1, 2]"),
     "table for a number": scene("[numerics.duration_ms]\nx = 1", "numerics.duration_ms", "number"),
-    "number for a table": scene("bearing = 3", "bearing = 3"),
-    "list of tables": scene("[[bearing]]\nrollers = 3", "bearing"),
+    "number for a table": scene("bearing = 3", "bearing = 3: must be a table, [bearing]"),
+    "list of tables": scene("[[bearing]]\nrollers = 3", "bearing = [{", "must be a table, [bearing]"),
     "number for a name": scene("name = 3", "name = 3", "string"),
     "number for a column": scene("[table]\ntime = 3", "table.time = 3"),
     # numbers that are none, or too large

@@ -1,0 +1,146 @@
+"""What is wrong with a scene: all of it at once, in the user's words.
+
+Pydantic judges values one by one and gives up on a table, and on all that lies above it, where one is unusable.
+Contradictions between the values that can be used are therefore looked for once more here.
+"""
+
+import difflib
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+
+LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
+Check = Callable[[], Iterator[str]]
+Place = tuple[str | int, ...]  # keys from the scene down
+
+
+class Table(BaseModel):
+    """A table of the scene, or the scene itself."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
+
+    def checks(self) -> tuple[Check, ...]:
+        """What may contradict itself in the table; each check gives a sentence for each thing that does."""
+        return ()
+
+    @classmethod
+    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        """What is written, and defaults that depend on it."""
+        return data
+
+    @model_validator(mode="before")
+    @classmethod
+    def _completed(cls, data):
+        return cls.completed(data) if isinstance(data, dict) else data
+
+    @model_validator(mode="after")
+    def _consistent(self):
+        faults = [fault for check in self.checks() for fault in check()]
+        if faults:
+            raise ValueError("\n".join(faults))
+        return self
+
+
+def all_faults(error: ValidationError, model: type[Table], data: dict[str, Any]) -> list[str]:
+    """Each fault of the tables in a line, none twice."""
+    found = error.errors()
+    of_values = [fault for fault in found if fault["type"] != "value_error" or _is_of_one_value(fault, model)]
+    usable = _usable(model, data, {_meant(fault, model) for fault in of_values})
+    lines = [line for fault in of_values for line in _explain(fault, model)] + list(_contradictions(usable))
+    if not lines:  # bodies that can't be made, which no check looks for
+        lines = [line for fault in found for line in _explain(fault, model)]
+    return [printable(line) for line in dict.fromkeys(lines)]
+
+
+def printable(text: str) -> str:
+    """Without characters that would move a terminal's cursor or hide."""
+    return "".join(c if c.isprintable() else "?" for c in text)
+
+
+def _explain(fault: dict[str, Any], model: type[Table]) -> list[str]:
+    """One pydantic fault, a line for each thing that is wrong."""
+    place = ".".join(_quoted(str(part)) for part in fault["loc"])
+    if fault["type"] == "extra_forbidden":
+        known = list(_table_at(fault["loc"][:-1], model).model_fields)
+        likely = _likely(fault["loc"], model)
+        hint = f"did you mean {likely}?" if likely else f"known here: {', '.join(known)}"
+        return [f"{place}: unknown key; {hint}"]
+    value = fault["input"]
+    if fault["type"] == "value_error":
+        return [_at(place, reason) for reason in str(fault["ctx"]["error"]).split("\n")]
+    if fault["type"] == "model_type":
+        return [f"{place} = {_short(repr(value))}: must be a table, [{place}]"]
+    reason = fault["msg"].removeprefix("Input ").replace("should", "must", 1)
+    return [f"{place} = {_short(repr(value))}: {reason}"]
+
+
+def _at(place: str, reason: str) -> str:
+    return f"{place}: {reason}" if place else reason
+
+
+def _quoted(key: str) -> str:
+    """A key as it is, or as TOML would have to quote it."""
+    return _short(key if key.isprintable() else repr(key))
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= LONGEST_QUOTE else f"{text[: LONGEST_QUOTE - 3]}..."
+
+
+def _table_at(place: Place, model: type[Table]) -> type[BaseModel]:
+    table: Any = model
+    for part in place:
+        table = table.model_fields[part].annotation
+    return table
+
+
+def _likely(place: Place, model: type[Table]) -> str | None:
+    """The key that was probably meant."""
+    known = list(_table_at(place[:-1], model).model_fields)
+    return next(iter(difflib.get_close_matches(str(place[-1]), known, n=1, cutoff=0.5)), None)
+
+
+def _meant(fault: dict[str, Any], model: type[Table]) -> Place:
+    """The key whose value a fault leaves unknown."""
+    place = fault["loc"]
+    return (*place[:-1], _likely(place, model)) if fault["type"] == "extra_forbidden" else place
+
+
+def _is_of_one_value(fault: dict[str, Any], model: type[Table]) -> bool:
+    """Or of a table's values together."""
+    place = fault["loc"]
+    return bool(place) and place[-1] not in _tables(_table_at(place[:-1], model))
+
+
+def _tables(model: type[BaseModel]) -> dict[str, type[Table]]:
+    """The tables within a table."""
+    kinds = {name: field.annotation for name, field in model.model_fields.items()}
+    return {name: kind for name, kind in kinds.items() if isinstance(kind, type) and issubclass(kind, Table)}
+
+
+def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], place: Place = ()) -> Table:
+    """A table without the values that can't be used: who asks for them meets an AttributeError."""
+    data, inner = model.completed(data), _tables(model)
+    left_out = [name for name in model.model_fields if (*place, name) in unusable]
+    values = {name: value for name, value in data.items() if name in model.model_fields and name not in inner}
+    for name, kind in inner.items():
+        if name not in left_out:
+            values[name] = _usable(kind, data.get(name, {}), unusable, (*place, name))
+    table = model.model_construct(**values)
+    for name in left_out:
+        table.__dict__.pop(name, None)
+    return table
+
+
+def _contradictions(table: Table, place: str = "") -> Iterator[str]:
+    """All that can be judged without the values left out."""
+    for name in _tables(type(table)):
+        if name in table.__dict__:
+            yield from _contradictions(getattr(table, name), f"{place}.{name}".lstrip("."))
+    for check in table.checks():
+        # a value left out, or bodies that can't be made of values told of already
+        with suppress(AttributeError, ValueError):
+            for fault in check():
+                yield _at(place, fault)

@@ -1,4 +1,4 @@
-"""docs/paper.png: our figures 6 to 11 beside the paper's ranges; docs/paper-variants.png: the ranges of every variant."""
+"""docs/paper.png: our figures 6 to 11 beside the paper's ranges; docs/paper-variants.png: every variant's ranges."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ import numpy as np
 from benchmarks.paper.variants import BAND, SKIPPED, Measured, Variant, left_sides, radial
 from residual import Trajectory, paper
 from residual.figures import chosen_roller
-from residual.plotting import BLUE, GREY, ORANGE, RED, STYLE, plt
+from residual.plotting import BLUE, GREEN, GREY, ORANGE, RED, STYLE, plt
 from residual.spectrum import power_spectrum
 
 BAND_COLOUR = dict(color=ORANGE, alpha=0.35, linewidth=0)
@@ -23,6 +23,7 @@ ROWS = (
     ("left side\nof (23), N", 1.0, tuple(LOAD + r for r in paper.ERROR_FORCE)),
 )
 FIGURES = (6, 6, 7, 7, 7, 8, 9)
+FACETED_ROWS = (0, 5, 6)
 
 
 def _records(found: Trajectory, law: str | None) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -36,22 +37,30 @@ def _records(found: Trajectory, law: str | None) -> tuple[np.ndarray, list[np.nd
     ]  # fmt: skip
 
 
-def draw_records(path: Path, ours: Trajectory, soft: Trajectory, title: str) -> None:
-    """Each of the paper's figures: ours at its own scale; at the paper's, ours and a comparison run."""
+def draw_records(path: Path, ours: Trajectory, soft: Trajectory, facets: Trajectory, titles: tuple[str, str]) -> None:
+    """Each of the paper's figures: ours at its own scale; at the paper's, ours and two comparison runs.
+
+    Left sides are with Harris' law for ours, with the fitted one for the others; the run on facets, which rattles, is
+    drawn in x and the left sides.
+    """
     with plt.rc_context(STYLE | {"font.size": 9.5, "axes.labelsize": 9.5, "legend.fontsize": 9}):
         figure, axes = plt.subplots(len(ROWS) + 1, 2, figsize=(8.4, 12.6), height_ratios=[1.0] * len(ROWS) + [1.25])
         time, mine = _records(ours, None)
         other_time, other = _records(soft, "fitted")
-        for (left, right), (name, scale, band), number, a, b in zip(
-            axes[:-1], ROWS, FIGURES, mine, other, strict=True
+        third_time, third = _records(facets, "fitted")
+        for row, ((left, right), (name, scale, band), number, a, b) in enumerate(
+            zip(axes[:-1], ROWS, FIGURES, mine, other, strict=True)
         ):
             left.plot(time, scale * a, color=BLUE, linewidth=0.7)
             left.set_ylabel(f"Fig. {number}\n{name}")
             low, high = scale * np.array(band)
             right.axhspan(low, high, label="range of the paper's figure", **BAND_COLOUR)
-            right.plot(other_time, scale * b, color=RED, linewidth=0.35, label=title)
+            if row in FACETED_ROWS:
+                right.plot(third_time, scale * third[row], color=GREEN, linewidth=0.35, label=titles[1])
+            right.plot(other_time, scale * b, color=RED, linewidth=0.35, label=titles[0])
             right.plot(time, scale * a, color=BLUE, linewidth=1.2, label="this program's default")
-            right.set_ylim(*_limits(low, high, scale * b))
+            shown = [scale * b, scale * third[row]] if row in FACETED_ROWS else [scale * b]
+            right.set_ylim(*_limits(low, high, np.concatenate(shown)))
             for axis in (left, right):
                 axis.margins(x=0.0)
                 axis.set_xlim(0.0, 60.0)
@@ -63,16 +72,17 @@ def draw_records(path: Path, ours: Trajectory, soft: Trajectory, title: str) -> 
             axis.set_xlabel("time, ms")
         _spectra(axes[-1], mine, ours.interval, BLUE)
         _spectra(axes[-1], other, soft.interval, RED)
+        _spectra(axes[-1], third, facets.interval, GREEN)
         for axis, number in zip(axes[-1], (10, 11), strict=True):
             axis.axvline(paper.PEAK, color=ORANGE, alpha=0.6, linewidth=5)
             axis.set(xlim=(0.0, BAND), xlabel=f"frequency, Hz (Fig. {number}: left side of ({number + 12}))")
             axis.set_ylabel("density, N²/Hz" if number == 10 else "")
-        axes[-1, 0].annotate("the paper's 22 Hz", (26, 0.9), xycoords=("data", "axes fraction"), fontsize=9, color="#8A5A00")
+        axes[-1, 0].annotate("the paper's 22 Hz", (28, 0.03), xycoords=("data", "axes fraction"), color="#8A5A00")
         figure.align_ylabels(axes[:, 0])
         handles, labels = axes[0, 1].get_legend_handles_labels()
         for handle in handles[1:]:
             handle.set_linewidth(2.0)
-        figure.legend(handles, labels, loc="outside upper center", ncols=3)
+        figure.legend(handles, labels, loc="outside upper center", ncols=2)
         _save(figure, path)
 
 
@@ -119,14 +129,15 @@ def draw_variants(path: Path, measured: list[tuple[Variant, Measured]]) -> None:
             axis.set_xscale("symlog", linthresh=straight)
             ends = [v for v in axis.get_xlim() if v]
             decade = 10.0 ** np.floor(np.log10(max(np.abs(ends))))
-            axis.set_xticks([t for t in (-decade, 0.0, decade) if ends[0] <= t <= ends[-1]])
+            wanted = (-decade, 0.0, decade) if ends[-1] > 0.0 else (-decade, -0.1 * decade, 0.0)
+            axis.set_xticks([t for t in wanted if ends[0] <= t <= max(ends[-1], 0.0)])
             axis.axvline(0.0, color=GREY, linewidth=0.7)
             axis.set_xlabel(name)
             axis.minorticks_off()
         axes[0].set_yticks(rows, [variant.title for variant, _ in measured])
         axes[0].set_ylim(-0.7, count - 0.3)
-        figure.suptitle("Ranges over 60 ms (bars) and those of the paper's figures (bands); axes logarithmic on both sides of 0",
-                        fontsize=10)  # fmt: skip
+        title = "Ranges over 60 ms (bars) and of the paper's figures (bands); axes logarithmic on both sides of 0"
+        figure.suptitle(title, fontsize=10)
         _save(figure, path)
 
 

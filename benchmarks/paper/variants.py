@@ -46,12 +46,11 @@ VARIANTS = (
     Variant(name="facets-2", title="facets of 2 mm, 1e9 N/m", settings=_faceted(2.0, _SMALL_STEPS)),
     Variant(name="soft-facets-0.5", title="facets of 0.5 mm, 8.3e6 N/m", settings=_faceted(0.5, _SOFT)),
     Variant(
-        name="soft-facets-0.7",
-        title="facets of 0.7 mm, 1.2e7 N/m",
-        settings=_faceted(0.7, "contact.penalty_stiffness_N_per_m=1.2e7"),
+        name="soft-facets-1", title="facets of 1 mm, 1.2e7 N/m",
+        settings=_faceted(1.0, "contact.penalty_stiffness_N_per_m=1.2e7"),
     ),
     Variant(
-        name="soft-facets-1", title="facets of 1 mm, 2e7 N/m",
+        name="less-soft-facets-1", title="facets of 1 mm, 2e7 N/m",
         settings=_faceted(1.0, "contact.penalty_stiffness_N_per_m=2e7"),
     ),
 )  # fmt: skip

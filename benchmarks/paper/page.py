@@ -16,6 +16,8 @@ from residual.figures import HARRIS_POINTS
 TEMPLATE = Path(__file__).with_name("page.md")
 NEAREST, SIDEWAYS = "soft-rest", "soft-facets-1"  # the runs drawn beside ours
 POLYGONS = "less-soft-facets-1"
+ROLLER = ("ρ′, mm/s", "ρ″, m/s²")
+SIDES = ("(22) Harris, N", "(23) Harris, N", "(22) fitted, N", "(23) fitted, N", "y moves at, Hz")
 MINUS = "−"
 SINK = 0.5 * abs(sum(paper.INNER_Y))  # m, middle of the paper's y
 
@@ -157,10 +159,8 @@ def page(
         soft_frequency=text(soft.frequency, 4),
         soft_y=span(soft.y, 1e6),
         variants=table(
-            ["run", "x, µm", "y, µm", "ρ − 23 mm, µm", "ρ′, mm/s", "ρ″, m/s²", "loaded, usually", "(22) Harris, N",
-             "(23) Harris, N", "(22) fitted, N", "(23) fitted, N", "y moves at, Hz"],
-            variant_rows(measured),
-        ),  # fmt: skip
+            ["run", "x, µm", "y, µm", "ρ − 23 mm, µm", *ROLLER, "loaded, usually", *SIDES], variant_rows(measured)
+        ),
         settings=table(["run", "options of run-fem"], settings_rows([variant for variant, _ in measured])),
         supports=table(
             ["outside diameter, mm", "held", "x, µm", "y, µm", "rollers loaded", "raceway moves, µm"],
@@ -187,8 +187,7 @@ def page(
         smooth_x=span(soft.x, 1e6),
         facets_rho=span(facets.rho, 1e3, digits=5),
         coarse=table(
-            ["run", "stored every", "ρ′, mm/s", "ρ″, m/s²", "(22) Harris, N", "(23) Harris, N", "(22) fitted, N",
-             "(23) fitted, N", "y moves at, Hz"],
+            ["run", "stored every", *ROLLER, *SIDES],
             coarse_rows(pairs),
-        ),  # fmt: skip
+        ),
     )

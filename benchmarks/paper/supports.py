@@ -8,8 +8,8 @@ from scipy.sparse.linalg import splu
 from fem.elastic.assembly import assemble
 from fem.elastic.model import Model, build_model
 from fem.elastic.subgrid import ring_patch_force
-from fem.statics import equilibrium as statics
 from fem.statics.contact_balance import Condensed, Loads, balance, closed_forces, first_guess
+from fem.statics.equilibrium import patch_responses, standing
 from lagrange.scene import read_scene
 from meshes import mesh_of
 
@@ -41,19 +41,20 @@ class Held:
 
 def held_cases() -> list[Held]:
     """Every ring with every support."""
-    return [_held(outside, name) for outside in OUTSIDE_MM for name in SUPPORTS]
+    return [held(outside, name) for outside in OUTSIDE_MM for name in SUPPORTS]
 
 
-def _held(outside_mm: float, name: str) -> Held:
+def held(outside_mm: float, name: str) -> Held:
+    """One ring with one of SUPPORTS."""
     scene = read_scene(None, (f"bearing.outside_diameter_mm={outside_mm}",))
     model = build_model(scene.ideal_bearing(), MESH)
-    solve = _support(model, SUPPORTS[name])
+    solve = supported(model, SUPPORTS[name])
     load = scene.operation.radial_load_N
     pitch = 2.0 * np.pi / model.bearing.n_rollers
     first = scene.ideal_operation().first_roller_angle
     hubs, counts, widest = [], [], 0.0
     for angle in first + pitch * np.arange(POSITIONS) / POSITIONS:
-        hub, forces, moved = _balance(model, statics.standing(model.bearing, angle), load, solve)
+        hub, forces, moved = _balance(model, standing(model.bearing, angle), load, solve)
         hubs.append(1e6 * hub)
         counts.append(int(np.count_nonzero(forces)))
         widest = max(widest, 1e6 * float(moved))
@@ -68,7 +69,7 @@ def _held(outside_mm: float, name: str) -> Held:
     )
 
 
-def _support(model: Model, degrees: tuple[float, ...] | None):
+def supported(model: Model, degrees: tuple[float, ...] | None):
     """A function from polar nodal forces (n_rows, 2, n_sectors, m) to displacements of the ring held there."""
     ring = model.outer_ring
     if degrees is None:
@@ -95,7 +96,7 @@ def _balance(model: Model, motion, load: float, solve):
     """Hub, m, inner forces, N, and the raceway's largest displacement, m."""
     ring, n = model.outer_ring, model.bearing.n_rollers
     radial = np.column_stack([np.cos(motion.roller_angle), np.sin(motion.roller_angle)])
-    patches = statics._patches(model, motion, 0.0, radial, np.zeros(2), np.full(n, model.bearing.pitch_radius))
+    patches = patch_responses(model, motion, 0.0, radial, np.zeros(2), np.full(n, model.bearing.pitch_radius))
     loads = np.stack([ring_patch_force(ring, a, model.stretch) for a in motion.roller_angle], axis=-1)
     response = solve(loads)
     compliance = patches.compliance.copy()

@@ -88,8 +88,8 @@ def test_the_start_carries_the_load_on_the_same_springs(faceted):
     wanted = equilibrium(found, standing(found.bearing, how.first_roller_angle), how.radial_load, 0.0, 0.0)
     state = copies(arrays(found, how, 1e-8))
     contact_forces(*loop_arguments(state)[:5], state.scratch.slope, state.contacts.resolved)
-    np.testing.assert_allclose(state.contacts.force[0], wanted.inner_force, rtol=0.0, atol=1e-6 * LOAD)
-    np.testing.assert_allclose(state.contacts.force[1], wanted.outer_force, rtol=0.0, atol=1e-6 * LOAD)
+    np.testing.assert_allclose(state.contacts.force[0, :13], wanted.inner_force, rtol=0.0, atol=1e-6 * LOAD)
+    np.testing.assert_allclose(state.contacts.force[1, :13], wanted.outer_force, rtol=0.0, atol=1e-6 * LOAD)
     if faceted:  # 2 mm facets leave gaps far wider than contacts yield
         assert np.count_nonzero(wanted.inner_force) <= 4 and wanted.hub[1] < -50e-6
 

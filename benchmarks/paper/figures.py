@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.paper.variants import BAND, SKIPPED, Measured, Variant, left_sides, radial
-from residual import Trajectory, paper
+from residual import Trajectory, evaluate, paper
 from residual.figures import chosen_roller
 from residual.plotting import BLUE, GREEN, GREY, ORANGE, RED, STYLE, plt
 from residual.spectrum import power_spectrum
@@ -26,12 +26,13 @@ FIGURES = (6, 6, 7, 7, 7, 8, 9)
 FACETED_ROWS = (0, 5, 6)
 
 
-def _records(found: Trajectory, law: str | None) -> tuple[np.ndarray, list[np.ndarray]]:
+def _records(found: Trajectory, law: str) -> tuple[np.ndarray, list[np.ndarray]]:
     """Time, ms, and the quantities of ROWS."""
     first = int(np.searchsorted(found.time, SKIPPED))
-    j = chosen_roller(found.inner_force[first:] > 0.0, 1)
+    checked = evaluate(found, law=law, start=SKIPPED)
+    j = chosen_roller(checked.budget.loaded, 1)
     rho = [radial(found, j, order)[first:] for order in range(3)]
-    x, y, _ = left_sides(found, law)
+    x, y = left_sides(checked)
     return 1e3 * found.time[first:], [
         found.inner_x[first:], found.inner_y[first:], rho[0] - 23e-3, rho[1], rho[2], x, y
     ]  # fmt: skip
@@ -45,7 +46,7 @@ def draw_records(path: Path, ours: Trajectory, soft: Trajectory, facets: Traject
     """
     with plt.rc_context(STYLE | {"font.size": 9.5, "axes.labelsize": 9.5, "legend.fontsize": 9}):
         figure, axes = plt.subplots(len(ROWS) + 1, 2, figsize=(8.4, 12.6), height_ratios=[1.0] * len(ROWS) + [1.25])
-        time, mine = _records(ours, None)
+        time, mine = _records(ours, "harris")
         other_time, other = _records(soft, "fitted")
         third_time, third = _records(facets, "fitted")
         for row, ((left, right), (name, scale, band), number, a, b) in enumerate(
@@ -79,10 +80,9 @@ def draw_records(path: Path, ours: Trajectory, soft: Trajectory, facets: Traject
             axis.set_ylabel("density, N²/Hz" if number == 10 else "")
         axes[-1, 0].annotate("the paper's 22 Hz", (28, 0.03), xycoords=("data", "axes fraction"), color="#8A5A00")
         figure.align_ylabels(axes[:, 0])
-        handles, labels = axes[0, 1].get_legend_handles_labels()
-        for handle in handles[1:]:
-            handle.set_linewidth(2.0)
-        figure.legend(handles, labels, loc="outside upper center", ncols=2)
+        legend = figure.legend(*axes[0, 1].get_legend_handles_labels(), loc="outside upper center", ncols=2)
+        for line in legend.get_lines():
+            line.set_linewidth(2.0)
         _save(figure, path)
 
 

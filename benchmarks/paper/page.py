@@ -73,11 +73,11 @@ def variant_rows(measured: list[tuple[Variant, Measured]]) -> list[list[str]]:
             variant.title, span(m.x, 1e6), span(m.y, 1e6), span(m.rho, 1e6, 23e-3), span(m.velocity, 1e3),
             span(m.acceleration, 1.0, digits=2), f"{few}–{many}, {m.usual}",
             *(span(side, 1.0, digits=3) for side in m.harris), *(span(side, 1.0, digits=3) for side in m.fitted),
-            text(m.frequency, 4),
+            text(m.frequency, 4), f"{100 * m.imbalance:.2g} %" if m.imbalance > 1e-5 else "below 0.001 %",
         ])  # fmt: skip
     low = [
         "*the paper*", "−80 … 60", "−220 … −80", "−20 … 80", "−400 … 400", "−5000 … 5000", "6–7",
-        "−3000 … 3000", "−1000 … 5000", "−3000 … 3000", "−1000 … 5000", f"about {text(rattle(), 2)} (fig. 7)",
+        "−3000 … 3000", "−1000 … 5000", "−3000 … 3000", "−1000 … 5000", f"{text(rattle(), 4)} (fig. 7)", "",
     ]  # fmt: skip
     return [low, *rows]
 
@@ -110,12 +110,12 @@ def page(
     """The whole page."""
     by = {variant.name: m for variant, m in measured}
     names = {variant.name: variant.title for variant, _ in measured}
-    seldom = next(coarse for title, _, coarse in pairs if title == names[NEAREST])
+    seldom, coarse = (next(last for title, _, last in pairs if title == names[name]) for name in (NEAREST, SIDEWAYS))
     ours, soft, facets, polygon = by["ours"], by[NEAREST], by[SIDEWAYS], by[POLYGONS]
     hanging = next(c for c in cases if c.supports == "top" and c.outside_mm == min(c.outside_mm for c in cases))
     alone = next(c for c in cases if c.supports == "top" and c.outside_mm == max(c.outside_mm for c in cases))
     figures = table(
-        ["figure", "quantity", "paper", "ours", "why they differ, and the run that shows it"],
+        ["figure", "quantity", "paper", "ours", "what makes such numbers, and the run that shows it"],
         [
             ["4", "δ* over F of a point contact", "Harris' curve",
              f"the same within {text(100 * delta_star_error(), 2)} %", "no difference"],
@@ -129,7 +129,7 @@ def page(
              f"ramped up {span(soft.rho, 1e3, digits=5)}, as nothing damps rollers outside the load zone"],
             ["7", "ρ′, mm/s", "−400 … 400", span(ours.velocity, 1e3),
              f"the hub swings on soft contacts. *{names[NEAREST]}*: {span(soft.velocity, 1e3)}, "
-             f"at {text(soft.frequency, 4)} Hz; the smaller part of it in the load zone (picture)"],
+             f"at {text(soft.frequency, 4)} Hz, and about the paper's in its first load zone (picture)"],
             ["7", "ρ″, m/s²", "−5000 … 5000", span(ours.acceleration),
              f"as ρ′: the paper's two ranges belong together at {text(rattle(), 3)} Hz. The same run: "
              f"{span(soft.acceleration, digits=2)}, of rollers that hit the rings; with a sample every "
@@ -138,9 +138,11 @@ def page(
              "no difference; it rules out clearance, and a ring held at one point"],
             ["8", "left side of (22), N", "−3000 … 3000", span(ours.harris[0]),
              f"not for certain. With Harris' law *{names['soft']}* has {span(by['soft'].harris[0])}, but its (23) is "
-             f"wrong; with the law fitted to the run's forces *{names[POLYGONS]}* has {span(polygon.fitted[0])}"],
+             f"wrong; with the law fitted to the run's forces *{names[SIDEWAYS]}*, stored every {10 * COARSE} µs, has "
+             f"{span(coarse.fitted[0])}, *{names[POLYGONS]}* {span(polygon.fitted[0])}"],
             ["9", "left side of (23), N", "−1000 … 5000", span(ours.harris[1]),
-             f"as figure 8: the fitted law gives {span(polygon.fitted[1])}; Harris' law tens of kN in every run that "
+             f"as figure 8: the fitted law gives {span(coarse.fitted[1])} and {span(polygon.fitted[1])}; "
+             "Harris' law tens of kN in every run that "
              "fits figure 6 without clearance (below)"],
             ["10, 11", "peak below 300 Hz", "22 Hz",
              f"{text(ours.peaks[0], 3)} and {text(ours.peaks[1], 3)} Hz, the first bins",
@@ -159,7 +161,8 @@ def page(
         soft_frequency=text(soft.frequency, 4),
         soft_y=span(soft.y, 1e6),
         variants=table(
-            ["run", "x, µm", "y, µm", "ρ − 23 mm, µm", *ROLLER, "loaded, usually", *SIDES], variant_rows(measured)
+            ["run", "x, µm", "y, µm", "ρ − 23 mm, µm", *ROLLER, "loaded, usually", *SIDES, "energy error"],
+            variant_rows(measured),
         ),
         settings=table(["run", "options of run-fem"], settings_rows([variant for variant, _ in measured])),
         supports=table(

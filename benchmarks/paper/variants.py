@@ -8,6 +8,7 @@ import numpy as np
 from fem.cli import run_main
 from residual import Trajectory, evaluate, read_result
 from residual.differentiate import derivative
+from residual.evaluation import Evaluation
 from residual.figures import chosen_roller
 
 SOFT = 8.3e6  # N/m, of each contact: the hub sinks by the paper's 0.15 mm
@@ -70,11 +71,11 @@ class Measured:
     loaded: tuple[int, int]
     usual: int  # number loaded, median
     harris: tuple[Range, Range]  # left sides of (22), and of (23) with its sign turned, with Harris' law
-    fitted: tuple[Range, Range] | None  # with the law fitted to the run's own forces
-    law: str  # that law
+    fitted: tuple[Range, Range]  # with the law fitted to the run's own forces
     frequency: float  # Hz, the strongest of the hub's y
     peaks: tuple[float, float]  # Hz, the strongest below BAND of the left sides
     cage: float  # Hz
+    imbalance: float  # largest error of the energy balance over the largest energy stored
 
 
 def trajectory(variant: Variant, folder: Path) -> Trajectory:
@@ -94,21 +95,30 @@ def radial(found: Trajectory, roller: int, order: int) -> np.ndarray:
     return derivative(rho, found.interval, order) if order else rho
 
 
-def left_sides(found: Trajectory, law: str | None = None) -> tuple[np.ndarray, np.ndarray, object]:
-    """Of (22) and, its sign turned, of (23), N, as the paper plots them; and the law."""
-    checked = evaluate(found, law=law, start=SKIPPED)
-    load = found.operation.radial_load
-    return checked.budget.error_x, load - checked.budget.error_y, checked.law
+def left_sides(checked: Evaluation) -> tuple[np.ndarray, np.ndarray]:
+    """Of (22) and, its sign turned, of (23), N, as the paper plots them."""
+    return checked.budget.error_x, checked.trajectory.operation.radial_load - checked.budget.error_y
+
+
+def imbalance(found: Trajectory) -> float:
+    """Largest error of the energy balance over the largest energy that bodies and contacts store."""
+    kinetic, elastic, contact, work, dissipated = (
+        found.energies[f"{name}"]
+        for name in ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")
+    )
+    kept = kinetic + elastic + contact - work + dissipated
+    return float(np.abs(kept - kept[0]).max() / (elastic + contact).max())
 
 
 def measure(found: Trajectory, every: int = 1) -> Measured:
     """Ranges of a run of which only each so many samples are kept."""
     kept = found.samples(slice(None, None, every))
     first = int(np.searchsorted(kept.time, SKIPPED))
-    roller = chosen_roller(evaluate(found, start=SKIPPED).budget.loaded, 1)
+    by_harris, by_fit = (evaluate(kept, law=law, start=SKIPPED) for law in ("harris", "fitted"))
+    roller = chosen_roller(by_harris.budget.loaded, 1)
     rho, velocity, acceleration = (_range(radial(kept, roller, order)[first:]) for order in range(3))
-    harris_x, harris_y, _ = left_sides(kept)
-    fitted_x, fitted_y, law = left_sides(kept, "fitted")
+    harris_x, harris_y = left_sides(by_harris)
+    fitted_x, fitted_y = left_sides(by_fit)
     loaded = np.count_nonzero(kept.inner_force[first:] > 0.0, axis=1)
     return Measured(
         x=_range(kept.inner_x[first:]),
@@ -120,10 +130,10 @@ def measure(found: Trajectory, every: int = 1) -> Measured:
         usual=int(np.median(loaded)),
         harris=(_range(harris_x), _range(harris_y)),
         fitted=(_range(fitted_x), _range(fitted_y)),
-        law=f"{law.stiffness:.3g} N/m^n, n = {law.exponent:.3g}",
         frequency=strongest(kept.inner_y[first:], kept.interval),
         peaks=tuple(strongest(side, kept.interval, BAND) for side in (harris_x, harris_y)),
         cage=abs(kept.cage_speed) / (2.0 * np.pi),
+        imbalance=imbalance(kept),
     )
 
 

@@ -6,6 +6,7 @@ stability       random scenes from the whole range of bearings: none may end sil
 random_scenes   the draw of those scenes
 step_limit      energy drift against time step over critical step: where the true limit is
 lagrange_model  the Lagrangian model solved: its time, its energy, the checker on its own output
+paper           the paper's figures against ours, and the runs that explain the difference
 pictures        docs' pictures; stress below contacts, times, sizes
 fuzz            every reader against changed files, guided by coverage; `mutations` makes them
 checkpoint_cost what checkpoints and commits cost, as paired ratios

@@ -41,6 +41,9 @@ run_app = new_app(
 Without a scene: the bearing of Rubio et al. (2007) at 4500 rpm under 2000 N, for 60 ms. With --model lagrange: rigid
 bodies on contact springs, the model that check-residual checks, in a file of the same form.
 
+Contacts (--set contact.model=...): subgrid, the default; resolved, on meshes finer than the contact; for comparison,
+as on coarse meshes elsewhere: penalty springs, and faceted, polygons instead of circles.
+
 Example: run-fem my-bearing.toml --mesh-size 2 --duration 10 --set operation.speed_rpm=3000
 
 Exit codes: 0 done; 1 the run failed numerically; 2 unusable input; 130 interrupted; 143 terminated.

@@ -21,7 +21,10 @@ LONGEST_TEXT = 2**20  # characters of a scene
 MOST_FAULTS = 20  # told at once: a file that is no scene may have thousands
 RPM = 2.0 * pi / 60.0
 MM = 1e-3
-FINEST = {"subgrid": 400.0, "resolved": 2000.0}  # roller diameters over mesh sizes
+FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
+FINEST_OTHERWISE = 400.0
+COMPARISONS = ("penalty", "faceted")  # contact models that are only there to be compared with
+STIFF_PENALTY = 1e9  # N/m, three times a contact of the paper's bearing; the mesh's nodes are no stiffer
 # groove radius over ball diameter to which ISO 281 rates deep-groove bearings
 USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 
@@ -127,8 +130,24 @@ class OperationTable(Table):
 
 
 class ContactTable(Table):
-    model: Literal["subgrid", "resolved"] = "subgrid"
+    model: Literal["subgrid", "resolved", "penalty", "faceted"] = "subgrid"
+    penalty_stiffness_N_per_m: float | None = Field(None, ge=1e5, le=1e12)  # of each contact of a comparison model
     friction_coefficient: float = Field(0.1, ge=0.0, le=1.0)
+
+    @classmethod
+    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        compared = data.get("model") in COMPARISONS
+        return {"penalty_stiffness_N_per_m": STIFF_PENALTY} | data if compared else data
+
+    def checks(self) -> tuple[Check, ...]:
+        return (self._has_springs,)
+
+    def _has_springs(self) -> Iterator[str]:
+        if self.penalty_stiffness_N_per_m is not None and self.model not in COMPARISONS:
+            yield (
+                f"penalty_stiffness_N_per_m = {self.penalty_stiffness_N_per_m:g}: only for the comparison models "
+                f'model = "penalty" and "faceted", not for "{self.model}"; leave it out'
+            )
 
 
 class NumericsTable(Table):
@@ -209,7 +228,7 @@ class Scene(Table):
         coarsest = pi * roller / 10.0
         if size > coarsest:
             yield (f"numerics.mesh_size_mm = {size} is too coarse for rollers of {roller} mm (at most {coarsest:.3g})")
-        finest = roller / FINEST[self.contact.model]
+        finest = roller / FINEST.get(self.contact.model, FINEST_OTHERWISE)
         if size < finest:
             yield (
                 f"numerics.mesh_size_mm = {size} is finer than contact.model = '{self.contact.model}' is made for "

@@ -2,7 +2,7 @@
 
 assembly, bodies, stress  scikit-fem's matrices; a disc as rows of blocks, a ring as one sector's stencil; stresses
 continuum                 exact series of discs and rings
-subgrid, resolved         the calibrated law below the grid; contacts that the mesh resolves
+subgrid, resolved         the calibrated law below the grid; contacts that the mesh resolves, and penalty springs
 model                     the whole bearing
 critical_step             2/ω_max with the contacts in it
 """

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import pi, sqrt
 
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
-from fem.elastic.resolved import ResolvedLaw, resolved_laws
+from fem.elastic.resolved import ResolvedLaw, penalty_laws, resolved_laws
 from fem.elastic.subgrid import ContactLaw, SurfaceCompliance, contact_law, disc_compliance, ring_compliance
 from fem.kernels.state import INNER, OUTER, ROLLER
 from lagrange import Bearing
@@ -33,7 +33,7 @@ class Model:
 
     @property
     def is_resolved(self) -> bool:
-        """Whether the mesh resolves the contacts, so that no law stands below it."""
+        """Whether no law stands below the mesh: it resolves the contacts, or is taken as if it did."""
         return self.roller_surface is None
 
     @property
@@ -81,15 +81,27 @@ def build_model(bearing: Bearing, mesh_size: float, stretch: int = 1, graded: bo
 
 def build_resolved_model(bearing: Bearing, mesh_size: float) -> Model:
     """Mesh and assemble a bearing at a surface spacing, m, finer than its contacts."""
-    roller, inner, outer = _bodies(bearing, graded_shapes(bearing, mesh_size))
-    laws = resolved_laws(
-        bearing,
-        {
-            "roller": roller.shape.surface_spacing,
-            "inner_ring": 2.0 * pi * inner.raceway_radius / inner.n_sectors,
-            "outer_ring": 2.0 * pi * outer.raceway_radius / outer.n_sectors,
-        },
-    )
+    bodies = _bodies(bearing, graded_shapes(bearing, mesh_size))
+    return _pressed(bearing, bodies, resolved_laws(bearing, _spacings(*bodies)))
+
+
+def build_penalty_model(bearing: Bearing, mesh_size: float, stiffness: float, faceted: bool) -> Model:
+    """Mesh and assemble a bearing at a surface spacing, m, with the contacts of `penalty_laws`; stiffness in N/m."""
+    bodies = _bodies(bearing, bearing_shapes(bearing, mesh_size))
+    return _pressed(bearing, bodies, penalty_laws(bearing, _spacings(*bodies), stiffness, faceted))
+
+
+def _spacings(roller: DiscBody, inner: RingBody, outer: RingBody) -> dict[str, float]:
+    """Of surface nodes, m."""
+    return {
+        "roller": roller.shape.surface_spacing,
+        "inner_ring": 2.0 * pi * inner.raceway_radius / inner.n_sectors,
+        "outer_ring": 2.0 * pi * outer.raceway_radius / outer.n_sectors,
+    }
+
+
+def _pressed(bearing: Bearing, bodies: tuple[DiscBody, RingBody, RingBody], laws: dict[int, ResolvedLaw]) -> Model:
+    roller, inner, outer = bodies
     return Model(
         bearing=bearing,
         roller=roller,

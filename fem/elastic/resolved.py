@@ -1,6 +1,9 @@
-"""Contacts that the mesh resolves: the layer that keeps the surfaces apart, and where its pressure is sampled."""
+"""Contacts that the mesh resolves: the layer that keeps the surfaces apart, and where its pressure is sampled.
 
-from dataclasses import dataclass
+And, for comparison, the ordinary contact of a mesh too coarse for it: one penalty spring, straight or between facets.
+"""
+
+from dataclasses import dataclass, replace
 from math import ceil, log2, pi, sqrt
 from typing import TYPE_CHECKING
 
@@ -32,10 +35,16 @@ class ResolvedLaw:
     spacing: float  # of the points, m
     radii: tuple[float, float]  # of side 0 and side 1, m; a bore's is negative
     thickness: float  # m
+    sagitta: tuple[float, float] | None = None  # None: many points on circles; else one, its facets' sagittas h²/8R, m
 
     def half_width(self, force: float) -> float:
         """Hertz half-width b, m."""
         return sqrt(self.half_width_factor * force)
+
+    @property
+    def is_one_point(self) -> bool:
+        """Whether it is a penalty spring between nodes."""
+        return self.sagitta is not None
 
     @property
     def point_stiffness(self) -> float:
@@ -73,8 +82,35 @@ def resolved_laws(bearing: Bearing, spacings: dict[str, float]) -> dict[int, Res
     }
 
 
+def penalty_laws(
+    bearing: Bearing, spacings: dict[str, float], stiffness: float, faceted: bool
+) -> dict[int, ResolvedLaw]:
+    """Laws by kind of contact: each a spring of a stiffness, N/m, between the nodes around the line of centres.
+
+    With `faceted` surfaces the chords between nodes are in contact instead of the circles; `spacings` by body, m.
+    """
+    on = {INNER: ("inner_ring", "roller"), OUTER: ("outer_ring", "roller"), ROLLER: ("roller", "roller")}
+    found = {}
+    for kind, law in resolved_laws(bearing, spacings).items():
+        chords = [spacings[body] ** 2 / (8.0 * radius) for body, radius in zip(on[kind], law.radii, strict=True)]
+        spacing = POINTS_PER_NODE * law.spacing
+        found[kind] = replace(
+            law,
+            layer=stiffness / (spacing * law.thickness),
+            spacing=spacing,
+            sagitta=tuple(chords) if faceted else (0.0, 0.0),
+        )
+    return found
+
+
 def points(laws: dict[int, ResolvedLaw], largest_force: float, n_rollers: int) -> Resolved:
-    """Where pressures are sampled, up to SPAN half-widths at the largest static force, N."""
+    """Where pressures are sampled, up to SPAN half-widths at the largest static force, N; or the one point."""
+    sagitta = np.array([laws[kind].sagitta or (0.0, 0.0) for kind in (INNER, OUTER, ROLLER)])
+    stiffness = np.array([laws[kind].point_stiffness for kind in (INNER, OUTER, ROLLER)])
+    energy = np.zeros((3, n_rollers))
+    if laws[INNER].is_one_point:
+        one, line = np.zeros((3, 2, 1)), np.zeros((3, 1))
+        return Resolved(shift=one, tangent=one.copy(), rise=line, sagitta=sagitta, stiffness=stiffness, energy=energy)
     n = max(ceil(SPAN * law.half_width(largest_force) / law.spacing) for law in laws.values())
     shift, tangent, rise = np.zeros((3, 2, 2 * n)), np.zeros((3, 2, 2 * n)), np.zeros((3, 2 * n))
     for kind, law in laws.items():
@@ -89,8 +125,9 @@ def points(laws: dict[int, ResolvedLaw], largest_force: float, n_rollers: int) -
         shift=shift,
         tangent=tangent,
         rise=rise,
-        stiffness=np.array([laws[kind].point_stiffness for kind in (INNER, OUTER, ROLLER)]),
-        energy=np.zeros((3, n_rollers)),
+        sagitta=sagitta,
+        stiffness=stiffness,
+        energy=energy,
     )
 
 
@@ -135,7 +172,9 @@ def layer_springs(model: "Model") -> dict[str, sparse.csc_matrix]:
 
 
 def _closed(law: ResolvedLaw, radius: float) -> np.ndarray:
-    """Angles of as many points as lie over CLOSED_NODES nodes."""
+    """Angles of as many points as lie over CLOSED_NODES nodes; the one point of a penalty contact, on a node."""
+    if law.is_one_point:
+        return np.zeros(1)
     half = POINTS_PER_NODE * CLOSED_NODES // 2
     return (np.arange(-half, half) + 0.5) * law.spacing / radius
 

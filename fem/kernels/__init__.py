@@ -5,7 +5,8 @@ time_loop                       leapfrog steps
 disc_kernels, ring_kernels      forces and motion of rollers and rings
 contact_kernels, patch_kernels  normal forces; what a contact reads from and writes to surface nodes
 law, patches                    the law below the grid; B-spline patches
-resolved_kernels                contacts as pressures on points, where the mesh resolves them
+resolved_kernels                contacts as pressures on points: where the mesh resolves them, or penalty springs
+facet_kernels                   polygons in place of circles
 friction_kernels                Carter's creep and Coulomb's limit
 sample_kernels                  what a stored sample holds
 simd, lane_functions            eight lanes as one value, and functions of them

@@ -8,12 +8,16 @@ along their own normals m₁(s), m₂(s) close of it,
 
 U by linear interpolation between surface nodes. A stiff layer resists: p = ε ⟨−g⟩. The points stand still relative to
 the contact while nodes pass through it. All forces are the gradient of Σ ½ ε g² Δs L, as in `contact_kernels`.
+
+The contacts that other programs have on a coarse mesh, kept for comparison, are a single point on the line of centres:
+a penalty spring between the nodes around it. With facets U·m includes what the chords lack of the circles.
 """
 
 from math import sqrt
 
 import numpy as np
 
+from fem.kernels.facet_kernels import chord
 from fem.kernels.jit import kernel
 from fem.kernels.patch_kernels import place
 from fem.kernels.patches import N_NODES
@@ -25,7 +29,8 @@ from fem.kernels.state import INNER, OUTER, ROLLER
 def resolved_contacts(rollers, inner, outer, contacts, drive, resolved):
     """Normal forces of every contact at the present positions, and their impulses over one step.
 
-    A contact wider than the points given to it makes its force not a number, which stops the run.
+    A contact wider than the points given to it makes its force not a number, which stops the run; a single point stands
+    for any width.
     """
     centre, n, radius = rollers.centre, rollers.n, rollers.radius
     hub_x, hub_y = drive.hub[0], drive.hub[1]
@@ -49,6 +54,7 @@ def resolved_contacts(rollers, inner, outer, contacts, drive, resolved):
             contacts.force[kind, j] = 0.0
             resolved.energy[kind, j] = 0.0
             if overlap < -contacts.reach:
+                contacts.approach[kind, j], contacts.push[kind, j] = np.nan, 0.0
                 continue
             contacts.normal[kind, 0, j], contacts.normal[kind, 1, j] = x / distance, y / distance
             _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distance, overlap)
@@ -83,8 +89,9 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
     start0 = int(np.floor(at0 - abs(resolved.shift[kind, 0, 0]) * per_radian0))
     start1 = int(np.floor(at1 - abs(resolved.shift[kind, 1, 0]) * per_radian1))
     stiffness = resolved.stiffness[kind]
-    total, energy, aside, turn0, turn1 = 0.0, 0.0, 0.0, 0.0, 0.0
+    total, energy, pushed, aside, turn0, turn1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     tilt0, tilt1 = 0.0, 0.0
+    sagitta0, sagitta1 = resolved.sagitta[kind, 0], resolved.sagitta[kind, 1]
     for q in range(n_points):
         rise = resolved.rise[kind, q]
         tan0, tan1 = resolved.tangent[kind, 0, q], resolved.tangent[kind, 1, q]
@@ -104,21 +111,40 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         else:
             out0, side0, rate0 = _read_roller(rollers, j, x0, f0x, f0y)
         out1, side1, rate1 = _read_roller(rollers, i, x1, f1x, f1y)
+        if sagitta1 != 0.0:
+            depth, slope = chord(x0 - np.floor(x0))
+            out0 -= sagitta0 * depth
+            rate0 -= sagitta0 * slope
+            depth, slope = chord(x1 - np.floor(x1))
+            out1 -= sagitta1 * depth
+            rate1 -= sagitta1 * slope
         rate0 *= per_radian0
         rate1 *= per_radian1
         closing = overlap - rise + out0 + out1
-        if closing <= 0.0:
+        force = stiffness * max(closing, 0.0)
+        p = force
+        if n_points == 1:
+            p = _spring_kick(contacts.approach[kind, j], closing, stiffness)
+            contacts.approach[kind, j] = closing
+        elif force > 0.0 and (q == 0 or q == n_points - 1):
+            p, force = np.nan, np.nan
+        if force == 0.0 and p == 0.0:
             continue
-        p = stiffness * closing
-        if q == 0 or q == n_points - 1:
-            p = np.nan
-        total += p
-        energy += 0.5 * p * closing
+        total += force
+        energy += 0.5 * force * closing
+        pushed += p
         aside += p * (rate0 + side0 + rate1 + side1)
+        if n_points == 1:  # what two nodes' shares turn a body by averages out over many points
+            rate0 += _lever(x0, nodes0, inner.radius if kind == INNER else rollers.radius)
+            rate1 += _lever(x1, rollers.n_surface, rollers.radius)
         turn0 += p * rate0
         turn1 += p * rate1
         tilt0 += p * tan0
         tilt1 += p * tan1
+        _gather(weight, patch, j, x0, start0, p, width)
+        _gather(weight, patch + 1, j, x1, start1, p, width)
+        if n_points == 1:  # `push_springs` does it, once the slips before this kick are known
+            continue
         push = p * dt
         if kind == INNER:
             drive.ring[4] += _push_ring(inner, x0, f0x, f0y, -push)
@@ -127,14 +153,13 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         else:
             _push_roller(rollers, j, x0, f0x, f0y, -push)
         _push_roller(rollers, i, x1, f1x, f1y, -push)
-        _gather(weight, patch, j, x0, start0, p, width)
-        _gather(weight, patch + 1, j, x1, start1, p, width)
-    if total == 0.0:
+    contacts.push[kind, j] = pushed
+    if pushed == 0.0:
         return
     contacts.force[kind, j] = total
     resolved.energy[kind, j] = energy
-    _share(contacts, patch, j, start0, nodes0, total, width)
-    _share(contacts, patch + 1, j, start1, rollers.n_surface, total, width)
+    _share(contacts, patch, j, start0, nodes0, pushed, width)
+    _share(contacts, patch + 1, j, start1, rollers.n_surface, pushed, width)
     if kind != ROLLER:
         bx, by = c0 * nx + s0 * ny, c0 * ny - s0 * nx
         cosines, sines = (inner.cosines, inner.sines) if kind == INNER else (outer.cosines, outer.sines)
@@ -145,8 +170,8 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
 
     impulse, tilt = rollers.impulse, rollers.tilt
     turned = aside / distance
-    impulse[0, i] -= dt * (total * second * nx - tilt1 * ny)
-    impulse[1, i] -= dt * (total * second * ny + tilt1 * nx)
+    impulse[0, i] -= dt * (pushed * second * nx - tilt1 * ny)
+    impulse[1, i] -= dt * (pushed * second * ny + tilt1 * nx)
     on_second = dt * (tilt1 - turned)  # along t
     tilt[0, i] -= on_second * ny
     tilt[1, i] += on_second * nx
@@ -157,11 +182,75 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         drive.impulse[1] += on_first * nx
         drive.ring[3] -= turn0
     elif kind == ROLLER:
-        impulse[0, j] -= dt * (total * first * nx - tilt0 * ny)
-        impulse[1, j] -= dt * (total * first * ny + tilt0 * nx)
+        impulse[0, j] -= dt * (pushed * first * nx - tilt0 * ny)
+        impulse[1, j] -= dt * (pushed * first * ny + tilt0 * nx)
         tilt[0, j] -= on_first * ny
         tilt[1, j] += on_first * nx
         rollers.turn_kick[j] += dt * turn0 / rollers.inertia
+
+
+@kernel
+def push_springs(rollers, inner, outer, contacts, drive):
+    """Impulses on the surface nodes of contacts of one point each."""
+    for kind in range(3):
+        for j in range(rollers.n):
+            push = contacts.push[kind, j] * drive.dt
+            if push == 0.0:
+                continue
+            i = j
+            if kind == INNER:
+                drive.ring[4] += _press_ring(inner, contacts, 2 * kind, j, -push)
+            elif kind == OUTER:
+                _press_ring(outer, contacts, 2 * kind, j, push)
+            else:
+                _press_roller(rollers, contacts, 2 * kind, j, j, -push)
+                i = j + 1 if j + 1 < rollers.n else 0
+            _press_roller(rollers, contacts, 2 * kind + 1, j, i, -push)
+
+
+@kernel(forceinline=True)
+def _press_ring(ring, contacts, patch, j, impulse):
+    """Spread an outward impulse over a ring's nodes; returns its moment about the origin, N m s."""
+    row, moment = ring.raceway, 0.0
+    for k in range(contacts.weight.shape[1]):
+        at = HALO + (contacts.start[patch, j] + k) % ring.n_sectors
+        radial, around = impulse * contacts.along[patch, k, j], impulse * contacts.across[patch, k, j]
+        ring.w[row, 0, at] += radial / ring.row_mass[row]
+        ring.w[row, 1, at] += around / ring.row_mass[row]
+        moment += (ring.radius + ring.u[row, 0, at]) * around - ring.u[row, 1, at] * radial
+    return moment
+
+
+@kernel(forceinline=True)
+def _press_roller(rollers, contacts, patch, j, column, impulse):
+    """Spread an outward impulse over a roller's nodes."""
+    for k in range(contacts.weight.shape[1]):
+        node = rollers.first_surface + (contacts.start[patch, j] + k) % rollers.n_surface
+        at = node * 2 * rollers.columns + column
+        given = impulse * contacts.weight[patch, k, j] * rollers.lightness[node]
+        rollers.w[at] += given * contacts.outward[patch, 0, j]
+        rollers.w[at + rollers.columns] += given * contacts.outward[patch, 1, j]
+
+
+@kernel(forceinline=True)
+def _spring_kick(before, now, stiffness):
+    """Force of a linear spring that a leapfrog kick gives, N: `law.kick_force`, as rattling contacts need it.
+
+    `before`, `now` : float, m, closing at the kick before and at this one; negative: apart, NaN: not known.
+    """
+    Q = stiffness * max(now, 0.0)
+    if np.isnan(before) or before * now >= 0.0:  # closed at both, the spring's own force does just that work
+        return Q
+    Q_before = stiffness * max(before, 0.0)
+    stored = 0.5 * (Q * max(now, 0.0) - Q_before * max(before, 0.0))
+    return 0.5 * (Q - Q_before) + stored / (now - before)
+
+
+@kernel(forceinline=True)
+def _lever(x, n_nodes, radius):
+    """Moment about the centre of a unit force along a convex circle's inward radius, given by two nodes' shares, m."""
+    spacing, t = 2.0 * np.pi / n_nodes, x - np.floor(x)
+    return radius * ((1.0 - t) * np.sin(t * spacing) - t * np.sin((1.0 - t) * spacing))
 
 
 @kernel(forceinline=True)

@@ -57,11 +57,12 @@ class Ring(NamedTuple):
 
 
 class Resolved(NamedTuple):
-    """Points of resolved contacts, by kind, side and point; see `resolved_kernels`."""
+    """Points of resolved and of penalty contacts, by kind, side and point; see `resolved_kernels`."""
 
     shift: np.ndarray  # (3, 2, n_points), rad, of a point's direction from the line of centres
     tangent: np.ndarray  # (3, 2, n_points), t-component of the outward normal over its n-component's size
     rise: np.ndarray  # (3, n_points), m, by which the circles fall apart
+    sagitta: np.ndarray  # (3, 2), m, of one facet, negative in a bore; 0: exact circles
     stiffness: np.ndarray  # (3,), N/m, of one point
     energy: np.ndarray  # (3, n), J, of this step
 

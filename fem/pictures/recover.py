@@ -335,7 +335,8 @@ def _patch(model: Model, law, radius: float, n_surface: int, angle: float, force
     """Nodes that carry a contact force, their shares, and the contact's angle less theirs."""
     if not model.is_resolved:
         return patch(n_surface, angle, model.stretch)
-    return hertz_patch(n_surface, angle, law.half_width(abs(force)) / radius)
+    half_width = 0.0 if law.is_one_point else law.half_width(abs(force))
+    return hertz_patch(n_surface, angle, half_width / radius)
 
 
 def _angle(vectors: np.ndarray) -> np.ndarray:

@@ -196,7 +196,7 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         A=np.array([law.A for law in laws]) if below else none,
         B=np.array([law.B for law in laws]) if below else none,
         Q_line=np.array([law.Q_line for law in laws]) if below else none,
-        reach=_reach(model, operation),
+        reach=_reach(model, operation) + (float(np.abs(resolved.sagitta).sum(axis=1).max()) if resolved else 0.0),
         half_width_factor=np.array([law.half_width_factor for law in laws]),
         curvature=np.array([1.0 / law.relative_radius for law in laws]),
         roller_ripple=below.roller_surface.ripple if below else none,

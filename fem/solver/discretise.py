@@ -4,7 +4,7 @@ from math import ceil
 
 import numpy as np
 
-from fem.elastic.model import Model, build_model, build_resolved_model
+from fem.elastic.model import Model, build_model, build_penalty_model, build_resolved_model
 from fem.elastic.resolved import resolved_laws
 from fem.errors import UsageError
 from fem.kernels.state import INNER, OUTER
@@ -38,6 +38,9 @@ def model_of(scene: Scene) -> Model:
     if scene.contact.model == "resolved":
         _check_resolution(half_widths(bearing, largest_force(bearing, operation)), mesh_size)
         return build_resolved_model(bearing, mesh_size)
+    if scene.contact.penalty_stiffness_N_per_m is not None:
+        faceted = scene.contact.model == "faceted"
+        return build_penalty_model(bearing, mesh_size, scene.contact.penalty_stiffness_N_per_m, faceted)
     return build_model(bearing, mesh_size, stretch(bearing, operation, mesh_size))
 
 

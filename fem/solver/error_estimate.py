@@ -9,7 +9,7 @@ import numpy as np
 from fem.errors import UsageError
 from fem.solver.simulate import Plan, Progress, run
 from fem.statics.quantities import Quantity, moving_quantities, static_quantities
-from lagrange.scene import Scene
+from lagrange.scene import COMPARISONS, Scene
 
 COARSER = 2.0  # mesh size over the scene's
 LEAST_COARSER = 1.6  # below, rounding to whole layers of nodes may leave the same mesh
@@ -37,8 +37,13 @@ def coarser_scene(scene: Scene) -> Scene:
 
     Errors
     ------
-    UsageError: the scene's mesh is too coarse for that.
+    UsageError: the scene's mesh is too coarse for that, or its contact model converges to nothing.
     """
+    if scene.contact.model in COMPARISONS:
+        raise UsageError(
+            f"--estimate-error: contact.model = '{scene.contact.model}' is there for comparison only and has no order "
+            "of convergence; leave one of them out"
+        )
     size = scene.numerics.mesh_size_mm
     coarsest = pi * scene.bearing.roller_diameter_mm / 10.0
     coarser = min(COARSER * size, coarsest)

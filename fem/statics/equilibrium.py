@@ -75,7 +75,7 @@ def static_equilibrium(
         position = np.concatenate([start.hub, start.rho])
     loads = Loads(radial_load + weight, gravity, motion.cage_speed)
     for _ in range(PATCH_PASSES):
-        patches = _patches(model, motion, gravity, radial, position[:2], position[2:])
+        patches = patch_responses(model, motion, gravity, radial, position[:2], position[2:])
         contacts = Condensed(
             bearing=bearing,
             radial=radial,
@@ -104,7 +104,7 @@ def static_equilibrium(
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Patches:
+class PatchResponses:
     """Elastic responses to a unit force at every contact, and the compliances between contacts."""
 
     inner_response: np.ndarray  # (n_rows, 2, n_sectors, n_rollers)
@@ -117,7 +117,8 @@ class _Patches:
     growth: np.ndarray  # (2 n_rollers,), closing of each contact by centrifugal load and weight, m
 
 
-def _patches(model: Model, motion: Motion, gravity: float, radial, hub, rho) -> _Patches:
+def patch_responses(model: Model, motion: Motion, gravity: float, radial, hub, rho) -> PatchResponses:
+    """With rollers in directions `radial`, (n_rollers, 2), at radii `rho`, (n_rollers,), m, and the hub at `hub`, m."""
     n = model.bearing.n_rollers
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
     to_roller = radial * rho[:, None] - hub
@@ -154,7 +155,7 @@ def _patches(model: Model, motion: Motion, gravity: float, radial, hub, rho) -> 
             far.T @ roller_growth - np.einsum("rcki,rck->i", outer_load, outer_sag),
         ]
     )
-    return _Patches(
+    return PatchResponses(
         inner_response=inner_response,
         outer_response=outer_response,
         roller_response=responses,

@@ -8,11 +8,13 @@ from scipy.linalg import lu_factor, lu_solve
 
 from fem.elastic.model import Model
 from fem.elastic.resolved import disc_push, ring_push
-from fem.statics.contact_balance import LOOSE_SPRING, Loads, NotFound, balance, first_guess
+from fem.kernels.facet_kernels import chord
+from fem.statics.contact_balance import LOOSE_SPRING, Condensed, Loads, NotFound, balance, closed_forces, first_guess
 from fem.statics.equilibrium import Equilibrium, Motion
 from fem.statics.exact_statics import exact_contacts
 
 PASSES = 2  # points sit along the lines of centres, which the solution moves by microradians
+FACET_PASSES = 6  # and by milliradians where facets leave the hub room
 REACH = 2.0  # points lie up to so many half-widths of the expected force from the line of centres
 FAINT = 0.05  # of the largest force: contacts expected to carry less get the points of this one
 MAX_NEWTON = 40
@@ -61,9 +63,13 @@ def _solved(model: Model, motion: Motion, load: float, gravity: float, start: Eq
     else:
         place = np.concatenate([start.hub, start.rho])
         forces = np.concatenate([start.inner_force, start.outer_force])
-    for _ in range(PASSES):
+    for _ in range(FACET_PASSES if model.inner_law.is_one_point else PASSES):
         points = _points(model, motion, gravity, place, forces)
-        place, pressed = _balance(model, motion, points, place, load, gravity)
+        if model.inner_law.is_one_point:
+            place, pressed = balance(_condensed(model, motion, points), Loads(load, gravity, motion.cage_speed), place)
+            pressed = closed_forces(pressed)
+        else:
+            place, pressed = _balance(model, motion, points, place, load, gravity)
         forces = np.bincount(points.contact, pressed, minlength=2 * n)
     return points, place, pressed
 
@@ -74,7 +80,7 @@ class _Points:
 
     contact: np.ndarray  # (n_points,)
     across: np.ndarray  # (n_points,), m, from the line of centres along the tangent
-    rise: np.ndarray  # (n_points,), m, by which the circles fall apart
+    rise: np.ndarray  # (n_points,), m, by which the circles, or their facets, fall apart
     growth: np.ndarray  # (n_points,), m, closing by centrifugal load and weight
     compliance: np.ndarray  # (n_points, n_points), m/N, and the layer's on the diagonal
     loads: list  # per ring and roller: (points, nodes, (2 nodes, points) nodal forces of unit forces)
@@ -94,6 +100,10 @@ def _points(model: Model, motion: Motion, gravity: float, place, forces) -> _Poi
     across, contact = [], []
     for c in range(2 * n):
         law = laws[c // n]
+        if law.is_one_point:
+            across.append(np.zeros(1))
+            contact.append(np.full(1, c))
+            continue
         half = max(2, int(np.ceil(REACH * law.half_width(max(forces[c], faintest)) / law.spacing)))
         across.append((np.arange(-half, half) + 0.5) * law.spacing)
         contact.append(np.full(2 * half, c))
@@ -106,6 +116,10 @@ def _points(model: Model, motion: Motion, gravity: float, place, forces) -> _Poi
         rise += radius * (1.0 - np.cos(angles[side]))
     on_ring = line[contact] + angles[0]
     on_roller = np.where(kind == 0, line[contact] + pi - angles[1], line[contact] + angles[1]) - motion.roller_turn[j]
+    rise += _chords(laws, kind, 1, on_roller, disc.shape.surface_nodes)
+    for k, (ring, turn) in enumerate(zip(rings, (motion.ring_turn, 0.0), strict=True)):
+        mine = kind == k
+        rise[mine] += _chords(laws, kind[mine], 0, on_ring[mine] - turn, ring.n_sectors)
 
     compliance = np.diag(np.array([1.0 / law.point_stiffness for law in laws])[kind])
     growth, loads = np.zeros(across.size), []
@@ -138,6 +152,34 @@ def _points(model: Model, motion: Motion, gravity: float, place, forces) -> _Poi
         outer_sag=fields[1],
         roller_growth=swelling,
     )
+
+
+class _Nothing:
+    """The law of a contact whose every compliance is in the matrix."""
+
+    @staticmethod
+    def approach(force):
+        return np.zeros_like(force)
+
+    softness = approach
+
+
+def _condensed(model: Model, motion: Motion, points: _Points) -> Condensed:
+    """Contacts of one point each, for the balance that bears facets which leave load to three rollers."""
+    return Condensed(
+        bearing=model.bearing,
+        radial=np.column_stack([np.cos(motion.roller_angle), np.sin(motion.roller_angle)]),
+        inner_law=_Nothing,
+        outer_law=_Nothing,
+        compliance=points.compliance,
+        growth=points.growth - points.rise,
+    )
+
+
+def _chords(laws, kind, side: int, angle, n_nodes: int) -> np.ndarray:
+    """How far facets lie below the circle at angles of a surface, (n_points,), m."""
+    sagitta = np.array([(law.sagitta or (0.0, 0.0))[side] for law in laws])[kind]
+    return sagitta * np.array([chord(x)[0] for x in np.mod(angle * n_nodes / (2.0 * pi), 1.0)])
 
 
 def _pressed(points: _Points, overlap: np.ndarray, active: np.ndarray):

@@ -86,7 +86,12 @@ BAD_SCENES = {
     "roller many turns away": scene("[operation]\nfirst_roller_deg = 3600", "operation.first_roller_deg = 3600", "360"),
     "negative friction": scene("[contact]\nfriction_coefficient = -0.1", "contact.friction_coefficient = -0.1"),
     "friction above 1": scene("[contact]\nfriction_coefficient = 1.5", "contact.friction_coefficient = 1.5", "1"),
-    "unknown contact": scene("[contact]\nmodel = 'penalty'", "contact.model = 'penalty'", "'subgrid' or 'resolved'"),
+    "unknown contact": scene(
+        "[contact]\nmodel = 'hertz'", "contact.model = 'hertz'", "'subgrid', 'resolved', 'penalty' or 'faceted'"
+    ),
+    "spring of no penalty": scene(
+        "[contact]\npenalty_stiffness_N_per_m = 1e9", "penalty_stiffness_N_per_m = 1e+09", "faceted"
+    ),
     "negative duration": scene("[numerics]\nduration_ms = -1", "numerics.duration_ms = -1", "0"),
     "duration of years": scene("[numerics]\nduration_ms = 1e12", "numerics.duration_ms = 1000000000000.0"),
     "unknown start": scene("[numerics]\nstart = 'running'", "numerics.start = 'running'", "'equilibrium' or 'rest'"),

@@ -1,0 +1,53 @@
+"""The pieces of docs/paper.md that are computed, not run: supports of the outer ring, the hub's frequency, ranges."""
+
+import numpy as np
+import pytest
+
+from benchmarks.paper import supports
+from benchmarks.paper.page import harris_force, rattle, sinking_frequency, span, text
+from benchmarks.paper.variants import VARIANTS, strongest
+from fem.elastic.subgrid import ring_patch_force
+from lagrange.scene import read_scene
+from tests.reference.bearings import model, paper
+
+
+def test_a_ring_held_at_every_node_is_the_held_ring():
+    a_model = model(paper(), 2e-3)
+    ring = a_model.outer_ring
+    load = np.stack([ring_patch_force(ring, angle) for angle in (0.3, -1.5)], axis=-1)
+    everywhere = supports.supported(a_model, tuple(np.degrees(ring.angles)))
+    np.testing.assert_allclose(everywhere(load), ring.held(load), atol=1e-9 * np.abs(ring.held(load)).max())
+
+
+def test_few_supports_let_the_hub_down(monkeypatch):
+    """All around: 3.6140 and 3.6012 µm, an independent static solution on refined quadratic meshes."""
+    monkeypatch.setattr(supports, "POSITIONS", 2)
+    around = supports.held(65.0, "all around")
+    assert around.y == pytest.approx((-3.6140, -3.6012), rel=1e-3) and around.loaded == (6, 7)
+    two = supports.held(65.0, "both sides")
+    assert two.y[1] < 2.0 * around.y[0] and two.widest > 5.0
+
+
+def test_the_papers_sink_and_its_rattle_are_one_frequency():
+    assert sinking_frequency() == pytest.approx(2080.0, abs=5.0)
+    assert rattle() == pytest.approx(sinking_frequency(), rel=0.06)
+    assert harris_force() > 10e3, "N, of one roller, under 2 kN"
+
+
+def test_every_variant_is_a_scene():
+    assert len({v.name for v in VARIANTS}) == len(VARIANTS)
+    for variant in VARIANTS:
+        scene = read_scene(None, variant.settings)
+        assert scene.operation == read_scene().operation
+
+
+def test_numbers_are_written_plainly():
+    assert text(-2639.9) == "−2640" and text(1.2e7) == "1.2e7" and text(54321.0) == "54321" and text(-0.0) == "0"
+    assert span((-1e-6, 2.5e-6), 1e6) == "−1 … 2.5"
+
+
+def test_the_strongest_line_is_found_below_a_frequency():
+    time = np.arange(6000) * 1e-5
+    record = 5.0 + np.sin(2.0 * np.pi * 2000.0 * time) + 0.1 * np.sin(2.0 * np.pi * 100.0 * time)
+    assert strongest(record, 1e-5) == pytest.approx(2000.0, abs=1.0)
+    assert strongest(record, 1e-5, 300.0) == pytest.approx(100.0, abs=1.0)

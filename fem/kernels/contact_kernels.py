@@ -144,16 +144,20 @@ def _press(contacts, kind, row, near, closed, level):
     """Forces of eight contacts and what a kick gives, N; 0 where they are not near."""
     A, B, Q_line = contacts.A[kind], contacts.B[kind], contacts.Q_line[kind]
     force, bracket, approach = contacts.force, contacts.bracket, contacts.approach
+    push, owed = contacts.push, contacts.owed
     level = B + level * (1.0 / A)
     inside = select(near, closed, -1.0)
     before = load(force, row)
     Q = contact_force(inside, A, level, Q_line, before)
-    P = kick_force(load(approach, row), before, load(bracket, row), inside, Q, level, A, Q_line)
+    P, owes = kick_force(
+        load(approach, row), before, load(bracket, row), load(push, row), load(owed, row), inside, Q, level, A, Q_line
+    )
     P = select(near, P, 0.0)
     store(force, row, Q)
     store(bracket, row, level)
     store(approach, row, select(near, closed, np.nan))
-    store(contacts.push, row, P)
+    store(push, row, P)
+    store(owed, row, owes)
     return Q, P
 
 

@@ -85,6 +85,7 @@ class Contacts(NamedTuple):
     force: np.ndarray  # (3, columns), N
     approach: np.ndarray  # (3, columns), m, below the grid, at the last kick; negative: apart; NaN: far apart
     push: np.ndarray  # (3, columns), N, that the last kick gave: see `kick_force`
+    owed: np.ndarray  # (3, columns), J, stored beyond what the kicks have taken: see `kick_force`
     bracket: np.ndarray  # (3, columns), B with the ripples of the present positions
     traction: np.ndarray  # (3, columns), N, on side 1, along +θ (counter-clockwise about side 0)
     change: np.ndarray  # (3, columns), N, of the traction, that the bodies are still to be given

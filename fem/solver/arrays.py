@@ -205,6 +205,7 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         force=force,
         approach=np.full((3, columns), np.nan),
         push=np.zeros((3, columns)),
+        owed=np.zeros((3, columns)),
         bracket=np.zeros((3, columns)),
         traction=np.zeros((3, columns)),
         change=np.zeros((3, columns)),

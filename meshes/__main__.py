@@ -20,7 +20,7 @@ def main() -> None:
             write(folder / file_name(shape), make(shape))
             kept.add(file_name(shape))
             print(f"{file_name(shape)}  {shape}")
-    for old in folder.glob("*.msh"):
+    for old in folder.glob("*.npy"):
         if old.name not in kept:
             old.unlink()
 

@@ -52,9 +52,9 @@ def meshed(monkeypatch):
 
 @pytest.mark.parametrize("shape", [DISC, RING])
 def test_the_same_shape_gives_the_same_file_bytes(shape, tmp_path):
-    cache.write(tmp_path / "first.msh", make(shape))
-    cache.write(tmp_path / "second.msh", make(shape))
-    assert (tmp_path / "first.msh").read_bytes() == (tmp_path / "second.msh").read_bytes()
+    cache.write(tmp_path / "first.npy", make(shape))
+    cache.write(tmp_path / "second.npy", make(shape))
+    assert (tmp_path / "first.npy").read_bytes() == (tmp_path / "second.npy").read_bytes()
 
 
 @pytest.mark.parametrize("shape", [DISC, RING])
@@ -79,12 +79,20 @@ def entry_of_another_shape(good, path):
     cache.write(path, make(Disc(radius=0.0037, layers=2)))
 
 
-def moved_node(good, path):
-    lines = good.decode().splitlines(keepends=True)
-    at = lines.index("$Nodes\n") + 4
-    number, x, *rest = lines[at].split()
-    lines[at] = " ".join([number, repr(float(x) + 1e-6), *rest]) + "\n"
-    path.write_text("".join(lines))
+def swapped_nodes(good, path):
+    cells = np.load(path)
+    cells[3] = cells[3][::-1]
+    np.save(path, cells)
+
+
+def node_of_no_mesh(good, path):
+    cells = np.load(path)
+    cells[0, 0] = 10_000
+    np.save(path, cells)
+
+
+def pickled(good, path):
+    np.save(path, np.array([[{}]], dtype=object), allow_pickle=True)
 
 
 def missing_cell(good, path):
@@ -95,13 +103,14 @@ def missing_cell(good, path):
 DAMAGE = {
     "empty": lambda good, path: path.write_bytes(b""),
     "cut in the header": lambda good, path: path.write_bytes(good[:20]),
-    "cut in the nodes": lambda good, path: path.write_bytes(good[: len(good) // 3]),
     "cut in the cells": lambda good, path: path.write_bytes(good[: 9 * len(good) // 10]),
     "binary garbage": lambda good, path: path.write_bytes(np.random.default_rng(1).bytes(4000)),
-    "text garbage": lambda good, path: path.write_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\nmany\n"),
+    "text": lambda good, path: path.write_text("nodes and cells\n"),
     "zeros": lambda good, path: path.write_bytes(b"\0" * len(good)),
     "another shape": entry_of_another_shape,
-    "a moved node": moved_node,
+    "a cell the wrong way round": swapped_nodes,
+    "a node that is not there": node_of_no_mesh,
+    "a pickle": pickled,
     "a missing cell": missing_cell,
 }
 
@@ -164,15 +173,15 @@ def test_shipped_meshes_are_what_gmsh_makes_now(size_mm, folder, meshed, tmp_pat
     for shape in built_in_shapes(size_mm):
         fresh = make(shape)
         assert_same(mesh_of(shape), fresh)
-        cache.write(tmp_path / "fresh.msh", fresh)
-        assert (SHIPPED / cache.file_name(shape)).read_bytes() == (tmp_path / "fresh.msh").read_bytes()
+        cache.write(tmp_path / "fresh.npy", fresh)
+        assert (SHIPPED / cache.file_name(shape)).read_bytes() == (tmp_path / "fresh.npy").read_bytes()
     assert meshed == []
     assert not folder.exists()
 
 
 def test_no_mesh_is_shipped_that_the_built_in_scene_does_not_use():
     wanted = {cache.file_name(shape) for size in (1.0, 2.0) for shape in built_in_shapes(size)}
-    assert {path.name for path in SHIPPED.glob("*.msh")} == wanted
+    assert {path.name for path in SHIPPED.glob("*.npy")} == wanted
 
 
 def run_without_gmsh(code, tmp_path):

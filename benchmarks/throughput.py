@@ -13,7 +13,7 @@ from cyclopts import App
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import machine, phases
+from benchmarks import footprint, machine, phases
 from benchmarks.skips import skip_table
 from fem.solver.simulate import Plan, compile_kernels, make_plan
 from lagrange.scene import read_scene
@@ -148,6 +148,12 @@ def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = T
         console.print(f"time grows as DOF^{exponent(meshes):.2f} over all meshes (explicit limit in 2D: 1.5)")
         if len(fine) > 1 and len(fine) < len(meshes):
             console.print(f"from 1 mm down as DOF^{exponent(fine):.2f}")
+        few, many = (footprint.peak_bytes(size) for size in (max(sizes), min(sizes)))
+        each = (many[1] - few[1]) / (many[0] - few[0])
+        words = f"{few[1] / 1e6:.0f} MB at {max(sizes):g} mm and {each:.0f} B per degree of freedom more"
+        console.print(f"peak memory of a process: {words}")
+    wall, processor = footprint.start_seconds()
+    console.print(f"a whole run of one sample at 1 mm, caches warm: {wall:.2f} s, {processor:.2f} s of the processor")
     if skips:
         console.print(skip_table(1.0, pairs))
 

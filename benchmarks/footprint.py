@@ -1,0 +1,46 @@
+"""What a run needs beside its time loop: memory, and the time from the command to the first step."""
+
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+PEAK = """
+import resource, sys
+from fem.solver.simulate import compile_kernels, make_plan, run
+from lagrange.scene import read_scene
+plan = make_plan(read_scene(None, (f"numerics.mesh_size_mm={sys.argv[1]}", "numerics.duration_ms=0.02")))
+compile_kernels(plan)
+run(plan, lambda samples: None)
+print(plan.model.degrees_of_freedom, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)
+"""
+
+
+def peak_bytes(size_mm: float) -> tuple[int, int]:
+    """Degrees of freedom of the paper's scene, and the most memory a process takes to set it up and run it, bytes."""
+    for _ in range(2):  # the second time nothing is compiled
+        done = subprocess.run([sys.executable, "-c", PEAK, str(size_mm)], capture_output=True, text=True, check=True)
+    freedom, peak = done.stdout.split()
+    return int(freedom), int(peak)
+
+
+def start_seconds(repeats: int = 7) -> tuple[float, float]:
+    """Wall and processor time of a whole `run-fem` of one sample at 1 mm, caches warm, medians, s."""
+    walls, processors = [], []
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "fem.cli", "--quiet", "--duration", "0.01", "--output", f"{folder}/run.nc"]
+        for attempt in range(repeats + 1):
+            before, began = _children_seconds(), time.perf_counter()
+            subprocess.run(command, check=True, cwd=Path(__file__).parent.parent)
+            if attempt:
+                walls.append(time.perf_counter() - began)
+                processors.append(_children_seconds() - before)
+    return statistics.median(walls), statistics.median(processors)
+
+
+def _children_seconds() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime

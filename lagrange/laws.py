@@ -31,8 +31,11 @@ class PowerLaw:
 
     def slope(self, approach):
         """Contact stiffness dQ/dδ, N/m; 0 for an open contact."""
-        depth = np.maximum(approach, 0.0)
-        return np.where(depth > 0.0, self.exponent * self.stiffness * depth ** (self.exponent - 1.0), 0.0)
+        depth = np.asarray(approach, dtype=float)
+        closed = depth > 0.0
+        # a fitted exponent may be below 1: no power of an open contact is taken
+        power = np.where(closed, depth, 1.0) ** (self.exponent - 1.0)
+        return np.where(closed, self.exponent * self.stiffness * power, 0.0)
 
     def potential(self, approach):
         """Energy stored in the contact, J."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lagrange.laws import LAWS, harris, iso16281, palmgren, roller_law
+from lagrange.laws import LAWS, PowerLaw, harris, iso16281, palmgren, roller_law
 
 LOADS = [100.0, 200.0, 400.0, 628.0, 800.0, 1000.0]  # N, on a roller of 10 mm
 # µm, approach of one contact, evaluated by hand from each published formula
@@ -67,3 +67,9 @@ def test_open_contact_never_pulls(name):
 def test_unknown_law_lists_the_known_ones():
     with pytest.raises(ValueError, match=r"'hooke'; known: braendlein, harris, iso16281, palmgren"):
         roller_law("hooke", 0.01)
+
+
+def test_an_open_contact_has_no_stiffness_whatever_the_exponent():
+    law = PowerLaw(name="soft", stiffness=2.0, exponent=0.9, source="none")
+    np.testing.assert_array_equal(law.slope(np.array([-1.0, 0.0])), 0.0)
+    assert law.slope(0.5) == pytest.approx(0.9 * 2.0 * 0.5**-0.1)

@@ -9,7 +9,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from benchmarks.campaign import COMPLETE, FAILED, REFUSED, Outcome, Watch, append_csv, read_csv, try_scene
+from benchmarks.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Outcome, Watch, append_csv, read_csv, try_scene
 from benchmarks.random_scenes import RANGES, random_scene
 from benchmarks.step_limit import SAFE_SIDE, at_ratio, energy_drift
 from fem.solver.samples import Samples
@@ -154,3 +154,10 @@ def test_sticking_contacts_only_dissipate_where_patches_of_neighbours_overlap():
     assert np.all(np.diff(dissipated) >= 0.0)  # else 251 samples gain, 0.02 µJ at most
     traction = np.concatenate([block["inner_traction"] for block in kept])[-500:]
     assert np.abs(traction).max(axis=1).mean() < 6.0  # N; 4.4, else 9.9
+
+
+def test_a_bearing_that_comes_apart_is_stopped():
+    """Three rollers without a cage and without friction gather on one side, and the hub falls out."""
+    outcome = try_scene(SEED, 442, random_scene(SEED, 442, duration_ms=4.0))
+    assert outcome.ending == STOPPED
+    assert "come apart at step" in outcome.what

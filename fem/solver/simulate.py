@@ -26,6 +26,7 @@ IMBALANCE_LIMIT = 0.05  # of the exchanged energy; a sound run stays far below 1
 # Modes that grow balance too: leapfrog's kinetic energy ½ v(t − dt/2)·M·v(t + dt/2) goes to minus the stored one. In a
 # mode of frequency ω it is −(ω dt/2)² of it at least, −0.98 at 0.99 of the critical step.
 NEGATIVE_LIMIT = 0.98
+ASTRAY = 0.05  # of a roller's radius, beyond the clearance: no elastic body gives way so far
 LARGEST_BLOCK = 4096  # rows of samples, whatever the clock says
 LONGEST_UNWATCHED = 100  # steps between two looks at the energy
 
@@ -213,9 +214,12 @@ def run(
         if len(rows):
             looked = state.reader.read(rows)
             good, state.imbalance = _balanced(looked)
-            samples = looked.first(good).every(plan.looks)
+            held = _in_place(plan, looked)
+            samples = looked.first(min(good, held)).every(plan.looks)
             write(samples)
             state.done += len(samples)
+            if held < good:
+                raise RunFailed(_place_trouble(plan, looked, held))
             if good < len(rows):
                 raise RunFailed(_energy_trouble(plan, looked, good, state.imbalance))
         if status != time_loop.DONE:
@@ -254,6 +258,24 @@ def _balanced(samples: Samples) -> tuple[int, float]:
     bad = ~(np.abs(relative) <= IMBALANCE_LIMIT) | growing
     good = int(np.argmax(bad)) if bad.any() else len(bad)
     return good, float(relative[min(good, len(bad) - 1)])
+
+
+def _in_place(plan: Plan, samples: Samples) -> int:
+    """Number of leading samples in which the rollers are between the raceways and the hub is between the rollers."""
+    bearing = plan.model.bearing
+    slack = abs(bearing.radial_clearance) + ASTRAY * bearing.roller_radius
+    astray = np.abs(samples["roller_rho"] - bearing.pitch_radius).max(axis=1) > slack
+    astray |= np.hypot(samples["inner_x"], samples["inner_y"]) > 2.0 * slack
+    return int(np.argmax(astray)) if astray.any() else len(astray)
+
+
+def _place_trouble(plan: Plan, samples: Samples, held: int) -> str:
+    step = round(samples["time"][held] / plan.time_step)
+    return (
+        f"the bearing has come apart at step {step}, t = {1e3 * samples['time'][held]:.5g} ms: the hub is "
+        f"{1e3 * np.hypot(samples['inner_x'][held], samples['inner_y'][held]):.3g} mm from the middle; without a cage "
+        "few rollers gather on one side: take more rollers or contact.friction_coefficient above 0"
+    )
 
 
 def _energy_trouble(plan: Plan, samples: Samples, good: int, imbalance: float) -> str:

@@ -50,7 +50,7 @@ def test_override_of_one_body_leaves_the_others():
     [
         ("[operation]\nspeed_rmp = 1.0", ["operation.speed_rmp", "did you mean speed_rpm?"]),
         ("[operatoin]\nspeed_rpm = 1.0", ["operatoin", "did you mean operation?"]),
-        ("[contact]\nzzz = 1", ["contact.zzz", "known here: model, friction_coefficient"]),
+        ("[contact]\nzzz = 1", ["contact.zzz", "known here: model, penalty_stiffness_N_per_m, friction_coefficient"]),
         ("[bearing]\nrollers = 2", ["bearing.rollers = 2", "3"]),
         ("[bearing]\nrollers = 12.5", ["bearing.rollers = 12.5"]),
         ('[bearing]\nrollers = "13"', ["bearing.rollers = '13'"]),

@@ -56,10 +56,14 @@ class Watch:
             if not np.all(np.isfinite(values)):
                 self.faults.append(f"{name} is not finite")
         bearing = self._plan.model.bearing
-        slack = abs(bearing.radial_clearance) + ASTRAY * bearing.roller_radius
-        if np.max(np.abs(samples["roller_rho"] - bearing.pitch_radius)) > slack:
-            self.faults.append("a roller has left the raceways")
-        if np.max(np.hypot(samples["inner_x"], samples["inner_y"])) > 2.0 * slack:
+        give = ASTRAY * bearing.roller_radius
+        hub_x, hub_y = samples["inner_x"], samples["inner_y"]
+        if np.max(samples["roller_rho"]) > bearing.outer_raceway_radius - bearing.roller_radius + give:
+            self.faults.append("a roller is in the outer ring")
+        from_hub = np.hypot(samples["roller_x"] - hub_x[:, None], samples["roller_y"] - hub_y[:, None])
+        if np.min(from_hub) < bearing.inner_raceway_radius + bearing.roller_radius - give:
+            self.faults.append("a roller is in the inner ring")
+        if np.max(np.hypot(hub_x, hub_y)) > 2.0 * (abs(bearing.radial_clearance) + give):
             self.faults.append("the hub has left the bearing")
         for name in ("inner_force", "outer_force", "roller_roller_force"):
             if np.min(samples[name]) < 0.0:

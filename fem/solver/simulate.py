@@ -26,7 +26,7 @@ IMBALANCE_LIMIT = 0.05  # of the exchanged energy; a sound run stays far below 1
 # Modes that grow balance too: leapfrog's kinetic energy ½ v(t − dt/2)·M·v(t + dt/2) goes to minus the stored one. In a
 # mode of frequency ω it is −(ω dt/2)² of it at least, −0.98 at 0.99 of the critical step.
 NEGATIVE_LIMIT = 0.98
-ASTRAY = 0.05  # of a roller's radius, beyond the clearance: no elastic body gives way so far
+ASTRAY = 0.05  # of a roller's radius, beyond the raceways: no elastic body gives way so far
 LARGEST_BLOCK = 4096  # rows of samples, whatever the clock says
 LONGEST_UNWATCHED = 100  # steps between two looks at the energy
 
@@ -262,13 +262,15 @@ def _balanced(samples: Samples) -> tuple[int, float]:
 
 def _in_place(plan: Plan, samples: Samples) -> int:
     """Number of leading samples in which the rollers are between the raceways and the hub is between the rollers."""
-    bearing = plan.model.bearing
-    slack = abs(bearing.radial_clearance) + ASTRAY * bearing.roller_radius
-    law = plan.model.inner_law
+    bearing, law = plan.model.bearing, plan.model.inner_law
+    give = ASTRAY * bearing.roller_radius
     if plan.model.is_resolved and law.is_one_point:  # a soft penalty spring gives way as steel does not
-        slack += 2.0 * plan.operation.radial_load / law.point_stiffness
-    astray = np.abs(samples["roller_rho"] - bearing.pitch_radius).max(axis=1) > slack
-    astray |= np.hypot(samples["inner_x"], samples["inner_y"]) > 2.0 * slack
+        give += 2.0 * plan.operation.radial_load / law.point_stiffness
+    hub_x, hub_y = samples["inner_x"], samples["inner_y"]
+    from_hub = np.hypot(samples["roller_x"] - hub_x[:, None], samples["roller_y"] - hub_y[:, None]).min(axis=1)
+    astray = from_hub < bearing.inner_raceway_radius + bearing.roller_radius - give
+    astray |= samples["roller_rho"].max(axis=1) > bearing.outer_raceway_radius - bearing.roller_radius + give
+    astray |= np.hypot(hub_x, hub_y) > 2.0 * (abs(bearing.radial_clearance) + give)
     return int(np.argmax(astray)) if astray.any() else len(astray)
 
 

@@ -17,7 +17,7 @@ from lagrange import Bearing, Operation, kinematics
 
 REACH = 0.01  # of a roller's radius
 CACHE_LINE = 64  # bytes, as long as one register of eight
-NEIGHBOURLY = 4  # nodes; two patches so far apart share 1.3e-4 of what each has of itself (a B-spline of degree 11)
+NEIGHBOURLY = 3.5  # nodes; two patches so far apart share 1.5e-3 of what each has of itself (a B-spline of degree 11)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -225,7 +225,7 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
     )
 
 
-def _crowded(bearing: Bearing, surface_nodes: tuple[int, int, int], width: int) -> bool:
+def _crowded(bearing: Bearing, surface_nodes: tuple[int, int, int], width: float) -> bool:
     """Whether patches can come within `width` nodes: on a ring those of rollers that touch, on a roller its own."""
     apart = 2.0 * np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius))  # of rollers that touch
     inner, outer, roller = (nodes / (2.0 * np.pi) for nodes in surface_nodes)

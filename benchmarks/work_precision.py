@@ -26,7 +26,7 @@ from lagrange.scene import read_scene
 
 DOCS = Path(__file__).parent.parent / "docs"
 SIZES_MM = (3.0, 2.0, 1.5, 1.0, 0.75, 0.5, 0.25)
-RESOLVED_MM = (0.03, 0.02)
+RESOLVED_MM = (0.03, 0.024)
 LAWS = ("harris", "iso16281", "johnson")
 RECORD_MS, RESOLVED_RECORD_MS = 4.0, 0.01
 FULL_MS = 60.0

@@ -156,9 +156,7 @@ def plot(points: list[Point], finest: Point, path: Path) -> None:
         for p in mine:
             text = p.name.removeprefix("rigid bodies, ").removesuffix(", contacts resolved")
             aside = (6, -9) if text == "harris" else (6, 4)  # two laws lie close together
-            axes.annotate(
-                text, (p.seconds, 100 * p.static_error), textcoords="offset points", xytext=aside, fontsize=8
-            )
+            axes.annotate(text, (p.seconds, 100 * p.static_error), textcoords="offset points", xytext=aside, fontsize=8)
     mine = [p for p in points if p.kind == "subgrid" and p is not finest]
     error = [100 * abs(p.moving["hub_mean_y"] / finest.moving["hub_mean_y"] - 1.0) for p in mine]
     axes.loglog([p.seconds for p in mine], error, "s--", color="#56B4E9", label="the same, mean of y in motion")

@@ -22,10 +22,9 @@ from fem.elastic.bodies import DiscBody
 from fem.elastic.model import REFERENCE_HALF_WIDTH
 from fem.elastic.subgrid import SurfaceCompliance, contact_law, disc_compliance, disc_patch_force
 from fem.kernels.law import ripple_at
-from fem.statics.equilibrium import Equilibrium, Motion, static_equilibrium
+from fem.statics.equilibrium import Equilibrium, standing, static_equilibrium
 from fem.statics.exact_statics import ExactStatics, exact_statics
 from lagrange import Bearing
-from lagrange.kinematics import roller_angles
 from tests.reference.line_contact import half_width, squeezed_disc_approach
 from tests.reference.resolved_bearing import RESOLVED
 
@@ -46,15 +45,7 @@ def squeezed(body: DiscBody, surface: SurfaceCompliance, position: float) -> flo
 @cache
 def at_rest(bearing: Bearing, mesh_size: float, first: float, load: float) -> Equilibrium:
     """Static equilibrium of the finite elements, weightless; `first` is the first roller's angle, rad."""
-    still = Motion(
-        roller_angle=roller_angles(bearing, first),
-        roller_turn=np.zeros(bearing.n_rollers),
-        ring_turn=0.0,
-        cage_speed=0.0,
-        roller_speed=0.0,
-        ring_speed=0.0,
-    )
-    return static_equilibrium(model(bearing, mesh_size), still, load, 0.0, 0.0)
+    return static_equilibrium(model(bearing, mesh_size), standing(bearing, first), load, 0.0, 0.0)
 
 
 @cache

@@ -16,7 +16,7 @@ import numpy as np
 from fem.kernels import patch_kernels as patch
 from fem.kernels.jit import kernel
 from fem.kernels.law import contact_force, kick_force
-from fem.kernels.resolved_kernels import push_springs, resolved_contacts
+from fem.kernels.resolved_kernels import resolved_contacts
 from fem.kernels.simd import (
     WIDTH,
     any_lane,
@@ -45,10 +45,8 @@ def contact_forces(rollers, inner, outer, contacts, drive, slope, resolved):
 @kernel(forceinline=True)
 def push_nodes(rollers, inner, outer, contacts, drive, resolved):
     """The forces' impulses on the surface nodes, where `contact_forces` has not given them already."""
-    if resolved is None:
+    if resolved is None or resolved.shift.shape[2] == 1:
         push_contacts(rollers, inner, outer, contacts, drive)
-    elif resolved.shift.shape[2] == 1:
-        push_springs(rollers, inner, outer, contacts, drive)
 
 
 @kernel(forceinline=True)

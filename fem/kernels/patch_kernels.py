@@ -26,20 +26,6 @@ def place(x, y, n_nodes):
 
 
 @kernel(forceinline=True)
-def _base(position, n_nodes):
-    """The node at or before a position; of one that is not a number the first, lest memory be read elsewhere."""
-    base = whole(position)
-    return select((base >= 0) & (base < n_nodes), base, 0)
-
-
-@kernel(forceinline=True)
-def _begin(base, n_nodes, stretch):
-    """The patch's first node."""
-    i = first_node(base, stretch)
-    return select(i < 0, i + n_nodes, i)
-
-
-@kernel(forceinline=True)
 def _next(i, n_nodes):
     """The node after node i of a circle; scalar or lanes."""
     return select(i >= n_nodes - 1, 0, i + 1)
@@ -52,18 +38,31 @@ def _row(side, group, columns, stretch):
 
 
 @kernel(forceinline=True)
+def _place_patch(bx, by, n_nodes, start, weight, columns, side, group, slope, stretch):
+    """Put patches around directions b of circles of nodes: their first nodes, weights and the weights' slopes.
+
+    Returns positions in node spacings, how far they are beyond a node, and the first nodes.
+    """
+    position = place(bx, by, n_nodes)
+    base = whole(position)
+    base = select((base >= 0) & (base < n_nodes), base, 0)  # of what is not a number, lest memory be read elsewhere
+    t = position - real(base)
+    weights(t, weight, _row(side, group, columns, stretch), columns, stretch)
+    weight_slopes(t, slope, 0, WIDTH, stretch)
+    node = first_node(base, stretch)
+    node = select(node < 0, node + n_nodes, node)
+    store(start, side * columns + group, node)
+    return position, t, node
+
+
+@kernel(forceinline=True)
 def read_roller(u, column, columns, first, n_surface, bx, by, ripples, start, weight, side, group, slope, stretch):
     """Place patches of rollers `column` around their outward directions b (in their frames) and read the motion there.
 
     Returns outward motion U·b, sideways motion U·Jb, dU/ds·b per rad, ripple of A·B, its slope per rad.
     """
-    position = place(bx, by, n_surface)
-    base = _base(position, n_surface)
-    t, at = position - real(base), _row(side, group, columns, stretch)
-    weights(t, weight, at, columns, stretch)
-    weight_slopes(t, slope, 0, WIDTH, stretch)
-    node = _begin(base, n_surface, stretch)
-    store(start, side * columns + group, node)
+    position, _, node = _place_patch(bx, by, n_surface, start, weight, columns, side, group, slope, stretch)
+    at = _row(side, group, columns, stretch)
     column = column + 2 * columns * first
     ux, uy, sx, sy = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES * len(stretch)):
@@ -101,13 +100,8 @@ def read_ring(
     stretch,
 ):
     """Place a ring's patches around radial directions b (in its frame); returns the same as `read_roller` along +b."""
-    position = place(bx, by, n_sectors)
-    base = _base(position, n_sectors)
-    t, at = position - real(base), _row(side, group, columns, stretch)
-    weights(t, weight, at, columns, stretch)
-    weight_slopes(t, slope, 0, WIDTH, stretch)
-    node = _begin(base, n_sectors, stretch)
-    store(start, side * columns + group, node)
+    _, t, node = _place_patch(bx, by, n_sectors, start, weight, columns, side, group, slope, stretch)
+    at = _row(side, group, columns, stretch)
     width = cosines.size
     radial, tangential = 2 * raceway * width + HALO, (2 * raceway + 1) * width + HALO
     first_c, first_s = gather(cosines, node + HALO), gather(sines, node + HALO)

@@ -143,7 +143,7 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         tilt1 += p * tan1
         _gather(weight, patch, j, x0, start0, p, width)
         _gather(weight, patch + 1, j, x1, start1, p, width)
-        if n_points == 1:  # `push_springs` does it, once the slips before this kick are known
+        if n_points == 1:  # `push_contacts` does it, once the slips before this kick are known
             continue
         push = p * dt
         if kind == INNER:
@@ -187,49 +187,6 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         tilt[0, j] -= on_first * ny
         tilt[1, j] += on_first * nx
         rollers.turn_kick[j] += dt * turn0 / rollers.inertia
-
-
-@kernel
-def push_springs(rollers, inner, outer, contacts, drive):
-    """Impulses on the surface nodes of contacts of one point each."""
-    for kind in range(3):
-        for j in range(rollers.n):
-            push = contacts.push[kind, j] * drive.dt
-            if push == 0.0:
-                continue
-            i = j
-            if kind == INNER:
-                drive.ring[4] += _press_ring(inner, contacts, 2 * kind, j, -push)
-            elif kind == OUTER:
-                _press_ring(outer, contacts, 2 * kind, j, push)
-            else:
-                _press_roller(rollers, contacts, 2 * kind, j, j, -push)
-                i = j + 1 if j + 1 < rollers.n else 0
-            _press_roller(rollers, contacts, 2 * kind + 1, j, i, -push)
-
-
-@kernel(forceinline=True)
-def _press_ring(ring, contacts, patch, j, impulse):
-    """Spread an outward impulse over a ring's nodes; returns its moment about the origin, N m s."""
-    row, moment = ring.raceway, 0.0
-    for k in range(contacts.weight.shape[1]):
-        at = HALO + (contacts.start[patch, j] + k) % ring.n_sectors
-        radial, around = impulse * contacts.along[patch, k, j], impulse * contacts.across[patch, k, j]
-        ring.w[row, 0, at] += radial / ring.row_mass[row]
-        ring.w[row, 1, at] += around / ring.row_mass[row]
-        moment += (ring.radius + ring.u[row, 0, at]) * around - ring.u[row, 1, at] * radial
-    return moment
-
-
-@kernel(forceinline=True)
-def _press_roller(rollers, contacts, patch, j, column, impulse):
-    """Spread an outward impulse over a roller's nodes."""
-    for k in range(contacts.weight.shape[1]):
-        node = rollers.first_surface + (contacts.start[patch, j] + k) % rollers.n_surface
-        at = node * 2 * rollers.columns + column
-        given = impulse * contacts.weight[patch, k, j] * rollers.lightness[node]
-        rollers.w[at] += given * contacts.outward[patch, 0, j]
-        rollers.w[at + rollers.columns] += given * contacts.outward[patch, 1, j]
 
 
 @kernel(forceinline=True)

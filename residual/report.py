@@ -70,9 +70,7 @@ def render_report(
         picture=picture_of(t.source) if t.attributes else None,
         paper_figures=[(f, _embedded(f)) for f in figures if f.name.startswith("fig")],
         motion_figures=[(f, _embedded(f)) for f in figures if f.name in MOTION],
-        detail_figures=[
-            (f, _embedded(f)) for f in figures if not f.name.startswith("fig") and f.name not in MOTION
-        ],
+        detail_figures=[(f, _embedded(f)) for f in figures if not f.name.startswith("fig") and f.name not in MOTION],
         resolution=text(evaluation.spectrum_x.resolution),
         spectra=Markup(spectra_json(evaluation)),
         plot_style=_vendored("uPlot.min.css"),

@@ -97,7 +97,7 @@ def _balance(model: Model, motion, load: float, solve):
     ring, n = model.outer_ring, model.bearing.n_rollers
     radial = np.column_stack([np.cos(motion.roller_angle), np.sin(motion.roller_angle)])
     patches = patch_responses(model, motion, 0.0, radial, np.zeros(2), np.full(n, model.bearing.pitch_radius))
-    loads = np.stack([ring_patch_force(ring, a, model.stretch) for a in motion.roller_angle], axis=-1)
+    loads = np.stack([ring_patch_force(ring, a) for a in motion.roller_angle], axis=-1)
     response = solve(loads)
     compliance = patches.compliance.copy()
     compliance[n:, n:] += np.einsum("rcki,rckj->ij", loads, response) - np.einsum(

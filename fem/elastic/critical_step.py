@@ -8,7 +8,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.model import Model
-from fem.elastic.resolved import layer_springs
+from fem.elastic.resolved import point_springs
 from fem.elastic.subgrid import disc_patch_force, ring_patch_force
 
 LOAD_MARGIN = 10.0  # contacts are as stiff as at this many times the largest static force
@@ -26,7 +26,7 @@ def critical_time_step(model: Model, largest_force: float) -> float:
     Lanczos approaches ω_max² from below; its tolerance is added.
     """
     springs = (
-        layer_springs(model) if model.is_resolved else _patch_springs(model, LOAD_MARGIN * max(largest_force, 1.0))
+        point_springs(model) if model.is_resolved else _patch_springs(model, LOAD_MARGIN * max(largest_force, 1.0))
     )
     fastest = max(
         _disc_limit(model.roller, springs["roller"]),
@@ -42,13 +42,13 @@ def _patch_springs(model: Model, force: float) -> dict[str, sparse.csc_matrix]:
     inner, outer, between = (sqrt(2.0 * law.stiffness(min(force, law.Q_line))) for law in laws)
     angles = 2.0 * np.pi * np.arange(3) / 3.0
     on_roller = [
-        size * disc_patch_force(model.roller, angle, model.stretch)
+        size * disc_patch_force(model.roller, angle)
         for size, angle in zip((inner, outer, between), angles, strict=True)
     ]
     return {
         "roller": sparse.csc_matrix(np.stack(on_roller, axis=1)),
-        "inner_ring": _column(inner * ring_patch_force(model.inner_ring, 0.0, model.stretch)),
-        "outer_ring": _column(outer * ring_patch_force(model.outer_ring, 0.0, model.stretch)),
+        "inner_ring": _column(inner * ring_patch_force(model.inner_ring, 0.0)),
+        "outer_ring": _column(outer * ring_patch_force(model.outer_ring, 0.0)),
     }
 
 

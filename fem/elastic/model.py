@@ -5,6 +5,7 @@ from math import pi, sqrt
 
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
 from fem.elastic.resolved import ResolvedLaw, penalty_laws, resolved_laws
+from fem.elastic.spread import SpreadLaw, spread_laws
 from fem.elastic.subgrid import ContactLaw, SurfaceCompliance, contact_law, disc_compliance, ring_compliance
 from fem.kernels.state import INNER, OUTER, ROLLER
 from lagrange import Bearing
@@ -22,18 +23,17 @@ class Model:
     roller: DiscBody
     inner_ring: RingBody
     outer_ring: RingBody
-    inner_law: ContactLaw | ResolvedLaw  # inner raceway and roller
-    outer_law: ContactLaw | ResolvedLaw  # roller and outer raceway
-    roller_law: ContactLaw | ResolvedLaw  # two rollers
+    inner_law: ContactLaw | SpreadLaw | ResolvedLaw  # inner raceway and roller
+    outer_law: ContactLaw | SpreadLaw | ResolvedLaw  # roller and outer raceway
+    roller_law: ContactLaw | SpreadLaw | ResolvedLaw  # two rollers
     # of contacts below the grid only
-    stretch: int = 1
     roller_surface: SurfaceCompliance | None = None
     inner_surface: SurfaceCompliance | None = None
     outer_surface: SurfaceCompliance | None = None
 
     @property
     def is_resolved(self) -> bool:
-        """Whether no law stands below the mesh: it resolves the contacts, or is taken as if it did."""
+        """Whether pressure points carry the contacts, or a spring between nodes, and not a law below the grid."""
         return self.roller_surface is None
 
     @property
@@ -48,21 +48,14 @@ class Model:
         return 2 * (self.bearing.n_rollers * self.roller.n_nodes + rings) + 2
 
 
-def build_model(bearing: Bearing, mesh_size: float, stretch: int = 1, graded: bool = False) -> Model:
-    """Mesh, assemble and calibrate a bearing at a surface spacing, m, with contacts below the grid.
-
-    Parameters
-    ----------
-    stretch : of the contact patches, see `patches`; graded : meshes that coarsen away from the raceways
-    """
-    roller, inner, outer = _bodies(
-        bearing, graded_shapes(bearing, mesh_size) if graded else bearing_shapes(bearing, mesh_size)
-    )
+def build_model(bearing: Bearing, mesh_size: float) -> Model:
+    """Mesh, assemble and calibrate a bearing at a surface spacing, m, with contacts below the grid."""
+    roller, inner, outer = _bodies(bearing, bearing_shapes(bearing, mesh_size))
     thickness = bearing.roller_length
     half_width = REFERENCE_HALF_WIDTH * bearing.roller_radius
-    roller_surface = disc_compliance(roller, thickness, half_width, stretch)
-    inner_surface = ring_compliance(inner, thickness, half_width, stretch)
-    outer_surface = ring_compliance(outer, thickness, half_width, stretch)
+    roller_surface = disc_compliance(roller, thickness, half_width)
+    inner_surface = ring_compliance(inner, thickness, half_width)
+    outer_surface = ring_compliance(outer, thickness, half_width)
     radius = bearing.roller_radius
     return Model(
         bearing=bearing,
@@ -72,7 +65,6 @@ def build_model(bearing: Bearing, mesh_size: float, stretch: int = 1, graded: bo
         inner_law=contact_law(inner_surface, roller_surface, 1.0 / (1.0 / radius + 1.0 / bearing.inner_raceway_radius)),
         outer_law=contact_law(roller_surface, outer_surface, 1.0 / (1.0 / radius - 1.0 / bearing.outer_raceway_radius)),
         roller_law=contact_law(roller_surface, roller_surface, 0.5 * radius),
-        stretch=stretch,
         roller_surface=roller_surface,
         inner_surface=inner_surface,
         outer_surface=outer_surface,
@@ -83,6 +75,12 @@ def build_resolved_model(bearing: Bearing, mesh_size: float) -> Model:
     """Mesh and assemble a bearing at a surface spacing, m, finer than its contacts."""
     bodies = _bodies(bearing, graded_shapes(bearing, mesh_size))
     return _pressed(bearing, bodies, resolved_laws(bearing, _spacings(*bodies)))
+
+
+def build_spread_model(bearing: Bearing, mesh_size: float, largest_force: float) -> Model:
+    """Mesh and assemble a bearing at a surface spacing, m, about as wide as its contacts; their largest force in N."""
+    bodies = _bodies(bearing, graded_shapes(bearing, mesh_size))
+    return _pressed(bearing, bodies, spread_laws(bearing, *bodies, largest_force))
 
 
 def build_penalty_model(bearing: Bearing, mesh_size: float, stiffness: float, faceted: bool) -> Model:
@@ -100,7 +98,9 @@ def _spacings(roller: DiscBody, inner: RingBody, outer: RingBody) -> dict[str, f
     }
 
 
-def _pressed(bearing: Bearing, bodies: tuple[DiscBody, RingBody, RingBody], laws: dict[int, ResolvedLaw]) -> Model:
+def _pressed(
+    bearing: Bearing, bodies: tuple[DiscBody, RingBody, RingBody], laws: dict[int, SpreadLaw | ResolvedLaw]
+) -> Model:
     roller, inner, outer = bodies
     return Model(
         bearing=bearing,
@@ -122,7 +122,7 @@ def _bodies(bearing: Bearing, shapes: BearingShapes) -> tuple[DiscBody, RingBody
     )
 
 
-def peak_pressure(law: ContactLaw | ResolvedLaw, force: float, thickness: float) -> float:
+def peak_pressure(law: ContactLaw | SpreadLaw | ResolvedLaw, force: float, thickness: float) -> float:
     """Hertz's maximum pressure, Pa: 2 Q / (π b L) (Johnson, Contact Mechanics, 1985, chapter 4)."""
     if force <= 0.0:
         return 0.0

@@ -19,7 +19,7 @@ import numpy as np
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
 from fem.kernels.law import KNOTS_PER_NODE, STEEPEST, contact_force
-from fem.kernels.patches import N_NODES, first_node, weights
+from fem.kernels.patches import N_NODES, ONE, first_node, weights
 from lagrange import Material
 
 
@@ -69,56 +69,56 @@ class ContactLaw:
         return self.A * np.maximum(self.B - 0.5 * np.log(force) - 0.5, STEEPEST)
 
 
-def patch(n_surface: int, angle: float, stretch: int = 1) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes, weights and angular offsets (contact minus node, rad) of the patch at an angle; each (6·stretch,)."""
+def patch(n_surface: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes, weights and angular offsets (contact minus node, rad) of the patch at an angle; each (6,)."""
     position = angle * n_surface / (2.0 * pi)
-    base, spread = int(np.floor(position)), (0,) * stretch
-    weight = np.empty(N_NODES * stretch)
-    weights(position - base, weight, 0, 1, spread)
-    nodes = first_node(base, spread) + np.arange(N_NODES * stretch)
+    base = int(np.floor(position))
+    weight = np.empty(N_NODES)
+    weights(position - base, weight, 0, 1, ONE)
+    nodes = first_node(base, ONE) + np.arange(N_NODES)
     return nodes % n_surface, weight, (position - nodes) * (2.0 * pi / n_surface)
 
 
-def ring_patch_force(ring: RingBody, angle: float, stretch: int = 1) -> np.ndarray:
+def ring_patch_force(ring: RingBody, angle: float) -> np.ndarray:
     """Nodal forces (n_rows, 2, n_sectors) of a unit force along the outward radius at `angle` of the raceway."""
-    nodes, weight, offset = patch(ring.n_sectors, angle, stretch)
+    nodes, weight, offset = patch(ring.n_sectors, angle)
     force = np.zeros((ring.n_rows, 2, ring.n_sectors))
     np.add.at(force, (ring.raceway_row, 0, nodes), weight * np.cos(offset))
     np.add.at(force, (ring.raceway_row, 1, nodes), weight * np.sin(offset))
     return force
 
 
-def disc_patch_force(disc: DiscBody, angle: float, stretch: int = 1) -> np.ndarray:
+def disc_patch_force(disc: DiscBody, angle: float) -> np.ndarray:
     """Nodal forces (2 n_nodes,) of a unit force along the outward radius at `angle` of the surface."""
-    nodes, weight, _ = patch(disc.shape.surface_nodes, angle, stretch)
+    nodes, weight, _ = patch(disc.shape.surface_nodes, angle)
     force = np.zeros((disc.n_nodes, 2))
     np.add.at(force, disc.first_surface_node + nodes, np.outer(weight, [np.cos(angle), np.sin(angle)]))
     return force.ravel()
 
 
-def ring_compliance(ring: RingBody, thickness: float, half_width: float, stretch: int = 1) -> SurfaceCompliance:
+def ring_compliance(ring: RingBody, thickness: float, half_width: float) -> SurfaceCompliance:
     """Calibrate a held ring against the exact annulus under one Hertz pressure."""
     angles = np.arange(KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / ring.n_sectors)
-    loads = np.stack([ring_patch_force(ring, angle, stretch) for angle in angles], axis=-1)
+    loads = np.stack([ring_patch_force(ring, angle) for angle in angles], axis=-1)
     found = np.einsum("rcsp,rcsp->p", loads, ring.held(loads))
     held = float(ring.radii[ring.held_row])
     exact = ring_hertz_approach(ring.raceway_radius, held, ring.material, half_width) / thickness
     return _missing(exact, found, half_width, ring.material, thickness)
 
 
-def disc_compliance(disc: DiscBody, thickness: float, half_width: float, stretch: int = 1) -> SurfaceCompliance:
+def disc_compliance(disc: DiscBody, thickness: float, half_width: float) -> SurfaceCompliance:
     """Calibrate a free disc against the exact disc squeezed by two opposite Hertz pressures."""
     nodes = disc.shape.surface_nodes
     angles = np.arange(disc.shape.layers * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / nodes)
-    found = np.concatenate([_squeezed(disc, some, stretch) for some in np.array_split(angles, 1 + angles.size // 512)])
+    found = np.concatenate([_squeezed(disc, some) for some in np.array_split(angles, 1 + angles.size // 512)])
     exact = disc_hertz_approach(disc.shape.radius, disc.material, half_width) / thickness
     return _missing(exact, found, half_width, disc.material, thickness)
 
 
-def _squeezed(disc: DiscBody, angles: np.ndarray, stretch: int) -> np.ndarray:
+def _squeezed(disc: DiscBody, angles: np.ndarray) -> np.ndarray:
     """Approach of the mesh's surface at one of two opposite unit forces, (n_angles,), m/N."""
-    near = np.stack([disc_patch_force(disc, angle, stretch) for angle in angles], axis=-1)
-    far = np.stack([disc_patch_force(disc, angle + pi, stretch) for angle in angles], axis=-1)
+    near = np.stack([disc_patch_force(disc, angle) for angle in angles], axis=-1)
+    far = np.stack([disc_patch_force(disc, angle + pi) for angle in angles], axis=-1)
     return np.einsum("np,np->p", near, disc.relaxed(near + far))
 
 

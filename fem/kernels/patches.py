@@ -11,6 +11,7 @@ from fem.kernels.jit import kernel
 from fem.kernels.simd import store
 
 N_NODES = 6  # times the stretch
+ONE = (0,)
 
 
 @kernel(forceinline=True)

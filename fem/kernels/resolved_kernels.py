@@ -17,11 +17,14 @@ from math import sqrt
 
 import numpy as np
 
+from fem.kernels import point_kernels as point
 from fem.kernels.facet_kernels import chord
 from fem.kernels.jit import kernel
+from fem.kernels.law import MOST_REPAID, REPAID
 from fem.kernels.patch_kernels import place
 from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
+from fem.kernels.spread_kernels import spread_forces
 from fem.kernels.state import INNER, OUTER, ROLLER
 
 
@@ -52,9 +55,10 @@ def resolved_contacts(rollers, inner, outer, contacts, drive, resolved):
             else:
                 overlap = 2.0 * radius - distance
             contacts.force[kind, j] = 0.0
-            resolved.energy[kind, j] = 0.0
             if overlap < -contacts.reach:
+                resolved.energy[kind, j] = 0.0
                 contacts.approach[kind, j], contacts.push[kind, j] = np.nan, 0.0
+                resolved.before[kind, j, 0, 0] = np.nan
                 continue
             contacts.normal[kind, 0, j], contacts.normal[kind, 1, j] = x / distance, y / distance
             _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distance, overlap)
@@ -86,14 +90,13 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
     at0 = place(c0 * nx + s0 * ny, c0 * ny - s0 * nx, nodes0)
     at1 = place(second * (c1 * nx + s1 * ny), second * (c1 * ny - s1 * nx), rollers.n_surface)
     n_points = resolved.shift.shape[2]
-    start0 = int(np.floor(at0 - abs(resolved.shift[kind, 0, 0]) * per_radian0))
-    start1 = int(np.floor(at1 - abs(resolved.shift[kind, 1, 0]) * per_radian1))
-    stiffness = resolved.stiffness[kind]
-    total, energy, pushed, aside, turn0, turn1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    tilt0, tilt1 = 0.0, 0.0
+    lack = resolved.lack
+    beyond = 0 if lack is None else 2  # nodes of a patch before its centre's
+    start0 = int(np.floor(at0 - abs(resolved.shift[kind, 0, 0]) * per_radian0)) - beyond
+    start1 = int(np.floor(at1 - abs(resolved.shift[kind, 1, 0]) * per_radian1)) - beyond
+    closing, force, turning = resolved.closing, resolved.force, resolved.turning
     sagitta0, sagitta1 = resolved.sagitta[kind, 0], resolved.sagitta[kind, 1]
     for q in range(n_points):
-        rise = resolved.rise[kind, q]
         tan0, tan1 = resolved.tangent[kind, 0, q], resolved.tangent[kind, 1, q]
         x0 = at0 + resolved.shift[kind, 0, q] * per_radian0
         x1 = at1 + resolved.shift[kind, 1, q] * per_radian1
@@ -102,15 +105,17 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         m1x, m1y = second * nx - tan1 * ny, second * ny + tan1 * nx
         f0x, f0y = c0 * m0x + s0 * m0y, c0 * m0y - s0 * m0x
         f1x, f1y = c1 * m1x + s1 * m1y, c1 * m1y - s1 * m1x
+        point.place(x0, resolved, 0, q, lack)
+        point.place(x1, resolved, 1, q, lack)
         if kind == INNER:
-            out0, side0, rate0 = _read_ring(inner, x0, f0x, f0y)
+            out0, side0, rate0 = point.read_ring(inner, x0, f0x, f0y, resolved, q, lack)
             out0 -= drive.hub[0] * m0x + drive.hub[1] * m0y
             side0 -= drive.hub[1] * m0x - drive.hub[0] * m0y
         elif kind == OUTER:
-            out0, side0, rate0 = _read_ring(outer, x0, f0x, f0y)
+            out0, side0, rate0 = point.read_ring(outer, x0, f0x, f0y, resolved, q, lack)
         else:
-            out0, side0, rate0 = _read_roller(rollers, j, x0, f0x, f0y)
-        out1, side1, rate1 = _read_roller(rollers, i, x1, f1x, f1y)
+            out0, side0, rate0 = point.read_roller(rollers, j, x0, f0x, f0y, resolved, 0, q, lack)
+        out1, side1, rate1 = point.read_roller(rollers, i, x1, f1x, f1y, resolved, 1, q, lack)
         if sagitta1 != 0.0:
             depth, slope = chord(x0 - np.floor(x0))
             out0 -= sagitta0 * depth
@@ -118,22 +123,33 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
             depth, slope = chord(x1 - np.floor(x1))
             out1 -= sagitta1 * depth
             rate1 -= sagitta1 * slope
-        rate0 *= per_radian0
-        rate1 *= per_radian1
-        closing = overlap - rise + out0 + out1
-        force = stiffness * max(closing, 0.0)
-        p = force
+        closing[q] = overlap - resolved.rise[kind, q] + out0 + out1
+        turning[0, q], turning[1, q], turning[2, q] = rate0 * per_radian0, rate1 * per_radian1, side0 + side1
+    energy = _point_forces(resolved, kind, j, lack)
+    before = resolved.before
+    correction = 0.0 if n_points == 1 else _correction(resolved, kind, j, energy)
+    total, pushed, aside, turn0, turn1 = 0.0, 0.0, 0.0, 0.0, 0.0
+    tilt0, tilt1 = 0.0, 0.0
+    for q in range(n_points):
+        p = force[q]
+        total += p
         if n_points == 1:
-            p = _spring_kick(contacts.approach[kind, j], closing, stiffness)
-            contacts.approach[kind, j] = closing
-        elif force > 0.0 and (q == 0 or q == n_points - 1):
-            p, force = np.nan, np.nan
-        if force == 0.0 and p == 0.0:
+            p = _spring_kick(contacts.approach[kind, j], closing[q], resolved.stiffness[kind])
+            contacts.approach[kind, j] = closing[q]
+        else:
+            extra = 0.0
+            if correction != 0.0:
+                extra = correction * (closing[q] - before[kind, j, 0, q])
+            p += extra
+            before[kind, j, 0, q], before[kind, j, 1, q], before[kind, j, 2, q] = closing[q], force[q], extra
+        if p == 0.0:
             continue
-        total += force
-        energy += 0.5 * force * closing
+        tan0, tan1 = resolved.tangent[kind, 0, q], resolved.tangent[kind, 1, q]
+        x0 = at0 + resolved.shift[kind, 0, q] * per_radian0
+        x1 = at1 + resolved.shift[kind, 1, q] * per_radian1
+        rate0, rate1 = turning[0, q], turning[1, q]
         pushed += p
-        aside += p * (rate0 + side0 + rate1 + side1)
+        aside += p * (rate0 + rate1 + turning[2, q])
         if n_points == 1:  # what two nodes' shares turn a body by averages out over many points
             rate0 += _lever(x0, nodes0, inner.radius if kind == INNER else rollers.radius)
             rate1 += _lever(x1, rollers.n_surface, rollers.radius)
@@ -141,23 +157,27 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         turn1 += p * rate1
         tilt0 += p * tan0
         tilt1 += p * tan1
-        _gather(weight, patch, j, x0, start0, p, width)
-        _gather(weight, patch + 1, j, x1, start1, p, width)
+        point.gather(weight, patch, j, x0, start0, p, width, resolved, 0, q, lack)
+        point.gather(weight, patch + 1, j, x1, start1, p, width, resolved, 1, q, lack)
         if n_points == 1:  # `push_contacts` does it, once the slips before this kick are known
             continue
+        m0x, m0y = first * nx - tan0 * ny, first * ny + tan0 * nx
+        m1x, m1y = second * nx - tan1 * ny, second * ny + tan1 * nx
+        f0x, f0y = c0 * m0x + s0 * m0y, c0 * m0y - s0 * m0x
+        f1x, f1y = c1 * m1x + s1 * m1y, c1 * m1y - s1 * m1x
         push = p * dt
         if kind == INNER:
-            drive.ring[4] += _push_ring(inner, x0, f0x, f0y, -push)
+            drive.ring[4] += point.push_ring(inner, x0, f0x, f0y, -push, resolved, q, lack)
         elif kind == OUTER:
-            _push_ring(outer, x0, f0x, f0y, -push)
+            point.push_ring(outer, x0, f0x, f0y, -push, resolved, q, lack)
         else:
-            _push_roller(rollers, j, x0, f0x, f0y, -push)
-        _push_roller(rollers, i, x1, f1x, f1y, -push)
+            point.push_roller(rollers, j, x0, f0x, f0y, -push, resolved, 0, q, lack)
+        point.push_roller(rollers, i, x1, f1x, f1y, -push, resolved, 1, q, lack)
     contacts.push[kind, j] = pushed
+    resolved.energy[kind, j] = energy
     if pushed == 0.0:
         return
     contacts.force[kind, j] = total
-    resolved.energy[kind, j] = energy
     _share(contacts, patch, j, start0, nodes0, pushed, width)
     _share(contacts, patch + 1, j, start1, rollers.n_surface, pushed, width)
     if kind != ROLLER:
@@ -189,6 +209,55 @@ def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distanc
         rollers.turn_kick[j] += dt * turn0 / rollers.inertia
 
 
+@kernel
+def _point_forces(resolved, kind, j, lack):
+    """Forces of a contact's points from what they close by; returns the energy stored in them, J.
+
+    Not a number where the outermost points are closed: the contact is wider than them.
+    """
+    closing, force = resolved.closing, resolved.force
+    n = closing.size
+    if lack is not None:
+        return spread_forces(resolved, kind, j)
+    energy = 0.0
+    for q in range(n):
+        force[q] = resolved.stiffness[kind] * max(closing[q], 0.0)
+        if n > 1 and force[q] > 0.0 and (q == 0 or q == n - 1):
+            force[q] = np.nan
+        energy += 0.5 * force[q] * closing[q]
+    return energy
+
+
+@kernel
+def _correction(resolved, kind, j, energy):
+    """What a kick's forces need beside the points' own, N per m that a point has closed by since the last kick.
+
+    As in `law.kick_force`: the half of a kick that looks back makes the work of the step behind the change of the
+    stored energy, and what is left is kept account of and given back in small parts. With the points' own forces the
+    work is that but where points have opened or closed.
+    """
+    closing, force, before = resolved.closing, resolved.force, resolved.before
+    if np.isnan(before[kind, j, 0, 0]):
+        return 0.0
+    missing, size, extra, moved, total, same = energy - resolved.energy[kind, j], 0.0, 0.0, 0.0, 0.0, True
+    for q in range(closing.size):
+        step, last = closing[q] - before[kind, j, 0, q], before[kind, j, 1, q]
+        missing -= 0.5 * step * (force[q] + last)
+        extra += 0.5 * step * before[kind, j, 2, q]
+        size += step * step
+        moved += abs(step)
+        total += force[q]
+        same &= (force[q] == 0.0) == (last == 0.0)
+    if not size > 0.0 or np.isnan(missing):
+        return 0.0
+    missing = 0.0 if same else missing
+    debt = resolved.owed[kind, j] - extra
+    most = MOST_REPAID * total / moved
+    found = missing / size + max(min(REPAID * debt / size, most), -most)
+    resolved.owed[kind, j] = debt + missing - 0.5 * found * size
+    return found
+
+
 @kernel(forceinline=True)
 def _spring_kick(before, now, stiffness):
     """Force of a linear spring that a leapfrog kick gives, N: `law.kick_force`, as rattling contacts need it.
@@ -208,78 +277,6 @@ def _lever(x, n_nodes, radius):
     """Moment about the centre of a unit force along a convex circle's inward radius, given by two nodes' shares, m."""
     spacing, t = 2.0 * np.pi / n_nodes, x - np.floor(x)
     return radius * ((1.0 - t) * np.sin(t * spacing) - t * np.sin((1.0 - t) * spacing))
-
-
-@kernel(forceinline=True)
-def _pair(x, n_nodes):
-    """The two nodes around a position and how far it is beyond the first; positions may lie one turn outside."""
-    base = int(np.floor(x))
-    t = x - base
-    near = base % n_nodes
-    far = near + 1 if near + 1 < n_nodes else 0
-    return near, far, t
-
-
-@kernel(forceinline=True)
-def _read_ring(ring, x, mx, my):
-    """Displacement along m and along Jm at a position, and the change of the first per node spacing."""
-    near, far, t = _pair(x, ring.n_sectors)
-    near += HALO
-    far += HALO
-    c, s = mx * ring.cosines[near] + my * ring.sines[near], my * ring.cosines[near] - mx * ring.sines[near]
-    a, b = ring.u[ring.raceway, 0, near], ring.u[ring.raceway, 1, near]
-    along0, side0 = a * c + b * s, b * c - a * s
-    c, s = mx * ring.cosines[far] + my * ring.sines[far], my * ring.cosines[far] - mx * ring.sines[far]
-    a, b = ring.u[ring.raceway, 0, far], ring.u[ring.raceway, 1, far]
-    along1, side1 = a * c + b * s, b * c - a * s
-    return (1.0 - t) * along0 + t * along1, (1.0 - t) * side0 + t * side1, along1 - along0
-
-
-@kernel(forceinline=True)
-def _read_roller(rollers, column, x, mx, my):
-    near, far, t = _pair(x, rollers.n_surface)
-    columns = rollers.columns
-    at = (near + rollers.first_surface) * 2 * columns + column
-    a, b = rollers.u[at], rollers.u[at + columns]
-    along0, side0 = a * mx + b * my, b * mx - a * my
-    at = (far + rollers.first_surface) * 2 * columns + column
-    a, b = rollers.u[at], rollers.u[at + columns]
-    along1, side1 = a * mx + b * my, b * mx - a * my
-    return (1.0 - t) * along0 + t * along1, (1.0 - t) * side0 + t * side1, along1 - along0
-
-
-@kernel(forceinline=True)
-def _push_ring(ring, x, mx, my, impulse):
-    """Returns the moment of what is pushed about the origin, N m s."""
-    near, far, t = _pair(x, ring.n_sectors)
-    row, moment = ring.raceway, 0.0
-    for node, share in ((near + HALO, 1.0 - t), (far + HALO, t)):
-        radial = impulse * share * (mx * ring.cosines[node] + my * ring.sines[node])
-        around = impulse * share * (my * ring.cosines[node] - mx * ring.sines[node])
-        ring.w[row, 0, node] += radial / ring.row_mass[row]
-        ring.w[row, 1, node] += around / ring.row_mass[row]
-        moment += (ring.radius + ring.u[row, 0, node]) * around - ring.u[row, 1, node] * radial
-    return moment
-
-
-@kernel(forceinline=True)
-def _push_roller(rollers, column, x, mx, my, impulse):
-    near, far, t = _pair(x, rollers.n_surface)
-    for k, share in ((near + rollers.first_surface, 1.0 - t), (far + rollers.first_surface, t)):
-        at = k * 2 * rollers.columns + column
-        rollers.w[at] += impulse * share * mx / rollers.mass[k]
-        rollers.w[at + rollers.columns] += impulse * share * my / rollers.mass[k]
-
-
-@kernel(forceinline=True)
-def _gather(weight, patch, j, x, start, p, width):
-    """Add a point's force to the nodes' shares, for friction, which is spread as the pressure is."""
-    base = int(np.floor(x))
-    t = x - base
-    k = base - start
-    if 0 <= k and k + 1 < width:
-        weight[patch, k, j] += p * (1.0 - t)
-        weight[patch, k + 1, j] += p * t
 
 
 @kernel(forceinline=True)

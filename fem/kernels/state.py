@@ -65,6 +65,17 @@ class Resolved(NamedTuple):
     sagitta: np.ndarray  # (3, 2), m, of one facet, negative in a bore; 0: exact circles
     stiffness: np.ndarray  # (3,), N/m, of one point
     energy: np.ndarray  # (3, n), J, of this step
+    before: np.ndarray  # (3, n, 3, n_points), of the last kick: closings, m, forces and what it gave beside, N; or NaN
+    owed: np.ndarray  # (3, n), J, stored beyond what the kicks have taken
+    closing: np.ndarray  # (n_points,), m, and so on: room for one contact
+    force: np.ndarray  # (n_points,), N
+    turning: np.ndarray  # (3, n_points)
+    # of points spread over patches: see `spread_kernels`; None: a layer between points and surfaces
+    lack: np.ndarray | None  # (3, n_points), m/N, what the mesh lacks between two points by their distance
+    inverse: np.ndarray | None  # (3, ...), N/m, inverses for 1, 2 ... points in contact
+    closed: np.ndarray | None  # (3, n, 2), first point in contact and the one after the last
+    share: np.ndarray | None  # (2 · n_points · 6,), of the nodes around each point, by side
+    slope: np.ndarray | None  # (2 · 6,), room
 
 
 class Contacts(NamedTuple):

@@ -10,12 +10,14 @@ import numpy as np
 
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.model import Model
+from fem.elastic.spread import ONE_PATCH
 from fem.elastic.stress import turned
 from fem.pictures.recover import Instant
 from fem.pictures.subsurface import SurfaceLoad, hertz_stress, spline_displacement
 from fem.solver.frames import global_fields, rotated
 
 WINDOW = 0.4, 0.8  # radii of a raceway: whole up to this distance from the contact, nothing from the second on
+RESOLVED = 5.0  # spacings in a half-width
 BEYOND = 1.0  # radii: strains at the window's end look at nodes further away
 INNER_RING, OUTER_RING, FIRST_ROLLER = 0, 1, 2  # numbers of bodies
 
@@ -30,17 +32,34 @@ class BodyLoad:
     load: SurfaceLoad
     radius: float  # m, of the surface, > 0 convex
     spacing: float  # m, a quarter of the patch that the mesh carries the force as
-    is_resolved: bool  # the mesh carries the true pressure: there is nothing to exchange
+    below: float  # share of it that is exchanged for Hertz's pressure; 0 where the mesh carries the true one
 
     def share(self, points: np.ndarray) -> np.ndarray:
         """How far the exchange is made at points (n, 2) from the body's centre: 1 at the contact, 0 far away."""
-        if self.is_resolved:
-            return np.zeros(len(points))
         if self.body >= FIRST_ROLLER:
-            return np.ones(len(points))
+            return np.full(len(points), self.below)
         distance = np.hypot(*(points - self.load.point).T) / abs(self.radius)
         x = np.clip((WINDOW[1] - distance) / (WINDOW[1] - WINDOW[0]), 0.0, 1.0)
-        return x * x * (3.0 - 2.0 * x)
+        return self.below * _smooth_step(x)
+
+
+def _smooth_step(x):
+    """From 0 at 0 to 1 at 1, level at both."""
+    return x * x * (3.0 - 2.0 * x)
+
+
+def _exchanged(model: Model, spacing: float, half_width: float) -> tuple[float, float]:
+    """How much of a patch is exchanged, and a quarter of its half-range, m.
+
+    Points spread over patches carry Hertz's pressure smeared out by one: about a spline with the sum of the variances,
+    a²/12 and b²/4. It is left to the mesh as the mesh comes to resolve the contact.
+    """
+    if not model.is_resolved:
+        return 1.0, spacing
+    if not model.inner_law.spreads:
+        return 0.0, spacing
+    x = np.log(RESOLVED * spacing / half_width) / np.log(RESOLVED * ONE_PATCH)
+    return float(_smooth_step(np.clip(x, 0.0, 1.0))), 0.5 * float(np.hypot(2.0 * spacing, np.sqrt(3.0) * half_width))
 
 
 def contact_loads(instant: Instant) -> list[BodyLoad]:
@@ -58,6 +77,7 @@ def contact_loads(instant: Instant) -> list[BodyLoad]:
             point=radius * outward, inward=-convex * outward, force=force / length, half_width=half_width
         )
         kind, roller = contact
+        below, spacing = _exchanged(model, 2.0 * np.pi * radius / nodes, half_width)
         loads.append(
             BodyLoad(
                 body=body,
@@ -65,8 +85,8 @@ def contact_loads(instant: Instant) -> list[BodyLoad]:
                 roller=roller,
                 load=load,
                 radius=convex * radius,
-                spacing=model.stretch * 2.0 * np.pi * radius / nodes,
-                is_resolved=model.is_resolved,
+                spacing=spacing,
+                below=below,
             )
         )
 
@@ -99,7 +119,7 @@ def smooth_stress(instant: Instant, loads: list[BodyLoad]) -> list[np.ndarray]:
     model, fields = instant.model, global_fields(instant.model, instant)
     stresses = [fields["inner_ring"][1], fields["outer_ring"][1], *fields["roller"][1]]
     for item in loads:
-        if item.is_resolved:
+        if item.below == 0.0:
             continue
         body, turn = _body(model, instant, item.body)
         points = rotated(body.points, turn)

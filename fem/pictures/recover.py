@@ -334,9 +334,9 @@ def _push_disc(model: Model, law, load: np.ndarray, angle: float, outward: float
 def _patch(model: Model, law, radius: float, n_surface: int, angle: float, force: float):
     """Nodes that carry a contact force, their shares, and the contact's angle less theirs."""
     if not model.is_resolved:
-        return patch(n_surface, angle, model.stretch)
+        return patch(n_surface, angle)
     half_width = 0.0 if law.is_one_point else law.half_width(abs(force))
-    return hertz_patch(n_surface, angle, half_width / radius)
+    return hertz_patch(n_surface, angle, half_width / radius, law.spreads)
 
 
 def _angle(vectors: np.ndarray) -> np.ndarray:

@@ -210,31 +210,29 @@ def _dents(instant: Instant) -> list[np.ndarray]:
     outer_dent = 0.5 * model.outer_law.approach(instant.outer_force) * (instant.outer_force > 0.0)
     inner, outer = model.inner_ring, model.outer_ring
     dents = [
-        inner.cartesian(
-            _ring_dents(inner, instant.inner_angle - instant.ring_turn, -inner_dent, model.stretch), instant.ring_turn
-        ),
-        outer.cartesian(_ring_dents(outer, instant.outer_angle, outer_dent, model.stretch)),
+        inner.cartesian(_ring_dents(inner, instant.inner_angle - instant.ring_turn, -inner_dent), instant.ring_turn),
+        outer.cartesian(_ring_dents(outer, instant.outer_angle, outer_dent)),
     ]
     for j, turn in enumerate(instant.roller_turn):
         dent = np.zeros((disc.n_nodes, 2))
         for angle, depth in ((instant.inner_angle[j] + pi, inner_dent[j]), (instant.outer_angle[j], outer_dent[j])):
-            nodes, share = _patch_shape(disc.shape.surface_nodes, angle - turn, model.stretch)
+            nodes, share = _patch_shape(disc.shape.surface_nodes, angle - turn)
             direction = np.array([np.cos(angle), np.sin(angle)])
             np.add.at(dent, disc.first_surface_node + nodes, -depth * np.outer(share, direction))
         dents.append(dent)
     return dents
 
 
-def _ring_dents(ring: RingBody, angles, depths, stretch: int) -> np.ndarray:
+def _ring_dents(ring: RingBody, angles, depths) -> np.ndarray:
     """Radial displacement of a raceway's nodes at every contact, (n_rows, 2, n_sectors), m."""
     dents = np.zeros((ring.n_rows, 2, ring.n_sectors))
     for angle, depth in zip(angles, depths, strict=True):
-        nodes, share = _patch_shape(ring.n_sectors, angle, stretch)
+        nodes, share = _patch_shape(ring.n_sectors, angle)
         np.add.at(dents, (ring.raceway_row, 0, nodes), depth * share)
     return dents
 
 
-def _patch_shape(n_surface: int, angle: float, stretch: int) -> tuple[np.ndarray, np.ndarray]:
+def _patch_shape(n_surface: int, angle: float) -> tuple[np.ndarray, np.ndarray]:
     """Nodes of a patch and how much of the indentation each one shows: 1 at the contact."""
-    nodes, weight, _ = patch(n_surface, angle, stretch)
-    return nodes, weight * stretch / LARGEST_WEIGHT
+    nodes, weight, _ = patch(n_surface, angle)
+    return nodes, weight / LARGEST_WEIGHT

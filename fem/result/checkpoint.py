@@ -82,11 +82,19 @@ def _arrays(state: RunState) -> dict[str, np.ndarray]:
     """Every array of a state by its name in the file."""
     arrays = {
         f"{group}.{name}": value
-        for group in GROUPS
-        for name, value in getattr(state.arrays, group)._asdict().items()
+        for group, entries in _groups(state.arrays).items()
+        for name, value in entries._asdict().items()
         if isinstance(value, np.ndarray)
     }
     return arrays | {f"reader.{name}": value for name, value in state.reader.carried().items()}
+
+
+def _groups(arrays: Arrays) -> dict[str, tuple]:
+    """The named tuples that hold a state."""
+    groups = {group: getattr(arrays, group) for group in GROUPS}
+    if arrays.contacts.resolved is not None:
+        groups["resolved"] = arrays.contacts.resolved
+    return groups
 
 
 def _versions() -> dict[str, str]:
@@ -136,10 +144,11 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
 def _with(arrays: Arrays, loaded: dict[str, np.ndarray]) -> Arrays:
     """The arrays of a checkpoint in the place of others, which stay as they are: some are the model's own."""
     groups = {}
-    for group in GROUPS:
-        own = getattr(arrays, group)
+    for group, own in _groups(arrays).items():
         fields = {name: loaded[f"{group}.{name}"] for name in own._fields if f"{group}.{name}" in loaded}
         groups[group] = own._replace(**fields)
+    if "resolved" in groups:
+        groups["contacts"] = groups["contacts"]._replace(resolved=groups.pop("resolved"))
     return replace(arrays, **groups)
 
 

@@ -8,7 +8,7 @@ from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.model import Model
 from fem.elastic.resolved import points, stretch_for
 from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.patches import N_NODES
+from fem.kernels.patches import N_NODES, ONE
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH
 from fem.kernels.state import INNER, OUTER, ROLLER, Contacts, Drive, Ring, Rollers, Scratch
@@ -186,7 +186,7 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
     force = np.zeros((3, columns))
     force[0, :n], force[1, :n] = start.equilibrium.inner_force, start.equilibrium.outer_force
     surface_nodes = (model.inner_ring.n_sectors, model.outer_ring.n_sectors, model.roller.shape.surface_nodes)
-    resolved, stretch, none = None, (0,) * model.stretch, np.zeros(0)
+    resolved, stretch, none = None, ONE, np.zeros(0)
     if model.is_resolved:
         resolved = points({INNER: laws[INNER], OUTER: laws[OUTER], ROLLER: laws[ROLLER]}, largest_force, n)
         stretch = stretch_for(resolved, surface_nodes)

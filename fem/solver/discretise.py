@@ -1,11 +1,10 @@
 """From a scene to its discrete model: which meshes, which contact patches."""
 
-from math import ceil
-
 import numpy as np
 
-from fem.elastic.model import Model, build_model, build_penalty_model, build_resolved_model
+from fem.elastic.model import Model, build_model, build_penalty_model, build_resolved_model, build_spread_model
 from fem.elastic.resolved import resolved_laws
+from fem.elastic.spread import ONE_PATCH
 from fem.errors import UsageError
 from fem.kernels.state import INNER, OUTER
 from fem.statics.contact_balance import NotFound
@@ -15,9 +14,7 @@ from lagrange.scene import Scene
 from meshes import bearing_shapes, graded_shapes
 
 COARSEST = 0.6  # surface spacing over the half-width of a contact to be resolved
-WIDER = 1.5  # patches are made for forces that much larger than the static ones
 MOST_NODES = 1_000_000  # take about 3 GB to mesh and assemble
-WIDTHS = 2.5  # least half-width of a patch over the contact's: below 2.3 the law below the grid would be unstable
 
 
 def model_of(scene: Scene) -> Model:
@@ -34,14 +31,24 @@ def model_of(scene: Scene) -> Model:
             "run-fem --model lagrange takes balls"
         )
     bearing, operation, mesh_size = scene.ideal_bearing(), scene.ideal_operation(), 1e-3 * scene.numerics.mesh_size_mm
-    check_mesh_size(bearing, mesh_size, graded=scene.contact.model == "resolved")
+    spreads = scene.contact.model == "subgrid" and _spreads(bearing, operation, mesh_size)
+    check_mesh_size(bearing, mesh_size, graded=spreads or scene.contact.model == "resolved")
+    if spreads:
+        return build_spread_model(bearing, mesh_size, largest_force(bearing, operation))
     if scene.contact.model == "resolved":
         _check_resolution(half_widths(bearing, largest_force(bearing, operation)), mesh_size)
         return build_resolved_model(bearing, mesh_size)
     if scene.contact.penalty_stiffness_N_per_m is not None:
         faceted = scene.contact.model == "faceted"
         return build_penalty_model(bearing, mesh_size, scene.contact.penalty_stiffness_N_per_m, faceted)
-    return build_model(bearing, mesh_size, stretch(bearing, operation, mesh_size))
+    return build_model(bearing, mesh_size)
+
+
+def _spreads(bearing: Bearing, operation: Operation, mesh_size: float) -> bool:
+    """Whether a mesh is so fine that one patch, four spacings wide, would not be far wider than a contact."""
+    if mesh_size > ONE_PATCH * max(half_widths(bearing, _bound(bearing, operation))):  # far above what a roller carries
+        return False
+    return mesh_size < ONE_PATCH * max(half_widths(bearing, largest_force(bearing, operation)))
 
 
 def _check_resolution(widths: tuple[float, float], mesh_size: float) -> None:
@@ -78,14 +85,6 @@ def check_mesh_size(bearing: Bearing, mesh_size: float, graded: bool = False) ->
             f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: makes {nodes:,} nodes, at most {MOST_NODES:,} are taken; at "
             f"least about {1e3 * mesh_size * (nodes / MOST_NODES) ** 0.5:.2g}"
         )
-
-
-def stretch(bearing: Bearing, operation: Operation, mesh_size: float) -> int:
-    """Stretch of contact patches that keeps them wider than the widest contact on a mesh finer than it."""
-    widest = WIDTHS * max(half_widths(bearing, WIDER * _bound(bearing, operation)))
-    if widest > 2.0 * mesh_size:  # the bound is far above what a roller carries
-        widest = WIDTHS * max(half_widths(bearing, WIDER * largest_force(bearing, operation)))
-    return max(1, ceil(widest / (2.0 * mesh_size)))
 
 
 def half_widths(bearing: Bearing, force: float) -> tuple[float, float]:

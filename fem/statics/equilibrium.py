@@ -124,10 +124,10 @@ def patch_responses(model: Model, motion: Motion, gravity: float, radial, hub, r
     to_roller = radial * rho[:, None] - hub
     inner_angle = np.arctan2(to_roller[:, 1], to_roller[:, 0])
     outer_angle = motion.roller_angle
-    inner_load = np.stack([ring_patch_force(inner, a - motion.ring_turn, model.stretch) for a in inner_angle], axis=-1)
-    outer_load = np.stack([ring_patch_force(outer, a, model.stretch) for a in outer_angle], axis=-1)
-    near = np.stack([disc_patch_force(disc, a, model.stretch) for a in inner_angle + pi - motion.roller_turn], axis=-1)
-    far = np.stack([disc_patch_force(disc, a, model.stretch) for a in outer_angle - motion.roller_turn], axis=-1)
+    inner_load = np.stack([ring_patch_force(inner, a - motion.ring_turn) for a in inner_angle], axis=-1)
+    outer_load = np.stack([ring_patch_force(outer, a) for a in outer_angle], axis=-1)
+    near = np.stack([disc_patch_force(disc, a) for a in inner_angle + pi - motion.roller_turn], axis=-1)
+    far = np.stack([disc_patch_force(disc, a) for a in outer_angle - motion.roller_turn], axis=-1)
     inner_response, outer_response = inner.held(inner_load), outer.held(outer_load)
     responses = disc.relaxed(near), disc.relaxed(far)
 

@@ -82,7 +82,7 @@ class _Points:
     across: np.ndarray  # (n_points,), m, from the line of centres along the tangent
     rise: np.ndarray  # (n_points,), m, by which the circles, or their facets, fall apart
     growth: np.ndarray  # (n_points,), m, closing by centrifugal load and weight
-    compliance: np.ndarray  # (n_points, n_points), m/N, and the layer's on the diagonal
+    compliance: np.ndarray  # (n_points, n_points), m/N, with what the mesh lacks
     loads: list  # per ring and roller: (points, nodes, (2 nodes, points) nodal forces of unit forces)
     inner_growth: np.ndarray
     outer_sag: np.ndarray
@@ -105,6 +105,7 @@ def _points(model: Model, motion: Motion, gravity: float, place, forces) -> _Poi
             contact.append(np.full(1, c))
             continue
         half = max(2, int(np.ceil(REACH * law.half_width(max(forces[c], faintest)) / law.spacing)))
+        half = min(half, law.most_points // 2)
         across.append((np.arange(-half, half) + 0.5) * law.spacing)
         contact.append(np.full(2 * half, c))
     across, contact = np.concatenate(across), np.concatenate(contact)
@@ -121,7 +122,10 @@ def _points(model: Model, motion: Motion, gravity: float, place, forces) -> _Poi
         mine = kind == k
         rise[mine] += _chords(laws, kind[mine], 0, on_ring[mine] - turn, ring.n_sectors)
 
-    compliance = np.diag(np.array([1.0 / law.point_stiffness for law in laws])[kind])
+    compliance = np.zeros((across.size, across.size))
+    for c in range(2 * n):
+        mine = np.flatnonzero(contact == c)
+        compliance[np.ix_(mine, mine)] = laws[c // n].local_compliance(mine.size)
     growth, loads = np.zeros(across.size), []
     fields = (
         rings[0].held(rings[0].body_load(gravity, motion.ring_turn, motion.ring_speed)),
@@ -130,14 +134,14 @@ def _points(model: Model, motion: Motion, gravity: float, place, forces) -> _Poi
     for k, ring in enumerate(rings):
         mine = np.flatnonzero(kind == k)
         turn, outward = (motion.ring_turn, 1.0) if k == 0 else (0.0, -1.0)
-        nodes, push = ring_push(ring, on_ring[mine] - turn, outward / np.cos(angles[0, mine]))
+        nodes, push = ring_push(ring, on_ring[mine] - turn, outward / np.cos(angles[0, mine]), laws[k].spreads)
         compliance[np.ix_(mine, mine)] += push.T @ ring.surface_influence(nodes) @ push
         growth[mine] += push.T @ fields[k][ring.raceway_row][:, nodes].T.ravel()
         loads.append((mine, nodes, push))
     swelling = disc.relaxed(motion.roller_speed**2 * (disc.mass[:, None] * disc.points).ravel())
     for roller in range(n):
         mine = np.flatnonzero(j == roller)
-        nodes, push = disc_push(disc, on_roller[mine], 1.0 / np.cos(angles[1, mine]))
+        nodes, push = disc_push(disc, on_roller[mine], 1.0 / np.cos(angles[1, mine]), laws[0].spreads)
         compliance[np.ix_(mine, mine)] += push.T @ disc.surface_influence(nodes) @ push
         growth[mine] += push.T @ swelling.reshape(-1, 2)[disc.first_surface_node + nodes].ravel()
         loads.append((mine, nodes, push))

@@ -3,6 +3,7 @@
 bearing  which shapes a bearing needs at a mesh size
 shapes   Disc, Annulus, Mesh; gmsh makes them
 graded   the same, fine at the surface that rolls and coarse elsewhere
+refined  triangles as fine as a contact where it presses
 quality  sizes and angles
 cache    shipped, cached, or made now; `python -m meshes` re-makes the shipped ones
 """
@@ -11,6 +12,7 @@ from meshes.bearing import BearingShapes, bearing_shapes, graded_shapes
 from meshes.cache import mesh_of
 from meshes.graded import GradedAnnulus, GradedDisc
 from meshes.quality import Quality, quality
+from meshes.refined import RefinedDisc, RefinedSector, Spot, refined_mesh
 from meshes.shapes import Annulus, Disc, Mesh, Shape
 
 __all__ = [
@@ -21,9 +23,13 @@ __all__ = [
     "GradedDisc",
     "Mesh",
     "Quality",
+    "RefinedDisc",
+    "RefinedSector",
     "Shape",
+    "Spot",
     "bearing_shapes",
     "graded_shapes",
     "mesh_of",
     "quality",
+    "refined_mesh",
 ]

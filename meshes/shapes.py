@@ -1,6 +1,7 @@
 """gmsh makes the cross-sections: a disc of near-equilateral triangles, an annulus of equal sectors of quads."""
 
 import itertools
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import cos, pi, sin
 
@@ -9,6 +10,7 @@ import numpy as np
 from meshes.graded import GradedAnnulus, GradedDisc
 
 TRIANGLE, QUADRILATERAL = 2, 3  # gmsh's element types
+INITIAL_MESH_ONLY = 3  # gmsh's algorithm that adds no nodes to those of the boundary
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,12 +76,8 @@ def make(shape: Shape) -> Mesh:
     ------
     RuntimeError: gmsh can't be loaded or returned a mesh other than the shape asks for.
     """
-    gmsh = _load_gmsh()
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        # "initial mesh only": a layer of the disc has the nodes of its two circles and no others between them
-        gmsh.option.setNumber("Mesh.Algorithm", 3)
+    # a layer of the disc has the nodes of its two circles and no others between them
+    with gmsh_session(INITIAL_MESH_ONLY) as gmsh:
         if isinstance(shape, Disc | GradedDisc):
             _draw_disc(gmsh.model, shape)
             kind, corners = TRIANGLE, 3
@@ -89,9 +87,25 @@ def make(shape: Shape) -> Mesh:
         gmsh.model.mesh.generate(2)
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
         _, nodes = gmsh.model.mesh.getElementsByType(kind)
+    return _ordered(tags, coordinates.reshape(-1, 3)[:, :2], nodes.reshape(-1, corners), shape)
+
+
+@contextmanager
+def gmsh_session(algorithm: int):
+    """A silent gmsh with an empty model, for as long as the context lasts; `algorithm` of its meshes in the plane.
+
+    Errors
+    ------
+    RuntimeError: gmsh can't be loaded.
+    """
+    gmsh = _load_gmsh()
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("Mesh.Algorithm", algorithm)
+        yield gmsh
     finally:
         gmsh.finalize()
-    return _ordered(tags, coordinates.reshape(-1, 3)[:, :2], nodes.reshape(-1, corners), shape)
 
 
 def _load_gmsh():
@@ -162,22 +176,25 @@ def expected_points(shape: Shape) -> np.ndarray:
     )
 
 
-def _ordered(tags, points, cells, shape) -> Mesh:
-    """Renumber gmsh's nodes to the order of `expected_points` and drop those no cell uses (arc centres)."""
+def used_points(tags, points, cells) -> tuple[np.ndarray, np.ndarray]:
+    """gmsh's nodes and cells without the nodes no cell uses (arc centres); cells by index in place of tag."""
     index = np.full(int(tags.max()) + 1, -1)
     index[tags] = np.arange(tags.size)
-    cells = index[cells.astype(np.int64)]
-    used = np.unique(cells)
+    used, cells = np.unique(index[cells.astype(np.int64)], return_inverse=True)
+    return points[used], cells
+
+
+def _ordered(tags, points, cells, shape) -> Mesh:
+    """Renumber gmsh's nodes to the order of `expected_points`."""
+    points, cells = used_points(tags, points, cells)
     wanted = expected_points(shape)
     scale = np.abs(wanted).max()
-    distance, nearest = _nearest(points[used], wanted)
-    if used.size != len(wanted) or np.unique(nearest).size != used.size or distance.max() > 1e-7 * scale:
+    distance, nearest = _nearest(points, wanted)
+    if len(points) != len(wanted) or np.unique(nearest).size != len(points) or distance.max() > 1e-7 * scale:
         raise RuntimeError(
-            f"gmsh returned {used.size} nodes, up to {distance.max():.2e} m off, where {shape} has {len(wanted)}"
+            f"gmsh returned {len(points)} nodes, up to {distance.max():.2e} m off, where {shape} has {len(wanted)}"
         )
-    number = np.full(len(points), -1)
-    number[used] = nearest
-    cells = _counter_clockwise(wanted, number[cells])
+    cells = counter_clockwise(wanted, nearest[cells])
     return Mesh(points=wanted, cells=cells[np.lexsort(cells.T[::-1])])
 
 
@@ -187,7 +204,7 @@ def _nearest(points, wanted):
     return cKDTree(wanted).query(points)
 
 
-def _counter_clockwise(points, cells):
+def counter_clockwise(points, cells):
     """Cells counter-clockwise, starting at their smallest node: the same mesh gives the same array."""
     first, second, third = (points[cells[:, k]] for k in range(3))
     (ax, ay), (bx, by) = (second - first).T, (third - first).T

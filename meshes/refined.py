@@ -1,5 +1,6 @@
 """Triangles as fine as a contact at chosen spots of a surface, growing with the distance from them."""
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 from math import asin, cos, pi, sin
@@ -130,7 +131,7 @@ def _point(model, radius: float, angle: float) -> int:
 def _spot(model, spot: Spot, radius: float, angle: float) -> tuple[list[int], tuple[int, int]]:
     """Edges of one element each along a circle, counter-clockwise, and the points at their ends."""
     points = [_point(model, radius, angle + asin(along / radius)) for along in spot.corners]
-    edges = [model.geo.addLine(a, b) for a, b in zip(points, points[1:], strict=False)]
+    edges = [model.geo.addLine(a, b) for a, b in itertools.pairwise(points)]
     for edge in edges:
         model.geo.mesh.setTransfiniteCurve(edge, 2)
     return edges, (points[0], points[-1])

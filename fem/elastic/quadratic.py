@@ -17,6 +17,7 @@ from lagrange import Material
 from meshes import RefinedDisc, RefinedSector, Spot, refined_mesh
 
 QUADRATURE = 4  # order; exact for the stiffness of straight triangles
+HERMITIAN = {"SymmetricMode": True}  # SuperLU's way with positive definite matrices: half the fill
 SAME = 1e-6  # of a radius: nodes this close to a circle or a side lie on it
 
 
@@ -74,7 +75,8 @@ def ring_compliance(ring: RefinedSector, material: Material, thickness: float) -
     for harmonic in range(ring.sectors // 2 + 1):
         phase = np.exp(2j * np.pi * harmonic / ring.sectors)
         matrix = own + phase * across + np.conj(phase) * across.T
-        found.append(force.T @ splu(matrix.tocsc()).solve(force.astype(complex)))
+        factor = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=HERMITIAN)
+        found.append(force.T @ factor.solve(force.astype(complex)))
     return np.fft.irfft(np.array(found), n=ring.sectors, axis=0)
 
 

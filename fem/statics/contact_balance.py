@@ -42,8 +42,8 @@ class Condensed:
 
     bearing: Bearing
     radial: np.ndarray  # (n_rollers, 2), unit, from the outer ring's centre to the rollers
-    inner_law: ContactLaw  # of the approach that `compliance` leaves out
-    outer_law: ContactLaw
+    inner_law: "ContactLaw | type[NoLaw]"  # of the approach that `compliance` leaves out
+    outer_law: "ContactLaw | type[NoLaw]"
     compliance: np.ndarray  # (2 n_rollers, 2 n_rollers), m/N
     growth: np.ndarray  # (2 n_rollers,), closing of each contact by other loads, m
 
@@ -97,7 +97,8 @@ def _convex(contacts: Condensed, loads: Loads, position) -> tuple[np.ndarray, np
     s stay positive while their products shrink to 0.
     """
     bearing, n = contacts.bearing, contacts.bearing.n_rollers
-    closing, directions = _geometry(contacts, position)
+    overlap, directions = geometry(bearing, contacts.radial, position)
+    closing = overlap + contacts.growth
     applied = np.concatenate(
         [
             [0.0, -loads.hub],
@@ -142,9 +143,9 @@ def _room(value, step) -> float:
     return TO_THE_WALL * float(np.min(-value[shrinking] / step[shrinking])) if shrinking.any() else 1.0
 
 
-def _geometry(contacts: Condensed, position) -> tuple[np.ndarray, np.ndarray]:
-    """Closing of every unloaded contact, (2 n,), m, and its derivatives by hub and radii, (2 n, n + 2)."""
-    bearing, n, radial = contacts.bearing, contacts.bearing.n_rollers, contacts.radial
+def geometry(bearing: Bearing, radial, position) -> tuple[np.ndarray, np.ndarray]:
+    """Overlap of undeformed bodies at every contact, (2 n,), m, and its derivatives by hub and radii, (2 n, n + 2)."""
+    n = bearing.n_rollers
     to_roller = radial * position[2:, None] - position[:2]
     distance = np.hypot(to_roller[:, 0], to_roller[:, 1])
     normal = to_roller / distance[:, None]
@@ -158,7 +159,17 @@ def _geometry(contacts: Condensed, position) -> tuple[np.ndarray, np.ndarray]:
     directions[:n, :2] = normal
     directions[j, 2 + j] = -np.sum(normal * radial, axis=1)
     directions[n + j, 2 + j] = 1.0
-    return overlap + contacts.growth, directions
+    return overlap, directions
+
+
+class NoLaw:
+    """The law of a contact whose every compliance is in the matrix."""
+
+    @staticmethod
+    def approach(force):
+        return np.zeros_like(force)
+
+    softness = approach
 
 
 def _law(contacts: Condensed, force) -> tuple[np.ndarray, np.ndarray]:

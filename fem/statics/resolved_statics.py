@@ -1,25 +1,22 @@
-"""Static equilibrium with resolved contacts: Newton on hub and radii around an active set of pressure points."""
+"""Static equilibrium with resolved contacts: pressure points and the elastic response to forces on them."""
 
 from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from fem.elastic.model import Model
 from fem.elastic.resolved import disc_push, ring_push
 from fem.kernels.facet_kernels import chord
-from fem.statics.contact_balance import LOOSE_SPRING, Condensed, Loads, NotFound, balance, closed_forces, first_guess
+from fem.statics.contact_balance import Condensed, Loads, NoLaw, balance, closed_forces, first_guess
 from fem.statics.equilibrium import Equilibrium, Motion
 from fem.statics.exact_statics import exact_contacts
+from fem.statics.pressure_balance import PressurePoints, balance_pressures
 
 PASSES = 2  # points sit along the lines of centres, which the solution moves by microradians
 FACET_PASSES = 6  # and by milliradians where facets leave the hub room
 REACH = 2.0  # points lie up to so many half-widths of the expected force from the line of centres
 FAINT = 0.05  # of the largest force: contacts expected to carry less get the points of this one
-MAX_NEWTON = 40
-MAX_CLOSING = 100
-ENOUGH = 1e-9  # of the load
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +34,7 @@ def resolved_equilibrium(
 
     Errors
     ------
-    NotFound: no equilibrium. The balance is exact to ENOUGH of the load.
+    NotFound: no equilibrium. The balance is exact to 1e-9 of the load.
     """
     return _equilibrium(model, *_solved(model, motion, radial_load + weight, gravity, start))
 
@@ -56,9 +53,10 @@ def contact_pressures(model: Model, motion: Motion, radial_load: float) -> list[
 def _solved(model: Model, motion: Motion, load: float, gravity: float, start: Equilibrium | None):
     """Points, hub and radii, and the forces of the points in equilibrium."""
     bearing, n = model.bearing, model.bearing.n_rollers
+    radial = np.column_stack([np.cos(motion.roller_angle), np.sin(motion.roller_angle)])
     if start is None:
         contacts = exact_contacts(bearing, motion.roller_angle)
-        guess = first_guess(bearing, contacts.radial, load)
+        guess = first_guess(bearing, radial, load)
         place, forces = balance(contacts, Loads(load, gravity, motion.cage_speed), guess)
     else:
         place = np.concatenate([start.hub, start.rho])
@@ -69,20 +67,17 @@ def _solved(model: Model, motion: Motion, load: float, gravity: float, start: Eq
             place, pressed = balance(_condensed(model, motion, points), Loads(load, gravity, motion.cage_speed), place)
             pressed = closed_forces(pressed)
         else:
-            place, pressed = _balance(model, motion, points, place, load, gravity)
+            outward = bearing.roller_mass * (motion.cage_speed**2 * place[2:] - gravity * radial[:, 1])
+            place, pressed = balance_pressures(bearing, radial, points, load, outward, place)
         forces = np.bincount(points.contact, pressed, minlength=2 * n)
     return points, place, pressed
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Points:
-    """Pressure points of all contacts (inner ones first, then outer), and the elastic response to forces on them."""
+class _Points(PressurePoints):
+    """Pressure points, what the mesh lacks in their compliance, and what the bodies do under forces on them."""
 
-    contact: np.ndarray  # (n_points,)
     across: np.ndarray  # (n_points,), m, from the line of centres along the tangent
-    rise: np.ndarray  # (n_points,), m, by which the circles, or their facets, fall apart
-    growth: np.ndarray  # (n_points,), m, closing by centrifugal load and weight
-    compliance: np.ndarray  # (n_points, n_points), m/N, with what the mesh lacks
     loads: list  # per ring and roller: (points, nodes, (2 nodes, points) nodal forces of unit forces)
     inner_growth: np.ndarray
     outer_sag: np.ndarray
@@ -148,8 +143,7 @@ def _points(model: Model, motion: Motion, gravity: float, place, forces) -> _Poi
     return _Points(
         contact=contact,
         across=across,
-        rise=rise,
-        growth=growth,
+        closing=growth - rise,
         compliance=compliance,
         loads=loads,
         inner_growth=fields[0],
@@ -158,25 +152,15 @@ def _points(model: Model, motion: Motion, gravity: float, place, forces) -> _Poi
     )
 
 
-class _Nothing:
-    """The law of a contact whose every compliance is in the matrix."""
-
-    @staticmethod
-    def approach(force):
-        return np.zeros_like(force)
-
-    softness = approach
-
-
 def _condensed(model: Model, motion: Motion, points: _Points) -> Condensed:
     """Contacts of one point each, for the balance that bears facets which leave load to three rollers."""
     return Condensed(
         bearing=model.bearing,
         radial=np.column_stack([np.cos(motion.roller_angle), np.sin(motion.roller_angle)]),
-        inner_law=_Nothing,
-        outer_law=_Nothing,
+        inner_law=NoLaw,
+        outer_law=NoLaw,
         compliance=points.compliance,
-        growth=points.growth - points.rise,
+        growth=points.closing,
     )
 
 
@@ -184,95 +168,6 @@ def _chords(laws, kind, side: int, angle, n_nodes: int) -> np.ndarray:
     """How far facets lie below the circle at angles of a surface, (n_points,), m."""
     sagitta = np.array([(law.sagitta or (0.0, 0.0))[side] for law in laws])[kind]
     return sagitta * np.array([chord(x)[0] for x in np.mod(angle * n_nodes / (2.0 * pi), 1.0)])
-
-
-def _pressed(points: _Points, overlap: np.ndarray, active: np.ndarray):
-    """Forces of all points, N, their derivative to the contacts' overlaps summed by contact, and the active points."""
-    closing = overlap[points.contact] - points.rise + points.growth
-    count = overlap.size
-    for _ in range(MAX_CLOSING):
-        i = np.flatnonzero(active)
-        force = np.zeros(closing.size)
-        factor = lu_factor(points.compliance[np.ix_(i, i)]) if i.size else None
-        if i.size:
-            force[i] = lu_solve(factor, closing[i])
-        left = closing - points.compliance @ force
-        found = np.where(active, force > 0.0, left > 0.0)
-        if np.array_equal(found, active):
-            break
-        active = found
-    else:
-        raise NotFound(f"static equilibrium not found: contacts still open and close after {MAX_CLOSING} steps")
-    slopes = np.zeros((count, count))
-    if i.size:
-        spread = np.zeros((i.size, count))
-        spread[np.arange(i.size), points.contact[i]] = 1.0
-        slopes = spread.T @ lu_solve(factor, spread)
-    return force, slopes, active
-
-
-def _balance(model: Model, motion: Motion, points: _Points, place, load: float, gravity: float):
-    """Hub and radii in equilibrium, (2 + n_rollers,), and the forces of all points."""
-    bearing, n = model.bearing, model.bearing.n_rollers
-    radial = np.column_stack([np.cos(motion.roller_angle), np.sin(motion.roller_angle)])
-    active = np.zeros(points.contact.size, dtype=bool)
-
-    def system(place, active):
-        to_roller = radial * place[2:, None] - place[:2]
-        distance = np.hypot(to_roller[:, 0], to_roller[:, 1])
-        normal = to_roller / distance[:, None]
-        along = np.sum(normal * radial, axis=1)
-        overlap = np.concatenate(
-            [
-                bearing.inner_raceway_radius + bearing.roller_radius - distance,
-                place[2:] + bearing.roller_radius - bearing.outer_raceway_radius,
-            ]
-        )
-        force, slopes, active = _pressed(points, overlap, active)
-        total = np.bincount(points.contact, force, minlength=2 * n)
-        inner, outer = total[:n], total[n:]
-        residual = np.concatenate(
-            [
-                -inner @ normal - np.array([0.0, load]) - LOOSE_SPRING * place[:2],
-                inner * along
-                - outer
-                + bearing.roller_mass * (motion.cage_speed**2 * place[2:] - gravity * radial[:, 1])
-                - LOOSE_SPRING * (place[2:] - bearing.pitch_radius),
-            ]
-        )
-        j = np.arange(n)
-        closing = np.zeros((2 * n, 2 + n))
-        closing[:n, :2] = normal
-        closing[j, 2 + j], closing[n + j, 2 + j] = -along, 1.0
-        # forces do work on the closing they cause; the turning of the normals adds what is left
-        jacobian = -closing.T @ slopes @ closing - LOOSE_SPRING * np.eye(2 + n)
-        for k in range(n):
-            turn = (np.eye(2) - np.outer(normal[k], normal[k])) * (inner[k] / distance[k])
-            jacobian[:2, :2] += turn
-            jacobian[:2, 2 + k] -= turn @ radial[k]
-            jacobian[2 + k, :2] -= turn @ radial[k]
-            jacobian[2 + k, 2 + k] += radial[k] @ turn @ radial[k]
-        return residual, jacobian, force, active
-
-    residual, jacobian, force, active = system(place, active)
-    enough = ENOUGH * max(load, 1.0)
-    for _ in range(MAX_NEWTON):
-        norm = np.linalg.norm(residual)
-        if norm <= enough:
-            return place, force
-        step, length = np.linalg.solve(jacobian, -residual), 1.0
-        while True:
-            trial = place + length * step
-            found = system(trial, active)
-            if np.linalg.norm(found[0]) < norm or length < 1e-6:
-                break
-            length *= 0.5
-        if length < 1e-6:
-            break
-        place, (residual, jacobian, force, active) = trial, found
-    if norm > 100.0 * enough + 2.0 * LOOSE_SPRING * abs(bearing.radial_clearance):
-        raise NotFound(f"static equilibrium not found: residual {norm:.2e} N under {load:.4g} N, contacts resolved")
-    return place, force
 
 
 def _equilibrium(model: Model, points: _Points, place, pressed) -> Equilibrium:

@@ -1,0 +1,115 @@
+"""The balance of hub and rollers on contacts of many pressure points: Newton around an active set.
+
+Points push or stand open, never both. As in `contact_balance` the bodies are condensed to the compliance between them;
+where that comes from is not known here.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+from fem.statics.contact_balance import LOOSE_SPRING, NotFound, geometry
+from lagrange import Bearing
+
+MAX_NEWTON = 40
+MAX_CLOSING = 100
+ENOUGH = 1e-9  # of the load
+
+
+@dataclass(frozen=True, kw_only=True)
+class PressurePoints:
+    """Points of all contacts: those of inner ones first, then of outer ones."""
+
+    contact: np.ndarray  # (n_points,), whose point it is
+    closing: np.ndarray  # (n_points,), m, by other loads, less how far the surfaces lie apart when the contact touches
+    compliance: np.ndarray  # (n_points, n_points), m/N
+
+
+def balance_pressures(
+    bearing: Bearing, radial: np.ndarray, points: PressurePoints, hub_load: float, outward: np.ndarray, start
+) -> tuple[np.ndarray, np.ndarray]:
+    """Hub and radii in equilibrium, (n_rollers + 2,), and the forces of all points, N.
+
+    Parameters
+    ----------
+    radial : (n_rollers, 2), unit, from the outer ring's centre to the rollers; hub_load : N, downwards
+    outward : (n_rollers,), N, other forces on the rollers along `radial`; start : (n_rollers + 2,), m
+
+    Errors
+    ------
+    NotFound: no equilibrium. The balance is exact to ENOUGH of the load.
+    """
+    n = bearing.n_rollers
+    active = np.zeros(points.contact.size, dtype=bool)
+    applied = np.concatenate([[0.0, -hub_load], outward])
+    middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
+
+    def system(place, active):
+        overlap, directions = geometry(bearing, radial, place)
+        force, slopes, active = _pressed(points, overlap, active)
+        total = np.bincount(points.contact, force, minlength=2 * n)
+        residual = applied - directions.T @ total - LOOSE_SPRING * (place - middle)
+        jacobian = -directions.T @ slopes @ directions - LOOSE_SPRING * np.eye(2 + n)
+        return residual, jacobian + _turning(radial, place, total[:n]), force, active
+
+    place = start
+    residual, jacobian, force, active = system(place, active)
+    enough = ENOUGH * max(hub_load, 1.0)
+    for _ in range(MAX_NEWTON):
+        norm = np.linalg.norm(residual)
+        if norm <= enough:
+            return place, force
+        step, length = np.linalg.solve(jacobian, -residual), 1.0
+        while True:
+            trial = place + length * step
+            found = system(trial, active)
+            if np.linalg.norm(found[0]) < norm or length < 1e-6:
+                break
+            length *= 0.5
+        if length < 1e-6:
+            break
+        place, (residual, jacobian, force, active) = trial, found
+    if norm > 100.0 * enough + 2.0 * LOOSE_SPRING * abs(bearing.radial_clearance):
+        raise NotFound(f"static equilibrium not found: residual {norm:.2e} N under {hub_load:.4g} N, contacts resolved")
+    return place, force
+
+
+def _turning(radial, place, inner_force) -> np.ndarray:
+    """Change of the balance as the inner contacts' normals turn, (n_rollers + 2, n_rollers + 2), N/m."""
+    to_roller = radial * place[2:, None] - place[:2]
+    distance = np.hypot(to_roller[:, 0], to_roller[:, 1])
+    normal = to_roller / distance[:, None]
+    found = np.zeros((2 + len(radial), 2 + len(radial)))
+    for k in range(len(radial)):
+        turn = (np.eye(2) - np.outer(normal[k], normal[k])) * (inner_force[k] / distance[k])
+        found[:2, :2] += turn
+        found[:2, 2 + k] -= turn @ radial[k]
+        found[2 + k, :2] -= turn @ radial[k]
+        found[2 + k, 2 + k] += radial[k] @ turn @ radial[k]
+    return found
+
+
+def _pressed(points: PressurePoints, overlap: np.ndarray, active: np.ndarray):
+    """Forces of all points, N, their derivative to the contacts' overlaps summed by contact, and the active points."""
+    closing = overlap[points.contact] + points.closing
+    count = overlap.size
+    for _ in range(MAX_CLOSING):
+        i = np.flatnonzero(active)
+        force = np.zeros(closing.size)
+        factor = lu_factor(points.compliance[np.ix_(i, i)]) if i.size else None
+        if i.size:
+            force[i] = lu_solve(factor, closing[i])
+        left = closing - points.compliance @ force
+        found = np.where(active, force > 0.0, left > 0.0)
+        if np.array_equal(found, active):
+            break
+        active = found
+    else:
+        raise NotFound(f"static equilibrium not found: contacts still open and close after {MAX_CLOSING} steps")
+    slopes = np.zeros((count, count))
+    if i.size:
+        spread = np.zeros((i.size, count))
+        spread[np.arange(i.size), points.contact[i]] = 1.0
+        slopes = spread.T @ lu_solve(factor, spread)
+    return force, slopes, active

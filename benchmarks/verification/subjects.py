@@ -5,13 +5,14 @@ from benchmarks.verification import (
     contact_statics,
     elastic_bodies,
     impact,
+    quadratic_statics,
     resolved,
     rolling,
     varying_compliance,
 )
 from benchmarks.verification.case import Case
 
-SUBJECTS = (elastic_bodies, contact_statics, resolved, impact, rolling, balances, varying_compliance)
+SUBJECTS = (elastic_bodies, contact_statics, quadratic_statics, resolved, impact, rolling, balances, varying_compliance)
 
 
 def all_cases() -> tuple[Case, ...]:

@@ -6,11 +6,7 @@ from math import pi
 import numpy as np
 
 from benchmarks.verification.case import Case, Check, Origin
-from benchmarks.verification.contact_statics import (
-    RESOLVED_SOURCE,
-    at_rest,
-    by_series,
-)
+from benchmarks.verification.contact_statics import ONE_MM, RESOLVED_SOURCE, TWO_MM, at_rest, by_series, compared
 from benchmarks.verification.shapes import LENGTH, LOAD, ON_A_ROLLER, SHAPES, STEEL, fair_load, paper
 from fem.statics.quadratic_statics import QuadraticStatics, quadratic_statics
 from lagrange import Bearing
@@ -19,7 +15,6 @@ from tests.reference.resolved_bearing import RESOLVED
 
 QUICK, FINE = 5.0, 8.0  # elements per half-width
 QUADRATIC = "our own quadratic elements, {:g} per half-width (fem.statics.quadratic_statics)"
-ONE_MM, TWO_MM = 0.2, 0.4  # mesh size over the roller's radius
 # of the hub and the loads: QUICK against FINE, measured, and the direction of pressures, which only a theory of
 # large rotations would settle (fem.statics.quadratic_statics)
 OWN, DIRECTION = 5e-4, 3e-4
@@ -29,24 +24,6 @@ OWN, DIRECTION = 5e-4, 3e-4
 def resolved(bearing: Bearing, per_half_width: float) -> QuadraticStatics:
     """Quadratic elements under the bearing's fair load, which is on a roller."""
     return quadratic_statics(bearing, fair_load(bearing), ON_A_ROLLER, per_half_width)
-
-
-def deviations(found, exact) -> tuple[float, float]:
-    """Of the hub, over its displacement, and of the most deviating load, over the largest."""
-    return (
-        float(np.linalg.norm(found.hub - exact.hub) / np.linalg.norm(exact.hub)),
-        float(np.abs(found.inner_force - exact.inner_force).max() / exact.inner_force.max()),
-    )
-
-
-def compared(what: str, pairs, tolerance: float, source: str):
-    """The largest deviations among pairs of a solution and its reference."""
-    worst = np.array([deviations(found, exact) for found, exact in pairs]).max(axis=0)
-    for quantity, deviation in zip(("hub", "any load over the largest"), worst, strict=True):
-        yield Check(
-            quantity=f"error of {quantity}, {what}", unit="%", computed=100.0 * float(deviation), reference=0.0,
-            scale=100.0, tolerance=tolerance, origin=Origin.COMPUTED, source=source,
-        )  # fmt: skip
 
 
 def quadratic_elements():
@@ -69,7 +46,7 @@ def quadratic_elements():
     yield from hertz(fine)
     pair = [(resolved(paper(), 3.0), fine)]
     yield from compared("3 elements per half-width", pair, 2.0 * OWN, QUADRATIC.format(QUICK))
-    for what, share, tolerance in (("1 mm", ONE_MM, 2e-3), ("2 mm", TWO_MM, 7e-3)):
+    for what, share, tolerance in ((*ONE_MM, 2e-3), (*TWO_MM, 7e-3)):
         found = at_rest(paper(), share * paper().roller_radius, ON_A_ROLLER, LOAD)
         yield from compared(what, [(found, fine)], tolerance, QUADRATIC.format(QUICK))
     series = [(by_series(paper(), ON_A_ROLLER), fine)]
@@ -101,12 +78,13 @@ def quadratic_shapes():
     The same bearings and loads as in `bearing-shapes`. What the quadratic elements err by is seen from two refinements.
     """
     source = QUADRATIC.format(FINE)
-    meshes: dict[float, list] = {ONE_MM: [], TWO_MM: []}
+    one_mm, two_mm = [], []
     for name, bearing in SHAPES.items():
         exact = resolved(bearing, FINE)
-        for share, pairs in meshes.items():
-            pairs.append((at_rest(bearing, share * bearing.roller_radius, ON_A_ROLLER, fair_load(bearing)), exact))
-        found = meshes[ONE_MM][-1][0]
+        for (_, share), pairs in ((ONE_MM, one_mm), (TWO_MM, two_mm)):
+            found = at_rest(bearing, share * bearing.roller_radius, ON_A_ROLLER, fair_load(bearing))
+            pairs.append((found, exact))
+        found = one_mm[-1][0]
         yield Check(
             quantity=f"hub displacement, {name}, 1 mm", unit="µm", computed=-1e6 * float(found.hub[1]),
             reference=-1e6 * float(exact.hub[1]), tolerance=2e-3, origin=Origin.COMPUTED, source=source,
@@ -117,8 +95,8 @@ def quadratic_shapes():
             reference=float(exact.inner_force[worst]), scale=float(exact.inner_force.max()), tolerance=2e-3,
             origin=Origin.COMPUTED, source=source,
         )  # fmt: skip
-    yield from compared("1 mm, worst shape", meshes[ONE_MM], 2e-3, source)
-    yield from compared("2 mm, worst shape", meshes[TWO_MM], 7e-3, source)
+    yield from compared("1 mm, worst shape", one_mm, 2e-3, source)
+    yield from compared("2 mm, worst shape", two_mm, 7e-3, source)
     shapes = SHAPES.values()
     quick = [(resolved(bearing, QUICK), resolved(bearing, FINE)) for bearing in shapes]
     yield from compared("5 elements per half-width, worst shape", quick, OWN, source)

@@ -1,7 +1,8 @@
-"""The elastic bodies, the contacts between them, and the exact solutions both are calibrated on.
+"""The elastic bodies, the contacts between them, and the exact solutions both are calibrated on and held against.
 
 assembly, bodies, stress  scikit-fem's matrices; a disc as rows of blocks, a ring as one sector's stencil; stresses
 continuum                 exact series of discs and rings
+quadratic                 the same bodies on quadratic elements that resolve the contacts
 subgrid, resolved         the calibrated law below the grid; contacts that the mesh resolves, and penalty springs
 model                     the whole bearing
 critical_step             2/ω_max with the contacts in it

@@ -12,10 +12,12 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem.elastic.model import Model, build_model, build_resolved_model
-from fem.solver.discretise import half_widths, stretch
-from fem.statics.equilibrium import standing
+from fem.elastic.model import Model, build_model, build_resolved_model, build_spread_model
+from fem.elastic.spread import ONE_PATCH
+from fem.solver.discretise import half_widths
+from fem.statics.equilibrium import Motion, standing
 from fem.statics.exact_statics import exact_contacts, exact_statics
+from fem.statics.resolved_statics import contact_pressures
 from fem.statics.solve import equilibrium
 from lagrange.kinematics import roller_angles
 from lagrange.scene import read_scene
@@ -23,7 +25,6 @@ from lagrange.scene import read_scene
 DOCS = Path(__file__).parent.parent / "docs"
 SUBGRID_MM = (2.0, 1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.0105)
 RESOLVED_MM = (0.03, 0.021, 0.015, 0.0105)
-FINEST_UNIFORM_MM = 0.12  # finer meshes coarsen away from the raceways
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,13 +47,16 @@ def measure(kind: str, size_mm: float) -> Point:
     bearing = scene.ideal_bearing()
     how = replace(scene.ideal_operation(), gravity=0.0)
     size = 1e-3 * size_mm
+    exact = exact_statics(bearing, how.radial_load, how.first_roller_angle)
+    force = float(exact.inner_force.max())
     if kind == "resolved":
         model = build_resolved_model(bearing, size)
+    elif size < ONE_PATCH * max(half_widths(bearing, force)):
+        model = build_spread_model(bearing, size, force)
     else:
-        model = build_model(bearing, size, stretch(bearing, how, size), graded=size_mm < FINEST_UNIFORM_MM)
-    exact = exact_statics(bearing, how.radial_load, how.first_roller_angle)
-    found = equilibrium(model, standing(bearing, how.first_roller_angle), how.radial_load, 0.0, 0.0)
-    force = float(exact.inner_force.max())
+        model = build_model(bearing, size)
+    still = standing(bearing, how.first_roller_angle)
+    found = equilibrium(model, still, how.radial_load, 0.0, 0.0)
     angles = roller_angles(bearing, how.first_roller_angle)
     whole = float(exact_contacts(bearing, angles).inner_law.approach(force))
     return Point(
@@ -62,9 +66,21 @@ def measure(kind: str, size_mm: float) -> Point:
         degrees_of_freedom=model.degrees_of_freedom,
         hub_error=float(found.hub[1] / exact.hub[1] - 1.0),
         force_error=float(np.abs(found.inner_force - exact.inner_force).max() / force),
-        below_grid=0.0 if model.is_resolved else float(model.inner_law.approach(force)) / whole,
-        layer=_in_layers(model, force) / abs(float(exact.hub[1])) if model.is_resolved else 0.0,
+        below_grid=_below(model, still, how.radial_load, force) / whole,
+        layer=_in_layers(model, force) / abs(float(exact.hub[1])) if kind == "resolved" else 0.0,
     )
+
+
+def _below(model: Model, still: Motion, load: float, force: float) -> float:
+    """Approach that the term below the grid adds to the most loaded inner contact, m."""
+    if not model.is_resolved:
+        return float(model.inner_law.approach(force))
+    if not model.inner_law.spreads:
+        return 0.0
+    law = model.inner_law
+    found = max(contact_pressures(model, still, load)[: model.bearing.n_rollers], key=lambda p: p.pressure.sum())
+    forces = found.pressure * law.spacing * law.thickness
+    return float(forces @ law.local_compliance(forces.size) @ forces / forces.sum())
 
 
 def _in_layers(model: Model, force: float) -> float:
@@ -110,13 +126,15 @@ def plot(points: list[Point], path: Path) -> None:
         label="resolved: what the contact layer yields",
     )  # fmt: skip
     for axes in (upper, lower):
-        axes.axvline(1.0, color="0.6", linestyle=":")
+        axes.axvline(1.0, color="0.6", linestyle="--")
         axes.grid(True, color="0.9")
     upper.annotate("mesh = half-width", (1.0, upper.get_ylim()[0]), rotation=90, color="0.4", ha="right", va="bottom")
-    graded = [p.per_half_width for p in points if p.model == "subgrid" and p.size_mm < FINEST_UNIFORM_MM]
+    upper.axvline(ONE_PATCH, color="0.6", linestyle=":")
     upper.annotate(
-        "uniform meshes to the right,\ncoarser inside to the left", (1.3 * max(graded), 0.035), color="0.4", fontsize=8
-    )
+        "one patch a contact, uniform mesh →\n← pressure points, mesh coarser inside",
+        (ONE_PATCH, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 2), textcoords="offset points",
+        color="0.4", fontsize=8, ha="center", va="bottom",
+    )  # fmt: skip
     upper.set(ylabel="static hub displacement,\nerror against exact series, %")
     upper.legend(frameon=False)
     lower.set(
@@ -156,10 +174,10 @@ python -m benchmarks.crossover
 {table}
 
 * *loads*: the largest error of a roller's load over the largest load.
-* *below the grid*: share of a contact's approach that the law below the grid carries at 628 N. The patch narrows with
-  the mesh until it is about three half-widths wide on either side and stays there: a narrower one would need a law of
-  negative stiffness, which no explicit step bears. So the share falls to a floor and not to zero, and the law's
-  own error (a half-plane's, of order (patch / R)²) stays below what the mesh leaves.
+* *below the grid*: share of a contact's approach that the term below the grid carries at 628 N. On meshes at least
+  twice as coarse as the half-width one patch, four spacings wide, carries the contact and Hertz's formula the rest. On
+  finer ones the pressure is found at points, each spread over such a patch, and the term is what the mesh lacks between
+  two points: it fades out as the mesh comes to resolve the contact.
 * *in the layers*: what the stiff layer between resolved surfaces yields, over the hub's displacement. It shrinks in
   proportion to the mesh; it is what a resolved run pays for a step only half as long as its mesh's.
 

@@ -48,7 +48,7 @@ def test_pressure_points_give_way_to_the_same_stress(tmp_path):
     assert run_main(["--mesh-size", "0.3", "--duration", "0", "--output", str(path), "--quiet", *options]) == 0
     instant = read_instant(path)
     assert instant.model.inner_law.spreads
-    assert instant.elastic_energy == pytest.approx(instant.stored_elastic_energy, rel=1e-5)
+    assert instant.elastic_energy == pytest.approx(instant.stored_elastic_energy, rel=2e-3)  # recovered with Hertz's
     drawn = drawn_bearing(instant)
     rollers = [item for item in drawn.loads if item.body >= FIRST_ROLLER and np.hypot(*item.load.force) > 400e3]
     for item in rollers:

@@ -10,14 +10,12 @@ import numpy as np
 
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.model import Model
-from fem.elastic.spread import ONE_PATCH
 from fem.elastic.stress import turned
 from fem.pictures.recover import Instant
 from fem.pictures.subsurface import SurfaceLoad, hertz_stress, spline_displacement
 from fem.solver.frames import global_fields, rotated
 
 WINDOW = 0.4, 0.8  # radii of a raceway: whole up to this distance from the contact, nothing from the second on
-RESOLVED = 5.0  # spacings in a half-width
 BEYOND = 1.0  # radii: strains at the window's end look at nodes further away
 INNER_RING, OUTER_RING, FIRST_ROLLER = 0, 1, 2  # numbers of bodies
 
@@ -32,41 +30,24 @@ class BodyLoad:
     load: SurfaceLoad
     radius: float  # m, of the surface, > 0 convex
     spacing: float  # m, a quarter of the patch that the mesh carries the force as
-    below: float  # share of it that is exchanged for Hertz's pressure; 0 where the mesh carries the true one
+    is_resolved: bool  # the mesh carries the true pressure: there is nothing to exchange
 
     def share(self, points: np.ndarray) -> np.ndarray:
         """How far the exchange is made at points (n, 2) from the body's centre: 1 at the contact, 0 far away."""
+        if self.is_resolved:
+            return np.zeros(len(points))
         if self.body >= FIRST_ROLLER:
-            return np.full(len(points), self.below)
+            return np.ones(len(points))
         distance = np.hypot(*(points - self.load.point).T) / abs(self.radius)
         x = np.clip((WINDOW[1] - distance) / (WINDOW[1] - WINDOW[0]), 0.0, 1.0)
-        return self.below * _smooth_step(x)
-
-
-def _smooth_step(x):
-    """From 0 at 0 to 1 at 1, level at both."""
-    return x * x * (3.0 - 2.0 * x)
-
-
-def _exchanged(model: Model, spacing: float, half_width: float) -> tuple[float, float]:
-    """How much of a patch is exchanged, and a quarter of its half-range, m.
-
-    Points spread over patches carry Hertz's pressure smeared out by one: about a spline with the sum of the variances,
-    a²/12 and b²/4. It is left to the mesh as the mesh comes to resolve the contact.
-    """
-    if not model.is_resolved:
-        return 1.0, spacing
-    if not model.inner_law.spreads:
-        return 0.0, spacing
-    x = np.log(RESOLVED * spacing / half_width) / np.log(RESOLVED * ONE_PATCH)
-    return float(_smooth_step(np.clip(x, 0.0, 1.0))), 0.5 * float(np.hypot(2.0 * spacing, np.sqrt(3.0) * half_width))
+        return x * x * (3.0 - 2.0 * x)
 
 
 def contact_loads(instant: Instant) -> list[BodyLoad]:
     """All contact forces on all bodies, two for each contact."""
     model, length = instant.model, instant.model.bearing.roller_length
     disc, inner, outer = model.roller, model.inner_ring, model.outer_ring
-    n = model.bearing.n_rollers
+    n, spreads = model.bearing.n_rollers, model.is_resolved and model.inner_law.spreads
     loads = []
 
     def add(contact, body, shape, angle, force, half_width):
@@ -77,7 +58,9 @@ def contact_loads(instant: Instant) -> list[BodyLoad]:
             point=radius * outward, inward=-convex * outward, force=force / length, half_width=half_width
         )
         kind, roller = contact
-        below, spacing = _exchanged(model, 2.0 * np.pi * radius / nodes, half_width)
+        spacing = 2.0 * np.pi * radius / nodes
+        if spreads:  # the pressure smeared out by a patch: about one with the sum of the variances, (2h)²/12 and b²/4
+            spacing = 0.5 * float(np.hypot(2.0 * spacing, np.sqrt(3.0) * half_width))
         loads.append(
             BodyLoad(
                 body=body,
@@ -86,7 +69,7 @@ def contact_loads(instant: Instant) -> list[BodyLoad]:
                 load=load,
                 radius=convex * radius,
                 spacing=spacing,
-                below=below,
+                is_resolved=model.is_resolved and not spreads,
             )
         )
 
@@ -119,7 +102,7 @@ def smooth_stress(instant: Instant, loads: list[BodyLoad]) -> list[np.ndarray]:
     model, fields = instant.model, global_fields(instant.model, instant)
     stresses = [fields["inner_ring"][1], fields["outer_ring"][1], *fields["roller"][1]]
     for item in loads:
-        if item.below == 0.0:
+        if item.is_resolved:
             continue
         body, turn = _body(model, instant, item.body)
         points = rotated(body.points, turn)

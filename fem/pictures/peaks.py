@@ -34,7 +34,7 @@ def shear_peak(drawn: DrawnBearing, item: BodyLoad) -> ShearPeak:
     load = item.load
     b = load.half_width
     along = np.array([load.inward[1], -load.inward[0]])
-    if item.below == 0.0:
+    if item.is_resolved:
         from_contact = drawn.local - load.point
         near = np.flatnonzero((drawn.body == item.body) & (np.hypot(*from_contact.T) < DEPTHS[-1] * b))
         depth, across = from_contact[near] @ load.inward, from_contact[near] @ along
@@ -42,7 +42,7 @@ def shear_peak(drawn: DrawnBearing, item: BodyLoad) -> ShearPeak:
     else:
         depth, across = (b * grid.ravel() for grid in np.meshgrid(DEPTHS, ACROSS))
         points = load.point + depth[:, None] * load.inward + across[:, None] * along
-        shear = max_shear(_smooth(drawn, item, points) + item.below * hertz_stress(points, load))
+        shear = max_shear(_smooth(drawn, item, points) + hertz_stress(points, load))
     k = int(np.argmax(shear))
     pressure = 2.0 * float(np.hypot(*load.force)) / (pi * b)
     return ShearPeak(

@@ -101,11 +101,9 @@ def scale_notes(instant: Instant, scale: Scale) -> list[str]:
     if scale.field == "photoelastic":
         constant = 1e-3 * scale.unit * instant.model.bearing.roller_length
         return [f"{1e-6 * scale.unit:g} MPa of σ₁ − σ₂ a fringe", f"(f = {constant:g} N/mm), dark field"]
-    if instant.model.is_resolved:
-        law = instant.model.inner_law
+    law = instant.model.inner_law
+    if instant.model.is_resolved and not law.spreads:
         carried = "forces on two nodes" if law.is_one_point else "contacts resolved"
-        if law.spreads:
-            carried = "pressure at points"
         return [f"of the mesh, {carried},", hertz(instant)]
     return ["with Hertz's stress below the grid,", hertz(instant)]
 

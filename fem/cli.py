@@ -1,5 +1,6 @@
 """The command `run-fem`. Imports little: everything heavy waits until a scene has been read."""
 
+import gc
 import os
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ from fem.errors import UsageError
 
 RUNS = Path("runs")
 OK, UNUSABLE, INTERRUPTED = 0, 2, 130
+ALLOCATIONS = 100_000  # before the garbage collector looks again: imports make much that stays, and no garbage
 
 
 def _version() -> str:
@@ -160,6 +162,7 @@ def _estimate(scene, coarse, path: Path, quiet: bool) -> int:
 
 def run_app_main(app: App, arguments: list[str] | None) -> int:
     """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback."""
+    gc.set_threshold(ALLOCATIONS)
     if sys.stderr is None:  # closed; its number would go to the next file opened, and complaints of libraries into that
         sys.stderr = open(os.devnull, "w")
     try:

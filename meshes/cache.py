@@ -7,8 +7,10 @@ rebuilt when it can't be read or is not the mesh asked for.
 import hashlib
 import os
 import tempfile
+from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -57,11 +59,16 @@ def _shipped() -> Path:
 
 def write(path: Path, mesh: Mesh) -> None:
     """Write a mesh's cells, atomically; its points follow from its shape."""
+    write_file(path, lambda file: np.save(file, mesh.cells.astype("<i4"), allow_pickle=False))
+
+
+def write_file(path: Path, save: Callable[[BinaryIO], None]) -> None:
+    """Write a file of the cache beside its place and move it there."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".npy")
-    os.close(handle)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
     try:
-        np.save(temporary, mesh.cells.astype("<i4"), allow_pickle=False)
+        with os.fdopen(handle, "wb") as file:
+            save(file)
         os.chmod(temporary, 0o644)
         os.replace(temporary, path)
     finally:

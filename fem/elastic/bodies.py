@@ -7,10 +7,10 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from fem.elastic.assembly import assemble
+from fem.elastic.kept import kept
 from fem.elastic.stress import stress_operator
 from lagrange import Material
-from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, mesh_of
+from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, Mesh, Shape, mesh_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,18 +111,34 @@ def disc_body(shape: Disc | GradedDisc, material: Material, thickness: float) ->
     ------
     Polar inertia of a `GradedDisc`: at most 1e-3 too large on meshes finer than a fiftieth of the radius.
     """
-    mesh = mesh_of(shape)
-    matrices = assemble(mesh, material, thickness)
+    mesh, stiffness, lumped = _assembled(shape, material, thickness)
     full = material.density * thickness * np.pi * shape.radius**2
-    mass = matrices.mass * (full / matrices.mass.sum())
+    mass = lumped * (full / lumped.sum())
     return DiscBody(
         shape=shape,
         material=material,
         points=mesh.points,
         cells=mesh.cells,
         mass=_end_corrected(mass, mesh.points, shape) if isinstance(shape, Disc) else mass,
-        stiffness=matrices.stiffness,
+        stiffness=stiffness,
     )
+
+
+def _assembled(shape: Shape, material: Material, thickness: float) -> tuple[Mesh, sparse.csr_matrix, np.ndarray]:
+    """Mesh, stiffness and lumped mass of a body, kept from an earlier start where there was one."""
+    mesh = mesh_of(shape)
+
+    def make():
+        from fem.elastic.assembly import assemble  # scikit-fem takes its time to load
+
+        matrices = assemble(mesh, material, thickness)
+        k = matrices.stiffness
+        return {"data": k.data, "indices": k.indices, "indptr": k.indptr, "mass": matrices.mass}
+
+    found = kept("matrices", repr((shape, material, thickness)), make)
+    size = 2 * len(mesh.points)
+    stiffness = sparse.csr_matrix((found["data"], found["indices"], found["indptr"]), shape=(size, size))
+    return mesh, stiffness, found["mass"]
 
 
 def _end_corrected(mass: np.ndarray, points: np.ndarray, disc: Disc) -> np.ndarray:
@@ -270,13 +286,12 @@ def ring_body(shape: Annulus | GradedAnnulus, material: Material, thickness: flo
     ------
     RuntimeError: the mesh's sectors are not equal to 1e-9.
     """
-    mesh = mesh_of(shape)
-    matrices = assemble(mesh, material, thickness)
+    mesh, stiffness, lumped = _assembled(shape, material, thickness)
     rows, sectors = shape.layers + 1, shape.sectors
-    stencil = _sector_stencil(matrices.stiffness, rows, sectors, 0)
-    elsewhere = _sector_stencil(matrices.stiffness, rows, sectors, sectors // 3)
+    stencil = _sector_stencil(stiffness, rows, sectors, 0)
+    elsewhere = _sector_stencil(stiffness, rows, sectors, sectors // 3)
     full = material.density * thickness * np.pi * (shape.outer_radius**2 - shape.inner_radius**2)
-    mass = (matrices.mass * (full / matrices.mass.sum())).reshape(rows, sectors)
+    mass = (lumped * (full / lumped.sum())).reshape(rows, sectors)
     spread = np.abs(stencil - elsewhere).max() / np.abs(stencil).max()
     if spread > 1e-9 or np.ptp(mass, axis=1).max() > 1e-9 * mass.max():
         raise RuntimeError(f"the sectors of {shape} differ by {spread:.1e}: the mesh is not rotation-invariant")

@@ -1,0 +1,57 @@
+"""Results kept on disk between starts: assembled matrices, critical time steps.
+
+An entry is found by a digest of what it depends on: its key, the text of this package and of `meshes`, and the
+versions of the libraries that made it. It is made anew where it can't be read.
+"""
+
+import hashlib
+import zipfile
+from collections.abc import Callable
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from meshes import cache as mesh_cache
+
+LARGEST = 20e6  # bytes; what is larger takes its time anyway, and would fill the disk
+
+
+def kept(kind: str, key: str, make: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
+    """The named arrays that `make` makes, from the user's cache where they are there.
+
+    Parameters
+    ----------
+    kind : of entry; key : everything the arrays depend on beside the program, as text
+    """
+    path = mesh_cache.cache_folder().with_name("kept") / f"{kind}-{_digest(key, _program())}.npz"
+    found = _read(path)
+    if found is None:
+        found = make()
+        if sum(array.nbytes for array in found.values()) <= LARGEST:
+            try:
+                mesh_cache.write_file(path, lambda file: np.savez(file, **found))
+            except OSError:
+                pass  # a read-only home costs the next start what this one took
+    return found
+
+
+def _read(path: Path) -> dict[str, np.ndarray] | None:
+    try:
+        with np.load(path, allow_pickle=False) as archive:  # zipfile verifies checksums
+            return {name: archive[name] for name in archive.files}
+    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile):
+        return None
+
+
+@cache
+def _program() -> str:
+    """Digest of the package's text and the libraries' versions."""
+    folders = (Path(__file__).parent, Path(mesh_cache.__file__).parent)
+    texts = [path.read_text() for folder in folders for path in sorted(folder.glob("*.py"))]
+    return _digest(*texts, *(version(name) for name in ("numpy", "scipy", "scikit-fem")))
+
+
+def _digest(*texts: str) -> str:
+    return hashlib.sha256("\0".join(texts).encode()).hexdigest()[:24]

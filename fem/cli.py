@@ -12,7 +12,6 @@ from fem.errors import UsageError
 
 RUNS = Path("runs")
 OK, UNUSABLE, INTERRUPTED = 0, 2, 130
-ALLOCATIONS = 100_000  # before the garbage collector looks again: imports make much that stays, and no garbage
 
 
 def _version() -> str:
@@ -133,6 +132,8 @@ def _plan(scene, compiled: bool, quiet: bool = False):
         if not (quiet or is_compiled()):
             print("compiling the kernels, once, about half a minute", file=sys.stderr, flush=True)
         compile_kernels(plan)
+    gc.freeze()
+    gc.enable()
     return plan, time.perf_counter() - began
 
 
@@ -162,7 +163,6 @@ def _estimate(scene, coarse, path: Path, quiet: bool) -> int:
 
 def run_app_main(app: App, arguments: list[str] | None) -> int:
     """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback."""
-    gc.set_threshold(ALLOCATIONS)
     if sys.stderr is None:  # closed; its number would go to the next file opened, and complaints of libraries into that
         sys.stderr = open(os.devnull, "w")
     try:
@@ -183,7 +183,11 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
 
 def run_main(arguments: list[str] | None = None) -> int:
     """`run-fem`, its exit code."""
-    return run_app_main(run_app, arguments)
+    gc.disable()  # until there is a plan: imports make much that stays and no garbage to speak of
+    try:
+        return run_app_main(run_app, arguments)
+    finally:
+        gc.enable()
 
 
 def run_fem() -> None:

@@ -61,12 +61,11 @@ def _rings_drift(inner, outer):
 
 @njit
 def _gravity(inner, outer, scratch):
-    ring_kernels.accelerate(
-        inner.w, inner.cosines, inner.sines, 0.0, 1e-12, scratch.bore, inner.first_row, inner.last_row
-    )
-    ring_kernels.accelerate(
-        outer.w, outer.cosines, outer.sines, 0.0, 1e-12, scratch.line, outer.first_row, outer.last_row
-    )
+    bore, line = scratch.bore, scratch.line
+    ring_kernels.set_rigid(bore[0], bore[1], inner.cosines, inner.sines, 0.0, 1e-12)
+    ring_kernels.accelerate(inner.w, bore, inner.first_row, inner.last_row)
+    ring_kernels.set_rigid(line[0], line[1], outer.cosines, outer.sines, 0.0, 1e-12)
+    ring_kernels.accelerate(outer.w, line, outer.first_row, outer.last_row)
 
 
 @njit
@@ -111,13 +110,28 @@ def time_phases(plan: Plan) -> dict[str, float]:
     a = plan.arrays()
     r, i, o, x = a.rollers, a.inner, a.outer, a.scratch
     still, turn = np.zeros(r.columns), np.full(r.columns, 1e-12)
-    out["rollers' forces"] = _seconds(disc_kernels.kick, *matrix, r.u, r.w, r.columns, x.torque)
+    out["rollers' forces"] = _seconds(disc_kernels.kick, *matrix, r.u, r.w, r.columns, x.torque, 0, r.mass.size, 0)
     out["rings' forces"] = _seconds(_rings_kick, i, o)
     a = plan.arrays()
     r, i, o, x = a.rollers, a.inner, a.outer, a.scratch
     ones = np.ones(r.columns)
     out["rollers' motion"] = _seconds(
-        disc_kernels.drift, r.points, r.mass, r.u, r.w, r.columns, 1e-12, still, ones, turn, still, still, x.torque
+        disc_kernels.drift,
+        r.points,
+        r.mass,
+        r.u,
+        r.w,
+        r.columns,
+        1e-12,
+        still,
+        ones,
+        turn,
+        still,
+        still,
+        x.torque,
+        0,
+        r.mass.size,
+        0,
     )
     out["rings' motion"] = _seconds(_rings_drift, i, o)
     out["gravity"] = _seconds(_gravity, i, o, x)

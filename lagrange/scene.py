@@ -157,6 +157,7 @@ class NumericsTable(Table):
     mesh_size_mm: float = Field(1.0, gt=0.0, le=100.0)
     time_step_safety: float = Field(0.9, ge=0.01, lt=1.0)
     output_interval_us: float = Field(10.0, ge=1e-3, le=1e6)
+    threads: int = Field(1, ge=1, le=64)
 
     def checks(self) -> tuple[Check, ...]:
         return (self._samples,)

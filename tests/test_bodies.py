@@ -212,7 +212,7 @@ def kick_disc(body, u, w, dt):
     rows = np.repeat(np.arange(body.n_nodes), np.diff(starts))
     scaled = np.ascontiguousarray(-dt * blocks / body.mass[rows][:, None, None]).ravel()
     flat_u, flat_w, torque = u.ravel().copy(), w.ravel().copy(), np.zeros(u.shape[2])
-    disc_kernels.kick(starts, neighbours, scaled, body.mass, flat_u, flat_w, u.shape[2], torque)
+    disc_kernels.kick(starts, neighbours, scaled, body.mass, flat_u, flat_w, u.shape[2], torque, 0, len(body.mass), 0)
     return flat_w.reshape(u.shape), torque
 
 
@@ -238,7 +238,21 @@ def test_disc_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     cosine, sine = np.full(columns, np.cos(turn)), np.full(columns, np.sin(turn))
     points = np.ascontiguousarray(body.points).ravel()
     disc_kernels.drift(
-        points, body.mass, flat_u, flat_w, columns, dt, turn_kick, cosine, sine, shift[0], shift[1], moment
+        points,
+        body.mass,
+        flat_u,
+        flat_w,
+        columns,
+        dt,
+        turn_kick,
+        cosine,
+        sine,
+        shift[0],
+        shift[1],
+        moment,
+        0,
+        len(body.mass),
+        0,
     )
     back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     turned = np.stack([-body.points[:, 1], body.points[:, 0]], axis=1)

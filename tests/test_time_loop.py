@@ -83,10 +83,11 @@ def ring_up_disc(body, shape, omega, dt, n_steps):
     weight /= weight @ shape * 1e-6
     u, w = u.ravel(), w.ravel()
     still, torque, ones, found = np.zeros(columns), np.zeros(columns), np.ones(columns), []
+    nodes = (0, len(body.mass), 0)
     for _ in range(n_steps):
         found.append(weight @ u.reshape(-1, columns)[:, 3])
-        disc_kernels.kick(starts, neighbours, scaled, body.mass, u, w, columns, torque)
-        disc_kernels.drift(points, body.mass, u, w, columns, dt, still, ones, still, still, still, torque)
+        disc_kernels.kick(starts, neighbours, scaled, body.mass, u, w, columns, torque, *nodes)
+        disc_kernels.drift(points, body.mass, u, w, columns, dt, still, ones, still, still, still, torque, *nodes)
     return np.array(found)
 
 

@@ -74,13 +74,29 @@ def fall(n_elements: int, duration: float, safety: float = 0.9) -> Fall:
         before = w[:, :, 0].copy()
         w[floor, 1, 0] += 0.5 * force / mass[floor] * dt
         w[:, 1, 0] -= GRAVITY * dt
-        disc_kernels.kick(starts, neighbours, scaled, mass, u.reshape(-1), w.reshape(-1), columns, torque)
+        disc_kernels.kick(
+            starts, neighbours, scaled, mass, u.reshape(-1), w.reshape(-1), columns, torque, 0, mass.size, 0
+        )
         after, place = w[:, :, 0], u[:, :, 0].ravel()
         energy = 0.5 * mass @ np.sum(before * after, axis=1) + 0.5 * place @ (bar.stiffness @ place)
         energy += contact_energy(force, law.A, law.B, law.Q_line) + GRAVITY * (mass @ u[:, 1, 0] + DROP * mass.sum())
         history.append([step * dt, share @ u[:, 1, 0], share @ before[:, 1], force, energy])
         disc_kernels.drift(
-            points, mass, u.reshape(-1), w.reshape(-1), columns, dt, still, unit, still, still, still, torque
+            points,
+            mass,
+            u.reshape(-1),
+            w.reshape(-1),
+            columns,
+            dt,
+            still,
+            unit,
+            still,
+            still,
+            still,
+            torque,
+            0,
+            mass.size,
+            0,
         )
     return Fall(**dict(zip(("time", "height", "velocity", "force", "energy"), np.array(history).T, strict=True)))
 

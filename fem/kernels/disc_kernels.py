@@ -12,7 +12,7 @@ COLUMNS = 16  # handled together
 
 
 @kernel
-def kick(starts, neighbours, blocks, mass, u, w, columns, torque):
+def kick(starts, neighbours, blocks, mass, u, w, columns, torque, first, end, at_sum):
     """w += dt·internal acceleration; torque of the internal forces.
 
     Parameters
@@ -20,13 +20,13 @@ def kick(starts, neighbours, blocks, mass, u, w, columns, torque):
     starts, neighbours : rows of 2 x 2 blocks, (n_nodes + 1,) and (n_blocks,)
     blocks : (4 n_blocks,), −dt·M⁻¹K, m/s per m
     mass : (n_nodes,), kg
-    torque : (columns,), filled with dt·Σ u x f, N m s: second order in u, 0 for exact elasticity
+    torque : filled, from at_sum on, with dt·Σ u x f by column, N m s: second order in u, 0 for exact elasticity
+    first, end : the nodes to take
     """
-    n_nodes = starts.size - 1
     stride = 2 * columns
     for block in range(0, columns, COLUMNS):
         t0, t1 = splat(0.0), splat(0.0)
-        for i in range(n_nodes):
+        for i in range(first, end):
             fx0, fx1, fy0, fy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
             gx0, gx1, gy0, gy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)  # sums apart: none waits for another
             for k in range(starts[i], starts[i + 1]):
@@ -47,12 +47,12 @@ def kick(starts, neighbours, blocks, mass, u, w, columns, torque):
             store(w, at + 8, load(w, at + 8) + fx1)
             store(w, at + columns, load(w, at + columns) + fy0)
             store(w, at + columns + 8, load(w, at + columns + 8) + fy1)
-        store(torque, block, t0)
-        store(torque, block + 8, t1)
+        store(torque, at_sum + block, t0)
+        store(torque, at_sum + block + 8, t1)
 
 
 @kernel
-def drift(points, mass, u, w, columns, dt, turn_kick, cosine, sine, shift_x, shift_y, moment):
+def drift(points, mass, u, w, columns, dt, turn_kick, cosine, sine, shift_x, shift_y, moment, first, end, at_sum):
     """Add a rigid turn, take out the mean velocity, move, and turn the frame.
 
     Parameters
@@ -60,15 +60,15 @@ def drift(points, mass, u, w, columns, dt, turn_kick, cosine, sine, shift_x, shi
     turn_kick : (columns,), rad/s, gained by turning the undeformed body as a whole
     cosine, sine : (columns,), of the frame's turn in this step
     shift_x, shift_y : (columns,), m/s, gained by the centre of mass through nodal forces, in the frame's axes
-    moment : (columns,), filled with Σ m X x (X + u), kg m²: inertia times the angle by which the body leads its frame
+    moment : filled, from at_sum on, with Σ m X x (X + u) by column, kg m²: inertia times the body's lead of its frame
+    first, end : the nodes to take
     """
-    n_nodes = mass.size
     stride = 2 * columns
     for block in range(0, columns, 8):
         c, s = load(cosine, block), load(sine, block)
         ax, ay, k = load(shift_x, block), load(shift_y, block), load(turn_kick, block)
         lead = splat(0.0)
-        for i in range(n_nodes):
+        for i in range(first, end):
             at = i * stride + block
             px, py = points[2 * i], points[2 * i + 1]
             wx = load(w, at) - py * k - ax
@@ -82,4 +82,4 @@ def drift(points, mass, u, w, columns, dt, turn_kick, cosine, sine, shift_x, shi
             store(w, at, c * wx + s * wy)
             store(w, at + columns, c * wy - s * wx)
             lead = fma(mass[i], px * uy - py * ux, lead)
-        store(moment, block, lead)
+        store(moment, at_sum + block, lead)

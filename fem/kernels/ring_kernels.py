@@ -60,10 +60,9 @@ def kick(table, u, w, first_row, last_row):
 
 
 @kernel(fastmath={"contract", "nsz"})
-def accelerate(w, cosines, sines, x, y, line, first_row, last_row):
-    """Add the velocity (x, y), m/s, in the frame's axes, to every node: gravity. `line`, (2, width), is filled."""
+def accelerate(w, line, first_row, last_row):
+    """Add the velocities of one row, (2, width), m/s, to every row: gravity."""
     width = w.shape[2]
-    set_rigid(line[0], line[1], cosines, sines, x, y)
     radial, tangential = line[0], line[1]
     for row in range(first_row, last_row):
         p, q = w[row, 0], w[row, 1]

@@ -195,6 +195,9 @@ def elastic_energy(rollers, inner, outer, drive, scratch):
         scratch.rollers_w,
         columns,
         scratch.torque,
+        0,
+        rollers.mass.size,
+        0,
     )
     for j in range(0, n, WIDTH):
         part = splat(0.0)

@@ -144,7 +144,8 @@ class Scratch(NamedTuple):
     slip: np.ndarray  # (3, columns)
     bore: np.ndarray  # (2, inner n_sectors + 2 HALO)
     line: np.ndarray  # (2, outer n_sectors + 2 HALO)
-    torque: np.ndarray  # (columns,)
+    team: np.ndarray | None  # (threads,); None: one
+    torque: np.ndarray  # (threads · columns,)
     still: np.ndarray  # (columns,)
     shift: np.ndarray  # (2, columns)
     cosine: np.ndarray  # (columns,), of the frames' turn in a step

@@ -2,13 +2,14 @@
 
 from math import cos, pi, sin
 
-from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels import ring_kernels
 from fem.kernels.contact_kernels import contact_forces, push_nodes
 from fem.kernels.friction_kernels import friction_contacts, grips, slips
 from fem.kernels.jit import kernel
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.sample_kernels import remember, write_sample
 from fem.kernels.simd import WIDTH, fma, load, store
+from fem.kernels.team_kernels import drift_bodies, kick_bodies
 
 DONE, NOT_FINITE = 0, 1
 FASTEST = 1e5  # m/s; no body is faster unless the run has blown up
@@ -60,28 +61,9 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     drive.velocity[0] += (node_mass * (c * x - s * y) + drive.impulse[0]) / drive.mass
     drive.velocity[1] += (node_mass * (s * x + c * y) + drive.impulse[1] - load * dt) / drive.mass - drive.gravity * dt
 
-    disc_kernels.kick(
-        rollers.starts,
-        rollers.neighbours,
-        rollers.blocks,
-        rollers.mass,
-        rollers.u,
-        rollers.w,
-        rollers.columns,
-        scratch.torque,
-    )
+    kick_bodies(rollers, inner, outer, drive, scratch, scratch.team)
     for j in range(rollers.n):  # the internal forces' second-order torque is taken back
         rollers.turn_kick[j] -= scratch.torque[j] / rollers.inertia
-    ring_kernels.kick(inner.table, inner.u, inner.w, inner.first_row, inner.last_row)
-    ring_kernels.kick(outer.table, outer.u, outer.w, outer.first_row, outer.last_row)
-    if drive.gravity > 0.0:
-        g = -drive.gravity * dt
-        ring_kernels.accelerate(
-            inner.w, inner.cosines, inner.sines, s * g, c * g, scratch.bore, inner.first_row, inner.last_row
-        )
-        ring_kernels.accelerate(
-            outer.w, outer.cosines, outer.sines, 0.0, g, scratch.line, outer.first_row, outer.last_row
-        )
     dissipated = 0.0
     if drive.friction > 0.0:
         dissipated = friction_contacts(rollers, inner, outer, contacts, drive, scratch.slip)
@@ -107,20 +89,8 @@ def drift(rollers, inner, outer, drive, scratch):
         store(velocity, columns + j, vy)
         store(centre, j, fma(dt, vx, load(centre, j)))
         store(centre, columns + j, fma(dt, vy, load(centre, columns + j)))
-    disc_kernels.drift(
-        rollers.points,
-        rollers.mass,
-        rollers.u,
-        rollers.w,
-        rollers.columns,
-        dt,
-        rollers.turn_kick,
-        scratch.cosine,
-        scratch.sine,
-        scratch.shift[0],
-        scratch.shift[1],
-        scratch.torque,
-    )
+    step = drive.speed * dt
+    drift_bodies(rollers, inner, outer, drive, scratch, cos(step), sin(step), scratch.team)
     for j in range(0, rollers.n, WIDTH):
         increment = load(rollers.increment, j)
         turn = load(rollers.turn, j) + increment
@@ -136,12 +106,7 @@ def drift(rollers, inner, outer, drive, scratch):
 
     drive.hub[0] += dt * drive.velocity[0]
     drive.hub[1] += dt * drive.velocity[1]
-    ring_kernels.drift_still(outer.u, outer.w, dt, outer.first_row, outer.last_row)
-    if drive.speed == 0.0:
-        ring_kernels.drift_still(inner.u, inner.w, dt, inner.first_row, inner.last_row)
-    else:
-        step = drive.speed * dt
-        ring_kernels.drift(inner.u, inner.w, inner.radii, dt, cos(step), sin(step), inner.first_row, inner.last_row)
+    if drive.speed != 0.0:
         drive.ring[0] += step
         drive.ring[1], drive.ring[2] = cos(drive.ring[0]), sin(drive.ring[0])
     c, s = drive.ring[1], drive.ring[2]

@@ -40,6 +40,7 @@ def make_arrays(
     friction: float,
     ramp: float,
     largest_force: float,
+    threads: int,
 ) -> Arrays:
     """Positions at t = 0 and velocities at −dt/2. `ramp` in s; the largest static contact force in N."""
     inner = _ring(model.inner_ring, dt)
@@ -57,7 +58,7 @@ def make_arrays(
         outer=_lined_up(outer),
         contacts=_lined_up(contacts),
         drive=drive,
-        scratch=_lined_up(_scratch(rollers, inner, outer, contacts)),
+        scratch=_lined_up(_scratch(rollers, inner, outer, contacts, threads)),
     )
 
 
@@ -251,14 +252,15 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, friction
     )
 
 
-def _scratch(rollers: Rollers, inner: Ring, outer: Ring, contacts: Contacts) -> Scratch:
+def _scratch(rollers: Rollers, inner: Ring, outer: Ring, contacts: Contacts, threads: int) -> Scratch:
     columns = rollers.columns
     return Scratch(
         slope=np.zeros((contacts.weight.shape[1], WIDTH)),
         slip=np.zeros((3, rollers.columns)),
         bore=np.zeros((2, inner.u.shape[2])),
         line=np.zeros((2, outer.u.shape[2])),
-        torque=np.zeros(columns),
+        team=None if threads == 1 else np.zeros(threads),
+        torque=np.zeros(threads * columns),
         still=np.zeros(columns),
         shift=np.zeros((2, columns)),
         cosine=np.ones(columns),

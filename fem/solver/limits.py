@@ -2,6 +2,8 @@
 
 from math import pi, sqrt
 
+import numba
+
 from fem.elastic.model import Model
 from fem.errors import UsageError
 from fem.statics.equilibrium import Equilibrium
@@ -12,6 +14,15 @@ LEAST_ANGLE = 30.0  # degrees
 LONGEST_EDGE = 40.0  # over the shortest of the same mesh
 LARGEST_STRAIN = 0.01  # linear elasticity errs by about the strain itself
 WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
+
+
+def check_threads(threads: int) -> None:
+    """Refuse more threads than the machine runs at once: they would wait for each other in every step."""
+    most = numba.config.NUMBA_NUM_THREADS
+    if threads > most:
+        raise UsageError(
+            f"numerics.threads = {threads}: this machine, or NUMBA_NUM_THREADS, has {most}; at most {most}"
+        )
 
 
 def check_meshes(model: Model) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
 
+import numba
 import numpy as np
 
 from fem.elastic.critical_step import critical_time_step
@@ -15,7 +16,7 @@ from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
 from fem.solver.discretise import model_of
 from fem.solver.frames import Frame, frame_of
-from fem.solver.limits import check_contacts, check_meshes, check_speed
+from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads
 from fem.solver.samples import SampleReader, Samples
 from fem.solver.start import Start, equilibrium_start, rest_start
 from lagrange import Operation, kinematics
@@ -79,7 +80,9 @@ class Plan:
         numerics = self.scene.numerics
         ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
         friction = self.scene.contact.friction_coefficient
-        return make_arrays(self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force)
+        return make_arrays(
+            self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force, numerics.threads
+        )
 
 
 def make_plan(scene: Scene) -> Plan:
@@ -95,6 +98,7 @@ def make_plan(scene: Scene) -> Plan:
     """
     numerics = scene.numerics
     operation = scene.ideal_operation()
+    check_threads(numerics.threads)
     model = model_of(scene)
     check_meshes(model)
     check_speed(model, kinematics(model.bearing, operation.speed))
@@ -128,6 +132,8 @@ def make_plan(scene: Scene) -> Plan:
 
 def compile_kernels(plan: Plan) -> None:
     """Compile the time loop, or load it compiled, without taking a step."""
+    if plan.scene.numerics.threads > 1:
+        numba.set_num_threads(plan.scene.numerics.threads)
     arrays = plan.arrays()
     _advance(plan, arrays, 0, np.zeros((0, _row_width(plan))))
 

@@ -71,10 +71,16 @@ def start_of(a_model: Model, how: Operation, from_rest: bool = False) -> Start:
 
 
 def arrays(
-    a_model: Model, how: Operation, dt: float, friction: float = 0.0, from_rest: bool = False, ramp: float = 0.0
+    a_model: Model,
+    how: Operation,
+    dt: float,
+    friction: float = 0.0,
+    from_rest: bool = False,
+    ramp: float = 0.0,
+    threads: int = 1,
 ) -> Arrays:
     """Arrays at t = 0."""
-    return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE)
+    return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE, threads)
 
 
 def copy_of(state):

@@ -7,6 +7,7 @@ contact_kernels, patch_kernels  normal forces; what a contact reads from and wri
 law, patches                    the law below the grid; B-spline patches
 resolved_kernels                contacts as pressures on points: where the mesh resolves them, or penalty springs
 facet_kernels                   polygons in place of circles
+rigid_kernels                   bodies declared rigid
 friction_kernels                Carter's creep and Coulomb's limit
 sample_kernels                  what a stored sample holds
 simd, lane_functions            eight lanes as one value, and functions of them

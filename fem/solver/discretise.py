@@ -115,5 +115,6 @@ def _centrifugal(bearing: Bearing, operation: Operation) -> float:
 def _bound(bearing: Bearing, operation: Operation) -> float:
     """Above any contact's force, N: all the load on one roller, and the preload of rigid rings."""
     preload = max(0.0, -bearing.radial_clearance)
-    modulus = max(m.plane_strain_modulus for m in (bearing.roller, bearing.inner_ring, bearing.outer_ring))
+    bodies = bearing.roller, bearing.inner_ring, bearing.outer_ring
+    modulus = max(material.plane_strain_modulus for material in bodies if not material.rigid)
     return _load(operation) + _centrifugal(bearing, operation) + modulus * bearing.roller_length * preload

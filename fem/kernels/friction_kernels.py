@@ -8,8 +8,7 @@ from fem.kernels import patch_kernels as patch
 from fem.kernels.contact_kernels import next_rollers, second
 from fem.kernels.jit import kernel
 from fem.kernels.lane_functions import larger
-from fem.kernels.rigid_kernels import hub_mobility, roller_mobility, rub_hub
-from fem.kernels.rigid_kernels import rub_roller as rub_whole
+from fem.kernels.rigid_kernels import hub_mobility, roller_mobility, rub_whole, whole_mobility, whole_slip
 from fem.kernels.simd import (
     WIDTH,
     any_lane,
@@ -168,13 +167,15 @@ def friction_contacts(rollers, inner, outer, contacts, drive, after):
     Each is implicit in its own patch's velocity. `after`, (3, columns), m/s, is filled with the slips they leave. Where
     patches of neighbours overlap (on coarse rings), each starts from its last value and every other one is solved for
     in turn (Gauss and Seidel): without neighbours' part sticking contacts would shake each other. Where they share a
-    rigid body, each kind is solved for in turn.
+    rigid body, each knows the others' last values.
     """
-    if not contacts.crowded and len(rollers.rigid) + len(inner.rigid) == 0:
+    if not contacts.crowded and len(rollers.rigid) + len(inner.rigid) > 0:
+        _solve_on_whole_bodies(rollers, inner, outer, contacts, drive, after)
+    elif not contacts.crowded:
         slips(rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
         for kind in range(3):
-            _find_tractions(kind, 0, 0, rollers, outer.radius - rollers.radius, contacts, drive, after)
-            _rub(kind, rollers, inner, outer, contacts, drive)
+            _find_tractions(kind, 0, 1, False, rollers, inner, outer.radius - rollers.radius, contacts, drive, after)
+            _rub(kind, rollers, inner, outer, contacts, drive, contacts.change)
     else:
         _solve_in_turn(rollers, inner, outer, contacts, drive, after)
     traction, before = contacts.traction, contacts.slip
@@ -186,28 +187,64 @@ def friction_contacts(rollers, inner, outer, contacts, drive, after):
 
 @kernel
 def _solve_in_turn(rollers, inner, outer, contacts, drive, after):
-    """Tractions and impulses of contacts that move each other; seldom needed, so kept out of the time loop."""
-    parts = 2 if contacts.crowded else 1
+    """Tractions and impulses of contacts whose patches overlap; seldom needed, so kept out of the time loop."""
     for kind in range(3):  # every contact that is still closed gets its last traction
-        for group in range(0, rollers.n, WIDTH):
-            row = kind * rollers.columns + group
-            last = select(load(contacts.force, row) > 0.0, load(contacts.traction, row), 0.0)
-            store(contacts.traction, row, last)
-            store(contacts.change, row, last)
-        _rub(kind, rollers, inner, outer, contacts, drive)
+        _take_last(kind, rollers, contacts)
+        _rub(kind, rollers, inner, outer, contacts, drive, contacts.change)
     for kind in range(3):
-        for first in range(parts):
+        for first in range(2):
             slips_of(kind, rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
-            _find_tractions(kind, first, parts, rollers, outer.radius - rollers.radius, contacts, drive, after)
-            _rub(kind, rollers, inner, outer, contacts, drive)
+            _find_tractions(kind, first, 2, True, rollers, inner, outer.radius - rollers.radius, contacts, drive, after)
+            _rub(kind, rollers, inner, outer, contacts, drive, contacts.change)
     slips(rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
 
 
 @kernel(forceinline=True)
-def _find_tractions(kind, first, step, rollers, pitch, contacts, drive, slip):
+def _take_last(kind, rollers, contacts):
+    """Begin with the last tractions of the contacts of a kind that are still closed."""
+    for group in range(0, rollers.n, WIDTH):
+        row = kind * rollers.columns + group
+        last = select(load(contacts.force, row) > 0.0, load(contacts.traction, row), 0.0)
+        store(contacts.traction, row, last)
+        store(contacts.change, row, last)
+
+
+@kernel(forceinline=True)
+def _solve_on_whole_bodies(rollers, inner, outer, contacts, drive, after):
+    """Tractions and impulses of contacts that share a rigid body but no nodes.
+
+    The rigid bodies have been given all last tractions when each contact finds its own: a step's tractions differ from
+    the last by so little that what they do to each other's slip is caught up with in the next.
+    """
+    columns, n, change = rollers.columns, rollers.n, contacts.change
+    for kind in range(3):
+        _take_last(kind, rollers, contacts)
+        for j in range(n):
+            given = change[kind, j] * drive.dt
+            drive.ring[4] += rub_whole(kind, second(kind, j, n), j, given, rollers, inner, contacts, drive)
+    slips(rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
+    for kind in range(3):
+        _find_tractions(kind, 0, 1, True, rollers, inner, outer.radius - rollers.radius, contacts, drive, after)
+    for kind in range(3):
+        mobility = whole_mobility(kind, rollers, inner, drive) * drive.dt
+        for group in range(0, n, WIDTH):
+            row = kind * columns + group
+            moved = whole_slip(kind, group, next_rollers(group, n), rollers, inner, contacts, drive)
+            store(after, row, load(after, row) - moved - mobility * load(change, row))
+    for kind in range(3):
+        _rub(kind, rollers, inner, outer, contacts, drive, contacts.traction)
+    for kind in range(3):
+        for group in range(0, n, WIDTH):
+            row = kind * columns + group
+            moved = whole_slip(kind, group, next_rollers(group, n), rollers, inner, contacts, drive)
+            store(after, row, load(after, row) + moved)
+
+
+@kernel(forceinline=True)
+def _find_tractions(kind, first, step, again, rollers, inner, pitch, contacts, drive, slip):
     """Tractions of every `step`-th contact of a kind from the slips, which become those that are left.
 
-    With `step` 0 of all of them, which have been given nothing yet.
+    `again`: the slips are with the last tractions, where `step` is 1 those of the rigid bodies alone.
     What they differ by from those that the bodies have been given is left in `contacts.change`.
     """
     columns, n, radius = rollers.columns, rollers.n, rollers.radius
@@ -230,13 +267,15 @@ def _find_tractions(kind, first, step, rollers, pitch, contacts, drive, slip):
         full_slip = larger(friction * contacts.curvature[kind] * half_width * rolling, SLIP_FLOOR)
         mobility = load(contacts.mobility, row) * dt
         given, found = splat(0.0), load(slip, row)
-        chosen = Q > 0.0
-        if step > 0:
+        chosen, taken = Q > 0.0, mobility
+        if again:
             given = load(traction, row)
+            if step == 1:
+                taken = splat(whole_mobility(kind, rollers, inner, drive) * dt)
         if step > 1:
             number = count_from(group + first)
             chosen = chosen & (number - whole(real(number) * 0.5) * 2 == 0)
-        T, left = creep_traction(found - mobility * given, friction * Q, full_slip, mobility)
+        T, left = creep_traction(found - taken * given, friction * Q, full_slip, mobility)
         T = select(chosen, -T, select(Q > 0.0, given, 0.0))  # on side 1, along t
         store(slip, row, select(chosen, left, found))
         store(traction, row, T)
@@ -244,8 +283,11 @@ def _find_tractions(kind, first, step, rollers, pitch, contacts, drive, slip):
 
 
 @kernel(forceinline=True)
-def _rub(kind, rollers, inner, outer, contacts, drive):
-    """Impulses over one step of the changes of tractions, on whole rollers and on the surface nodes."""
+def _rub(kind, rollers, inner, outer, contacts, drive, share):
+    """Impulses over one step on whole rollers and on the surface nodes.
+
+    Rigid bodies get those of the changes of tractions, all others those of `share`, the same or the tractions.
+    """
     w, lightness, columns, n = rollers.w, rollers.lightness, rollers.columns, rollers.n
     points, first, n_surface, radius = rollers.points, rollers.first_surface, rollers.n_surface, rollers.radius
     inner_u, inner_w, inner_mass = inner.u, inner.w, inner.row_mass[inner.raceway]
@@ -261,16 +303,14 @@ def _rub(kind, rollers, inner, outer, contacts, drive):
     scale, lean, impulse = contacts.scale, contacts.lean, rollers.impulse
     on_nodes = 0.0
     for j in range(n):
-        given = change[kind, j] * dt  # along t on side 1
-        if given == 0.0:
+        given, whole = share[kind, j] * dt, change[kind, j] * dt  # along t on side 1
+        if given == 0.0 and whole == 0.0:
             continue
         side = 2 * kind
         i = second(kind, j, n)
         own = given if kind == OUTER else -given
         x, y = -given * normal[kind, 1, j], given * normal[kind, 0, j]
-        if len(rollers.rigid) > 0:
-            rub_whole(rollers, i, x, y, own)
-        else:
+        if len(rollers.rigid) == 0:
             impulse[0, i] += x
             impulse[1, i] += y
             bx, by = outward[side + 1, 0, j], outward[side + 1, 1, j]
@@ -278,23 +318,17 @@ def _rub(kind, rollers, inner, outer, contacts, drive):
                 w, lightness, columns, i, points, first, n_surface, radius, bx, by, own, start, weight, side + 1, j,
                 scale, lean, stretch,
             )  # fmt: skip
-        if kind == INNER and len(inner.rigid) > 0:
-            on_nodes += rub_hub(inner, drive, -x, -y, -given)
-        elif kind == INNER:
+        if kind == INNER and len(inner.rigid) == 0:
             on_nodes += patch.rub_ring(
                 inner_u, inner_w, inner.raceway, inner.n_sectors, inner.radius, inner_mass, -given, start, weight,
                 along, across, side, j, scale, lean, stretch,
             )  # fmt: skip
-        elif kind == OUTER and len(outer.rigid) > 0:
-            pass
-        elif kind == OUTER:
+        elif kind == OUTER and len(outer.rigid) == 0:
             patch.rub_ring(
                 outer_u, outer_w, outer.raceway, outer.n_sectors, outer.radius, outer_mass, -given, start, weight,
                 along, across, side, j, scale, lean, stretch,
             )  # fmt: skip
-        elif len(rollers.rigid) > 0:
-            rub_whole(rollers, j, -x, -y, -given)
-        else:
+        elif kind == ROLLER and len(rollers.rigid) == 0:
             impulse[0, j] -= x
             impulse[1, j] -= y
             bx, by = outward[side, 0, j], outward[side, 1, j]
@@ -302,4 +336,5 @@ def _rub(kind, rollers, inner, outer, contacts, drive):
                 w, lightness, columns, j, points, first, n_surface, radius, bx, by, -given, start, weight, side, j,
                 scale, lean, stretch,
             )  # fmt: skip
+        on_nodes += rub_whole(kind, i, j, whole, rollers, inner, contacts, drive)
     drive.ring[4] += on_nodes

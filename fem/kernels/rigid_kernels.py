@@ -1,12 +1,12 @@
 """Bodies declared rigid: without nodes, pushed and turned as a whole.
 
 A rigid roller's contact forces act through its centre; its leapfrog is of velocity and spin. A rigid inner ring is the
-hub, a rigid outer one the ground. Every traction on one of them moves its other contacts at once, so their friction is
-solved in turn: see `friction_kernels`.
+hub, a rigid outer one the ground. Every traction on one of them moves its other contacts at once: see `friction_kernels`.
 """
 
 from fem.kernels.jit import kernel
-from fem.kernels.simd import WIDTH, load, splat, store
+from fem.kernels.simd import WIDTH, gather, load, splat, store
+from fem.kernels.state import INNER, OUTER, ROLLER
 
 
 @kernel(forceinline=True)
@@ -26,20 +26,31 @@ def push_whole(rollers):
 
 
 @kernel(forceinline=True)
-def rub_roller(rollers, i, x, y, around):
-    """Give roller i an impulse (x, y), N s, at its surface; `around` of it turns it counter-clockwise."""
-    over = 1.0 / rollers.total_mass
-    rollers.velocity[0, i] += x * over
-    rollers.velocity[1, i] += y * over
-    rollers.turn_kick[i] += around * rollers.radius / rollers.inertia
+def rub_whole(kind, i, j, given, rollers, inner, contacts, drive):
+    """Give the rigid bodies of contact j, roller i on its side 1, an impulse along t on side 1, N s.
+
+    Returns the moment on the hub about the origin, N m s.
+    """
+    normal = contacts.normal
+    x, y = -given * normal[kind, 1, j], given * normal[kind, 0, j]
+    if len(rollers.rigid) > 0:
+        _rub_roller(rollers, i, x, y, given if kind == OUTER else -given)
+        if kind == ROLLER:
+            _rub_roller(rollers, j, -x, -y, -given)
+    if len(inner.rigid) > 0 and kind == INNER:
+        drive.velocity[0] -= x / drive.mass
+        drive.velocity[1] -= y / drive.mass
+        return drive.hub[1] * x - drive.hub[0] * y - inner.radius * given
+    return 0.0
 
 
 @kernel(forceinline=True)
-def rub_hub(inner, drive, x, y, around):
-    """Give the hub an impulse (x, y), N s, at the raceway, `around` counter-clockwise; returns its moment, N m s."""
-    drive.velocity[0] += x / drive.mass
-    drive.velocity[1] += y / drive.mass
-    return drive.hub[0] * y - drive.hub[1] * x + inner.radius * around
+def _rub_roller(rollers, i, x, y, around):
+    """An impulse (x, y), N s, at the surface of roller i, which turns it counter-clockwise by `around`."""
+    over = 1.0 / rollers.total_mass
+    rollers.velocity[0, i] += x * over
+    rollers.velocity[1, i] += y * over
+    rollers.turn_kick[i] += around * (rollers.radius / rollers.inertia)
 
 
 @kernel(forceinline=True)
@@ -56,6 +67,40 @@ def hub_mobility(rollers, drive):
     roller's patch it is a small part.
     """
     return rollers.n / drive.mass
+
+
+@kernel(forceinline=True)
+def whole_mobility(kind, rollers, inner, drive):
+    """What rigid bodies add to the mobility of a contact, 1/kg."""
+    mobility = 0.0
+    if len(rollers.rigid) > 0:
+        mobility += roller_mobility(rollers) * (2.0 if kind == ROLLER else 1.0)
+    if len(inner.rigid) > 0 and kind == INNER:
+        mobility += hub_mobility(rollers, drive)
+    return mobility
+
+
+@kernel(forceinline=True)
+def whole_slip(kind, group, i, rollers, inner, contacts, drive):
+    """What the rigid bodies' motion adds to the slip of eight contacts from `group` on, m/s; `i`: the rollers after."""
+    columns, radius = rollers.columns, rollers.radius
+    velocity, spin, turn_kick = rollers.velocity, rollers.spin, rollers.turn_kick
+    nx = load(contacts.normal, 2 * kind * columns + group)
+    ny = load(contacts.normal, (2 * kind + 1) * columns + group)
+    slip = splat(0.0)
+    if len(rollers.rigid) > 0:
+        around = (load(spin, group) + load(turn_kick, group)) * radius
+        along = load(velocity, columns + group) * nx - load(velocity, group) * ny
+        if kind == OUTER:
+            slip = along + around
+        elif kind == INNER:
+            slip = along - around
+        else:
+            after = gather(velocity, i + columns) * nx - gather(velocity, i) * ny
+            slip = after - along - around - (gather(spin, i) + gather(turn_kick, i)) * radius
+    if len(inner.rigid) > 0 and kind == INNER:
+        slip -= drive.velocity[1] * nx - drive.velocity[0] * ny
+    return slip
 
 
 @kernel(forceinline=True)

@@ -104,7 +104,10 @@ def test_between_rigid_rings_every_roller_is_johnsons_squeezed_disc():
     """Johnson (1985), 5.6, at both contacts; the rings' approach at the angle θ from the load is y cos θ."""
     bearing = bearing_with(["inner_ring", "outer_ring"])
     r, modulus = bearing.roller_radius, STEEL.plane_strain_modulus
-    relative = [1.0 / (1.0 / r + 1.0 / bearing.inner_raceway_radius), 1.0 / (1.0 / r - 1.0 / bearing.outer_raceway_radius)]
+    relative = [
+        1.0 / (1.0 / r + 1.0 / bearing.inner_raceway_radius),
+        1.0 / (1.0 / r - 1.0 / bearing.outer_raceway_radius),
+    ]
 
     def approach(force):
         q = force / LENGTH
@@ -207,7 +210,9 @@ def test_a_rigid_inner_ring_is_the_hub():
     """(m_in + m_R) a = −Σ (Q n + T t) + load and weight, with nothing left over."""
     found, plan = by_steps(("inner_ring", "outer_ring"))
     normal, _ = directions(found)
-    force = -np.sum(found["inner_force"][..., None] * normal + found["inner_traction"][..., None] * across(normal), axis=1)
+    force = -np.sum(
+        found["inner_force"][..., None] * normal + found["inner_traction"][..., None] * across(normal), axis=1
+    )
     force[:, 1] -= plan.operation.radial_load + plan.operation.inner_mass * plan.operation.gravity
     mass = plan.operation.inner_mass
     error = mass * np.stack([found["inner_ax"], found["inner_ay"]], axis=-1) - force
@@ -248,7 +253,7 @@ def test_only_what_moves_is_counted():
 
 @every_choice
 def test_random_bearings_stay_stable(names):
-    """Of random scenes with these bodies rigid, meshes as coarse as they may be, none fails or loses 1 % of its energy."""
+    """Of random scenes on coarse meshes none fails or loses 1 % of its energy."""
     tried = 0
     for number in (0, 3, 4, 8, 11):
         tables = random_scene(5, number, 0.3, budget=1e5) | {"bodies": dict.fromkeys(names, "rigid")}

@@ -6,7 +6,6 @@ quadratic                 the same bodies on quadratic elements that resolve the
 subgrid, spread, resolved  laws below the grid of one patch and of points; contacts that the mesh resolves
 kept                      matrices and step limits kept on disk between starts
 rigid                     bodies declared rigid
-subgrid, resolved         the calibrated law below the grid; contacts that the mesh resolves, and penalty springs
 model                     the whole bearing
 critical_step             2/ω_max with the contacts in it
 """

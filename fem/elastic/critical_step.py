@@ -13,7 +13,7 @@ from fem.elastic.resolved import point_springs
 from fem.elastic.subgrid import disc_patch_force, ring_patch_force
 
 LOAD_MARGIN = 10.0  # contacts are as stiff as at this many times the largest static force
-# what of a spring k counts on each of two elastic bodies, on an elastic one that meets a rigid one, and on the rigid one
+# what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
 EVENLY, LIGHT, HEAVY = 2.0, 10.0 / 9.0, 10.0
 LANCZOS_TOLERANCE = 1e-4  # relative, of ω²; the found value is that much too low at most
 

@@ -137,9 +137,7 @@ def _bodies(bearing: Bearing, shapes: BearingShapes) -> tuple[DiscBody, RingBody
         ring_body(shapes.outer_ring, bearing.outer_ring.elastic, thickness, held_inside=False),
     )
     materials = bearing.roller, bearing.inner_ring, bearing.outer_ring
-    return tuple(
-        rigid_body(body) if material.rigid else body for body, material in zip(bodies, materials, strict=True)
-    )
+    return tuple(rigid_body(body) if material.rigid else body for body, material in zip(bodies, materials, strict=True))
 
 
 def peak_pressure(law: ContactLaw | SpreadLaw | ResolvedLaw, force: float, thickness: float) -> float:

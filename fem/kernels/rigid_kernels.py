@@ -1,7 +1,8 @@
 """Bodies declared rigid: without nodes, pushed and turned as a whole.
 
 A rigid roller's contact forces act through its centre; its leapfrog is of velocity and spin. A rigid inner ring is the
-hub, a rigid outer one the ground. Every traction on one of them moves its other contacts at once: see `friction_kernels`.
+hub, a rigid outer one the ground. Every traction on one of them moves its other contacts at once, see
+`friction_kernels`.
 """
 
 from fem.kernels.jit import kernel

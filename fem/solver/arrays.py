@@ -14,7 +14,7 @@ from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH
 from fem.kernels.state import INNER, OUTER, ROLLER, Contacts, Drive, Ring, Rollers, Scratch
 from fem.solver.start import Start
-from lagrange import Bearing, Operation, kinematics
+from lagrange import Operation, kinematics
 
 REACH = 0.01  # of a roller's radius
 CACHE_LINE = 64  # bytes, as long as one register of eight
@@ -271,9 +271,7 @@ def _crowded(model: Model, width: float) -> bool:
         (model.outer_ring, model.outer_ring.n_sectors, apart),
         (model.roller, model.roller.shape.surface_nodes, 0.5 * (np.pi - apart)),
     )
-    return any(
-        nodes / (2.0 * np.pi) * angle < width for body, nodes, angle in spaces if not body.material.rigid
-    )
+    return any(nodes / (2.0 * np.pi) * angle < width for body, nodes, angle in spaces if not body.material.rigid)
 
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float) -> Drive:

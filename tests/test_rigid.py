@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag, eigh
 from scipy.optimize import brentq
 
 sys.path.insert(0, str(Path(__file__).parent / "reference"))
@@ -17,6 +18,7 @@ from benchmarks.random_scenes import random_scene
 from benchmarks.verification.runs import every_step, plan_of, record, without_spin
 from fem.cli import run_main
 from fem.elastic.critical_step import critical_time_step
+from fem.elastic.subgrid import ring_patch_force
 from fem.kernels.sample_kernels import HUB_Y
 from fem.solver.simulate import make_plan
 from fem.statics.equilibrium import standing, static_equilibrium
@@ -249,6 +251,41 @@ def test_only_what_moves_is_counted():
     state = rollers.arrays()
     assert state.rollers.u.size == state.rollers.blocks.size == 0
     assert rings.arrays().inner.u.shape[0] == 1
+
+
+def free_ring(body):
+    """Stiffness, mass, (n, n), and the rows of a held ring's free degrees of freedom among all."""
+    size, free = body.n_rows * 2 * body.n_sectors, np.zeros((body.n_rows, 2, body.n_sectors), dtype=bool)
+    free[body.free_rows] = True
+    unit = np.eye(size)[free.ravel()]
+    stiffness = np.array([body.force(u.reshape(free.shape)).ravel()[free.ravel()] for u in unit])
+    mass = np.broadcast_to(body.row_mass[:, None, None], free.shape)[free]
+    return stiffness, mass, free.ravel()
+
+
+@pytest.mark.parametrize("density", [7850.0, 100.0])
+def test_the_step_limit_holds_for_a_rigid_roller_between_elastic_rings(density):
+    """Against the dense eigenvalue of both rings, the roller's radial motion and contacts a hundred times too hard."""
+    whole = model(bearing_with(["rollers"], replace(RIGID, density=density)), 2e-3)
+    laws = {name: getattr(whole, name) for name in ("inner_law", "outer_law")}
+    hard = replace(whole, **{name: replace(law, A=1e-2 * law.A) for name, law in laws.items()})
+    springs = [getattr(hard, name).stiffness(min(6500.0, getattr(hard, name).Q_line)) for name in laws]
+    rings = [(ring, *free_ring(ring)) for ring in (hard.inner_ring, hard.outer_ring)]
+    stiffness = block_diag(*(ring[1] for ring in rings), np.zeros((1, 1)))
+    mass = np.concatenate([ring[2] for ring in rings] + [[hard.roller.total_mass]])
+    first = 0
+    for (ring, matrix, _, free), spring in zip(rings, springs, strict=True):
+        closing = np.zeros(mass.size)
+        closing[first : first + len(matrix)] = ring_patch_force(ring, 0.3).ravel()[free]
+        closing[-1] = -1.0
+        stiffness += spring * np.outer(closing, closing)
+        first += len(matrix)
+    scale = 1.0 / np.sqrt(mass)
+    fastest = eigh(scale[:, None] * stiffness * scale, eigvals_only=True)[-1]
+    found = critical_time_step(hard, 650.0)
+    assert found <= 2.0 / np.sqrt(fastest)
+    assert found > 0.3 * 2.0 / np.sqrt(fastest), "and is no wild guess"
+    assert found < 0.8 * critical_time_step(whole, 650.0)
 
 
 @every_choice

@@ -42,8 +42,8 @@ def _normal(rollers, inner, outer, contacts, drive, slope):
 
 @njit
 def _slip_and_friction(rollers, inner, outer, contacts, drive, still, slip):
-    grips(rollers, inner, outer, contacts)
-    slips(rollers, inner, outer, contacts, still, contacts.slip)
+    grips(rollers, inner, outer, contacts, drive)
+    slips(rollers, inner, outer, contacts, drive, still, contacts.slip)
     friction_contacts(rollers, inner, outer, contacts, drive, slip)
 
 

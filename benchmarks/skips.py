@@ -1,4 +1,7 @@
-"""What a scene does not need it does not pay for: the same scene with each part left out and put in without effect."""
+"""What a scene does not need it does not pay for: the same scene with each part left out and put in without effect.
+
+And what rigid bodies, an approximation that a scene may ask for, save and change.
+"""
 
 import statistics
 import time
@@ -47,6 +50,10 @@ SKIPS = (
 )
 
 
+# keys of [bodies]
+RIGID = (("rollers",), ("inner_ring",), ("outer_ring",), ("inner_ring", "outer_ring"))
+
+
 def skip_table(size_mm: float, pairs: int) -> Table:
     """Time loop without a part over the one with it, taken in turns, and how far their results differ."""
     table = Table(
@@ -71,11 +78,34 @@ def skip_table(size_mm: float, pairs: int) -> Table:
         spread = f"{min(ratios):.3f} … {max(ratios):.3f}"
         table.add_row(skip.name, f"{statistics.median(ratios):.3f}", spread, f"{difference:.0e}" if difference else "0")
     table.add_section()
+    for names in RIGID:
+        _add_rigid(table, base, names, pairs)
     elastic = statistics.median(_timed(short)[0] for _ in range(3))
     rigid, worst = _rigid(size_mm, without)
     words = f"{rigid / elastic:.3f}"
     table.add_row("elastic bodies: --model lagrange, an approximation", words, "", f"{worst:.0e}")
     return table
+
+
+def _add_rigid(table: Table, base: tuple[str, ...], names: tuple[str, ...], pairs: int) -> None:
+    """A row: the scene with rigid bodies against the elastic one. Its steps may be longer, which the time counts in."""
+    whole = make_plan(read_scene(None, base))
+    plan = make_plan(read_scene(None, (*base, *(f'bodies.{name}="rigid"' for name in names))))
+    compile_kernels(plan)
+    ratios = []
+    for _ in range(pairs):
+        longer, elastic = _timed(whole)
+        shorter, rigid = _timed(plan)
+        ratios.append(shorter / longer)
+    worst = max(_difference(rigid, elastic, names) for names in COMPARED)
+    words = " and ".join(name.replace("_", " ") for name in names)
+    steps = f"{plan.time_step / whole.time_step:.2f} times as long a step"
+    table.add_row(
+        f"elasticity of {words}, an approximation; {steps}",
+        f"{statistics.median(ratios):.3f}",
+        f"{min(ratios):.3f} … {max(ratios):.3f}",
+        f"{worst:.0e}",
+    )
 
 
 def _timed(plan: Plan) -> tuple[float, dict[str, np.ndarray]]:

@@ -30,7 +30,7 @@ def print_plan(plan: Plan) -> None:
         body = getattr(model, name)
         q = quality(Mesh(points=body.points, cells=body.cells))
         table.add_row(
-            name.replace("_", " "),
+            name.replace("_", " ") + (", rigid: only drawn" if body.material.rigid else ""),
             str(q.nodes),
             str(q.cells),
             f"{1e3 * q.smallest_edge:.3f} - {1e3 * q.largest_edge:.3f}",

@@ -1,32 +1,42 @@
 """The ideal bearing: geometry, materials, masses and operating point; the one description all others use."""
 
-from dataclasses import dataclass
-from math import pi
+from dataclasses import dataclass, replace
+from math import inf, pi
 
 
 @dataclass(frozen=True, kw_only=True)
 class Material:
-    """Isotropic linear elastic material. Pa, -, kg/m³."""
+    """Isotropic linear elastic material. Pa, -, kg/m³.
+
+    Where `rigid`, its body is taken as undeformable: its moduli are infinite, its share of any contact's approach 0.
+    `youngs_modulus` stays the material's own.
+    """
 
     youngs_modulus: float
     poisson_ratio: float
     density: float
+    rigid: bool = False
+
+    @property
+    def elastic(self) -> "Material":
+        """The same, not rigid."""
+        return replace(self, rigid=False)
 
     @property
     def plane_strain_modulus(self) -> float:
         """E' = E/(1 − ν²), Pa."""
-        return self.youngs_modulus / (1.0 - self.poisson_ratio**2)
+        return inf if self.rigid else self.youngs_modulus / (1.0 - self.poisson_ratio**2)
 
     @property
     def lame_lambda(self) -> float:
         """First Lamé constant (three-dimensional, hence plane strain), Pa."""
         E, nu = self.youngs_modulus, self.poisson_ratio
-        return E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+        return inf if self.rigid else E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
 
     @property
     def lame_mu(self) -> float:
         """Shear modulus, Pa."""
-        return self.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
+        return inf if self.rigid else self.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
 
     @property
     def dilatational_wave_speed(self) -> float:

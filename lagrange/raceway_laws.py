@@ -201,8 +201,9 @@ def caution(name: str, bearing: Bearing) -> str | None:
     if name not in LAWS:
         return None
     bodies = {"roller": bearing.roller, "inner ring": bearing.inner_ring, "outer ring": bearing.outer_ring}
-    other = [f"the {body} has {1e-9 * material.youngs_modulus:.4g} GPa" for body, material in bodies.items()
-             if not STEEL[0] <= material.youngs_modulus <= STEEL[1]]  # fmt: skip
+    other = [f"the {body} is rigid" if material.rigid else f"the {body} has {1e-9 * material.youngs_modulus:.4g} GPa"
+             for body, material in bodies.items()
+             if material.rigid or not STEEL[0] <= material.youngs_modulus <= STEEL[1]]  # fmt: skip
     if not other:
         return None
     return (

@@ -5,6 +5,7 @@ It stands on the ground floor because both the solver and the checker read it, a
 
 import tomllib
 from collections.abc import Iterator
+from dataclasses import replace
 from math import asin, pi, radians, sin
 from pathlib import Path
 from typing import Any, Literal
@@ -121,6 +122,32 @@ class MaterialTable(Table):
         )
 
 
+class BodiesTable(Table):
+    """Which bodies are taken as undeformable."""
+
+    rollers: Literal["elastic", "rigid"] = "elastic"
+    inner_ring: Literal["elastic", "rigid"] = "elastic"
+    outer_ring: Literal["elastic", "rigid"] = "elastic"
+
+    def checks(self) -> tuple[Check, ...]:
+        return (self._partners,)
+
+    def _partners(self) -> Iterator[str]:
+        rings = [name for name in ("inner_ring", "outer_ring") if getattr(self, name) == "rigid"]
+        if self.rollers == "rigid" and rings:
+            too = " and ".join(f'{name} = "rigid"' for name in rings)
+            yield (
+                f'rollers = "rigid" together with {too}: a contact of two rigid bodies has no compliance and so no '
+                'force; leave the rollers or the rings "elastic", or, for bodies that are all rigid with a contact law '
+                "between them, leave [bodies] out and take run-fem --model lagrange"
+            )
+
+    @property
+    def rigid(self) -> tuple[str, ...]:
+        """The keys of those that are."""
+        return tuple(name for name in type(self).model_fields if getattr(self, name) == "rigid")
+
+
 class OperationTable(Table):
     speed_rpm: float = Field(4500.0, ge=-200_000.0, le=200_000.0)
     radial_load_N: float = Field(2000.0, ge=0.0, le=1e7)
@@ -189,6 +216,7 @@ class Scene(Table):
     model: Literal["fem", "lagrange"] = "fem"
     bearing: BearingTable = BearingTable()
     material: MaterialTable = MaterialTable()
+    bodies: BodiesTable = BodiesTable()
     operation: OperationTable = OperationTable()
     contact: ContactTable = ContactTable()
     lagrange: LagrangeTable = LagrangeTable()
@@ -204,7 +232,7 @@ class Scene(Table):
         return data
 
     def checks(self) -> tuple[Check, ...]:
-        return self._law, self._mass, self._mesh, self._fields
+        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts
 
     def _law(self) -> Iterator[str]:
         known = law_names(self.ideal_bearing())
@@ -249,6 +277,13 @@ class Scene(Table):
                 f"{self.numerics.output_interval_us} ({interval:g} ms); 0 stores none"
             )
 
+    def _rigid_contacts(self) -> Iterator[str]:
+        if self.bodies.rigid and self.contact.model != "subgrid":
+            yield (
+                f'bodies.{self.bodies.rigid[0]} = "rigid": only with contact.model = "subgrid", not with '
+                f'"{self.contact.model}", whose points of pressure sit on meshes'
+            )
+
     def ideal_bearing(self) -> Bearing:
         """The bearing in SI."""
         b = self.bearing
@@ -260,9 +295,9 @@ class Scene(Table):
             outer_raceway_radius=0.5 * MM * b.outer_raceway_diameter_mm,
             bore_radius=0.5 * MM * b.bore_diameter_mm,
             outside_radius=0.5 * MM * b.outside_diameter_mm,
-            roller=self.material.of("roller"),
-            inner_ring=self.material.of("inner_ring"),
-            outer_ring=self.material.of("outer_ring"),
+            roller=replace(self.material.of("roller"), rigid=self.bodies.rollers == "rigid"),
+            inner_ring=replace(self.material.of("inner_ring"), rigid=self.bodies.inner_ring == "rigid"),
+            outer_ring=replace(self.material.of("outer_ring"), rigid=self.bodies.outer_ring == "rigid"),
         )
         if b.type == "roller":
             return Bearing(**shape)

@@ -369,12 +369,12 @@ def rub(state):
     """Friction at a copy; returns it, slips before and after, and the dissipated energy, J."""
     state = copies(state)
     three = state.contacts.slip
-    grips(*loop_arguments(state)[:4])
-    slips(*loop_arguments(state)[:4], state.rollers.turn_kick, three)
+    grips(*loop_arguments(state)[:5])
+    slips(*loop_arguments(state)[:5], state.rollers.turn_kick, three)
     before = three.copy()
     dissipated = friction_contacts(*loop_arguments(state)[:5], state.scratch.slip)
     after = np.zeros_like(before)
-    slips(*loop_arguments(state)[:4], state.rollers.turn_kick, after)
+    slips(*loop_arguments(state)[:5], state.rollers.turn_kick, after)
     return state, before, after, dissipated
 
 
@@ -394,8 +394,8 @@ def test_slip_is_the_sideways_speed_of_the_material():
     fill_ring(state.inner.w, w)
     state = press_keeping_velocities(state)
     found = np.zeros_like(state.contacts.slip)
-    grips(*loop_arguments(state)[:4])
-    slips(*loop_arguments(state)[:4], state.scratch.still, found)
+    grips(*loop_arguments(state)[:5])
+    slips(*loop_arguments(state)[:5], state.scratch.still, found)
     found, normal, closed = found[:, :n], by_contact(state.contacts.normal), state.contacts.force[:, :n] > 0.0
     across = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
     own = np.einsum("kja,ja->kj", across, velocity)

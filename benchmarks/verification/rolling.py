@@ -26,11 +26,11 @@ def _creep(plan: Plan, sliding: float) -> tuple[float, float, float]:
     push_contacts(*bodies)
     across = state.contacts.normal[INNER, :, 0] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
     state.rollers.velocity[:, 0] += sliding * across
-    grips(*bodies[:4])
-    slips(*bodies[:4], state.rollers.turn_kick, state.contacts.slip)
+    grips(*bodies[:5])
+    slips(*bodies[:5], state.rollers.turn_kick, state.contacts.slip)
     friction_contacts(*bodies, state.scratch.slip)
     left = np.zeros_like(state.contacts.slip)
-    slips(*bodies[:4], state.rollers.turn_kick, left)
+    slips(*bodies[:5], state.rollers.turn_kick, left)
     ideal = plan.start.kinematics
     orbit = ideal.cage + sliding / plan.model.bearing.pitch_radius
     rolling = abs(ideal.roller - orbit) * plan.model.bearing.roller_radius

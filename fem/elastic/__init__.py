@@ -5,6 +5,7 @@ continuum                 exact series of discs and rings
 quadratic                 the same bodies on quadratic elements that resolve the contacts
 subgrid, spread, resolved  laws below the grid of one patch and of points; contacts that the mesh resolves
 kept                      matrices and step limits kept on disk between starts
+rigid                     bodies declared rigid
 model                     the whole bearing
 critical_step             2/ω_max with the contacts in it
 """

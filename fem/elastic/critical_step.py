@@ -1,5 +1,6 @@
 """The critical time step of leapfrog, 2/ω_max, with the contacts' stiffness in it."""
 
+from collections.abc import Iterator
 from math import sqrt
 
 import numpy as np
@@ -12,6 +13,8 @@ from fem.elastic.resolved import point_springs
 from fem.elastic.subgrid import disc_patch_force, ring_patch_force
 
 LOAD_MARGIN = 10.0  # contacts are as stiff as at this many times the largest static force
+# what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
+EVENLY, LIGHT, HEAVY = 2.0, 10.0 / 9.0, 10.0
 LANCZOS_TOLERANCE = 1e-4  # relative, of ω²; the found value is that much too low at most
 
 
@@ -19,27 +22,37 @@ def critical_time_step(model: Model, largest_force: float) -> float:
     """2/ω_max, s, of all bodies with every contact closed at LOAD_MARGIN times `largest_force`, N.
 
     A spring k between two bodies is counted as 2k on each: k (a + b)² <= 2k a² + 2k b², so no coupled mode is
-    faster than the fastest body. Friction is implicit and does not count.
+    faster than the fastest body. Where one of them is rigid, and moves with its whole mass, as LIGHT k on the other and
+    HEAVY k on itself, which is as true. Friction is implicit and does not count.
 
     Errors
     ------
     Lanczos approaches ω_max² from below; its tolerance is added.
     """
-    springs = (
-        point_springs(model) if model.is_resolved else _patch_springs(model, LOAD_MARGIN * max(largest_force, 1.0))
-    )
-    fastest = max(
-        _disc_limit(model.roller, springs["roller"]),
-        _ring_limit(model.inner_ring, springs["inner_ring"]),
-        _ring_limit(model.outer_ring, springs["outer_ring"]),
-    )
-    return 2.0 / sqrt(fastest * (1.0 + LANCZOS_TOLERANCE))
+    force = LOAD_MARGIN * max(largest_force, 1.0)
+    springs = point_springs(model) if model.is_resolved else _patch_springs(model, force)
+    limits = {"roller": _disc_limit, "inner_ring": _ring_limit, "outer_ring": _ring_limit}
+    elastic = [name for name in limits if not getattr(model, name).material.rigid]
+    found = [limits[name](getattr(model, name), springs[name]) for name in elastic]
+    if len(elastic) < len(limits):
+        found.extend(_rigid_limits(model, force))
+    return 2.0 / sqrt(max(found) * (1.0 + LANCZOS_TOLERANCE))
+
+
+def _stiffnesses(model: Model, force: float) -> list[float]:
+    """Of an inner, an outer and a roller's contact, N/m, at a force, N."""
+    return [law.stiffness(min(force, law.Q_line)) for law in (model.inner_law, model.outer_law, model.roller_law)]
 
 
 def _patch_springs(model: Model, force: float) -> dict[str, sparse.csc_matrix]:
     """Columns √(2k)·load of the springs on each kind of body; a roller has one of each kind, apart from each other."""
-    laws = model.inner_law, model.outer_law, model.roller_law
-    inner, outer, between = (sqrt(2.0 * law.stiffness(min(force, law.Q_line))) for law in laws)
+    ends = [
+        EVENLY if not (model.roller.material.rigid or ring.material.rigid) else LIGHT
+        for ring in (model.inner_ring, model.outer_ring)
+    ]
+    inner, outer, between = (
+        sqrt(share * k) for share, k in zip((*ends, EVENLY), _stiffnesses(model, force), strict=True)
+    )
     angles = 2.0 * np.pi * np.arange(3) / 3.0
     on_roller = [
         size * disc_patch_force(model.roller, angle)
@@ -50,6 +63,15 @@ def _patch_springs(model: Model, force: float) -> dict[str, sparse.csc_matrix]:
         "inner_ring": _column(inner * ring_patch_force(model.inner_ring, 0.0)),
         "outer_ring": _column(outer * ring_patch_force(model.outer_ring, 0.0)),
     }
+
+
+def _rigid_limits(model: Model, force: float) -> Iterator[float]:
+    """Largest ω², 1/s², or more, of the bodies that move as a whole; the inner ring's without the shaft's mass."""
+    inner, outer, between = _stiffnesses(model, force)
+    if model.roller.material.rigid:
+        yield (HEAVY * (inner + outer) + 2.0 * EVENLY * between) / model.roller.total_mass
+    if model.inner_ring.material.rigid:
+        yield model.bearing.n_rollers * HEAVY * inner / model.inner_ring.total_mass
 
 
 def _column(load: np.ndarray) -> sparse.csc_matrix:

@@ -5,8 +5,16 @@ from math import pi, sqrt
 
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
 from fem.elastic.resolved import ResolvedLaw, penalty_laws, resolved_laws
+from fem.elastic.rigid import rigid_body
 from fem.elastic.spread import SpreadLaw, spread_laws
-from fem.elastic.subgrid import ContactLaw, SurfaceCompliance, contact_law, disc_compliance, ring_compliance
+from fem.elastic.subgrid import (
+    ContactLaw,
+    SurfaceCompliance,
+    contact_law,
+    disc_compliance,
+    ring_compliance,
+    unmeshed_disc,
+)
 from fem.kernels.state import INNER, OUTER, ROLLER
 from lagrange import Bearing
 from meshes import BearingShapes, bearing_shapes, graded_shapes
@@ -38,14 +46,20 @@ class Model:
 
     @property
     def n_nodes(self) -> int:
-        rings = sum(ring.n_rows * ring.n_sectors for ring in (self.inner_ring, self.outer_ring))
-        return self.bearing.n_rollers * self.roller.n_nodes + rings
+        """Of the elastic bodies."""
+        rings = sum(ring.n_rows * ring.n_sectors for ring in self._elastic_rings)
+        return self.bearing.n_rollers * (0 if self.roller.material.rigid else self.roller.n_nodes) + rings
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Free ones: two per node off the held circles, two of the hub."""
-        rings = sum((ring.n_rows - 1) * ring.n_sectors for ring in (self.inner_ring, self.outer_ring))
-        return 2 * (self.bearing.n_rollers * self.roller.n_nodes + rings) + 2
+        """Free ones: two per node off the held circles, two of the hub, three of a rigid roller."""
+        rings = sum((ring.n_rows - 1) * ring.n_sectors for ring in self._elastic_rings)
+        of_a_roller = 3 if self.roller.material.rigid else 2 * self.roller.n_nodes
+        return self.bearing.n_rollers * of_a_roller + 2 * rings + 2
+
+    @property
+    def _elastic_rings(self) -> list[RingBody]:
+        return [ring for ring in (self.inner_ring, self.outer_ring) if not ring.material.rigid]
 
 
 def build_model(bearing: Bearing, mesh_size: float) -> Model:
@@ -56,7 +70,9 @@ def build_model(bearing: Bearing, mesh_size: float) -> Model:
     roller_surface = disc_compliance(roller, thickness, half_width)
     inner_surface = ring_compliance(inner, thickness, half_width)
     outer_surface = ring_compliance(outer, thickness, half_width)
-    radius = bearing.roller_radius
+    radius, between = bearing.roller_radius, roller_surface
+    if bearing.roller.rigid:  # two of them need a compliance to meet with: their material's own
+        between = unmeshed_disc(radius, bearing.roller.elastic, thickness, half_width)
     return Model(
         bearing=bearing,
         roller=roller,
@@ -64,7 +80,7 @@ def build_model(bearing: Bearing, mesh_size: float) -> Model:
         outer_ring=outer,
         inner_law=contact_law(inner_surface, roller_surface, 1.0 / (1.0 / radius + 1.0 / bearing.inner_raceway_radius)),
         outer_law=contact_law(roller_surface, outer_surface, 1.0 / (1.0 / radius - 1.0 / bearing.outer_raceway_radius)),
-        roller_law=contact_law(roller_surface, roller_surface, 0.5 * radius),
+        roller_law=contact_law(between, between, 0.5 * radius),
         roller_surface=roller_surface,
         inner_surface=inner_surface,
         outer_surface=outer_surface,
@@ -115,11 +131,13 @@ def _pressed(
 
 def _bodies(bearing: Bearing, shapes: BearingShapes) -> tuple[DiscBody, RingBody, RingBody]:
     thickness = bearing.roller_length
-    return (
-        disc_body(shapes.roller, bearing.roller, thickness),
-        ring_body(shapes.inner_ring, bearing.inner_ring, thickness, held_inside=True),
-        ring_body(shapes.outer_ring, bearing.outer_ring, thickness, held_inside=False),
+    bodies = (
+        disc_body(shapes.roller, bearing.roller.elastic, thickness),
+        ring_body(shapes.inner_ring, bearing.inner_ring.elastic, thickness, held_inside=True),
+        ring_body(shapes.outer_ring, bearing.outer_ring.elastic, thickness, held_inside=False),
     )
+    materials = bearing.roller, bearing.inner_ring, bearing.outer_ring
+    return tuple(rigid_body(body) if material.rigid else body for body, material in zip(bodies, materials, strict=True))
 
 
 def peak_pressure(law: ContactLaw | SpreadLaw | ResolvedLaw, force: float, thickness: float) -> float:

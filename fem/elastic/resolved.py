@@ -87,7 +87,7 @@ def resolved_laws(bearing: Bearing, spacings: dict[str, float]) -> dict[int, Res
     return {
         INNER: resolved_law((bearing.inner_raceway_radius, r), (inner, roller), length, finest["inner_ring"]),
         OUTER: resolved_law((-bearing.outer_raceway_radius, r), (outer, roller), length, finest["outer_ring"]),
-        ROLLER: resolved_law((r, r), (roller, roller), length, finest["roller"]),
+        ROLLER: resolved_law((r, r), (roller.elastic, roller.elastic), length, finest["roller"]),
     }
 
 

@@ -98,6 +98,8 @@ def disc_patch_force(disc: DiscBody, angle: float) -> np.ndarray:
 
 def ring_compliance(ring: RingBody, thickness: float, half_width: float) -> SurfaceCompliance:
     """Calibrate a held ring against the exact annulus under one Hertz pressure."""
+    if ring.material.rigid:
+        return rigid_surface(half_width)
     angles = np.arange(KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / ring.n_sectors)
     loads = np.stack([ring_patch_force(ring, angle) for angle in angles], axis=-1)
     found = np.einsum("rcsp,rcsp->p", loads, ring.held(loads))
@@ -108,6 +110,8 @@ def ring_compliance(ring: RingBody, thickness: float, half_width: float) -> Surf
 
 def disc_compliance(disc: DiscBody, thickness: float, half_width: float) -> SurfaceCompliance:
     """Calibrate a free disc against the exact disc squeezed by two opposite Hertz pressures."""
+    if disc.material.rigid:
+        return rigid_surface(half_width)
     nodes = disc.shape.surface_nodes
     angles = np.arange(disc.shape.layers * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / nodes)
     found = np.concatenate([_squeezed(disc, some) for some in np.array_split(angles, 1 + angles.size // 512)])
@@ -120,6 +124,22 @@ def _squeezed(disc: DiscBody, angles: np.ndarray) -> np.ndarray:
     near = np.stack([disc_patch_force(disc, angle) for angle in angles], axis=-1)
     far = np.stack([disc_patch_force(disc, angle + pi) for angle in angles], axis=-1)
     return np.einsum("np,np->p", near, disc.relaxed(near + far))
+
+
+def rigid_surface(half_width: float) -> SurfaceCompliance:
+    """Of a body that does not give way."""
+    return SurfaceCompliance(missing=0.0, half_width=half_width, unit=0.0, ripple=np.zeros(KNOTS_PER_NODE), spread=0.0)
+
+
+def unmeshed_disc(radius: float, material: Material, thickness: float, half_width: float) -> SurfaceCompliance:
+    """Of a disc without finite elements: the whole approach of the exact disc squeezed by two Hertz pressures."""
+    return SurfaceCompliance(
+        missing=disc_hertz_approach(radius, material, half_width) / thickness,
+        half_width=half_width,
+        unit=2.0 / (pi * material.plane_strain_modulus * thickness),
+        ripple=np.zeros(KNOTS_PER_NODE),
+        spread=0.0,
+    )
 
 
 def _missing(exact: float, found: np.ndarray, half_width: float, material: Material, thickness: float):

@@ -9,6 +9,7 @@ law, patches                    the law below the grid; B-spline patches
 resolved_kernels                contacts as pressures on points, or penalty springs
 point_kernels, spread_kernels   one point on one surface; forces of points spread over patches
 facet_kernels                   polygons in place of circles
+rigid_kernels                   bodies declared rigid
 friction_kernels                Carter's creep and Coulomb's limit
 sample_kernels                  what a stored sample holds
 simd, lane_functions            eight lanes as one value, and functions of them

@@ -17,6 +17,7 @@ from fem.kernels import patch_kernels as patch
 from fem.kernels.jit import kernel
 from fem.kernels.law import contact_force, kick_force
 from fem.kernels.resolved_kernels import resolved_contacts
+from fem.kernels.rigid_kernels import push_whole, still
 from fem.kernels.simd import (
     WIDTH,
     any_lane,
@@ -65,7 +66,8 @@ def push_contacts(rollers, inner, outer, contacts, drive):
     inner_u, inner_w, inner_mass = inner.u, inner.w, inner.row_mass[inner.raceway]
     outer_u, outer_w, outer_mass = outer.u, outer.w, outer.row_mass[outer.raceway]
     start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
-    push, outward, stretch, dt = contacts.push, contacts.outward, contacts.stretch, drive.dt
+    push, outward, normal = contacts.push, contacts.outward, contacts.normal
+    stretch, dt = contacts.stretch, drive.dt
     on_nodes = 0.0
     for kind in range(3):
         for j in range(n):
@@ -73,7 +75,10 @@ def push_contacts(rollers, inner, outer, contacts, drive):
                 continue
             p, given = 2 * kind, -push[kind, j] * dt
             i = second(kind, j, n)
-            if kind == INNER:
+            if kind == INNER and len(inner.rigid) > 0:
+                drive.impulse[0] += given * normal[kind, 0, j]
+                drive.impulse[1] += given * normal[kind, 1, j]
+            elif kind == INNER:
                 on_nodes += patch.push_ring(
                     inner_u,
                     inner_w,
@@ -89,6 +94,8 @@ def push_contacts(rollers, inner, outer, contacts, drive):
                     j,
                     stretch,
                 )
+            elif kind == OUTER and len(outer.rigid) > 0:
+                pass  # the ground's
             elif kind == OUTER:
                 patch.push_ring(
                     outer_u,
@@ -105,13 +112,16 @@ def push_contacts(rollers, inner, outer, contacts, drive):
                     j,
                     stretch,
                 )
-            else:
+            elif len(rollers.rigid) == 0:
                 x, y = given * outward[p, 0, j], given * outward[p, 1, j]
                 patch.push_roller(w, lightness, columns, j, first, n_surface, x, y, start, weight, p, j, stretch)
             p += 1
-            x, y = given * outward[p, 0, j], given * outward[p, 1, j]
-            patch.push_roller(w, lightness, columns, i, first, n_surface, x, y, start, weight, p, j, stretch)
+            if len(rollers.rigid) == 0:
+                x, y = given * outward[p, 0, j], given * outward[p, 1, j]
+                patch.push_roller(w, lightness, columns, i, first, n_surface, x, y, start, weight, p, j, stretch)
     drive.ring[4] += on_nodes
+    if len(rollers.rigid) > 0:
+        push_whole(rollers)
 
 
 @kernel(forceinline=True)
@@ -189,45 +199,51 @@ def ring_contacts(kind, rollers, ring, contacts, drive, ring_ripple, slope):
             continue
         scale = 1.0 / select(near, distance, 1.0)
         nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
-        out, side, rate, ripple, ripple_rate = patch.read_ring(
-            ring.u,
-            ring.raceway,
-            ring.n_sectors,
-            ring.cosines,
-            ring.sines,
-            ring_c * nx + ring_s * ny,
-            ring_c * ny - ring_s * nx,
-            ring_ripple,
-            start,
-            weight,
-            along,
-            across,
-            columns,
-            2 * kind,
-            group,
-            slope,
-            stretch,
-        )
+        if len(ring.rigid) > 0:
+            out, side, rate, ripple, ripple_rate = still(hub_x * nx + hub_y * ny, hub_y * nx - hub_x * ny)
+        else:
+            out, side, rate, ripple, ripple_rate = patch.read_ring(
+                ring.u,
+                ring.raceway,
+                ring.n_sectors,
+                ring.cosines,
+                ring.sines,
+                ring_c * nx + ring_s * ny,
+                ring_c * ny - ring_s * nx,
+                ring_ripple,
+                start,
+                weight,
+                along,
+                across,
+                columns,
+                2 * kind,
+                group,
+                slope,
+                stretch,
+            )
         out -= hub_x * nx + hub_y * ny  # the inner ring's state holds the hub's motion
         side -= hub_y * nx - hub_x * ny
         c, s = load(cosine, group), load(sine, group)
         bx, by = -sign * (c * nx + s * ny), sign * (s * nx - c * ny)
-        out_r, side_r, rate_r, ripple_r, ripple_rate_r = patch.read_roller(
-            u,
-            count_from(group),
-            columns,
-            first,
-            n_surface,
-            bx,
-            by,
-            contacts.roller_ripple,
-            start,
-            weight,
-            2 * kind + 1,
-            group,
-            slope,
-            stretch,
-        )
+        if len(rollers.rigid) > 0:
+            out_r, side_r, rate_r, ripple_r, ripple_rate_r = still(splat(0.0), splat(0.0))
+        else:
+            out_r, side_r, rate_r, ripple_r, ripple_rate_r = patch.read_roller(
+                u,
+                count_from(group),
+                columns,
+                first,
+                n_surface,
+                bx,
+                by,
+                contacts.roller_ripple,
+                start,
+                weight,
+                2 * kind + 1,
+                group,
+                slope,
+                stretch,
+            )
         Q, P = _press(contacts, kind, row, near, overlap + sign * out + out_r, ripple + ripple_r)
         store(normal, 2 * kind * columns + group, nx)
         store(normal, (2 * kind + 1) * columns + group, ny)
@@ -276,12 +292,16 @@ def roller_contacts(rollers, contacts, drive, slope):
         c, s, c_i, s_i = load(cosine, group), load(sine, group), gather(cosine, i), gather(sine, i)
         ax, ay = c * nx + s * ny, c * ny - s * nx
         bx, by = -(c_i * nx + s_i * ny), s_i * nx - c_i * ny
-        out, side, rate, ripple, ripple_rate = patch.read_roller(
-            u, j, columns, first, n_surface, ax, ay, ripples, start, weight, 2 * ROLLER, group, slope, stretch
-        )
-        out_i, side_i, rate_i, ripple_i, ripple_rate_i = patch.read_roller(
-            u, i, columns, first, n_surface, bx, by, ripples, start, weight, 2 * ROLLER + 1, group, slope, stretch
-        )
+        if len(rollers.rigid) > 0:
+            out, side, rate, ripple, ripple_rate = still(splat(0.0), splat(0.0))
+            out_i, side_i, rate_i, ripple_i, ripple_rate_i = still(splat(0.0), splat(0.0))
+        else:
+            out, side, rate, ripple, ripple_rate = patch.read_roller(
+                u, j, columns, first, n_surface, ax, ay, ripples, start, weight, 2 * ROLLER, group, slope, stretch
+            )
+            out_i, side_i, rate_i, ripple_i, ripple_rate_i = patch.read_roller(
+                u, i, columns, first, n_surface, bx, by, ripples, start, weight, 2 * ROLLER + 1, group, slope, stretch
+            )
         Q, P = _press(contacts, ROLLER, row, near, 2.0 * radius - distance + out + out_i, ripple + ripple_i)
         store(normal, 2 * ROLLER * columns + group, nx)
         store(normal, (2 * ROLLER + 1) * columns + group, ny)

@@ -8,6 +8,7 @@ from fem.kernels import patch_kernels as patch
 from fem.kernels.contact_kernels import next_rollers, second
 from fem.kernels.jit import kernel
 from fem.kernels.lane_functions import larger
+from fem.kernels.rigid_kernels import hub_mobility, roller_mobility, rub_whole, whole_mobility, whole_slip
 from fem.kernels.simd import (
     WIDTH,
     any_lane,
@@ -54,7 +55,7 @@ def creep_traction(slip, limit, full_slip, mobility_dt):
 
 
 @kernel(forceinline=True)
-def grips(rollers, inner, outer, contacts):
+def grips(rollers, inner, outer, contacts, drive):
     """How all closed contacts' patches grip, for `slips` and `friction_contacts`."""
     points, radius, n, columns = rollers.points, rollers.radius, rollers.n, rollers.columns
     lightness, first, n_surface = rollers.lightness, rollers.first_surface, rollers.n_surface
@@ -66,42 +67,51 @@ def grips(rollers, inner, outer, contacts):
             if not any_lane(load(force, kind * columns + group) > 0.0):
                 continue
             side, at = 2 * kind, 4 * kind * columns + group
-            if kind == ROLLER:
+            if kind == ROLLER and len(rollers.rigid) > 0:
+                mobility = splat(roller_mobility(rollers))
+            elif kind == ROLLER:
                 x, y = load(outward, at), load(outward, at + columns)
                 mobility = patch.grip_roller(
                     points, lightness, first, n_surface, radius, x, y, start, weight, columns, side, group, scale, lean,
                     stretch,
                 )  # fmt: skip
+            elif kind == INNER and len(inner.rigid) > 0:
+                mobility = splat(hub_mobility(rollers, drive))
+            elif kind == OUTER and len(outer.rigid) > 0:
+                mobility = splat(0.0)
             else:
                 mass = inner.row_mass[inner.raceway] if kind == INNER else outer.row_mass[outer.raceway]
                 mobility = patch.grip_ring(mass, weight, along, across, columns, side, group, scale, lean, stretch)
-            x, y = load(outward, at + 2 * columns), load(outward, at + 3 * columns)
-            mobility += patch.grip_roller(
-                points, lightness, first, n_surface, radius, x, y, start, weight, columns, side + 1, group, scale, lean,
-                stretch,
-            )  # fmt: skip
+            if len(rollers.rigid) > 0:
+                mobility += splat(roller_mobility(rollers))
+            else:
+                x, y = load(outward, at + 2 * columns), load(outward, at + 3 * columns)
+                mobility += patch.grip_roller(
+                    points, lightness, first, n_surface, radius, x, y, start, weight, columns, side + 1, group, scale,
+                    lean, stretch,
+                )  # fmt: skip
             store(contacts.mobility, kind * columns + group, mobility)
 
 
 @kernel(forceinline=True)
-def slips(rollers, inner, outer, contacts, turn_kick, out):
+def slips(rollers, inner, outer, contacts, drive, turn_kick, out):
     """Sideways velocity of side 1 less that of side 0 along t = Jn for every closed contact, m/s; out (3, columns).
 
     `grips` must have been called at the present positions. `turn_kick`, (columns,), rad/s: what the rollers are still
     to gain by turning as a whole. Contacts that are open get what has no meaning.
     """
     for kind in range(3):
-        slips_of(kind, rollers, inner, outer, contacts, turn_kick, out)
+        slips_of(kind, rollers, inner, outer, contacts, drive, turn_kick, out)
 
 
 @kernel(forceinline=True)
-def slips_of(kind, rollers, inner, outer, contacts, turn_kick, out):
+def slips_of(kind, rollers, inner, outer, contacts, drive, turn_kick, out):
     """`slips` of one kind of contact."""
     w, columns, velocity, radius, n = rollers.w, rollers.columns, rollers.velocity, rollers.radius, rollers.n
     points, first, n_surface = rollers.points, rollers.first_surface, rollers.n_surface
     start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
     force, normal, outward, stretch = contacts.force, contacts.normal, contacts.outward, contacts.stretch
-    scale, lean = contacts.scale, contacts.lean
+    scale, lean, spin = contacts.scale, contacts.lean, rollers.spin
     for group in range(0, n, WIDTH):
         row = kind * columns + group
         if not any_lane(load(force, row) > 0.0):
@@ -111,30 +121,41 @@ def slips_of(kind, rollers, inner, outer, contacts, turn_kick, out):
         if kind == ROLLER:
             i = next_rollers(group, n)
         bx, by = load(outward, at + 2 * columns), load(outward, at + 3 * columns)
-        own = gather(turn_kick, i) * radius + patch.sideways_roller(
-            w, i, points, first, n_surface, radius, bx, by, start, weight, columns, side + 1, group, scale, lean,
-            stretch,
-        )  # fmt: skip
+        own = gather(turn_kick, i) * radius
+        if len(rollers.rigid) > 0:
+            own += gather(spin, i) * radius
+        else:
+            own += patch.sideways_roller(
+                w, i, points, first, n_surface, radius, bx, by, start, weight, columns, side + 1, group, scale, lean,
+                stretch,
+            )  # fmt: skip
         slip = gather(velocity, i + columns) * nx - gather(velocity, i) * ny
         if kind == OUTER:
             slip += own
-            slip -= patch.sideways_ring(
-                outer.w, outer.raceway, outer.n_sectors, start, weight, along, across, columns, side, group, scale,
-                lean, stretch,
-            )  # fmt: skip
+            if len(outer.rigid) == 0:
+                slip -= patch.sideways_ring(
+                    outer.w, outer.raceway, outer.n_sectors, start, weight, along, across, columns, side, group, scale,
+                    lean, stretch,
+                )  # fmt: skip
         elif kind == INNER:
             slip -= own
-            slip -= patch.sideways_ring(
-                inner.w, inner.raceway, inner.n_sectors, start, weight, along, across, columns, side, group, scale,
-                lean, stretch,
-            )  # fmt: skip
+            if len(inner.rigid) > 0:
+                slip -= drive.velocity[1] * nx - drive.velocity[0] * ny + drive.speed * inner.radius
+            else:
+                slip -= patch.sideways_ring(
+                    inner.w, inner.raceway, inner.n_sectors, start, weight, along, across, columns, side, group, scale,
+                    lean, stretch,
+                )  # fmt: skip
         else:
             bx, by = load(outward, at), load(outward, at + columns)
             slip -= own + load(turn_kick, group) * radius
-            slip -= patch.sideways_roller(
-                w, count_from(group), points, first, n_surface, radius, bx, by, start, weight, columns, side, group,
-                scale, lean, stretch,
-            )  # fmt: skip
+            if len(rollers.rigid) > 0:
+                slip -= load(spin, group) * radius
+            else:
+                slip -= patch.sideways_roller(
+                    w, count_from(group), points, first, n_surface, radius, bx, by, start, weight, columns, side, group,
+                    scale, lean, stretch,
+                )  # fmt: skip
             slip -= load(velocity, columns + group) * nx - load(velocity, group) * ny
         store(out, row, slip)
 
@@ -145,13 +166,16 @@ def friction_contacts(rollers, inner, outer, contacts, drive, after):
 
     Each is implicit in its own patch's velocity. `after`, (3, columns), m/s, is filled with the slips they leave. Where
     patches of neighbours overlap (on coarse rings), each starts from its last value and every other one is solved for
-    in turn (Gauss and Seidel): without neighbours' part sticking contacts would shake each other.
+    in turn (Gauss and Seidel): without neighbours' part sticking contacts would shake each other. Where they share a
+    rigid body, each knows the others' last values.
     """
-    if not contacts.crowded:
-        slips(rollers, inner, outer, contacts, rollers.turn_kick, after)
+    if not contacts.crowded and len(rollers.rigid) + len(inner.rigid) > 0:
+        _solve_on_whole_bodies(rollers, inner, outer, contacts, drive, after)
+    elif not contacts.crowded:
+        slips(rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
         for kind in range(3):
-            _find_tractions(kind, 0, 1, rollers, outer.radius - rollers.radius, contacts, drive, after)
-            _rub(kind, rollers, inner, outer, contacts, drive)
+            _find_tractions(kind, 0, 1, False, rollers, inner, outer.radius - rollers.radius, contacts, drive, after)
+            _rub(kind, rollers, inner, outer, contacts, drive, contacts.change)
     else:
         _solve_in_turn(rollers, inner, outer, contacts, drive, after)
     traction, before = contacts.traction, contacts.slip
@@ -165,24 +189,62 @@ def friction_contacts(rollers, inner, outer, contacts, drive, after):
 def _solve_in_turn(rollers, inner, outer, contacts, drive, after):
     """Tractions and impulses of contacts whose patches overlap; seldom needed, so kept out of the time loop."""
     for kind in range(3):  # every contact that is still closed gets its last traction
-        for group in range(0, rollers.n, WIDTH):
-            row = kind * rollers.columns + group
-            last = select(load(contacts.force, row) > 0.0, load(contacts.traction, row), 0.0)
-            store(contacts.traction, row, last)
-            store(contacts.change, row, last)
-        _rub(kind, rollers, inner, outer, contacts, drive)
+        _take_last(kind, rollers, contacts)
+        _rub(kind, rollers, inner, outer, contacts, drive, contacts.change)
     for kind in range(3):
         for first in range(2):
-            slips_of(kind, rollers, inner, outer, contacts, rollers.turn_kick, after)
-            _find_tractions(kind, first, 2, rollers, outer.radius - rollers.radius, contacts, drive, after)
-            _rub(kind, rollers, inner, outer, contacts, drive)
-    slips(rollers, inner, outer, contacts, rollers.turn_kick, after)
+            slips_of(kind, rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
+            _find_tractions(kind, first, 2, True, rollers, inner, outer.radius - rollers.radius, contacts, drive, after)
+            _rub(kind, rollers, inner, outer, contacts, drive, contacts.change)
+    slips(rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
 
 
 @kernel(forceinline=True)
-def _find_tractions(kind, first, step, rollers, pitch, contacts, drive, slip):
+def _take_last(kind, rollers, contacts):
+    """Begin with the last tractions of the contacts of a kind that are still closed."""
+    for group in range(0, rollers.n, WIDTH):
+        row = kind * rollers.columns + group
+        last = select(load(contacts.force, row) > 0.0, load(contacts.traction, row), 0.0)
+        store(contacts.traction, row, last)
+        store(contacts.change, row, last)
+
+
+@kernel(forceinline=True)
+def _solve_on_whole_bodies(rollers, inner, outer, contacts, drive, after):
+    """Tractions and impulses of contacts that share a rigid body but no nodes.
+
+    The rigid bodies have been given all last tractions when each contact finds its own: a step's tractions differ from
+    the last by so little that what they do to each other's slip is caught up with in the next.
+    """
+    columns, n, change = rollers.columns, rollers.n, contacts.change
+    for kind in range(3):
+        _take_last(kind, rollers, contacts)
+        for j in range(n):
+            given = change[kind, j] * drive.dt
+            drive.ring[4] += rub_whole(kind, second(kind, j, n), j, given, rollers, inner, contacts, drive)
+    slips(rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
+    for kind in range(3):
+        _find_tractions(kind, 0, 1, True, rollers, inner, outer.radius - rollers.radius, contacts, drive, after)
+    for kind in range(3):
+        mobility = whole_mobility(kind, rollers, inner, drive) * drive.dt
+        for group in range(0, n, WIDTH):
+            row = kind * columns + group
+            moved = whole_slip(kind, group, next_rollers(group, n), rollers, inner, contacts, drive)
+            store(after, row, load(after, row) - moved - mobility * load(change, row))
+    for kind in range(3):
+        _rub(kind, rollers, inner, outer, contacts, drive, contacts.traction)
+    for kind in range(3):
+        for group in range(0, n, WIDTH):
+            row = kind * columns + group
+            moved = whole_slip(kind, group, next_rollers(group, n), rollers, inner, contacts, drive)
+            store(after, row, load(after, row) + moved)
+
+
+@kernel(forceinline=True)
+def _find_tractions(kind, first, step, again, rollers, inner, pitch, contacts, drive, slip):
     """Tractions of every `step`-th contact of a kind from the slips, which become those that are left.
 
+    `again`: the slips are with the last tractions, where `step` is 1 those of the rigid bodies alone.
     What they differ by from those that the bodies have been given is left in `contacts.change`.
     """
     columns, n, radius = rollers.columns, rollers.n, rollers.radius
@@ -205,12 +267,15 @@ def _find_tractions(kind, first, step, rollers, pitch, contacts, drive, slip):
         full_slip = larger(friction * contacts.curvature[kind] * half_width * rolling, SLIP_FLOOR)
         mobility = load(contacts.mobility, row) * dt
         given, found = splat(0.0), load(slip, row)
-        chosen = Q > 0.0
-        if step > 1:
+        chosen, taken = Q > 0.0, mobility
+        if again:
             given = load(traction, row)
+            if step == 1:
+                taken = splat(whole_mobility(kind, rollers, inner, drive) * dt)
+        if step > 1:
             number = count_from(group + first)
             chosen = chosen & (number - whole(real(number) * 0.5) * 2 == 0)
-        T, left = creep_traction(found - mobility * given, friction * Q, full_slip, mobility)
+        T, left = creep_traction(found - taken * given, friction * Q, full_slip, mobility)
         T = select(chosen, -T, select(Q > 0.0, given, 0.0))  # on side 1, along t
         store(slip, row, select(chosen, left, found))
         store(traction, row, T)
@@ -218,8 +283,11 @@ def _find_tractions(kind, first, step, rollers, pitch, contacts, drive, slip):
 
 
 @kernel(forceinline=True)
-def _rub(kind, rollers, inner, outer, contacts, drive):
-    """Impulses over one step of the changes of tractions, on whole rollers and on the surface nodes."""
+def _rub(kind, rollers, inner, outer, contacts, drive, share):
+    """Impulses over one step on whole rollers and on the surface nodes.
+
+    Rigid bodies get those of the changes of tractions, all others those of `share`, the same or the tractions.
+    """
     w, lightness, columns, n = rollers.w, rollers.lightness, rollers.columns, rollers.n
     points, first, n_surface, radius = rollers.points, rollers.first_surface, rollers.n_surface, rollers.radius
     inner_u, inner_w, inner_mass = inner.u, inner.w, inner.row_mass[inner.raceway]
@@ -235,31 +303,32 @@ def _rub(kind, rollers, inner, outer, contacts, drive):
     scale, lean, impulse = contacts.scale, contacts.lean, rollers.impulse
     on_nodes = 0.0
     for j in range(n):
-        given = change[kind, j] * dt  # along t on side 1
-        if given == 0.0:
+        given, whole = share[kind, j] * dt, change[kind, j] * dt  # along t on side 1
+        if given == 0.0 and whole == 0.0:
             continue
         side = 2 * kind
         i = second(kind, j, n)
         own = given if kind == OUTER else -given
         x, y = -given * normal[kind, 1, j], given * normal[kind, 0, j]
-        impulse[0, i] += x
-        impulse[1, i] += y
-        bx, by = outward[side + 1, 0, j], outward[side + 1, 1, j]
-        patch.rub_roller(
-            w, lightness, columns, i, points, first, n_surface, radius, bx, by, own, start, weight, side + 1, j,
-            scale, lean, stretch,
-        )  # fmt: skip
-        if kind == INNER:
+        if len(rollers.rigid) == 0:
+            impulse[0, i] += x
+            impulse[1, i] += y
+            bx, by = outward[side + 1, 0, j], outward[side + 1, 1, j]
+            patch.rub_roller(
+                w, lightness, columns, i, points, first, n_surface, radius, bx, by, own, start, weight, side + 1, j,
+                scale, lean, stretch,
+            )  # fmt: skip
+        if kind == INNER and len(inner.rigid) == 0:
             on_nodes += patch.rub_ring(
                 inner_u, inner_w, inner.raceway, inner.n_sectors, inner.radius, inner_mass, -given, start, weight,
                 along, across, side, j, scale, lean, stretch,
             )  # fmt: skip
-        elif kind == OUTER:
+        elif kind == OUTER and len(outer.rigid) == 0:
             patch.rub_ring(
                 outer_u, outer_w, outer.raceway, outer.n_sectors, outer.radius, outer_mass, -given, start, weight,
                 along, across, side, j, scale, lean, stretch,
             )  # fmt: skip
-        else:
+        elif kind == ROLLER and len(rollers.rigid) == 0:
             impulse[0, j] -= x
             impulse[1, j] -= y
             bx, by = outward[side, 0, j], outward[side, 1, j]
@@ -267,4 +336,5 @@ def _rub(kind, rollers, inner, outer, contacts, drive):
                 w, lightness, columns, j, points, first, n_surface, radius, bx, by, -given, start, weight, side, j,
                 scale, lean, stretch,
             )  # fmt: skip
+        on_nodes += rub_whole(kind, i, j, whole, rollers, inner, contacts, drive)
     drive.ring[4] += on_nodes

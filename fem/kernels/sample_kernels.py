@@ -9,6 +9,7 @@ from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.jit import kernel
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.law import contact_energy
+from fem.kernels.rigid_kernels import turning_energy
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH, load, splat
 from fem.kernels.simd import total as lane_total
@@ -148,6 +149,8 @@ def kinetic_energy(rollers, inner, outer, drive, scratch):
             around = x * by - y * bx  # what turning as a whole will still add to the velocities after
             part += mass * (bx * ax + by * ay - turned * outward + kick * around)
         total += lane_total(part)
+    if len(rollers.rigid) > 0:
+        total += turning_energy(rollers)
     for j in range(n):
         for component in range(2):
             before = scratch.rollers_velocity[component, j]

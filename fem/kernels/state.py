@@ -1,4 +1,8 @@
-"""The arrays the time loop works on, grouped by body. Plain named tuples: numba passes them by reference."""
+"""The arrays the time loop works on, grouped by body. Plain named tuples: numba passes them by reference.
+
+A body's `rigid` is a tuple whose length is part of its type: none of an elastic body, one entry of a rigid one, which
+has no nodes. What a scene's bodies do not need is thereby not compiled.
+"""
 
 from typing import NamedTuple
 
@@ -36,10 +40,11 @@ class Rollers(NamedTuple):
     total_mass: float
     inertia: float
     radius: float
+    rigid: tuple[int, ...]
 
 
 class Ring(NamedTuple):
-    """One ring. Frames: see `ring_kernels`."""
+    """One ring. Frames: see `ring_kernels`. A rigid one is a held row of one node, at the radius of gyration."""
 
     table: np.ndarray  # −dt·M⁻¹K
     u: np.ndarray  # (n_rows, 2, n_sectors + 2 HALO)
@@ -53,7 +58,8 @@ class Ring(NamedTuple):
     last_row: int
     raceway: int
     held: int
-    radius: float
+    radius: float  # of the raceway
+    rigid: tuple[int, ...]
 
 
 class Resolved(NamedTuple):

@@ -7,6 +7,7 @@ from fem.kernels.contact_kernels import contact_forces, push_nodes
 from fem.kernels.friction_kernels import friction_contacts, grips, slips
 from fem.kernels.jit import kernel
 from fem.kernels.lane_functions import cosine_and_sine
+from fem.kernels.rigid_kernels import turn_whole
 from fem.kernels.sample_kernels import remember, write_sample
 from fem.kernels.simd import WIDTH, fma, load, store
 from fem.kernels.team_kernels import drift_bodies, kick_bodies
@@ -39,8 +40,8 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
     drive.ring[4] = 0.0
     contact_forces(rollers, inner, outer, contacts, drive, scratch.slope, contacts.resolved)
     if drive.friction > 0.0:
-        grips(rollers, inner, outer, contacts)
-        slips(rollers, inner, outer, contacts, scratch.still, contacts.slip)
+        grips(rollers, inner, outer, contacts, drive)
+        slips(rollers, inner, outer, contacts, drive, scratch.still, contacts.slip)
     push_nodes(rollers, inner, outer, contacts, drive, contacts.resolved)
     velocity, tilt, lightness = rollers.velocity, rollers.tilt, 1.0 / rollers.total_mass
     for j in range(rollers.n):
@@ -91,6 +92,8 @@ def drift(rollers, inner, outer, drive, scratch):
         store(centre, columns + j, fma(dt, vy, load(centre, columns + j)))
     step = drive.speed * dt
     drift_bodies(rollers, inner, outer, drive, scratch, cos(step), sin(step), scratch.team)
+    if len(rollers.rigid) > 0:
+        turn_whole(rollers, dt, scratch.torque)
     for j in range(0, rollers.n, WIDTH):
         increment = load(rollers.increment, j)
         turn = load(rollers.turn, j) + increment

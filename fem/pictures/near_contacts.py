@@ -31,10 +31,11 @@ class BodyLoad:
     radius: float  # m, of the surface, > 0 convex
     spacing: float  # m, a quarter of the patch that the mesh carries the force as
     is_resolved: bool  # the mesh carries the true pressure: there is nothing to exchange
+    is_rigid: bool  # the body has no stress
 
     def share(self, points: np.ndarray) -> np.ndarray:
         """How far the exchange is made at points (n, 2) from the body's centre: 1 at the contact, 0 far away."""
-        if self.is_resolved:
+        if self.is_resolved or self.is_rigid:
             return np.zeros(len(points))
         if self.body >= FIRST_ROLLER:
             return np.ones(len(points))
@@ -70,6 +71,7 @@ def contact_loads(instant: Instant) -> list[BodyLoad]:
                 radius=convex * radius,
                 spacing=spacing,
                 is_resolved=model.is_resolved and not spreads,
+                is_rigid=shape.material.rigid,
             )
         )
 
@@ -102,7 +104,7 @@ def smooth_stress(instant: Instant, loads: list[BodyLoad]) -> list[np.ndarray]:
     model, fields = instant.model, global_fields(instant.model, instant)
     stresses = [fields["inner_ring"][1], fields["outer_ring"][1], *fields["roller"][1]]
     for item in loads:
-        if item.is_resolved:
+        if item.is_resolved or item.is_rigid:
             continue
         body, turn = _body(model, instant, item.body)
         points = rotated(body.points, turn)

@@ -3,8 +3,8 @@
 Magnified is everything that differs from a bearing whose parts are undeformed and just touch: the elastic
 displacement, the hub's, the rollers' along their radius, and the clearance. Gaps and overlaps then grow
 alike, and a closed contact looks closed. The indentation below the grid is part of a contact's approach but
-not of the mesh's displacement; it is drawn spread over the contact's patch, half on either side, or else
-bodies would seem to overlap.
+not of the mesh's displacement; it is drawn spread over the contact's patch, half on either side (all of it
+on the elastic side where the other is rigid), or else bodies would seem to overlap.
 """
 
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from math import pi
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fem.elastic.bodies import RingBody
+from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.subgrid import patch
 from fem.pictures.near_contacts import (
     FIRST_ROLLER,
@@ -44,7 +44,7 @@ class DrawnBearing:
 
     data: np.ndarray  # (n_nodes, _COLUMNS)
     triangles: np.ndarray  # (n_triangles, 3)
-    cells: tuple[np.ndarray, ...]  # the finite elements' corners, for their edges
+    cells: tuple[np.ndarray, ...]  # the finite elements' corners, of elastic bodies, for their edges
     circles: tuple[np.ndarray, ...]  # nodes of the outlines: bore, inner and outer raceway, outside, rollers
     loads: list[BodyLoad]
     spacing: float  # m, of a roller's surface nodes
@@ -95,7 +95,7 @@ class DrawnBearing:
 
     @property
     def smooth_stress(self) -> np.ndarray:
-        """The mesh's less its patches' near the contacts, (n_nodes, 3), Pa."""
+        """The mesh's less its patches' near the contacts, (n_nodes, 3), Pa; not a number in rigid bodies."""
         return self.data[:, _STRESS]
 
     def stress(self) -> np.ndarray:
@@ -152,6 +152,10 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
     dents = _dents(instant)
     loads = contact_loads(instant)
     stresses = smooth_stress(instant, loads)
+    bodies = (inner, outer, *n * (disc,))
+    for body, stress in zip(bodies, stresses, strict=True):
+        if body.material.rigid:  # has none; drawn without colour
+            stress[:] = np.nan
 
     clearance = bearing.radial_clearance
     outward = np.zeros((outer.n_rows, 2, outer.n_sectors))
@@ -168,7 +172,7 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
                            shift[j] + rotated(instant.rollers[j], turn), dents[2 + j],
                            stresses[FIRST_ROLLER + j]))  # fmt: skip
     first = np.concatenate([[0], np.cumsum([len(part) for part in parts])])
-    cells = [body.cells + start for body, start in zip((inner, outer, *n * (disc,)), first, strict=False)]
+    cells = [body.cells + start for body, start in zip(bodies, first, strict=False)]
     circles = []
     for k, ring in enumerate((inner, outer)):
         circles += [first[k] + np.arange(ring.n_sectors), first[k + 1] - ring.n_sectors + np.arange(ring.n_sectors)]
@@ -176,7 +180,7 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
     return DrawnBearing(
         data=np.concatenate(parts),
         triangles=np.concatenate([_halves(c) for c in cells]),
-        cells=tuple(cells),
+        cells=tuple(c for c, body in zip(cells, bodies, strict=True) if not body.material.rigid),
         circles=tuple(circles),
         loads=loads,
         spacing=disc.shape.surface_spacing,
@@ -206,13 +210,18 @@ def _dents(instant: Instant) -> list[np.ndarray]:
     if model.is_resolved:
         n = model.bearing.n_rollers
         return [np.zeros_like(body.points) for body in (model.inner_ring, model.outer_ring, *n * (disc,))]
-    inner_dent = 0.5 * model.inner_law.approach(instant.inner_force) * (instant.inner_force > 0.0)
-    outer_dent = 0.5 * model.outer_law.approach(instant.outer_force) * (instant.outer_force > 0.0)
     inner, outer = model.inner_ring, model.outer_ring
+    inner_dent = model.inner_law.approach(instant.inner_force) * (instant.inner_force > 0.0)
+    outer_dent = model.outer_law.approach(instant.outer_force) * (instant.outer_force > 0.0)
+    on_inner, on_outer = (_share(ring, disc) for ring in (inner, outer))
     dents = [
-        inner.cartesian(_ring_dents(inner, instant.inner_angle - instant.ring_turn, -inner_dent), instant.ring_turn),
-        outer.cartesian(_ring_dents(outer, instant.outer_angle, outer_dent)),
+        inner.cartesian(
+            _ring_dents(inner, instant.inner_angle - instant.ring_turn, -on_inner * inner_dent),
+            instant.ring_turn,
+        ),
+        outer.cartesian(_ring_dents(outer, instant.outer_angle, on_outer * outer_dent)),
     ]
+    inner_dent, outer_dent = (1.0 - on_inner) * inner_dent, (1.0 - on_outer) * outer_dent
     for j, turn in enumerate(instant.roller_turn):
         dent = np.zeros((disc.n_nodes, 2))
         for angle, depth in ((instant.inner_angle[j] + pi, inner_dent[j]), (instant.outer_angle[j], outer_dent[j])):
@@ -221,6 +230,11 @@ def _dents(instant: Instant) -> list[np.ndarray]:
             np.add.at(dent, disc.first_surface_node + nodes, -depth * np.outer(share, direction))
         dents.append(dent)
     return dents
+
+
+def _share(ring: RingBody, disc: DiscBody) -> float:
+    """How much of a contact's indentation is drawn on the ring: half, but nothing of it on a rigid body."""
+    return 0.5 + 0.5 * (disc.material.rigid - ring.material.rigid)
 
 
 def _ring_dents(ring: RingBody, angles, depths) -> np.ndarray:

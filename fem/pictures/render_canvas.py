@@ -23,6 +23,7 @@ REFERENCE_WIDTH = 1600.0
 FINER = 2  # rendered that much finer, then averaged: anti-aliasing that does not depend on the driver
 LARGEST_WINDOW = 8192  # pixels
 INK = "#1a1a1a"
+NO_VALUE = "#c9c9c9"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,11 +72,11 @@ class Panel:
     def field(
         self, mesh: pv.PolyData, values: np.ndarray, limits: tuple[float, float], colours: str | Colormap
     ) -> None:
-        """An area coloured by nodal values; beyond the limits the ends' colours."""
+        """An area coloured by nodal values; beyond the limits the ends' colours, where there is no value NO_VALUE."""
         size = colours.N if isinstance(colours, Colormap) else 256
         self._add(
             mesh, scalars=values, clim=limits, cmap=colours, n_colors=size, interpolate_before_map=True,
-            show_scalar_bar=False,
+            nan_color=NO_VALUE, show_scalar_bar=False,
         )  # fmt: skip
 
     def text(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.pictures.near_contacts import BodyLoad
+from fem.pictures.near_contacts import FIRST_ROLLER, BodyLoad
 from fem.pictures.peaks import ShearPeak, shear_peak
 from fem.pictures.recover import Instant
 from fem.pictures.render_bodies import DrawnBearing
@@ -57,9 +57,9 @@ def paint(canvas: Canvas, instant: Instant, drawn: DrawnBearing, look: Look) -> 
     draw_title(page, instant, look, 0.02, 0.965, 0.042)
     _roller(main, scene)
     for panel, kind in zip(contacts, ("inner", "outer"), strict=True):
-        peaks = [(item, shear_peak(drawn, item)) for item in scene.loads(kind)]
+        peaks = [(item, shear_peak(drawn, item)) for item in scene.loads(kind) if not item.is_rigid]
         _contact(panel, scene, kind, peaks)
-        _facts(page, panel.view, scene, kind, [peak for _, peak in peaks])
+        _facts(page, panel.view, scene, kind, peaks)
     _scales(page, scene)
 
 
@@ -138,7 +138,7 @@ def _contact(panel: Panel, scene: _Scene, kind: str, peaks: list[tuple[BodyLoad,
             panel.stroke([line(arm, z) for arm in arms], colour, pixels)
 
 
-def _facts(page: Panel, view: View, scene: _Scene, kind: str, peaks: list[ShearPeak]) -> None:
+def _facts(page: Panel, view: View, scene: _Scene, kind: str, peaks: list[tuple[BodyLoad, ShearPeak]]) -> None:
     """Beside a contact's panel: its force, pressure and width, and the largest shear on either side."""
     left, bottom = ASPECT * view.left, view.bottom
     instant = scene.instant
@@ -146,9 +146,9 @@ def _facts(page: Panel, view: View, scene: _Scene, kind: str, peaks: list[ShearP
     page.text(f"{kind.capitalize()} contact: {force:.0f} N", left, view.top + 0.022, HEADING, bold=True)
     lines = ["open"]
     if peaks:
-        lines = [f"p₀ = {1e-6 * peaks[0].pressure:.0f} MPa   2b = {2e6 * peaks[0].half_width:.0f} µm"]
-        for name, peak in zip(("ring", "roller"), peaks, strict=True):
-            depth = peak.depth / peak.half_width
+        lines = [f"p₀ = {1e-6 * peaks[0][1].pressure:.0f} MPa   2b = {2e6 * peaks[0][1].half_width:.0f} µm"]
+        for item, peak in peaks:
+            name, depth = "roller" if item.body >= FIRST_ROLLER else "ring", peak.depth / peak.half_width
             lines.append(f"+ {name}: shear {peak.shear / peak.pressure:.3f} p₀, {depth:.2f} b deep")
     _small_lines(page, left, bottom - 0.021, lines)
 

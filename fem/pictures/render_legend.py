@@ -67,6 +67,9 @@ def draw_title(page: Panel, instant: Instant, look: Look, x: float, y: float, li
         share = 0.5 * (1.0 - cos(pi * 1e3 * instant.time / numerics.load_ramp_ms))
         load = f"W = {share * operation.radial_load:.4g} N of {operation.radial_load:g} N"
     facts = [f"n = {signed(scene.operation.speed_rpm)} rpm", load, f"{scene.bearing.rollers} rollers"]
+    if scene.bodies.rigid:
+        both = len(scene.bodies.rigid) == 2
+        facts.append("rigid rings" if both else f"rigid {scene.bodies.rigid[0].replace('_', ' ')}")
     if scene.model == "lagrange":
         facts.append("Lagrangian model, stress from its forces")
     if look.pace:

@@ -7,13 +7,14 @@ import numpy as np
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.model import Model
 from fem.elastic.resolved import points, stretch_for
+from fem.elastic.rigid import RigidRing
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.patches import N_NODES, ONE
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH
 from fem.kernels.state import INNER, OUTER, ROLLER, Contacts, Drive, Ring, Rollers, Scratch
 from fem.solver.start import Start
-from lagrange import Bearing, Operation, kinematics
+from lagrange import Operation, kinematics
 
 REACH = 0.01  # of a roller's radius
 CACHE_LINE = 64  # bytes, as long as one register of eight
@@ -48,9 +49,11 @@ def make_arrays(
     rollers = _rollers(model.roller, model.bearing.n_rollers, dt)
     drive = _drive(model, operation, start, dt, friction, ramp)
     contacts = _contacts(model, operation, start, largest_force, rollers.columns)
-    _place_inner(model.inner_ring, inner, start, operation.speed, dt)
-    _fill(outer.u, start.equilibrium.outer_ring)
-    _fill(outer.w, start.outer_rate)
+    if not inner.rigid:
+        _place_inner(model.inner_ring, inner, start, operation.speed, dt)
+    if not outer.rigid:
+        _fill(outer.u, start.equilibrium.outer_ring)
+        _fill(outer.w, start.outer_rate)
     _place_rollers(model.roller, rollers, start, dt)
     return Arrays(
         rollers=_lined_up(rollers),
@@ -77,17 +80,20 @@ def _at_line(values: np.ndarray) -> np.ndarray:
 
 def _rollers(disc: DiscBody, n: int, dt: float) -> Rollers:
     starts, neighbours, blocks = disc.blocks()
-    rows = np.repeat(np.arange(disc.n_nodes), np.diff(starts))
+    points, mass = disc.points, disc.mass
+    if disc.material.rigid:
+        starts, points, mass = np.zeros(1, dtype=np.int64), np.zeros((0, 2)), np.zeros(0)
+    rows = np.repeat(np.arange(len(mass)), np.diff(starts))
     columns = -(-n // disc_kernels.COLUMNS) * disc_kernels.COLUMNS
     return Rollers(
         starts=starts,
         neighbours=neighbours,
-        blocks=np.ascontiguousarray(-dt * blocks / disc.mass[rows][:, None, None]).ravel(),
-        points=np.ascontiguousarray(disc.points).ravel(),
-        mass=disc.mass.copy(),
-        lightness=1.0 / disc.mass,
-        u=np.zeros(disc.n_nodes * 2 * columns),
-        w=np.zeros(disc.n_nodes * 2 * columns),
+        blocks=np.ascontiguousarray(-dt * blocks / mass[rows][:, None, None]).ravel(),
+        points=np.ascontiguousarray(points).ravel(),
+        mass=mass.copy(),
+        lightness=1.0 / mass,
+        u=np.zeros(len(mass) * 2 * columns),
+        w=np.zeros(len(mass) * 2 * columns),
         centre=np.zeros((2, columns)),
         velocity=np.zeros((2, columns)),
         turn=np.zeros(columns),
@@ -106,10 +112,18 @@ def _rollers(disc: DiscBody, n: int, dt: float) -> Rollers:
         total_mass=disc.total_mass,
         inertia=disc.polar_inertia,
         radius=disc.shape.radius,
+        rigid=_mark(disc),
     )
 
 
+def _mark(body: DiscBody | RingBody) -> tuple[int, ...]:
+    """A body's `rigid`, see `fem.kernels.state`."""
+    return (1,) if body.material.rigid else ()
+
+
 def _ring(ring: RingBody, dt: float) -> Ring:
+    if isinstance(ring, RigidRing):
+        return _rigid_ring(ring)
     width = ring.n_sectors + 2 * HALO
     angle = 2.0 * np.pi * (np.arange(width) - HALO) / ring.n_sectors
     table = ring_kernels.coefficients(ring.stencil)
@@ -128,6 +142,27 @@ def _ring(ring: RingBody, dt: float) -> Ring:
         raceway=ring.raceway_row,
         held=ring.held_row,
         radius=ring.raceway_radius,
+        rigid=_mark(ring),
+    )
+
+
+def _rigid_ring(ring: RigidRing) -> Ring:
+    width = 1 + 2 * HALO
+    return Ring(
+        table=np.zeros((1, 18)),
+        u=np.zeros((1, 2, width)),
+        w=np.zeros((1, 2, width)),
+        radii=np.array([np.sqrt(ring.polar_inertia / ring.total_mass)]),
+        row_mass=np.array([ring.total_mass]),
+        cosines=np.ones(width),
+        sines=np.zeros(width),
+        n_sectors=1,
+        first_row=0,
+        last_row=0,
+        raceway=0,
+        held=0,
+        radius=ring.raceway_radius,
+        rigid=_mark(ring),
     )
 
 
@@ -164,6 +199,8 @@ def _place_rollers(disc: DiscBody, rollers: Rollers, start: Start, dt: float) ->
     rollers.velocity[:, :n] = start.roller_velocity.T + half_step * cage**2 * rollers.centre[:, :n]
     rollers.spin[:n] = spin
     rollers.increment[:n] = spin * dt
+    if rollers.rigid:
+        return
     position = disc.points + start.equilibrium.rollers
     turned = np.stack([-position[..., 1], position[..., 0]], axis=-1)
     velocity = start.roller_rate + spin * turned + half_step * spin**2 * position
@@ -212,7 +249,7 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         change=np.zeros((3, columns)),
         normal=np.zeros((3, 2, columns)),
         slip=np.zeros((3, columns)),
-        crowded=_crowded(model.bearing, surface_nodes, width if model.is_resolved else NEIGHBOURLY * len(stretch)),
+        crowded=_crowded(model, width if model.is_resolved else NEIGHBOURLY * len(stretch)),
         stretch=stretch,
         start=np.zeros((6, columns), dtype=np.int64),
         weight=np.zeros((6, width, columns)),
@@ -226,16 +263,21 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
     )
 
 
-def _crowded(bearing: Bearing, surface_nodes: tuple[int, int, int], width: float) -> bool:
+def _crowded(model: Model, width: float) -> bool:
     """Whether patches can come within `width` nodes: on a ring those of rollers that touch, on a roller its own."""
+    bearing = model.bearing
     apart = 2.0 * np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius))  # of rollers that touch
-    inner, outer, roller = (nodes / (2.0 * np.pi) for nodes in surface_nodes)
-    return bool(min(inner * apart, outer * apart, roller * 0.5 * (np.pi - apart)) < width)
+    spaces = (
+        (model.inner_ring, model.inner_ring.n_sectors, apart),
+        (model.outer_ring, model.outer_ring.n_sectors, apart),
+        (model.roller, model.roller.shape.surface_nodes, 0.5 * (np.pi - apart)),
+    )
+    return any(nodes / (2.0 * np.pi) * angle < width for body, nodes, angle in spaces if not body.material.rigid)
 
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float) -> Drive:
     ring = model.inner_ring
-    held = ring.n_sectors * ring.row_mass[ring.held_row]
+    held = ring.total_mass if ring.material.rigid else ring.n_sectors * ring.row_mass[ring.held_row]
     return Drive(
         hub=start.equilibrium.hub.copy(),
         velocity=start.hub_velocity.copy(),

@@ -33,6 +33,13 @@ def model_of(scene: Scene) -> Model:
     bearing, operation, mesh_size = scene.ideal_bearing(), scene.ideal_operation(), 1e-3 * scene.numerics.mesh_size_mm
     spreads = scene.contact.model == "subgrid" and _spreads(bearing, operation, mesh_size)
     check_mesh_size(bearing, mesh_size, graded=spreads or scene.contact.model == "resolved")
+    if spreads and scene.bodies.rigid:
+        least = ONE_PATCH * max(half_widths(bearing, largest_force(bearing, operation)))
+        raise UsageError(
+            f'bodies.{scene.bodies.rigid[0]} = "rigid": numerics.mesh_size_mm = {1e3 * mesh_size:g} is so fine that '
+            f"contacts are spread over nodes, and a rigid body has none; at least {1e3 * least:.3g}, or every body "
+            '"elastic"'
+        )
     if spreads:
         return build_spread_model(bearing, mesh_size, largest_force(bearing, operation))
     if scene.contact.model == "resolved":
@@ -115,5 +122,6 @@ def _centrifugal(bearing: Bearing, operation: Operation) -> float:
 def _bound(bearing: Bearing, operation: Operation) -> float:
     """Above any contact's force, N: all the load on one roller, and the preload of rigid rings."""
     preload = max(0.0, -bearing.radial_clearance)
-    modulus = max(m.plane_strain_modulus for m in (bearing.roller, bearing.inner_ring, bearing.outer_ring))
+    bodies = bearing.roller, bearing.inner_ring, bearing.outer_ring
+    modulus = max(material.plane_strain_modulus for material in bodies if not material.rigid)
     return _load(operation) + _centrifugal(bearing, operation) + modulus * bearing.roller_length * preload

@@ -28,16 +28,23 @@ def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Fram
     """The solver's displacements just before a sample is taken."""
     rollers, drive, ring = arrays.rollers, arrays.drive, model.inner_ring
     turn = float(drive.ring[0])
-    displacement = rollers.u.reshape(model.roller.n_nodes, 2, rollers.columns)[:, :, : rollers.n]
-    shift = np.broadcast_to(drive.hub, (len(ring.points), 2))
+    outer, bodies = model.outer_ring, np.zeros((model.roller.n_nodes, 2, rollers.n))
+    inner, outside = (np.zeros((body.n_rows, 2, body.n_sectors)) for body in (ring, outer))
+    if not rollers.rigid:
+        bodies = rollers.u.reshape(model.roller.n_nodes, 2, rollers.columns)[:, :, : rollers.n].copy()
+    if not arrays.inner.rigid:
+        shift = np.broadcast_to(drive.hub, (len(ring.points), 2))
+        inner = arrays.inner.u[:, :, HALO:-HALO] - ring.polar(shift, turn)
+    if not arrays.outer.rigid:
+        outside = arrays.outer.u[:, :, HALO:-HALO].copy()
     return Frame(
         sample=sample,
         time=sample * interval,
         roller_turn=rollers.turn[: rollers.n].copy(),
         ring_turn=turn,
-        rollers=np.moveaxis(displacement, -1, 0).copy(),
-        inner_ring=arrays.inner.u[:, :, HALO:-HALO] - ring.polar(shift, turn),
-        outer_ring=arrays.outer.u[:, :, HALO:-HALO].copy(),
+        rollers=np.moveaxis(bodies, -1, 0),
+        inner_ring=inner,
+        outer_ring=outside,
     )
 
 

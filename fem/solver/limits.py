@@ -50,7 +50,7 @@ def check_speed(model: Model, ideal: Kinematics) -> None:
         "the rollers": (bearing.roller, ideal.roller * bearing.roller_radius),
     }
     for name, (material, surface_speed) in bodies.items():
-        strain = material.density * surface_speed**2 / material.youngs_modulus
+        strain = 0.0 if material.rigid else material.density * surface_speed**2 / material.youngs_modulus
         if strain > LARGEST_STRAIN:
             most = abs(ideal.shaft) * sqrt(LARGEST_STRAIN / strain) * 60.0 / (2.0 * pi)
             raise UsageError(

@@ -8,6 +8,7 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.kept import kept
 from fem.elastic.model import Model
 from fem.elastic.resolved import point_springs
 from fem.elastic.subgrid import disc_patch_force, ring_patch_force
@@ -29,6 +30,14 @@ def critical_time_step(model: Model, largest_force: float) -> float:
     ------
     Lanczos approaches ω_max² from below; its tolerance is added.
     """
+    if model.is_resolved:
+        return _found(model, largest_force)
+    shapes = [body.shape for body in (model.roller, model.inner_ring, model.outer_ring)]
+    key = repr((model.bearing, shapes, model.inner_law, model.outer_law, model.roller_law, largest_force))
+    return float(kept("step", key, lambda: {"critical": np.array(_found(model, largest_force))})["critical"])
+
+
+def _found(model: Model, largest_force: float) -> float:
     force = LOAD_MARGIN * max(largest_force, 1.0)
     springs = point_springs(model) if model.is_resolved else _patch_springs(model, force)
     limits = {"roller": _disc_limit, "inner_ring": _ring_limit, "outer_ring": _ring_limit}

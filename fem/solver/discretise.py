@@ -7,6 +7,7 @@ from fem.elastic.resolved import resolved_laws
 from fem.elastic.spread import ONE_PATCH
 from fem.errors import UsageError
 from fem.kernels.state import INNER, OUTER
+from fem.solver.limits import check_width
 from fem.statics.contact_balance import NotFound
 from fem.statics.exact_statics import exact_statics
 from lagrange import Bearing, Operation
@@ -33,15 +34,19 @@ def model_of(scene: Scene) -> Model:
     bearing, operation, mesh_size = scene.ideal_bearing(), scene.ideal_operation(), 1e-3 * scene.numerics.mesh_size_mm
     spreads = scene.contact.model == "subgrid" and _spreads(bearing, operation, mesh_size)
     check_mesh_size(bearing, mesh_size, graded=spreads or scene.contact.model == "resolved")
+    if spreads:
+        force = largest_force(bearing, operation)
+        for raceway, half_width in zip(("inner", "outer"), half_widths(bearing, force), strict=True):
+            check_width(raceway, force, half_width, bearing)
     if spreads and scene.bodies.rigid:
-        least = ONE_PATCH * max(half_widths(bearing, largest_force(bearing, operation)))
+        least = ONE_PATCH * max(half_widths(bearing, force))
         raise UsageError(
             f'bodies.{scene.bodies.rigid[0]} = "rigid": numerics.mesh_size_mm = {1e3 * mesh_size:g} is so fine that '
             f"contacts are spread over nodes, and a rigid body has none; at least {1e3 * least:.3g}, or every body "
             '"elastic"'
         )
     if spreads:
-        return build_spread_model(bearing, mesh_size, largest_force(bearing, operation))
+        return build_spread_model(bearing, mesh_size, force)
     if scene.contact.model == "resolved":
         _check_resolution(half_widths(bearing, largest_force(bearing, operation)), mesh_size)
         return build_resolved_model(bearing, mesh_size)

@@ -7,7 +7,7 @@ import numba
 from fem.elastic.model import Model
 from fem.errors import UsageError
 from fem.statics.equilibrium import Equilibrium
-from lagrange import Kinematics
+from lagrange import Bearing, Kinematics
 from meshes import Mesh, quality
 
 LEAST_ANGLE = 30.0  # degrees
@@ -59,6 +59,17 @@ def check_speed(model: Model, ideal: Kinematics) -> None:
             )
 
 
+def check_width(raceway: str, force: float, half_width: float, bearing: Bearing) -> None:
+    """Refuse a contact too wide for Hertz's theory; N, m."""
+    widest = WIDEST_CONTACT * bearing.roller_radius
+    if half_width > widest:
+        raise UsageError(
+            f"the largest static force, {force:.4g} N on the {raceway} raceway, makes a contact of half-width "
+            f"{1e3 * half_width:.3g} mm, beyond Hertz's theory (at most {1e3 * widest:.3g} mm here); lower "
+            "operation.radial_load_N or operation.speed_rpm, or take a stiffer material"
+        )
+
+
 def check_contacts(model: Model, equilibrium: Equilibrium) -> None:
     """Refuse contacts too wide for Hertz's theory, or wider than a mesh this fine leaves to the sub-grid law."""
     raceways = (
@@ -67,13 +78,7 @@ def check_contacts(model: Model, equilibrium: Equilibrium) -> None:
     )
     for name, law, ring, force in raceways:
         half_width = law.half_width(float(force))
-        widest = WIDEST_CONTACT * model.bearing.roller_radius
-        if half_width > widest:
-            raise UsageError(
-                f"the largest static force, {force:.4g} N on the {name} raceway, makes a contact of half-width "
-                f"{1e3 * half_width:.3g} mm, beyond Hertz's theory (at most {1e3 * widest:.3g} mm here); lower "
-                "operation.radial_load_N or operation.speed_rpm, or take a stiffer material"
-            )
+        check_width(name, float(force), half_width, model.bearing)
         if not model.is_resolved and force > law.Q_line:
             spacing = 2.0 * pi * ring.raceway_radius / ring.n_sectors
             enough = 1.2e3 * spacing * half_width / law.half_width(law.Q_line)

@@ -124,7 +124,7 @@ BAD_SCENES = {
     "mass below the ring's": scene("[operation]\ninner_ring_and_shaft_kg = 0.03", "inner_ring_and_shaft_kg", "0.04137"),
     "heavy inner ring": scene("[material.inner_ring]\ndensity_kg_m3 = 30000", "inner_ring_and_shaft_kg = 0.078"),
     "mesh too coarse": scene("[numerics]\nmesh_size_mm = 4", "mesh_size_mm = 4", "at most"),
-    "mesh too fine": scene("[numerics]\nmesh_size_mm = 0.01", "mesh_size_mm = 0.01", "at least"),
+    "mesh too fine": scene("[numerics]\nmesh_size_mm = 0.014", "mesh_size_mm = 0.014", "at least"),
     "interval longer than the run": scene(
         "[numerics]\nduration_ms = 1\noutput_interval_us = 2000",
         "output_interval_us = 2000",
@@ -202,7 +202,7 @@ BAD_SETTINGS = {
     "ring thinner than an element": setting(
         "bearing.outside_diameter_mm=57", say="outer ring & 0.5 mm thick & mesh_size_mm"
     ),
-    "more nodes than memory": setting("numerics.mesh_size_mm=0.03", say="mesh_size_mm = 0.03 & nodes & at most"),
+    "more nodes than memory": setting("numerics.mesh_size_mm=0.014", say="mesh_size_mm = 0.014 & nodes & at most"),
     "balls as plane sections": setting("bearing.type=ball", say='bearing.type = "ball" & --model lagrange'),
     "Lagrangian run beyond memory": options(
         "--model",

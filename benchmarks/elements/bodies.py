@@ -1,7 +1,7 @@
 """The paper's roller and rings: their exact compliance, coupling and frequencies."""
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from math import pi
 
 import numpy as np
@@ -83,7 +83,7 @@ class Body:
         parts = [continuum.patch_displacement(series, load, load, self.raceway, angle - at) for at in self.loads]
         return sum(parts) / LENGTH
 
-    @cache  # noqa: B019: three bodies, once each
+    @cached_property
     def exact_frequencies(self) -> np.ndarray:
         """The lowest ω, rad/s, above rigid motions, ascending."""
         if self.held is None:

@@ -29,7 +29,7 @@ ON_RING = {
     "S2": (grids.ring_quads, "S2"),
 }
 SOLVERS = {"roller": "P1", "inner ring": "Q1", "outer ring": "Q1"}
-SIZES_MM = (3.0, 2.0, 1.5, 1.0, 0.75, 0.5, 0.35, 0.25)  # of the surface spacing
+SIZES_MM = (3.0, 2.0, 1.5, 1.0, 0.75, 0.5, 0.35, 0.25, 0.2)  # of the surface spacing
 
 
 def candidates(body: Body) -> dict:

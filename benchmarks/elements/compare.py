@@ -41,10 +41,8 @@ def at_tolerance(points: list[Point], quantity: str, tolerance: float) -> tuple[
     if i == 0:
         return points[0].cost, points[0].steps, True
     share = np.log(tolerance / error[i]) / np.log(error[i - 1] / error[i])
-    return tuple(
-        float(getattr(points[i], name) * (getattr(points[i - 1], name) / getattr(points[i], name)) ** share)
-        for name in ("cost", "steps")
-    ) + (False,)
+    fine, coarse = points[i], points[i - 1]
+    return fine.cost * (coarse.cost / fine.cost) ** share, fine.steps * (coarse.steps / fine.steps) ** share, False
 
 
 def ratio_rows(points: list[Point], body: str) -> list[list[str]]:
@@ -56,12 +54,11 @@ def ratio_rows(points: list[Point], body: str) -> list[list[str]]:
         cells = []
         for quantity, tolerance in columns:
             found, ours = (at_tolerance(each, quantity, tolerance) for each in (some, mine[SOLVERS[body]]))
-            if found is None or ours is None:
+            if found is None or ours is None or ours[2]:
                 cells.append("–")
-            elif found[2] or ours[2]:
-                cells.append("any mesh" if found[2] else "")
             else:
-                cells.append(f"{found[0] / ours[0]:.2f} ({found[1] / ours[1]:.2f})")
+                sign = "≤ " if found[2] else ""
+                cells.append(f"{sign}{found[0] / ours[0]:.2f} ({found[1] / ours[1]:.2f})")
         rows.append([f"**{name}**" if name == SOLVERS[body] else name, *cells])
     return rows
 
@@ -108,6 +105,7 @@ def plot(points: list[Point], path: Path) -> None:
                 if solvers:
                     at = [p.size_mm for p in some].index(1.0)
                     axes.plot(x[at], y[at], "o", color="none", markeredgecolor="black", markersize=11, zorder=4)
+                    axes.annotate("1 mm", (x[at], y[at]), xytext=(7, 7), textcoords="offset points", fontsize=9)
             axes.grid(True, color="0.88", zorder=0)
         column[0].set_title(f"{body} (solver: {SOLVERS[body]})", fontsize=11)
         column[-1].set_xlabel("G multiply-adds of K·u for 1 ms")
@@ -116,7 +114,5 @@ def plot(points: list[Point], path: Path) -> None:
     handles = {}
     for axes in panels[0]:
         handles.update(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
-    figure.legend(
-        [handles[name] for name in COLORS], list(COLORS), loc="outside lower center", ncols=4, frameon=False
-    )
+    figure.legend([handles[name] for name in COLORS], list(COLORS), loc="outside lower center", ncols=4, frameon=False)
     figure.savefig(path, dpi=150)

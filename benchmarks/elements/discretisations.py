@@ -10,15 +10,24 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 from skfem import (
-    Basis, BilinearForm, ElementQuad1, ElementQuad2, ElementQuadS2, ElementTriP1, ElementTriP2, ElementVector,
-    FacetBasis, LinearForm,
+    Basis,
+    BilinearForm,
+    ElementQuad1,
+    ElementQuad2,
+    ElementQuadS2,
+    ElementTriP1,
+    ElementTriP2,
+    ElementVector,
+    FacetBasis,
+    LinearForm,
 )  # fmt: skip
 from skfem.element import ElementTriP2B
 from skfem.models.elasticity import linear_elasticity
 
 from lagrange import Material
 
-QUADRATURE = 6  # exact for the mass of bi-quadratic elements on a straight mesh; the least for P2 with a bubble
+SOLVERS_QUADRATURE = 3  # 2 x 2 Gauss points
+QUADRATURE = 6  # exact for the masses of elements of second order with straight edges
 LOAD_QUADRATURE = 30  # the knots of a spline load lie anywhere on an edge
 
 
@@ -83,13 +92,14 @@ def discretise(mesh, element: str, material: Material, thickness: float, area: f
     ValueError: a lumped mass is not positive.
     """
     scalar = ELEMENTS[element]()
-    vector_basis = Basis(mesh, ElementVector(scalar), intorder=QUADRATURE)
+    quadrature = SOLVERS_QUADRATURE if scalar.facet_dofs == 0 else QUADRATURE
+    vector_basis = Basis(mesh, ElementVector(scalar), intorder=quadrature)
     order = _nodes(vector_basis).T.ravel()
     if element == "Q1, one point":
         stiffness = one_point_stiffness(vector_basis, material)
     else:
         stiffness = linear_elasticity(material.lame_lambda, material.lame_mu).assemble(vector_basis)
-    scalar_basis = Basis(mesh, scalar, intorder=QUADRATURE)
+    scalar_basis = Basis(mesh, scalar, intorder=quadrature)
     lump = diagonal_scaled if element in DIAGONAL_SCALED else row_sums
     mass = lump(scalar_basis)[_nodes(scalar_basis)[0]]
     if not mass.min() > 0.0:
@@ -110,7 +120,7 @@ def row_sums(basis: Basis) -> np.ndarray:
 
 def diagonal_scaled(basis: Basis) -> np.ndarray:
     """Hinton, Rock and Zienkiewicz's lumped mass of unit density, (N,), m²."""
-    local = np.array([np.sum(basis.basis[i][0].value ** 2 * basis.dx, axis=1) for i in range(basis.Nbfun)])
+    local = np.array([np.sum(np.asarray(basis.basis[i][0]) ** 2 * basis.dx, axis=1) for i in range(basis.Nbfun)])
     local *= basis.dx.sum(axis=1) / local.sum(axis=0)
     return np.bincount(basis.element_dofs.ravel(), weights=local.ravel(), minlength=basis.N)
 

@@ -9,6 +9,8 @@ from dataclasses import replace
 from math import cos, pi, sin
 
 import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
 from skfem import MeshQuad, MeshQuad2, MeshTri, MeshTri2
 
 from meshes import Annulus, Disc, mesh_of
@@ -17,6 +19,7 @@ from meshes.shapes import QUADRILATERAL, TRIANGLE, counter_clockwise, gmsh_sessi
 
 SAME = 1e-9  # of a radius
 BLOSSOM = 1  # gmsh's way of joining triangles that leaves none
+MAPPED_UP_TO = 32  # corners on the surface
 SECTOR_MULTIPLE = 8  # of the surface nodes of a ring, as the solver has them
 
 
@@ -34,9 +37,40 @@ def disc_frontal(radius: float, spacing: float, order: int):
 
 
 def disc_quads(radius: float, spacing: float, order: int):
-    """The same triangles joined to quadrilaterals (gmsh's Blossom)."""
-    points, cells = _filled(radius, 4 * max(2, round(2.0 * pi * radius / (4.0 * order * spacing))), QUADRILATERAL)
-    return _grid(points, cells, order, (radius,))
+    """Quadrilaterals inside equally spaced surface nodes: coarse ones mapped, fine ones joined triangles (Blossom).
+
+    Each where it gives the larger cells; gmsh's coarse ones also have corners of 180° on the circle.
+    """
+    corners = 4 * max(1, round(2.0 * pi * radius / (4.0 * order * spacing)))
+    if corners <= MAPPED_UP_TO:
+        points, cells = _mapped(radius, corners // 4)
+    else:
+        points, cells = _filled(radius, corners, QUADRILATERAL)
+    return _grid(points, counter_clockwise(points, cells), order, (radius,))
+
+
+def _mapped(radius: float, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """A square of n x n cells in a layer of 4n; every inner node is at the mean of its neighbours."""
+    square = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    rim = np.concatenate([square[:-1, n], square[n, :0:-1], square[:0:-1, 0], square[0, :-1]])  # from the lower right
+    surface = square.size + np.arange(4 * n)
+    layer = np.stack([rim, surface], axis=1)
+    cells = np.concatenate([_lattice(square), _lattice(np.concatenate([layer, layer[:1]]))])
+    points = np.zeros((square.size + 4 * n, 2))
+    angle = 2.0 * pi * (np.arange(4 * n) - 0.5 * n) / (4 * n)
+    points[surface] = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    first, second = MeshQuad(points.T.copy(), cells.T.copy()).facets
+    joined = sparse.coo_array((np.ones(first.size), (first, second)), (len(points), len(points))).tocsr()
+    joined = joined + joined.T
+    laplacian = sparse.diags_array(joined.sum(axis=1)) - joined
+    inner = square.ravel()
+    points[inner] = splu(laplacian[inner][:, inner].tocsc()).solve(joined[inner] @ points)
+    return points, cells
+
+
+def _lattice(nodes: np.ndarray) -> np.ndarray:
+    """Quadrilaterals between the nodes of a lattice."""
+    return np.stack([nodes[:-1, :-1], nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1]], axis=-1).reshape(-1, 4)
 
 
 def _filled(radius: float, surface_nodes: int, kind: int) -> tuple[np.ndarray, np.ndarray]:
@@ -59,7 +93,8 @@ def _filled(radius: float, surface_nodes: int, kind: int) -> tuple[np.ndarray, n
             raise RuntimeError(f"gmsh left triangles between quadrilaterals in a disc of {surface_nodes} surface nodes")
         tags, coordinates, _ = gmsh.model.mesh.getNodes()
         _, nodes = gmsh.model.mesh.getElementsByType(kind)
-    points, cells = used_points(tags, coordinates.reshape(-1, 3)[:, :2], nodes.reshape(-1, 3 if kind == TRIANGLE else 4))
+    corners = 3 if kind == TRIANGLE else 4
+    points, cells = used_points(tags, coordinates.reshape(-1, 3)[:, :2], nodes.reshape(-1, corners))
     return points, counter_clockwise(points, cells)
 
 
@@ -99,11 +134,6 @@ def _ring_counts(inner, outer, raceway, spacing, order, slenderness) -> tuple[in
     multiple = SECTOR_MULTIPLE // order
     sectors = multiple * max(4, round(2.0 * pi * raceway / (multiple * order * spacing)))
     return sectors, max(2 // order, round((outer - inner) / (slenderness * order * spacing)))
-
-
-def _cells(nodes: np.ndarray) -> np.ndarray:
-    """Quadrilaterals of a lattice of nodes."""
-    return np.stack([nodes[:-1, :-1], nodes[:-1, 1:], nodes[1:, 1:], nodes[1:, :-1]], axis=-1).reshape(-1, 4)
 
 
 def _grid(points, cells, order, circles):

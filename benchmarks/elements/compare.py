@@ -105,7 +105,10 @@ def plot(points: list[Point], path: Path) -> None:
                 if solvers:
                     at = [p.size_mm for p in some].index(1.0)
                     axes.plot(x[at], y[at], "o", color="none", markeredgecolor="black", markersize=11, zorder=4)
-                    axes.annotate("1 mm", (x[at], y[at]), xytext=(7, 7), textcoords="offset points", fontsize=9)
+                    axes.annotate(
+                        "1 mm", (x[at], y[at]), xytext=(-8, -10), textcoords="offset points", ha="right", va="top",
+                        fontsize=9, zorder=5, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1},
+                    )  # fmt: skip
             axes.grid(True, color="0.88", zorder=0)
         column[0].set_title(f"{body} (solver: {SOLVERS[body]})", fontsize=11)
         column[-1].set_xlabel("G multiply-adds of K·u for 1 ms")

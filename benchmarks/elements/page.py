@@ -93,8 +93,8 @@ are below 0.04 % on every mesh), or a finest one is not.
   weigh differently: as the patch travels compliance ripples by 2 to 5 % (rings now 0.2 %, roller 1 to 2 % along a
   sextant), with a period of two nodes that the calibration would have to carry, or the patch would need weights of
   its own. Rows of 9, 15 and 25 blocks in place of about 7 everywhere make uneven loops; a ring's stencil would have
-  four kinds of nodes in place of one. Good quadrilaterals in a disc are a matter of luck with the mesher; layers of
-  triangles are not.
+  four kinds of nodes in place of one. Quadrilaterals in a disc need care: gmsh's coarse ones have corners of 180° on
+  the circle, mapped fine ones shrink inside.
 * **What it would take on the rollers:** their kernel takes any rows of 2 x 2 blocks. New would be meshes with middle
   nodes, quadratic assembly with exact masses, patch weights for quadratic edges with a calibration of period two,
   stress recovery, pictures and export for nine-node cells.

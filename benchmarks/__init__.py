@@ -2,6 +2,7 @@
 
 verification    the solver's pieces against analytic solutions, published values, conservation laws
 work_precision  run time against error over meshes
+elements        other elements and meshes: work of an explicit step against error
 stability       random scenes from the whole range of bearings: none may end silently wrong
 random_scenes   the draw of those scenes
 step_limit      energy drift against time step over critical step: where the true limit is

@@ -1,7 +1,7 @@
 """Exact free in-plane vibration of plane-strain discs and rings.
 
 u = ∇φ + curl ψ with φ = f(k_L r) cos nθ and ψ = g(k_T r) sin nθ, f and g Bessel functions of order n; the free
-circles want σ_rr = σ_rθ = 0.
+circles want σ_rr = σ_rθ = 0, the held ones u = 0.
 
 Source: Love, A Treatise on the Mathematical Theory of Elasticity (4th ed. 1927), vibrations of a circular cylinder;
 Graff, Wave Motion in Elastic Solids (1975), section 8.2 with the axial wavenumber 0.
@@ -32,6 +32,37 @@ def ring_frequency(n: int, inner: float, outer: float, low: float, high: float, 
         return np.linalg.det(matrix / np.abs(matrix).max(axis=0))
 
     return brentq(determinant, low, high, rtol=1e-12)
+
+
+def held_ring_frequencies(n: int, held: float, free: float, high: float, material: Material) -> list[float]:
+    """All ω, rad/s, below a bound, of a ring held on one circle and free on the other, n waves around.
+
+    Found as changes of sign on a grid of high/1000: two roots closer than that would be missed.
+    """
+    speed = np.sqrt(material.lame_mu / material.density)
+
+    def determinant(omega):
+        x = omega * free / speed
+        kinds = ("j", "y")
+        matrix = np.concatenate(
+            [surface_displacements(n, held / free, x, material, kinds), surface_tractions(n, 1.0, x, material, kinds)]
+        )
+        return np.linalg.det(matrix / np.abs(matrix).max(axis=0))
+
+    grid = np.linspace(0.0, high, 1001)[10:]
+    signs = np.sign([determinant(omega) for omega in grid])
+    return [brentq(determinant, *grid[i : i + 2], rtol=1e-12) for i in np.flatnonzero(signs[:-1] != signs[1:])]
+
+
+def surface_displacements(n, r, x, material, kinds):
+    """u_r and u_θ at radius r of each potential; x = ω/c_T for unit radius."""
+    k_l, k_t = x / np.sqrt(material.lame_lambda / material.lame_mu + 2.0), x
+    columns = []
+    for kind in kinds:
+        f, df = (jv, jvp) if kind == "j" else (yv, yvp)
+        columns.append([k_l * df(n, k_l * r), -n * f(n, k_l * r) / r])
+        columns.append([n * f(n, k_t * r) / r, -k_t * df(n, k_t * r)])
+    return np.array(columns).T
 
 
 def surface_tractions(n, r, x, material, kinds):

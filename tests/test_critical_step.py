@@ -113,10 +113,10 @@ def leapfrog_disc(body, dt, n_steps):
     u[:, :, 0] = np.random.default_rng(1).standard_normal((body.n_nodes, 2))
     u, w = u.ravel(), np.zeros(u.size)
     still, torque, ones = np.zeros(columns), np.zeros(columns), np.ones(columns)
-    first = np.abs(u).max()
+    first, nodes = np.abs(u).max(), (0, body.n_nodes, 0)
     for _ in range(n_steps):
-        disc_kernels.kick(starts, neighbours, scaled, body.mass, u, w, columns, torque)
-        disc_kernels.drift(points, body.mass, u, w, columns, dt, still, ones, still, still, still, torque)
+        disc_kernels.kick(starts, neighbours, scaled, body.mass, u, w, columns, torque, *nodes)
+        disc_kernels.drift(points, body.mass, u, w, columns, dt, still, ones, still, still, still, torque, *nodes)
     return np.abs(u).max() / first
 
 

@@ -271,13 +271,13 @@ FRACTIONS = np.append(np.linspace(0.0, 1.0, 41)[:-1], np.nextafter(1.0, 0.0))
 
 def weights_at(t):
     out = np.empty(N_NODES)
-    weights(t, out, 0, 1, (0,))
+    weights(t, out, 0, 1)
     return out
 
 
 def slopes_at(t):
     out = np.empty(N_NODES)
-    weight_slopes(t, out, 0, 1, (0,))
+    weight_slopes(t, out, 0, 1)
     return out
 
 
@@ -340,7 +340,7 @@ GROUP, COLUMNS = 8, 16
 def read_rollers(u, first, n_surface, bx, by, ripples, start, weight, slope, out):
     column = count_from(GROUP)
     found = read_roller(
-        u, column, COLUMNS, first, n_surface, load(bx, 0), load(by, 0), ripples, start, weight, 1, GROUP, slope, (0,)
+        u, column, COLUMNS, first, n_surface, load(bx, 0), load(by, 0), ripples, start, weight, 1, GROUP, slope
     )
     for k in range(5):
         store(out, 8 * k, found[k])
@@ -350,7 +350,7 @@ def read_rollers(u, first, n_surface, bx, by, ripples, start, weight, slope, out
 def read_rings(u, row, n_sectors, cosines, sines, bx, by, ripples, start, weight, along, across, slope, out):
     found = read_ring(
         u, row, n_sectors, cosines, sines, load(bx, 0), load(by, 0), ripples, start, weight, along, across, COLUMNS, 1,
-        GROUP, slope, (0,),
+        GROUP, slope,
     )  # fmt: skip
     for k in range(5):
         store(out, 8 * k, found[k])

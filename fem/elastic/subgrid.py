@@ -19,7 +19,7 @@ import numpy as np
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
 from fem.kernels.law import KNOTS_PER_NODE, STEEPEST, contact_force
-from fem.kernels.patches import N_NODES, ONE, first_node, weights
+from fem.kernels.patches import N_NODES, first_node, weights
 from lagrange import Material
 
 
@@ -74,8 +74,8 @@ def patch(n_surface: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndar
     position = angle * n_surface / (2.0 * pi)
     base = int(np.floor(position))
     weight = np.empty(N_NODES)
-    weights(position - base, weight, 0, 1, ONE)
-    nodes = first_node(base, ONE) + np.arange(N_NODES)
+    weights(position - base, weight, 0, 1)
+    nodes = first_node(base) + np.arange(N_NODES)
     return nodes % n_surface, weight, (position - nodes) * (2.0 * pi / n_surface)
 
 

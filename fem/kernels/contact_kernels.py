@@ -183,7 +183,7 @@ def ring_contacts(kind, rollers, ring, contacts, drive, ring_ripple, slope):
     cosine, sine, centre = rollers.cosine, rollers.sine, rollers.centre
     impulse, tilt, turn_kick = rollers.impulse, rollers.tilt, rollers.turn_kick
     start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
-    normal, outward, stretch = contacts.normal, contacts.outward, contacts.stretch
+    normal, outward = contacts.normal, contacts.outward
     sign, hub_x, hub_y, ring_c, ring_s = -1.0, 0.0, 0.0, 1.0, 0.0  # outward of the outer raceway is −n
     if kind == INNER:
         sign, hub_x, hub_y, ring_c, ring_s = 1.0, drive.hub[0], drive.hub[1], drive.ring[1], drive.ring[2]
@@ -219,7 +219,6 @@ def ring_contacts(kind, rollers, ring, contacts, drive, ring_ripple, slope):
                 2 * kind,
                 group,
                 slope,
-                stretch,
             )
         out -= hub_x * nx + hub_y * ny  # the inner ring's state holds the hub's motion
         side -= hub_y * nx - hub_x * ny
@@ -242,7 +241,6 @@ def ring_contacts(kind, rollers, ring, contacts, drive, ring_ripple, slope):
                 2 * kind + 1,
                 group,
                 slope,
-                stretch,
             )
         Q, P = _press(contacts, kind, row, near, overlap + sign * out + out_r, ripple + ripple_r)
         store(normal, 2 * kind * columns + group, nx)
@@ -275,7 +273,7 @@ def roller_contacts(rollers, contacts, drive, slope):
     cosine, sine, centre = rollers.cosine, rollers.sine, rollers.centre
     impulse, tilt, turn_kick = rollers.impulse, rollers.tilt, rollers.turn_kick
     start, weight, ripples = contacts.start, contacts.weight, contacts.roller_ripple
-    normal, outward, stretch = contacts.normal, contacts.outward, contacts.stretch
+    normal, outward = contacts.normal, contacts.outward
     touching = 2.0 * radius + contacts.reach
     for group in range(0, n, WIDTH):
         row, j, i = ROLLER * columns + group, count_from(group), next_rollers(group, n)
@@ -297,10 +295,10 @@ def roller_contacts(rollers, contacts, drive, slope):
             out_i, side_i, rate_i, ripple_i, ripple_rate_i = still(splat(0.0), splat(0.0))
         else:
             out, side, rate, ripple, ripple_rate = patch.read_roller(
-                u, j, columns, first, n_surface, ax, ay, ripples, start, weight, 2 * ROLLER, group, slope, stretch
+                u, j, columns, first, n_surface, ax, ay, ripples, start, weight, 2 * ROLLER, group, slope
             )
             out_i, side_i, rate_i, ripple_i, ripple_rate_i = patch.read_roller(
-                u, i, columns, first, n_surface, bx, by, ripples, start, weight, 2 * ROLLER + 1, group, slope, stretch
+                u, i, columns, first, n_surface, bx, by, ripples, start, weight, 2 * ROLLER + 1, group, slope
             )
         Q, P = _press(contacts, ROLLER, row, near, 2.0 * radius - distance + out + out_i, ripple + ripple_i)
         store(normal, 2 * ROLLER * columns + group, nx)

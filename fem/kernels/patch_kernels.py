@@ -12,7 +12,7 @@ from math import pi
 from fem.kernels.jit import kernel
 from fem.kernels.lane_functions import arc_tangent
 from fem.kernels.law import ripple_at
-from fem.kernels.patches import N_NODES, first_node, weight_slopes, weights
+from fem.kernels.patches import N_NODES, ONE, first_node, weight_slopes, weights
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH, gather, load, real, select, splat, store, whole
 
@@ -38,7 +38,7 @@ def _row(side, group, columns, stretch):
 
 
 @kernel(forceinline=True)
-def _place_patch(bx, by, n_nodes, start, weight, columns, side, group, slope, stretch):
+def _place_patch(bx, by, n_nodes, start, weight, columns, side, group, slope):
     """Put patches around directions b of circles of nodes: their first nodes, weights and the weights' slopes.
 
     Returns positions in node spacings, how far they are beyond a node, and the first nodes.
@@ -47,25 +47,25 @@ def _place_patch(bx, by, n_nodes, start, weight, columns, side, group, slope, st
     base = whole(position)
     base = select((base >= 0) & (base < n_nodes), base, 0)  # of what is not a number, lest memory be read elsewhere
     t = position - real(base)
-    weights(t, weight, _row(side, group, columns, stretch), columns, stretch)
-    weight_slopes(t, slope, 0, WIDTH, stretch)
-    node = first_node(base, stretch)
+    weights(t, weight, _row(side, group, columns, ONE), columns)
+    weight_slopes(t, slope, 0, WIDTH)
+    node = first_node(base)
     node = select(node < 0, node + n_nodes, node)
     store(start, side * columns + group, node)
     return position, t, node
 
 
 @kernel(forceinline=True)
-def read_roller(u, column, columns, first, n_surface, bx, by, ripples, start, weight, side, group, slope, stretch):
+def read_roller(u, column, columns, first, n_surface, bx, by, ripples, start, weight, side, group, slope):
     """Place patches of rollers `column` around their outward directions b (in their frames) and read the motion there.
 
     Returns outward motion U·b, sideways motion U·Jb, dU/ds·b per rad, ripple of A·B, its slope per rad.
     """
-    position, _, node = _place_patch(bx, by, n_surface, start, weight, columns, side, group, slope, stretch)
-    at = _row(side, group, columns, stretch)
+    position, _, node = _place_patch(bx, by, n_surface, start, weight, columns, side, group, slope)
+    at = _row(side, group, columns, ONE)
     column = column + 2 * columns * first
     ux, uy, sx, sy = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-    for k in range(N_NODES * len(stretch)):
+    for k in range(N_NODES):
         i = node * (2 * columns) + column
         x, y = gather(u, i), gather(u, i + columns)
         share, change = load(weight, at + k * columns), load(slope, k * WIDTH)
@@ -97,17 +97,16 @@ def read_ring(
     side,
     group,
     slope,
-    stretch,
 ):
     """Place a ring's patches around radial directions b (in its frame); returns the same as `read_roller` along +b."""
-    _, t, node = _place_patch(bx, by, n_sectors, start, weight, columns, side, group, slope, stretch)
-    at = _row(side, group, columns, stretch)
+    _, t, node = _place_patch(bx, by, n_sectors, start, weight, columns, side, group, slope)
+    at = _row(side, group, columns, ONE)
     width = cosines.size
     radial, tangential = 2 * raceway * width + HALO, (2 * raceway + 1) * width + HALO
     first_c, first_s = gather(cosines, node + HALO), gather(sines, node + HALO)
     ahead_c, ahead_s = bx * first_c + by * first_s, by * first_c - bx * first_s  # of the angle from the first node to b
     out, sideways, rate = splat(0.0), splat(0.0), splat(0.0)
-    for k in range(N_NODES * len(stretch)):
+    for k in range(N_NODES):
         j = at + k * columns
         step_c, step_s = cosines[HALO + k], sines[HALO + k]
         c, s = ahead_c * step_c + ahead_s * step_s, ahead_s * step_c - ahead_c * step_s

@@ -7,7 +7,7 @@ are in node spacings, and may lie one turn outside.
 import numpy as np
 
 from fem.kernels.jit import kernel
-from fem.kernels.patches import N_NODES, ONE, first_node, weight_slopes, weights
+from fem.kernels.patches import N_NODES, first_node, weight_slopes, weights
 from fem.kernels.ring_kernels import HALO
 
 
@@ -17,14 +17,14 @@ def place(x, resolved, side, q, lack):
     if lack is not None:
         at = (side * resolved.closing.size + q) * N_NODES
         t = x - np.floor(x)
-        weights(t, resolved.share, at, 1, ONE)
-        weight_slopes(t, resolved.slope, side * N_NODES, 1, ONE)
+        weights(t, resolved.share, at, 1)
+        weight_slopes(t, resolved.slope, side * N_NODES, 1)
 
 
 @kernel(forceinline=True)
 def _first(x, n_nodes):
     """First node of the patch around a position."""
-    return first_node(int(np.floor(x)), ONE) % n_nodes
+    return first_node(int(np.floor(x))) % n_nodes
 
 
 @kernel(forceinline=True)
@@ -144,7 +144,7 @@ def gather(weight, patch, j, x, start, p, width, resolved, side, q, lack):
     """Add a point's force to the nodes' shares, for friction, which is spread as the pressure is."""
     base = int(np.floor(x))
     if lack is not None:
-        k, at = first_node(base, ONE) - start, (side * resolved.closing.size + q) * N_NODES
+        k, at = first_node(base) - start, (side * resolved.closing.size + q) * N_NODES
         if 0 <= k and k + N_NODES <= width:
             for i in range(N_NODES):
                 weight[patch, k + i, j] += p * resolved.share[at + i]

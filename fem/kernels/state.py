@@ -109,7 +109,7 @@ class Contacts(NamedTuple):
     normal: np.ndarray  # (3, 2, columns), unit, from side 0 to side 1 (outer contact: outward)
     slip: np.ndarray  # (3, columns), m/s, before the step's kick
     crowded: bool  # patches of neighbouring contacts may overlap
-    stretch: tuple[int, ...]  # m entries: see `patches`
+    stretch: tuple[int, ...]  # m entries: what nodes carry of a contact is kept for 6 m of them
     # patches: 2·kind + side
     start: np.ndarray  # (6, columns), first surface node or sector
     weight: np.ndarray  # (6, 6 m, columns)

@@ -202,7 +202,9 @@ BAD_SETTINGS = {
     "ring thinner than an element": setting(
         "bearing.outside_diameter_mm=57", say="outer ring & 0.5 mm thick & mesh_size_mm"
     ),
-    "more nodes than memory": setting("numerics.mesh_size_mm=0.014", say="mesh_size_mm = 0.014 & nodes & at most"),
+    "more nodes than memory": setting(
+        "operation.radial_load_N=1", "numerics.mesh_size_mm=0.03", say="mesh_size_mm = 0.03 & nodes & at most"
+    ),
     "balls as plane sections": setting("bearing.type=ball", say='bearing.type = "ball" & --model lagrange'),
     "Lagrangian run beyond memory": options(
         "--model",

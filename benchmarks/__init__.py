@@ -10,6 +10,7 @@ lagrange_model  the Lagrangian model solved: its time, its energy, the checker o
 paper           the paper's figures against ours, and the runs that explain the difference
 pictures        docs' pictures; stress below contacts, times, sizes
 fuzz            every reader against changed files, guided by coverage; `mutations` makes them
+threads         time of a step on one thread and on more
 checkpoint_cost what checkpoints and commits cost, as paired ratios
 throughput      time of every phase of a step against the machine's ceilings
 machine         the ceilings, measured

@@ -26,7 +26,7 @@ from lagrange import Bearing
 
 POINTS_PER_HALF_WIDTH = 10  # at the largest static force
 ONE_PATCH = 2.0  # least surface spacing over a contact's half-width at which one patch is far wider than the contact
-SPAN = 2  # half-range of the points over that half-width: four times that force
+SPAN = 3  # half-range of the points over that half-width: nine times that force
 PLACES = 6  # on a roller's sextant, and
 PLACES_PER_NODE = 8  # about which its softness is averaged
 # ∬ p p' ln|s − s'| of two unit Hertz pressures of half-width 1, −ln 2 − ¼ (Johnson, Contact Mechanics, 1985, ch. 5)

@@ -303,7 +303,9 @@ def _energy_trouble(plan: Plan, samples: Samples, good: int, imbalance: float) -
 
 def _velocity_trouble(plan: Plan, step: int, body: int) -> str:
     name = "the hub" if body < 0 else f"roller {body}"
-    return (
-        f"the velocity of {name} is not finite at step {step}, t = {1e3 * step * plan.time_step:.5g} ms; "
-        "lower numerics.time_step_safety or check the load"
-    )
+    hint = "lower numerics.time_step_safety or check the load"
+    law = plan.model.inner_law
+    if plan.model.is_resolved and not law.is_one_point:
+        wide = "pressure points reach as far as static loads need, and an impact may have made a contact wider"
+        hint = f"{wide}: a coarser numerics.mesh_size_mm has no such limit; or {hint}"
+    return f"the velocity of {name} is not finite at step {step}, t = {1e3 * step * plan.time_step:.5g} ms; {hint}"

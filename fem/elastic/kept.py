@@ -1,6 +1,6 @@
 """Results kept on disk between starts: assembled matrices, critical time steps.
 
-An entry is found by a digest of what it depends on: its key, the text of this package and of `meshes`, and the
+An entry is found by a digest of what it depends on: its key, the text of every module it could come from, and the
 versions of the libraries that made it. It is made anew where it can't be read.
 """
 
@@ -13,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+import lagrange
+import meshes
 from meshes import cache as mesh_cache
 
 LARGEST = 20e6  # bytes; what is larger takes its time anyway, and would fill the disk
@@ -47,8 +49,9 @@ def _read(path: Path) -> dict[str, np.ndarray] | None:
 
 @cache
 def _program() -> str:
-    """Digest of the package's text and the libraries' versions."""
-    folders = (Path(__file__).parent, Path(mesh_cache.__file__).parent)
+    """Digest of the program's text, as far as results depend on it, and the libraries' versions."""
+    elastic = Path(__file__).parent
+    folders = (elastic, elastic.with_name("kernels"), *(Path(module.__file__).parent for module in (lagrange, meshes)))
     texts = [path.read_text() for folder in folders for path in sorted(folder.glob("*.py"))]
     return _digest(*texts, *(version(name) for name in ("numpy", "scipy", "scikit-fem")))
 

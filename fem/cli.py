@@ -108,6 +108,7 @@ def _run(
 def _lagrange(scene, path: Path, dry_run: bool, quiet: bool) -> int:
     from fem.lagrange_run import make_plan, print_plan, run_command
 
+    gc.enable()
     if dry_run:
         print_plan(make_plan(scene))
         return OK
@@ -132,7 +133,6 @@ def _plan(scene, compiled: bool, quiet: bool = False):
         if not (quiet or is_compiled()):
             print("compiling the kernels, once, about half a minute", file=sys.stderr, flush=True)
         compile_kernels(plan)
-    gc.freeze()
     gc.enable()
     return plan, time.perf_counter() - began
 
@@ -183,7 +183,7 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
 
 def run_main(arguments: list[str] | None = None) -> int:
     """`run-fem`, its exit code."""
-    gc.disable()  # until there is a plan: imports make much that stays and no garbage to speak of
+    gc.disable()  # until all is imported: imports make much that stays and no garbage to speak of
     try:
         return run_app_main(run_app, arguments)
     finally:

@@ -37,17 +37,7 @@ def model_of(scene: Scene) -> Model:
     check_mesh_size(bearing, mesh_size, graded=spreads or scene.contact.model == "resolved")
     if spreads:
         force = largest_force(bearing, operation)
-        for raceway, half_width in zip(("inner", "outer"), half_widths(bearing, force), strict=True):
-            if half_width > HOPELESS * WIDEST_CONTACT * bearing.roller_radius:
-                check_width(raceway, force, half_width, bearing)
-    if spreads and scene.bodies.rigid:
-        least = ONE_PATCH * max(half_widths(bearing, force))
-        raise UsageError(
-            f'bodies.{scene.bodies.rigid[0]} = "rigid": numerics.mesh_size_mm = {1e3 * mesh_size:g} is so fine that '
-            f"contacts are spread over nodes, and a rigid body has none; at least {1e3 * least:.3g}, or every body "
-            '"elastic"'
-        )
-    if spreads:
+        _check_points(scene, bearing, force, mesh_size)
         return build_spread_model(bearing, mesh_size, force)
     if scene.contact.model == "resolved":
         _check_resolution(half_widths(bearing, largest_force(bearing, operation)), mesh_size)
@@ -63,6 +53,20 @@ def _spreads(bearing: Bearing, operation: Operation, mesh_size: float) -> bool:
     if mesh_size > ONE_PATCH * max(half_widths(bearing, _bound(bearing, operation))):  # far above what a roller carries
         return False
     return mesh_size < ONE_PATCH * max(half_widths(bearing, largest_force(bearing, operation)))
+
+
+def _check_points(scene: Scene, bearing: Bearing, force: float, mesh_size: float) -> None:
+    """Refuse pressure points under a force, N, that makes contacts far too wide, and on rigid bodies."""
+    widths = half_widths(bearing, force)
+    for raceway, half_width in zip(("inner", "outer"), widths, strict=True):
+        if half_width > HOPELESS * WIDEST_CONTACT * bearing.roller_radius:
+            check_width(raceway, force, half_width, bearing)
+    if scene.bodies.rigid:
+        raise UsageError(
+            f'bodies.{scene.bodies.rigid[0]} = "rigid": numerics.mesh_size_mm = {1e3 * mesh_size:g} is so fine that '
+            f"contacts are spread over nodes, and a rigid body has none; at least {1e3 * ONE_PATCH * max(widths):.3g}, "
+            'or every body "elastic"'
+        )
 
 
 def _check_resolution(widths: tuple[float, float], mesh_size: float) -> None:

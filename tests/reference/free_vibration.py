@@ -25,11 +25,7 @@ def ring_frequency(n: int, inner: float, outer: float, low: float, high: float, 
 
     def determinant(omega):
         x = omega * outer / speed
-        kinds = ("j", "y")
-        matrix = np.concatenate(
-            [surface_tractions(n, inner / outer, x, material, kinds), surface_tractions(n, 1.0, x, material, kinds)]
-        )
-        return np.linalg.det(matrix / np.abs(matrix).max(axis=0))
+        return _determinant(surface_tractions, n, inner / outer, x, material)
 
     return brentq(determinant, low, high, rtol=1e-12)
 
@@ -43,15 +39,18 @@ def held_ring_frequencies(n: int, held: float, free: float, high: float, materia
 
     def determinant(omega):
         x = omega * free / speed
-        kinds = ("j", "y")
-        matrix = np.concatenate(
-            [surface_displacements(n, held / free, x, material, kinds), surface_tractions(n, 1.0, x, material, kinds)]
-        )
-        return np.linalg.det(matrix / np.abs(matrix).max(axis=0))
+        return _determinant(surface_displacements, n, held / free, x, material)
 
     grid = np.linspace(0.0, high, 1001)[10:]
     signs = np.sign([determinant(omega) for omega in grid])
     return [brentq(determinant, *grid[i : i + 2], rtol=1e-12) for i in np.flatnonzero(signs[:-1] != signs[1:])]
+
+
+def _determinant(condition, n: int, r: float, x: float, material: Material) -> float:
+    """Of an annulus with a condition at radius r and free at radius 1, columns scaled to 1."""
+    kinds = ("j", "y")
+    matrix = np.concatenate([condition(n, r, x, material, kinds), surface_tractions(n, 1.0, x, material, kinds)])
+    return np.linalg.det(matrix / np.abs(matrix).max(axis=0))
 
 
 def surface_displacements(n, r, x, material, kinds):

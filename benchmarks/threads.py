@@ -1,13 +1,12 @@
 """Where threads pay: time of a step on one thread and on more, in turns: `python -m benchmarks.threads`."""
 
 import statistics
-import time
 
 import numba
 from rich.console import Console
 from rich.table import Table
 
-from fem.solver.simulate import compile_kernels, make_plan, run
+from fem.solver.simulate import make_plan, run
 from lagrange.scene import read_scene
 
 MESHES_MM = (2.0, 1.0, 0.5, 0.25)
@@ -15,17 +14,15 @@ SECONDS = 0.5  # about, of each timing
 TURNS = 5
 
 
-def step_seconds(size_mm: float, threads: int, steps: int) -> tuple[float, int]:
-    """Wall time of a step of the paper's scene, s, over about so many steps; how many they were."""
+def step_seconds(size_mm: float, threads: int, steps: int) -> float:
+    """Wall time of a step of the paper's scene, s, over about so many steps."""
     scene = read_scene(None, _sets(size_mm, threads))
     stride = make_plan(scene).stride
     samples = max(2, round(steps / stride))
     duration = 1e-3 * scene.numerics.output_interval_us * samples
     plan = make_plan(read_scene(None, (*_sets(size_mm, threads), f"numerics.duration_ms={duration!r}")))
-    compile_kernels(plan)
-    began = time.perf_counter()
     done = run(plan, lambda samples: None)
-    return (time.perf_counter() - began) / done.steps, done.steps
+    return done.wall / done.steps
 
 
 def _sets(size_mm: float, threads: int) -> tuple[str, str]:
@@ -39,15 +36,15 @@ def main() -> None:
     for heading in ("mesh", *(f"{n} threads" for n in numbers)):
         table.add_column(heading, justify="right")
     for size_mm in MESHES_MM:
-        rough, _ = step_seconds(size_mm, 1, 2000)
+        rough = step_seconds(size_mm, 1, 2000)
         found = {n: [] for n in numbers}
         for _ in range(TURNS):
             for n in numbers:
-                found[n].append(step_seconds(size_mm, n, round(SECONDS / rough))[0])
+                found[n].append(step_seconds(size_mm, n, round(SECONDS / rough)))
         medians = {n: statistics.median(times) for n, times in found.items()}
         cells = [f"{1e6 * medians[n]:.2f} ({medians[n] / medians[1]:.2f})" for n in numbers]
         table.add_row(f"{size_mm:g} mm", *cells)
-    Console().print(table)
+    Console(width=100).print(table)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from scipy.optimize import nnls
 
 from fem.elastic.critical_step import critical_time_step
 from fem.elastic.model import build_spread_model
-from fem.elastic.resolved import points
+from fem.elastic.points import points
 from fem.kernels.contact_kernels import contact_forces
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.spread_kernels import spread_forces

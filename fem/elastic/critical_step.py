@@ -10,7 +10,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.kept import kept
 from fem.elastic.model import Model
-from fem.elastic.resolved import point_springs
+from fem.elastic.points import point_springs
 from fem.elastic.subgrid import disc_patch_force, ring_patch_force
 
 LOAD_MARGIN = 10.0  # contacts are as stiff as at this many times the largest static force

@@ -1,4 +1,4 @@
-"""Contacts resolved by the mesh: pressure at quadrature points between exact circles, no law below the grid.
+"""Contacts as pressures at points between exact circles: resolved by the mesh, or with points spread over patches.
 
 For two circles with unit normal n along the line of centres and t = Jn, the points at transverse distance s from that
 line face each other. Their gap along n is that of the undeformed circles less what the surfaces' outward displacements
@@ -6,8 +6,10 @@ along their own normals m₁(s), m₂(s) close of it,
 
     g(s) = g₀(s, d) − U₁·m₁ / cos φ₁ − U₂·m₂ / cos φ₂,    sin φ_i = s / r_i,
 
-U by linear interpolation between surface nodes. A stiff layer resists: p = ε ⟨−g⟩. The points stand still relative to
-the contact while nodes pass through it. All forces are the gradient of Σ ½ ε g² Δs L, as in `contact_kernels`.
+The points stand still relative to the contact while nodes pass through it. Where the mesh resolves the contact U is
+interpolated linearly between nodes and a stiff layer resists, p = ε ⟨−g⟩; else U is the mean over a patch and the
+forces follow from what the mesh lacks (`spread_kernels`). Either way all are the gradient of one potential, Σ ½ ε g²
+Δs L or ½ qᵀG q, as in `contact_kernels`.
 
 The contacts that other programs have on a coarse mesh, kept for comparison, are a single point on the line of centres:
 a penalty spring between the nodes around it. With facets U·m includes what the chords lack of the circles.

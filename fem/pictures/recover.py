@@ -16,7 +16,7 @@ import numpy as np
 
 from fem.elastic.bodies import RingBody
 from fem.elastic.model import Model
-from fem.elastic.resolved import hertz_patch
+from fem.elastic.points import hertz_patch
 from fem.elastic.subgrid import patch
 from fem.errors import UsageError
 from fem.result.fields import read_frame, stored_samples

@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.model import Model
-from fem.elastic.resolved import points, stretch_for
+from fem.elastic.points import points, stretch_for
 from fem.elastic.rigid import RigidRing
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.patches import N_NODES, ONE

@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 
 from fem.elastic.model import Model
-from fem.elastic.resolved import disc_push, ring_push
+from fem.elastic.points import disc_push, ring_push
 from fem.kernels.facet_kernels import chord
 from fem.statics.contact_balance import Condensed, Loads, NoLaw, balance, closed_forces, first_guess
 from fem.statics.equilibrium import Equilibrium, Motion

@@ -61,22 +61,18 @@ def _rings_drift(inner, outer):
 
 @njit
 def _gravity(inner, outer, scratch):
-    bore, line = scratch.bore, scratch.line
-    ring_kernels.set_rigid(bore[0], bore[1], inner.cosines, inner.sines, 0.0, 1e-12)
-    ring_kernels.accelerate(inner.w, bore, inner.first_row, inner.last_row)
-    ring_kernels.set_rigid(line[0], line[1], outer.cosines, outer.sines, 0.0, 1e-12)
-    ring_kernels.accelerate(outer.w, line, outer.first_row, outer.last_row)
+    ring_kernels.set_rigid(scratch.bore, 0, inner.cosines, inner.sines, 0.0, 1e-12)
+    ring_kernels.set_rigid(scratch.line, 0, outer.cosines, outer.sines, 0.0, 1e-12)
+    ring_kernels.kick_and_add(inner.table, inner.u, inner.w, scratch.bore, inner.first_row, inner.last_row)
+    ring_kernels.kick_and_add(outer.table, outer.u, outer.w, scratch.line, outer.first_row, outer.last_row)
 
 
 @njit
 def _hub(inner, scratch):
-    bore = scratch.bore
-    bore[0, :] = 0.0
-    bore[1, :] = 0.0
-    ring_kernels.row_force(inner.table, inner.u, inner.held, bore[0], bore[1])
-    x, y = ring_kernels.resultant(bore[0], bore[1], inner.cosines, inner.sines)
-    held = inner.u[inner.held]
-    ring_kernels.set_rigid(held[0], held[1], inner.cosines, inner.sines, 1e-12 * x, 1e-12 * y)
+    ring_kernels.row_force(inner.table, inner.u, inner.held, scratch.bore)
+    x, y = ring_kernels.resultant(scratch.bore, inner.cosines, inner.sines)
+    held = 2 * inner.held * inner.cosines.size
+    ring_kernels.set_rigid(inner.u, held, inner.cosines, inner.sines, 1e-12 * x, 1e-12 * y)
 
 
 @njit
@@ -134,7 +130,7 @@ def time_phases(plan: Plan) -> dict[str, float]:
         0,
     )
     out["rings' motion"] = _seconds(_rings_drift, i, o)
-    out["gravity"] = _seconds(_gravity, i, o, x)
+    out["gravity"] = _seconds(_gravity, i, o, x) - out["rings' forces"]  # added on the way
     out["hub"] = _seconds(_hub, i, x)
     a = plan.arrays()
     sample = _seconds(_sampled, a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch, row)

@@ -125,9 +125,9 @@ def leapfrog_ring(body, dt, n_steps):
     first, last = (1, body.n_rows) if body.held_row == 0 else (0, body.n_rows - 1)
     u = np.zeros((body.n_rows, 2, body.n_sectors + 2 * HALO))
     u[first:last, :, HALO:-HALO] = np.random.default_rng(2).standard_normal((last - first, 2, body.n_sectors))
-    for row in range(body.n_rows):
-        for component in range(2):
-            ring_kernels.wrap(u[row, component])
+    width = u.shape[2]
+    for at in range(0, u.size, width):
+        ring_kernels.wrap(u, at, width)
     w, start = np.zeros_like(u), np.abs(u).max()
     for _ in range(n_steps):
         ring_kernels.kick(table, u, w, first, last)

@@ -6,7 +6,7 @@ columns a multiple of 16; spare columns stay 0.
 """
 
 from fem.kernels.jit import kernel
-from fem.kernels.simd import fma, load, splat, store
+from fem.kernels.simd import fma, gather, load, splat, store
 
 COLUMNS = 16  # handled together
 
@@ -29,18 +29,19 @@ def kick(starts, neighbours, blocks, mass, u, w, columns, torque, first, end, at
         for i in range(first, end):
             fx0, fx1, fy0, fy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
             gx0, gx1, gy0, gy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)  # sums apart: none waits for another
-            for k in range(starts[i], starts[i + 1]):
-                at = neighbours[k] * stride + block
+            for k in range(gather(starts, i), gather(starts, i + 1)):
+                at = gather(neighbours, k) * stride + block
                 x0, x1 = load(u, at), load(u, at + 8)
                 y0, y1 = load(u, at + columns), load(u, at + columns + 8)
-                xx, xy, yx, yy = blocks[4 * k], blocks[4 * k + 1], blocks[4 * k + 2], blocks[4 * k + 3]
+                xx, xy = gather(blocks, 4 * k), gather(blocks, 4 * k + 1)
+                yx, yy = gather(blocks, 4 * k + 2), gather(blocks, 4 * k + 3)
                 fx0, fx1 = fma(xx, x0, fx0), fma(xx, x1, fx1)
                 fy0, fy1 = fma(yx, x0, fy0), fma(yx, x1, fy1)
                 gx0, gx1 = fma(xy, y0, gx0), fma(xy, y1, gx1)
                 gy0, gy1 = fma(yy, y0, gy0), fma(yy, y1, gy1)
             fx0, fx1, fy0, fy1 = fx0 + gx0, fx1 + gx1, fy0 + gy0, fy1 + gy1
             at = i * stride + block
-            m = mass[i]
+            m = gather(mass, i)
             t0 = fma(m, load(u, at) * fy0 - load(u, at + columns) * fx0, t0)
             t1 = fma(m, load(u, at + 8) * fy1 - load(u, at + columns + 8) * fx1, t1)
             store(w, at, load(w, at) + fx0)
@@ -70,7 +71,7 @@ def drift(points, mass, u, w, columns, dt, turn_kick, cosine, sine, shift_x, shi
         lead = splat(0.0)
         for i in range(first, end):
             at = i * stride + block
-            px, py = points[2 * i], points[2 * i + 1]
+            px, py = gather(points, 2 * i), gather(points, 2 * i + 1)
             wx = load(w, at) - py * k - ax
             wy = load(w, at + columns) + px * k - ay
             x = px + fma(dt, wx, load(u, at))
@@ -81,5 +82,5 @@ def drift(points, mass, u, w, columns, dt, turn_kick, cosine, sine, shift_x, shi
             store(u, at + columns, uy)
             store(w, at, c * wx + s * wy)
             store(w, at + columns, c * wy - s * wx)
-            lead = fma(mass[i], px * uy - py * ux, lead)
+            lead = fma(gather(mass, i), px * uy - py * ux, lead)
         store(moment, at_sum + block, lead)

@@ -165,13 +165,14 @@ def friction_contacts(rollers, inner, outer, contacts, drive, after):
     """Tractions of every contact and their impulses; returns the work they dissipate in this step, J.
 
     Each is implicit in its own patch's velocity. `after`, (3, columns), m/s, is filled with the slips they leave. Where
-    patches of neighbours overlap (on coarse rings), each starts from its last value and every other one is solved for
+    patches of neighbours overlap (on coarse meshes), each starts from its last value and every other one is solved for
     in turn (Gauss and Seidel): without neighbours' part sticking contacts would shake each other. Where they share a
     rigid body, each knows the others' last values.
     """
-    if not contacts.crowded and len(rollers.rigid) + len(inner.rigid) > 0:
+    crowded = contacts.crowded or (contacts.crowded_rollers and _rollers_touch(contacts, rollers))
+    if not crowded and len(rollers.rigid) + len(inner.rigid) > 0:
         _solve_on_whole_bodies(rollers, inner, outer, contacts, drive, after)
-    elif not contacts.crowded:
+    elif not crowded:
         slips(rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
         for kind in range(3):
             _find_tractions(kind, 0, 1, False, rollers, inner, outer.radius - rollers.radius, contacts, drive, after)
@@ -183,6 +184,14 @@ def friction_contacts(rollers, inner, outer, contacts, drive, after):
     for at in range(0, traction.size, WIDTH):
         dissipated -= load(traction, at) * (load(before, at) + load(after, at))
     return 0.5 * drive.dt * total(dissipated)
+
+
+@kernel(forceinline=True)
+def _rollers_touch(contacts, rollers):
+    found = splat(0.0)
+    for group in range(0, rollers.n, WIDTH):
+        found += load(contacts.force, ROLLER * rollers.columns + group)
+    return any_lane(found > 0.0)
 
 
 @kernel

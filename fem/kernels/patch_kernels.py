@@ -14,7 +14,7 @@ from fem.kernels.lane_functions import arc_tangent
 from fem.kernels.law import ripple_at
 from fem.kernels.patches import N_NODES, ONE, first_node, weight_slopes, weights
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.simd import WIDTH, gather, load, real, select, splat, store, whole
+from fem.kernels.simd import WIDTH, gather, gather_pair, load, real, select, splat, store, whole
 
 
 @kernel(forceinline=True)
@@ -67,7 +67,7 @@ def read_roller(u, column, columns, first, n_surface, bx, by, ripples, start, we
     ux, uy, sx, sy = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES):
         i = node * (2 * columns) + column
-        x, y = gather(u, i), gather(u, i + columns)
+        x, y = gather_pair(u, i, columns)
         share, change = load(weight, at + k * columns), load(slope, k * WIDTH)
         ux += share * x
         uy += share * y
@@ -102,7 +102,7 @@ def read_ring(
     _, t, node = _place_patch(bx, by, n_sectors, start, weight, columns, side, group, slope)
     at = _row(side, group, columns, ONE)
     width = cosines.size
-    radial, tangential = 2 * raceway * width + HALO, (2 * raceway + 1) * width + HALO
+    radial = 2 * raceway * width + HALO
     first_c, first_s = gather(cosines, node + HALO), gather(sines, node + HALO)
     ahead_c, ahead_s = bx * first_c + by * first_s, by * first_c - bx * first_s  # of the angle from the first node to b
     out, sideways, rate = splat(0.0), splat(0.0), splat(0.0)
@@ -110,7 +110,7 @@ def read_ring(
         j = at + k * columns
         step_c, step_s = cosines[HALO + k], sines[HALO + k]
         c, s = ahead_c * step_c + ahead_s * step_s, ahead_s * step_c - ahead_c * step_s
-        a, b = gather(u, node + radial), gather(u, node + tangential)
+        a, b = gather_pair(u, node + radial, width)
         share = load(weight, j)
         outward = a * c + b * s
         out += share * outward
@@ -166,7 +166,8 @@ def grip_roller(
     at, over = _row(side, group, columns, stretch), 1.0 / radius
     node = load(start, side * columns + group)
     i = (node + first) * 2
-    first_x, first_y = gather(points, i) * over, gather(points, i + 1) * over
+    first_x, first_y = gather_pair(points, i, 1)
+    first_x, first_y = first_x * over, first_y * over
     x, y, light, light_x, light_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES * len(stretch)):
         c, s = points[2 * (first + k)] * over, points[2 * (first + k) + 1] * over
@@ -212,7 +213,8 @@ def sideways_roller(
     at, over = _row(side, group, columns, stretch), 1.0 / radius
     node = load(start, side * columns + group)
     i = (node + first) * 2
-    first_x, first_y = gather(points, i) * over, gather(points, i + 1) * over
+    first_x, first_y = gather_pair(points, i, 1)
+    first_x, first_y = first_x * over, first_y * over
     column = column + 2 * columns * first
     x, y, around = splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES * len(stretch)):
@@ -220,7 +222,8 @@ def sideways_roller(
         node_x, node_y = first_x * c - first_y * s, first_y * c + first_x * s
         i = node * (2 * columns) + column
         share = load(weight, at + k * columns)
-        vx, vy = share * gather(w, i), share * gather(w, i + columns)
+        vx, vy = gather_pair(w, i, columns)
+        vx, vy = share * vx, share * vy
         x += vx
         y += vy
         around += node_x * vy - node_y * vx
@@ -233,12 +236,12 @@ def sideways_roller(
 def sideways_ring(w, raceway, n_sectors, start, weight, along, across, columns, side, group, scale, lean, stretch):
     """Velocity of the surface along t, m/s."""
     at, width = _row(side, group, columns, stretch), w.shape[2]
-    radial, tangential = 2 * raceway * width + HALO, (2 * raceway + 1) * width + HALO
+    radial = 2 * raceway * width + HALO
     node = load(start, side * columns + group)
     outward, around = splat(0.0), splat(0.0)
     for k in range(N_NODES * len(stretch)):
         j = at + k * columns
-        p, q = gather(w, node + radial), gather(w, node + tangential)
+        p, q = gather_pair(w, node + radial, width)
         c, s = load(along, j), load(across, j)
         outward += c * p + s * q
         around += (c + load(weight, j)) * q - s * p

@@ -1,16 +1,16 @@
-"""Rings: one sector's stencil run along contiguous sectors.
+"""Rings: one sector's stencil run along contiguous sectors, eight per register.
 
 State in polar components in the ring's own frame, about the outer ring's centre: `u` displacement (rigid motion of the
-hub included), `w` absolute velocity. Arrays (n_rows, 2, HALO + n_sectors + HALO); the nearest halo columns repeat the
-other end so that the stencil needs no wrap.
+hub included), `w` absolute velocity. Arrays (n_rows, 2, HALO + n_sectors + HALO), n_sectors a multiple of 8; the
+nearest halo columns repeat the other end so that the stencil needs no wrap.
 """
 
 import numpy as np
-from numba import uint64
 
 from fem.kernels.jit import kernel
+from fem.kernels.simd import WIDTH, fma, from_left, from_right, gather, load, splat, store, total
 
-HALO = 8  # one register: keeps the rows aligned
+HALO = WIDTH  # one register: keeps the rows aligned
 
 
 def coefficients(stencil: np.ndarray) -> np.ndarray:
@@ -21,116 +21,134 @@ def coefficients(stencil: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.concatenate([radial.reshape(-1, 9), tangential.reshape(-1, 9)], axis=1))
 
 
-@kernel(fastmath={"contract", "nsz", "reassoc"})
-def row_force(table, u, row, radial, tangential):
-    """radial, tangential += table·u for one row of nodes.
+@kernel(forceinline=True)
+def _give(r, at, a, b, c, d, e, f):
+    """What eight nodes of three rows give to one component of the middle row: at, left and right of themselves.
+
+    `r` : the row's coefficients, of which nine from `at` on; a, b, c : this component below, in and above the row;
+    d, e, f : the other one.
+    """
+    own = r[at] * a + r[at + 3] * b + r[at + 6] * c
+    pair = r[at + 1] * a + r[at + 4] * b + r[at + 7] * c
+    cross = r[at + 2] * d + r[at + 5] * e + r[at + 8] * f
+    return own, pair + cross, pair - cross
+
+
+@kernel(forceinline=True)
+def _give_both(r, u, below, row, above, width, k):
+    """`_give` of columns k ... k + 7 to the radial and to the tangential component."""
+    a, b, c = load(u, below + k), load(u, row + k), load(u, above + k)
+    d, e, f = load(u, below + width + k), load(u, row + width + k), load(u, above + width + k)
+    return _give(r, 0, a, b, c, d, e, f), _give(r, 9, d, e, f, a, b, c)
+
+
+@kernel(forceinline=True)
+def _row_force(table, u, row, out, at, line, with_line):
+    """out += table·u for one row of nodes, radial from index `at` on, tangential `width` further; see `kick`.
+
+    Every node's part is formed once and handed to its neighbours' columns, instead of reading three columns for each.
+    """
+    width = u.shape[2]
+    # past the ends coefficients are 0
+    below, above = 2 * width * max(row - 1, 0), 2 * width * min(row + 1, u.shape[0] - 1)
+    t = table[row]
+    radial = (t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7], t[8])
+    r = (*radial, t[9], t[10], t[11], t[12], t[13], t[14], t[15], t[16], t[17])  # in registers: `out` might be `table`
+    row = 2 * width * row
+    before_r, before_t = _give_both(r, u, below, row, above, width, 0)
+    radial, tangential = _give_both(r, u, below, row, above, width, HALO)
+    for k in range(HALO, width - HALO, WIDTH):
+        next_r, next_t = _give_both(r, u, below, row, above, width, k + WIDTH)
+        x = radial[0] + (from_left(before_r[2], radial[2]) + from_right(radial[1], next_r[1]))
+        y = tangential[0] + (from_left(before_t[2], tangential[2]) + from_right(tangential[1], next_t[1]))
+        if with_line:
+            x, y = x + load(line, k), y + load(line, width + k)
+        store(out, at + k, load(out, at + k) + x)
+        store(out, at + width + k, load(out, at + width + k) + y)
+        before_r, radial, before_t, tangential = radial, next_r, tangential, next_t
+
+
+@kernel
+def row_force(table, u, row, out):
+    """out = table·u for one row of nodes.
 
     Parameters
     ----------
-    table : (n_rows, 18), see `coefficients`, times any factor; radial, tangential : (n_sectors + 2 HALO,)
+    table : (n_rows, 18), see `coefficients`, times any factor; out : (2, n_sectors + 2 HALO)
     """
-    n_rows, width = u.shape[0], u.shape[2]
-    below, above = max(row - 1, 0), min(row + 1, n_rows - 1)  # their coefficients are 0 past the ends
-    a, b, c = u[below, 0], u[row, 0], u[above, 0]
-    d, e, f = u[below, 1], u[row, 1], u[above, 1]
-    r = table[row]
-    r0, r1, r2, r3, r4, r5, r6, r7, r8 = r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8]
-    t0, t1, t2, t3, t4, t5, t6, t7, t8 = r[9], r[10], r[11], r[12], r[13], r[14], r[15], r[16], r[17]
-    one = uint64(1)  # unsigned: a signed index would be checked for wrapping and the loop not vectorised
-    for column in range(HALO, width - HALO):
-        k = uint64(column)
-        i, j = k - one, k + one
-        radial[k] += (
-            (r0 * a[k] + r1 * (a[i] + a[j]) + r2 * (d[j] - d[i]))
-            + (r3 * b[k] + r4 * (b[i] + b[j]) + r5 * (e[j] - e[i]))
-            + (r6 * c[k] + r7 * (c[i] + c[j]) + r8 * (f[j] - f[i]))
-        )
-        tangential[k] += (
-            (t0 * d[k] + t1 * (d[i] + d[j]) + t2 * (a[j] - a[i]))
-            + (t3 * e[k] + t4 * (e[i] + e[j]) + t5 * (b[j] - b[i]))
-            + (t6 * f[k] + t7 * (f[i] + f[j]) + t8 * (c[j] - c[i]))
-        )
+    for k in range(0, out.size, WIDTH):
+        store(out, k, splat(0.0))
+    _row_force(table, u, row, out, 0, out, False)
 
 
 @kernel
 def kick(table, u, w, first_row, last_row):
     """w += dt·internal acceleration for rows first_row ... last_row − 1; table holds −dt·M⁻¹K."""
     for row in range(first_row, last_row):
-        row_force(table, u, row, w[row, 0], w[row, 1])
+        _row_force(table, u, row, w, 2 * row * u.shape[2], w, False)
 
 
-@kernel(fastmath={"contract", "nsz"})
-def accelerate(w, line, first_row, last_row):
-    """Add the velocities of one row, (2, width), m/s, to every row: gravity."""
-    width = w.shape[2]
-    radial, tangential = line[0], line[1]
+@kernel
+def kick_and_add(table, u, w, line, first_row, last_row):
+    """`kick`, and the velocities of one row, (2, width), m/s, added to every row: gravity."""
     for row in range(first_row, last_row):
-        p, q = w[row, 0], w[row, 1]
-        for column in range(HALO, width - HALO):
-            k = uint64(column)
-            p[k] += radial[k]
-            q[k] += tangential[k]
+        _row_force(table, u, row, w, 2 * row * u.shape[2], line, True)
 
 
-@kernel(fastmath={"contract", "nsz"})
+@kernel
 def drift(u, w, radii, dt, cosine, sine, first_row, last_row):
     """Move by dt·w and turn the frame by the given angle."""
     width = u.shape[2]
     for row in range(first_row, last_row):
-        radius = radii[row]
-        p, q, a, b = w[row, 0], w[row, 1], u[row, 0], u[row, 1]
-        for column in range(HALO, width - HALO):
-            k = uint64(column)
-            x = radius + (a[k] + dt * p[k])
-            y = b[k] + dt * q[k]
-            a[k] = (cosine * x + sine * y) - radius
-            b[k] = cosine * y - sine * x
-            x, y = p[k], q[k]
-            p[k] = cosine * x + sine * y
-            q[k] = cosine * y - sine * x
-        wrap(a)
-        wrap(b)
-
-
-@kernel(fastmath={"contract", "nsz"})
-def drift_still(u, w, dt, first_row, last_row):
-    """Move by dt·w; the frame does not turn."""
-    width = u.shape[2]
-    for row in range(first_row, last_row):
-        for component in range(2):
-            p, a = w[row, component], u[row, component]
-            for column in range(HALO, width - HALO):
-                k = uint64(column)
-                a[k] += dt * p[k]
-            wrap(a)
+        radius, at = radii[row], 2 * row * width
+        for k in range(at + HALO, at + width - HALO, WIDTH):
+            p, q = load(w, k), load(w, k + width)
+            x, y = radius + fma(dt, p, load(u, k)), fma(dt, q, load(u, k + width))
+            store(u, k, (cosine * x + sine * y) - radius)
+            store(u, k + width, cosine * y - sine * x)
+            store(w, k, cosine * p + sine * q)
+            store(w, k + width, cosine * q - sine * p)
+        wrap(u, at, width)
+        wrap(u, at + width, width)
 
 
 @kernel
-def wrap(line):
-    """Repeat the first and last sector in the halo."""
-    last = line.size - HALO
-    line[HALO - 1] = line[last - 1]
-    line[last] = line[HALO]
+def drift_still(u, w, dt, first_row, last_row):
+    """Move by dt·w; the frame does not turn."""
+    width = u.shape[2]
+    for at in range(2 * first_row * width, 2 * last_row * width, width):
+        for k in range(at + HALO, at + width - HALO, WIDTH):
+            store(u, k, fma(dt, load(w, k), load(u, k)))
+        wrap(u, at, width)
 
 
-@kernel(fastmath={"contract", "nsz"})
-def set_rigid(line_r, line_t, cosines, sines, x, y):
-    """Displacement of a circle that moves rigidly by (x, y) in the frame's axes."""
-    width = line_r.size
-    for column in range(HALO, width - HALO):
-        k = uint64(column)
-        line_r[k] = x * cosines[k] + y * sines[k]
-        line_t[k] = y * cosines[k] - x * sines[k]
-    wrap(line_r)
-    wrap(line_t)
+@kernel
+def wrap(u, at, width):
+    """Repeat the first and last sector of the line of `width` from index `at` on in its halo."""
+    last = at + width - HALO
+    store(u, at + HALO - 1, gather(u, last - 1))
+    store(u, last, gather(u, at + HALO))
 
 
-@kernel(fastmath={"contract", "nsz", "reassoc"})
-def resultant(radial, tangential, cosines, sines):
-    """Sum of polar nodal forces of one row: x, y in the frame's axes."""
-    x, y = 0.0, 0.0
-    for column in range(HALO, radial.size - HALO):
-        k = uint64(column)
-        x += radial[k] * cosines[k] - tangential[k] * sines[k]
-        y += radial[k] * sines[k] + tangential[k] * cosines[k]
-    return x, y
+@kernel
+def set_rigid(out, at, cosines, sines, x, y):
+    """Displacement of a circle that moves rigidly by (x, y) in the frame's axes, from index `at` on, see `kick`."""
+    width = cosines.size
+    for k in range(HALO, width - HALO, WIDTH):
+        c, s = load(cosines, k), load(sines, k)
+        store(out, at + k, x * c + y * s)
+        store(out, at + width + k, y * c - x * s)
+    wrap(out, at, width)
+    wrap(out, at + width, width)
+
+
+@kernel
+def resultant(line, cosines, sines):
+    """Sum of polar nodal forces of one row, (2, n_sectors + 2 HALO): x, y in the frame's axes."""
+    width = cosines.size
+    x, y = splat(0.0), splat(0.0)
+    for k in range(HALO, width - HALO, WIDTH):
+        c, s, radial, tangential = load(cosines, k), load(sines, k), load(line, k), load(line, width + k)
+        x += radial * c - tangential * s
+        y += radial * s + tangential * c
+    return total(x), total(y)

@@ -123,6 +123,29 @@ def gather(typingctx, array, at):
 
 
 @intrinsic
+def gather_pair(typingctx, array, at, apart):
+    """Lanes from eight indices, and from those `apart` further."""
+    lanes = _of(array)
+    kind = _like(lanes, at)
+
+    def codegen(context, builder, signature, arguments):
+        first = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        second = builder.gep(first, [arguments[2]])
+        if not isinstance(at, LanesType):
+            found = [builder.load(builder.gep(data, [arguments[1]])) for data in (first, second)]
+        else:
+            found = [ir.Constant(lanes.vector, ir.Undefined)] * 2
+            for k in range(WIDTH):
+                index = builder.extract_element(arguments[1], _lane(k))
+                for i, data in enumerate((first, second)):
+                    value = builder.load(builder.gep(data, [index]))
+                    found[i] = builder.insert_element(found[i], value, _lane(k))
+        return context.make_tuple(builder, types.UniTuple(kind, 2), found)
+
+    return types.UniTuple(kind, 2)(array, _like(WHOLE, at), types.intp), codegen
+
+
+@intrinsic
 def scatter_add(typingctx, array, at, lanes):
     """Add lanes at eight indices one after the other, so that the same index may come twice."""
 
@@ -148,6 +171,28 @@ def splat(typingctx, scalar):
         return _splat(builder, arguments[0], lanes.vector)
 
     return lanes(types.intp if lanes is WHOLE else types.float64), codegen
+
+
+def _shifted(first):
+    """An intrinsic: eight lanes of two registers in a row, from lane `first` on."""
+
+    def codegen(context, builder, signature, arguments):
+        lanes = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [first + k for k in range(WIDTH)])
+        return builder.shuffle_vector(*arguments, lanes)
+
+    return LANES(LANES, LANES), codegen
+
+
+@intrinsic
+def from_left(typingctx, before, lanes):
+    """Each lane's left neighbour; the first one's is the last of `before`."""
+    return _shifted(WIDTH - 1)
+
+
+@intrinsic
+def from_right(typingctx, lanes, after):
+    """Each lane's right neighbour; the last one's is the first of `after`."""
+    return _shifted(1)
 
 
 @intrinsic

@@ -108,7 +108,8 @@ class Contacts(NamedTuple):
     change: np.ndarray  # (3, columns), N, of the traction, that the bodies are still to be given
     normal: np.ndarray  # (3, 2, columns), unit, from side 0 to side 1 (outer contact: outward)
     slip: np.ndarray  # (3, columns), m/s, before the step's kick
-    crowded: bool  # patches of neighbouring contacts may overlap
+    crowded: bool  # patches of neighbouring contacts may overlap on a raceway
+    crowded_rollers: bool  # on a roller, where it touches its neighbours
     stretch: tuple[int, ...]  # m entries: what nodes carry of a contact is kept for 6 m of them
     # patches: 2·kind + side
     start: np.ndarray  # (6, columns), first surface node or sector

@@ -41,8 +41,8 @@ def kick_bodies(rollers, inner, outer, drive, scratch, team):
     if gravity > 0.0:  # in the frames' axes
         g = -gravity * drive.dt
         c, s = drive.ring[1], drive.ring[2]
-        ring_kernels.set_rigid(bore[0], bore[1], inner.cosines, inner.sines, s * g, c * g)
-        ring_kernels.set_rigid(line[0], line[1], outer.cosines, outer.sines, 0.0, g)
+        ring_kernels.set_rigid(bore, 0, inner.cosines, inner.sines, s * g, c * g)
+        ring_kernels.set_rigid(line, 0, outer.cosines, outer.sines, 0.0, g)
     disc, one, other, columns = _disc(rollers), _nodes(inner), _nodes(outer), rollers.columns
     starts, neighbours, mass = rollers.starts, rollers.neighbours, rollers.mass
     if team is None:
@@ -66,13 +66,17 @@ def _kick_share(disc, starts, neighbours, mass, columns, inner, outer, gravity, 
         starts, neighbours, disc.table, mass, disc.u, disc.w, columns, torque, first, end, share * columns
     )
     first, end = _part(inner, share, shares)
-    ring_kernels.kick(inner.table, inner.u, inner.w, first, end)
-    if gravity > 0.0:
-        ring_kernels.accelerate(inner.w, bore, first, end)
+    _kick_ring(inner, bore, gravity, first, end)
     first, end = _part(outer, share, shares)
-    ring_kernels.kick(outer.table, outer.u, outer.w, first, end)
+    _kick_ring(outer, line, gravity, first, end)
+
+
+@kernel(forceinline=True)
+def _kick_ring(ring, weight, gravity, first, end):
     if gravity > 0.0:
-        ring_kernels.accelerate(outer.w, line, first, end)
+        ring_kernels.kick_and_add(ring.table, ring.u, ring.w, weight, first, end)
+    else:
+        ring_kernels.kick(ring.table, ring.u, ring.w, first, end)
 
 
 @kernel(forceinline=True)

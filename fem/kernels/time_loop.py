@@ -49,11 +49,8 @@ def kick(rollers, inner, outer, contacts, drive, time, scratch):
         velocity[1, j] += tilt[1, j] * lightness - drive.gravity * dt
 
     # the hub, by the reaction of the ring's held row
-    bore_r, bore_t = scratch.bore[0], scratch.bore[1]
-    bore_r[:] = 0.0
-    bore_t[:] = 0.0
-    ring_kernels.row_force(inner.table, inner.u, inner.held, bore_r, bore_t)
-    x, y = ring_kernels.resultant(bore_r, bore_t, inner.cosines, inner.sines)
+    ring_kernels.row_force(inner.table, inner.u, inner.held, scratch.bore)
+    x, y = ring_kernels.resultant(scratch.bore, inner.cosines, inner.sines)
     c, s = drive.ring[1], drive.ring[2]
     node_mass = inner.row_mass[inner.held]
     load = load_at(drive, time)
@@ -114,7 +111,7 @@ def drift(rollers, inner, outer, drive, scratch):
         drive.ring[1], drive.ring[2] = cos(drive.ring[0]), sin(drive.ring[0])
     c, s = drive.ring[1], drive.ring[2]
     x, y = c * drive.hub[0] + s * drive.hub[1], c * drive.hub[1] - s * drive.hub[0]
-    ring_kernels.set_rigid(inner.u[inner.held, 0], inner.u[inner.held, 1], inner.cosines, inner.sines, x, y)
+    ring_kernels.set_rigid(inner.u, 2 * inner.held * inner.cosines.size, inner.cosines, inner.sines, x, y)
 
 
 @kernel(nogil=True)

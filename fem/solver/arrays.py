@@ -147,7 +147,7 @@ def _ring(ring: RingBody, dt: float) -> Ring:
 
 
 def _rigid_ring(ring: RigidRing) -> Ring:
-    width = 1 + 2 * HALO
+    width = WIDTH + 2 * HALO  # one node, in a register of its own
     return Ring(
         table=np.zeros((1, 18)),
         u=np.zeros((1, 2, width)),
@@ -229,6 +229,7 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         resolved = points({INNER: laws[INNER], OUTER: laws[OUTER], ROLLER: laws[ROLLER]}, largest_force, n)
         stretch = stretch_for(resolved, surface_nodes)
     width = N_NODES * len(stretch)
+    on_raceways, on_rollers = _crowded(model, width if model.is_resolved else NEIGHBOURLY * len(stretch))
     below = None if model.is_resolved else model
     return Contacts(
         A=np.array([law.A for law in laws]) if below else none,
@@ -249,7 +250,8 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         change=np.zeros((3, columns)),
         normal=np.zeros((3, 2, columns)),
         slip=np.zeros((3, columns)),
-        crowded=_crowded(model, width if model.is_resolved else NEIGHBOURLY * len(stretch)),
+        crowded=on_raceways,
+        crowded_rollers=on_rollers,
         stretch=stretch,
         start=np.zeros((6, columns), dtype=np.int64),
         weight=np.zeros((6, width, columns)),
@@ -263,16 +265,16 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
     )
 
 
-def _crowded(model: Model, width: float) -> bool:
-    """Whether patches can come within `width` nodes: on a ring those of rollers that touch, on a roller its own."""
+def _crowded(model: Model, width: float) -> tuple[bool, bool]:
+    """Whether patches can come within `width` nodes: on a raceway those of rollers that touch, on a roller its own."""
     bearing = model.bearing
     apart = 2.0 * np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius))  # of rollers that touch
-    spaces = (
-        (model.inner_ring, model.inner_ring.n_sectors, apart),
-        (model.outer_ring, model.outer_ring.n_sectors, apart),
-        (model.roller, model.roller.shape.surface_nodes, 0.5 * (np.pi - apart)),
+    angle = 2.0 * np.pi * width
+    rings = (model.inner_ring, model.outer_ring)
+    return (
+        any(ring.n_sectors * apart < angle for ring in rings if not ring.material.rigid),
+        not model.roller.material.rigid and model.roller.shape.surface_nodes * 0.5 * (np.pi - apart) < angle,
     )
-    return any(nodes / (2.0 * np.pi) * angle < width for body, nodes, angle in spaces if not body.material.rigid)
 
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float) -> Drive:

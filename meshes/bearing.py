@@ -22,12 +22,12 @@ class BearingShapes:
 def bearing_shapes(bearing: Bearing, mesh_size: float) -> BearingShapes:
     """Shapes whose surface spacing is the nearest possible to `mesh_size`, m.
 
-    A roller's surface has a multiple of 6 nodes (12 at least), a raceway a multiple of 8.
+    A roller's surface has a multiple of 3 nodes (12 at least), a raceway a multiple of 8.
     """
     return BearingShapes(
         roller=Disc(
             radius=bearing.roller_radius,
-            layers=max(2, round(2.0 * pi * bearing.roller_radius / (6.0 * mesh_size))),
+            layers=max(2.0, 0.5 * round(2.0 * pi * bearing.roller_radius / (3.0 * mesh_size))),
         ),
         inner_ring=_ring(bearing.bore_radius, bearing.inner_raceway_radius, bearing.inner_raceway_radius, mesh_size),
         outer_ring=_ring(bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_raceway_radius, mesh_size),

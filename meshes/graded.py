@@ -4,6 +4,7 @@ import itertools
 from dataclasses import dataclass
 from functools import cached_property
 from math import log2, pi
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +12,14 @@ ROWS_PER_LEVEL = 8  # rows of nodes of a disc before their number is halved
 SHARE_OF_RADIUS = 0.5  # the graded rim of a disc is no deeper
 GROWTH = 1.0 / ROWS_PER_LEVEL  # of a ring's radial step per step
 LONGEST_STEP = 32.0  # of a ring's radial step, over the surface spacing
+
+
+class Row(NamedTuple):
+    """A circle of equally spaced nodes of a disc or a ring."""
+
+    radius: float  # m
+    nodes: int
+    shift: float = 0.0  # angle of the first one, in spacings
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,22 +42,27 @@ class GradedDisc:
         """Arc between neighbouring surface nodes, m."""
         return 2.0 * pi * self.radius / self.surface_nodes
 
+    @property
+    def repeats(self) -> int:
+        """How many times the mesh looks the same in one turn."""
+        return 6
+
     @cached_property
-    def rows(self) -> list[tuple[float, int]]:
-        """Radius, m, and number of nodes of every concentric row, from the centre outwards."""
+    def rows(self) -> list[Row]:
+        """Every concentric row, from the centre outwards."""
         rows, radius, k = [], self.radius, self.layers
         for _ in range(self.levels):
             for _ in range(ROWS_PER_LEVEL):
-                rows.append((radius, 6 * k))
+                rows.append(Row(radius, 6 * k))
                 radius *= 1.0 - 1.0 / k
             k //= 2
-        rows += [(radius * i / k, 6 * i) for i in range(k, 0, -1)]
-        return [(0.0, 1), *rows[::-1]]
+        rows += [Row(radius * i / k, 6 * i) for i in range(k, 0, -1)]
+        return [Row(0.0, 1), *rows[::-1]]
 
     @property
     def n_cells(self) -> int:
         """Triangles: one per edge of every row, seen from either side."""
-        counts = [count for _, count in self.rows[1:]]
+        counts = [row.nodes for row in self.rows[1:]]
         return 6 + sum(inner + outer for inner, outer in itertools.pairwise(counts))
 
 

@@ -7,26 +7,29 @@ from math import cos, pi, sin
 
 import numpy as np
 
-from meshes.graded import GradedAnnulus, GradedDisc
+from meshes.graded import GradedAnnulus, GradedDisc, Row
 
 TRIANGLE, QUADRILATERAL = 2, 3  # gmsh's element types
 INITIAL_MESH_ONLY = 3  # gmsh's algorithm that adds no nodes to those of the boundary
+# Thickness of a disc's outermost layer over the others': its nodes stand for half a layer only and would limit the step
+RIM = 1.05
 
 
 @dataclass(frozen=True, kw_only=True)
 class Disc:
-    """A disc whose k-th concentric layer of nodes, from the centre, has 6k nodes; the surface has 6·layers.
+    """A disc of concentric rows of nodes, one layer of triangles apart; a row has six nodes fewer than the next.
 
-    Layers one surface spacing apart make triangles that are nearly equilateral everywhere, which gives the largest
-    critical time step a mesh of that surface spacing can have.
+    The surface has 6·layers nodes. With whole layers there is a node in the centre, six around it, and so on; with half
+    of one there is a triangle in the centre, whose three nodes are the first row. All triangles are nearly equilateral,
+    which gives the largest critical time step a mesh of that surface spacing can have.
     """
 
     radius: float  # m
-    layers: int
+    layers: float  # a multiple of ½
 
     @property
     def surface_nodes(self) -> int:
-        return 6 * self.layers
+        return round(6 * self.layers)
 
     @property
     def surface_spacing(self) -> float:
@@ -34,13 +37,25 @@ class Disc:
         return 2.0 * pi * self.radius / self.surface_nodes
 
     @property
-    def rows(self) -> list[tuple[float, int]]:
-        """Radius, m, and number of nodes of every concentric row, from the centre outwards."""
-        return [(0.0, 1)] + [(self.radius * k / self.layers, 6 * k) for k in range(1, self.layers + 1)]
+    def repeats(self) -> int:
+        """How many times the mesh looks the same in one turn."""
+        return 3 if self.surface_nodes % 6 else 6
+
+    @property
+    def rows(self) -> list[Row]:
+        """Every concentric row, from the centre outwards."""
+        counts = list(range(self.surface_nodes, 0, -6))[::-1]
+        step = self.radius / (self.layers - 1.0 + RIM)
+        radii = [step * count / 6 for count in counts[:-1]] + [self.radius]
+        if self.repeats == 6:
+            return [Row(0.0, 1), *map(Row, radii, counts)]
+        # around a triangle a row lies across the gaps of the next
+        last = len(counts) - 1
+        return [Row(radii[k], counts[k], 0.5 * ((last - k) % 2)) for k in range(len(counts))]
 
     @property
     def n_cells(self) -> int:
-        return 6 * self.layers**2
+        return int(6 * self.layers**2)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,32 +134,35 @@ def _load_gmsh():
     return gmsh
 
 
-def _circle(model, centre, radius, nodes, parts):
+def _circle(model, centre, row, parts):
     """A circle of equally spaced nodes as `parts` arcs; returns the arcs and their start points."""
-    angles = [2.0 * pi * part / parts for part in range(parts)]
-    points = [model.geo.addPoint(radius * cos(a), radius * sin(a), 0.0) for a in angles]
+    angles = [2.0 * pi * (part / parts + row.shift / row.nodes) for part in range(parts)]
+    points = [model.geo.addPoint(row.radius * cos(a), row.radius * sin(a), 0.0) for a in angles]
     arcs = [model.geo.addCircleArc(points[i], centre, points[(i + 1) % parts]) for i in range(parts)]
     for arc in arcs:
-        model.geo.mesh.setTransfiniteCurve(arc, nodes // parts + 1)
+        model.geo.mesh.setTransfiniteCurve(arc, row.nodes // parts + 1)
     return arcs, points
 
 
 def _draw_disc(model, disc: Disc | GradedDisc) -> None:
     """Concentric circles of nodes; the annuli between them are triangulated without further nodes."""
     centre = model.geo.addPoint(0.0, 0.0, 0.0)
-    inner_loop = None
-    for radius, nodes in disc.rows[1:]:
-        arcs, points = _circle(model, centre, radius, nodes, 6)
+    rows = [row for row in disc.rows if row.nodes > 1]
+    arcs, points = _circle(model, centre, rows[0], disc.repeats)
+    if rows[0].nodes == 3:
+        model.geo.addPlaneSurface([model.geo.addCurveLoop(arcs)])
+    else:
+        spokes = [model.geo.addLine(centre, point) for point in points]
+        for i, arc in enumerate(arcs):
+            side = model.geo.addCurveLoop([spokes[i], arc, -spokes[(i + 1) % len(spokes)]])
+            model.geo.addPlaneSurface([side])
+        for spoke in spokes:
+            model.geo.mesh.setTransfiniteCurve(spoke, 2)
+    inner_loop = model.geo.addCurveLoop(arcs)
+    for row in rows[1:]:
+        arcs, _ = _circle(model, centre, row, disc.repeats)
         loop = model.geo.addCurveLoop(arcs)
-        if inner_loop is None:
-            spokes = [model.geo.addLine(centre, point) for point in points]
-            for i in range(6):
-                side = model.geo.addCurveLoop([spokes[i], arcs[i], -spokes[(i + 1) % 6]])
-                model.geo.addPlaneSurface([side])
-            for spoke in spokes:
-                model.geo.mesh.setTransfiniteCurve(spoke, 2)
-        else:
-            model.geo.addPlaneSurface([loop, inner_loop])
+        model.geo.addPlaneSurface([loop, inner_loop])
         inner_loop = loop
     model.geo.synchronize()
 
@@ -152,7 +170,7 @@ def _draw_disc(model, disc: Disc | GradedDisc) -> None:
 def _draw_annulus(model, ring: Annulus | GradedAnnulus) -> None:
     """Four quadrants of one layer of quads between each row of nodes and the next."""
     centre = model.geo.addPoint(0.0, 0.0, 0.0)
-    circles = [_circle(model, centre, radius, ring.sectors, 4) for radius in ring.radii]
+    circles = [_circle(model, centre, Row(radius, ring.sectors), 4) for radius in ring.radii]
     for (inside, start), (outside, end) in itertools.pairwise(circles):
         spokes = [model.geo.addLine(start[i], end[i]) for i in range(4)]
         for i, spoke in enumerate(spokes):
@@ -169,10 +187,10 @@ def expected_points(shape: Shape) -> np.ndarray:
     if isinstance(shape, Disc | GradedDisc):
         rows = shape.rows
     else:
-        rows = [(radius, shape.sectors) for radius in shape.radii]
-    angles = [2.0 * pi * np.arange(count) / count for _, count in rows]
+        rows = [Row(radius, shape.sectors) for radius in shape.radii]
+    angles = [2.0 * pi * (np.arange(row.nodes) + row.shift) / row.nodes for row in rows]
     return np.concatenate(
-        [radius * np.column_stack([np.cos(a), np.sin(a)]) for (radius, _), a in zip(rows, angles, strict=True)]
+        [row.radius * np.column_stack([np.cos(a), np.sin(a)]) for row, a in zip(rows, angles, strict=True)]
     )
 
 

@@ -36,7 +36,8 @@ def test_points_are_where_rigid_motion_takes_them_and_the_hub_is_in_the_middle(r
     ring = len(instant.model.inner_ring.points)
     assert points[:ring].mean(axis=0) == pytest.approx(instant.hub, abs=1e-9)
     last = points[-instant.model.roller.n_nodes :]
-    assert last[0] == pytest.approx(instant.centres[12], abs=1e-12)  # a disc's first node is its centre
+    innermost = instant.model.roller.shape.rows[0].nodes  # whose displacement is far below a micrometre
+    assert last[:innermost].mean(axis=0) == pytest.approx(instant.centres[12], abs=1e-7)
     assert np.abs(data["displacement"]).max() < 1e-6  # elastic only
 
 

@@ -1,16 +1,17 @@
 """gmsh's cross-sections: nodes where the contact weights expect them, cells that tile the shape, bounded distortion."""
 
 from collections import Counter
-from math import pi, sin, tan
+from itertools import pairwise
+from math import pi, sin, sqrt, tan
 
 import numpy as np
 import pytest
 
 from lagrange.scene import read_scene
 from meshes import Annulus, Disc, Mesh, bearing_shapes, quality
-from meshes.shapes import make
+from meshes.shapes import RIM, make
 
-DISCS = [Disc(radius=0.005, layers=layers) for layers in (2, 3, 7)]
+DISCS = [Disc(radius=0.005, layers=layers) for layers in (1.5, 2, 2.5, 3, 5.5, 7)]
 RINGS = [
     Annulus(inner_radius=0.0125, outer_radius=0.018, sectors=56, layers=3),
     Annulus(inner_radius=0.028, outer_radius=0.0325, sectors=88, layers=2),
@@ -36,8 +37,12 @@ def polygon_area(radius, corners):
 @pytest.mark.parametrize("disc", DISCS)
 def test_a_disc_has_six_more_nodes_in_every_layer_and_the_surface_last(disc):
     mesh = make(disc)
-    assert mesh.points.shape == (1 + 3 * disc.layers * (disc.layers + 1), 2)
-    assert mesh.cells.shape == (6 * disc.layers**2, 3)
+    whole = disc.layers == int(disc.layers)
+    counts = [1 if whole else 3]
+    while counts[-1] < 6 * disc.layers:
+        counts.append(6 if counts == [1] else counts[-1] + 6)
+    assert mesh.points.shape == (sum(counts), 2)
+    assert mesh.cells.shape == ((6 if whole else 1) + sum(map(sum, pairwise(counts[whole:]))), 3)
     surface = mesh.points[-disc.surface_nodes :]
     # positions are closed-form; 1e-15 relative is the round-off of a cosine
     np.testing.assert_allclose(np.hypot(*surface.T), disc.radius, rtol=1e-15 * 4)
@@ -86,16 +91,36 @@ def test_every_cell_of_a_ring_joins_neighbouring_rows_and_sectors():
     assert np.minimum(apart, ring.sectors - apart).max() == 1
 
 
-@pytest.mark.parametrize("layers", [2, 3, 4, 5, 8, 13, 20])
+@pytest.mark.parametrize("layers", [2, 3, 4, 5, 8, 13, 20, 2.5, 3.5, 4.5, 9.5, 20.5])
 def test_triangles_of_a_disc_stay_near_equilateral(layers):
     disc = Disc(radius=0.005, layers=layers)
     found = quality(make(disc))
-    # 60° apart by the six wedges' seams, where a layer of 6k nodes meets one of 6 (k + 1): found 44.3° ... 88.5°
-    assert found.smallest_angle > 43.0
+    whole = layers == int(layers)
+    # the sharpest where wedges meet: a row of 6k nodes and one of 6 (k + 1), found 44.4° ... 47.6°, or a row's node and
+    # the gap of the next, 2 atan(½·√3/2.5) = 38.2°; found at most 89.4°
+    assert found.smallest_angle > (43.0 if whole else 38.0)
     assert found.largest_angle < 90.0
-    # radial steps are R/layers, arcs 2πR/(6 layers); a triangle's longest edge crosses a layer
-    assert found.smallest_edge == pytest.approx(disc.radius / layers, rel=1e-12)
-    assert found.largest_edge < 1.45 * disc.radius / layers
+    # radial steps are R/(layers − 1 + RIM), arcs 2πR/(6 layers); a triangle's longest edge crosses a layer
+    step = disc.radius / (layers - 1.0 + RIM)
+    assert found.smallest_edge == pytest.approx(step if whole else 0.5 * sqrt(3.0) * step, rel=1e-12)
+    assert found.largest_edge < 1.48 * step
+
+
+@pytest.mark.parametrize("layers", [2, 3, 5, 1.5, 2.5, 4.5])
+def test_a_disc_looks_the_same_turned_and_mirrored(layers):
+    disc = Disc(radius=1.0, layers=layers)
+    mesh = make(disc)
+
+    def corners(points):
+        """Triangles as sorted nodes of the mesh, by place."""
+        index = {tuple(np.round(p, 9) + 0.0): i for i, p in enumerate(mesh.points)}
+        node = np.array([index[tuple(np.round(p, 9) + 0.0)] for p in points])
+        return set(map(tuple, np.sort(node[mesh.cells], axis=1).tolist()))
+
+    turn = 2.0 * pi / disc.repeats
+    turned = mesh.points @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    assert corners(turned) == corners(mesh.points)
+    assert corners(mesh.points * [1.0, -1.0]) == corners(mesh.points)
 
 
 @pytest.mark.parametrize("ring", RINGS)

@@ -39,7 +39,7 @@ def solved(model, load=LOAD, first=ON_A_ROLLER):
 
 def test_a_graded_disc_halves_its_rows_and_keeps_its_triangles_fair():
     shape = graded_disc(0.005, 1e-4)
-    counts = [count for _, count in shape.rows]
+    counts = [row.nodes for row in shape.rows]
     assert isinstance(shape, GradedDisc) and shape.levels >= 1
     assert counts[-1] == shape.surface_nodes == 6 * shape.layers
     assert all(after in (before, 2 * before, before + 6) for before, after in itertools.pairwise(counts[1:]))

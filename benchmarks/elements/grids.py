@@ -24,7 +24,7 @@ SECTOR_MULTIPLE = 8  # of the surface nodes of a ring, as the solver has them
 
 
 def disc_layers(radius: float, spacing: float, order: int):
-    """The solver's triangles: the k-th of equally thick concentric layers has 6k corners."""
+    """The solver's triangles: concentric layers, six corners more in each than in the one inside it."""
     disc = Disc(radius=radius, layers=max(1, round(2.0 * pi * radius / (6.0 * order * spacing))))
     mesh = mesh_of(disc)
     return _grid(mesh.points, mesh.cells, order, (radius,))

@@ -152,10 +152,10 @@ def _end_corrected(mass: np.ndarray, points: np.ndarray, disc: Disc) -> np.ndarr
     """
     surface, below = disc.rows[-1], disc.rows[-2]
     n = len(mass)
-    on_surface = np.arange(n) >= n - surface[1]
-    on_below = (np.arange(n) >= n - surface[1] - below[1]) & ~on_surface
+    on_surface = np.arange(n) >= n - surface.nodes
+    on_below = (np.arange(n) >= n - surface.nodes - below.nodes) & ~on_surface
     excess = mass @ np.sum(points**2, axis=1) - 0.5 * mass.sum() * disc.radius**2
-    moved = excess / (surface[0] ** 2 - below[0] ** 2)
+    moved = excess / (surface.radius**2 - below.radius**2)
     return mass * (1.0 - on_surface * moved / mass[on_surface].sum() + on_below * moved / mass[on_below].sum())
 
 

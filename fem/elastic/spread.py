@@ -125,8 +125,8 @@ def _cells_log(apart: np.ndarray) -> np.ndarray:
 
 def _disc_answer(disc: DiscBody, apart: np.ndarray) -> np.ndarray:
     """Mean motion of a patch at distances from one of two opposite unit forces, m/N; mean over places."""
-    nodes, per_sextant = disc.shape.surface_nodes, disc.shape.layers
-    first = np.unique(np.arange(PLACES) * per_sextant // PLACES)
+    nodes = disc.shape.surface_nodes
+    first = np.unique(np.arange(PLACES) * (nodes // disc.shape.repeats) // PLACES)
     angles = 2.0 * pi / nodes * (first[:, None] + np.arange(PLACES_PER_NODE) / PLACES_PER_NODE).ravel()
     loads = np.stack([disc_patch_force(disc, a) + disc_patch_force(disc, a + pi) for a in angles], axis=-1)
     motion = disc.relaxed(loads)

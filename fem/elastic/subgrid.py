@@ -113,7 +113,7 @@ def disc_compliance(disc: DiscBody, thickness: float, half_width: float) -> Surf
     if disc.material.rigid:
         return rigid_surface(half_width)
     nodes = disc.shape.surface_nodes
-    angles = np.arange(disc.shape.layers * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / nodes)
+    angles = np.arange(nodes // disc.shape.repeats * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / nodes)
     found = np.concatenate([_squeezed(disc, some) for some in np.array_split(angles, 1 + angles.size // 512)])
     exact = disc_hertz_approach(disc.shape.radius, disc.material, half_width) / thickness
     return _missing(exact, found, half_width, disc.material, thickness)

@@ -96,7 +96,7 @@ def check_mesh_size(bearing: Bearing, mesh_size: float, graded: bool = False) ->
                 f"most {1e3 * thickness:.3g}"
             )
     shapes = graded_shapes(bearing, mesh_size) if graded else bearing_shapes(bearing, mesh_size)
-    nodes = bearing.n_rollers * sum(count for _, count in shapes.roller.rows)
+    nodes = bearing.n_rollers * sum(row.nodes for row in shapes.roller.rows)
     nodes += sum(ring.sectors * len(ring.radii) for ring in (shapes.inner_ring, shapes.outer_ring))
     if nodes > MOST_NODES:
         raise UsageError(

@@ -1,6 +1,7 @@
 """Contact forces: the gradient of one potential, action and reaction, Carter's creep, collisions."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -59,10 +60,10 @@ def fill_ring(field, values):
     field[:, :, HALO - 1], field[:, :, -HALO] = field[:, :, -HALO - 1], field[:, :, HALO]
 
 
-def random_state(seed, resolved=False):
+def random_state(seed, resolved=False, mesh_size=1e-3):
     """Rollers pressed on both raceways and two on each other, everything turned and wavy at random."""
     rng = np.random.default_rng(seed)
-    whole = resolved_model(soft(), 2e-4) if resolved else model(paper(), 1e-3)
+    whole = resolved_model(soft(), 2e-4) if resolved else model(paper(), mesh_size)
     state = copies(arrays(whole, operation(speed=300.0), DT, from_rest=True))
     rollers, n = state.rollers, state.rollers.n
     angle = np.cumsum(rng.uniform(0.95, 1.05, n)) * 2.0 * np.pi / n
@@ -347,8 +348,8 @@ def by_contact(normal):
     return np.moveaxis(normal[:, :, :13], 1, 2)
 
 
-def rubbing_state(seed=1):
-    state = with_random_velocities(random_state(seed), 7)
+def rubbing_state(seed=1, mesh_size=1e-3):
+    state = with_random_velocities(random_state(seed, mesh_size=mesh_size), 7)
     state = state_with(state, friction=0.1)
     state.contacts.force[:] = 0.0
     state.drive.impulse[:] = 0.0
@@ -440,6 +441,23 @@ def test_tractions_are_on_carters_curve_at_the_slip_they_leave():
     mean = 0.5 * (before + after)
     assert dissipated == pytest.approx(-np.sum((law.traction * mean)[closed]) * DT, rel=1e-9)
     assert dissipated > 0.0
+
+
+def test_a_coarse_rollers_contacts_are_solved_in_turn_only_while_rollers_touch():
+    def tractions(touching, **crowded):
+        state = rubbing_state(mesh_size=2e-3)
+        for slow in (state.rollers.w, state.rollers.velocity, state.rollers.spin, state.outer.w):
+            slow[:] *= 1e-4  # so that contacts creep
+        if not touching:
+            state.contacts.force[ROLLER] = 0.0
+        return rub(replace(state, contacts=state.contacts._replace(**crowded)))[0].contacts.traction
+
+    assert np.any(rubbing_state(mesh_size=2e-3).contacts.force[ROLLER] > 0.0)
+    by_itself = {"crowded": False, "crowded_rollers": True}
+    apart, in_turn = ({"crowded": crowded, "crowded_rollers": False} for crowded in (False, True))
+    np.testing.assert_array_equal(tractions(True, **by_itself), tractions(True, **in_turn))
+    np.testing.assert_array_equal(tractions(False, **by_itself), tractions(False, **apart))
+    assert np.abs(tractions(True, **in_turn) - tractions(True, **apart)).max() > 0.1
 
 
 def test_friction_is_action_and_reaction_with_the_raceways_arm():

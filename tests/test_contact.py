@@ -245,9 +245,9 @@ def test_normal_forces_are_action_and_reaction(kind, seed):
     state = copies(random_state(seed))
     rollers, contacts, drive, slope = state.rollers, state.contacts, state.drive, state.scratch.slope
     if kind == "inner":
-        ring_contacts(INNER, rollers, state.inner, contacts, drive, contacts.inner_ripple, slope)
+        ring_contacts(INNER, rollers, state.inner, state.outer, contacts, drive, slope)
     elif kind == "outer":
-        ring_contacts(OUTER, rollers, state.outer, contacts, drive, contacts.outer_ripple, slope)
+        ring_contacts(OUTER, rollers, state.inner, state.outer, contacts, drive, slope)
     else:
         roller_contacts(rollers, contacts, drive, slope)
     push_contacts(rollers, state.inner, state.outer, contacts, drive)

@@ -53,8 +53,8 @@ def push_nodes(rollers, inner, outer, contacts, drive, resolved):
 @kernel(forceinline=True)
 def normal_contacts(rollers, inner, outer, contacts, drive, slope):
     """Normal forces of every contact at the present positions, and their impulses over one step on whole bodies."""
-    ring_contacts(INNER, rollers, inner, contacts, drive, contacts.inner_ripple, slope)
-    ring_contacts(OUTER, rollers, outer, contacts, drive, contacts.outer_ripple, slope)
+    for kind in range(2):
+        ring_contacts(kind, rollers, inner, outer, contacts, drive, slope)
     roller_contacts(rollers, contacts, drive, slope)
 
 
@@ -176,8 +176,19 @@ def _add(array, at, lanes):
 
 
 @kernel(forceinline=True)
-def ring_contacts(kind, rollers, ring, contacts, drive, ring_ripple, slope):
+def _raceway(kind, inner, outer, contacts):
+    """What `ring_contacts` reads of a ring; by value, lest its code be there twice and crowd the instruction cache."""
+    if kind == INNER:
+        u, row, n_sectors, radius, rigid = inner.u, inner.raceway, inner.n_sectors, inner.radius, len(inner.rigid) > 0
+        return u, row, n_sectors, radius, inner.cosines, inner.sines, contacts.inner_ripple, rigid
+    u, row, n_sectors, radius, rigid = outer.u, outer.raceway, outer.n_sectors, outer.radius, len(outer.rigid) > 0
+    return u, row, n_sectors, radius, outer.cosines, outer.sines, contacts.outer_ripple, rigid
+
+
+@kernel(forceinline=True)
+def ring_contacts(kind, rollers, inner, outer, contacts, drive, slope):
     """Rollers on a raceway: normal from the ring's centre to the roller."""
+    ring_u, raceway, n_sectors, ring_radius, cosines, sines, ripples, rigid = _raceway(kind, inner, outer, contacts)
     u, columns, n, radius = rollers.u, rollers.columns, rollers.n, rollers.radius
     first, n_surface, dt = rollers.first_surface, rollers.n_surface, drive.dt
     cosine, sine, centre = rollers.cosine, rollers.sine, rollers.centre
@@ -192,25 +203,25 @@ def ring_contacts(kind, rollers, ring, contacts, drive, ring_ripple, slope):
         row = kind * columns + group
         x, y = load(centre, group) - hub_x, load(centre, columns + group) - hub_y
         distance = root(x * x + y * y)
-        overlap = sign * (ring.radius - distance) + radius
+        overlap = sign * (ring_radius - distance) + radius
         near = (overlap >= -contacts.reach) & (count_from(group) < n)
         if not any_lane(near):
             _open(contacts, row)
             continue
         scale = 1.0 / select(near, distance, 1.0)
         nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
-        if len(ring.rigid) > 0:
+        if rigid:
             out, side, rate, ripple, ripple_rate = still(hub_x * nx + hub_y * ny, hub_y * nx - hub_x * ny)
         else:
             out, side, rate, ripple, ripple_rate = patch.read_ring(
-                ring.u,
-                ring.raceway,
-                ring.n_sectors,
-                ring.cosines,
-                ring.sines,
+                ring_u,
+                raceway,
+                n_sectors,
+                cosines,
+                sines,
                 ring_c * nx + ring_s * ny,
                 ring_c * ny - ring_s * nx,
-                ring_ripple,
+                ripples,
                 start,
                 weight,
                 along,

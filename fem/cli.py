@@ -192,7 +192,9 @@ def run_main(arguments: list[str] | None = None) -> int:
 
 def run_fem() -> None:
     """Entry point."""
-    sys.exit(run_main())
+    code = run_main()
+    gc.freeze()  # the process ends: what libraries have made need not be searched for garbage once more
+    sys.exit(code)
 
 
 if __name__ == "__main__":

@@ -169,3 +169,10 @@ def test_a_bearing_that_comes_apart_is_stopped():
     outcome = try_scene(SEED, 364, random_scene(SEED, 364, duration_ms=4.0))
     assert outcome.ending == STOPPED
     assert "come apart at step" in outcome.what
+
+
+def test_contacts_wider_than_their_pressure_points_are_refused_for_their_width():
+    """Seven soft rollers whose contacts are too wide for Hertz: pressure points carry no equilibrium."""
+    outcome = try_scene(SEED, 305, random_scene(SEED, 305, duration_ms=5.0))
+    assert outcome.ending == REFUSED
+    assert "half-width 0.513 mm, beyond Hertz's theory (at most 0.414 mm here)" in outcome.what

@@ -55,12 +55,17 @@ def _spreads(bearing: Bearing, operation: Operation, mesh_size: float) -> bool:
     return mesh_size < ONE_PATCH * max(half_widths(bearing, largest_force(bearing, operation)))
 
 
+def check_widths(bearing: Bearing, force: float) -> None:
+    """Refuse a force, N, that makes contacts too wide for Hertz's theory."""
+    for raceway, half_width in zip(("inner", "outer"), half_widths(bearing, force), strict=True):
+        check_width(raceway, force, half_width, bearing)
+
+
 def _check_points(scene: Scene, bearing: Bearing, force: float, mesh_size: float) -> None:
     """Refuse pressure points under a force, N, that makes contacts far too wide, and on rigid bodies."""
     widths = half_widths(bearing, force)
-    for raceway, half_width in zip(("inner", "outer"), widths, strict=True):
-        if half_width > HOPELESS * WIDEST_CONTACT * bearing.roller_radius:
-            check_width(raceway, force, half_width, bearing)
+    if max(widths) > HOPELESS * WIDEST_CONTACT * bearing.roller_radius:
+        check_widths(bearing, force)
     if scene.bodies.rigid:
         raise UsageError(
             f'bodies.{scene.bodies.rigid[0]} = "rigid": numerics.mesh_size_mm = {1e3 * mesh_size:g} is so fine that '

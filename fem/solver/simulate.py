@@ -14,11 +14,12 @@ from fem.kernels import time_loop
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
-from fem.solver.discretise import model_of
+from fem.solver.discretise import check_widths, largest_force, model_of
 from fem.solver.frames import Frame, frame_of
 from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads
 from fem.solver.samples import SampleReader, Samples
 from fem.solver.start import Start, equilibrium_start, rest_start
+from fem.statics.contact_balance import NotFound
 from lagrange import Operation, kinematics
 from lagrange.scene import Scene
 
@@ -102,7 +103,12 @@ def make_plan(scene: Scene) -> Plan:
     model = model_of(scene)
     check_meshes(model)
     check_speed(model, kinematics(model.bearing, operation.speed))
-    loaded = equilibrium_start(model, operation)
+    try:
+        loaded = equilibrium_start(model, operation)
+    except NotFound:
+        if model.is_resolved:  # contacts wider than all pressure points have none: better say so
+            check_widths(model.bearing, largest_force(model.bearing, operation))
+        raise
     check_contacts(model, loaded.equilibrium)
     start = rest_start(model, operation) if numerics.start == "rest" else loaded
     expected = max(

@@ -49,22 +49,26 @@ def _slip_and_friction(rollers, inner, outer, contacts, drive, still, slip):
 
 @njit
 def _rings_kick(inner, outer):
-    ring_kernels.kick(inner.table, inner.u, inner.w, inner.first_row, inner.last_row)
-    ring_kernels.kick(outer.table, outer.u, outer.w, outer.first_row, outer.last_row)
+    ring_kernels.kick(inner[0], inner[1], inner[2], inner[3], inner[4])
+    ring_kernels.kick(outer[0], outer[1], outer[2], outer[3], outer[4])
 
 
 @njit
-def _rings_drift(inner, outer):
-    ring_kernels.drift(inner.u, inner.w, inner.radii, 1e-12, 1.0, 1e-12, inner.first_row, inner.last_row)
-    ring_kernels.drift_still(outer.u, outer.w, 1e-12, outer.first_row, outer.last_row)
+def _rings_kick_and_weight(inner, outer, cosines, sines, weight):
+    for k, ring in enumerate((inner, outer)):
+        ring_kernels.set_rigid(weight[k], 0, cosines[k], sines[k], 0.0, 1e-12)
+        ring_kernels.kick_and_add(ring[0], ring[1], ring[2], weight[k], ring[3], ring[4])
 
 
 @njit
-def _gravity(inner, outer, scratch):
-    ring_kernels.set_rigid(scratch.bore, 0, inner.cosines, inner.sines, 0.0, 1e-12)
-    ring_kernels.set_rigid(scratch.line, 0, outer.cosines, outer.sines, 0.0, 1e-12)
-    ring_kernels.kick_and_add(inner.table, inner.u, inner.w, scratch.bore, inner.first_row, inner.last_row)
-    ring_kernels.kick_and_add(outer.table, outer.u, outer.w, scratch.line, outer.first_row, outer.last_row)
+def _rings_drift(inner, outer, radii):
+    ring_kernels.drift(inner[1], inner[2], radii, 1e-12, 1.0, 1e-12, inner[3], inner[4])
+    ring_kernels.drift_still(outer[1], outer[2], 1e-12, outer[3], outer[4])
+
+
+def _rows(ring) -> tuple:
+    """What the kernels take of a ring: passing all of it would take longer than a small ring's kick."""
+    return ring.table, ring.u, ring.w, ring.first_row, ring.last_row
 
 
 @njit
@@ -107,7 +111,7 @@ def time_phases(plan: Plan) -> dict[str, float]:
     r, i, o, x = a.rollers, a.inner, a.outer, a.scratch
     still, turn = np.zeros(r.columns), np.full(r.columns, 1e-12)
     out["rollers' forces"] = _seconds(disc_kernels.kick, *matrix, r.u, r.w, r.columns, x.torque, 0, r.mass.size, 0)
-    out["rings' forces"] = _seconds(_rings_kick, i, o)
+    out["rings' forces"] = _seconds(_rings_kick, _rows(i), _rows(o))
     a = plan.arrays()
     r, i, o, x = a.rollers, a.inner, a.outer, a.scratch
     ones = np.ones(r.columns)
@@ -129,8 +133,10 @@ def time_phases(plan: Plan) -> dict[str, float]:
         r.mass.size,
         0,
     )
-    out["rings' motion"] = _seconds(_rings_drift, i, o)
-    out["gravity"] = _seconds(_gravity, i, o, x) - out["rings' forces"]  # added on the way
+    inner, outer = _rows(i), _rows(o)
+    out["rings' motion"] = _seconds(_rings_drift, inner, outer, i.radii)
+    lines = (i.cosines, o.cosines), (i.sines, o.sines), (x.bore, x.line)
+    out["gravity"] = _seconds(_rings_kick_and_weight, inner, outer, *lines) - out["rings' forces"]  # added on the way
     out["hub"] = _seconds(_hub, i, x)
     a = plan.arrays()
     sample = _seconds(_sampled, a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch, row)

@@ -1,0 +1,224 @@
+"""Friction: Carter's creep, slips of patches, action and reaction of tractions."""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "reference"))
+from bearings import copies, loop_arguments, model, own_folder, paper
+from contact_states import (
+    DT,
+    cartesian_resultant,
+    fill_ring,
+    press,
+    random_state,
+    roller_field,
+    roller_resultants,
+    with_random_velocities,
+)
+from line_contact import carter_creep
+
+from fem.kernels.contact_kernels import normal_contacts, push_contacts
+from fem.kernels.friction_kernels import creep_traction, friction_contacts, grips, slips
+from fem.kernels.ring_kernels import HALO
+from fem.kernels.state import INNER, OUTER, ROLLER
+
+
+@pytest.fixture(autouse=True)
+def meshes_of_our_own():
+    with own_folder():
+        yield
+
+
+def test_creep_follows_carter():
+    """ξ = (μ b/R)(1 − sqrt(1 − T/(μP))); inner contact, μ = 0.1, 628 N: 3.897e-4 at T/(μP) = ½, 1.331e-3 at 1."""
+    law, force, mu = model(paper(), 2e-3).inner_law, 628.0, 0.1
+    b, R = law.half_width(force), law.relative_radius
+    assert carter_creep(0.5, mu, b, R) == pytest.approx(3.897e-4, abs=3e-7)
+    assert carter_creep(1.0, mu, b, R) == pytest.approx(1.331e-3, abs=1e-6)
+    speed, rigid = 5.0, 1e-12  # a heavy patch: what slips before the step slips after it
+    full = mu * b / R * speed
+    for ratio in (0.01, 0.5, 0.9, 0.999):
+        slip = carter_creep(ratio, mu, b, R) * speed
+        traction, left = creep_traction(slip, mu * force, full, rigid)
+        assert traction == pytest.approx(ratio * mu * force, rel=1e-6)
+        assert left == pytest.approx(slip, rel=1e-6)
+    for beyond in (1.0001, 3.0, 1e6):
+        assert creep_traction(beyond * full, mu * force, full, rigid)[0] == pytest.approx(mu * force, rel=1e-12)
+
+
+def test_creep_traction_solves_its_implicit_equation():
+    rng = np.random.default_rng(5)
+    for _ in range(2000):
+        limit, full = 10.0 ** rng.uniform(-3, 3), 10.0 ** rng.uniform(-5, 0)
+        mobility = 10.0 ** rng.uniform(-6, 2) * full / limit  # k from far below to far above 1
+        slip = rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-4, 3) * full
+        traction, left = creep_traction(slip, limit, full, mobility)
+        assert 0.0 < abs(traction) <= limit * (1.0 + 1e-15)
+        assert np.sign(traction) == np.sign(slip) == np.sign(left), "opposes slip and does not reverse it"
+        x = min(abs(left) / full, 1.0)
+        assert abs(traction) == pytest.approx(limit * (1.0 - (1.0 - x) ** 2), rel=1e-12)
+        assert left + mobility * traction == pytest.approx(slip, rel=1e-12)
+    assert creep_traction(0.0, 1.0, 1.0, 1.0) == (0.0, 0.0)
+
+
+def test_creep_traction_is_continuous_where_sliding_sets_in():
+    limit, full, mobility = 60.0, 5e-3, 3e-5
+    edge = full + mobility * limit
+    below, above = (creep_traction(edge * (1.0 + e), limit, full, mobility) for e in (-1e-9, 1e-9))
+    np.testing.assert_allclose(below, above, rtol=1e-8)
+
+
+def by_contact(normal):
+    """(kind, 2, columns) as (kind, 13, 2)."""
+    return np.moveaxis(normal[:, :, :13], 1, 2)
+
+
+def rubbing_state(seed=1, mesh_size=1e-3):
+    state = with_random_velocities(random_state(seed, mesh_size=mesh_size), 7)
+    state = state_with(state, friction=0.1)
+    state.contacts.force[:] = 0.0
+    state.drive.impulse[:] = 0.0
+    normal_contacts(state.rollers, state.inner, state.outer, state.contacts, state.drive, state.scratch.slope)
+    push_contacts(state.rollers, state.inner, state.outer, state.contacts, state.drive)
+    for entry in (state.rollers.impulse, state.rollers.tilt, state.rollers.turn_kick):
+        entry[:] = 0.0
+    state.drive.ring[3] = 0.0
+    return state
+
+
+def state_with(state, **drive):
+    return type(state)(**{name: getattr(state, name) for name in state.__dataclass_fields__ if name != "drive"},
+                       drive=state.drive._replace(**drive))  # fmt: skip
+
+
+def rub(state):
+    """Friction at a copy; returns it, slips before and after, and the dissipated energy, J."""
+    state = copies(state)
+    three = state.contacts.slip
+    grips(*loop_arguments(state)[:5])
+    slips(*loop_arguments(state)[:5], state.rollers.turn_kick, three)
+    before = three.copy()
+    dissipated = friction_contacts(*loop_arguments(state)[:5], state.scratch.slip)
+    after = np.zeros_like(before)
+    slips(*loop_arguments(state)[:5], state.rollers.turn_kick, after)
+    return state, before, after, dissipated
+
+
+def test_slip_is_the_sideways_speed_of_the_material():
+    """Rigid bodies: v_roller + spin x arm − v_ring, whatever the node positions."""
+    state = random_state(2)
+    state.rollers.u[:], state.inner.u[:], state.outer.u[:] = 0.0, 0.0, 0.0
+    fill_ring(state.inner.u, np.zeros((state.inner.radii.size, 2, state.inner.n_sectors)))
+    state.drive.hub[:] = 0.0
+    rng = np.random.default_rng(8)
+    rollers, n, spin, velocity = state.rollers, 13, 800.0 * rng.standard_normal(13), rng.standard_normal((13, 2))
+    rollers.spin[:n], rollers.velocity[:, :n] = spin, velocity.T
+    points = rollers.points.reshape(-1, 2)
+    roller_field(state, rollers.w)[:] = np.stack([-points[:, 1], points[:, 0]], axis=1)[:, :, None] * spin
+    w = np.zeros((state.inner.radii.size, 2, state.inner.n_sectors))
+    w[:, 1] = state.drive.speed * state.inner.radii[:, None]
+    fill_ring(state.inner.w, w)
+    state = press_keeping_velocities(state)
+    found = np.zeros_like(state.contacts.slip)
+    grips(*loop_arguments(state)[:5])
+    slips(*loop_arguments(state)[:5], state.scratch.still, found)
+    found, normal, closed = found[:, :n], by_contact(state.contacts.normal), state.contacts.force[:, :n] > 0.0
+    across = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+    own = np.einsum("kja,ja->kj", across, velocity)
+    r = rollers.radius
+    wanted = own + np.array([[-r], [r], [-r]]) * spin
+    wanted[INNER] -= state.drive.speed * 0.018
+    other = np.roll(np.arange(n), -1)
+    wanted[ROLLER] = np.sum(across[ROLLER] * (velocity[other] - velocity), axis=1) - r * (spin[other] + spin)
+    np.testing.assert_allclose(found[closed], wanted[closed], rtol=0.0, atol=1e-12 * np.abs(wanted[closed]).max())
+
+
+def press_keeping_velocities(state):
+    """Contacts placed and forces found with velocities as they are (the push is taken off again)."""
+    pressed = press(state)
+    for name in ("rollers", "inner", "outer"):
+        getattr(pressed, name).w[:] = getattr(state, name).w
+    pressed.rollers.velocity[:] = state.rollers.velocity
+    return pressed
+
+
+def test_tractions_are_on_carters_curve_at_the_slip_they_leave():
+    state = rubbing_state()
+    rubbed, before, after, dissipated = rub(state)
+    law, rollers = rubbed.contacts, rubbed.rollers
+    closed = law.force > 0.0
+    assert closed.sum() > 8
+    pitch = 0.028 - 0.005
+    for kind, j in np.argwhere(closed):
+        Q, traction = law.force[kind, j], law.traction[kind, j]
+        n = law.normal[kind, :, j]
+        rolling = 0.0
+        if kind != ROLLER:
+            orbit = (rollers.velocity[1, j] * n[0] - rollers.velocity[0, j] * n[1]) / pitch
+            rolling = abs(rollers.spin[j] - orbit) * rollers.radius
+        full = max(0.1 * np.sqrt(law.half_width_factor[kind] * Q) * law.curvature[kind] * rolling, 1e-4)
+        share = min(abs(after[kind, j]) / full, 1.0)
+        assert abs(traction) == pytest.approx(0.1 * Q * (1.0 - (1.0 - share) ** 2), rel=1e-6)
+        assert abs(traction) <= 0.1 * Q * (1.0 + 1e-15)
+        assert traction * before[kind, j] < 0.0
+        assert before[kind, j] * after[kind, j] >= 0.0
+    assert np.all(law.traction[~closed] == 0.0)
+    mean = 0.5 * (before + after)
+    assert dissipated == pytest.approx(-np.sum((law.traction * mean)[closed]) * DT, rel=1e-9)
+    assert dissipated > 0.0
+
+
+def test_a_coarse_rollers_contacts_are_solved_in_turn_only_while_rollers_touch():
+    def tractions(touching, **crowded):
+        state = rubbing_state(mesh_size=2e-3)
+        for slow in (state.rollers.w, state.rollers.velocity, state.rollers.spin, state.outer.w):
+            slow[:] *= 1e-4  # so that contacts creep
+        if not touching:
+            state.contacts.force[ROLLER] = 0.0
+        return rub(replace(state, contacts=state.contacts._replace(**crowded)))[0].contacts.traction
+
+    assert np.any(rubbing_state(mesh_size=2e-3).contacts.force[ROLLER] > 0.0)
+    by_itself = {"crowded": False, "crowded_rollers": True}
+    apart, in_turn = ({"crowded": crowded, "crowded_rollers": False} for crowded in (False, True))
+    np.testing.assert_array_equal(tractions(True, **by_itself), tractions(True, **in_turn))
+    np.testing.assert_array_equal(tractions(False, **by_itself), tractions(False, **apart))
+    assert np.abs(tractions(True, **in_turn) - tractions(True, **apart)).max() > 0.1
+
+
+def test_friction_is_action_and_reaction_with_the_raceways_arm():
+    state = rubbing_state()
+    rubbed, *_ = rub(state)
+    traction, normal = rubbed.contacts.traction[:, :13], by_contact(rubbed.contacts.normal)
+    closed = rubbed.contacts.force[:, :13] > 0.0
+    scale = np.abs(traction[closed]).sum()
+    across = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+    push = traction[..., None] * across * closed[..., None]
+    wanted = push[INNER] + push[OUTER] + np.roll(push[ROLLER], 1, axis=0) - push[ROLLER]
+    np.testing.assert_allclose(rubbed.rollers.impulse[:, :13].T / DT, wanted, rtol=0.0, atol=1e-12 * scale)
+
+    gained = copies(rubbed)
+    for name in ("rollers", "inner", "outer"):
+        getattr(gained, name).w[:] -= getattr(state, name).w
+    round_off = 1e-9 * scale * DT  # velocities of metres per second change by micrometres per second
+    np.testing.assert_allclose(roller_resultants(gained), rubbed.rollers.impulse[:, :13].T, rtol=0.0, atol=round_off)
+    inner = cartesian_resultant(gained.inner, *gained.drive.ring[1:3])
+    np.testing.assert_allclose(inner, -push[INNER].sum(axis=0) * DT, rtol=0.0, atol=round_off)
+    outer = cartesian_resultant(gained.outer)
+    np.testing.assert_allclose(outer, -push[OUTER].sum(axis=0) * DT, rtol=0.0, atol=round_off)
+
+    # moment about a roller's centre: traction times radius
+    points = gained.rollers.points.reshape(-1, 2)
+    force = roller_field(gained, gained.rollers.w) * gained.rollers.mass[:, None, None] / DT
+    moment = np.sum(points[:, :1] * force[:, 1] - points[:, 1:] * force[:, 0], axis=0)
+    assert np.all(gained.rollers.turn_kick == 0.0)
+    arm = gained.rollers.radius * traction * closed
+    wanted = arm[OUTER] - arm[INNER] - arm[ROLLER] - np.roll(arm[ROLLER], 1)
+    np.testing.assert_allclose(moment, wanted, rtol=0.0, atol=1e-9 * scale * 0.005)
+    on_ring = gained.inner.w[:, 1, HALO:-HALO] * (gained.inner.row_mass * gained.inner.radii)[:, None]
+    assert gained.drive.ring[3] == 0.0
+    wanted = -0.018 * np.sum(traction[INNER] * closed[INNER])
+    assert np.sum(on_ring) / DT == pytest.approx(wanted, abs=1e-9 * scale * 0.018)

@@ -47,7 +47,7 @@ def test_changed_files_are_taken_or_refused_in_a_sentence(name, sound, tmp_path,
         ends.add(target(data))
 
     check()
-    # changes go neither unnoticed nor, but for a checkpoint's checksums (4 in 100 are harmless), always as far as a refusal
+    # changes go neither unnoticed nor always as far as a refusal; of a checkpoint, checksummed, 4 in 100 are harmless
     assert False in ends
     assert True in ends or name == "checkpoint"
 

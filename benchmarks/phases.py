@@ -49,21 +49,24 @@ def _slip_and_friction(rollers, inner, outer, contacts, drive, still, slip):
 
 @njit
 def _rings_kick(inner, outer):
-    ring_kernels.kick(inner[0], inner[1], inner[2], inner[3], inner[4])
-    ring_kernels.kick(outer[0], outer[1], outer[2], outer[3], outer[4])
+    ring_kernels.kick(*inner)
+    ring_kernels.kick(*outer)
 
 
 @njit
 def _rings_kick_and_weight(inner, outer, cosines, sines, weight):
     for k, ring in enumerate((inner, outer)):
         ring_kernels.set_rigid(weight[k], 0, cosines[k], sines[k], 0.0, 1e-12)
-        ring_kernels.kick_and_add(ring[0], ring[1], ring[2], weight[k], ring[3], ring[4])
+        table, u, w, first, last = ring
+        ring_kernels.kick_and_add(table, u, w, weight[k], first, last)
 
 
 @njit
 def _rings_drift(inner, outer, radii):
-    ring_kernels.drift(inner[1], inner[2], radii, 1e-12, 1.0, 1e-12, inner[3], inner[4])
-    ring_kernels.drift_still(outer[1], outer[2], 1e-12, outer[3], outer[4])
+    _, u, w, first, last = inner
+    ring_kernels.drift(u, w, radii, 1e-12, 1.0, 1e-12, first, last)
+    _, u, w, first, last = outer
+    ring_kernels.drift_still(u, w, 1e-12, first, last)
 
 
 def _rows(ring) -> tuple:

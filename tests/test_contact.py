@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import copies, own_folder
+from bearings import copies
 from contact_states import (
     DT,
     cartesian_resultant,
@@ -27,12 +27,6 @@ from fem.kernels.contact_kernels import (
 )
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import INNER, OUTER, ROLLER
-
-
-@pytest.fixture(autouse=True)
-def meshes_of_our_own():
-    with own_folder():
-        yield
 
 
 def potential(state):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import copies, loop_arguments, model, own_folder, paper
+from bearings import copies, loop_arguments, model, paper
 from contact_states import (
     DT,
     cartesian_resultant,
@@ -25,12 +25,6 @@ from fem.kernels.contact_kernels import normal_contacts, push_contacts
 from fem.kernels.friction_kernels import creep_traction, friction_contacts, grips, slips
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import INNER, OUTER, ROLLER
-
-
-@pytest.fixture(autouse=True)
-def meshes_of_our_own():
-    with own_folder():
-        yield
 
 
 def test_creep_follows_carter():

@@ -44,7 +44,7 @@ def _give_both(r, u, below, row, above, width, k):
 
 @kernel(forceinline=True)
 def _row_force(table, u, row, out, at, line, with_line):
-    """out += table·u for one row of nodes, radial from index `at` on, tangential `width` further; see `kick`.
+    """out += table·u for one row of nodes, radial from index `at` on, tangential a line further.
 
     Every node's part is formed once and handed to its neighbours' columns, instead of reading three columns for each.
     """
@@ -52,8 +52,8 @@ def _row_force(table, u, row, out, at, line, with_line):
     # past the ends coefficients are 0
     below, above = 2 * width * max(row - 1, 0), 2 * width * min(row + 1, u.shape[0] - 1)
     t = table[row]
-    radial = (t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7], t[8])
-    r = (*radial, t[9], t[10], t[11], t[12], t[13], t[14], t[15], t[16], t[17])  # in registers: `out` might be `table`
+    half = (t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7], t[8])
+    r = (*half, t[9], t[10], t[11], t[12], t[13], t[14], t[15], t[16], t[17])  # in registers: `out` might be `table`
     row = 2 * width * row
     before_r, before_t = _give_both(r, u, below, row, above, width, 0)
     radial, tangential = _give_both(r, u, below, row, above, width, HALO)
@@ -132,7 +132,10 @@ def wrap(u, at, width):
 
 @kernel
 def set_rigid(out, at, cosines, sines, x, y):
-    """Displacement of a circle that moves rigidly by (x, y) in the frame's axes, from index `at` on, see `kick`."""
+    """Displacement of a circle that moves rigidly by (x, y) in the frame's axes.
+
+    Radial from index `at` of `out` on, tangential cosines.size further, both with their halo.
+    """
     width = cosines.size
     for k in range(HALO, width - HALO, WIDTH):
         c, s = load(cosines, k), load(sines, k)

@@ -3,8 +3,8 @@
 LLVM's loop vectoriser does not trust a gather over many rows (it must prove that no row overlaps the output) and falls
 back to scalar code, 5 times slower. A value of eight lanes says what is meant. LLVM lowers it to whatever the processor
 has: one AVX-512 register, two AVX, four SSE2 or NEON. A scalar beside lanes stands for all of them; products and sums
-may be fused. All functions but `load` also take scalars for lanes, so that a kernel can be called for one value.
-Memory is addressed by a flat index into a C-ordered array of any shape, unchecked.
+may be fused. All functions but `load`, `scatter_add` and those of neighbours also take scalars for lanes, so that a
+kernel can be called for one value. Memory is addressed by a flat index into a C-ordered array of any shape, unchecked.
 """
 
 import operator

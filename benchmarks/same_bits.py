@@ -3,11 +3,15 @@
 BASE is checked out beside this tree. Both run the same short scenes, each as a command of its own; every variable of
 the result files is compared byte by byte, their attributes but for times and versions, and the reports' numbers. With
 --speed whole runs are timed in turns, with --cold a first start with no kernel compiled.
+
+Code that is arranged in another way has other products fused with sums by the compiler, and its results differ by
+round-off. --unfused turns that off in both trees: what then differs has been computed in another way.
 """
 
 import json
 import os
 import resource
+import shutil
 import statistics
 import subprocess
 import sys
@@ -30,6 +34,8 @@ HERE = Path(__file__).resolve().parent.parent
 # attributes that may differ; a scene's text gains keys as the program does
 UNLIKE = {"wall_seconds", "setup_seconds", "program_version", "scene", "scene_checksum"}
 UNLIKE_IN_REPORT = {"run", "wall_seconds", "program_version"}
+FUSED = '_FUSED = ("contract",)'  # in fem.kernels.simd
+MOST_TOLD, LONGEST_TOLD = 12, 160  # differences of a scene, characters of each
 SPEED_MS = 60.0  # of the paper's bearing
 console = Console(highlight=False, soft_wrap=True)
 
@@ -184,16 +190,36 @@ def compare(scene: Short, mine: Tree, base: Tree) -> list[str]:
 
 
 @contextmanager
-def checked_out(revision: str) -> Iterator[tuple[Tree, Tree]]:
+def checked_out(revision: str, unfused: bool) -> Iterator[tuple[Tree, Tree]]:
     """This tree and a revision's, which goes when done."""
     git = ["git", "-C", str(HERE)]
     with tempfile.TemporaryDirectory(prefix="same-bits-") as room:
-        folder = Path(room) / "base"
+        folder, here = Path(room) / "base", HERE
         subprocess.run([*git, "worktree", "add", "--quiet", "--detach", str(folder), revision], check=True)
         try:
-            yield Tree(HERE, Path(room) / "mine"), Tree(folder, Path(room) / "of-base")
+            if unfused:
+                here = _copied(Path(room) / "here")
+                for tree in (here, folder):
+                    _unfuse(tree)
+            yield Tree(here, Path(room) / "mine"), Tree(folder, Path(room) / "of-base")
         finally:
             subprocess.run([*git, "worktree", "remove", "--force", str(folder)], check=True)
+
+
+def _copied(folder: Path) -> Path:
+    """A copy of this tree's packages."""
+    for package in ("lagrange", "meshes", "fem", "residual"):
+        shutil.copytree(HERE / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
+    return folder
+
+
+def _unfuse(tree: Path) -> None:
+    """Have a tree's lanes multiply and add one after the other."""
+    path = tree / "fem" / "kernels" / "simd.py"
+    text = path.read_text()
+    if FUSED not in text:
+        raise RuntimeError(f"{path}: has no {FUSED!r} to turn off")
+    path.write_text(text.replace(FUSED, "_FUSED = ()"))
 
 
 def _taken(tree: Tree, *arguments: str, **environment: str) -> tuple[float, float]:
@@ -245,6 +271,7 @@ def main(
     /,
     *,
     scenes: Annotated[str | None, Parameter(help="names of scenes, by commas; default: all")] = None,
+    unfused: Annotated[bool, Parameter(negative="", help="no product fused with a sum, in both trees")] = False,
     workers: Annotated[int, Parameter(help="scenes run at the same time")] = 1,
     speed: Annotated[
         list[float] | None, Parameter(help="mesh sizes to time instead, mm; repeatable", negative="")
@@ -257,7 +284,7 @@ def main(
     if unknown := wanted - {scene.name for scene in SCENES}:
         console.print(f"unknown scenes: {', '.join(sorted(unknown))}; known: {', '.join(s.name for s in SCENES)}")
         return 2
-    with checked_out(base) as (mine, old):
+    with checked_out(base, unfused) as (mine, old):
         if speed:
             console.print(_speed(mine, old, speed, pairs))
         if cold:
@@ -270,8 +297,10 @@ def main(
             for scene, found in zip(chosen, pool.map(lambda s: compare(s, mine, old), chosen), strict=True):
                 unlike += bool(found)
                 console.print(f"{scene.name:20s} {'same' if not found else 'DIFFERS'}")
-                for what in found:
-                    console.print(f"    {what}")
+                for what in found[:MOST_TOLD]:
+                    console.print(f"    {what[:LONGEST_TOLD]}")
+                if len(found) > MOST_TOLD:
+                    console.print(f"    and {len(found) - MOST_TOLD} more")
     console.print(f"{len(chosen) - unlike} of {len(chosen)} scenes the same")
     return 1 if unlike else 0
 

@@ -72,8 +72,7 @@ def _fields(plan: Plan) -> dict[str, str]:
 
 def memory_megabytes(arrays: Arrays) -> float:
     """Size of the time loop's arrays."""
-    parts = (arrays.rollers, arrays.inner, arrays.outer, arrays.contacts, arrays.drive, arrays.scratch)
-    return 1e-6 * sum(getattr(field, "nbytes", 0) for part in parts for field in part)
+    return 1e-6 * sum(array.nbytes for array in arrays.named().values())
 
 
 def print_run(plan: Plan, progress: Progress, path: Path) -> None:

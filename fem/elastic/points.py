@@ -15,7 +15,7 @@ from fem.elastic.resolved import POINTS_PER_NODE, ResolvedLaw
 from fem.elastic.spread import SpreadLaw
 from fem.elastic.subgrid import patch
 from fem.kernels.patches import N_NODES
-from fem.kernels.state import INNER, OUTER, ROLLER, Resolved
+from fem.kernels.state import INNER, OUTER, ROLLER, Points, Spread
 
 if TYPE_CHECKING:
     from fem.elastic.model import Model
@@ -25,7 +25,7 @@ CLOSED_NODES = 12  # of a contact closed over so many, the middle knows no end
 SPAN = 3.0  # half-range of the points over the half-width at the largest static force
 
 
-def points(laws: dict[int, ResolvedLaw | SpreadLaw], largest_force: float, n_rollers: int) -> Resolved:
+def points(laws: dict[int, ResolvedLaw | SpreadLaw], largest_force: float, n_rollers: int) -> Points:
     """Where pressures are sampled, up to SPAN half-widths at the largest static force, N; or the one point."""
     if laws[INNER].is_one_point:
         return _points_at(laws, np.zeros((3, 2, 1)), np.zeros((3, 2, 1)), np.zeros((3, 1)), n_rollers)
@@ -45,17 +45,17 @@ def points(laws: dict[int, ResolvedLaw | SpreadLaw], largest_force: float, n_rol
     return _points_at(laws, shift, tangent, rise, n_rollers)
 
 
-def _points_at(laws, shift: np.ndarray, tangent: np.ndarray, rise: np.ndarray, n_rollers: int) -> Resolved:
-    n, spread = shift.shape[2], {}
+def _points_at(laws, shift: np.ndarray, tangent: np.ndarray, rise: np.ndarray, n_rollers: int) -> Points:
+    n, spread = shift.shape[2], None
     if laws[INNER].spreads:
-        spread = {
-            "lack": np.stack([laws[kind].lack for kind in (INNER, OUTER, ROLLER)]),
-            "inverse": np.stack([laws[kind].inverses() for kind in (INNER, OUTER, ROLLER)]),
-            "closed": np.zeros((3, n_rollers, 2), dtype=np.int64),
-            "share": np.zeros(2 * n * N_NODES),
-            "slope": np.zeros(2 * N_NODES),
-        }
-    return Resolved(
+        spread = Spread(
+            missing=np.stack([laws[kind].lack for kind in (INNER, OUTER, ROLLER)]),
+            inverse=np.stack([laws[kind].inverses() for kind in (INNER, OUTER, ROLLER)]),
+            closed=np.zeros((3, n_rollers, 2), dtype=np.int64),
+            share=np.zeros(2 * n * N_NODES),
+            slope=np.zeros(2 * N_NODES),
+        )
+    return Points(
         shift=shift,
         tangent=tangent,
         rise=rise,
@@ -63,21 +63,21 @@ def _points_at(laws, shift: np.ndarray, tangent: np.ndarray, rise: np.ndarray, n
         stiffness=np.array([0.0 if spread else laws[kind].point_stiffness for kind in (INNER, OUTER, ROLLER)]),
         energy=np.zeros((3, n_rollers)),
         before=np.full((3, n_rollers, 3, n), np.nan),
-        owed=np.zeros((3, n_rollers)),
+        residual=np.zeros((3, n_rollers)),
         closing=np.zeros(n),
         force=np.zeros(n),
         turning=np.zeros((3, n)),
-        **(spread or dict.fromkeys(("lack", "inverse", "closed", "share", "slope"))),
+        spread=spread,
     )
 
 
-def stretch_for(resolved: Resolved, nodes: tuple[int, ...]) -> tuple[int, ...]:
+def stretch_for(resolved: Points, nodes: tuple[int, ...]) -> tuple[int, ...]:
     """Stretch of patches that hold every node under the points: a power of two, as each is compiled for itself."""
     widest = max(
         2.0 * np.abs(resolved.shift[kind, side]).max() * count / (2.0 * pi)
         for (kind, side), count in zip(((INNER, 0), (OUTER, 0), (INNER, 1)), nodes, strict=True)
     )
-    beyond = 3.0 if resolved.lack is None else 3.0 + N_NODES
+    beyond = 3.0 if resolved.spread is None else 3.0 + N_NODES
     return (0,) * 2 ** max(0, ceil(log2((widest + beyond) / N_NODES)))
 
 

@@ -4,11 +4,9 @@ A traction T acts along t = Jn, spread over the nodes of both patches. The slip 
 what T dissipates is exactly what it takes from the bodies.
 """
 
-from fem.kernels import patch_kernels as patch
-from fem.kernels.contact_kernels import next_rollers, second
-from fem.kernels.jit import kernel
+from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers
+from fem.kernels.jit import every, kernel, part, verb
 from fem.kernels.lane_functions import larger
-from fem.kernels.rigid_kernels import hub_mobility, roller_mobility, rub_whole, whole_mobility, whole_slip
 from fem.kernels.simd import (
     WIDTH,
     any_lane,
@@ -25,9 +23,12 @@ from fem.kernels.simd import (
     whole,
     with_sign,
 )
-from fem.kernels.state import INNER, OUTER, ROLLER
+from fem.kernels.state import ROLLER, Neighbours, Raceway
+from fem.kernels.surfaces import body_mobility, body_motion, grip, push_along, push_body, sideways
 
 SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
+EVEN, ODD, ALL = 0, 1, 2  # contacts of a pair that are solved for at once
+WHERE_ROLLERS_TOUCH, ALWAYS = 0, 1  # when patches of neighbouring contacts overlap
 
 
 @kernel(forceinline=True)
@@ -54,296 +55,374 @@ def creep_traction(slip, limit, full_slip, mobility_dt):
     return with_sign(traction, slip), with_sign(left, slip)
 
 
-@kernel(forceinline=True)
-def grips(rollers, inner, outer, contacts, drive):
-    """How all closed contacts' patches grip, for `slips` and `friction_contacts`."""
-    points, radius, n, columns = rollers.points, rollers.radius, rollers.n, rollers.columns
-    lightness, first, n_surface = rollers.lightness, rollers.first_surface, rollers.n_surface
-    start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
-    force, outward, stretch = contacts.force, contacts.outward, contacts.stretch
-    scale, lean = contacts.scale, contacts.lean
-    for kind in range(3):
-        for group in range(0, n, WIDTH):
-            if not any_lane(load(force, kind * columns + group) > 0.0):
-                continue
-            side, at = 2 * kind, 4 * kind * columns + group
-            if kind == ROLLER and len(rollers.rigid) > 0:
-                mobility = splat(roller_mobility(rollers))
-            elif kind == ROLLER:
-                x, y = load(outward, at), load(outward, at + columns)
-                mobility = patch.grip_roller(
-                    points, lightness, first, n_surface, radius, x, y, start, weight, columns, side, group, scale, lean,
-                    stretch,
-                )  # fmt: skip
-            elif kind == INNER and len(inner.rigid) > 0:
-                mobility = splat(hub_mobility(rollers, drive))
-            elif kind == OUTER and len(outer.rigid) > 0:
-                mobility = splat(0.0)
-            else:
-                mass = inner.row_mass[inner.raceway] if kind == INNER else outer.row_mass[outer.raceway]
-                mobility = patch.grip_ring(mass, weight, along, across, columns, side, group, scale, lean, stretch)
-            if len(rollers.rigid) > 0:
-                mobility += splat(roller_mobility(rollers))
-            else:
-                x, y = load(outward, at + 2 * columns), load(outward, at + 3 * columns)
-                mobility += patch.grip_roller(
-                    points, lightness, first, n_surface, radius, x, y, start, weight, columns, side + 1, group, scale,
-                    lean, stretch,
-                )  # fmt: skip
-            store(contacts.mobility, kind * columns + group, mobility)
+@part
+def _closed(contacts, row):
+    """Whether any of eight contacts is closed."""
+    return any_lane(load(contacts.forces.force, row) > 0.0)
 
 
-@kernel(forceinline=True)
-def slips(rollers, inner, outer, contacts, drive, turn_kick, out):
-    """Sideways velocity of side 1 less that of side 0 along t = Jn for every closed contact, m/s; out (3, columns).
+@part
+def _normal(contacts, pair, group):
+    """Normals of eight contacts, x and y."""
+    columns = contacts.patches.columns
+    at = 2 * pair.row * columns + group
+    return load(contacts.patches.normal, at), load(contacts.patches.normal, at + columns)
 
-    `grips` must have been called at the present positions. `turn_kick`, (columns,), rad/s: what the rollers are still
-    to gain by turning as a whole. Contacts that are open get what has no meaning.
+
+@part
+def grip_pair(pair, rollers, disc, contacts):
+    """How the patches of a pair's closed contacts grip, for all that follows."""
+    for group in range(0, rollers.n, WIDTH):
+        row, side = pair.row * rollers.columns + group, 2 * pair.row
+        if _closed(contacts, row):
+            mobility = grip(first_surface(pair, disc), contacts.patches, side, group)
+            store(contacts.friction.mobility, row, mobility + grip(disc, contacts.patches, side + 1, group))
+
+
+@verb
+def slip_pair(pair, rollers, disc, contacts, turn_kick, out):
+    """Sideways velocity of side 1 less that of side 0 along t = Jn for closed contacts, m/s, to `out`, (3, columns).
+
+    `grip_pair` must have been called at the present positions. `turn_kick`, (columns,), rad/s: what the rollers are
+    still to gain by turning as a whole. Open contacts get what has no meaning.
     """
-    for kind in range(3):
-        slips_of(kind, rollers, inner, outer, contacts, drive, turn_kick, out)
 
 
-@kernel(forceinline=True)
-def slips_of(kind, rollers, inner, outer, contacts, drive, turn_kick, out):
-    """`slips` of one kind of contact."""
-    w, columns, velocity, radius, n = rollers.w, rollers.columns, rollers.velocity, rollers.radius, rollers.n
-    points, first, n_surface = rollers.points, rollers.first_surface, rollers.n_surface
-    start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
-    force, normal, outward, stretch = contacts.force, contacts.normal, contacts.outward, contacts.stretch
-    scale, lean, spin = contacts.scale, contacts.lean, rollers.spin
-    for group in range(0, n, WIDTH):
-        row = kind * columns + group
-        if not any_lane(load(force, row) > 0.0):
-            continue
-        nx, ny = load(normal, 2 * kind * columns + group), load(normal, (2 * kind + 1) * columns + group)
-        side, at, i = 2 * kind, 4 * kind * columns + group, count_from(group)
-        if kind == ROLLER:
-            i = next_rollers(group, n)
-        bx, by = load(outward, at + 2 * columns), load(outward, at + 3 * columns)
-        own = gather(turn_kick, i) * radius
-        if len(rollers.rigid) > 0:
-            own += gather(spin, i) * radius
-        else:
-            own += patch.sideways_roller(
-                w, i, points, first, n_surface, radius, bx, by, start, weight, columns, side + 1, group, scale, lean,
-                stretch,
-            )  # fmt: skip
-        slip = gather(velocity, i + columns) * nx - gather(velocity, i) * ny
-        if kind == OUTER:
-            slip += own
-            if len(outer.rigid) == 0:
-                slip -= patch.sideways_ring(
-                    outer.w, outer.raceway, outer.n_sectors, start, weight, along, across, columns, side, group, scale,
-                    lean, stretch,
-                )  # fmt: skip
-        elif kind == INNER:
-            slip -= own
-            if len(inner.rigid) > 0:
-                slip -= drive.velocity[1] * nx - drive.velocity[0] * ny + drive.speed * inner.radius
-            else:
-                slip -= patch.sideways_ring(
-                    inner.w, inner.raceway, inner.n_sectors, start, weight, along, across, columns, side, group, scale,
-                    lean, stretch,
-                )  # fmt: skip
-        else:
-            bx, by = load(outward, at), load(outward, at + columns)
-            slip -= own + load(turn_kick, group) * radius
-            if len(rollers.rigid) > 0:
-                slip -= load(spin, group) * radius
-            else:
-                slip -= patch.sideways_roller(
-                    w, count_from(group), points, first, n_surface, radius, bx, by, start, weight, columns, side, group,
-                    scale, lean, stretch,
-                )  # fmt: skip
+@slip_pair.of(Raceway)
+def _slip_raceway(raceway, rollers, disc, contacts, turn_kick, out):
+    velocity, columns, side = rollers.velocity, rollers.columns, 2 * raceway.row
+    for group in range(0, rollers.n, WIDTH):
+        row = raceway.row * columns + group
+        if _closed(contacts, row):
+            nx, ny = _normal(contacts, raceway, group)
+            own = load(turn_kick, group) * rollers.radius
+            own += sideways(disc, contacts.patches, side + 1, group, count_from(group), nx, ny)
+            slip = load(velocity, columns + group) * nx - load(velocity, group) * ny
+            slip = slip - own if raceway.sign > 0.0 else slip + own
+            slip -= sideways(raceway.surface, contacts.patches, side, group, 0, nx, ny)
+            store(out, row, slip)
+
+
+@slip_pair.of(Neighbours)
+def _slip_neighbours(pair, rollers, disc, contacts, turn_kick, out):
+    velocity, columns, side = rollers.velocity, rollers.columns, 2 * pair.row
+    for group in range(0, rollers.n, WIDTH):
+        row = pair.row * columns + group
+        if _closed(contacts, row):
+            nx, ny = _normal(contacts, pair, group)
+            i = next_rollers(group, rollers.n)
+            own = gather(turn_kick, i) * rollers.radius
+            own += sideways(disc, contacts.patches, side + 1, group, i, nx, ny)
+            slip = gather(velocity, i + columns) * nx - gather(velocity, i) * ny
+            slip -= own + load(turn_kick, group) * rollers.radius
+            slip -= sideways(disc, contacts.patches, side, group, count_from(group), nx, ny)
             slip -= load(velocity, columns + group) * nx - load(velocity, group) * ny
-        store(out, row, slip)
+            store(out, row, slip)
 
 
-@kernel(forceinline=True)
-def friction_contacts(rollers, inner, outer, contacts, drive, after):
+grip_all = every(grip_pair)
+slip_all = every(slip_pair)
+
+
+@part
+def slips_before(groups, rollers, disc, contacts, still):
+    """Slips before a kick, m/s; `still`, (columns,), is 0: no roller is to gain anything by turning as a whole."""
+    grip_all(groups, rollers, disc, contacts)
+    slip_all(groups, rollers, disc, contacts, still, contacts.friction.slip)
+
+
+@part
+def friction_contacts(groups, rollers, disc, contacts, drive, overlapping, whole):
     """Tractions of every contact and their impulses; returns the work they dissipate in this step, J.
 
-    Each is implicit in its own patch's velocity. `after`, (3, columns), m/s, is filled with the slips they leave. Where
-    patches of neighbours overlap (on coarse meshes), each starts from its last value and every other one is solved for
-    in turn (Gauss and Seidel): without neighbours' part sticking contacts would shake each other. Where they share a
-    rigid body, each knows the others' last values.
+    Each is implicit in its own patch's velocity. Where patches of neighbours overlap (on coarse meshes), each starts
+    from its last value and every other one is solved for in turn (Gauss and Seidel): without neighbours' part sticking
+    contacts would shake each other. Where they share a rigid body, each knows the others' last values.
+
+    `overlapping`, `whole`: of `Friction`; what is None is not compiled.
     """
-    crowded = contacts.crowded or (contacts.crowded_rollers and _rollers_touch(contacts, rollers))
-    if not crowded and len(rollers.rigid) + len(inner.rigid) > 0:
-        _solve_on_whole_bodies(rollers, inner, outer, contacts, drive, after)
-    elif not crowded:
-        slips(rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
-        for kind in range(3):
-            _find_tractions(kind, 0, 1, False, rollers, inner, outer.radius - rollers.radius, contacts, drive, after)
-            _rub(kind, rollers, inner, outer, contacts, drive, contacts.change)
+    if overlapping is None:
+        _solve_at_once(groups, rollers, disc, contacts, drive, whole)
+    elif overlapping == ALWAYS or _rollers_touch(contacts, rollers):
+        _solve_in_turn(groups, rollers, disc, contacts, drive)
     else:
-        _solve_in_turn(rollers, inner, outer, contacts, drive, after)
-    traction, before = contacts.traction, contacts.slip
+        _solve_at_once(groups, rollers, disc, contacts, drive, whole)
+    friction = contacts.friction
     dissipated = splat(0.0)
-    for at in range(0, traction.size, WIDTH):
-        dissipated -= load(traction, at) * (load(before, at) + load(after, at))
+    for at in range(0, friction.traction.size, WIDTH):
+        dissipated -= load(friction.traction, at) * (load(friction.slip, at) + load(friction.slip_left, at))
     return 0.5 * drive.dt * total(dissipated)
 
 
-@kernel(forceinline=True)
+@part
+def _solve_at_once(groups, rollers, disc, contacts, drive, whole):
+    """Tractions and impulses of contacts that share no nodes."""
+    if whole is None:
+        slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
+        _rub_all(groups, rollers, disc, contacts, drive)
+    else:
+        _solve_on_whole_bodies(groups, rollers, disc, contacts, drive)
+
+
+@part
 def _rollers_touch(contacts, rollers):
     found = splat(0.0)
     for group in range(0, rollers.n, WIDTH):
-        found += load(contacts.force, ROLLER * rollers.columns + group)
+        found += load(contacts.forces.force, ROLLER * rollers.columns + group)
     return any_lane(found > 0.0)
 
 
-@kernel
-def _solve_in_turn(rollers, inner, outer, contacts, drive, after):
+@part
+def _rub(pair, rollers, disc, contacts, drive):
+    """Tractions of a pair's contacts from slips without any, and their impulses."""
+    _find_tractions(pair, rollers, disc, contacts, drive.dt, ALL, False)
+    drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
+
+
+@part
+def _rub_in_turn(pair, rollers, disc, contacts, drive):
+    """Every other one of a pair's contacts, and then the others, each with all the others' tractions."""
+    for some in range(2):
+        slip_pair(pair, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
+        _find_tractions(pair, rollers, disc, contacts, drive.dt, some, True)
+        drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
+
+
+@part
+def _rub_as_before(pair, rollers, disc, contacts, drive):
+    """The last tractions of a pair's contacts that are still closed."""
+    _take_last(pair, rollers, contacts)
+    drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
+
+
+_rub_all, _rub_all_in_turn, _rub_all_as_before = every(_rub), every(_rub_in_turn), every(_rub_as_before)
+
+
+@part(inlined=False)
+def _solve_in_turn(groups, rollers, disc, contacts, drive):
     """Tractions and impulses of contacts whose patches overlap; seldom needed, so kept out of the time loop."""
-    for kind in range(3):  # every contact that is still closed gets its last traction
-        _take_last(kind, rollers, contacts)
-        _rub(kind, rollers, inner, outer, contacts, drive, contacts.change)
-    for kind in range(3):
-        for first in range(2):
-            slips_of(kind, rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
-            _find_tractions(kind, first, 2, True, rollers, inner, outer.radius - rollers.radius, contacts, drive, after)
-            _rub(kind, rollers, inner, outer, contacts, drive, contacts.change)
-    slips(rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
+    _rub_all_as_before(groups, rollers, disc, contacts, drive)
+    _rub_all_in_turn(groups, rollers, disc, contacts, drive)
+    slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
 
 
-@kernel(forceinline=True)
-def _take_last(kind, rollers, contacts):
-    """Begin with the last tractions of the contacts of a kind that are still closed."""
+@part
+def _rub_bodies(pair, rollers, disc, contacts, drive):
+    """Give rigid bodies the last tractions of a pair's contacts that are still closed."""
+    _take_last(pair, rollers, contacts)
+    _drag_bodies(pair, rollers, disc, contacts, drive.dt)
+
+
+@part
+def _rub_beside(pair, rollers, disc, contacts, drive):
+    """Tractions of a pair's contacts from slips with all last tractions."""
+    _find_tractions(pair, rollers, disc, contacts, drive.dt, ALL, True)
+
+
+@part
+def _without_bodies(pair, rollers, disc, contacts, drive):
+    """Take out of the slips left what rigid bodies move, and what the change of a contact's own traction will."""
+    friction, mobility = contacts.friction, _whole_mobility(pair, disc) * drive.dt
     for group in range(0, rollers.n, WIDTH):
-        row = kind * rollers.columns + group
-        last = select(load(contacts.force, row) > 0.0, load(contacts.traction, row), 0.0)
-        store(contacts.traction, row, last)
-        store(contacts.change, row, last)
+        row = pair.row * rollers.columns + group
+        moved = _whole_slip(pair, rollers, disc, contacts, group)
+        store(friction.slip_left, row, load(friction.slip_left, row) - moved - mobility * load(friction.change, row))
 
 
-@kernel(forceinline=True)
-def _solve_on_whole_bodies(rollers, inner, outer, contacts, drive, after):
+@part
+def _with_bodies(pair, rollers, disc, contacts, drive):
+    """Add to the slips left what rigid bodies move."""
+    for group in range(0, rollers.n, WIDTH):
+        row = pair.row * rollers.columns + group
+        moved = _whole_slip(pair, rollers, disc, contacts, group)
+        store(contacts.friction.slip_left, row, load(contacts.friction.slip_left, row) + moved)
+
+
+@part
+def _drag_nodes(pair, rollers, disc, contacts, drive):
+    """The bodies with nodes have been given nothing yet, the rigid ones the last tractions."""
+    drag(pair, rollers, disc, contacts, contacts.friction.traction, drive.dt)
+
+
+_rub_all_bodies, _rub_all_beside = every(_rub_bodies), every(_rub_beside)
+_all_without_bodies, _drag_all_nodes, _all_with_bodies = every(_without_bodies), every(_drag_nodes), every(_with_bodies)
+
+
+@part
+def _solve_on_whole_bodies(groups, rollers, disc, contacts, drive):
     """Tractions and impulses of contacts that share a rigid body but no nodes.
 
     The rigid bodies have been given all last tractions when each contact finds its own: a step's tractions differ from
     the last by so little that what they do to each other's slip is caught up with in the next.
     """
-    columns, n, change = rollers.columns, rollers.n, contacts.change
-    for kind in range(3):
-        _take_last(kind, rollers, contacts)
-        for j in range(n):
-            given = change[kind, j] * drive.dt
-            drive.ring[4] += rub_whole(kind, second(kind, j, n), j, given, rollers, inner, contacts, drive)
-    slips(rollers, inner, outer, contacts, drive, rollers.turn_kick, after)
-    for kind in range(3):
-        _find_tractions(kind, 0, 1, True, rollers, inner, outer.radius - rollers.radius, contacts, drive, after)
-    for kind in range(3):
-        mobility = whole_mobility(kind, rollers, inner, drive) * drive.dt
-        for group in range(0, n, WIDTH):
-            row = kind * columns + group
-            moved = whole_slip(kind, group, next_rollers(group, n), rollers, inner, contacts, drive)
-            store(after, row, load(after, row) - moved - mobility * load(change, row))
-    for kind in range(3):
-        _rub(kind, rollers, inner, outer, contacts, drive, contacts.traction)
-    for kind in range(3):
-        for group in range(0, n, WIDTH):
-            row = kind * columns + group
-            moved = whole_slip(kind, group, next_rollers(group, n), rollers, inner, contacts, drive)
-            store(after, row, load(after, row) + moved)
+    _rub_all_bodies(groups, rollers, disc, contacts, drive)
+    slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
+    _rub_all_beside(groups, rollers, disc, contacts, drive)
+    _all_without_bodies(groups, rollers, disc, contacts, drive)
+    _drag_all_nodes(groups, rollers, disc, contacts, drive)
+    _all_with_bodies(groups, rollers, disc, contacts, drive)
 
 
-@kernel(forceinline=True)
-def _find_tractions(kind, first, step, again, rollers, inner, pitch, contacts, drive, slip):
-    """Tractions of every `step`-th contact of a kind from the slips, which become those that are left.
+@part
+def _take_last(pair, rollers, contacts):
+    """Begin with the last tractions of a pair's contacts that are still closed."""
+    friction = contacts.friction
+    for group in range(0, rollers.n, WIDTH):
+        row = pair.row * rollers.columns + group
+        last = select(load(contacts.forces.force, row) > 0.0, load(friction.traction, row), 0.0)
+        store(friction.traction, row, last)
+        store(friction.change, row, last)
 
-    `again`: the slips are with the last tractions, where `step` is 1 those of the rigid bodies alone.
-    What they differ by from those that the bodies have been given is left in `contacts.change`.
+
+@part
+def _find_tractions(pair, rollers, disc, contacts, dt, some, again):
+    """Tractions of a pair's contacts, EVEN, ODD or ALL, from the slips, which become those that are left.
+
+    `again`: the slips are with the last tractions; of ALL contacts with those of the rigid bodies alone. What tractions
+    differ by from those that the bodies have been given is left in `change`.
     """
-    columns, n, radius = rollers.columns, rollers.n, rollers.radius
-    velocity, spin = rollers.velocity, rollers.spin
-    force, traction, change, normal = contacts.force, contacts.traction, contacts.change, contacts.normal
-    friction, dt = drive.friction, drive.dt
-    for group in range(0, n, WIDTH):
-        row = kind * columns + group
-        Q = load(force, row)
+    friction, columns = contacts.friction, rollers.columns
+    for group in range(0, rollers.n, WIDTH):
+        row = pair.row * columns + group
+        Q = load(contacts.forces.force, row)
         if not any_lane(Q > 0.0):
-            store(traction, row, splat(0.0))
-            store(change, row, splat(0.0))
+            store(friction.traction, row, splat(0.0))
+            store(friction.change, row, splat(0.0))
             continue
-        nx, ny = load(normal, 2 * kind * columns + group), load(normal, (2 * kind + 1) * columns + group)
-        rolling = splat(0.0)
-        if kind != ROLLER:
-            orbit = (load(velocity, columns + group) * nx - load(velocity, group) * ny) * (1.0 / pitch)
-            rolling = magnitude(load(spin, group) - orbit) * radius
-        half_width = root(contacts.half_width_factor[kind] * Q)
-        full_slip = larger(friction * contacts.curvature[kind] * half_width * rolling, SLIP_FLOOR)
-        mobility = load(contacts.mobility, row) * dt
-        given, found = splat(0.0), load(slip, row)
+        half_width = root(pair.law.half_width_factor * Q)
+        rolling = _rolling_speed(pair, rollers, contacts, group)
+        full_slip = larger(friction.coefficient * pair.law.curvature * half_width * rolling, SLIP_FLOOR)
+        mobility = load(friction.mobility, row) * dt
+        given, found = splat(0.0), load(friction.slip_left, row)
         chosen, taken = Q > 0.0, mobility
         if again:
-            given = load(traction, row)
-            if step == 1:
-                taken = splat(whole_mobility(kind, rollers, inner, drive) * dt)
-        if step > 1:
-            number = count_from(group + first)
+            given = load(friction.traction, row)
+            if some == ALL:
+                taken = splat(_whole_mobility(pair, disc) * dt)
+        if some != ALL:
+            number = count_from(group + some)
             chosen = chosen & (number - whole(real(number) * 0.5) * 2 == 0)
-        T, left = creep_traction(found - taken * given, friction * Q, full_slip, mobility)
+        T, left = creep_traction(found - taken * given, friction.coefficient * Q, full_slip, mobility)
         T = select(chosen, -T, select(Q > 0.0, given, 0.0))  # on side 1, along t
-        store(slip, row, select(chosen, left, found))
-        store(traction, row, T)
-        store(change, row, T - given)
+        store(friction.slip_left, row, select(chosen, left, found))
+        store(friction.traction, row, T)
+        store(friction.change, row, T - given)
 
 
-@kernel(forceinline=True)
-def _rub(kind, rollers, inner, outer, contacts, drive, share):
-    """Impulses over one step on whole rollers and on the surface nodes.
+@verb
+def _rolling_speed(pair, rollers, contacts, group):
+    """Speed of rollers' surfaces past their contacts, m/s; 0 where two rollers meet."""
+    return splat(0.0)
 
-    Rigid bodies get those of the changes of tractions, all others those of `share`, the same or the tractions.
+
+@_rolling_speed.of(Raceway)
+def _on_raceway(raceway, rollers, contacts, group):
+    nx, ny = _normal(contacts, raceway, group)
+    velocity = rollers.velocity
+    turning = (load(velocity, rollers.columns + group) * nx - load(velocity, group) * ny) * (1.0 / raceway.orbit)
+    return magnitude(load(rollers.spin, group) - turning) * rollers.radius
+
+
+@verb
+def _whole_mobility(pair, disc):
+    """What rigid bodies add to the mobility of a contact, 1/kg."""
+
+
+@_whole_mobility.of(Raceway)
+def _mobility_on_raceway(raceway, disc):
+    return body_mobility(disc) + body_mobility(raceway.surface)
+
+
+@_whole_mobility.of(Neighbours)
+def _mobility_of_neighbours(pair, disc):
+    return body_mobility(disc) * 2.0
+
+
+@verb
+def _whole_slip(pair, rollers, disc, contacts, group):
+    """What the rigid bodies' motion adds to the slip of eight contacts, m/s."""
+
+
+@_whole_slip.of(Raceway)
+def _whole_slip_on_raceway(raceway, rollers, disc, contacts, group):
+    nx, ny = _normal(contacts, raceway, group)
+    along, around = body_motion(disc, count_from(group), nx, ny)
+    return along - raceway.sign * around - body_motion(raceway.surface, count_from(group), nx, ny)[0]
+
+
+@_whole_slip.of(Neighbours)
+def _whole_slip_of_neighbours(pair, rollers, disc, contacts, group):
+    nx, ny = _normal(contacts, pair, group)
+    along, around = body_motion(disc, count_from(group), nx, ny)
+    along_next, around_next = body_motion(disc, next_rollers(group, rollers.n), nx, ny)
+    return along_next - along - around - around_next
+
+
+@verb
+def drag(pair, rollers, disc, contacts, share, dt):
+    """Give the bodies of a pair the impulses of its tractions in a step.
+
+    Bodies with nodes get those of `share`, (3, columns), N, rigid ones those of the changes of tractions.
     """
-    w, lightness, columns, n = rollers.w, rollers.lightness, rollers.columns, rollers.n
-    points, first, n_surface, radius = rollers.points, rollers.first_surface, rollers.n_surface, rollers.radius
-    inner_u, inner_w, inner_mass = inner.u, inner.w, inner.row_mass[inner.raceway]
-    outer_u, outer_w, outer_mass = outer.u, outer.w, outer.row_mass[outer.raceway]
-    start, weight, along, across = contacts.start, contacts.weight, contacts.along, contacts.across
-    change, outward, normal, stretch, dt = (
-        contacts.change,
-        contacts.outward,
-        contacts.normal,
-        contacts.stretch,
-        drive.dt,
-    )
-    scale, lean, impulse = contacts.scale, contacts.lean, rollers.impulse
-    on_nodes = 0.0
-    for j in range(n):
-        given, whole = share[kind, j] * dt, change[kind, j] * dt  # along t on side 1
-        if given == 0.0 and whole == 0.0:
+
+
+@drag.of(Raceway)
+def _drag_raceway(raceway, rollers, disc, contacts, share, dt):
+    patches, row, moment = contacts.patches, raceway.row, 0.0
+    for j in range(rollers.n):
+        given, changed = share[row, j] * dt, contacts.friction.change[row, j] * dt  # along t on side 1
+        if given == 0.0 and changed == 0.0:
             continue
-        side = 2 * kind
-        i = second(kind, j, n)
-        own = given if kind == OUTER else -given
-        x, y = -given * normal[kind, 1, j], given * normal[kind, 0, j]
-        if len(rollers.rigid) == 0:
-            impulse[0, i] += x
-            impulse[1, i] += y
-            bx, by = outward[side + 1, 0, j], outward[side + 1, 1, j]
-            patch.rub_roller(
-                w, lightness, columns, i, points, first, n_surface, radius, bx, by, own, start, weight, side + 1, j,
-                scale, lean, stretch,
-            )  # fmt: skip
-        if kind == INNER and len(inner.rigid) == 0:
-            on_nodes += patch.rub_ring(
-                inner_u, inner_w, inner.raceway, inner.n_sectors, inner.radius, inner_mass, -given, start, weight,
-                along, across, side, j, scale, lean, stretch,
-            )  # fmt: skip
-        elif kind == OUTER and len(outer.rigid) == 0:
-            patch.rub_ring(
-                outer_u, outer_w, outer.raceway, outer.n_sectors, outer.radius, outer_mass, -given, start, weight,
-                along, across, side, j, scale, lean, stretch,
-            )  # fmt: skip
-        elif kind == ROLLER and len(rollers.rigid) == 0:
-            impulse[0, j] -= x
-            impulse[1, j] -= y
-            bx, by = outward[side, 0, j], outward[side, 1, j]
-            patch.rub_roller(
-                w, lightness, columns, j, points, first, n_surface, radius, bx, by, -given, start, weight, side, j,
-                scale, lean, stretch,
-            )  # fmt: skip
-        on_nodes += rub_whole(kind, i, j, whole, rollers, inner, contacts, drive)
-    drive.ring[4] += on_nodes
+        nx, ny = patches.normal[row, 0, j], patches.normal[row, 1, j]
+        push_along(disc, patches, 2 * row + 1, j, j, -raceway.sign * given, -given * ny, given * nx)
+        moment += push_along(raceway.surface, patches, 2 * row, j, j, -given, given * ny, -given * nx)
+        moment += _drag_ring_and_roller(raceway, disc, j, changed, nx, ny)
+    raceway.moment[1] += moment
+
+
+@drag.of(Neighbours)
+def _drag_neighbours(pair, rollers, disc, contacts, share, dt):
+    patches, row = contacts.patches, pair.row
+    for j in range(rollers.n):
+        given, changed = share[row, j] * dt, contacts.friction.change[row, j] * dt
+        if given == 0.0 and changed == 0.0:
+            continue
+        i, nx, ny = next_roller(j, rollers.n), patches.normal[row, 0, j], patches.normal[row, 1, j]
+        push_along(disc, patches, 2 * row + 1, j, i, -given, -given * ny, given * nx)
+        push_along(disc, patches, 2 * row, j, j, -given, given * ny, -given * nx)
+        _drag_rollers(disc, j, i, changed, nx, ny)
+
+
+@verb
+def _drag_bodies(pair, rollers, disc, contacts, dt):
+    """Give the rigid bodies of a pair the impulses of the changes of its tractions in a step."""
+
+
+@_drag_bodies.of(Raceway)
+def _drag_bodies_on_raceway(raceway, rollers, disc, contacts, dt):
+    normal, change, row, moment = contacts.patches.normal, contacts.friction.change, raceway.row, 0.0
+    for j in range(rollers.n):
+        moment += _drag_ring_and_roller(raceway, disc, j, change[row, j] * dt, normal[row, 0, j], normal[row, 1, j])
+    raceway.moment[1] += moment
+
+
+@_drag_bodies.of(Neighbours)
+def _drag_bodies_of_neighbours(pair, rollers, disc, contacts, dt):
+    normal, change, row = contacts.patches.normal, contacts.friction.change, pair.row
+    for j in range(rollers.n):
+        i = next_roller(j, rollers.n)
+        _drag_rollers(disc, j, i, change[row, j] * dt, normal[row, 0, j], normal[row, 1, j])
+
+
+@part
+def _drag_ring_and_roller(raceway, disc, j, given, nx, ny):
+    """An impulse along t, N s, on roller j and against it on its ring, as far as they are rigid; its moment, N m s."""
+    push_body(disc, j, -given * ny, given * nx, -raceway.sign * given)
+    return push_body(raceway.surface, j, given * ny, -given * nx, -given)
+
+
+@part
+def _drag_rollers(disc, j, i, given, nx, ny):
+    """An impulse along t, N s, on roller i and against it on roller j, as far as they are rigid."""
+    push_body(disc, i, -given * ny, given * nx, -given)
+    push_body(disc, j, given * ny, -given * nx, -given)

@@ -1,4 +1,8 @@
-"""`@kernel`: numba, compiled once per version of the code.
+"""How functions of the time loop are compiled: `@kernel`, `@part`, `@verb`, `every`; once per version of the code.
+
+A `@kernel` is called from Python. A `@part` stands in the code of the kernels that call it and nowhere else: a function
+that Python may call has code that takes apart every array of its arguments, which for those of the time loop takes
+0.6 s to compile, ten times the function itself.
 
 Numba's cache looks at the file a function stands in, not at the files of the functions it inlines: after a change to
 one kernel it would go on running the old code inside the others. The cache folder is therefore named after the text of
@@ -12,6 +16,13 @@ from pathlib import Path
 
 import platformdirs
 from numba import config, njit
+from numba.extending import overload, register_jitable
+
+# Division follows IEEE 754 and raises nothing. Without numba's run-time memory: nothing is allocated (what would
+# allocate does not compile), and arrays that the caller holds anyway are not counted, which would take a tenth of the
+# time loop (https://github.com/numba/numba/issues/2350).
+OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
+INLINED = {**OPTIONS, "forceinline": True}
 
 
 @cache
@@ -32,16 +43,65 @@ def is_compiled() -> bool:
 
 
 def kernel(function=None, **options):
-    """Compile a function of arrays and scalars; division follows IEEE 754 and raises nothing.
-
-    Without numba's run-time memory: nothing is allocated (what would allocate does not compile), and arrays that the
-    caller holds anyway are not counted, which would take a tenth of the time loop
-    (https://github.com/numba/numba/issues/2350).
-    """
+    """Compile a function of arrays, named tuples of them and scalars for calls from Python and from other kernels."""
     if function is None:
         return lambda wrapped: kernel(wrapped, **options)
     before, config.CACHE_DIR = config.CACHE_DIR, str(cache_folder())
     try:
-        return njit(cache=True, error_model="numpy", _nrt=False, **options)(function)
+        return njit(cache=True, **OPTIONS, **options)(function)
     finally:
         config.CACHE_DIR = before
+
+
+def part(function=None, *, inlined: bool = True):
+    """A function that kernels call: inlined where it is called, or compiled once in each of them."""
+    if function is None:
+        return lambda wrapped: part(wrapped, inlined=inlined)
+    return register_jitable(**(INLINED if inlined else OPTIONS))(function)
+
+
+def verb(function):
+    """A part whose code depends on the type of its first argument, a named tuple; `functools.singledispatch` for parts.
+
+    `@function.of(Type)` gives the code for one type. The function itself says what all of them do, and is the code for
+    types that have none of their own.
+    """
+    known = {}
+
+    def of(*kinds):
+        def register(code):
+            known.update(dict.fromkeys(kinds, code))
+            return code
+
+        return register
+
+    @overload(function, jit_options=INLINED, strict=False)
+    def choose(first, *_):
+        return known.get(getattr(first, "instance_class", None), function)
+
+    function.of = of
+    return function
+
+
+def every(one):
+    """The part that calls `one(pair, *arguments)` for every pair of groups of pairs, in order.
+
+    The pairs of a group are of one type and share their code: two copies would crowd the instruction cache.
+    """
+
+    def on_every(groups, *arguments):
+        raise NotImplementedError("a part of kernels")
+
+    @overload(on_every, jit_options=INLINED)
+    def choose(groups, *arguments):
+        if len(groups) == 0:
+            return lambda groups, *arguments: None
+
+        def code(groups, *arguments):
+            for pair in groups[0]:
+                one(pair, *arguments)
+            on_every(groups[1:], *arguments)
+
+        return code
+
+    return on_every

@@ -12,7 +12,7 @@ from fem.kernels.simd import any_lane, gather, magnitude, real, select, whole
 KNOTS_PER_NODE = 8  # the ripple's highest wave is one node spacing long
 STANDING = 1e-4  # of its value: an approach that changes less works as a constant force
 STEEPEST = 0.25  # at this bracket less a half the mesh resolves the contact; the law goes on as a straight line
-REPAID, MOST_REPAID = 0.25, 0.01  # of what a contact owes, in a step; of its force, at most
+REPAID, MOST_REPAID = 0.25, 0.01  # of a contact's residual energy, in a step; of its force, at most
 
 
 @kernel(forceinline=True)
@@ -55,21 +55,27 @@ def _slope_of_line(B, Q_line):
 
 
 @kernel(forceinline=True)
-def kick_force(before, Q_before, B_before, P_before, owed, now, Q, B, A, Q_line):
-    """The force a leapfrog kick gives, N, so that the contact stores what its forces take, `Q` + O(dt²); what it owes.
+def kick_force(before, Q_before, B_before, P_before, residual, now, Q, B, A, Q_line):
+    """The force a leapfrog kick gives, N, so that the contact stores what its forces take, `Q` + O(dt²).
 
     Each half of a kick works in the step on its side. The half that looks ahead is half of `Q`; the half that looks
     back is chosen so that both halves' work in the step behind is the change of the stored energy (a discrete
     gradient). With halves of `Q` alone a step in which a contact of stiffness k closes or opens, a fraction θ into it,
     would lose or gain ½ k v² dt² θ (1 − θ), which adds up where rollers rattle. What is left, of third order in dt,
-    would still add up, to 3 % of the exchanged energy in half a second: it is kept account of and given back in small
-    parts while the contact moves.
+    would still add up, to 3 % of the exchanged energy in half a second: this residual energy is recorded and repaid in
+    small parts while the contact moves.
+
+    Ten arguments, scalars or lanes of one contact: they are the law's state at two instants, held in registers.
 
     Parameters
     ----------
     before, now : m, approaches at this kick and the one before; negative: apart, NaN: not known
     Q_before, Q : N; B_before, B : the law's level then and now; A, Q_line : the law
-    P_before : N, what the last kick gave; owed : J, so far stored beyond what kicks have taken
+    P_before : N, what the last kick gave; residual : J, so far stored beyond what kicks have taken
+
+    Returns
+    -------
+    force, N, and residual energy, J, after this kick
 
     Source: Gonzalez, J. Nonlinear Sci. 6 (1996) 449 (discrete gradients).
     """
@@ -78,12 +84,12 @@ def kick_force(before, Q_before, B_before, P_before, owed, now, Q, B, A, Q_line)
     work = _stored(Q, now, A, Q_line) - _stored(Q_before, before, A, Q_line)
     level = 0.25 * A * (Q * Q + Q_before * Q_before) * (B - B_before)
     work = work + select(closed, level, 0.0)  # what the level's change has done is not this force's work
-    debt = owed - 0.5 * step * (P_before - Q_before)  # the last kick has its other half yet to give
+    due = residual - 0.5 * step * (P_before - Q_before)  # the last kick has its other half yet to give
     most = MOST_REPAID * Q
-    back = larger(smaller(REPAID * debt / step, most), -most)
+    back = larger(smaller(REPAID * due / step, most), -most)
     P = select(plain, Q, 0.5 * (Q - Q_before) + work / step + select(closed, back, 0.0))
-    left = owed + work - 0.5 * step * (P_before + P)
-    return P, select(before != before, owed, left)
+    left = residual + work - 0.5 * step * (P_before + P)
+    return P, select(before != before, residual, left)
 
 
 @kernel(forceinline=True)

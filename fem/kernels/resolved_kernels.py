@@ -16,236 +16,319 @@ a penalty spring between the nodes around it. With facets U·m includes what the
 """
 
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels import point_kernels as point
+from fem.kernels.contact_kernels import first_surface, next_roller
 from fem.kernels.facet_kernels import chord
-from fem.kernels.jit import kernel
+from fem.kernels.jit import every, part, verb
 from fem.kernels.law import MOST_REPAID, REPAID
-from fem.kernels.patch_kernels import place
-from fem.kernels.patches import N_NODES
+from fem.kernels.point_kernels import place_point, push_point, read_point, share_out
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.spread_kernels import spread_forces
-from fem.kernels.state import INNER, OUTER, ROLLER
+from fem.kernels.state import DiscSurface, Neighbours, Raceway, RingSurface
+from fem.kernels.surfaces import place
 
 
-@kernel
-def resolved_contacts(rollers, inner, outer, contacts, drive, resolved):
-    """Normal forces of every contact at the present positions, and their impulses over one step.
+class Meeting(NamedTuple):
+    """Two circles on the line of their centres: side 0 is a ring or roller j, side 1 is roller i."""
+
+    first: int  # j, roller on side 0; of a ring without meaning
+    second: int  # i
+    x: float  # m, from centre to centre
+    y: float
+    overlap: float  # m, of the undeformed circles
+    sign: float  # of the normal, outward of side 0: 1, of a bore −1
+    c: float  # cosine and sine of the turn of side 0
+    s: float
+    away_x: float  # m, rigid motion that is in the displacement of side 0
+    away_y: float
+
+
+@verb
+def meet(pair, j, rollers):
+    """How roller j meets its partner in a pair."""
+
+
+@meet.of(Raceway)
+def _meet_raceway(raceway, j, rollers):
+    x, y = rollers.centre[0, j] - raceway.centre[0], rollers.centre[1, j] - raceway.centre[1]
+    distance = sqrt(x * x + y * y)
+    overlap = raceway.radius + rollers.radius - distance
+    if raceway.sign < 0.0:
+        overlap = distance + rollers.radius - raceway.radius
+    away = raceway.counted_from
+    return Meeting(j, j, x, y, overlap, raceway.sign, raceway.frame[1], raceway.frame[2], away[0], away[1])
+
+
+@meet.of(Neighbours)
+def _meet_neighbours(pair, j, rollers):
+    i, centre = next_roller(j, rollers.n), rollers.centre
+    x, y = centre[0, i] - centre[0, j], centre[1, i] - centre[1, j]
+    overlap = 2.0 * rollers.radius - sqrt(x * x + y * y)
+    return Meeting(j, i, x, y, overlap, 1.0, rollers.cosine[j], rollers.sine[j], 0.0, 0.0)
+
+
+@part
+def press_points(pair, rollers, disc, contacts, drive):
+    """Normal forces of a pair's contacts at the present positions, and their impulses in a step.
 
     A contact wider than the points given to it makes its force not a number, which stops the run; a single point stands
     for any width.
     """
-    centre, n, radius = rollers.centre, rollers.n, rollers.radius
-    hub_x, hub_y = drive.hub[0], drive.hub[1]
-    for kind in range(3):
-        for j in range(n):
-            i = j
-            if kind == INNER:
-                x, y = centre[0, j] - hub_x, centre[1, j] - hub_y
-            elif kind == OUTER:
-                x, y = centre[0, j], centre[1, j]
-            else:
-                i = j + 1 if j + 1 < n else 0
-                x, y = centre[0, i] - centre[0, j], centre[1, i] - centre[1, j]
-            distance = sqrt(x * x + y * y)
-            if kind == INNER:
-                overlap = inner.radius + radius - distance
-            elif kind == OUTER:
-                overlap = distance + radius - outer.radius
-            else:
-                overlap = 2.0 * radius - distance
-            contacts.force[kind, j] = 0.0
-            if overlap < -contacts.reach:
-                resolved.energy[kind, j] = 0.0
-                contacts.approach[kind, j], contacts.push[kind, j] = np.nan, 0.0
-                resolved.before[kind, j, 0, 0] = np.nan
-                continue
-            contacts.normal[kind, 0, j], contacts.normal[kind, 1, j] = x / distance, y / distance
-            _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distance, overlap)
+    points, forces, row = contacts.points, contacts.forces, pair.row
+    for j in range(rollers.n):
+        meeting = meet(pair, j, rollers)
+        forces.force[row, j] = 0.0
+        if meeting.overlap < -contacts.reach:
+            points.energy[row, j] = 0.0
+            forces.approach[row, j], forces.kick[row, j] = np.nan, 0.0
+            points.before[row, j, 0, 0] = np.nan
+            continue
+        distance = sqrt(meeting.x * meeting.x + meeting.y * meeting.y)
+        normal = contacts.patches.normal
+        normal[row, 0, j], normal[row, 1, j] = meeting.x / distance, meeting.y / distance
+        _press(pair, meeting, distance, rollers, disc, contacts, drive)
 
 
-@kernel
-def _press(rollers, inner, outer, contacts, drive, resolved, kind, j, i, distance, overlap):
-    """One contact: side 0 is a ring or roller j, side 1 is roller i."""
-    nx, ny = contacts.normal[kind, 0, j], contacts.normal[kind, 1, j]
-    dt, patch = drive.dt, 2 * kind
-    first = 1.0 if kind != OUTER else -1.0  # outward direction of side 0's surface is ±n
-    second = 1.0 if kind == OUTER else -1.0
-    weight = contacts.weight
-    width = N_NODES * len(contacts.stretch)
-    for k in range(width):
-        weight[patch, k, j] = 0.0
-        weight[patch + 1, k, j] = 0.0
-    if kind == INNER:
-        c0, s0, nodes0 = drive.ring[1], drive.ring[2], inner.n_sectors
-    elif kind == OUTER:
-        c0, s0, nodes0 = 1.0, 0.0, outer.n_sectors
-    else:
-        c0, s0, nodes0 = rollers.cosine[j], rollers.sine[j], rollers.n_surface
-    c1, s1 = rollers.cosine[i], rollers.sine[i]
-    contacts.outward[patch, 0, j], contacts.outward[patch, 1, j] = c0 * nx + s0 * ny, c0 * ny - s0 * nx
-    contacts.outward[patch + 1, 0, j] = second * (c1 * nx + s1 * ny)
-    contacts.outward[patch + 1, 1, j] = second * (c1 * ny - s1 * nx)
-    per_radian0, per_radian1 = nodes0 / (2.0 * np.pi), rollers.n_surface / (2.0 * np.pi)
-    at0 = place(c0 * nx + s0 * ny, c0 * ny - s0 * nx, nodes0)
-    at1 = place(second * (c1 * nx + s1 * ny), second * (c1 * ny - s1 * nx), rollers.n_surface)
-    n_points = resolved.shift.shape[2]
-    lack = resolved.lack
-    beyond = 0 if lack is None else 2  # nodes of a patch before its centre's
-    start0 = int(np.floor(at0 - abs(resolved.shift[kind, 0, 0]) * per_radian0)) - beyond
-    start1 = int(np.floor(at1 - abs(resolved.shift[kind, 1, 0]) * per_radian1)) - beyond
-    closing, force, turning = resolved.closing, resolved.force, resolved.turning
-    sagitta0, sagitta1 = resolved.sagitta[kind, 0], resolved.sagitta[kind, 1]
-    for q in range(n_points):
-        tan0, tan1 = resolved.tangent[kind, 0, q], resolved.tangent[kind, 1, q]
-        x0 = at0 + resolved.shift[kind, 0, q] * per_radian0
-        x1 = at1 + resolved.shift[kind, 1, q] * per_radian1
-        # directions of the surface normals over cos φ: ±n + tan φ t
-        m0x, m0y = first * nx - tan0 * ny, first * ny + tan0 * nx
-        m1x, m1y = second * nx - tan1 * ny, second * ny + tan1 * nx
-        f0x, f0y = c0 * m0x + s0 * m0y, c0 * m0y - s0 * m0x
-        f1x, f1y = c1 * m1x + s1 * m1y, c1 * m1y - s1 * m1x
-        point.place(x0, resolved, 0, q, lack)
-        point.place(x1, resolved, 1, q, lack)
-        if kind == INNER:
-            out0, side0, rate0 = point.read_ring(inner, x0, f0x, f0y, resolved, q, lack)
-            out0 -= drive.hub[0] * m0x + drive.hub[1] * m0y
-            side0 -= drive.hub[1] * m0x - drive.hub[0] * m0y
-        elif kind == OUTER:
-            out0, side0, rate0 = point.read_ring(outer, x0, f0x, f0y, resolved, q, lack)
-        else:
-            out0, side0, rate0 = point.read_roller(rollers, j, x0, f0x, f0y, resolved, 0, q, lack)
-        out1, side1, rate1 = point.read_roller(rollers, i, x1, f1x, f1y, resolved, 1, q, lack)
-        if sagitta1 != 0.0:
-            depth, slope = chord(x0 - np.floor(x0))
-            out0 -= sagitta0 * depth
-            rate0 -= sagitta0 * slope
-            depth, slope = chord(x1 - np.floor(x1))
-            out1 -= sagitta1 * depth
-            rate1 -= sagitta1 * slope
-        closing[q] = overlap - resolved.rise[kind, q] + out0 + out1
-        turning[0, q], turning[1, q], turning[2, q] = rate0 * per_radian0, rate1 * per_radian1, side0 + side1
-    energy = _point_forces(resolved, kind, j, lack)
-    before = resolved.before
-    correction = 0.0 if n_points == 1 else _correction(resolved, kind, j, energy)
-    total, pushed, aside, turn0, turn1 = 0.0, 0.0, 0.0, 0.0, 0.0
-    tilt0, tilt1 = 0.0, 0.0
+press_all_points = every(press_points)
+
+
+class Side(NamedTuple):
+    """One surface of a contact of points."""
+
+    number: int  # 0 or 1
+    patch: int  # where it stands in `Patches`
+    column: int  # roller; of a ring without meaning
+    sign: float  # the surface's outward direction is ±n
+    nx: float
+    ny: float
+    c: float  # cosine and sine of the body's turn
+    s: float
+    at: float  # where the line of centres meets it, in node spacings
+    start: int  # first node of the patch that holds all points
+    per_radian: float  # node spacings
+
+
+@part
+def _side(pair, meeting, number, turn, n_nodes, normal, contacts):
+    """One surface of a contact, whose patch is cleared."""
+    (nx, ny), (c, s) = normal, turn
+    patches, points = contacts.patches, contacts.points
+    patch = 2 * pair.row + number
+    j, column, sign, facing = meeting.first, meeting.second, -meeting.sign, -meeting.sign
+    if number == 0:
+        column, sign, facing = meeting.first, meeting.sign, 1.0
+    for k in range(patches.weight.shape[1]):
+        patches.weight[patch, k, j] = 0.0
+    bx, by = facing * (c * nx + s * ny), facing * (c * ny - s * nx)
+    patches.outward[patch, 0, j], patches.outward[patch, 1, j] = bx, by
+    per_radian, at = n_nodes / (2.0 * np.pi), place(bx, by, n_nodes)
+    beyond = 0 if points.spread is None else 2  # nodes of a patch before its centre's
+    start = int(np.floor(at - abs(points.shift[pair.row, number, 0]) * per_radian)) - beyond
+    return Side(number, patch, column, sign, nx, ny, c, s, at, start, per_radian)
+
+
+@part
+def _point(side, row, q, points):
+    """A point of a side: its position in node spacings, and the direction of the normal over cos φ, ±n + tan φ t.
+
+    In fixed axes and in the body's frame.
+    """
+    x, tan = side.at + points.shift[row, side.number, q] * side.per_radian, points.tangent[row, side.number, q]
+    mx, my = side.sign * side.nx - tan * side.ny, side.sign * side.ny + tan * side.nx
+    return x, (mx, my), (side.c * mx + side.s * my, side.c * my - side.s * mx)
+
+
+@part
+def _read_side(surface, side, row, q, points, away):
+    """Motion of a side's surface at a point along its normal over cos φ, across it, and the first's change per rad."""
+    x, (mx, my), (fx, fy) = _point(side, row, q, points)
+    away_x, away_y = away
+    place_point(x, points, side.number, q, points.spread)
+    at = (side.number, q, points.closing.size)
+    out, sideways, rate = read_point(surface, side.column, x, fx, fy, at, points.spread)
+    out -= away_x * mx + away_y * my
+    sideways -= away_y * mx - away_x * my
+    sagitta = points.sagitta[row, side.number]
+    if sagitta != 0.0:
+        depth, slope = chord(x - np.floor(x))
+        out -= sagitta * depth
+        rate -= sagitta * slope
+    return out, sideways, rate * side.per_radian
+
+
+@part
+def _close(row, surface, disc, side0, side1, meeting, points):
+    """What every point of a contact closes by, and how that turns with the bodies."""
+    closing, turning = points.closing, points.turning
+    for q in range(closing.size):
+        away = (meeting.away_x, meeting.away_y)
+        out0, sideways0, rate0 = _read_side(surface, side0, row, q, points, away)
+        out1, sideways1, rate1 = _read_side(disc, side1, row, q, points, (0.0, 0.0))
+        closing[q] = meeting.overlap - points.rise[row, q] + out0 + out1
+        turning[0, q], turning[1, q], turning[2, q] = rate0, rate1, sideways0 + sideways1
+
+
+@part(inlined=False)
+def _press(pair, meeting, distance, rollers, disc, contacts, drive):
+    """One contact of points: its forces, and their impulses in a step."""
+    points, forces, patches, row, j = contacts.points, contacts.forces, contacts.patches, pair.row, meeting.first
+    surface, normal = first_surface(pair, disc), (patches.normal[row, 0, j], patches.normal[row, 1, j])
+    turn1 = (rollers.cosine[meeting.second], rollers.sine[meeting.second])
+    side0 = _side(pair, meeting, 0, (meeting.c, meeting.s), surface.n_nodes, normal, contacts)
+    side1 = _side(pair, meeting, 1, turn1, disc.n_nodes, normal, contacts)
+    _close(row, surface, disc, side0, side1, meeting, points)
+    energy = _point_forces(points, row, j, points.spread)
+    given = _push_points(pair, side0, side1, disc, contacts, energy, drive.dt)
+    forces.kick[row, j] = given.normal
+    points.energy[row, j] = energy
+    if given.normal == 0.0:
+        return
+    forces.force[row, j] = given.force
+    _share(surface, patches, side0, j, given.normal)
+    _share(disc, patches, side1, j, given.normal)
+    _react(pair, meeting, given, distance, rollers, normal, drive.dt)
+
+
+class Given(NamedTuple):
+    """What a contact's points give in a kick, N and N m; moments on the frames as if undeformed."""
+
+    force: float  # sum of the points' own forces
+    normal: float  # of what the kick gives, along n
+    aside: float  # times what turns the line of centres, N m
+    tilt0: float  # along t, on side 0 and 1
+    tilt1: float
+    turn0: float
+    turn1: float
+
+
+@part
+def _push_points(pair, side0, side1, disc, contacts, energy, dt):
+    """Give the surfaces of a contact the impulses of its points."""
+    points, forces, patches, row, j = contacts.points, contacts.forces, contacts.patches, pair.row, side0.column
+    surface, spread, before, n_points = first_surface(pair, disc), points.spread, points.before, points.closing.size
+    single = n_points == 1
+    closing, force, turning = points.closing, points.force, points.turning
+    correction = 0.0 if single else _correction(points, row, j, energy)
+    total, pushed, aside, turn0, turn1, tilt0, tilt1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for q in range(n_points):
         p = force[q]
         total += p
-        if n_points == 1:
-            p = _spring_kick(contacts.approach[kind, j], closing[q], resolved.stiffness[kind])
-            contacts.approach[kind, j] = closing[q]
+        if single:
+            p = _spring_kick(forces.approach[row, j], closing[q], points.stiffness[row])
+            forces.approach[row, j] = closing[q]
         else:
             extra = 0.0
             if correction != 0.0:
-                extra = correction * (closing[q] - before[kind, j, 0, q])
+                extra = correction * (closing[q] - before[row, j, 0, q])
             p += extra
-            before[kind, j, 0, q], before[kind, j, 1, q], before[kind, j, 2, q] = closing[q], force[q], extra
+            before[row, j, 0, q], before[row, j, 1, q], before[row, j, 2, q] = closing[q], force[q], extra
         if p == 0.0:
             continue
-        tan0, tan1 = resolved.tangent[kind, 0, q], resolved.tangent[kind, 1, q]
-        x0 = at0 + resolved.shift[kind, 0, q] * per_radian0
-        x1 = at1 + resolved.shift[kind, 1, q] * per_radian1
+        x0, _, m0 = _point(side0, row, q, points)
+        x1, _, m1 = _point(side1, row, q, points)
         rate0, rate1 = turning[0, q], turning[1, q]
         pushed += p
         aside += p * (rate0 + rate1 + turning[2, q])
-        if n_points == 1:  # what two nodes' shares turn a body by averages out over many points
-            rate0 += _lever(x0, nodes0, inner.radius if kind == INNER else rollers.radius)
-            rate1 += _lever(x1, rollers.n_surface, rollers.radius)
+        if single:  # what two nodes' shares turn a body by averages out over many points
+            rate0 += _lever(x0, surface.n_nodes, surface.radius)
+            rate1 += _lever(x1, disc.n_nodes, disc.radius)
         turn0 += p * rate0
         turn1 += p * rate1
-        tilt0 += p * tan0
-        tilt1 += p * tan1
-        point.gather(weight, patch, j, x0, start0, p, width, resolved, 0, q, lack)
-        point.gather(weight, patch + 1, j, x1, start1, p, width, resolved, 1, q, lack)
-        if n_points == 1:  # `push_contacts` does it, once the slips before this kick are known
-            continue
-        m0x, m0y = first * nx - tan0 * ny, first * ny + tan0 * nx
-        m1x, m1y = second * nx - tan1 * ny, second * ny + tan1 * nx
-        f0x, f0y = c0 * m0x + s0 * m0y, c0 * m0y - s0 * m0x
-        f1x, f1y = c1 * m1x + s1 * m1y, c1 * m1y - s1 * m1x
-        push = p * dt
-        if kind == INNER:
-            drive.ring[4] += point.push_ring(inner, x0, f0x, f0y, -push, resolved, q, lack)
-        elif kind == OUTER:
-            point.push_ring(outer, x0, f0x, f0y, -push, resolved, q, lack)
-        else:
-            point.push_roller(rollers, j, x0, f0x, f0y, -push, resolved, 0, q, lack)
-        point.push_roller(rollers, i, x1, f1x, f1y, -push, resolved, 1, q, lack)
-    contacts.push[kind, j] = pushed
-    resolved.energy[kind, j] = energy
-    if pushed == 0.0:
-        return
-    contacts.force[kind, j] = total
-    _share(contacts, patch, j, start0, nodes0, pushed, width)
-    _share(contacts, patch + 1, j, start1, rollers.n_surface, pushed, width)
-    if kind != ROLLER:
-        bx, by = c0 * nx + s0 * ny, c0 * ny - s0 * nx
-        cosines, sines = (inner.cosines, inner.sines) if kind == INNER else (outer.cosines, outer.sines)
-        for k in range(width):
-            at = HALO + (start0 + k) % nodes0
-            contacts.along[patch, k, j] = weight[patch, k, j] * (bx * cosines[at] + by * sines[at])
-            contacts.across[patch, k, j] = weight[patch, k, j] * (by * cosines[at] - bx * sines[at])
-
-    impulse, tilt = rollers.impulse, rollers.tilt
-    turned = aside / distance
-    impulse[0, i] -= dt * (pushed * second * nx - tilt1 * ny)
-    impulse[1, i] -= dt * (pushed * second * ny + tilt1 * nx)
-    on_second = dt * (tilt1 - turned)  # along t
-    tilt[0, i] -= on_second * ny
-    tilt[1, i] += on_second * nx
-    rollers.turn_kick[i] += dt * turn1 / rollers.inertia
-    on_first = dt * (tilt0 + turned)
-    if kind == INNER:
-        drive.impulse[0] -= on_first * ny
-        drive.impulse[1] += on_first * nx
-        drive.ring[3] -= turn0
-    elif kind == ROLLER:
-        impulse[0, j] -= dt * (pushed * first * nx - tilt0 * ny)
-        impulse[1, j] -= dt * (pushed * first * ny + tilt0 * nx)
-        tilt[0, j] -= on_first * ny
-        tilt[1, j] += on_first * nx
-        rollers.turn_kick[j] += dt * turn0 / rollers.inertia
+        tilt0 += p * points.tangent[row, 0, q]
+        tilt1 += p * points.tangent[row, 1, q]
+        at0, at1 = (0, q, n_points), (1, q, n_points)
+        share_out(patches.weight[side0.patch, :, j], x0, side0.start, p, at0, spread)
+        share_out(patches.weight[side1.patch, :, j], x1, side1.start, p, at1, spread)
+        if not single:  # else `push_patches` does it, once the slips before this kick are known
+            _add_moment(pair, push_point(surface, side0.column, x0, m0, -(p * dt), at0, spread))
+            push_point(disc, side1.column, x1, m1, -(p * dt), at1, spread)
+    return Given(total, pushed, aside, tilt0, tilt1, turn0, turn1)
 
 
-@kernel
-def _point_forces(resolved, kind, j, lack):
+@verb
+def _add_moment(pair, moment):
+    """Moment about the origin on a ring's nodes, N m s."""
+
+
+@_add_moment.of(Raceway)
+def _moment_on_raceway(raceway, moment):
+    raceway.moment[1] += moment
+
+
+@verb
+def _react(pair, meeting, given, distance, rollers, normal, dt):
+    """Impulses of a contact's points in a step on whole bodies, beside those of their nodes."""
+
+
+@_react.of(Raceway)
+def _react_on_raceway(raceway, meeting, given, distance, rollers, normal, dt):
+    turned = given.aside / distance
+    _push_roller(rollers, meeting.second, -meeting.sign, given.normal, given.tilt1, -turned, normal, dt)
+    rollers.turn_kick[meeting.second] += dt * given.turn1 / rollers.inertia
+    on_ring = dt * (given.tilt0 + turned)  # along t
+    raceway.impulse[0] -= on_ring * normal[1]
+    raceway.impulse[1] += on_ring * normal[0]
+    raceway.moment[0] -= given.turn0
+
+
+@_react.of(Neighbours)
+def _react_on_neighbours(pair, meeting, given, distance, rollers, normal, dt):
+    turned = given.aside / distance
+    _push_roller(rollers, meeting.second, -1.0, given.normal, given.tilt1, -turned, normal, dt)
+    rollers.turn_kick[meeting.second] += dt * given.turn1 / rollers.inertia
+    _push_roller(rollers, meeting.first, 1.0, given.normal, given.tilt0, turned, normal, dt)
+    rollers.turn_kick[meeting.first] += dt * given.turn0 / rollers.inertia
+
+
+@part
+def _push_roller(rollers, i, sign, pushed, tilt, turned, normal, dt):
+    """Impulses on roller i as a whole; the points push along ±n and `tilt`, N, along t, `turned`, N, is the line's."""
+    (nx, ny), impulse, body_impulse = normal, rollers.node_impulse, rollers.body_impulse
+    impulse[0, i] -= dt * (pushed * sign * nx - tilt * ny)
+    impulse[1, i] -= dt * (pushed * sign * ny + tilt * nx)
+    aside = dt * (tilt + turned)  # along t
+    body_impulse[0, i] -= aside * ny
+    body_impulse[1, i] += aside * nx
+
+
+@part(inlined=False)
+def _point_forces(points, row, j, spread):
     """Forces of a contact's points from what they close by; returns the energy stored in them, J.
 
     Not a number where the outermost points are closed: the contact is wider than them.
     """
-    closing, force = resolved.closing, resolved.force
+    closing, force = points.closing, points.force
     n = closing.size
-    if lack is not None:
-        return spread_forces(resolved, kind, j)
+    if spread is not None:
+        return spread_forces(points, spread, row, j)
     energy = 0.0
     for q in range(n):
-        force[q] = resolved.stiffness[kind] * max(closing[q], 0.0)
+        force[q] = points.stiffness[row] * max(closing[q], 0.0)
         if n > 1 and force[q] > 0.0 and (q == 0 or q == n - 1):
             force[q] = np.nan
         energy += 0.5 * force[q] * closing[q]
     return energy
 
 
-@kernel
-def _correction(resolved, kind, j, energy):
+@part(inlined=False)
+def _correction(points, row, j, energy):
     """What a kick's forces need beside the points' own, N per m that a point has closed by since the last kick.
 
     As in `law.kick_force`: the half of a kick that looks back makes the work of the step behind the change of the
-    stored energy, and what is left is kept account of and given back in small parts. With the points' own forces the
+    stored energy, and the residual energy is recorded and repaid in small parts. With the points' own forces the
     work is that but where points have opened or closed.
     """
-    closing, force, before = resolved.closing, resolved.force, resolved.before
-    if np.isnan(before[kind, j, 0, 0]):
+    closing, force, before = points.closing, points.force, points.before
+    if np.isnan(before[row, j, 0, 0]):
         return 0.0
-    missing, size, extra, moved, total, same = energy - resolved.energy[kind, j], 0.0, 0.0, 0.0, 0.0, True
+    missing, size, extra, moved, total, same = energy - points.energy[row, j], 0.0, 0.0, 0.0, 0.0, True
     for q in range(closing.size):
-        step, last = closing[q] - before[kind, j, 0, q], before[kind, j, 1, q]
+        step, last = closing[q] - before[row, j, 0, q], before[row, j, 1, q]
         missing -= 0.5 * step * (force[q] + last)
-        extra += 0.5 * step * before[kind, j, 2, q]
+        extra += 0.5 * step * before[row, j, 2, q]
         size += step * step
         moved += abs(step)
         total += force[q]
@@ -253,14 +336,14 @@ def _correction(resolved, kind, j, energy):
     if not size > 0.0 or np.isnan(missing):
         return 0.0
     missing = 0.0 if same else missing
-    debt = resolved.owed[kind, j] - extra
+    due = points.residual[row, j] - extra
     most = MOST_REPAID * total / moved
-    found = missing / size + max(min(REPAID * debt / size, most), -most)
-    resolved.owed[kind, j] = debt + missing - 0.5 * found * size
+    found = missing / size + max(min(REPAID * due / size, most), -most)
+    points.residual[row, j] = due + missing - 0.5 * found * size
     return found
 
 
-@kernel(forceinline=True)
+@part
 def _spring_kick(before, now, stiffness):
     """Force of a linear spring that a leapfrog kick gives, N: `law.kick_force`, as rattling contacts need it.
 
@@ -274,15 +357,36 @@ def _spring_kick(before, now, stiffness):
     return 0.5 * (Q - Q_before) + stored / (now - before)
 
 
-@kernel(forceinline=True)
+@part
 def _lever(x, n_nodes, radius):
     """Moment about the centre of a unit force along a convex circle's inward radius, given by two nodes' shares, m."""
     spacing, t = 2.0 * np.pi / n_nodes, x - np.floor(x)
     return radius * ((1.0 - t) * np.sin(t * spacing) - t * np.sin((1.0 - t) * spacing))
 
 
-@kernel(forceinline=True)
-def _share(contacts, patch, j, start, n_nodes, total, width):
-    contacts.start[patch, j] = start % n_nodes
-    for k in range(width):
-        contacts.weight[patch, k, j] /= total
+@verb
+def _share(surface, patches, side, j, total):
+    """Shares of a patch's nodes in a contact's force, for friction; of a ring by its nodes' directions too."""
+
+
+@part
+def _share_nodes(patches, side, j, n_nodes, total):
+    patches.start[side.patch, j] = side.start % n_nodes
+    for k in range(patches.weight.shape[1]):
+        patches.weight[side.patch, k, j] /= total
+
+
+@_share.of(DiscSurface)
+def _share_disc(disc, patches, side, j, total):
+    _share_nodes(patches, side, j, disc.n_nodes, total)
+
+
+@_share.of(RingSurface)
+def _share_ring(ring, patches, side, j, total):
+    _share_nodes(patches, side, j, ring.n_nodes, total)
+    bx, by, weight = patches.outward[side.patch, 0, j], patches.outward[side.patch, 1, j], patches.weight
+    for k in range(weight.shape[1]):
+        at = HALO + (side.start + k) % ring.n_nodes
+        c, s = ring.cosines[at], ring.sines[at]
+        patches.along[side.patch, k, j] = weight[side.patch, k, j] * (bx * c + by * s)
+        patches.across[side.patch, k, j] = weight[side.patch, k, j] * (by * c - bx * s)

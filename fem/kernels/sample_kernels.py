@@ -6,10 +6,11 @@ Off the hot path: once in a stride of steps.
 from math import cos, sin
 
 from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.jit import kernel
+from fem.kernels.drive_kernels import radial_load_at
+from fem.kernels.jit import every, part
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.law import contact_energy
-from fem.kernels.rigid_kernels import turning_energy
+from fem.kernels.rigid_surfaces import turning_energy
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH, load, splat
 from fem.kernels.simd import total as lane_total
@@ -45,50 +46,53 @@ BLOCKS = (
 )
 
 
-@kernel
-def remember(rollers, inner, outer, drive, scratch):
+@part(inlined=False)
+def remember(bodies, drive, scratch):
     """Keep the velocities before a kick: a sample needs those of both half steps."""
-    for i in range(rollers.w.size):
-        scratch.rollers_w[i] = rollers.w[i]
+    rollers, w = bodies.rollers, bodies.disc.w
+    for i in range(w.size):
+        scratch.rollers_w[i] = w[i]
     for component in range(2):
         scratch.hub_velocity[component] = drive.velocity[component]
         for j in range(rollers.n):
             scratch.rollers_velocity[component, j] = rollers.velocity[component, j]
-    _copy(inner.w, scratch.inner_w)
-    _copy(outer.w, scratch.outer_w)
+    _copy(bodies.inner.w, scratch.inner_w)
+    _copy(bodies.outer.w, scratch.outer_w)
 
 
-@kernel
+@part(inlined=False)
 def _copy(source, target):
-    """An assignment of slices would allocate, lest they overlap."""
+    """An assignment of slices would allocate, because they might overlap."""
     for row in range(source.shape[0]):
         for component in range(2):
             for k in range(source.shape[2]):
                 target[row, component, k] = source[row, component, k]
 
 
-@kernel
-def write_sample(rollers, inner, outer, contacts, drive, scratch, out, time, load, moment):
+@part(inlined=False)
+def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     """Everything a sample stores, at the instant of the kick just made.
 
     Of the kick's works that part belongs to it which the forces did with the velocities before: leapfrog's energy
-    changes by ½ dt v·(F + F') from one instant to the next. `load`, N, and `moment`, N m s, are the kick's.
+    changes by ½ dt v·(F + F') from one instant to the next. `moment`, N m s, is the kick's.
     """
-    before, after, dt = scratch.hub_velocity, drive.velocity, drive.dt
+    before, after, dt, rollers = scratch.hub_velocity, drive.velocity, drive.dt, bodies.rollers
+    forces, friction = contacts.forces, contacts.friction
     out[TIME] = time
     out[HUB_X], out[HUB_Y] = drive.hub[0], drive.hub[1]
     out[HUB_VX], out[HUB_VY] = 0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])
     out[HUB_AX], out[HUB_AY] = (after[0] - before[0]) / dt, (after[1] - before[1]) / dt
-    out[KINETIC] = kinetic_energy(rollers, inner, outer, drive, scratch)
-    out[WORK_DRIVE] = _drive_work(inner, drive, scratch, time, moment)
-    out[ELASTIC] = elastic_energy(rollers, inner, outer, drive, scratch)  # after what needs the velocities before
-    out[CONTACT] = contacts_energy(contacts, rollers.n, contacts.resolved)
-    out[WORK_LOAD] = drive.sums[0] - 0.5 * load * dt * before[1]
-    out[WORK_GRAVITY] = -drive.gravity * weighted_height(rollers, inner, outer, drive)
+    out[KINETIC] = kinetic_energy(bodies, drive, scratch)
+    out[WORK_DRIVE] = _drive_work(bodies.inner, drive, scratch, time, moment)
+    out[ELASTIC] = elastic_energy(bodies, drive, scratch)  # after what needs the velocities before
+    out[CONTACT] = 0.0
+    add_contact_energy(groups, contacts, rollers.n, contacts.points, out)
+    out[WORK_LOAD] = drive.sums[0] - 0.5 * radial_load_at(drive, time) * dt * before[1]
+    out[WORK_GRAVITY] = -drive.gravity * weighted_height(bodies, drive)
     rubbed = 0.0
-    for kind in range(3):
+    for row in range(friction.traction.shape[0]):
         for j in range(rollers.n):
-            rubbed -= contacts.traction[kind, j] * contacts.slip[kind, j]
+            rubbed -= friction.traction[row, j] * friction.slip[row, j]
     out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed
     n = rollers.n
     for j in range(n):
@@ -97,13 +101,13 @@ def write_sample(rollers, inner, outer, contacts, drive, scratch, out, time, loa
         out[at + n] = rollers.centre[1, j]
         out[at + 2 * n] = rollers.turn[j] + rollers.lead[j]
         out[at + 3 * n] = rollers.spin[j]
-        for kind in range(3):
-            out[at + (4 + kind) * n] = contacts.force[kind, j]
-        for kind in range(2):
-            out[at + (7 + kind) * n] = contacts.traction[kind, j]
+        for row in range(3):
+            out[at + (4 + row) * n] = forces.force[row, j]
+        for row in range(2):
+            out[at + (7 + row) * n] = friction.traction[row, j]
 
 
-@kernel
+@part(inlined=False)
 def _drive_work(inner, drive, scratch, time, moment):
     """Work of what keeps the shaft's speed, J, up to a constant: speed times the moment on ring and hub it must give.
 
@@ -121,42 +125,42 @@ def _drive_work(inner, drive, scratch, time, moment):
             part += x * (scratch.inner_w[row, 1, k] + inner.w[row, 1, k])
             part -= y * (scratch.inner_w[row, 0, k] + inner.w[row, 0, k])
         angular += inner.row_mass[row] * part
-    weight = -drive.gravity * (drive.mass * drive.hub[0] + _ring_place(inner, drive.ring[1], drive.ring[2])[0])
+    weight = -drive.gravity * (drive.mass * drive.hub[0] + _ring_place(inner, drive.frame[1], drive.frame[2])[0])
     drive.sums[3] += 0.5 * (weight + drive.sums[4]) * (time - drive.sums[5])
     drive.sums[4], drive.sums[5] = weight, time
     given = 0.5 * angular - drive.sums[1] - 0.5 * moment - drive.sums[3]
     return sin(drive.speed * drive.dt) / drive.dt * given
 
 
-@kernel
-def kinetic_energy(rollers, inner, outer, drive, scratch):
+@part(inlined=False)
+def kinetic_energy(bodies, drive, scratch):
     """½ v(t − dt/2)·M·v(t + dt/2): with ½ uᵀKu the energy leapfrog conserves exactly.
 
     Less ½ (1 − cos ω dt) Σ m X·a of the bodies that turn: their forces turn with them within a step.
     """
+    rollers, disc, inner = bodies.rollers, bodies.disc, bodies.inner
     total, dt = 0.0, drive.dt
     columns, n = rollers.columns, rollers.n
     for j in range(0, n, WIDTH):
         cosine, _ = cosine_and_sine(load(rollers.spin, j) * dt)
         turned, kick = (1.0 - cosine) * (1.0 / dt), load(rollers.turn_kick, j)
         part = splat(0.0)
-        for i in range(rollers.mass.size):
+        for i in range(disc.mass.size):
             at = 2 * i * columns + j
-            x, y, mass = rollers.points[2 * i], rollers.points[2 * i + 1], rollers.mass[i]
+            x, y, mass = disc.points[2 * i], disc.points[2 * i + 1], disc.mass[i]
             bx, by = load(scratch.rollers_w, at), load(scratch.rollers_w, at + columns)
-            ax, ay = load(rollers.w, at), load(rollers.w, at + columns)
+            ax, ay = load(disc.w, at), load(disc.w, at + columns)
             outward = x * (ax - bx) + y * (ay - by)
             around = x * by - y * bx  # what turning as a whole will still add to the velocities after
             part += mass * (bx * ax + by * ay - turned * outward + kick * around)
         total += lane_total(part)
-    if len(rollers.rigid) > 0:
-        total += turning_energy(rollers)
+    total += turning_energy(bodies.surface, rollers)
     for j in range(n):
         for component in range(2):
             before = scratch.rollers_velocity[component, j]
-            after = rollers.velocity[component, j] + rollers.impulse[component, j] / rollers.total_mass
+            after = rollers.velocity[component, j] + rollers.node_impulse[component, j] / rollers.total_mass
             total += rollers.total_mass * before * after
-    total += _ring_kinetic(inner, scratch.inner_w) + _ring_kinetic(outer, scratch.outer_w)
+    total += _ring_kinetic(inner, scratch.inner_w) + _ring_kinetic(bodies.outer, scratch.outer_w)
     outward = 0.0
     for row in range(inner.first_row, inner.last_row):
         for k in range(HALO, HALO + inner.n_sectors):
@@ -170,7 +174,7 @@ def kinetic_energy(rollers, inner, outer, drive, scratch):
     return 0.5 * total
 
 
-@kernel
+@part(inlined=False)
 def _ring_kinetic(ring, before):
     total = 0.0
     for row in range(ring.first_row, ring.last_row):
@@ -182,39 +186,29 @@ def _ring_kinetic(ring, before):
     return total
 
 
-@kernel
-def elastic_energy(rollers, inner, outer, drive, scratch):
+@part(inlined=False)
+def elastic_energy(bodies, drive, scratch):
     """Energy ½ uᵀKu of all bodies, J. The copies of velocities in `scratch` are overwritten."""
-    total = 0.0
-    dt = drive.dt
-    columns, n = rollers.columns, rollers.n
+    disc, inner, outer = bodies.disc, bodies.inner, bodies.outer
+    total, dt, columns = 0.0, drive.dt, bodies.rollers.columns
     scratch.rollers_w[:] = 0.0
     disc_kernels.kick(
-        rollers.starts,
-        rollers.neighbours,
-        rollers.blocks,
-        rollers.mass,
-        rollers.u,
-        scratch.rollers_w,
-        columns,
-        scratch.torque,
-        0,
-        rollers.mass.size,
-        0,
-    )
-    for j in range(0, n, WIDTH):
+        disc.starts, disc.neighbours, disc.blocks, disc.mass, disc.u, scratch.rollers_w, columns, scratch.torque,
+        0, disc.mass.size, 0,
+    )  # fmt: skip
+    for j in range(0, bodies.rollers.n, WIDTH):
         part = splat(0.0)
-        for i in range(rollers.mass.size):
-            at, mass = 2 * i * columns + j, rollers.mass[i] / dt
-            part += mass * (load(rollers.u, at) * load(scratch.rollers_w, at))
-            part += mass * (load(rollers.u, at + columns) * load(scratch.rollers_w, at + columns))
+        for i in range(disc.mass.size):
+            at, mass = 2 * i * columns + j, disc.mass[i] / dt
+            part += mass * (load(disc.u, at) * load(scratch.rollers_w, at))
+            part += mass * (load(disc.u, at + columns) * load(scratch.rollers_w, at + columns))
         total -= lane_total(part)
     total += _ring_elastic(inner, scratch.inner_w, 0, inner.radii.size, dt)
     total += _ring_elastic(outer, scratch.outer_w, outer.first_row, outer.last_row, dt)
     return 0.5 * total
 
 
-@kernel
+@part(inlined=False)
 def _ring_elastic(ring, room, first_row, last_row, dt):
     """uᵀKu, J; rows without stiffness of their own may be left out."""
     room[:] = 0.0
@@ -229,30 +223,35 @@ def _ring_elastic(ring, room, first_row, last_row, dt):
     return total
 
 
-@kernel
-def contacts_energy(contacts, n, resolved):
-    """Energy below the grid, or in the layers, of all contacts, J; the ripples' share is ½·ripple·Q²."""
-    total = 0.0
-    for kind in range(3):
-        for j in range(n):
-            Q = contacts.force[kind, j]
-            if resolved is not None:
-                total += resolved.energy[kind, j]
-            elif Q > 0.0:
-                total += contact_energy(Q, contacts.A[kind], contacts.bracket[kind, j], contacts.Q_line[kind])
-    return total
+@part
+def _add_energy(pair, contacts, n, points, out):
+    """Add the energy below the grid, or in the layers, of a pair's contacts; the ripples' share is ½·ripple·Q²."""
+    forces, law = contacts.forces, pair.law
+    for j in range(n):
+        Q = forces.force[pair.row, j]
+        if points is not None:
+            out[CONTACT] += points.energy[pair.row, j]
+        elif Q > 0.0:
+            out[CONTACT] += contact_energy(Q, law.A, forces.bracket[pair.row, j], law.Q_line)
 
 
-@kernel
-def weighted_height(rollers, inner, outer, drive):
+add_contact_energy = every(_add_energy)
+
+
+@part(inlined=False)
+def weighted_height(bodies, drive):
     """Σ m y of all that moves, kg m."""
-    total = drive.mass * drive.hub[1]
+    total, rollers = drive.mass * drive.hub[1], bodies.rollers
     for j in range(rollers.n):
         total += rollers.total_mass * rollers.centre[1, j]
-    return total + _ring_place(inner, drive.ring[1], drive.ring[2])[1] + _ring_place(outer, 1.0, 0.0)[1]
+    return (
+        total
+        + _ring_place(bodies.inner, drive.frame[1], drive.frame[2])[1]
+        + _ring_place(bodies.outer, 1.0, 0.0)[1]
+    )
 
 
-@kernel
+@part(inlined=False)
 def _ring_place(ring, c, s):
     """Σ m x and Σ m y of the free nodes, kg m; c, s of the ring's turn."""
     total_x, total_y = 0.0, 0.0

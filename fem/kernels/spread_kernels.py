@@ -6,22 +6,22 @@ inverse for n neighbouring points in contact is known beforehand for every n.
 
 import numpy as np
 
-from fem.kernels.jit import kernel
+from fem.kernels.jit import part
 
 MAX_SWEEPS = 1000
 SWEPT = 1e-10  # of the largest force: what a sweep may still change
 
 
-@kernel
-def spread_forces(resolved, kind, j):
-    """Fill `resolved.force`; returns the energy stored below the grid, ½ qᵀG q, J.
+@part(inlined=False)
+def spread_forces(points, spread, row, j):
+    """Fill `points.force` for contact j of a pair; returns the energy stored below the grid, ½ qᵀG q, J.
 
     Points in contact are neighbours but for moments when a wave on the surface parts them; those are solved for by
     sweeps. Not a number where the outermost points are closed: the contact is wider than them.
     """
-    closing, force, closed = resolved.closing, resolved.force, resolved.closed
+    closing, force, closed = points.closing, points.force, spread.closed
     n = closing.size
-    first, end = closed[kind, j, 0], closed[kind, j, 1]
+    first, end = closed[row, j, 0], closed[row, j, 1]
     for q in range(n):
         force[q] = 0.0
     if first >= end:
@@ -34,16 +34,16 @@ def spread_forces(resolved, kind, j):
     for _ in range(2 * n):
         if first == end:
             break
-        _solve(resolved, kind, first, end)
+        _solve(points, spread, row, first, end)
         if force[first] < 0.0:
             force[first] = 0.0
             first += 1
         elif force[end - 1] < 0.0:
             force[end - 1] = 0.0
             end -= 1
-        elif first > 0 and _left(resolved, kind, first - 1, first, end) > 0.0:
+        elif first > 0 and _left(points, spread, row, first - 1, first, end) > 0.0:
             first -= 1
-        elif end < n and _left(resolved, kind, end, first, end) > 0.0:
+        elif end < n and _left(points, spread, row, end, first, end) > 0.0:
             end += 1
         else:
             found = True
@@ -52,8 +52,8 @@ def spread_forces(resolved, kind, j):
     for q in range(first, end):
         pulled |= force[q] < 0.0
     if first < end and (pulled or not found):
-        first, end = _sweep(resolved, kind)
-    closed[kind, j, 0], closed[kind, j, 1] = first, end
+        first, end = _sweep(points, spread, row)
+    closed[row, j, 0], closed[row, j, 1] = first, end
     if end > first and (first == 0 or end == n):
         force[first] = np.nan
     energy = 0.0
@@ -62,38 +62,38 @@ def spread_forces(resolved, kind, j):
     return energy
 
 
-@kernel(forceinline=True)
-def _solve(resolved, kind, first, end):
+@part
+def _solve(points, spread, row, first, end):
     """Forces of neighbouring points that are all in contact."""
     m = end - first
     at = (m - 1) * m * (2 * m - 1) // 6  # matrices of 1, 2 ... m - 1 rows come before
     for q in range(m):
         total = 0.0
         for k in range(m):
-            total += resolved.inverse[kind, at + q * m + k] * resolved.closing[first + k]
-        resolved.force[first + q] = total
+            total += spread.inverse[row, at + q * m + k] * points.closing[first + k]
+        points.force[first + q] = total
 
 
-@kernel(forceinline=True)
-def _left(resolved, kind, q, first, end):
+@part
+def _left(points, spread, row, q, first, end):
     """What a point closes by beyond its neighbours' forces in [first, end)."""
-    left = resolved.closing[q]
+    left = points.closing[q]
     for k in range(first, end):
-        left -= resolved.lack[kind, abs(q - k)] * resolved.force[k]
+        left -= spread.missing[row, abs(q - k)] * points.force[k]
     return left
 
 
-@kernel
-def _sweep(resolved, kind):
+@part(inlined=False)
+def _sweep(points, spread, row):
     """Gauss and Seidel's method with q >= 0; returns the range of the points in contact."""
-    force, n = resolved.force, resolved.closing.size
+    force, n = points.force, points.closing.size
     for q in range(n):
         force[q] = max(force[q], 0.0)
-    own = resolved.lack[kind, 0]
+    own = spread.missing[row, 0]
     for _ in range(MAX_SWEEPS):
         changed, largest = 0.0, 0.0
         for q in range(n):
-            new = max(force[q] + _left(resolved, kind, q, 0, n) / own, 0.0)
+            new = max(force[q] + _left(points, spread, row, q, 0, n) / own, 0.0)
             changed, largest = max(changed, abs(new - force[q])), max(largest, new)
             force[q] = new
         if changed <= SWEPT * largest:

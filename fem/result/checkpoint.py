@@ -7,7 +7,6 @@ Plain arrays and a line of JSON; nothing in it is ever executed.
 import json
 import os
 import zipfile
-from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -19,13 +18,11 @@ from fem.kernels.jit import cache_folder
 from fem.result.durable import move_into_place, real_path
 from fem.result.layout import VARIABLES
 from fem.result.store import Stored, program_version
-from fem.solver.arrays import Arrays
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import Plan, RunState
 from lagrange.scene import Scene, SceneError, parse_scene_text
 
-FORMAT = 3
-GROUPS = ("rollers", "inner", "outer", "contacts", "drive")
+FORMAT = 4
 LONGEST_META = 2**20  # bytes
 
 
@@ -80,21 +77,7 @@ def save_checkpoint(result: Path, plan: Plan, state: RunState, stored: Stored) -
 
 def _arrays(state: RunState) -> dict[str, np.ndarray]:
     """Every array of a state by its name in the file."""
-    arrays = {
-        f"{group}.{name}": value
-        for group, entries in _groups(state.arrays).items()
-        for name, value in entries._asdict().items()
-        if isinstance(value, np.ndarray)
-    }
-    return arrays | {f"reader.{name}": value for name, value in state.reader.carried().items()}
-
-
-def _groups(arrays: Arrays) -> dict[str, tuple]:
-    """The named tuples that hold a state."""
-    groups = {group: getattr(arrays, group) for group in GROUPS}
-    if arrays.contacts.resolved is not None:
-        groups["resolved"] = arrays.contacts.resolved
-    return groups
+    return state.arrays.named() | {f"reader.{name}": value for name, value in state.reader.carried().items()}
 
 
 def _versions() -> dict[str, str]:
@@ -135,21 +118,11 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
             f"numerics.duration_ms = {plan.scene.numerics.duration_ms:g}: the run has reached "
             f"{1e3 * (stored.samples - 1) * plan.interval:.6g} ms already; --resume takes at least that"
         )
-    state.arrays = _with(state.arrays, loaded)
+    for name, own in state.arrays.named().items():
+        own[...] = loaded[name]
     state.reader.carry_on({name: loaded[f"reader.{name}"] for name in state.reader.carried()})
     state.done = stored.samples
     return state, stored
-
-
-def _with(arrays: Arrays, loaded: dict[str, np.ndarray]) -> Arrays:
-    """The arrays of a checkpoint in the place of others, which stay as they are: some are the model's own."""
-    groups = {}
-    for group, own in _groups(arrays).items():
-        fields = {name: loaded[f"{group}.{name}"] for name in own._fields if f"{group}.{name}" in loaded}
-        groups[group] = own._replace(**fields)
-    if "resolved" in groups:
-        groups["contacts"] = groups["contacts"]._replace(resolved=groups.pop("resolved"))
-    return replace(arrays, **groups)
 
 
 def _read(archive: zipfile.ZipFile, name: str, dtype: np.dtype, shape: tuple | None) -> np.ndarray:

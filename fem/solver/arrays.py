@@ -9,10 +9,33 @@ from fem.elastic.model import Model
 from fem.elastic.points import points, stretch_for
 from fem.elastic.rigid import RigidRing
 from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.friction_kernels import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.patches import N_NODES, ONE
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH
-from fem.kernels.state import INNER, OUTER, ROLLER, Contacts, Drive, Ring, Rollers, Scratch
+from fem.kernels.state import (
+    INNER,
+    OUTER,
+    ROLLER,
+    Bodies,
+    Contacts,
+    Disc,
+    DiscSurface,
+    Drive,
+    Forces,
+    Friction,
+    Ground,
+    Hub,
+    Law,
+    Neighbours,
+    Patches,
+    Raceway,
+    RigidDisc,
+    Ring,
+    RingSurface,
+    Rollers,
+    Scratch,
+)
 from fem.solver.start import Start
 from lagrange import Operation, kinematics
 
@@ -25,12 +48,26 @@ NEIGHBOURLY = 3.5  # nodes; two patches so far apart share 1.5e-3 of what each h
 class Arrays:
     """All state of a run: what the kernels change in place."""
 
-    rollers: Rollers
-    inner: Ring
-    outer: Ring
+    bodies: Bodies
+    groups: tuple[tuple[Raceway | Neighbours, ...], ...]  # pairs of bodies; see `fem.kernels.jit.every`
     contacts: Contacts
     drive: Drive
     scratch: Scratch
+
+    def named(self) -> dict[str, np.ndarray]:
+        """Every array that outlives a step, by where it stands; pairs share theirs with bodies and drive."""
+        found: dict[str, np.ndarray] = {}
+        for name in ("bodies", "contacts", "drive"):
+            _collect(getattr(self, name), name, found)
+        return found
+
+
+def _collect(group: tuple, place: str, found: dict[str, np.ndarray]) -> None:
+    for name, entry in zip(group._fields, group, strict=True):
+        if isinstance(entry, np.ndarray):
+            found[f"{place}.{name}"] = entry
+        elif hasattr(entry, "_fields"):
+            _collect(entry, f"{place}.{name}", found)
 
 
 def make_arrays(
@@ -46,28 +83,36 @@ def make_arrays(
     """Positions at t = 0 and velocities at −dt/2. `ramp` in s; the largest static contact force in N."""
     inner = _ring(model.inner_ring, dt)
     outer = _ring(model.outer_ring, dt)
-    rollers = _rollers(model.roller, model.bearing.n_rollers, dt)
-    drive = _drive(model, operation, start, dt, friction, ramp)
-    contacts = _contacts(model, operation, start, largest_force, rollers.columns)
-    if not inner.rigid:
+    rollers = _rollers(model.roller, model.bearing.n_rollers)
+    disc = _disc(model.roller, dt, rollers.columns)
+    drive = _drive(model, operation, start, dt, ramp)
+    contacts = _contacts(model, operation, start, largest_force, friction, rollers.columns)
+    if not model.inner_ring.material.rigid:
         _place_inner(model.inner_ring, inner, start, operation.speed, dt)
-    if not outer.rigid:
+    if not model.outer_ring.material.rigid:
         _fill(outer.u, start.equilibrium.outer_ring)
         _fill(outer.w, start.outer_rate)
-    _place_rollers(model.roller, rollers, start, dt)
+    _place_rollers(model.roller, rollers, disc, start, dt)
+    rollers, disc, inner, outer = (_lined_up(group) for group in (rollers, disc, inner, outer))
+    surface = _disc_surface(model, rollers, disc)
     return Arrays(
-        rollers=_lined_up(rollers),
-        inner=_lined_up(inner),
-        outer=_lined_up(outer),
+        bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer),
+        groups=_groups(model, inner, outer, drive),
         contacts=_lined_up(contacts),
         drive=drive,
-        scratch=_lined_up(_scratch(rollers, inner, outer, contacts, threads)),
+        scratch=_lined_up(_scratch(rollers, disc, inner, outer, threads)),
     )
 
 
 def _lined_up(group):
     """A named tuple whose arrays begin at cache lines: eight lanes that lie across two cost two accesses."""
-    return type(group)(*(_at_line(entry) if isinstance(entry, np.ndarray) else entry for entry in group))
+    return type(group)(*(_lined_up_entry(entry) for entry in group))
+
+
+def _lined_up_entry(entry):
+    if isinstance(entry, np.ndarray):
+        return _at_line(entry)
+    return _lined_up(entry) if hasattr(entry, "_fields") else entry
 
 
 def _at_line(values: np.ndarray) -> np.ndarray:
@@ -78,22 +123,9 @@ def _at_line(values: np.ndarray) -> np.ndarray:
     return copy
 
 
-def _rollers(disc: DiscBody, n: int, dt: float) -> Rollers:
-    starts, neighbours, blocks = disc.blocks()
-    points, mass = disc.points, disc.mass
-    if disc.material.rigid:
-        starts, points, mass = np.zeros(1, dtype=np.int64), np.zeros((0, 2)), np.zeros(0)
-    rows = np.repeat(np.arange(len(mass)), np.diff(starts))
+def _rollers(disc: DiscBody, n: int) -> Rollers:
     columns = -(-n // disc_kernels.COLUMNS) * disc_kernels.COLUMNS
     return Rollers(
-        starts=starts,
-        neighbours=neighbours,
-        blocks=np.ascontiguousarray(-dt * blocks / mass[rows][:, None, None]).ravel(),
-        points=np.ascontiguousarray(points).ravel(),
-        mass=mass.copy(),
-        lightness=1.0 / mass,
-        u=np.zeros(len(mass) * 2 * columns),
-        w=np.zeros(len(mass) * 2 * columns),
         centre=np.zeros((2, columns)),
         velocity=np.zeros((2, columns)),
         turn=np.zeros(columns),
@@ -102,23 +134,139 @@ def _rollers(disc: DiscBody, n: int, dt: float) -> Rollers:
         increment=np.zeros(columns),
         lead=np.zeros(columns),
         spin=np.zeros(columns),
-        impulse=np.zeros((2, columns)),
-        tilt=np.zeros((2, columns)),
+        node_impulse=np.zeros((2, columns)),
+        body_impulse=np.zeros((2, columns)),
         turn_kick=np.zeros(columns),
-        first_surface=disc.first_surface_node,
-        n_surface=disc.shape.surface_nodes,
         n=n,
         columns=columns,
         total_mass=disc.total_mass,
         inertia=disc.polar_inertia,
         radius=disc.shape.radius,
-        rigid=_mark(disc),
     )
 
 
-def _mark(body: DiscBody | RingBody) -> tuple[int, ...]:
-    """A body's `rigid`, see `fem.kernels.state`."""
-    return (1,) if body.material.rigid else ()
+def _disc(disc: DiscBody, dt: float, columns: int) -> Disc:
+    starts, neighbours, blocks = disc.blocks()
+    points, mass = disc.points, disc.mass
+    if disc.material.rigid:
+        starts, points, mass = np.zeros(1, dtype=np.int64), np.zeros((0, 2)), np.zeros(0)
+    rows = np.repeat(np.arange(len(mass)), np.diff(starts))
+    return Disc(
+        starts=starts,
+        neighbours=neighbours,
+        blocks=np.ascontiguousarray(-dt * blocks / mass[rows][:, None, None]).ravel(),
+        points=np.ascontiguousarray(points).ravel(),
+        mass=mass.copy(),
+        u=np.zeros(len(mass) * 2 * columns),
+        w=np.zeros(len(mass) * 2 * columns),
+    )
+
+
+def _disc_surface(model: Model, rollers: Rollers, disc: Disc) -> DiscSurface | RigidDisc:
+    """What contacts see of rollers."""
+    if model.roller.material.rigid:
+        return RigidDisc(
+            velocity=rollers.velocity,
+            spin=rollers.spin,
+            turn_kick=rollers.turn_kick,
+            columns=rollers.columns,
+            total_mass=rollers.total_mass,
+            inertia=rollers.inertia,
+            radius=rollers.radius,
+        )
+    return DiscSurface(
+        u=disc.u,
+        w=disc.w,
+        points=disc.points,
+        lightness=_at_line(1.0 / disc.mass),
+        impulse=rollers.node_impulse,
+        ripple=_ripple(model.roller_surface),
+        first=model.roller.first_surface_node,
+        n_nodes=model.roller.shape.surface_nodes,
+        columns=rollers.columns,
+        radius=rollers.radius,
+    )
+
+
+def _ripple(surface) -> np.ndarray:
+    """Of a law below the grid; nothing without one."""
+    return np.zeros(0) if surface is None else _at_line(surface.ripple)
+
+
+def _ring_surface(body: RingBody, ring: Ring, compliance) -> RingSurface:
+    """What contacts see of an elastic ring."""
+    return RingSurface(
+        u=ring.u,
+        w=ring.w,
+        cosines=ring.cosines,
+        sines=ring.sines,
+        ripple=_ripple(compliance),
+        row=ring.raceway,
+        n_nodes=ring.n_sectors,
+        node_mass=float(ring.row_mass[ring.raceway]),
+        radius=body.raceway_radius,
+    )
+
+
+def _groups(model: Model, inner: Ring, outer: Ring, drive: Drive) -> tuple:
+    """All pairs of bodies that may touch, in groups of one type."""
+    bearing, (hub, ground) = model.bearing, (model.inner_ring, model.outer_ring)
+    nowhere = np.zeros(2)
+    inner_surface = Hub(
+        place=drive.hub,
+        velocity=drive.velocity,
+        impulse=drive.impulse,
+        n_contacts=bearing.n_rollers,
+        mass=drive.mass,
+        speed=drive.speed,
+        radius=hub.raceway_radius,
+    )
+    if not hub.material.rigid:
+        inner_surface = _ring_surface(hub, inner, model.inner_surface)
+    outer_surface = Ground(radius=ground.raceway_radius)
+    if not ground.material.rigid:
+        outer_surface = _ring_surface(ground, outer, model.outer_surface)
+    orbit = ground.raceway_radius - model.roller.shape.radius
+    on_inner = Raceway(
+        row=INNER,
+        sign=1.0,
+        radius=hub.raceway_radius,
+        orbit=orbit,
+        law=_law(model, model.inner_law),
+        surface=inner_surface,
+        centre=drive.hub,
+        counted_from=nowhere if hub.material.rigid else drive.hub,
+        frame=drive.frame,
+        impulse=drive.impulse,
+        moment=drive.moment,
+    )
+    on_outer = Raceway(
+        row=OUTER,
+        sign=-1.0,
+        radius=ground.raceway_radius,
+        orbit=orbit,
+        law=_law(model, model.outer_law),
+        surface=outer_surface,
+        centre=nowhere,
+        counted_from=nowhere,
+        frame=np.array([0.0, 1.0, 0.0]),
+        impulse=np.zeros(2),  # the ground's, which nobody reads
+        moment=np.zeros(2),
+    )
+    between = Neighbours(row=ROLLER, law=_law(model, model.roller_law))
+    if type(inner_surface) is type(outer_surface):
+        return (on_inner, on_outer), (between,)
+    return (on_inner,), (on_outer,), (between,)
+
+
+def _law(model: Model, law) -> Law:
+    return Law(
+        A=0.0 if model.is_resolved else law.A,
+        B=0.0 if model.is_resolved else law.B,
+        Q_line=0.0 if model.is_resolved else law.Q_line,
+        half_width_factor=law.half_width_factor,
+        curvature=1.0 / law.relative_radius,
+    )
 
 
 def _ring(ring: RingBody, dt: float) -> Ring:
@@ -141,8 +289,6 @@ def _ring(ring: RingBody, dt: float) -> Ring:
         last_row=first + ring.n_rows - 1,
         raceway=ring.raceway_row,
         held=ring.held_row,
-        radius=ring.raceway_radius,
-        rigid=_mark(ring),
     )
 
 
@@ -161,8 +307,6 @@ def _rigid_ring(ring: RigidRing) -> Ring:
         last_row=0,
         raceway=0,
         held=0,
-        radius=ring.raceway_radius,
-        rigid=_mark(ring),
     )
 
 
@@ -190,23 +334,23 @@ def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: flo
     _fill(ring.w, velocity)
 
 
-def _place_rollers(disc: DiscBody, rollers: Rollers, start: Start, dt: float) -> None:
+def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, dt: float) -> None:
     n, spin, cage = rollers.n, start.kinematics.roller, start.kinematics.cage
     rho, angle = start.equilibrium.rho, start.angle
     rollers.centre[:, :n] = rho * np.cos(angle), rho * np.sin(angle)
-    rollers.centre[:, n:] = rollers.centre[:, :1]  # spare columns need a direction, lest there be a division by 0
+    rollers.centre[:, n:] = rollers.centre[:, :1]  # spare columns need a direction, or there would be a division by 0
     half_step = 0.5 * dt if start.steady else 0.0
     rollers.velocity[:, :n] = start.roller_velocity.T + half_step * cage**2 * rollers.centre[:, :n]
     rollers.spin[:n] = spin
     rollers.increment[:n] = spin * dt
-    if rollers.rigid:
+    if body.material.rigid:
         return
-    position = disc.points + start.equilibrium.rollers
+    position = body.points + start.equilibrium.rollers
     turned = np.stack([-position[..., 1], position[..., 0]], axis=-1)
     velocity = start.roller_rate + spin * turned + half_step * spin**2 * position
-    shape = (disc.n_nodes, 2, rollers.columns)
-    rollers.u.reshape(shape)[:, :, :n] = np.moveaxis(start.equilibrium.rollers, 0, -1)
-    rollers.w.reshape(shape)[:, :, :n] = np.moveaxis(velocity, 0, -1)
+    shape = (body.n_nodes, 2, rollers.columns)
+    disc.u.reshape(shape)[:, :, :n] = np.moveaxis(start.equilibrium.rollers, 0, -1)
+    disc.w.reshape(shape)[:, :, :n] = np.moveaxis(velocity, 0, -1)
 
 
 def _reach(model: Model, operation: Operation) -> float:
@@ -218,89 +362,92 @@ def _reach(model: Model, operation: Operation) -> float:
     return REACH * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max())
 
 
-def _contacts(model: Model, operation: Operation, start: Start, largest_force: float, columns: int) -> Contacts:
+def _contacts(
+    model: Model, operation: Operation, start: Start, largest_force: float, friction: float, columns: int
+) -> Contacts:
     n = model.bearing.n_rollers
-    laws = (model.inner_law, model.outer_law, model.roller_law)
-    force = np.zeros((3, columns))
-    force[0, :n], force[1, :n] = start.equilibrium.inner_force, start.equilibrium.outer_force
+    pairs = 3
+    force = np.zeros((pairs, columns))
+    force[INNER, :n], force[OUTER, :n] = start.equilibrium.inner_force, start.equilibrium.outer_force
     surface_nodes = (model.inner_ring.n_sectors, model.outer_ring.n_sectors, model.roller.shape.surface_nodes)
-    resolved, stretch, none = None, ONE, np.zeros(0)
+    found, units = None, ONE
     if model.is_resolved:
-        resolved = points({INNER: laws[INNER], OUTER: laws[OUTER], ROLLER: laws[ROLLER]}, largest_force, n)
-        stretch = stretch_for(resolved, surface_nodes)
-    width = N_NODES * len(stretch)
-    on_raceways, on_rollers = _crowded(model, width if model.is_resolved else NEIGHBOURLY * len(stretch))
-    below = None if model.is_resolved else model
+        found = points({INNER: model.inner_law, OUTER: model.outer_law, ROLLER: model.roller_law}, largest_force, n)
+        units = stretch_for(found, surface_nodes)
+    width = N_NODES * len(units)
     return Contacts(
-        A=np.array([law.A for law in laws]) if below else none,
-        B=np.array([law.B for law in laws]) if below else none,
-        Q_line=np.array([law.Q_line for law in laws]) if below else none,
-        reach=_reach(model, operation) + (float(np.abs(resolved.sagitta).sum(axis=1).max()) if resolved else 0.0),
-        half_width_factor=np.array([law.half_width_factor for law in laws]),
-        curvature=np.array([1.0 / law.relative_radius for law in laws]),
-        roller_ripple=below.roller_surface.ripple if below else none,
-        inner_ripple=below.inner_surface.ripple if below else none,
-        outer_ripple=below.outer_surface.ripple if below else none,
-        force=force,
-        approach=np.full((3, columns), np.nan),
-        push=np.zeros((3, columns)),
-        owed=np.zeros((3, columns)),
-        bracket=np.zeros((3, columns)),
-        traction=np.zeros((3, columns)),
-        change=np.zeros((3, columns)),
-        normal=np.zeros((3, 2, columns)),
-        slip=np.zeros((3, columns)),
-        crowded=on_raceways,
-        crowded_rollers=on_rollers,
-        stretch=stretch,
-        start=np.zeros((6, columns), dtype=np.int64),
-        weight=np.zeros((6, width, columns)),
-        outward=np.zeros((6, 2, columns)),
-        along=np.zeros((6, width, columns)),
-        across=np.zeros((6, width, columns)),
-        scale=np.zeros((6, columns)),
-        lean=np.zeros((6, columns)),
-        mobility=np.zeros((3, columns)),
-        resolved=resolved,
+        forces=Forces(
+            force=force,
+            kick=np.zeros((pairs, columns)),
+            approach=np.full((pairs, columns), np.nan),
+            residual=np.zeros((pairs, columns)),
+            bracket=np.zeros((pairs, columns)),
+        ),
+        patches=Patches(
+            normal=np.zeros((pairs, 2, columns)),
+            start=np.zeros((2 * pairs, columns), dtype=np.int64),
+            weight=np.zeros((2 * pairs, width, columns)),
+            outward=np.zeros((2 * pairs, 2, columns)),
+            along=np.zeros((2 * pairs, width, columns)),
+            across=np.zeros((2 * pairs, width, columns)),
+            scale=np.zeros((2 * pairs, columns)),
+            slope=np.zeros((2 * pairs, columns)),
+            weight_slope=np.zeros((N_NODES, WIDTH)),
+            columns=columns,
+            units=units,
+        ),
+        friction=Friction(
+            traction=np.zeros((pairs, columns)),
+            change=np.zeros((pairs, columns)),
+            slip=np.zeros((pairs, columns)),
+            slip_left=np.zeros((pairs, columns)),
+            mobility=np.zeros((pairs, columns)),
+            coefficient=float(friction),
+            overlapping=_overlapping(model, width if model.is_resolved else NEIGHBOURLY * len(units)),
+            whole=True if model.roller.material.rigid or model.inner_ring.material.rigid else None,
+        ),
+        points=found,
+        reach=_reach(model, operation) + (float(np.abs(found.sagitta).sum(axis=1).max()) if found else 0.0),
     )
 
 
-def _crowded(model: Model, width: float) -> tuple[bool, bool]:
-    """Whether patches can come within `width` nodes: on a raceway those of rollers that touch, on a roller its own."""
+def _overlapping(model: Model, width: float) -> int | None:
+    """Whether patches can come within `width` nodes, as `Friction.overlapping` says it.
+
+    On a raceway those of rollers that touch, on a roller its own.
+    """
     bearing = model.bearing
     apart = 2.0 * np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius))  # of rollers that touch
     angle = 2.0 * np.pi * width
     rings = (model.inner_ring, model.outer_ring)
-    return (
-        any(ring.n_sectors * apart < angle for ring in rings if not ring.material.rigid),
-        not model.roller.material.rigid and model.roller.shape.surface_nodes * 0.5 * (np.pi - apart) < angle,
-    )
+    if any(ring.n_sectors * apart < angle for ring in rings if not ring.material.rigid):
+        return ALWAYS
+    on_rollers = model.roller.shape.surface_nodes * 0.5 * (np.pi - apart) < angle
+    return WHERE_ROLLERS_TOUCH if on_rollers and not model.roller.material.rigid else None
 
 
-def _drive(model: Model, operation: Operation, start: Start, dt: float, friction: float, ramp: float) -> Drive:
+def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float) -> Drive:
     ring = model.inner_ring
     held = ring.total_mass if ring.material.rigid else ring.n_sectors * ring.row_mass[ring.held_row]
     return Drive(
         hub=start.equilibrium.hub.copy(),
         velocity=start.hub_velocity.copy(),
+        frame=np.array([0.0, 1.0, 0.0]),
         impulse=np.zeros(2),
-        ring=np.array([0.0, 1.0, 0.0, 0.0, 0.0]),
+        moment=np.zeros(2),
         sums=np.zeros(6),
         mass=float(operation.inner_mass - ring.total_mass + held),
         speed=float(operation.speed),
         gravity=float(operation.gravity),
-        friction=float(friction),
         dt=float(dt),
-        load=float(operation.radial_load),
+        radial_load=float(operation.radial_load),
         ramp=float(ramp),
     )
 
 
-def _scratch(rollers: Rollers, inner: Ring, outer: Ring, contacts: Contacts, threads: int) -> Scratch:
+def _scratch(rollers: Rollers, disc: Disc, inner: Ring, outer: Ring, threads: int) -> Scratch:
     columns = rollers.columns
     return Scratch(
-        slope=np.zeros((contacts.weight.shape[1], WIDTH)),
-        slip=np.zeros((3, rollers.columns)),
         bore=np.zeros((2, inner.u.shape[2])),
         line=np.zeros((2, outer.u.shape[2])),
         team=None if threads == 1 else np.zeros(threads),
@@ -309,7 +456,7 @@ def _scratch(rollers: Rollers, inner: Ring, outer: Ring, contacts: Contacts, thr
         shift=np.zeros((2, columns)),
         cosine=np.ones(columns),
         sine=np.zeros(columns),
-        rollers_w=np.zeros_like(rollers.w),
+        rollers_w=np.zeros_like(disc.w),
         rollers_velocity=np.zeros_like(rollers.velocity),
         inner_w=np.zeros_like(inner.w),
         outer_w=np.zeros_like(outer.w),

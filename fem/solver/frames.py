@@ -26,17 +26,17 @@ class Frame:
 
 def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Frame:
     """The solver's displacements just before a sample is taken."""
-    rollers, drive, ring = arrays.rollers, arrays.drive, model.inner_ring
-    turn = float(drive.ring[0])
+    rollers, disc, drive, ring = arrays.bodies.rollers, arrays.bodies.disc, arrays.drive, model.inner_ring
+    turn = float(drive.frame[0])
     outer, bodies = model.outer_ring, np.zeros((model.roller.n_nodes, 2, rollers.n))
     inner, outside = (np.zeros((body.n_rows, 2, body.n_sectors)) for body in (ring, outer))
-    if not rollers.rigid:
-        bodies = rollers.u.reshape(model.roller.n_nodes, 2, rollers.columns)[:, :, : rollers.n].copy()
-    if not arrays.inner.rigid:
+    if not model.roller.material.rigid:
+        bodies = disc.u.reshape(model.roller.n_nodes, 2, rollers.columns)[:, :, : rollers.n].copy()
+    if not ring.material.rigid:
         shift = np.broadcast_to(drive.hub, (len(ring.points), 2))
-        inner = arrays.inner.u[:, :, HALO:-HALO] - ring.polar(shift, turn)
-    if not arrays.outer.rigid:
-        outside = arrays.outer.u[:, :, HALO:-HALO].copy()
+        inner = arrays.bodies.inner.u[:, :, HALO:-HALO] - ring.polar(shift, turn)
+    if not outer.material.rigid:
+        outside = arrays.bodies.outer.u[:, :, HALO:-HALO].copy()
     return Frame(
         sample=sample,
         time=sample * interval,

@@ -150,9 +150,8 @@ def _row_width(plan: Plan) -> int:
 
 def _advance(plan: Plan, arrays: Arrays, done: int, rows: np.ndarray) -> tuple[int, int, int]:
     return time_loop.advance(
-        arrays.rollers,
-        arrays.inner,
-        arrays.outer,
+        arrays.bodies,
+        arrays.groups,
         arrays.contacts,
         arrays.drive,
         arrays.scratch,

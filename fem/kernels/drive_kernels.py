@@ -1,0 +1,46 @@
+"""The hub: its load, its kick, its motion."""
+
+from math import cos, pi, sin
+
+from fem.kernels import ring_kernels
+from fem.kernels.jit import part
+
+
+@part
+def radial_load_at(drive, time):
+    """Radial load, N, ramped up by half a cosine."""
+    if time >= drive.ramp:
+        return drive.radial_load
+    return drive.radial_load * 0.5 * (1.0 - cos(pi * time / drive.ramp))
+
+
+@part
+def kick_hub(inner, drive, radial_load, scratch):
+    """The hub's kick by contacts, the reaction of the ring's held row, load and weight.
+
+    Returns the load's work, J, and the moment about the origin of contacts and load on the hub, N m s.
+    """
+    dt, hub, velocity, impulse = drive.dt, drive.hub, drive.velocity, drive.impulse
+    ring_kernels.row_force(inner.table, inner.u, inner.held, scratch.bore)
+    x, y = ring_kernels.resultant(scratch.bore, inner.cosines, inner.sines)
+    c, s = drive.frame[1], drive.frame[2]
+    node_mass = inner.row_mass[inner.held]
+    before_y = velocity[1]
+    moment = hub[0] * (impulse[1] - radial_load * dt) - hub[1] * impulse[0]
+    velocity[0] += (node_mass * (c * x - s * y) + impulse[0]) / drive.mass
+    velocity[1] += (node_mass * (s * x + c * y) + impulse[1] - radial_load * dt) / drive.mass - drive.gravity * dt
+    return -radial_load * dt * 0.5 * (before_y + velocity[1]), moment
+
+
+@part
+def move_hub(inner, drive, step):
+    """Move the hub and turn it by `step`, rad, and the inner ring's held row with it."""
+    hub, frame = drive.hub, drive.frame
+    hub[0] += drive.dt * drive.velocity[0]
+    hub[1] += drive.dt * drive.velocity[1]
+    if drive.speed != 0.0:
+        frame[0] += step
+        frame[1], frame[2] = cos(frame[0]), sin(frame[0])
+    c, s = frame[1], frame[2]
+    x, y = c * hub[0] + s * hub[1], c * hub[1] - s * hub[0]
+    ring_kernels.set_rigid(inner.u, 2 * inner.held * inner.cosines.size, inner.cosines, inner.sines, x, y)

@@ -92,16 +92,13 @@ def every(one):
     def on_every(groups, *arguments):
         raise NotImplementedError("a part of kernels")
 
-    @overload(on_every, jit_options=INLINED)
+    @overload(on_every, jit_options=INLINED, strict=False)
     def choose(groups, *arguments):
-        if len(groups) == 0:
-            return lambda groups, *arguments: None
-
-        def code(groups, *arguments):
-            for pair in groups[0]:
-                one(pair, *arguments)
-            on_every(groups[1:], *arguments)
-
-        return code
+        # written out: a function more, or arguments packed into a tuple, would take a second to compile
+        names = ", ".join(f"a{i}" for i in range(len(arguments)))
+        loops = [f"    for pair in groups[{i}]:\n        one(pair, {names})\n" for i in range(len(groups))]
+        found = {"one": one}
+        exec(f"def code(groups, {names}):\n" + "".join(loops), found)
+        return found["code"]
 
     return on_every

@@ -1,14 +1,15 @@
-"""Shared: one short simulation of the paper's bearing on the coarse mesh; reports without figures."""
+"""What all tests share: their own cache of meshes, a short simulation on the coarse mesh, reports without figures."""
 
 import os
-import sys
+import tempfile
 from pathlib import Path
+from unittest import mock
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent.parent))  # benchmarks, tests.reference
-
 os.environ.setdefault("MPLBACKEND", "Agg")
+_CACHE = tempfile.TemporaryDirectory(prefix="test-cache-")  # a user's cache neither helps a test nor is changed by one
+mock.patch("meshes.cache.cache_folder", lambda: Path(_CACHE.name) / "meshes").start()
 
 
 @pytest.fixture(scope="session")

@@ -1,17 +1,12 @@
 """Error forces and their budget on a made-up run whose forces are known in closed form."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from synthetic_run import exact_errors, make_run, run_variables, write_result
 
 from residual.budget import near_contact_change, traction_resultant
 from residual.evaluation import evaluate
 from residual.sources import read_result
+from tests.reference.synthetic_run import exact_errors, make_run, run_variables, write_result
 
 
 @pytest.fixture(scope="module")

@@ -1,14 +1,9 @@
 """Laws fitted to a run's own forces: the right numbers, honest intervals, judged on the part held back."""
 
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from synthetic_run import make_run, run_variables, write_result
 
 from lagrange.laws import PowerLaw, roller_law
 from residual.cli import main
@@ -17,6 +12,7 @@ from residual.fitted_laws import CoupledLaw, DampedLaw, law_force, neighbours
 from residual.identification import fit_law, passage_numbers
 from residual.sources import read_result
 from residual.trajectory import InputError
+from tests.reference.synthetic_run import make_run, run_variables, write_result
 
 STIFFNESS, EXPONENT = 1.1e9, 1.09
 

@@ -1,15 +1,10 @@
 """Levels of lines, sidebands, envelope: the right newtons under the right name, and silence where nothing is known."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from synthetic_run import make_run, write_result
 
 from lagrange.kinematics import kinematics
 from lagrange.scene import Scene
@@ -20,6 +15,7 @@ from residual.lines import line_levels, named_peaks, sidebands, watched_level
 from residual.sources import read_result
 from residual.spectrum import find_peaks, kinematic_lines, power_spectrum, smooth_background
 from residual.trajectory import InputError
+from tests.reference.synthetic_run import make_run, write_result
 
 STEP = 1e-5
 BPFO, SHAFT, CAGE = 381.52, 75.0, 29.348

@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-import sys
 from pathlib import Path
 
 import h5py
@@ -11,9 +10,6 @@ import numpy as np
 import pytest
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from synthetic_run import make_run, run_variables, write_result
 
 from lagrange.scene import parse_scene
 from residual.evaluation import evaluate
@@ -24,6 +20,7 @@ from residual.quasistatic import quasi_static
 from residual.report import render_report
 from residual.sources import read_result
 from residual.tables import estimate_rows
+from tests.reference.synthetic_run import make_run, run_variables, write_result
 
 
 @pytest.fixture(scope="module")

@@ -1,20 +1,17 @@
 """Tables from elsewhere: names, units, polar positions, what is missing, uneven sampling."""
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from synthetic_run import exact_errors, make_run, write_result, write_table
 
 from lagrange.scene import SceneError, parse_scene_text
 from residual.cli import main
 from residual.evaluation import evaluate
 from residual.table_source import read_table
 from residual.trajectory import InputError
+from tests.reference.synthetic_run import exact_errors, make_run, write_result, write_table
 
 MAPPING = """[table]
 time = "t [ms]"

@@ -1,4 +1,4 @@
-"""Observed orders in mesh size, time step and output interval: `python -m benchmarks.convergence`.
+"""Observed orders in mesh size, time step and output interval: `python -m tests.accuracy.convergence`.
 
 The paper's bearing. Each series halves one choice and keeps the others; an order is log₂ of the ratio of successive
 changes, a limit is Richardson's extrapolation of the last two. Statics are also held against the exact series. Writes
@@ -26,7 +26,7 @@ from fem.statics.quantities import moving_quantities, static_quantities
 from lagrange.scene import Scene, read_scene
 from residual.cli import main as check_main
 
-DOCS = Path(__file__).parent.parent / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 RECORD_MS = 12.0
 # surface spacings that divide the roller's circumference by 18, 36, 72, 144
 MESHES_MM = tuple(10.0 * pi / nodes for nodes in (18, 36, 72, 144))
@@ -233,7 +233,7 @@ The paper's bearing (13 rollers of 10 mm, 2000 N, 4500 rpm, friction 0.1), weigh
 {record:g} ms. Made at commit {commit} by
 
 ```sh
-python -m benchmarks.convergence
+python -m tests.accuracy.convergence
 ```
 
 Each table halves one choice. Orders are log₂ of the ratio of successive changes, or of true errors where the limit is

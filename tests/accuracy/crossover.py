@@ -1,4 +1,4 @@
-"""From meshes far coarser than a contact to meshes that resolve it: `python -m benchmarks.crossover`.
+"""From meshes far coarser than a contact to meshes that resolve it: `python -m tests.accuracy.crossover`.
 
 Static hub displacement of the paper's bearing by both contact models, against the exact series; and what share of a
 contact's approach the law below the grid still carries. Writes docs/crossover.md and docs/crossover.png.
@@ -22,7 +22,7 @@ from fem.statics.solve import equilibrium
 from lagrange.kinematics import roller_angles
 from lagrange.scene import read_scene
 
-DOCS = Path(__file__).parent.parent / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 SUBGRID_MM = (2.0, 1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.0105)
 RESOLVED_MM = (0.03, 0.021, 0.015, 0.0105)
 
@@ -168,7 +168,7 @@ Static hub displacement of the paper's bearing (2000 N, a roller on the load lin
 Made at commit {commit} by
 
 ```sh
-python -m benchmarks.crossover
+python -m tests.accuracy.crossover
 ```
 
 {table}

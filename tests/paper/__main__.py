@@ -1,12 +1,12 @@
-"""`python -m benchmarks.paper [FOLDER]`: runs are kept in FOLDER (default runs/paper-variants) and used again."""
+"""`python -m tests.paper [FOLDER]`: runs are kept in FOLDER (default runs/paper-variants) and used again."""
 
 import sys
 from pathlib import Path
 
-from benchmarks.paper.figures import draw_records, draw_variants
-from benchmarks.paper.page import NEAREST, SIDEWAYS, page
-from benchmarks.paper.supports import held_cases
-from benchmarks.paper.variants import COARSE, VARIANTS, measure, trajectory
+from tests.paper.figures import draw_records, draw_variants
+from tests.paper.page import NEAREST, SIDEWAYS, page
+from tests.paper.supports import held_cases
+from tests.paper.variants import COARSE, VARIANTS, measure, trajectory
 
 DOCS = Path(__file__).parents[2] / "docs"
 

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.paper.variants import BAND, SKIPPED, Measured, Variant, left_sides, radial
 from residual import Trajectory, evaluate, paper
 from residual.figures import chosen_roller
 from residual.plotting import BLUE, GREEN, GREY, ORANGE, RED, STYLE, plt
 from residual.spectrum import power_spectrum
+from tests.paper.variants import BAND, SKIPPED, Measured, Variant, left_sides, radial
 
 BAND_COLOUR = dict(color=ORANGE, alpha=0.35, linewidth=0)
 LOAD = 2000.0  # N

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.paper.supports import HALF_SUPPORT, Held
-from benchmarks.paper.variants import COARSE, Measured, Range, Variant
 from lagrange import contact_laws
 from lagrange.ball_contact import delta_star
 from lagrange.scene import read_scene
 from residual import paper
 from residual.figures import HARRIS_POINTS
+from tests.paper.supports import HALF_SUPPORT, Held
+from tests.paper.variants import COARSE, Measured, Range, Variant
 
 TEMPLATE = Path(__file__).with_name("page.md")
 NEAREST, SIDEWAYS = "soft-rest", "soft-facets-1"  # the runs drawn beside ours

@@ -7,12 +7,12 @@ import os
 
 import h5py
 import numpy as np
-from synthetic_run import make_run, write_result, write_table
 
 from fem.cli import run_main
 from fem.render_cli import render_main
 from fem.result.checkpoint import checkpoint_path
 from residual.cli import main as check_main
+from tests.reference.synthetic_run import make_run, write_result, write_table
 
 RUN = make_run(n_times=64)
 FINE = "[operation]\nradial_load_N = 1\n[numerics]\nmesh_size_mm = 0.026\n"  # uniform: contacts are far narrower

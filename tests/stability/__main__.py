@@ -1,6 +1,6 @@
 """Random scenes over everything the program accepts: each must end well, or say what is wrong.
 
-    python -m benchmarks.stability                   # 500 scenes of 5 ms, ten of 0.5 s, the map of the time step
+    python -m tests.stability                   # 500 scenes of 5 ms, ten of 0.5 s, the map of the time step
 
 A scene ends in one of these ways:
 
@@ -25,7 +25,7 @@ from cyclopts import App
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.campaign import (
+from tests.stability.campaign import (
     COMPLETE,
     FAILED,
     REFUSED,
@@ -36,7 +36,7 @@ from benchmarks.campaign import (
     flat,
     read_csv,
 )
-from benchmarks.random_scenes import BUDGET, RANGES, random_scene
+from tests.stability.random_scenes import BUDGET, RANGES, random_scene
 
 LONG_FROM = 100_000  # numbers of the long scenes
 LONG_MS = 500.0
@@ -98,7 +98,7 @@ def report(console: Console, outcomes: list[Outcome], seed: int, duration: float
     console.print(f"stopped or failed: {', '.join(str(o.number) for o in bad) or 'none'}")
     for outcome in bad:
         console.print(f"{outcome.number}: {outcome.ending}: {outcome.what}", soft_wrap=True)
-        console.print(f"    python -m benchmarks.stability --seed {seed} --only {outcome.number}")
+        console.print(f"    python -m tests.stability --seed {seed} --only {outcome.number}")
 
 
 app = App(help=__doc__, help_format="markdown")
@@ -165,7 +165,7 @@ def main(
     worker.close()
     report(console, outcomes, seed, duration)
     if step_limit:
-        from benchmarks import step_limit as limit
+        from tests.stability import step_limit as limit
 
         limit.show(console, output.with_suffix(".png"))
     sys.exit(any(outcome.ending == FAILED for outcome in outcomes))

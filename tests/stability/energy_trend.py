@@ -1,4 +1,4 @@
-"""Whether the energy balance of a long run drifts: `python -m benchmarks.energy_trend`, about a minute."""
+"""Whether the energy balance of a long run drifts: `python -m tests.stability.energy_trend`, about a minute."""
 
 from dataclasses import dataclass
 

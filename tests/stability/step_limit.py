@@ -8,10 +8,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks.random_scenes import random_scene
 from fem.solver.samples import Samples
 from fem.solver.simulate import Plan, RunFailed, make_plan, run
 from lagrange.scene import Scene, parse_scene
+from tests.stability.random_scenes import random_scene
 
 RATIOS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0, 1.0025, 1.005, 1.01, 1.015, 1.02, 1.04, 1.07, 1.1, 1.15, 1.2)
 DURATION_MS = 3.0

@@ -1,4 +1,4 @@
-"""Verification: the solver's own pieces against values it did not compute, `python -m benchmarks.verification`.
+"""Verification: the solver's own pieces against values it did not compute, `python -m tests.verification`.
 
 case       a check, a case, and how one is run
 subjects   all cases; the modules below hold them

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.verification`: run cases, print what was found, exit 1 if one fails."""
+"""`python -m tests.verification`: run cases, print what was found, exit 1 if one fails."""
 
 import subprocess
 import sys
@@ -13,13 +13,13 @@ WIDTH = 160
 OK, FAILED, UNUSABLE = 0, 1, 2
 
 app = App(
-    name="python -m benchmarks.verification",
+    name="python -m tests.verification",
     version_flags=[],
     help_format="plaintext",
     result_action="return_value",
     help="""Hold the solver's pieces against analytic solutions, published values and conservation laws.
 
-Example: python -m benchmarks.verification disc-modes rolling
+Example: python -m tests.verification disc-modes rolling
 
 Exit codes: 0 all passed; 1 a case failed; 2 unknown name.
 """,
@@ -33,8 +33,8 @@ def main(
     list_cases: Annotated[bool, Parameter(name="--list", negative="", help="say what there is, run nothing")] = False,
     markdown: Annotated[bool, Parameter(negative="", help="write the table of docs/verification.md; runs all")] = False,
 ) -> int:
-    from benchmarks.verification import subjects, table  # loads the solver; --help does without
-    from benchmarks.verification.case import run_case
+    from tests.verification import subjects, table  # loads the solver; --help does without
+    from tests.verification.case import run_case
 
     console = Console(width=WIDTH, highlight=False)
     try:

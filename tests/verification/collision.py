@@ -5,13 +5,13 @@ from math import pi
 
 import numpy as np
 
-from benchmarks.verification.shapes import LENGTH, STEEL_ON_STEEL, model
 from fem.elastic.critical_step import critical_time_step
 from fem.kernels import sample_kernels, time_loop
 from fem.kernels.state import ROLLER
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.start import rest_start
 from lagrange import Bearing, Operation
+from tests.reference.bearings import LENGTH, STEEL_ON_STEEL, model
 
 # wide enough that rollers never reach a raceway
 WIDE = Bearing(

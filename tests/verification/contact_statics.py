@@ -5,8 +5,14 @@ from math import pi
 
 import numpy as np
 
-from benchmarks.verification.case import Case, Check, Origin
-from benchmarks.verification.shapes import (
+from fem.elastic.bodies import DiscBody
+from fem.elastic.model import REFERENCE_HALF_WIDTH
+from fem.elastic.subgrid import SurfaceCompliance, contact_law, disc_compliance, disc_patch_force
+from fem.kernels.law import ripple_at
+from fem.statics.equilibrium import Equilibrium, standing, static_equilibrium
+from fem.statics.exact_statics import ExactStatics, exact_statics
+from lagrange import Bearing
+from tests.reference.bearings import (
     HALF_PITCH,
     LENGTH,
     LOAD,
@@ -18,15 +24,9 @@ from benchmarks.verification.shapes import (
     model,
     paper,
 )
-from fem.elastic.bodies import DiscBody
-from fem.elastic.model import REFERENCE_HALF_WIDTH
-from fem.elastic.subgrid import SurfaceCompliance, contact_law, disc_compliance, disc_patch_force
-from fem.kernels.law import ripple_at
-from fem.statics.equilibrium import Equilibrium, standing, static_equilibrium
-from fem.statics.exact_statics import ExactStatics, exact_statics
-from lagrange import Bearing
 from tests.reference.line_contact import half_width, squeezed_disc_approach
 from tests.reference.resolved_bearing import RESOLVED
+from tests.verification.case import Case, Check, Origin
 
 # what presses on a squeezed disc: it has no compliance and no mesh
 RIGID = SurfaceCompliance(missing=0.0, half_width=1.0, unit=0.0, ripple=np.zeros(8), spread=0.0)

@@ -8,11 +8,11 @@ from scipy import sparse
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh
 
-from benchmarks.verification.case import Case, Check, Origin
-from benchmarks.verification.shapes import LENGTH, STEEL, disc, ring
 from fem.elastic.bodies import DiscBody, RingBody
 from lagrange import Material
+from tests.reference.bearings import LENGTH, STEEL, disc, ring
 from tests.reference.free_vibration import disc_frequency, ring_frequency
+from tests.verification.case import Case, Check, Origin
 
 # ω R/c_T of the free disc at ν = 0.3 lies within 0.02 of these; pairs but for n = 0
 DISC_ROOTS = {2: 2.348, 1: 2.817, 3: 3.615, 0: 3.977}

@@ -4,15 +4,15 @@ from math import gamma, pi, sqrt
 
 import numpy as np
 
-from benchmarks.verification.bar import DENSITY, DROP, GRAVITY, LENGTH, MODULUS, fall
-from benchmarks.verification.case import Case, Check, Origin
-from benchmarks.verification.collision import WIDE, collide
-from benchmarks.verification.shapes import STEEL, STEEL_ON_STEEL
 from lagrange import BallBearing, Operation, contact_laws
 from lagrange.integrate import FreeAngles, integrate
 from lagrange.motion import State
+from tests.reference.bearings import STEEL, STEEL_ON_STEEL
 from tests.reference.disc_impact import thrown_at_flat
 from tests.reference.line_contact import impact_on_rigid_flat
+from tests.verification.bar import DENSITY, DROP, GRAVITY, LENGTH, MODULUS, fall
+from tests.verification.case import Case, Check, Origin
+from tests.verification.collision import WIDE, collide
 
 BAR = "d'Alembert's waves (Doyen, Ern and Piperno 2011)"
 

@@ -5,13 +5,13 @@ from math import pi
 
 import numpy as np
 
-from benchmarks.verification.case import Case, Check, Origin
-from benchmarks.verification.contact_statics import ONE_MM, RESOLVED_SOURCE, TWO_MM, at_rest, by_series, compared
-from benchmarks.verification.shapes import LENGTH, LOAD, ON_A_ROLLER, SHAPES, STEEL, fair_load, paper
 from fem.statics.quadratic_statics import QuadraticStatics, quadratic_statics
 from lagrange import Bearing
+from tests.reference.bearings import LENGTH, LOAD, ON_A_ROLLER, SHAPES, STEEL, fair_load, paper
 from tests.reference.line_contact import half_width
 from tests.reference.resolved_bearing import RESOLVED
+from tests.verification.case import Case, Check, Origin
+from tests.verification.contact_statics import ONE_MM, RESOLVED_SOURCE, TWO_MM, at_rest, by_series, compared
 
 QUICK, FINE = 5.0, 8.0  # elements per half-width
 QUADRATIC = "our own quadratic elements, {:g} per half-width (fem.statics.quadratic_statics)"

@@ -4,14 +4,14 @@ from math import pi, radians, sqrt
 
 import numpy as np
 
-from benchmarks.verification.case import Case, Check, Origin
-from benchmarks.verification.runs import plan_of, record
 from fem.elastic.model import build_resolved_model
 from fem.elastic.resolved import POINTS_PER_NODE
 from fem.statics.equilibrium import standing
 from fem.statics.resolved_statics import Pressures, contact_pressures
 from lagrange import Bearing, Material, kinematics
 from tests.reference.line_contact import half_width
+from tests.verification.case import Case, Check, Origin
+from tests.verification.runs import plan_of, record
 
 # D3613: a steel cylinder of 50 mm on an aluminium block, 35 kN per mm of width
 CYLINDER, WIDTH, LOAD = 0.05, 1e-3, 35e3

@@ -5,14 +5,14 @@ from math import pi
 import numpy as np
 from scipy.optimize import brentq
 
-from benchmarks.verification.case import Case, Check, Origin
-from benchmarks.verification.runs import plan_of, record, without_spin
 from fem.kernels.contact_kernels import normal_contacts, push_contacts
 from fem.kernels.friction_kernels import friction_contacts, grips, slips
 from fem.kernels.state import INNER
 from fem.solver.simulate import Plan
 from lagrange import kinematics
 from tests.reference.line_contact import carter_creep, half_width
+from tests.verification.case import Case, Check, Origin
+from tests.verification.runs import plan_of, record, without_spin
 
 FRICTION = 0.1
 KINEMATICS = "rolling without slip (Harris, chapter 8)"

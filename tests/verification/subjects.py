@@ -1,6 +1,6 @@
 """All cases: one module per subject, each with a tuple CASES. A new subject is a new module and a line here."""
 
-from benchmarks.verification import (
+from tests.verification import (
     balances,
     contact_statics,
     elastic_bodies,
@@ -10,7 +10,7 @@ from benchmarks.verification import (
     rolling,
     varying_compliance,
 )
-from benchmarks.verification.case import Case
+from tests.verification.case import Case
 
 SUBJECTS = (elastic_bodies, contact_statics, quadratic_statics, resolved, impact, rolling, balances, varying_compliance)
 

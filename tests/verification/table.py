@@ -5,9 +5,9 @@ from pathlib import Path
 
 from rich.table import Table
 
-from benchmarks.verification.case import Check, Outcome
+from tests.verification.case import Check, Outcome
 
-BEGIN = "<!-- made by python -m benchmarks.verification --markdown -->"
+BEGIN = "<!-- made by python -m tests.verification --markdown -->"
 END = "<!-- end of what is made -->"
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 HEADINGS = ("quantity", "computed", "reference", "error", "tolerance", "the reference's origin")

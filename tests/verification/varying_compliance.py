@@ -5,12 +5,12 @@ from math import pi
 
 import numpy as np
 
-from benchmarks.verification.case import Case, Check, Origin
-from benchmarks.verification.runs import Record, plan_of, record
-from benchmarks.verification.shapes import LOAD, ON_A_ROLLER, paper
 from fem.statics.exact_statics import exact_statics
 from lagrange import contact_laws, kinematics, static_equilibrium
 from lagrange.scene import read_scene
+from tests.reference.bearings import LOAD, ON_A_ROLLER, paper
+from tests.verification.case import Case, Check, Origin
+from tests.verification.runs import Record, plan_of, record
 
 SPEED_RPM = 900.0  # slow: a fifth of the paper's, whose dynamics would add 1 %
 PERIODS = 2

@@ -10,4 +10,7 @@ checkpoint_cost what checkpoints and commits cost, as paired ratios
 work_precision  run time against error over meshes
 lagrange_model  the Lagrangian model solved: its time, its energy, the checker on its own output
 pictures        docs' pictures; stress below contacts, times, sizes
+same_bits       whether another revision gives the same bits, and takes the same time
+
+measuring       what they share: scenes with some keys set, times, runs in turns, tables
 """

@@ -6,13 +6,14 @@ model: differentiation is all that may be left.
 
 import statistics
 import tempfile
-import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.measuring import new_table, timed
 from fem.cli import run_main
 from lagrange import Trajectory, contact_laws, simulate
 from lagrange.scene import read_scene
@@ -36,20 +37,15 @@ def solve(name: str, options: dict) -> tuple[Trajectory, float]:
     scene = read_scene()
     bearing = scene.ideal_bearing()
     laws = contact_laws(name.partition(",")[0], bearing)
-    times = []
-    for _ in range(REPEATS):
-        began = time.process_time()
-        run = simulate(bearing, scene.ideal_operation(), laws, DURATION, INTERVAL, **options)
-        times.append(time.process_time() - began)
-    return run, statistics.median(times)
+    solve_once = partial(simulate, bearing, scene.ideal_operation(), laws, DURATION, INTERVAL, **options)
+    found = [timed(solve_once) for _ in range(REPEATS)]
+    return found[-1][1], statistics.median(seconds for seconds, _ in found)
 
 
 def solutions() -> Table:
     """A row for each way to solve."""
-    table = Table(title="60 ms of the paper's bearing, a sample every 10 µs", title_justify="left")
-    table.add_column("law and options")
-    for heading in ("steps", "time, s", "energy error over the contacts' energy"):
-        table.add_column(heading, justify="right")
+    headings = ("law and options", "steps", "time, s", "energy error over the contacts' energy")
+    table = new_table("60 ms of the paper's bearing, a sample every 10 µs", headings)
     for name, options in CASES.items():
         run, seconds = solve(name, options)
         drift = np.max(np.abs(run.energy_error)) / run.energy_contact[run.time > 1e-3].mean()
@@ -78,15 +74,13 @@ def checked(interval_us: float, *settings: str) -> list[str]:
 
 def residuals() -> Table:
     """A row for each sampling interval."""
-    table = Table(title="The checker on the model's own output, Harris' law, error forces in N", title_justify="left")
-    table.add_column("sampling")
-    for heading in ("x: rms", "stated floor", "all else", "y: rms", "stated floor", "all else"):
-        table.add_column(heading, justify="right")
-    for interval in (10.0, 5.0, 2.0):
-        table.add_row(f"{interval:g} µs", *checked(interval))
-    for interval in (10.0, 5.0, 2.0):
-        table.add_row(f"{interval:g} µs, preloaded", *checked(interval, PRELOADED))
-    return table
+    headings = ("sampling", "x: rms", "stated floor", "all else", "y: rms", "stated floor", "all else")
+    rows = (
+        (f"{interval:g} µs{words}", *checked(interval, *settings))
+        for words, settings in (("", ()), (", preloaded", (PRELOADED,)))
+        for interval in (10.0, 5.0, 2.0)
+    )
+    return new_table("The checker on the model's own output, Harris' law, error forces in N", headings, rows)
 
 
 if __name__ == "__main__":

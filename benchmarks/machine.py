@@ -1,16 +1,14 @@
 """The machine's two ceilings for one thread: multiply-adds in registers, bytes from every level of cache."""
 
-import statistics
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numba import njit
 
+from benchmarks.measuring import median_seconds
 from fem.kernels.simd import fma, load, splat, store
 
-REPEATS = 7
 CACHES = {"L1": 32 << 10, "L2": 1 << 20, "L3": 32 << 20}  # bytes, where the system does not tell
 
 
@@ -66,20 +64,6 @@ def update(count, target, source, scale):
         for i in range(0, target.size, 16):
             store(target, i, fma(scale, load(source, i), load(target, i)))
             store(target, i + 8, fma(scale, load(source, i + 8), load(target, i + 8)))
-
-
-def median_seconds(function, *arguments, repeats: int = REPEATS) -> float:
-    """Median time of a call, after one that compiles and warms up.
-
-    Processor time of this thread: waiting for a busy core is not counted.
-    """
-    function(*arguments)
-    times = []
-    for _ in range(repeats):
-        began = time.thread_time()
-        function(*arguments)
-        times.append(time.thread_time() - began)
-    return statistics.median(times)
 
 
 def cache_sizes() -> dict[str, int]:

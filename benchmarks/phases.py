@@ -7,7 +7,8 @@ from functools import cache
 import numpy as np
 from numba import njit
 
-from benchmarks.machine import Machine, median_seconds
+from benchmarks.machine import Machine
+from benchmarks.measuring import median_seconds
 from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.kernels.contact_kernels import normal_contacts, push_contacts
 from fem.kernels.friction_kernels import friction_contacts, grips, slips

@@ -14,9 +14,9 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks import footprint, machine, phases
+from benchmarks.measuring import new_table, paper_plan, timed
 from benchmarks.skips import skip_table
-from fem.solver.simulate import Plan, compile_kernels, make_plan
-from lagrange.scene import read_scene
+from fem.solver.simulate import Plan, compile_kernels
 
 SIZES_MM = (2.0, 1.0, 0.5, 0.25)
 FULL_S = 0.06
@@ -47,9 +47,7 @@ class Mesh:
 
 def measure(size_mm: float) -> Mesh:
     """Time one mesh of the paper's scene."""
-    began = time.perf_counter()
-    plan = make_plan(read_scene(None, (f"numerics.mesh_size_mm={size_mm}",)))
-    setup = time.perf_counter() - began
+    setup, plan = timed(paper_plan, size_mm, clock=time.perf_counter)
     compile_kernels(plan)
     return Mesh(
         size_mm=size_mm,
@@ -63,9 +61,8 @@ def measure(size_mm: float) -> Mesh:
 
 
 def ceilings(found: machine.Machine) -> Table:
-    table = Table(title="Ceilings of this machine, one thread, medians", title_justify="left")
-    for name in ("", "size", "read, GB/s", "read and write, GB/s"):
-        table.add_column(name, justify="right" if name else "left")
+    title = "Ceilings of this machine, one thread, medians"
+    table = new_table(title, ("", "size", "read, GB/s", "read and write, GB/s"))
     table.add_row("multiply-adds in registers", "", f"{1e-9 * found.fma_rate:.1f} G/s", "")
     for level in found.read_rate:
         size = found.cache_bytes.get(level)
@@ -75,10 +72,8 @@ def ceilings(found: machine.Machine) -> Table:
 
 
 def phase_table(meshes: list[Mesh], found: machine.Machine) -> Table:
-    table = Table(title="Time of a step, µs (ns per degree of freedom)", title_justify="left")
-    table.add_column("phase")
-    for mesh in meshes:
-        table.add_column(f"{mesh.size_mm:g} mm", justify="right")
+    title = "Time of a step, µs (ns per degree of freedom)"
+    table = new_table(title, ("phase", *(f"{mesh.size_mm:g} mm" for mesh in meshes)))
 
     def row(name, values, digits=2, style=None):
         cells = [f"{1e6 * v:.{digits}f} ({1e9 * v / m.freedom:.3f})" for v, m in zip(values, meshes, strict=True)]
@@ -102,20 +97,17 @@ def phase_table(meshes: list[Mesh], found: machine.Machine) -> Table:
 
 
 def size_table(meshes: list[Mesh]) -> Table:
-    table = Table(title="The paper's scene", title_justify="left")
-    for name in ("mesh, mm", "degrees of freedom", "step, ns", "ns/DOF/step", "0.06 s take, s", "set-up, s", "B/DOF"):
-        table.add_column(name, justify="right")
-    for m in meshes:
-        table.add_row(
-            f"{m.size_mm:g}",
-            f"{m.freedom}",
-            f"{1e9 * m.plan.time_step:.1f}",
-            f"{1e9 * m.step / m.freedom:.2f}",
-            f"{m.full:.2f}",
-            f"{m.setup:.1f}",
-            f"{m.state_bytes / m.freedom:.0f}",
+    headings = (
+        "mesh, mm", "degrees of freedom", "step, ns", "ns/DOF/step", "0.06 s take, s", "set-up, s", "B/DOF"
+    )  # fmt: skip
+    rows = (
+        (
+            f"{m.size_mm:g}", f"{m.freedom}", f"{1e9 * m.plan.time_step:.1f}", f"{1e9 * m.step / m.freedom:.2f}",
+            f"{m.full:.2f}", f"{m.setup:.1f}", f"{m.state_bytes / m.freedom:.0f}",
         )
-    return table
+        for m in meshes
+    )  # fmt: skip
+    return new_table("The paper's scene", headings, rows)
 
 
 def exponent(meshes: list[Mesh]) -> float:
@@ -132,9 +124,12 @@ def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = T
 
     Parameters
     ----------
-    sizes: surface node distances, mm.
-    pairs: pairs of runs per line of the skip table.
-    skips: measure the skip table.
+    sizes
+        surface node distances, mm
+    pairs
+        pairs of runs per line of the skip table
+    skips
+        measure the skip table
     """
     console = Console(width=None if sys.stdout.isatty() else 150, highlight=False)
     console.print(f"one thread of {os.cpu_count()}")

@@ -7,7 +7,6 @@ docs/convergence.md and docs/convergence.png.
 
 import itertools
 import json
-import subprocess
 import tempfile
 from dataclasses import dataclass
 from math import log2, pi
@@ -25,8 +24,8 @@ from fem.statics.exact_statics import exact_statics
 from fem.statics.quantities import moving_quantities, static_quantities
 from lagrange.scene import Scene, read_scene
 from residual.cli import main as check_main
+from tests.pages import DOCS, commit, markdown_table
 
-DOCS = Path(__file__).parents[2] / "docs"
 RECORD_MS = 12.0
 # surface spacings that divide the roller's circumference by 18, 36, 72, 144
 MESHES_MM = tuple(10.0 * pi / nodes for nodes in (18, 36, 72, 144))
@@ -217,13 +216,9 @@ def main() -> None:
         },
         DOCS / "convergence.png",
     )
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
-    parts = [
-        "\n".join("| " + " | ".join(row) + " |" for row in (rows[0], ["---"] * len(rows[0]), *rows[1:]))
-        for rows in tables
-    ]
+    parts = [markdown_table(rows[0], rows[1:]) for rows in tables]
     (DOCS / "convergence.md").write_text(
-        TEXT.format(tables="\n\n".join(parts), commit=commit, record=RECORD_MS, law=LAW)
+        TEXT.format(tables="\n\n".join(parts), commit=commit(), record=RECORD_MS, law=LAW)
     )
 
 

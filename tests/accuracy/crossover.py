@@ -4,7 +4,6 @@ Static hub displacement of the paper's bearing by both contact models, against t
 contact's approach the law below the grid still carries. Writes docs/crossover.md and docs/crossover.png.
 """
 
-import subprocess
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -21,8 +20,8 @@ from fem.statics.resolved_statics import contact_pressures
 from fem.statics.solve import equilibrium
 from lagrange.kinematics import roller_angles
 from lagrange.scene import read_scene
+from tests.pages import DOCS, commit, markdown_table
 
-DOCS = Path(__file__).parents[2] / "docs"
 SUBGRID_MM = (2.0, 1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.0105)
 RESOLVED_MM = (0.03, 0.021, 0.015, 0.0105)
 
@@ -157,9 +156,7 @@ def main() -> None:
         table.add_row(*row)
     Console(width=150).print(table)
     plot(points, DOCS / "crossover.png")
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
-    lines = ["| " + " | ".join(cells) + " |" for cells in [HEADINGS, ["---"] * len(HEADINGS), *rows(points)]]
-    (DOCS / "crossover.md").write_text(TEXT.format(table="\n".join(lines), commit=commit))
+    (DOCS / "crossover.md").write_text(TEXT.format(table=markdown_table(HEADINGS, rows(points)), commit=commit()))
 
 
 TEXT = """# From below the grid to resolved

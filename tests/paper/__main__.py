@@ -3,12 +3,11 @@
 import sys
 from pathlib import Path
 
+from tests.pages import DOCS
 from tests.paper.figures import draw_records, draw_variants
 from tests.paper.page import NEAREST, SIDEWAYS, page
 from tests.paper.supports import held_cases
 from tests.paper.variants import COARSE, VARIANTS, measure, trajectory
-
-DOCS = Path(__file__).parents[2] / "docs"
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "runs/paper-variants")

@@ -10,6 +10,7 @@ from lagrange.ball_contact import delta_star
 from lagrange.scene import read_scene
 from residual import paper
 from residual.figures import HARRIS_POINTS
+from tests.pages import markdown_table
 from tests.paper.supports import HALF_SUPPORT, Held
 from tests.paper.variants import COARSE, Measured, Range, Variant
 
@@ -34,12 +35,6 @@ def text(value: float, digits: int = 3) -> str:
 def span(ends: Range, scale: float = 1.0, zero: float = 0.0, digits: int = 3) -> str:
     """A range."""
     return f"{text(scale * (ends[0] - zero), digits)} … {text(scale * (ends[1] - zero), digits)}"
-
-
-def table(heads: list[str], rows: list[list[str]]) -> str:
-    """A table in markdown."""
-    lines = [heads, ["---"] * len(heads), *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def sinking_frequency() -> float:
@@ -114,7 +109,7 @@ def page(
     ours, soft, facets, polygon = by["ours"], by[NEAREST], by[SIDEWAYS], by[POLYGONS]
     hanging = next(c for c in cases if c.supports == "top" and c.outside_mm == min(c.outside_mm for c in cases))
     alone = next(c for c in cases if c.supports == "top" and c.outside_mm == max(c.outside_mm for c in cases))
-    figures = table(
+    figures = markdown_table(
         ["figure", "quantity", "paper", "ours", "what makes such numbers, and the run that shows it"],
         [
             ["4", "δ* over F of a point contact", "Harris' curve",
@@ -160,12 +155,12 @@ def page(
         harris=text(1e-3 * harris_force()),
         soft_frequency=text(soft.frequency, 4),
         soft_y=span(soft.y, 1e6),
-        variants=table(
+        variants=markdown_table(
             ["run", "x, µm", "y, µm", "ρ − 23 mm, µm", *ROLLER, "loaded, usually", *SIDES, "energy error"],
             variant_rows(measured),
         ),
-        settings=table(["run", "options of run-fem"], settings_rows([variant for variant, _ in measured])),
-        supports=table(
+        settings=markdown_table(["run", "options of run-fem"], settings_rows([variant for variant, _ in measured])),
+        supports=markdown_table(
             ["outside diameter, mm", "held", "x, µm", "y, µm", "rollers loaded", "raceway moves, µm"],
             support_rows(cases),
         ),
@@ -189,7 +184,7 @@ def page(
         facets_frequency=text(facets.frequency, 4),
         smooth_x=span(soft.x, 1e6),
         facets_rho=span(facets.rho, 1e3, digits=5),
-        coarse=table(
+        coarse=markdown_table(
             ["run", "stored every", *ROLLER, *SIDES],
             coarse_rows(pairs),
         ),

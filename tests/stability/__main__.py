@@ -121,15 +121,24 @@ def main(
 
     Parameters
     ----------
-    count: how many scenes.
-    long: how many scenes of 0.5 s after them, not counting those that are refused.
-    seed: of the draw; scene `number` of a seed is always the same.
-    duration: simulated time of a scene, ms.
-    only: run this one scene, print it and its ending.
-    seconds: start no further scene after this wall time.
-    resume: keep the lines of the output file and go on after them.
-    output: CSV file, one line a scene, written as they end; the plot of the map stands beside it.
-    step_limit: also map energy drift against time step.
+    count
+        how many scenes
+    long
+        how many scenes of 0.5 s after them, not counting those that are refused
+    seed
+        of the draw; scene `number` of a seed is always the same
+    duration
+        simulated time of a scene, ms
+    only
+        run this one scene, print it and its ending
+    seconds
+        start no further scene after this wall time
+    resume
+        keep the lines of the output file and go on after them
+    output
+        CSV file, one line a scene, written as they end; the plot of the map stands beside it
+    step_limit
+        also map energy drift against time step
     """
     console = Console(width=min(160, Console().width) if sys.stdout.isatty() else 160, highlight=False)
     worker = Worker()

@@ -69,9 +69,12 @@ def main(*, duration: float = 1000.0, mesh_size: float = 2.0, sets: tuple[str, .
 
     Parameters
     ----------
-    duration: ms.
-    mesh_size: mm.
-    sets: further scene keys, as run-fem's --set takes them.
+    duration
+        ms
+    mesh_size
+        mm
+    sets
+        further scene keys, as run-fem's --set takes them
     """
     found = measure((f"numerics.mesh_size_mm={mesh_size}", *sets), duration)
     console = Console(highlight=False)

@@ -1,14 +1,14 @@
 """`python -m tests.verification`: run cases, print what was found, exit 1 if one fails."""
 
-import subprocess
 import sys
-from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, Parameter
 from rich.console import Console
 
-PAGE = Path(__file__).parents[2] / "docs" / "verification.md"
+from tests.pages import DOCS, commit
+
+PAGE = DOCS / "verification.md"
 WIDTH = 160
 OK, FAILED, UNUSABLE = 0, 1, 2
 
@@ -56,8 +56,7 @@ def main(
         console.print(table.screen(outcomes[-1]))
     console.print(table.verdict(outcomes))
     if markdown:
-        commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
-        table.write_into(PAGE, f"Made at commit {commit}.\n\n{table.markdown(outcomes)}")
+        table.write_into(PAGE, f"Made at commit {commit()}.\n\n{table.markdown(outcomes)}")
         print(f"written into {PAGE}")
     return OK if all(outcome.passed for outcome in outcomes) else FAILED
 

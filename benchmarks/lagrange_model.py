@@ -62,12 +62,11 @@ def checked(interval_us: float, *settings: str) -> list[str]:
         arguments = ["--model", "lagrange", "--duration", str(CHECKED_MS), "--output", str(path), "--quiet", *words]
         assert run_main(arguments) == 0
         found = evaluate(read_result(path))
-    cells, mass = [], found.trajectory.operation.inner_mass
-    for axis in "xy":
-        error, terms = getattr(found.budget, f"error_{axis}"), getattr(found.budget, f"terms_{axis}")
-        rest = np.max(np.abs(error - terms["differentiation"]))
-        floor = mass * getattr(found, f"floor_{axis}").total
-        inner = error[8:-8]  # where the stencil is central
+    cells, mass = [], found.record.operation.inner_mass
+    for direction in found.directions:
+        rest = np.max(np.abs(direction.budget.error - direction.budget.terms["differentiation"]))
+        floor = mass * direction.floor.total
+        inner = direction.budget.error[8:-8]  # where the stencil is central
         cells += [f"{np.sqrt(np.mean(inner**2)):.1e}", f"{floor:.1e}", f"{rest:.0e}"]
     return cells
 

@@ -1,8 +1,7 @@
 """A contact law fitted to a run's own forces: K and n of Q = K δ^n by least squares, with confidence intervals.
 
-Where wanted with more: the coupling c of neighbouring contacts, the damping d of each contact.
-
-Fitted to the closed inner contacts of the record's first part; the rest is held back to judge the law on.
+The coupling c of neighbouring contacts and the damping d of each contact are fitted too where they are wanted. The fit
+is to the closed inner contacts of the record's first part; the rest is held back to judge the law on.
 
 The samples of one roller's passage through the load zone are far from independent, so the intervals take the
 passage, not the sample, as the unit of observation. They say how well the data fix the two numbers, not that a
@@ -16,8 +15,10 @@ import numpy as np
 
 from lagrange.laws import PowerLaw
 from residual.budget import load_zones
+from residual.errors import InputError
 from residual.fitted_laws import CoupledLaw, DampedLaw, neighbours
-from residual.trajectory import FEWEST_SAMPLES, InputError
+from residual.moments import rms
+from residual.record import FEWEST_SAMPLES
 
 FIT_SHARE = 0.5  # of the record
 CONFIDENCE = 0.95
@@ -93,7 +94,7 @@ def fit_law(
         causes["coupling"] = neighbours(force[:samples])[closed]
     if "damping" in extras:
         causes["damping"] = closing_speed[:samples][closed]
-    units = {"depth": _rms(depth[positive]), "load": _rms(load)} | {name: _rms(v) for name, v in causes.items()}
+    units = {"depth": rms(depth[positive]), "load": rms(load)} | {name: rms(v) for name, v in causes.items()}
     for name in extras:
         if not units[name] > 0.0:
             raise InputError(f"the run has nothing that fixes a {name}: no neighbour is loaded, or nothing moves")
@@ -103,12 +104,8 @@ def fit_law(
     covariance = _clustered_covariance(jacobian, miss, passage)
     return _identified(
         extras, parameters, covariance, units, samples=samples, contacts=load.size, passages=n_passages,
-        depth=(float(depth.min()), float(depth.max())), scatter=units["load"] * _rms(miss),
+        depth=(float(depth.min()), float(depth.max())), scatter=units["load"] * rms(miss),
     )  # fmt: skip
-
-
-def _rms(values) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 def passage_numbers(closed: np.ndarray, bridge: int) -> np.ndarray:

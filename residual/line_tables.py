@@ -1,4 +1,4 @@
-"""Rows on the levels of lines, for the report and the terminal."""
+"""Rows about the levels of lines, for the report and the terminal."""
 
 from residual.evaluation import Evaluation
 from residual.lines import LineLevel
@@ -8,7 +8,7 @@ from residual.words import text
 def level_rows(evaluation: Evaluation) -> list[list[str]]:
     """Line, Hz, N rms in x, its background, in y, its background, resolved; levels that stand out are marked."""
     rows = []
-    for x, y in zip(evaluation.levels_x, evaluation.levels_y, strict=True):
+    for x, y in zip(evaluation.x.levels, evaluation.y.levels, strict=True):
         rows.append([x.name, text(x.frequency), *_cells(x), *_cells(y), "yes" if x.resolved else f"no: {x.obstacle}"])
     return rows
 

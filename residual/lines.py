@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from residual.errors import InputError
 from residual.spectrum import MAIN_LOBE, Peak, Spectrum, smooth_background
-from residual.trajectory import InputError
 
 CARRIERS = ("BPFO", "2×BPFO", "BPFI", "2×BPFI")
 CAGE_HARMONICS = (2, 3)

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from residual.trajectory import FEWEST_SAMPLES, TIME_JITTER, InputError
+from residual.errors import InputError
+from residual.record import FEWEST_SAMPLES, TIME_JITTER
 
 DEGREE = 7  # of the spline: smoother than the highest order of differentiation needs
 LARGEST_GAP = 10.0  # of the median interval: nothing is made up across more

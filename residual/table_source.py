@@ -1,4 +1,4 @@
-"""Trajectory tables (CSV, TSV, semicolons): other people's data -> `Trajectory`."""
+"""Trajectory tables (CSV, TSV, semicolons): other people's data -> `Record`."""
 
 import csv
 import warnings
@@ -8,19 +8,19 @@ import numpy as np
 
 from lagrange.scene import Scene
 from lagrange.scene_columns import Columns, per_roller
+from residual.errors import InputError
+from residual.record import Record, checked
 from residual.resampling import evenly_sampled
-from residual.sources import LARGEST_READ, check_readable
-from residual.trajectory import InputError, Trajectory, checked
+from residual.sources import LARGEST_READ, OPTIONAL, check_readable
 
 LONGEST_LINE = 2**20  # characters
 LONGEST_QUOTE = 200  # characters of a message
 MOTION = ("time", "inner_x", "inner_y")
 CARTESIAN, POLAR = ("roller_x", "roller_y"), ("roller_rho", "roller_theta")
-OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is not finite, and refused as such
-def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Trajectory:
+def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Record:
     """A trajectory table with one header line.
 
     Parameters
@@ -39,7 +39,7 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Trajec
     """
     path = Path(path)
     check_readable(path)
-    return _trajectory(path, scene, _read_columns(path, scene), resample)
+    return _record(path, scene, _read_columns(path, scene), resample)
 
 
 def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
@@ -95,7 +95,7 @@ def _shown(text: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in line[:LONGEST_QUOTE])
 
 
-def _trajectory(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: bool) -> Trajectory:
+def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: bool) -> Record:
     """Cartesian, evenly sampled, checked; notes on what the table lacks."""
     notes = []
     if "roller_rho" in arrays:
@@ -111,7 +111,7 @@ def _trajectory(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resampl
             notes.append("the table tells no accelerations of its own: the budget has no differentiation term")
         if "inner_traction" not in arrays:
             notes.append("the table tells no tangential forces: the budget has no friction term")
-    return checked(Trajectory(name=path.stem, source=path, scene=scene, notes=tuple(notes), **arrays))
+    return checked(Record(name=path.stem, source=path, scene=scene, notes=tuple(notes), **arrays))
 
 
 def _delimiter(header: str) -> str:

@@ -1,4 +1,4 @@
-"""Numbers as words."""
+"""Numbers and names as words."""
 
 
 def text(value: float, digits: int = 4) -> str:
@@ -8,3 +8,8 @@ def text(value: float, digits: int = 4) -> str:
         mantissa, exponent = plain.split("e")
         plain = f"{mantissa}·10^{int(exponent)}"
     return plain.replace("-", "−")
+
+
+def words(name: str) -> str:
+    """The name of a budget's term as words."""
+    return name.replace("_", " ")

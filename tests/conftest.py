@@ -22,6 +22,18 @@ def coarse_run(tmp_path_factory):
     return path
 
 
+@pytest.fixture(scope="session")
+def can_draw():
+    """Skips the test on a machine that can't draw off-screen."""
+    from fem.errors import UsageError
+    from fem.pictures.rendering_probe import check_rendering
+
+    try:
+        check_rendering()
+    except UsageError as error:
+        pytest.skip(f"no off-screen rendering here: {error}")
+
+
 @pytest.fixture
 def plain_report(monkeypatch):
     """Reports without figures, which take most of the time and are tested elsewhere."""

@@ -24,8 +24,8 @@ from fem.solver.simulate import make_plan
 from lagrange.scene import read_scene
 from lagrange.stored import SIGNATURE, read_numbers
 from residual.cli import main as check_main
+from residual.errors import InputError
 from residual.sources import MOTION, OPTIONAL, read_result
-from residual.trajectory import InputError
 from tests.reference.recorded_disk import RecordedDisk
 from tests.reference.synthetic_run import make_run, write_result
 

@@ -22,14 +22,6 @@ FORCE, HOUSING, LOAD_ZONE = (0xD7, 0x30, 0x1F), (0xE3, 0xE3, 0xE3), (0xF5, 0xDC,
 
 
 @pytest.fixture(scope="module")
-def can_draw():
-    try:
-        check_rendering()
-    except UsageError as error:
-        pytest.skip(f"no off-screen rendering here: {error}")
-
-
-@pytest.fixture(scope="module")
 def run(coarse_run):
     return StoredRun(coarse_run)
 

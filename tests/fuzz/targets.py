@@ -39,8 +39,8 @@ class Targets:
     def table(self, data: bytes) -> bool:
         """A trajectory table, and its evaluation where it is taken."""
         from lagrange.scene import parse_scene_text
+        from residual.errors import InputError
         from residual.table_source import read_table
-        from residual.trajectory import InputError
 
         path = self._file("fuzzed.csv", data)
         try:
@@ -53,7 +53,7 @@ class Targets:
     def result(self, data: bytes) -> bool:
         """A result file. First in a child, as always; then here, so that the search sees which way it took."""
         from residual import sources
-        from residual.trajectory import InputError
+        from residual.errors import InputError
 
         sources.READ_SECONDS = 0.2  # of an input that sends HDF5 round in circles
         path = self._file("fuzzed.nc", data)

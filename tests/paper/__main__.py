@@ -7,14 +7,14 @@ from tests.pages import DOCS
 from tests.paper.figures import draw_records, draw_variants
 from tests.paper.page import NEAREST, SIDEWAYS, page
 from tests.paper.supports import held_cases
-from tests.paper.variants import COARSE, VARIANTS, measure, trajectory
+from tests.paper.variants import COARSE, VARIANTS, measure, record_of
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "runs/paper-variants")
     folder.mkdir(parents=True, exist_ok=True)
     runs, measured = {}, []
     for variant in VARIANTS:
-        runs[variant.name] = trajectory(variant, folder)
+        runs[variant.name] = record_of(variant, folder)
         measured.append((variant, measure(runs[variant.name])))
         print(variant.title, measured[-1][1], flush=True)
     fine = {variant.name: (variant.title, found) for variant, found in measured}

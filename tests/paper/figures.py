@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from residual import Trajectory, evaluate, paper
+from residual import Record, evaluate, paper
 from residual.figures import chosen_roller
 from residual.plotting import BLUE, GREEN, GREY, ORANGE, RED, STYLE, plt
 from residual.spectrum import power_spectrum
@@ -26,7 +26,7 @@ FIGURES = (6, 6, 7, 7, 7, 8, 9)
 FACETED_ROWS = (0, 5, 6)
 
 
-def _records(found: Trajectory, law: str) -> tuple[np.ndarray, list[np.ndarray]]:
+def _records(found: Record, law: str) -> tuple[np.ndarray, list[np.ndarray]]:
     """Time, ms, and the quantities of ROWS."""
     first = int(np.searchsorted(found.time, SKIPPED))
     checked = evaluate(found, law=law, start=SKIPPED)
@@ -38,7 +38,7 @@ def _records(found: Trajectory, law: str) -> tuple[np.ndarray, list[np.ndarray]]
     ]  # fmt: skip
 
 
-def draw_records(path: Path, ours: Trajectory, soft: Trajectory, facets: Trajectory, titles: tuple[str, str]) -> None:
+def draw_records(path: Path, ours: Record, soft: Record, facets: Record, titles: tuple[str, str]) -> None:
     """Each of the paper's figures: ours at its own scale; at the paper's, ours and two comparison runs.
 
     Left sides are with Harris' law for ours, with the fitted one for the others; the run on facets, which rattles, is

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from fem.cli import run_main
-from residual import Trajectory, evaluate, read_result
+from residual import Record, evaluate, read_result
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation
 from residual.figures import chosen_roller
@@ -78,8 +78,8 @@ class Measured:
     imbalance: float  # largest error of the energy balance over the largest energy stored
 
 
-def trajectory(variant: Variant, folder: Path) -> Trajectory:
-    """The run, from its file if it is there."""
+def record_of(variant: Variant, folder: Path) -> Record:
+    """The record of a variant's run, from its file if that is there."""
     path = folder / f"{variant.name}.nc"
     if not path.exists():
         words = [word for setting in variant.settings for word in ("--set", setting)]
@@ -89,7 +89,7 @@ def trajectory(variant: Variant, folder: Path) -> Trajectory:
     return read_result(path)
 
 
-def radial(found: Trajectory, roller: int, order: int) -> np.ndarray:
+def radial(found: Record, roller: int, order: int) -> np.ndarray:
     """A roller's radial position or one of its derivatives."""
     rho = np.hypot(found.roller_x[:, roller], found.roller_y[:, roller])
     return derivative(rho, found.interval, order) if order else rho
@@ -97,10 +97,10 @@ def radial(found: Trajectory, roller: int, order: int) -> np.ndarray:
 
 def left_sides(checked: Evaluation) -> tuple[np.ndarray, np.ndarray]:
     """Of (22) and, its sign turned, of (23), N, as the paper plots them."""
-    return checked.budget.error_x, checked.trajectory.operation.radial_load - checked.budget.error_y
+    return checked.x.budget.error, checked.record.operation.radial_load - checked.y.budget.error
 
 
-def imbalance(found: Trajectory) -> float:
+def imbalance(found: Record) -> float:
     """Largest error of the energy balance over the largest energy that bodies and contacts store."""
     kinetic, elastic, contact, work, dissipated = (
         found.energies[f"{name}"]
@@ -110,7 +110,7 @@ def imbalance(found: Trajectory) -> float:
     return float(np.abs(kept - kept[0]).max() / (elastic + contact).max())
 
 
-def measure(found: Trajectory, every: int = 1) -> Measured:
+def measure(found: Record, every: int = 1) -> Measured:
     """Ranges of a run of which only each so many samples are kept."""
     kept = found.samples(slice(None, None, every))
     first = int(np.searchsorted(kept.time, SKIPPED))

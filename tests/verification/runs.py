@@ -10,7 +10,7 @@ from lagrange.scene import read_scene
 
 
 @dataclass(frozen=True, kw_only=True)
-class Record:
+class RunSamples:
     """All samples of a run, by the result file's names; SI."""
 
     plan: Plan
@@ -31,11 +31,11 @@ def plan_of(**settings: float | str) -> Plan:
     return make_plan(read_scene(None, tuple(f"{key.replace('__', '.')}={value}" for key, value in settings.items())))
 
 
-def record(plan: Plan) -> Record:
+def record(plan: Plan) -> RunSamples:
     """Run a plan to its end."""
     kept: list[Samples] = []
     run(plan, kept.append)
-    return Record(
+    return RunSamples(
         plan=plan,
         values={name: np.concatenate([block[name] for block in kept]) for name in kept[0].values},
         imbalance=np.concatenate([block.imbalance for block in kept]),

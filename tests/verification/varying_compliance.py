@@ -10,7 +10,7 @@ from lagrange import contact_laws, kinematics, static_equilibrium
 from lagrange.scene import read_scene
 from tests.reference.bearings import LOAD, ON_A_ROLLER, paper
 from tests.verification.case import Case, Check, Origin
-from tests.verification.runs import Record, plan_of, record
+from tests.verification.runs import RunSamples, plan_of, record
 
 SPEED_RPM = 900.0  # slow: a fifth of the paper's, whose dynamics would add 1 %
 PERIODS = 2
@@ -35,7 +35,7 @@ def line(hub: np.ndarray) -> np.ndarray:
     return 2.0 * np.fft.rfft(hub, axis=0)[1] / len(hub)
 
 
-def _period(found: Record, period: float, number: int) -> np.ndarray:
+def _period(found: RunSamples, period: float, number: int) -> np.ndarray:
     """Hub positions over one ball-pass period, s, of a run, (SAMPLES, 2), m."""
     at = period * (number + np.arange(SAMPLES) / SAMPLES)
     return np.column_stack([np.interp(at, found["time"], found[name]) for name in ("inner_x", "inner_y")])

@@ -1,4 +1,4 @@
-"""A trajectory of the inner ring and the rollers: the arrays every other module works on, checked."""
+"""`Record`, the sampled motion of a run: the arrays every other module works on, and their checks."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -8,33 +8,31 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.scene import Scene
+from lagrange.scene_columns import per_roller
+from residual.errors import InputError
 
 FEWEST_SAMPLES = 32  # fewer give no statistics and hardly a spectrum
-TIME_JITTER = 1e-3  # of the interval: what rounding the times to some decimals may cost
+TIME_JITTER = 1e-3  # of the interval: what rounding times to some decimals may cost
 LARGEST = 1e15  # SI: far above any position, acceleration, force or energy of a bearing
 SHORTEST_INTERVAL = 1e-12  # s
 SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
 
 
-class InputError(ValueError):
-    """The run can't be used; the text names the file, the value, the limit and what to do."""
-
-
 @dataclass(frozen=True, kw_only=True)
-class Estimate:
-    """What a quantity of a run may be off by, as the solver estimated it."""
+class StatedError:
+    """The solver's own statement of what a quantity of its run may be off by."""
 
     meaning: str
     unit: str
     value: float
-    error: float  # >= 0, of the value
+    error: float  # >= 0, in the unit of the value
 
 
 @dataclass(frozen=True, kw_only=True)
-class Trajectory:
-    """Motion of one run, and whatever the solver told of its forces. SI; time first.
+class Record:
+    """Sampled motion of one run, and its contact forces where the source holds them. SI; time first.
 
-    Optional arrays are None where the source has none.
+    Optional arrays are None where the source holds none.
     """
 
     name: str
@@ -53,9 +51,9 @@ class Trajectory:
     outer_traction: np.ndarray | None = None
     energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
     attributes: Mapping[str, object] = field(default_factory=dict)
-    estimates: tuple[Estimate, ...] = ()  # of the discretisation error
-    notes: tuple[str, ...] = ()  # what a user should know of how the source was read
-    precision: float = float(np.finfo(float).eps)  # relative, of the stored numbers
+    stated_errors: tuple[StatedError, ...] = ()  # of the error of the discretisation
+    notes: tuple[str, ...] = ()  # what a user should know about how the source was read
+    precision: float = float(np.finfo(float).eps)  # relative precision of the stored numbers
 
     @property
     def bearing(self) -> Bearing:
@@ -76,8 +74,8 @@ class Trajectory:
         angle = np.unwrap(np.arctan2(self.roller_y, self.roller_x), axis=0)
         return float(np.mean(angle[-1] - angle[0]) / (self.time[-1] - self.time[0]))
 
-    def samples(self, part: slice) -> "Trajectory":
-        """The same trajectory restricted to some samples."""
+    def samples(self, part: slice) -> "Record":
+        """The same record restricted to some samples."""
         cut = {}
         for f in fields(self):
             value = getattr(self, f.name)
@@ -87,50 +85,48 @@ class Trajectory:
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is refused
-def checked(trajectory: Trajectory) -> Trajectory:
-    """The trajectory itself, if it makes sense.
+def checked(record: Record) -> Record:
+    """Return the record unchanged if it makes sense.
 
     Errors
     ------
-    InputError: shapes that disagree, values that are not finite, time that is unsorted or irregular, a number
-    of rollers other than the scene's, rollers that are nowhere near the pitch circle, too few samples.
+    InputError: shapes disagree, values are not finite, time is unsorted or irregular, the number of rollers is not the
+    scene's, rollers are nowhere near the pitch circle, or there are too few samples.
     """
-    source, time = trajectory.source, trajectory.time
-    n_times, n_rollers = time.size, trajectory.bearing.n_rollers
+    source, time = record.source, record.time
+    n_times, n_rollers = time.size, record.bearing.n_rollers
     if n_times < FEWEST_SAMPLES:
         raise InputError(
             f"{source}: {n_times} usable samples, at least {FEWEST_SAMPLES} are needed; simulate longer or "
             "store more often"
         )
-    arrays = {f.name: getattr(trajectory, f.name) for f in fields(trajectory)} | dict(trajectory.energies)
+    arrays = {f.name: getattr(record, f.name) for f in fields(record)} | dict(record.energies)
     for name, value in arrays.items():
         if isinstance(value, np.ndarray):
             _check_array(source, name, value, n_times, n_rollers)
-    _check_time(source, time, trajectory.interval)
-    rho = np.hypot(trajectory.roller_x, trajectory.roller_y)
-    pitch = trajectory.bearing.pitch_radius
+    _check_time(source, time, record.interval)
+    rho = np.hypot(record.roller_x, record.roller_y)
+    pitch = record.bearing.pitch_radius
     worst = np.unravel_index(np.argmax(np.abs(rho - pitch)), rho.shape)
     if abs(rho[worst] - pitch) > SAME_RUN * pitch:
         raise InputError(
             f"{source}: roller {worst[1]} is {rho[worst]:.4g} m from the centre at sample {worst[0]}, the "
-            "scene's pitch "
-            f"radius is {pitch:.4g} m; are the positions in metres and the scene the right one?"
+            f"scene's pitch radius is {pitch:.4g} m; are the positions in metres and the scene the right one?"
         )
-    hub = np.hypot(trajectory.inner_x, trajectory.inner_y)
+    hub = np.hypot(record.inner_x, record.inner_y)
     if hub.max() > SAME_RUN * pitch:
         i = int(np.argmax(hub))
         raise InputError(
             f"{source}: the inner ring's centre (inner_x, inner_y) is {hub[i]:.4g} m off at sample {i}, the scene's "
             f"pitch radius is {pitch:.4g} m; are the positions in metres?"
         )
-    return trajectory
+    return record
 
 
 def _check_array(source: Path, name: str, value: np.ndarray, n_times: int, n_rollers: int) -> None:
-    """One array's shape and values."""
-    per_roller = name.startswith(("roller", "inner_force", "outer_force", "inner_traction", "outer_traction"))
-    wanted = (n_times, n_rollers) if per_roller else (n_times,)
-    if per_roller and value.ndim == 2 and value.shape[1] != n_rollers:
+    """Refuse an array of the wrong shape, or with values that are not finite or absurdly large."""
+    wanted = (n_times, n_rollers) if per_roller(name) else (n_times,)
+    if per_roller(name) and value.ndim == 2 and value.shape[1] != n_rollers:
         raise InputError(f"{source}: {name} holds {value.shape[1]} rollers, its scene says {n_rollers}")
     if value.shape != wanted:
         raise InputError(f"{source}: {name} has shape {value.shape}, expected {wanted}; the file is damaged")
@@ -147,7 +143,7 @@ def _check_array(source: Path, name: str, value: np.ndarray, n_times: int, n_rol
 
 
 def _check_time(source: Path, time: np.ndarray, interval: float) -> None:
-    """Time must rise in equal steps."""
+    """Refuse time that does not rise in equal steps."""
     steps = np.diff(time)
     if np.any(steps <= 0.0):
         i = int(np.argmax(steps <= 0.0))
@@ -165,6 +161,5 @@ def _check_time(source: Path, time: np.ndarray, interval: float) -> None:
     if uneven[i] > TIME_JITTER * interval:
         raise InputError(
             f"{source}: the sampling interval after sample {i} is {steps[i]:.6g} s, the mean one "
-            f"{interval:.6g} s (may differ "
-            f"by {TIME_JITTER:g} of it); --resample brings a table to equal steps"
+            f"{interval:.6g} s (may differ by {TIME_JITTER:g} of it); --resample brings a table to equal steps"
         )

@@ -23,7 +23,7 @@ NEVER = float("inf")
 
 
 class Watched:
-    """Seconds spent in a method, over all calls."""
+    """Time spent in a method over all calls, s, and their number."""
 
     def __init__(self, owner: type, name: str):
         self.seconds, self.calls = 0.0, 0
@@ -41,7 +41,7 @@ class Watched:
 
 
 def one_run(plan: Plan, folder: Path, every: float | None, watched: dict[str, Watched]) -> dict[str, float]:
-    """Wall, processor and own seconds of a run."""
+    """Run once; wall time, processor time and those of the watched methods, s, with their calls."""
     before = {name: (watch.seconds, watch.calls) for name, watch in watched.items()}
     wall, cpu = time.perf_counter(), time.process_time()
     if simulate(plan, 0.0, folder / "run.nc", resume=False, quiet=True, every=every) != 0:

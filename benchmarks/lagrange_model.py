@@ -33,7 +33,7 @@ CASES = {
 
 
 def solve(name: str, options: dict) -> tuple[Trajectory, float]:
-    """The paper's bearing for 60 ms, and the median processor time, s."""
+    """Solve the paper's bearing for 60 ms; the trajectory and the median processor time, s."""
     scene = read_scene()
     bearing = scene.ideal_bearing()
     laws = contact_laws(name.partition(",")[0], bearing)
@@ -43,7 +43,7 @@ def solve(name: str, options: dict) -> tuple[Trajectory, float]:
 
 
 def solutions() -> Table:
-    """A row for each way to solve."""
+    """Table with a row for each way to solve."""
     headings = ("law and options", "steps", "time, s", "energy error over the contacts' energy")
     table = new_table("60 ms of the paper's bearing, a sample every 10 µs", headings)
     for name, options in CASES.items():
@@ -54,7 +54,7 @@ def solutions() -> Table:
 
 
 def checked(interval_us: float, *settings: str) -> list[str]:
-    """Error forces that the checker finds in a file of the model, N: cells of a row."""
+    """Cells of a row: the error forces that the checker finds in a file of the model, N."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "ideal.nc"
         words = [word for setting in (f"numerics.output_interval_us={interval_us}", *settings)
@@ -72,7 +72,7 @@ def checked(interval_us: float, *settings: str) -> list[str]:
 
 
 def residuals() -> Table:
-    """A row for each sampling interval."""
+    """Table with a row for each sampling interval."""
     headings = ("sampling", "x: rms", "stated floor", "all else", "y: rms", "stated floor", "all else")
     rows = (
         (f"{interval:g} µs{words}", *checked(interval, *settings))

@@ -31,7 +31,7 @@ class Machine:
 
 @njit
 def multiply_adds(count, scale, out):
-    """16 independent chains of 8 lanes: 128 multiply-adds a turn."""
+    """Run 16 independent chains of 8 lanes: 128 multiply-adds a turn."""
     one = splat(1.0)
     a, b, c, d = splat(1.0), splat(1.1), splat(1.2), splat(1.3)
     e, f, g, h = splat(1.4), splat(1.5), splat(1.6), splat(1.7)
@@ -59,7 +59,7 @@ def read(count, flat, out):
 
 @njit
 def update(count, target, source, scale):
-    """target += scale·source, `count` times."""
+    """Add scale·source to the target, `count` times."""
     for _ in range(count):
         for i in range(0, target.size, 16):
             store(target, i, fma(scale, load(source, i), load(target, i)))
@@ -88,7 +88,7 @@ def aligned(size: int) -> np.ndarray:
 
 
 def measure() -> Machine:
-    """Half of each cache is streamed through; four times the last one for memory."""
+    """Measure the ceilings, streaming through half of each cache, and through four times the last one for memory."""
     out, turns = aligned(8), 2_000_000
     fma_rate = 128.0 * turns / median_seconds(multiply_adds, turns, 0.999, out)
     caches = cache_sizes()

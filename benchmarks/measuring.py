@@ -16,14 +16,14 @@ Value = TypeVar("Value")
 
 
 def paper_plan(size_mm: float, *settings: str) -> Plan:
-    """The paper's scene on a mesh, with further keys as run-fem's --set takes them."""
+    """Plan of the paper's scene on a mesh, with further keys as run-fem's --set takes them."""
     return make_plan(read_scene(None, (f"numerics.mesh_size_mm={size_mm!r}", *settings)))
 
 
 def timed(function: Callable[..., Value], *arguments, clock=time.thread_time) -> tuple[float, Value]:
-    """Seconds that a call takes, and what it returns.
+    """Time a call, s, and pass on what it returns.
 
-    Default: processor time of this thread, so that waiting for a busy core is not counted.
+    The default clock is the processor time of this thread, so that waiting for a busy core is not counted.
     """
     began = clock()
     value = function(*arguments)
@@ -37,7 +37,7 @@ def median_seconds(function: Callable, *arguments, repeats: int = 7) -> float:
 
 
 def in_turns(calls: dict[Key, Callable[[], Value]], turns: int) -> Iterator[dict[Key, Value]]:
-    """Results of each call, turn by turn, every other turn in reverse: what slows the machine slows all alike."""
+    """Make each call in every turn, every other turn in reverse: what slows the machine slows all alike."""
     for turn in range(turns):
         yield {key: calls[key]() for key in (list(calls) if turn % 2 == 0 else reversed(calls))}
 
@@ -48,13 +48,13 @@ def processor_seconds(*who: int) -> float:
 
 
 def spread(values: Iterable[float], digits: int = 3) -> str:
-    """The lowest and the highest of some numbers."""
+    """Write the lowest and the highest of some numbers."""
     values = list(values)
     return f"{min(values):.{digits}f} … {max(values):.{digits}f}"
 
 
 def new_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]] = ()) -> Table:
-    """A table for the terminal; the first column is aligned left, the others right."""
+    """Make a table for the terminal; the first column is aligned left, the others right."""
     table = Table(title=title, title_justify="left")
     for i, heading in enumerate(headings):
         table.add_column(heading, justify="right" if i else "left")
@@ -64,5 +64,5 @@ def new_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]]
 
 
 def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table for a page of docs/."""
+    """Write a table for a page of docs/."""
     return "\n".join("| " + " | ".join(cells) + " |" for cells in (headings, ["---"] * len(headings), *rows))

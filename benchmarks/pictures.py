@@ -37,7 +37,7 @@ FILM = ["--start", "10", "--stop", "15.16", "--frames", "30", "--fps", "12", "--
 
 
 def below_contacts(folder: Path) -> None:
-    """Largest shear below every contact of the standing bearing, over p₀, and its depth, over b."""
+    """Print the largest shear below every contact of the standing bearing, over p₀, and its depth, over b."""
     print("| mesh, mm | body | contacts | shear / p₀ | deviation | depth / b | deviation |")
     print("|---|---|---|---|---|---|---|")
     for mesh_size in MESH_SIZES:
@@ -71,7 +71,7 @@ def _worst(values: np.ndarray, expected: float) -> str:
 
 
 def times(run: Path, folder: Path) -> None:
-    """Seconds for pictures, films and exports of the paper's run, libraries loaded; of the clock and of all cores."""
+    """Print wall and processor time, s, of pictures, films and exports of the paper's run, libraries loaded."""
     print("| what | seconds | of CPU | MB |")
     print("|---|---|---|---|")
     stored = StoredRun(run)
@@ -93,7 +93,7 @@ def times(run: Path, folder: Path) -> None:
 
 
 class _Row:
-    """A line of the table about what is done inside and the file, with a folder of its name, that comes of it."""
+    """Prints a line of the table about the work inside and the file, or folder of its name, that comes of it."""
 
     def __init__(self, name: str, path: Path):
         self._name, self._path = name, path

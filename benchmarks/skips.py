@@ -1,4 +1,4 @@
-"""What a scene does not need it does not pay for: the same scene with each part left out and put in without effect.
+"""A scene does not pay for what it does not need: the same scene with each part left out and put in without effect.
 
 And what rigid bodies, an approximation that a scene may ask for, save and change.
 """
@@ -55,7 +55,7 @@ RIGID = (("rollers",), ("inner_ring",), ("outer_ring",), ("inner_ring", "outer_r
 
 
 def skip_table(size_mm: float, pairs: int) -> Table:
-    """Time loop without a part over the one with it, taken in turns, and how far their results differ."""
+    """Table of the time loop without a part over the one with it, in turns, and of how far their results differ."""
     headings = ("left out", "time over the same scene with it (median)", "lowest … highest", "largest difference")
     table = new_table(
         f"What a scene does not need: {size_mm:g} mm, {DURATION_MS:g} ms, {pairs} pairs in turns", headings

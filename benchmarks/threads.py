@@ -1,4 +1,4 @@
-"""Where threads pay: time of a step on one thread and on more, in turns: `python -m benchmarks.threads`."""
+"""Where threads pay: the time of a step on one thread and on more, in turns: `python -m benchmarks.threads`."""
 
 import statistics
 from functools import partial

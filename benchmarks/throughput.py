@@ -25,7 +25,7 @@ KERNELS = ("rollers' forces", "rings' forces")
 
 @dataclass(frozen=True, kw_only=True)
 class Mesh:
-    """What was measured on one mesh."""
+    """Measurements on one mesh."""
 
     size_mm: float
     plan: Plan
@@ -41,7 +41,7 @@ class Mesh:
 
     @property
     def full(self) -> float:
-        """Seconds for 0.06 s."""
+        """Time for 0.06 s of the bearing, s."""
         return FULL_S / self.plan.time_step * self.step
 
 
@@ -111,7 +111,7 @@ def size_table(meshes: list[Mesh]) -> Table:
 
 
 def exponent(meshes: list[Mesh]) -> float:
-    """Of the time for a fixed simulated time against degrees of freedom."""
+    """Exponent with which the time for a fixed simulated time grows over the degrees of freedom."""
     return float(np.polyfit(np.log([m.freedom for m in meshes]), np.log([m.full for m in meshes]), 1)[0])
 
 

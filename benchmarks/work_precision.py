@@ -37,7 +37,7 @@ COMPARED = ("hub_mean_y", "hub_std_x", "largest_force")
 
 @dataclass(frozen=True, kw_only=True)
 class Point:
-    """One model: what it costs and what it gives."""
+    """Cost and results of one model."""
 
     kind: str  # lagrange, subgrid, resolved
     name: str
@@ -49,7 +49,7 @@ class Point:
 
 
 def finite_elements(kind: str, size_mm: float) -> Point:
-    """Run one mesh."""
+    """Run the scene on one mesh."""
     record = RECORD_MS if kind == "subgrid" else RESOLVED_RECORD_MS
     interval = "numerics.output_interval_us=1" if kind == "resolved" else "numerics.output_interval_us=10"
     plan = paper_plan(size_mm, f"contact.model={kind}", f"numerics.duration_ms={record}", interval)
@@ -97,7 +97,7 @@ def rigid_bodies(law: str) -> Point:
 
 
 def rows(points: list[Point], finest: Point) -> list[list[str]]:
-    """Table cells; dynamic errors against the finest mesh below the grid."""
+    """Cells of the table's rows; dynamic errors against the finest mesh below the grid."""
 
     def off(point: Point, name: str) -> str:
         if point is finest:
@@ -132,7 +132,7 @@ LABELS = {
 
 
 def plot(points: list[Point], finest: Point, path: Path) -> None:
-    """Error against time, with the paper's cost."""
+    """Draw the error against the time, with the paper's cost."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -56,7 +56,7 @@ class Budget:
 
 
 def traction_resultant(contacts: Approaches, traction) -> tuple[np.ndarray, np.ndarray]:
-    """x and y components of the tangential forces on the inner ring, N, each (n_times,).
+    """Sum the tangential forces on the inner ring: x and y components, N, each (n_times,).
 
     `traction`, (n_times, n_rollers), N, acts on the roller along t = (−n_y, n_x), n pointing from the inner
     ring's centre to the roller's; the ring feels the opposite.
@@ -113,7 +113,7 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
 
 
 def _split(error, differentiation, contact_law, friction, load_and_weight) -> DirectionBudget:
-    """The budget of one direction; terms that the source does not tell are None, and left to the last one."""
+    """Budget of one direction. Terms for which the source holds no data are None; the last term takes them over."""
     known = {
         "differentiation": differentiation, "contact_law": contact_law, "friction": friction,
         "load_and_weight": load_and_weight,
@@ -128,7 +128,7 @@ def _split(error, differentiation, contact_law, friction, load_and_weight) -> Di
 
 
 def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
-    """Samples within `reach` of a contact that opens or closes, (n_times,) bool: there the order drops."""
+    """Mark the samples within `reach` of a contact that opens or closes, where the order drops, (n_times,) bool."""
     change = np.zeros(loaded.shape[0], dtype=bool)
     change[1:] = np.any(loaded[1:] != loaded[:-1], axis=1)
     kernel = np.ones(2 * reach + 1)
@@ -136,7 +136,7 @@ def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
 
 
 def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
-    """First and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
+    """Find the first and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
     at = np.flatnonzero(loaded)
     if at.size == 0:
         return []
@@ -147,7 +147,7 @@ def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
 
 
 def chatter_gap(record: Record) -> int:
-    """Longest opening, samples, within one pass through the load zone: 5 % of a cage revolution."""
+    """Longest opening within one pass through the load zone, samples: 5 % of a cage revolution."""
     cage = kinematics(record.bearing, record.operation.speed).frequencies["FTF"]
     samples = record.time.size // 50
     if cage > 0.0:

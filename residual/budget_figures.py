@@ -1,4 +1,4 @@
-"""The errors in detail: their terms stacked over a few roller passages, spectra of terms, envelope, short time."""
+"""Figures of the errors in detail: stacked terms over a few roller passages, spectra of terms, envelope, short time."""
 
 from pathlib import Path
 
@@ -58,7 +58,7 @@ def stacked_terms(evaluation: Evaluation, folder: Path) -> SavedFigure:
 
 
 def _middle(evaluation: Evaluation) -> slice:
-    """Samples of a few roller passages in the middle of the record; all of it for a standing bearing."""
+    """Choose the samples of a few roller passages in the middle of the record; all of them for a standing bearing."""
     t = evaluation.record
     passing = evaluation.lines.get("BPFO", 0.0)
     if passing == 0.0:
@@ -101,7 +101,7 @@ def budget_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
 
 
 def _thinned(spectrum: Spectrum) -> tuple[np.ndarray, np.ndarray]:
-    """Frequency and density averaged in bins of equal width on a logarithmic axis; a curve to look at."""
+    """Average frequency and density in bins of equal width on a logarithmic axis, for a curve to look at."""
     f, psd = spectrum.frequency[1:], spectrum.psd[1:]
     bins = np.unique(np.floor(BINS_PER_DECADE * np.log10(f)), return_inverse=True)[1]
     count = np.bincount(bins)

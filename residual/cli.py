@@ -99,7 +99,7 @@ def _check_law(law: str | None, bearing) -> None:
 
 
 def _newest() -> Path:
-    """The newest result file in runs/."""
+    """Find the newest result file in runs/."""
     found = sorted(RUNS.glob("*.nc"), key=lambda p: p.stat().st_mtime)
     if not found:
         raise InputError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")

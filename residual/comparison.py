@@ -1,4 +1,4 @@
-"""All contact laws ranked by the error force they leave, on samples no law was fitted to."""
+"""Contact laws ranked by the error force that each leaves, on samples that no law was fitted to."""
 
 from dataclasses import dataclass
 
@@ -38,18 +38,18 @@ class LawScore:
 
 
 def inner_law(name: str, record: Record) -> Law:
-    """The named law of the inner contact, with the damping that the scene's [lagrange] states."""
+    """Named law of the inner contact, with the damping that the scene's [lagrange] states."""
     law = contact_laws(name, record.bearing).inner
     damping = record.scene.lagrange.damping_N_s_m
     return DampedLaw(spring=law, damping=damping) if damping > 0.0 else law
 
 
 def identify(record: Record, approach, closing_speed, bridge: int, name: str) -> Identification:
-    """The law `name`, a key of FITTED, of a run that tells its forces; approach, m, and its rate, m/s.
+    """Fit the law `name`, a key of FITTED, to a run's own forces over the approach, m, and its rate, m/s.
 
     Errors
     ------
-    InputError: the run tells no forces, or they fix no law.
+    InputError: the source holds no forces, or they fix no law.
     """
     if record.inner_force is None:
         raise InputError(
@@ -63,7 +63,7 @@ def identify(record: Record, approach, closing_speed, bridge: int, name: str) ->
 
 
 def rank_laws(record: Record, budget: Budget, identified: dict[str, Identification]) -> list[LawScore]:
-    """Every law's error force, smallest first, on the held-back samples (all samples when nothing was fitted).
+    """Rank all laws by the error force on the held-back samples (all samples where nothing was fitted), smallest first.
 
     Parameters
     ----------

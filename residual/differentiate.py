@@ -101,7 +101,7 @@ def derivative(signal, interval: float, derivative: int = 2, order: int = 6) -> 
 
 
 def response(frequency, interval: float, order: int = 6) -> np.ndarray:
-    """Second-derivative stencil's gain over the exact −ω², at `frequency`, Hz: 1 is perfect."""
+    """Gain of the second derivative's stencil over the exact −ω² at `frequency`, Hz; 1 is perfect."""
     turns = np.asarray(frequency, dtype=float) * interval
     half = order // 2
     # 1 − cos as sines: no cancellation at frequencies far below the sampling's
@@ -110,7 +110,7 @@ def response(frequency, interval: float, order: int = 6) -> np.ndarray:
 
 @dataclass(frozen=True, kw_only=True)
 class Floor:
-    """What the differentiation itself contributes, in the unit of the second derivative."""
+    """Error that the differentiation itself makes, in the unit of the second derivative."""
 
     round_off: float  # bound: Σ|c| eps max|x − mean| / interval²
     truncation: float  # rms, of the central stencil

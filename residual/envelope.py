@@ -1,4 +1,4 @@
-"""Envelope spectrum: how the vibration at the ring's resonance swells and fades.
+"""Envelope spectrum, which shows how the vibration at the ring's resonance swells and fades.
 
 Something that strikes once per roller makes the resonance ring each time: its frequency shows in the envelope of
 the band around the resonance, not at low frequency itself.

@@ -1,4 +1,4 @@
-"""The whole check as one call."""
+"""The whole check of a run, as one call."""
 
 from dataclasses import dataclass, replace
 
@@ -113,7 +113,7 @@ def evaluate(
 
     Errors
     ------
-    InputError: `start` leaves too few samples; an unknown line; a law to be fitted where the run tells no forces.
+    InputError: `start` leaves too few samples; an unknown line; a law to be fitted where the source holds no forces.
     ValueError: unknown law or order.
     """
     law = record.scene.lagrange.law if law is None else law
@@ -176,7 +176,7 @@ def evaluate(
 
 
 def _observed(ideal: Kinematics, record: Record) -> Kinematics:
-    """Kinematics with the run's own cage speed: creep moves BPFO by more than a long record's resolution."""
+    """Take the run's own cage speed for the kinematics: creep moves BPFO by more than a long record's resolution."""
     if ideal.cage == 0.0 or record.cage_speed * ideal.cage <= 0.0:
         return ideal
     return replace(ideal, cage=record.cage_speed)

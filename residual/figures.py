@@ -50,7 +50,7 @@ def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
 
 
 def _panels(evaluation: Evaluation, n_rows: int, height: float):
-    """Figure, axes, and slim axes for the paper's ranges, None where the run is not of the paper's bearing."""
+    """Make a figure, its axes, and slim axes for the paper's ranges: None where the run is of another bearing."""
     if not paper.is_paper(evaluation.record.scene):
         return *panels(n_rows, height), None
     figure, axes, slim = panels_beside(n_rows, height)
@@ -59,7 +59,7 @@ def _panels(evaluation: Evaluation, n_rows: int, height: float):
 
 
 def point_contact(evaluation: Evaluation, folder: Path) -> SavedFigure:
-    """Figure 4: δ* of a point contact over the curvature difference, a ball bearing's two contacts marked."""
+    """Draw figure 4: δ* of a point contact over the curvature difference, a ball bearing's two contacts marked."""
     bearing = evaluation.record.bearing
     # close to F = 1 the curve falls steeply: as many points there as elsewhere
     difference = 1.0 - np.concatenate([np.linspace(1.0, 1e-2, 150), np.geomspace(1e-2, 1e-6, 60)[1:]])
@@ -83,7 +83,7 @@ def point_contact(evaluation: Evaluation, folder: Path) -> SavedFigure:
 
 
 def inner_ring_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
-    """Figure 6: x and y of the inner ring's centre."""
+    """Draw figure 6: x and y of the inner ring's centre."""
     t = evaluation.record
     figure, axes, slim = _panels(evaluation, 2, 4.6)
     for axis, name, value in ((axes[0], "x", t.inner_x), (axes[1], "y", t.inner_y)):
@@ -100,7 +100,7 @@ def inner_ring_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
 
 
 def roller_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
-    """Figure 7: radial position, velocity and acceleration of one roller, load zones shaded."""
+    """Draw figure 7: radial position, velocity and acceleration of one roller, load zones shaded."""
     t, order = evaluation.record, evaluation.order
     loaded = evaluation.budget.loaded
     bridge = evaluation.chatter
@@ -140,14 +140,14 @@ def roller_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
 
 
 def roller_radial(record: Record, j: int, order: int):
-    """ρ, m, of one roller, its velocity, m/s, and acceleration, m/s²."""
+    """Radial position ρ of one roller, m, its velocity, m/s, and its acceleration, m/s²."""
     rho = np.hypot(record.roller_x[:, j], record.roller_y[:, j])
     interval = record.interval
     return rho, derivative(rho, interval, 1, order), derivative(rho, interval, 2, order)
 
 
 def error_signal(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
-    """Figures 8 and 9: the left sides of (22) and, sign-flipped, of (23)."""
+    """Draw figure 8 or 9: the left side of (22), or of (23) with its sign flipped."""
     t, error = evaluation.record, direction.budget.error
     load = t.operation.radial_load
     if direction.name == "x":
@@ -176,7 +176,7 @@ def error_signal(evaluation: Evaluation, folder: Path, direction: Direction) -> 
 
 
 def spectrum_low(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
-    """Figures 10 and 11: power spectral density up to 300 Hz, linear."""
+    """Draw figure 10 or 11: power spectral density up to 300 Hz, on linear axes."""
     spectrum, axis_name = direction.spectrum, direction.name
     name, equation = ("fig10", "22") if axis_name == "x" else ("fig11", "23")
     inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= PAPER_BAND + spectrum.resolution)
@@ -205,7 +205,7 @@ def spectrum_low(evaluation: Evaluation, folder: Path, direction: Direction) -> 
 
 
 def spectrum_whole(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
-    """Figures 10b and 11b: the spectrum up to the Nyquist frequency, logarithmic, kinematic lines marked."""
+    """Draw figure 10b or 11b: the spectrum up to the Nyquist frequency on logarithmic axes, kinematic lines marked."""
     spectrum, axis_name = direction.spectrum, direction.name
     name = "fig10b" if axis_name == "x" else "fig11b"
     f, psd = spectrum.frequency[1:], spectrum.psd[1:]
@@ -242,7 +242,7 @@ def spectrum_whole(evaluation: Evaluation, folder: Path, direction: Direction) -
 
 
 def paper_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
-    """All of the paper's figures, in order."""
+    """Draw all of the paper's figures, in order."""
     drawn = [
         point_contact(evaluation, folder), inner_ring_motion(evaluation, folder), roller_motion(evaluation, folder)
     ]  # fmt: skip

@@ -56,7 +56,7 @@ class Identification:
 def fit_law(
     approach, force, bridge: int, extras: tuple[Extra, ...] = (), closing_speed=None, samples: int | None = None
 ) -> Identification:
-    """Least-squares fit of Q = K δ^n to closed contacts.
+    """Fit Q = K δ^n to closed contacts by least squares.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def fit_law(
 
 
 def passage_numbers(closed: np.ndarray, bridge: int) -> np.ndarray:
-    """A number for each passage of a roller through the load zone, (n_times, n_rollers); −1 outside."""
+    """Number each passage of a roller through the load zone, (n_times, n_rollers); −1 outside."""
     number = np.full(closed.shape, -1)
     count = 0
     for j in range(closed.shape[1]):
@@ -137,7 +137,7 @@ def _model(parameters, extras, depth, causes):
 
 
 def _least_squares(extras, depth, load, causes):
-    """Parameters (ln K, n, extras) in units of the data, Jacobian and run − law at the optimum."""
+    """Find the parameters (ln K, n, extras) in units of the data; Jacobian and run − law at the optimum."""
     from scipy.optimize import least_squares
 
     found = least_squares(
@@ -163,7 +163,7 @@ def _clustered_covariance(jacobian, miss, passage) -> np.ndarray:
 
 
 def _identified(extras, parameters, covariance, units, **facts) -> Identification:
-    """Back to SI: ln K = ln K' + ln Q0 − n ln δ0, so K and n are correlated and K's interval is wide."""
+    """Convert to SI: ln K = ln K' + ln Q0 − n ln δ0, so K and n are correlated and K's interval is wide."""
     exponent = float(parameters[1])
     log_stiffness = float(parameters[0] + np.log(units["load"]) - exponent * np.log(units["depth"]))
     weights = np.zeros(parameters.size)
@@ -186,7 +186,7 @@ def _identified(extras, parameters, covariance, units, **facts) -> Identificatio
 
 
 def _law(stiffness: float, exponent: float, extras: dict[str, Interval], deepest: float) -> PowerLaw | DampedLaw:
-    """The law with the numbers found, if its iteration converges."""
+    """Make the law with the numbers found, if its iteration converges."""
     about = {
         "name": "_".join(["fitted", *(ADJECTIVE[extra] for extra in extras)]),
         "stiffness": stiffness, "exponent": exponent, "range": "the depths it was fitted to",

@@ -1,4 +1,4 @@
-"""The spectra as data for the page's own plot, which can be zoomed."""
+"""Data of the spectra for the page's own plot, which can be zoomed."""
 
 import json
 
@@ -14,7 +14,7 @@ DIGITS = 4
 
 
 def spectra_json(evaluation: Evaluation) -> str:
-    """Frequencies, Hz, densities, N²/Hz, and kinematic lines, as JSON that may stand inside a script element."""
+    """Write frequencies, Hz, densities, N²/Hz, and kinematic lines as JSON that may stand inside a script element."""
     kept = _kept(evaluation.x.spectrum, evaluation.y.spectrum)
     spectra = {direction.name: direction.spectrum.psd[kept] for direction in evaluation.directions}
     top = max(float(psd.max()) for psd in spectra.values())
@@ -31,7 +31,7 @@ def spectra_json(evaluation: Evaluation) -> str:
 
 
 def _kept(x: Spectrum, y: Spectrum) -> np.ndarray:
-    """Bins to show: all of a short record; of a long one those below ALL_BELOW and each group's highest in x and y."""
+    """Choose the bins to show: all of a short record; of a long one those below ALL_BELOW and each group's highest."""
     n = x.frequency.size
     if n - 1 <= MOST_POINTS:
         return np.arange(1, n)

@@ -10,7 +10,7 @@ MILLIMETRES = 1e3
 
 
 def ranking_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Law, mean and rms in x, mean and rms in y, rms per contact; N; the law in use marked."""
+    """Rows of law, mean and rms in x, mean and rms in y, rms per contact, N; the law in use is marked."""
     rows = []
     for score in evaluation.laws:
         name = score.name + (" (in use)" if score.name == evaluation.law.name else "")
@@ -21,7 +21,7 @@ def ranking_rows(evaluation: Evaluation) -> list[list[str]]:
 
 
 def ranking_span(evaluation: Evaluation) -> str:
-    """Which samples the ranking is about."""
+    """Say which samples the ranking is about."""
     time = evaluation.record.time
     if not evaluation.identified:
         return f"The whole record, {text(1e3 * time[0])} to {text(1e3 * time[-1])} ms"
@@ -33,7 +33,7 @@ def ranking_span(evaluation: Evaluation) -> str:
 
 
 def fit_sentences(evaluation: Evaluation) -> list[str]:
-    """What the fit found, what disappears with it, what remains and why; empty for a named law."""
+    """Say what the fit found, what disappears with it, what remains and why; nothing for a named law."""
     found = evaluation.identification
     if found is None:
         return []
@@ -44,7 +44,7 @@ def fit_sentences(evaluation: Evaluation) -> list[str]:
 
 
 def _constants(found: Identification) -> str:
-    """K, n and c with their intervals."""
+    """State the fitted numbers with their intervals."""
     scale = MILLIMETRES**-found.exponent.value
     numbers = (
         f"Fitted: K = {_interval(found.stiffness, scale)} N/mm^n, n = {_interval(found.exponent)}"
@@ -70,7 +70,7 @@ def _known(found: Identification) -> str:
 
 
 def _disappears(evaluation: Evaluation) -> str:
-    """Against the reference law, on the held-back part."""
+    """Compare the fitted law with the reference law on the held-back part."""
     names = [score.name for score in evaluation.laws if score.name not in evaluation.identified]
     name = REFERENCE if REFERENCE in names else names[0]
     before, after = evaluation.score(name), evaluation.score(evaluation.law.name)
@@ -85,7 +85,7 @@ def _disappears(evaluation: Evaluation) -> str:
 
 
 def _remains(evaluation: Evaluation, found: Identification) -> str:
-    """The budget of the held-back part, largest first."""
+    """State the budget of the held-back part, largest term first."""
     parts = []
     for d in evaluation.directions:
         left = sorted(((rms(v[found.samples :]), name) for name, v in d.budget.terms.items()), reverse=True)

@@ -11,7 +11,7 @@ ALIKE = 0.05  # loads this near agree
 
 
 def meaning(evaluation: Evaluation, statics: QuasiStatic | None) -> list[str]:
-    """Sentences, from the trajectories' soundness to what the model may be used for, as far as the run has the data."""
+    """Say how sound the trajectories are and what the model may be used for, as far as the run has the data."""
     found = [_sound(evaluation), _mean(evaluation), _varying(evaluation), _best(evaluation), _omitted(evaluation)]
     if statics is not None:
         found.append(_used(evaluation, statics))

@@ -1,4 +1,4 @@
-"""Where the inner ring's centre goes and how the load passes from roller to roller, beside the Lagrangian statics."""
+"""Figures of the inner ring's path and of the load from roller to roller, beside the Lagrangian statics."""
 
 from pathlib import Path
 

@@ -158,7 +158,7 @@ def mark_lines(axis, lines: dict[str, float], low: float, high: float, labels: b
 
 
 def line_handles(families: list[str], lines: dict[str, float]):
-    """Legend entries of kinematic lines."""
+    """Make the legend's entries of kinematic lines."""
     from matplotlib.lines import Line2D
 
     return [

@@ -75,7 +75,7 @@ class Record:
         return float(np.mean(angle[-1] - angle[0]) / (self.time[-1] - self.time[0]))
 
     def samples(self, part: slice) -> "Record":
-        """The same record restricted to some samples."""
+        """Restrict the record to some samples."""
         cut = {}
         for f in fields(self):
             value = getattr(self, f.name)

@@ -38,7 +38,7 @@ def render_report(
     version: str,
     statics: QuasiStatic | None = None,
 ) -> str:
-    """The page's HTML text."""
+    """Write the page's HTML text."""
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
@@ -81,12 +81,12 @@ def render_report(
 
 
 def _vendored(name: str) -> Markup:
-    """A file of uPlot, for the page itself: it must open without a network."""
+    """Read a file of uPlot, which goes into the page itself: it must open without a network."""
     return Markup((TEMPLATES / "vendor" / name).read_text(encoding="utf-8"))
 
 
 def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
-    """Key numbers that are not errors."""
+    """Rows of the key facts of the run and the check."""
     t = evaluation.record
     bearing, operation, scene = t.bearing, t.operation, t.scene
     low, high = evaluation.loaded_range
@@ -117,7 +117,7 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
 
 
 def _elements(bearing: Bearing) -> str:
-    """Kind and size of the rolling elements."""
+    """Name the kind and size of the rolling elements."""
     diameter = text(2e3 * bearing.roller_radius)
     if isinstance(bearing, BallBearing):
         return f"balls Ø {diameter} mm"
@@ -125,7 +125,7 @@ def _elements(bearing: Bearing) -> str:
 
 
 def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
-    """The run's cage speed beside that of rolling without slip; none for a standing bearing."""
+    """Row of the run's cage speed beside that of rolling without slip; none for a standing bearing."""
     if "FTF" not in evaluation.lines:
         return []
     cage, ideal = evaluation.lines["FTF"], evaluation.ideal_cage
@@ -136,7 +136,7 @@ def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
 
 
 def _embedded(figure: SavedFigure) -> str:
-    """The figure as a data address: vectors unless they are many and take more room than pixels."""
+    """Encode the figure as a data address: vectors unless they are many and take more room than pixels."""
     vectors, pixels = figure.svg.stat().st_size, figure.png.stat().st_size
     small = vectors <= LARGEST_SVG or vectors <= pixels
     path, kind = (figure.svg, "svg+xml") if small else (figure.png, "png")

@@ -1,4 +1,4 @@
-"""The solver's result file (HDF5) -> `Record`; tables are read in `table_source`."""
+"""Reader of the solver's result file (HDF5); tables are read in `table_source`."""
 
 from pathlib import Path
 
@@ -25,7 +25,7 @@ ENERGIES = ("energy_kinetic", "energy_elastic", "energy_contact", "work_external
 
 
 def read_result(path: str | Path) -> Record:
-    """A run's result file, up to its last committed sample.
+    """Read a run's result file up to its last committed sample.
 
     Errors
     ------
@@ -62,7 +62,7 @@ def _read(path: Path) -> Record:
 
 
 def _from_file(path: Path, file) -> Record:
-    """Record of an open result file, not yet checked."""
+    """Read an open result file; the record is not checked yet."""
     attributes = {name: _plain(file.attrs[name]) for name in ATTRIBUTES if name in file.attrs}
     for name in ("status", "warnings", "program_version"):  # they are printed
         if name in attributes:
@@ -104,7 +104,7 @@ def _from_file(path: Path, file) -> Record:
 
 
 def _stated_errors(file) -> tuple[StatedError, ...]:
-    """Errors that `run-fem --estimate-error` has stated in the file."""
+    """Read the errors that `run-fem --estimate-error` has stated in the file."""
     names = ("quantity_meaning", "quantity_unit", "quantity_value", "quantity_error")
     if not all(has(file, name) for name in names):
         return ()
@@ -122,12 +122,12 @@ def _stated_errors(file) -> tuple[StatedError, ...]:
 
 
 def _words(value: object) -> str:
-    """Text fit to be printed."""
+    """Make text fit to be printed."""
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in str(value)[:LONGEST_WORDS])
 
 
 def _check_size(path: Path, file, names: list[str], n: int, scene: Scene) -> None:
-    """Kinds, shapes and sizes, before anything is read."""
+    """Refuse wrong kinds, shapes and sizes before anything is read."""
     size = 0
     for name in names:
         check_array(file, name, n)
@@ -151,7 +151,7 @@ def is_result(path: Path) -> bool:
 
 
 def check_readable(path: Path) -> None:
-    """The commonest mistakes, said plainly."""
+    """Refuse what is plainly no result file or table: missing, empty, unreadable, misnamed."""
     if not path.exists():
         raise InputError(f"{path}: no such file; give the path of a result file or a table, or run run-fem first")
     if not path.is_file():
@@ -168,7 +168,7 @@ def check_readable(path: Path) -> None:
 
 
 def _plain(value):
-    """An HDF5 attribute as a plain Python value."""
+    """Convert an HDF5 attribute into a plain Python value."""
     if isinstance(value, bytes):
         return value.decode("utf-8", errors="replace")
     if isinstance(value, np.generic):

@@ -58,7 +58,7 @@ def kinematic_lines(kinematics: Kinematics) -> dict[str, float]:
 
 
 def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectrum:
-    """One-sided PSD, mean removed, Hann window.
+    """One-sided power spectral density of a signal, its mean removed, with a Hann window.
 
     The whole signal is one periodogram, for the finest resolution, unless it is longer than two segments of
     40 periods of `slowest_line`, Hz; then such segments are averaged (Welch, half overlapped).
@@ -91,7 +91,7 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
 
 
 def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> list[Peak]:
-    """Significant peaks, highest first.
+    """Find significant peaks, highest first.
 
     A peak must exceed the smooth background by more than exponentially distributed bins of noise do, and
     stand clear of its neighbours by a factor 4. Noise alone shows a peak in about one of twenty spectra.
@@ -142,7 +142,7 @@ def _background(frequency: np.ndarray, level: np.ndarray) -> np.ndarray:
 
 
 def _describe(spectrum: Spectrum, i: int, step: float, lines: dict[str, float]) -> Peak:
-    """The peak at bin `i`, named."""
+    """Describe and name the peak at bin `i`."""
     frequency = _interpolate(spectrum.psd, i) * step
     near = sorted((abs(value - frequency), name) for name, value in lines.items())
     line = near[0][1] if near and near[0][0] <= step else None

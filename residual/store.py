@@ -1,4 +1,4 @@
-"""The report folder: residual.nc, summary.json, figures, report.html; it appears whole or not at all."""
+"""Writer of the report folder, residual.nc, summary.json, figures, report.html, which appears whole or not at all."""
 
 import json
 import os
@@ -27,7 +27,7 @@ def package_version() -> str:
 
 
 def write_report(evaluation: Evaluation, folder: str | Path, tolerance: float | None = None) -> dict:
-    """Write the report folder and give back the summary.
+    """Write the report folder and return the summary.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def _move_into_place(fresh: Path, folder: Path) -> None:
 
 
 def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict:
-    """Every file of the report."""
+    """Write every file of the report."""
     import matplotlib.pyplot as plt
 
     from residual.budget_figures import detail_figures
@@ -120,7 +120,7 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
 
 
 def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
-    """residual.nc: HDF5 with dimension scales, which is NetCDF-4."""
+    """Write residual.nc: HDF5 with dimension scales, which is NetCDF-4."""
     import h5py
 
     t, budget = evaluation.record, evaluation.budget
@@ -150,7 +150,7 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
 
 
 def _densities(evaluation: Evaluation) -> dict[str, tuple[np.ndarray, str]]:
-    """Power spectral densities, N²/Hz, and what they are of, by variable."""
+    """Power spectral densities, N²/Hz, and what each is of, by the variable's name."""
     found = {}
     for d in evaluation.directions:
         error = f"error_{d.name}"

@@ -14,7 +14,7 @@ PROGRAM = "check-residual"
 
 
 def summarise(evaluation: Evaluation, tolerance: float | None, version: str) -> dict:
-    """The content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
+    """Content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
     t, directions = evaluation.record, evaluation.directions
     low, high = evaluation.loaded_range
     floors = floor_newtons(evaluation)

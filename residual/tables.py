@@ -11,12 +11,12 @@ from residual.words import text, words
 
 
 def span(values, scale: float = 1.0, digits: int = 4) -> str:
-    """The smallest and the largest of some values, scaled."""
+    """Write the smallest and the largest of some values, scaled."""
     return f"{text(scale * float(np.min(values)), digits)} … {text(scale * float(np.max(values)), digits)}"
 
 
 def verdict(evaluation: Evaluation, tolerance: float | None) -> str:
-    """The outcome in one sentence."""
+    """State the outcome in one sentence."""
     error_x, error_y = evaluation.judged
     worst = max(error_x.rms, error_y.rms)
     part = "" if evaluation.identification is None else ", on the part of the record that the law was not fitted to"
@@ -89,7 +89,7 @@ def paper_rows(evaluation: Evaluation) -> list[list[str]]:
 
 
 def _band_peak(direction: Direction) -> str:
-    """The strongest significant peak in the paper's band, or the strongest bin when none stands out."""
+    """State the strongest significant peak in the paper's band, or the strongest bin where none stands out."""
     peaks = [p for p in direction.peaks if p.frequency <= 300.0]
     if peaks:
         return f"{text(peaks[0].frequency)} Hz, {text(peaks[0].psd, 3)} N²/Hz"
@@ -117,7 +117,7 @@ def floor_newtons(evaluation: Evaluation) -> tuple[float, float]:
 
 
 def honest_notes(evaluation: Evaluation) -> list[str]:
-    """Sentences about what limits the numbers."""
+    """Say what limits the numbers, in sentences."""
     x, y = evaluation.directions
     spectrum = x.spectrum
     reach = MAIN_LOBE * spectrum.resolution
@@ -156,7 +156,7 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
 
 
 def _law_note(evaluation: Evaluation) -> str:
-    """A sentence about what the law is worth."""
+    """Say what the law is worth."""
     if evaluation.identification is not None:
         return (
             "The law was fitted to the first part of this record: the numbers of the whole record include that part; "

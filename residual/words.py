@@ -2,7 +2,7 @@
 
 
 def text(value: float, digits: int = 4) -> str:
-    """A number with so many significant digits, with a true minus sign."""
+    """Write a number with so many significant digits and a true minus sign."""
     plain = f"{value:.{digits}g}"
     if "e" in plain:
         mantissa, exponent = plain.split("e")
@@ -11,5 +11,5 @@ def text(value: float, digits: int = 4) -> str:
 
 
 def words(name: str) -> str:
-    """The name of a budget's term as words."""
+    """Write the name of a budget's term as words."""
     return name.replace("_", " ")

@@ -24,7 +24,7 @@ def coarse_run(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def can_draw():
-    """Skips the test on a machine that can't draw off-screen."""
+    """Skip the test on a machine that can't draw off-screen."""
     from fem.errors import UsageError
     from fem.pictures.rendering_probe import check_rendering
 
@@ -36,7 +36,7 @@ def can_draw():
 
 @pytest.fixture
 def plain_report(monkeypatch):
-    """Reports without figures, which take most of the time and are tested elsewhere."""
+    """Make reports without figures, which take most of the time and are tested elsewhere."""
     monkeypatch.setattr("residual.figures.paper_figures", lambda *_: [])
     monkeypatch.setattr("residual.motion_figures.motion_figures", lambda *_: [])
     monkeypatch.setattr("residual.diagnostics.extra_figures", lambda *_: [])

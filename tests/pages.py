@@ -1,4 +1,4 @@
-"""What the pages in docs/ that a command writes share."""
+"""What commands that write pages of docs/ share."""
 
 import subprocess
 from collections.abc import Iterable, Sequence
@@ -13,5 +13,5 @@ def commit() -> str:
 
 
 def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in markdown."""
+    """Write a table in markdown."""
     return "\n".join("| " + " | ".join(cells) + " |" for cells in (headings, ["---"] * len(headings), *rows))

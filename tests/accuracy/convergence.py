@@ -47,7 +47,7 @@ SUDDEN = (
 
 @dataclass(frozen=True, kw_only=True)
 class Series:
-    """One quantity along a series of halvings, coarsest first."""
+    """Values of one quantity along a series of halvings, coarsest first."""
 
     name: str
     unit: str
@@ -60,13 +60,13 @@ class Series:
 
     @property
     def orders(self) -> list[float]:
-        """Between successive changes; of the true errors where the exact value is known."""
+        """Orders between successive changes, or between true errors where the exact value is known."""
         steps = np.abs(np.array(self.values) - self.exact) if self.exact is not None else self.changes
         return [log2(a / b) if a > 0.0 and b > 0.0 else float("nan") for a, b in itertools.pairwise(steps)]
 
     @property
     def limit(self) -> float:
-        """Exact, or extrapolated with the last order observed."""
+        """The exact value, or the one extrapolated with the last order observed."""
         if self.exact is not None:
             return self.exact
         order = self.orders[-1]
@@ -81,7 +81,7 @@ def scene(*overrides: str) -> Scene:
 
 
 def measure(chosen: Scene, folder: Path, statics: bool) -> dict[str, tuple[float, str]]:
-    """Every quantity of interest of one run, and its error forces: name to value and unit."""
+    """Run once; value and unit of every quantity of interest and of the error forces, by name."""
     plan = make_plan(chosen)
     path = folder / "run.nc"
     with ResultFile(path, plan, 0.0) as store:
@@ -105,7 +105,7 @@ def measure(chosen: Scene, folder: Path, statics: bool) -> dict[str, tuple[float
 
 
 def series(scenes: list[Scene], exact: dict[str, float] | None = None) -> list[Series]:
-    """All quantities along a list of scenes."""
+    """Measure all quantities along a list of scenes."""
     runs = []
     for chosen in scenes:
         with tempfile.TemporaryDirectory() as folder:
@@ -118,7 +118,7 @@ def series(scenes: list[Scene], exact: dict[str, float] | None = None) -> list[S
 
 
 def in_mesh_size() -> list[Series]:
-    """Mesh and step together, as users change them."""
+    """Refine mesh and step together, as users do."""
     base = scene()
     how = base.ideal_operation()
     found = exact_statics(base.ideal_bearing(), how.radial_load, how.first_roller_angle)
@@ -131,7 +131,7 @@ def in_mesh_size() -> list[Series]:
 
 
 def in_time_step() -> list[Series]:
-    """At the coarsest mesh, a sudden load; the share of the critical step is chosen so that the steps halve exactly."""
+    """Halve the step under a sudden load on the coarsest mesh; shares of the critical step make the halves exact."""
     plan = make_plan(scene(f"numerics.mesh_size_mm={COARSE_MM}", *SUDDEN))
     largest = plan.time_step / plan.critical_time_step
     options = [f"numerics.time_step_safety={largest * share * (1.0 + 1e-9)}" for share in STEP_SHARES]
@@ -139,13 +139,13 @@ def in_time_step() -> list[Series]:
 
 
 def in_output_interval() -> list[Series]:
-    """At the coarsest mesh, a sudden load: the checker's finite differences."""
+    """Halve the interval of the checker's finite differences under a sudden load on the coarsest mesh."""
     options = [f"numerics.output_interval_us={interval}" for interval in INTERVALS_US]
     return series([scene(f"numerics.mesh_size_mm={COARSE_MM}", *SUDDEN, option) for option in options])
 
 
 def table(title: str, steps: list[str], found: list[Series]) -> list[list[str]]:
-    """Heading and rows: values, orders, limit."""
+    """Make the heading and the rows: values, orders, limit."""
     rows = [[title, "unit", *steps, "orders", "limit"]]
     for one in found:
         orders = ", ".join("-" if np.isnan(order) else f"{order:.1f}" for order in one.orders)
@@ -157,7 +157,7 @@ def table(title: str, steps: list[str], found: list[Series]) -> list[list[str]]:
 
 
 def plot(found: dict[str, tuple[str, list[float], list[Series]]], path: Path) -> None:
-    """Distance from the limit against mesh size, step and interval."""
+    """Draw the distance from the limit against mesh size, step and interval."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -28,7 +28,7 @@ RESOLVED_MM = (0.03, 0.021, 0.015, 0.0105)
 
 @dataclass(frozen=True, kw_only=True)
 class Point:
-    """One mesh under one contact model."""
+    """Results of one mesh under one contact model."""
 
     model: str
     size_mm: float
@@ -41,7 +41,7 @@ class Point:
 
 
 def measure(kind: str, size_mm: float) -> Point:
-    """Statics on one mesh."""
+    """Solve the statics on one mesh."""
     scene = read_scene()
     bearing = scene.ideal_bearing()
     how = replace(scene.ideal_operation(), gravity=0.0)
@@ -93,7 +93,7 @@ HEADINGS = (
 
 
 def rows(points: list[Point]) -> list[list[str]]:
-    """Table cells."""
+    """Cells of the table's rows."""
     return [
         [
             p.model, f"{p.size_mm:g} mm", f"{p.per_half_width:.3g}", f"{p.degrees_of_freedom}",
@@ -105,7 +105,7 @@ def rows(points: list[Point]) -> list[list[str]]:
 
 
 def plot(points: list[Point], path: Path) -> None:
-    """Error and the sub-grid law's share against mesh size over half-width."""
+    """Draw error and the sub-grid law's share against mesh size over half-width."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -1,4 +1,4 @@
-"""Fuzzing of every reader: python -m tests.fuzz scene|table|result|checkpoint --seconds 600
+"""Search for inputs that a reader neither takes nor refuses in a sentence: python -m tests.fuzz result --seconds 600
 
 Each target takes bytes as a file's content and lets pass only what its reader promises: a usable object, or the error
 that the commands print as a sentence. Anything else, more than 1 GB of memory or 25 s for one input stops the fuzzer,
@@ -92,30 +92,30 @@ def _instrument(atheris) -> None:
 
 
 def _processor_seconds() -> float:
-    """Of this process and of the children that read first."""
+    """Processor time of this process and of the children that read first, s."""
     own, children = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return own.ru_utime + own.ru_stime + children.ru_utime + children.ru_stime
 
 
 def _peak_mb() -> float:
-    """Most memory this process or a child has held; Linux counts in kB."""
+    """Most memory that this process or a child has held, MB; Linux counts in kB."""
     return max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)) / 1e3
 
 
 def _bound_memory() -> None:
-    """As in the child that reads first, so that HDF5 meets the same limit here."""
+    """Limit the memory as in the child that reads first, so that HDF5 meets the same limit here."""
     pages = int(Path("/proc/self/statm").read_text().split()[0])
     most = pages * os.sysconf("SC_PAGE_SIZE") + MEMORY_MB * 2**20 // 2
     resource.setrlimit(resource.RLIMIT_AS, (most, resource.getrlimit(resource.RLIMIT_AS)[1]))
 
 
 def _memory_mb() -> float:
-    """What this process holds now."""
+    """Memory that this process holds now, MB."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 def main() -> None:
-    """Command line."""
+    """Read the command line and search, or try one input."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("target", choices=NAMES)
     parser.add_argument(

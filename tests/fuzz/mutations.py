@@ -23,7 +23,7 @@ INTEGERS = (0, 1, 2**7, 2**8 - 1, 2**15, 2**16 - 1, 2**31 - 1, 2**31, 2**32 - 1,
 
 
 def scene(data: bytes, random: Random) -> bytes:
-    """Values, keys and tables of a TOML text changed, moved, dropped and doubled."""
+    """Change, move, drop and double values, keys and tables of a TOML text."""
     lines = data.decode("utf-8", errors="replace").split("\n")
     for _ in range(random.choice((1, 1, 1, 2, 4))):
         at = random.randrange(len(lines))
@@ -45,7 +45,7 @@ def scene(data: bytes, random: Random) -> bytes:
 
 
 def table(data: bytes, random: Random) -> bytes:
-    """Cells, columns and rows of a table changed, scaled, dropped and doubled."""
+    """Change, scale, drop and double cells, columns and rows of a table."""
     text = data.decode("utf-8", errors="replace")
     delimiter = "\t" if "\t" in text else ","
     rows = [line.split(delimiter) for line in text.split("\n")]
@@ -73,7 +73,7 @@ def table(data: bytes, random: Random) -> bytes:
 
 
 def damaged(data: bytes, random: Random) -> bytes:
-    """Bits, bytes and words changed, pieces moved, the end cut off."""
+    """Change bits, bytes and words, move pieces, cut off the end."""
     content = bytearray(data)
     for _ in range(random.choice((1, 1, 1, 2, 4, 16))):
         if not content:
@@ -95,7 +95,7 @@ def damaged(data: bytes, random: Random) -> bytes:
 
 
 def archive(data: bytes, random: Random) -> bytes:
-    """A checkpoint whose arrays, or words about them, are changed; half of the time with checksums that hold."""
+    """Change arrays of a checkpoint, or the words about them, half of the time with checksums that hold."""
     if random.random() < 0.5:
         return damaged(data, random)
     try:
@@ -128,7 +128,7 @@ MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
 
 
 def _number(text: str, random: Random) -> str:
-    """A number near or far from one."""
+    """Exchange a number for one near or far from it."""
     try:
         value = float(text)
     except ValueError:
@@ -153,7 +153,7 @@ def _scale(rows: list[list[str]], column: int, factor: float) -> None:
 
 
 def _other_meta(data: bytes, random: Random) -> bytes:
-    """The JSON of a checkpoint with one value exchanged; its array's header tells the length."""
+    """Exchange one value in the JSON of a checkpoint; its array's header holds the length."""
     start = data.find(b"{", data.find(b"\n"))
     try:
         meta = json.loads(data[start:])

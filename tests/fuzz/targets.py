@@ -25,7 +25,7 @@ class Targets:
         warnings.simplefilter("error", RuntimeWarning)  # an overflow that nobody looked for
 
     def scene(self, data: bytes) -> bool:
-        """A scene file; what is taken must come back from its own text. Whether it was taken."""
+        """Read a scene file; what is taken must come back from its own text. Whether it was taken."""
         from lagrange.scene import SceneError, parse_scene_text, read_scene
 
         path = self._file("fuzzed.toml", data)
@@ -37,7 +37,7 @@ class Targets:
         return True
 
     def table(self, data: bytes) -> bool:
-        """A trajectory table, and its evaluation where it is taken."""
+        """Read a trajectory table, and evaluate it where it is taken."""
         from lagrange.scene import parse_scene_text
         from residual.errors import InputError
         from residual.table_source import read_table
@@ -51,7 +51,7 @@ class Targets:
         return True
 
     def result(self, data: bytes) -> bool:
-        """A result file. First in a child, as always; then here, so that the search sees which way it took."""
+        """Read a result file first in a child, as always; then here, so that the search sees which way it took."""
         from residual import sources
         from residual.errors import InputError
 
@@ -69,7 +69,7 @@ class Targets:
         return True
 
     def checkpoint(self, data: bytes) -> bool:
-        """The state of a run."""
+        """Read the state of a run."""
         from fem.errors import UsageError
         from fem.result.checkpoint import load_checkpoint
 
@@ -90,14 +90,14 @@ NAMES = ("scene", "table", "result", "checkpoint")
 
 
 def _refused(error: Exception) -> bool:
-    """The message must be fit for a terminal."""
+    """Check that the message is fit for a terminal."""
     text = str(error)
     assert 0 < len(text) <= LONGEST_MESSAGE and all(c.isprintable() or c == "\n" for c in text), repr(text)
     return False
 
 
 def _evaluated(trajectory) -> None:
-    """What the reader takes can be evaluated, and the numbers be written."""
+    """Check that what the reader takes can be evaluated, and the numbers be written."""
     from residual.evaluation import evaluate
     from residual.summary import summarise
 
@@ -117,7 +117,7 @@ def _plan():
 
 
 def seeds(name: str) -> list[bytes]:
-    """Sound inputs to start from, small ones."""
+    """Make small sound inputs to start from."""
     from lagrange.scene import Scene
 
     if name == "scene":
@@ -145,7 +145,7 @@ def _run(arguments: list[str]) -> None:
 
 
 def _unchecked(path: Path) -> bytes:
-    """A result file without checksums, which would stop most changes."""
+    """Read a result file without its checksums, which would stop most changes."""
     import h5py
 
     from lagrange.stored import CHECKSUM, SCENE_CHECKSUM
@@ -158,7 +158,7 @@ def _unchecked(path: Path) -> bytes:
 
 
 def _table(path: Path, delimiter: str) -> bytes:
-    """A result file's motion as a table."""
+    """Write a result file's motion as a table."""
     import h5py
     import numpy as np
 

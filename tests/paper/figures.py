@@ -27,7 +27,7 @@ FACETED_ROWS = (0, 5, 6)
 
 
 def _records(found: Record, law: str) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Time, ms, and the quantities of ROWS."""
+    """Time, ms, and the quantities of ROWS over it."""
     first = int(np.searchsorted(found.time, SKIPPED))
     checked = evaluate(found, law=law, start=SKIPPED)
     j = chosen_roller(checked.budget.loaded, 1)
@@ -39,7 +39,7 @@ def _records(found: Record, law: str) -> tuple[np.ndarray, list[np.ndarray]]:
 
 
 def draw_records(path: Path, ours: Record, soft: Record, facets: Record, titles: tuple[str, str]) -> None:
-    """Each of the paper's figures: ours at its own scale; at the paper's, ours and two comparison runs.
+    """Draw each of the paper's figures: ours at its own scale; at the paper's, ours and two comparison runs.
 
     Left sides are with Harris' law for ours, with the fitted one for the others; the run on facets, which rattles, is
     drawn in x and the left sides.
@@ -94,7 +94,7 @@ def _spectra(axes, records: list[np.ndarray], interval: float, colour: str) -> N
 
 
 def _limits(low: float, high: float, values: np.ndarray) -> tuple[float, float]:
-    """The band and, as far as three times it, the values."""
+    """Limits that show the band and, as far as three times its width, the values."""
     size = high - low
     bottom = max(min(low, values.min()), low - size)
     top = min(max(high, values.max()), high + size)
@@ -112,7 +112,7 @@ COLUMNS = (
 
 
 def draw_variants(path: Path, measured: list[tuple[Variant, Measured]]) -> None:
-    """A row for each variant, a column for each quantity, the paper's ranges as bands."""
+    """Draw a row for each variant, a column for each quantity, the paper's ranges as bands."""
     count = len(measured)
     with plt.rc_context(STYLE | {"font.size": 9, "axes.labelsize": 9.5, "xtick.labelsize": 8.5}):
         figure, axes = plt.subplots(1, len(COLUMNS), figsize=(11.0, 0.36 * count + 1.5), sharey=True)

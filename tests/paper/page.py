@@ -24,7 +24,7 @@ SINK = 0.5 * abs(sum(paper.INNER_Y))  # m, middle of the paper's y
 
 
 def text(value: float, digits: int = 3) -> str:
-    """A number with a true minus sign, plain from 0.001 to 99 999."""
+    """Write a number with a true minus sign, plain from 0.001 to 99 999."""
     shown = f"{value + 0.0:.{digits}g}"
     if "e" in shown and 1e-3 <= abs(value) < 1e5:
         shown = f"{value:.0f}"
@@ -33,12 +33,12 @@ def text(value: float, digits: int = 3) -> str:
 
 
 def span(ends: Range, scale: float = 1.0, zero: float = 0.0, digits: int = 3) -> str:
-    """A range."""
+    """Write a range."""
     return f"{text(scale * (ends[0] - zero), digits)} … {text(scale * (ends[1] - zero), digits)}"
 
 
 def sinking_frequency() -> float:
-    """Of the hub on springs that let it sink by SINK under the load, Hz."""
+    """Frequency of the hub on springs that let it sink by SINK under the load, Hz."""
     scene = read_scene().operation
     return sqrt(scene.radial_load_N / (scene.inner_ring_and_shaft_kg * SINK)) / (2.0 * pi)
 
@@ -60,7 +60,7 @@ def delta_star_error() -> float:
 
 
 def variant_rows(measured: list[tuple[Variant, Measured]]) -> list[list[str]]:
-    """One row for each run."""
+    """Rows of the table, one for each run."""
     rows = []
     for variant, m in measured:
         few, many = m.loaded
@@ -102,7 +102,7 @@ def coarse_rows(pairs: list[tuple[str, Measured, Measured]]) -> list[list[str]]:
 def page(
     measured: list[tuple[Variant, Measured]], cases: list[Held], pairs: list[tuple[str, Measured, Measured]]
 ) -> str:
-    """The whole page."""
+    """Write the whole page."""
     by = {variant.name: m for variant, m in measured}
     names = {variant.name: variant.title for variant, _ in measured}
     seldom, coarse = (next(last for title, _, last in pairs if title == names[name]) for name in (NEAREST, SIDEWAYS))

@@ -29,7 +29,7 @@ OUTSIDE_MM = (65.0, 62.0, 60.0)  # 4.5 mm behind the raceway, as in this project
 
 @dataclass(frozen=True, kw_only=True)
 class Held:
-    """Hub under 2000 N while the rollers pass over one pitch; µm."""
+    """Positions of the hub under 2000 N while the rollers pass over one pitch, µm."""
 
     supports: str
     outside_mm: float
@@ -40,12 +40,12 @@ class Held:
 
 
 def held_cases() -> list[Held]:
-    """Every ring with every support."""
+    """Solve every ring with every support."""
     return [held(outside, name) for outside in OUTSIDE_MM for name in SUPPORTS]
 
 
 def held(outside_mm: float, name: str) -> Held:
-    """One ring with one of SUPPORTS."""
+    """Solve one ring with one of SUPPORTS."""
     scene = read_scene(None, (f"bearing.outside_diameter_mm={outside_mm}",))
     model = build_model(scene.ideal_bearing(), MESH)
     solve = supported(model, SUPPORTS[name])
@@ -70,7 +70,7 @@ def held(outside_mm: float, name: str) -> Held:
 
 
 def supported(model: Model, degrees: tuple[float, ...] | None):
-    """A function from polar nodal forces (n_rows, 2, n_sectors, m) to displacements of the ring held there."""
+    """Make the function from polar nodal forces (n_rows, 2, n_sectors, m) to displacements of the ring held there."""
     ring = model.outer_ring
     if degrees is None:
         return ring.held
@@ -93,7 +93,7 @@ def supported(model: Model, degrees: tuple[float, ...] | None):
 
 
 def _balance(model: Model, motion, load: float, solve):
-    """Hub, m, inner forces, N, and the raceway's largest displacement, m."""
+    """Solve for the hub, m, the inner forces, N, and the raceway's largest displacement, m."""
     ring, n = model.outer_ring, model.bearing.n_rollers
     radial = np.column_stack([np.cos(motion.roller_angle), np.sin(motion.roller_angle)])
     patches = patch_responses(model, motion, 0.0, radial, np.zeros(2), np.full(n, model.bearing.pitch_radius))

@@ -96,7 +96,7 @@ def radial(found: Record, roller: int, order: int) -> np.ndarray:
 
 
 def left_sides(checked: Evaluation) -> tuple[np.ndarray, np.ndarray]:
-    """Of (22) and, its sign turned, of (23), N, as the paper plots them."""
+    """Left sides of (22) and, with its sign turned, of (23), N, as the paper plots them."""
     return checked.x.budget.error, checked.record.operation.radial_load - checked.y.budget.error
 
 
@@ -138,7 +138,7 @@ def measure(found: Record, every: int = 1) -> Measured:
 
 
 def strongest(record: np.ndarray, interval: float, below: float = np.inf) -> float:
-    """Frequency of a record's largest line, Hz: Hann window, mean removed."""
+    """Frequency of a signal's largest line, Hz: Hann window, mean removed."""
     amplitude = np.abs(np.fft.rfft((record - record.mean()) * np.hanning(record.size)))
     frequency = np.fft.rfftfreq(record.size, interval)
     inside = (frequency > 0.0) & (frequency <= below)

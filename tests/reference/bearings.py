@@ -110,7 +110,7 @@ def arrays(
     ramp: float = 0.0,
     threads: int = 1,
 ) -> Arrays:
-    """Arrays at t = 0."""
+    """Arrays of the time loop at t = 0."""
     return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE, threads)
 
 
@@ -128,7 +128,7 @@ def loop_arguments(state: Arrays) -> tuple:
 
 
 def run(state: Arrays, n_samples: int, stride: int) -> np.ndarray:
-    """Samples (n_samples, n_columns) of a run; the state is left at its end."""
+    """Run on and return the samples, (n_samples, n_columns); the state is left at its end."""
     samples = np.zeros((n_samples, N_SCALARS + len(BLOCKS) * state.rollers.n))
     status, step, body = advance(*loop_arguments(state), 0, stride, samples)
     assert (status, step, body) == (0, n_samples * stride, -2)

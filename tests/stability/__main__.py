@@ -51,7 +51,7 @@ def scene_of(seed: int, number: int, duration: float):
 
 
 def summary(outcomes: list[Outcome], title: str) -> Table:
-    """Counts of endings and what they were."""
+    """Table of how many scenes ended in which way."""
     table = Table(title=title, title_justify="left")
     for name, side in (("ending", "left"), ("scenes", "right"), ("what", "left")):
         table.add_column(name, justify=side)
@@ -63,7 +63,7 @@ def summary(outcomes: list[Outcome], title: str) -> Table:
 
 
 def _kind(outcome: Outcome) -> str:
-    """An outcome in a few words, without its numbers."""
+    """Describe an outcome in a few words, without its numbers."""
     if outcome.ending == COMPLETE:
         decade = math.ceil(math.log10(max(outcome.imbalance, 1e-9)))
         return f"energy imbalance below 1e{decade:+03d}"

@@ -25,7 +25,7 @@ TIME_LIMIT = 600.0  # s of wall time for 5 ms, on a busy machine
 
 @dataclass(kw_only=True)
 class Outcome:
-    """How a scene ended; a line of the result file."""
+    """The way a scene ended; a line of the result file."""
 
     seed: int
     number: int
@@ -75,12 +75,12 @@ class Watch:
 
     @property
     def imbalance(self) -> float:
-        """Largest so far, of the exchanged energy."""
+        """Largest imbalance so far, as a share of the exchanged energy."""
         return self._imbalance / max(self._exchanged, ROUND_OFF * self._kinetic, 1e-30)
 
     @property
     def of_stored(self) -> float:
-        """Largest so far, of the largest stored energy."""
+        """Largest imbalance so far, as a share of the largest stored energy."""
         return self._imbalance / max(self._stored, ROUND_OFF * self._kinetic, 1e-30)
 
 
@@ -158,7 +158,7 @@ class Worker:
 
 
 def flat(tables: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Nested tables as one, keys joined by dots."""
+    """Make one table of nested ones, keys joined by dots."""
     out = {}
     for key, value in tables.items():
         if isinstance(value, dict):
@@ -185,7 +185,7 @@ def append_csv(path: Path, outcome: Outcome) -> None:
 
 
 def read_csv(path: Path) -> list[Outcome]:
-    """Outcomes written so far, without their scenes but for the duration."""
+    """Read the outcomes written so far, of their scenes only the duration."""
     if not path.exists():
         return []
     types = {f.name: f.type for f in fields(Outcome) if f.name != "scene"}

@@ -20,7 +20,7 @@ class Trend:
 
     @property
     def slope(self) -> float:
-        """Least squares through the means, 1/s."""
+        """Slope of the least-squares line through the means, 1/s."""
         return float(self._weights @ self.means)
 
     @property

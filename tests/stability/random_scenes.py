@@ -108,7 +108,7 @@ def random_scene(seed: int, number: int, duration_ms: float, budget: float = BUD
 
 
 def _bearable(speed, load, share, n, d, inner, length, moduli, densities):
-    """Speed and load brought below a share of what strain and contact width allow."""
+    """Bring speed and load below a share of what strain and contact width allow."""
     surface = 0.5e-3 * inner * pi / 30.0 * abs(speed)  # m/s, of the inner raceway and so of the rollers
     strain = max(densities[0] / moduli[0], densities[1] / moduli[1]) * 1e-9 * surface**2
     speed *= min(1.0, sqrt(share * STRAIN / max(strain, 1e-30)))

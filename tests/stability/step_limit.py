@@ -22,7 +22,7 @@ SAFE_SIDE = 0.15  # the true limit lies at most this far above the computed step
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
-    """One scene: drift at every ratio, NaN where the run was stopped."""
+    """Drift of one scene at every ratio, NaN where the run was stopped."""
 
     name: str
     ratios: np.ndarray
@@ -111,7 +111,7 @@ def show(console: Console, plot: Path) -> list[Curve]:
 
 
 def draw(curves: list[Curve], path: Path) -> None:
-    """Drift on a logarithmic axis; stopped runs as crosses at the top."""
+    """Draw the drift on a logarithmic axis, stopped runs as crosses at the top."""
     import matplotlib
 
     matplotlib.use("Agg")

@@ -31,7 +31,7 @@ class Fall:
 
 
 def strip(n_elements: int) -> Mesh:
-    """One column of squares, the bar standing on its two lowest nodes."""
+    """Make the mesh, one column of squares, the bar standing on its two lowest nodes."""
     side = LENGTH / n_elements
     height = side * np.arange(n_elements + 1)
     points = np.stack([np.tile([0.0, side], n_elements + 1), np.repeat(height, 2)], axis=1)

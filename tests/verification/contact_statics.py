@@ -52,12 +52,12 @@ def at_rest(bearing: Bearing, mesh_size: float, first: float, load: float) -> Eq
 
 @cache
 def by_series(bearing: Bearing, first: float) -> ExactStatics:
-    """The yardstick under the bearing's fair load."""
+    """Solve the series, the yardstick, under the bearing's fair load."""
     return exact_statics(bearing, fair_load(bearing), first)
 
 
 def deviations(found, exact) -> tuple[float, float]:
-    """Of the hub, over its displacement, and of the most deviating load, over the largest."""
+    """Deviations of the hub, over its displacement, and of the most deviating load, over the largest."""
     return (
         float(np.linalg.norm(found.hub - exact.hub) / np.linalg.norm(exact.hub)),
         float(np.abs(found.inner_force - exact.inner_force).max() / exact.inner_force.max()),

@@ -22,7 +22,7 @@ OWN, DIRECTION = 5e-4, 3e-4
 
 @cache
 def resolved(bearing: Bearing, per_half_width: float) -> QuadraticStatics:
-    """Quadratic elements under the bearing's fair load, which is on a roller."""
+    """Solve quadratic elements under the bearing's fair load, which is on a roller."""
     return quadratic_statics(bearing, fair_load(bearing), ON_A_ROLLER, per_half_width)
 
 

@@ -14,7 +14,7 @@ HEADINGS = ("quantity", "computed", "reference", "error", "tolerance", "the refe
 
 
 def screen(outcome: Outcome) -> Table:
-    """One case."""
+    """Table of one case for the terminal."""
     verdict = "passed" if outcome.passed else "FAILED"
     table = Table(title=f"{outcome.case.name}: {verdict}, {outcome.seconds:.1f} s", title_justify="left")
     for i, heading in enumerate(HEADINGS):
@@ -27,7 +27,7 @@ def screen(outcome: Outcome) -> Table:
 
 
 def verdict(outcomes: list[Outcome]) -> str:
-    """All cases in a line."""
+    """State the outcome of all cases in a line."""
     checks = sum(len(outcome.checks) for outcome in outcomes)
     seconds = sum(outcome.seconds for outcome in outcomes)
     failed = ", ".join(outcome.case.name for outcome in outcomes if not outcome.passed)
@@ -35,7 +35,7 @@ def verdict(outcomes: list[Outcome]) -> str:
 
 
 def cells(check: Check) -> list[str]:
-    """A check as a row."""
+    """Cells of a check's row."""
     unit = f" {check.unit}" if check.unit else ""
     return [
         check.quantity,
@@ -48,7 +48,7 @@ def cells(check: Check) -> list[str]:
 
 
 def _percent(share: float, sign: bool = True) -> str:
-    """Per cent with two digits; powers of ten where it is tiny."""
+    """Write a share in per cent with two digits, as a power of ten where it is tiny."""
     value = 100.0 * share
     text = f"{value:+.2g}" if sign and value else f"{value:.2g}"
     if 0.0 < abs(value) < 1e-3:
@@ -57,13 +57,13 @@ def _percent(share: float, sign: bool = True) -> str:
 
 
 def _powers(number: str) -> str:
-    """1.2e-07 as 1.2·10⁻⁷."""
+    """Write 1.2e-07 as 1.2·10⁻⁷."""
     digits, e, power = number.partition("e")
     return f"{digits}·10{str(int(power)).translate(SUPERSCRIPT)}" if e else digits
 
 
 def markdown(outcomes: list[Outcome]) -> str:
-    """All cases by subject: what each does, and its checks."""
+    """Write all cases by subject: what each does, and its checks."""
     lines = []
     for subject, group in groupby(outcomes, key=lambda outcome: outcome.case.subject):
         lines += [f"### {subject.capitalize()}", ""]

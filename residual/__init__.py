@@ -1,8 +1,8 @@
-"""The check of Lagrange's equations against a simulated or measured trajectory.
+"""The check of Lagrange's equations against a simulated or measured run.
 
-trajectory      `Trajectory`: the arrays all else works on, and their checks
-sources         result file -> `Trajectory`
-table_source    trajectory table -> `Trajectory`; uneven steps in `resampling`
+record          `Record`: the arrays all else works on, and their checks
+sources         result file -> `Record`
+table_source    trajectory table -> `Record`; `resampling` evens out its steps
 differentiate   accelerations by central stencils of high order, with their error floor
 budget          error forces of equations (22) and (23) and what they are made of
 identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
@@ -27,8 +27,8 @@ Names are loaded when first used, so that the command line starts quickly.
 from importlib import import_module
 
 _HOME = {
-    "Trajectory": "trajectory",
-    "InputError": "trajectory",
+    "Record": "record",
+    "InputError": "errors",
     "read_result": "sources",
     "read_table": "table_source",
     "Evaluation": "evaluation",
@@ -39,7 +39,7 @@ _HOME = {
 __all__ = [
     "Evaluation",
     "InputError",
-    "Trajectory",
+    "Record",
     "evaluate",
     "read_result",
     "read_table",

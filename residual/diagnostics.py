@@ -1,11 +1,11 @@
-"""Figures the paper lacks: what the error is made of, the rollers' loads, the energy balance."""
+"""Figures that the paper lacks: what the error is made of, the rollers' loads, the energy balance."""
 
 from pathlib import Path
 
 import numpy as np
 
-from residual.budget import acting_terms
 from residual.evaluation import Evaluation
+from residual.moments import rms
 from residual.plotting import (
     BLUE,
     GREEN,
@@ -14,73 +14,68 @@ from residual.plotting import (
     RED,
     TERM_COLOURS,
     WIDTH,
-    Drawn,
+    SavedFigure,
+    legend_above,
     panels,
     plt,
     save,
-    term_label,
 )
+from residual.sources import ENERGIES
+from residual.words import words
 
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other
 
 
-def budget_figure(evaluation: Evaluation, folder: Path) -> Drawn:
-    """The error's terms over time, and their rms."""
-    t, budget = evaluation.trajectory, evaluation.budget
-    acting = acting_terms(budget)
+def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the error's terms over time, and their rms."""
+    t, budget = evaluation.record, evaluation.budget
+    terms = {
+        d.name: {"error": d.budget.error, **{name: d.budget.terms[name] for name in budget.acting_terms},
+                 "momentum": d.budget.momentum}
+        for d in evaluation.directions
+    }  # fmt: skip
+    acting = budget.acting_terms
     figure = plt.figure(figsize=(WIDTH, 8.4))
     grid = figure.add_gridspec(3, 1, height_ratios=(1.0, 1.0, 1.25))
     upper = figure.add_subplot(grid[0])
     axes = [upper, figure.add_subplot(grid[1], sharex=upper)]
     upper.tick_params(labelbottom=False)
-    for axis, direction in zip(axes, "xy", strict=True):
-        for name, value in zip(["error", *acting], _rows(budget, direction, acting), strict=False):
-            axis.plot(1e3 * t.time, value, color=TERM_COLOURS[name], label=term_label(name),
+    for axis, direction in zip(axes, evaluation.directions, strict=True):
+        for name in ("error", *acting):
+            axis.plot(1e3 * t.time, terms[direction.name][name], color=TERM_COLOURS[name], label=words(name),
                       linewidth=1.4 if name == "error" else 0.9)  # fmt: skip
-        axis.set_ylabel(f"terms of error_{direction}, N")
+        axis.set_ylabel(f"terms of error_{direction.name}, N")
         axis.margins(x=0.0)
-    axes[0].legend(loc="lower left", bbox_to_anchor=(-0.1, 1.0), ncols=5, borderaxespad=0.2,
-                   columnspacing=1.0, handlelength=1.3)  # fmt: skip
+    legend_above(axes[0], 5, left=-0.1, columnspacing=1.0, handlelength=1.3)
     axes[1].set_xlabel("time, ms")
     bars = figure.add_subplot(grid[2])
     names = ["error", *acting, "momentum"]
     position = np.arange(len(names))[::-1]
     for offset, direction, shade in ((0.19, "x", 1.0), (-0.19, "y", 0.5)):
-        values = [_rms(v) for v in _rows(budget, direction, acting)]
+        values = [rms(terms[direction][name]) for name in names]
         colours = [TERM_COLOURS[name] for name in names]
         drawn = bars.barh(position + offset, values, height=0.34, color=colours, alpha=shade)
         texts = [f"{direction}: {v:.3g} N" for v in values]
         bars.bar_label(drawn, texts, padding=4, fontsize=8.5)
     bars.set_xscale("log")
-    everything = [v for d in "xy" for v in map(_rms, _rows(budget, d, acting)) if v > 0.0]
+    everything = [v for found in terms.values() for v in map(rms, found.values()) if v > 0.0]
     top = max(everything, default=1.0)
     bars.set_xlim(max(min(everything, default=0.1) / 2.0, 1e-5 * top), 8.0 * top)
     bars.set_yticks(
-        position, [term_label(n).replace(" ", "\n", 1) + ("\nbalance" if n == "momentum" else "") for n in names]
+        position, [words(n).replace(" ", "\n", 1) + ("\nbalance" if n == "momentum" else "") for n in names]
     )
     bars.set_xlabel("rms, N (dark: x, light: y)")
     bars.grid(axis="y", visible=False)
     caption = (
-        "What the error forces are made of; the terms add up to the error sample by sample. Momentum "
-        "balance: the error "
-        "with the run's own contact forces in place of the law, = differentiation + ring flexibility."
+        "What the error forces are made of; the terms add up to the error sample by sample. Momentum balance: the "
+        "error with the run's own contact forces in place of the law, = differentiation + ring flexibility."
     )
     return save(figure, folder, "budget", "Budget of the error forces", caption)
 
 
-def _rows(budget, direction: str, names):
-    """Error, terms of these names, momentum balance of one direction."""
-    total, terms = getattr(budget, f"error_{direction}"), getattr(budget, f"terms_{direction}")
-    return [total, *(terms[name] for name in names), getattr(budget, f"momentum_{direction}")]
-
-
-def _rms(value) -> float:
-    return float(np.sqrt(np.mean(value**2)))
-
-
-def roller_loads(evaluation: Evaluation, folder: Path) -> Drawn:
-    """Inner contact force over the roller's angle from the load line: the law's and the run's."""
-    t, budget = evaluation.trajectory, evaluation.budget
+def roller_loads(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the law's and the run's inner contact forces over the roller's angle from the load line."""
+    t, budget = evaluation.record, evaluation.budget
     stride = max(1, budget.law_force.size // MOST_POINTS)
     rows = slice(None, None, stride)
     away = np.arctan2(-budget.contacts.direction_y[rows], -budget.contacts.direction_x[rows]) + 0.5 * np.pi
@@ -103,16 +98,15 @@ def roller_loads(evaluation: Evaluation, folder: Path) -> Drawn:
     axis.set_ylim(bottom=0.0)
     axis.legend(loc="upper left", markerscale=5)
     caption = (
-        "Contact force between the inner ring and each roller, all rollers and times, over the roller's "
-        "angle from the "
-        "load line (counter-clockwise)."
+        "Contact force between the inner ring and each roller, all rollers and times, over the roller's angle from "
+        "the load line (counter-clockwise)."
     ) + (" Below: how far the law misses the closed contacts." if told else "")
     return save(figure, folder, "loads", "Loads of the rollers", caption)
 
 
-def energy_balance(evaluation: Evaluation, folder: Path) -> Drawn:
-    """Changes of the energies and works since the first sample, and what does not add up."""
-    t = evaluation.trajectory
+def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the changes of energies and works since the first sample, and what does not add up."""
+    t = evaluation.record
     names = {
         "energy_kinetic": ("kinetic", BLUE),
         "energy_elastic": ("elastic", RED),
@@ -126,7 +120,7 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> Drawn:
         axes[0].plot(1e3 * t.time, 1e3 * change, label=label, color=colour)
     axes[0].margins(x=0.0)
     axes[0].set_ylabel("change, mJ")
-    axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, borderaxespad=0.2, columnspacing=1.2)
+    legend_above(axes[0], 5, columnspacing=1.2)
     imbalance = energy_imbalance(t.energies)
     scale = float(np.mean(t.energies["energy_elastic"] + t.energies["energy_contact"]))
     axes[1].plot(1e3 * t.time, 1e6 * imbalance, color="black")
@@ -135,8 +129,7 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> Drawn:
         f"; at most {100 * np.max(np.abs(imbalance)) / scale:.2g} % of the mean strain energy" if scale > 0.0 else ""
     )
     caption = (
-        "Energies and works since the first sample shown. Imbalance: kinetic + elastic + contact − "
-        "external work + "
+        "Energies and works since the first sample shown. Imbalance: kinetic + elastic + contact − external work + "
         f"dissipated, all as changes{share}."
     )
     return save(figure, folder, "energy", "Energy balance of the run", caption)
@@ -149,13 +142,12 @@ def energy_imbalance(energies) -> np.ndarray:
     return total - total[0]
 
 
-def extra_figures(evaluation: Evaluation, folder: Path) -> list[Drawn]:
-    """Those figures the run has the data for."""
+def extra_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
+    """Draw those figures that the run has the data for."""
     drawn = []
-    if evaluation.budget.terms_x:
+    if evaluation.budget.x.terms:
         drawn.append(budget_figure(evaluation, folder))
     drawn.append(roller_loads(evaluation, folder))
-    wanted = {"energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated"}
-    if wanted <= set(evaluation.trajectory.energies):
+    if set(ENERGIES) <= set(evaluation.record.energies):
         drawn.append(energy_balance(evaluation, folder))
     return drawn

@@ -9,7 +9,7 @@ from lagrange.bearing import BallBearing
 from residual import paper
 from residual.budget import load_zones
 from residual.differentiate import derivative
-from residual.evaluation import Evaluation
+from residual.evaluation import Direction, Evaluation
 from residual.plotting import (
     BLUE,
     GREY,
@@ -17,9 +17,10 @@ from residual.plotting import (
     ORANGE,
     RED,
     SKY,
-    Drawn,
+    SavedFigure,
     beside_paper,
     family,
+    legend_above,
     line_handles,
     mark_lines,
     name_slim,
@@ -27,7 +28,7 @@ from residual.plotting import (
     panels_beside,
     save,
 )
-from residual.trajectory import Trajectory
+from residual.record import Record
 
 PAPER_BAND = 300.0  # Hz, the frequency axis of figures 10 and 11
 # F, δ*: Harris, Rolling Bearing Analysis, the table of dimensionless contact parameters; the paper's figure 4 plots it
@@ -38,7 +39,7 @@ HARRIS_POINTS = (
 
 
 def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
-    """The roller with the most passes through the load zone, whole ones first."""
+    """The roller that passes through the load zone most often, whole passes first."""
 
     def merit(j):
         zones = load_zones(loaded[:, j], bridge)
@@ -49,17 +50,17 @@ def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
 
 
 def _panels(evaluation: Evaluation, n_rows: int, height: float):
-    """Figure, axes, and slim axes for the paper's ranges, None where the run is not of the paper's bearing."""
-    if not paper.is_paper(evaluation.trajectory.scene):
+    """Make a figure, its axes, and slim axes for the paper's ranges: None where the run is of another bearing."""
+    if not paper.is_paper(evaluation.record.scene):
         return *panels(n_rows, height), None
     figure, axes, slim = panels_beside(n_rows, height)
     name_slim(slim[0])
     return figure, axes, slim
 
 
-def point_contact(evaluation: Evaluation, folder: Path) -> Drawn:
-    """Figure 4: δ* of a point contact over the curvature difference, a ball bearing's two contacts marked."""
-    bearing = evaluation.trajectory.bearing
+def point_contact(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw figure 4: δ* of a point contact over the curvature difference, a ball bearing's two contacts marked."""
+    bearing = evaluation.record.bearing
     # close to F = 1 the curve falls steeply: as many points there as elsewhere
     difference = 1.0 - np.concatenate([np.linspace(1.0, 1e-2, 150), np.geomspace(1e-2, 1e-6, 60)[1:]])
     figure, axes = panels(1, 3.8)
@@ -81,9 +82,9 @@ def point_contact(evaluation: Evaluation, folder: Path) -> Drawn:
     return save(figure, folder, "fig04", "Fig. 4: approach of a point contact", caption)
 
 
-def inner_ring_motion(evaluation: Evaluation, folder: Path) -> Drawn:
-    """Figure 6: x and y of the inner ring's centre."""
-    t = evaluation.trajectory
+def inner_ring_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw figure 6: x and y of the inner ring's centre."""
+    t = evaluation.record
     figure, axes, slim = _panels(evaluation, 2, 4.6)
     for axis, name, value in ((axes[0], "x", t.inner_x), (axes[1], "y", t.inner_y)):
         axis.plot(1e3 * t.time, 1e6 * value, color=BLUE)
@@ -98,9 +99,9 @@ def inner_ring_motion(evaluation: Evaluation, folder: Path) -> Drawn:
     return save(figure, folder, "fig06", "Fig. 6: motion of the inner ring", caption)
 
 
-def roller_motion(evaluation: Evaluation, folder: Path) -> Drawn:
-    """Figure 7: radial position, velocity and acceleration of one roller, load zones shaded."""
-    t, order = evaluation.trajectory, evaluation.order
+def roller_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw figure 7: radial position, velocity and acceleration of one roller, load zones shaded."""
+    t, order = evaluation.record, evaluation.order
     loaded = evaluation.budget.loaded
     bridge = evaluation.chatter
     j = chosen_roller(loaded, bridge)
@@ -138,23 +139,23 @@ def roller_motion(evaluation: Evaluation, folder: Path) -> Drawn:
     return save(figure, folder, "fig07", f"Fig. 7: radial motion of roller {j}", caption)
 
 
-def roller_radial(trajectory: Trajectory, j: int, order: int):
-    """ρ, m, of one roller, its velocity, m/s, and acceleration, m/s²."""
-    rho = np.hypot(trajectory.roller_x[:, j], trajectory.roller_y[:, j])
-    interval = trajectory.interval
+def roller_radial(record: Record, j: int, order: int):
+    """Radial position ρ of one roller, m, its velocity, m/s, and its acceleration, m/s²."""
+    rho = np.hypot(record.roller_x[:, j], record.roller_y[:, j])
+    interval = record.interval
     return rho, derivative(rho, interval, 1, order), derivative(rho, interval, 2, order)
 
 
-def error_signal(evaluation: Evaluation, folder: Path, axis_name: str) -> Drawn:
-    """Figures 8 and 9: the left sides of (22) and, sign-flipped, of (23)."""
-    t, budget = evaluation.trajectory, evaluation.budget
+def error_signal(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
+    """Draw figure 8 or 9: the left side of (22), or of (23) with its sign flipped."""
+    t, error = evaluation.record, direction.budget.error
     load = t.operation.radial_load
-    if axis_name == "x":
-        name, number, value, level = "fig08", "22", budget.error_x, 0.0
+    if direction.name == "x":
+        name, number, value, level = "fig08", "22", error, 0.0
         label, title = "left side of (22), N", "Fig. 8: error force in x"
         caption = "Left side of equation (22): 0 N for a perfect model (dashed)."
     else:
-        name, number, value, level = "fig09", "23", load - budget.error_y, load
+        name, number, value, level = "fig09", "23", load - error, load
         label, title = "−(left side of (23)), N", "Fig. 9: error force in y"
         caption = (
             f"Left side of equation (23) with its sign flipped: the load W = {load:g} N for a perfect model (dashed)."
@@ -170,13 +171,13 @@ def error_signal(evaluation: Evaluation, folder: Path, axis_name: str) -> Drawn:
     axes[0].axhline(mean, color=RED, linewidth=1.1, label=f"mean: {mean:.4g} N")
     axes[0].set(xlabel="time, ms", ylabel=label)
     axes[0].margins(x=0.0)
-    axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2, columnspacing=1.5)
+    legend_above(axes[0], 3, columnspacing=1.5)
     return save(figure, folder, name, title, caption)
 
 
-def spectrum_low(evaluation: Evaluation, folder: Path, axis_name: str) -> Drawn:
-    """Figures 10 and 11: power spectral density up to 300 Hz, linear."""
-    spectrum = getattr(evaluation, f"spectrum_{axis_name}")
+def spectrum_low(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
+    """Draw figure 10 or 11: power spectral density up to 300 Hz, on linear axes."""
+    spectrum, axis_name = direction.spectrum, direction.name
     name, equation = ("fig10", "22") if axis_name == "x" else ("fig11", "23")
     inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= PAPER_BAND + spectrum.resolution)
     figure, axes = panels(1, 3.6)
@@ -193,7 +194,7 @@ def spectrum_low(evaluation: Evaluation, folder: Path, axis_name: str) -> Drawn:
         f"per frequency bin, Δf = {low:.4g} Hz, Hann window: two lines nearer than {2 * low:.3g} Hz are one peak, and "
         f"a peak below {2 * low:.3g} Hz can't be told from drift."
     )
-    if paper.is_paper(evaluation.trajectory.scene):
+    if paper.is_paper(evaluation.record.scene):
         axis.axvspan(paper.PEAK - 2.0, paper.PEAK + 2.0, color=ORANGE, alpha=0.45, linewidth=0, zorder=0)
         caption += (
             f" Shaded: the paper's peak near {paper.PEAK:g} Hz, of height "
@@ -203,10 +204,9 @@ def spectrum_low(evaluation: Evaluation, folder: Path, axis_name: str) -> Drawn:
     return save(figure, folder, name, f"Fig. {number}: spectrum of error_{axis_name}, 0-300 Hz", caption)
 
 
-def spectrum_whole(evaluation: Evaluation, folder: Path, axis_name: str) -> Drawn:
-    """Figures 10b and 11b: the spectrum up to the Nyquist frequency, logarithmic, kinematic lines marked."""
-    spectrum = getattr(evaluation, f"spectrum_{axis_name}")
-    peaks = getattr(evaluation, f"peaks_{axis_name}")
+def spectrum_whole(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
+    """Draw figure 10b or 11b: the spectrum up to the Nyquist frequency on logarithmic axes, kinematic lines marked."""
+    spectrum, axis_name = direction.spectrum, direction.name
     name = "fig10b" if axis_name == "x" else "fig11b"
     f, psd = spectrum.frequency[1:], spectrum.psd[1:]
     figure, axes = panels(1, 4.2)
@@ -223,33 +223,30 @@ def spectrum_whole(evaluation: Evaluation, folder: Path, axis_name: str) -> Draw
             axis.axvline(evaluation.resonance, color=SKY, linewidth=5.0, alpha=0.4, zorder=0,
                          label=f"ring on its contacts ≈ {evaluation.resonance / 1e3:.3g} kHz")
         )  # fmt: skip
-    for peak in peaks:
+    for peak in direction.peaks:
         colour = LINE_COLOURS[family(peak.line)] if peak.line else "black"
         mark = axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour,
                          markerfacecolor=colour if peak.resolved else "white", linestyle="none")  # fmt: skip
         mark[0].set_clip_on(False)
     axis.set(xlabel="frequency, Hz", ylabel=f"PSD of error_{axis_name}, N²/Hz")
-    axis.legend(handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.3,
-                columnspacing=1.4)  # fmt: skip
+    legend_above(axis, 3, handles=handles, borderaxespad=0.3, columnspacing=1.4)
     axis.grid(which="minor", visible=False)
     axis.tick_params(which="minor", color=GREY)
     caption = (
         f"The same density up to the Nyquist frequency {f[-1] / 1e3:.4g} kHz. Dashed: kinematic lines; "
-        "dotted: their "
-        "harmonics. Triangles: peaks that stand out of the background, hollow where zero frequency or "
-        "another line lies "
-        f"within {2 * spectrum.resolution:.3g} Hz."
+        "dotted: their harmonics. Triangles: peaks that stand out of the background, hollow where zero frequency or "
+        f"another line lies within {2 * spectrum.resolution:.3g} Hz."
     )
     number = name.removeprefix("fig")
     return save(figure, folder, name, f"Fig. {number}: spectrum of error_{axis_name}, whole band", caption)
 
 
-def paper_figures(evaluation: Evaluation, folder: Path) -> list[Drawn]:
-    """All of the paper's figures, in order."""
+def paper_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
+    """Draw all of the paper's figures, in order."""
     drawn = [
         point_contact(evaluation, folder), inner_ring_motion(evaluation, folder), roller_motion(evaluation, folder)
     ]  # fmt: skip
-    drawn += [error_signal(evaluation, folder, axis) for axis in "xy"]
-    for axis in "xy":
-        drawn += [spectrum_low(evaluation, folder, axis), spectrum_whole(evaluation, folder, axis)]
+    drawn += [error_signal(evaluation, folder, direction) for direction in evaluation.directions]
+    for direction in evaluation.directions:
+        drawn += [spectrum_low(evaluation, folder, direction), spectrum_whole(evaluation, folder, direction)]
     return drawn

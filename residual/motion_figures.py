@@ -1,4 +1,4 @@
-"""Where the inner ring's centre goes and how the load passes from roller to roller, beside the Lagrangian statics."""
+"""Figures of the inner ring's path and of the load from roller to roller, beside the Lagrangian statics."""
 
 from pathlib import Path
 
@@ -7,18 +7,18 @@ import numpy as np
 from residual.budget import load_zones
 from residual.evaluation import Evaluation
 from residual.figures import chosen_roller
-from residual.plotting import BLUE, GREY, ORANGE, RED, WIDTH, Drawn, panels, plt, save
-from residual.quasistatic import QuasiStatic
-from residual.trajectory import Trajectory
+from residual.plotting import BLUE, GREY, ORANGE, RED, WIDTH, SavedFigure, legend_above, panels, plt, save
+from residual.quasistatic import QuasiStatic, angle_from_load
+from residual.record import Record
 from residual.words import text
 
 MOST_POINTS = 20_000
 SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 
 
-def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> Drawn:
-    """The hub's path and that of the Lagrangian model's equilibria, each about its own middle."""
-    t = evaluation.trajectory
+def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> SavedFigure:
+    """Draw the hub's path and that of the Lagrangian model's equilibria, each about its own middle."""
+    t = evaluation.record
     figure, axes = plt.subplots(figsize=(WIDTH, 4.6))
     middle = 1e6 * np.array([t.inner_x.mean(), t.inner_y.mean()])
     axes.plot(1e6 * t.inner_x - middle[0], 1e6 * t.inner_y - middle[1], color=BLUE, linewidth=0.6, alpha=0.8,
@@ -34,13 +34,13 @@ def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Pa
         )
     axes.set(xlabel="x less its mean, µm", ylabel="y less its mean, µm")
     axes.set_aspect("equal", adjustable="datalim")
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+    legend_above(axes, 2)
     return save(figure, folder, "orbit", "Orbit of the inner ring", caption)
 
 
-def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> Drawn:
-    """Inner contact force around the bearing, polar, the load downwards."""
-    t, budget = evaluation.trajectory, evaluation.budget
+def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> SavedFigure:
+    """Draw the inner contact force around the bearing in polar coordinates, the load downwards."""
+    t, budget = evaluation.record, evaluation.budget
     told = t.inner_force is not None
     force = t.inner_force if told else budget.law_force
     stride = max(1, force.size // MOST_POINTS)
@@ -68,9 +68,9 @@ def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folde
     return save(figure, folder, "load_distribution", "Load distribution", caption + ".")
 
 
-def passage_figure(evaluation: Evaluation, folder: Path) -> Drawn | None:
-    """The forces on one roller through the load zone; None where it never passes or the run tells no forces."""
-    t = evaluation.trajectory
+def passage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
+    """Draw the forces on one roller through the load zone; None where it never passes or the source holds no forces."""
+    t = evaluation.record
     j = chosen_roller(evaluation.budget.loaded, evaluation.chatter)
     zones = load_zones(evaluation.budget.loaded[:, j], evaluation.chatter)
     angle = np.degrees(np.unwrap(_from_load(t)[:, j]))
@@ -89,7 +89,7 @@ def passage_figure(evaluation: Evaluation, folder: Path) -> Drawn | None:
                  label=f"law {evaluation.law.name}, inner")  # fmt: skip
     axes[0].set_ylabel("normal force, N")
     axes[0].set_ylim(bottom=0.0)
-    axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2)
+    legend_above(axes[0], 3)
     caption = (
         f"Roller {j} on its way through the load zone, {text(1e3 * t.time[first])} to {text(1e3 * t.time[last])} ms: "
         "normal forces of both raceways (the outer one also carries the centrifugal force) and what the law makes of "
@@ -105,13 +105,13 @@ def passage_figure(evaluation: Evaluation, folder: Path) -> Drawn | None:
     return save(figure, folder, "passage", f"Roller {j} through the load zone", caption + ".")
 
 
-def _from_load(t: Trajectory) -> np.ndarray:
-    """Angle of every roller about the outer ring's centre from the load line, −π … π, (n_times, n_rollers)."""
-    return np.mod(np.arctan2(t.roller_y, t.roller_x) + 1.5 * np.pi, 2.0 * np.pi) - np.pi
+def _from_load(t: Record) -> np.ndarray:
+    """Angle of every roller about the outer ring's centre from the load line, (n_times, n_rollers)."""
+    return angle_from_load(np.arctan2(t.roller_y, t.roller_x))
 
 
-def motion_figures(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> list[Drawn]:
-    """Those the run has the data for."""
+def motion_figures(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> list[SavedFigure]:
+    """Draw those figures that the run has the data for."""
     passage = passage_figure(evaluation, folder)
     drawn = [orbit_figure(evaluation, statics, folder), load_distribution(evaluation, statics, folder)]
     return drawn if passage is None else [*drawn, passage]

@@ -1,12 +1,6 @@
 """Figures that only some runs have: what they tell, and that they are left out elsewhere."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from synthetic_run import make_run, write_result
 
 from lagrange.scene import parse_scene
 from residual.budget_figures import short_time_figure
@@ -14,6 +8,7 @@ from residual.evaluation import evaluate
 from residual.figures import point_contact
 from residual.report import render_report
 from residual.sources import read_result
+from tests.reference.synthetic_run import make_run, write_result
 
 # the 209 bearing of Harris' examples
 BALLS = {

@@ -10,8 +10,8 @@ from numba import njit
 from benchmarks.machine import Machine
 from benchmarks.measuring import median_seconds
 from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
-from fem.kernels.contact_kernels import normal_contacts, push_contacts
-from fem.kernels.friction_kernels import friction_contacts, grips, slips
+from fem.kernels.contact_kernels import press_patches, push_patches
+from fem.kernels.friction_kernels import friction_contacts, slips_before
 from fem.solver.arrays import Arrays
 from fem.solver.simulate import Plan
 
@@ -36,16 +36,16 @@ def _repeated(function: Callable) -> Callable:
 
 
 @njit
-def _normal(rollers, inner, outer, contacts, drive, slope):
-    normal_contacts(rollers, inner, outer, contacts, drive, slope)
-    push_contacts(rollers, inner, outer, contacts, drive)
+def _normal(groups, rollers, surface, contacts, drive):
+    press_patches(groups, rollers, surface, contacts, drive)
+    push_patches(groups, rollers, surface, contacts, drive)
 
 
 @njit
-def _slip_and_friction(rollers, inner, outer, contacts, drive, still, slip):
-    grips(rollers, inner, outer, contacts, drive)
-    slips(rollers, inner, outer, contacts, drive, still, contacts.slip)
-    friction_contacts(rollers, inner, outer, contacts, drive, slip)
+def _slip_and_friction(groups, rollers, surface, contacts, drive, still):
+    slips_before(groups, rollers, surface, contacts, still)
+    friction = contacts.friction
+    friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole)
 
 
 @njit
@@ -84,9 +84,9 @@ def _hub(inner, scratch):
 
 
 @njit
-def _sampled(rollers, inner, outer, contacts, drive, scratch, row):
-    sample_kernels.remember(rollers, inner, outer, drive, scratch)
-    sample_kernels.write_sample(rollers, inner, outer, contacts, drive, scratch, row, 0.0, 0.0, 0.0)
+def _sampled(bodies, groups, contacts, drive, scratch, row):
+    sample_kernels.remember(bodies, drive, scratch)
+    sample_kernels.write_sample(bodies, groups, contacts, drive, scratch, row, 0.0, 0.0)
 
 
 def _seconds(function: Callable, *arguments) -> float:
@@ -104,27 +104,28 @@ def _seconds(function: Callable, *arguments) -> float:
 def time_phases(plan: Plan) -> dict[str, float]:
     """Time that a step spends in each phase, s, contacts and friction at the static loads."""
     a: Arrays = plan.arrays()
-    r, i, o, c, d, x = a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch
+    r = a.bodies.rollers
     row = np.zeros(sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * r.n)
-    matrix = (r.starts, r.neighbours, r.blocks, r.mass)
+    contacts = (a.groups, r, a.bodies.surface, a.contacts, a.drive)
     out = {
-        "contacts": _seconds(_normal, r, i, o, c, d, x.slope),
-        "friction": _seconds(_slip_and_friction, r, i, o, c, d, x.still, x.slip),
+        "contacts": _seconds(_normal, *contacts),
+        "friction": _seconds(_slip_and_friction, *contacts, a.scratch.still),
     }
     a = plan.arrays()
-    r, i, o, x = a.rollers, a.inner, a.outer, a.scratch
+    r, d, i, o, x = a.bodies.rollers, a.bodies.disc, a.bodies.inner, a.bodies.outer, a.scratch
     still, turn = np.zeros(r.columns), np.full(r.columns, 1e-12)
-    out["rollers' forces"] = _seconds(disc_kernels.kick, *matrix, r.u, r.w, r.columns, x.torque, 0, r.mass.size, 0)
+    matrix = (d.starts, d.neighbours, d.blocks, d.mass)
+    out["rollers' forces"] = _seconds(disc_kernels.kick, *matrix, d.u, d.w, r.columns, x.torque, 0, d.mass.size, 0)
     out["rings' forces"] = _seconds(_rings_kick, _rows(i), _rows(o))
     a = plan.arrays()
-    r, i, o, x = a.rollers, a.inner, a.outer, a.scratch
+    r, d, i, o, x = a.bodies.rollers, a.bodies.disc, a.bodies.inner, a.bodies.outer, a.scratch
     ones = np.ones(r.columns)
     out["rollers' motion"] = _seconds(
         disc_kernels.drift,
-        r.points,
-        r.mass,
-        r.u,
-        r.w,
+        d.points,
+        d.mass,
+        d.u,
+        d.w,
         r.columns,
         1e-12,
         still,
@@ -134,7 +135,7 @@ def time_phases(plan: Plan) -> dict[str, float]:
         still,
         x.torque,
         0,
-        r.mass.size,
+        d.mass.size,
         0,
     )
     inner, outer = _rows(i), _rows(o)
@@ -143,7 +144,7 @@ def time_phases(plan: Plan) -> dict[str, float]:
     out["gravity"] = _seconds(_rings_kick_and_weight, inner, outer, *lines) - out["rings' forces"]  # added on the way
     out["hub"] = _seconds(_hub, i, x)
     a = plan.arrays()
-    sample = _seconds(_sampled, a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch, row)
+    sample = _seconds(_sampled, a.bodies, a.groups, a.contacts, a.drive, a.scratch, row)
     out["sampling"] = sample / plan.stride
     return out
 
@@ -151,11 +152,11 @@ def time_phases(plan: Plan) -> dict[str, float]:
 def step_seconds(plan: Plan, repeats: int = 3) -> float:
     """Time of one whole step of the running bearing, s, samples included."""
     a = plan.arrays()
-    width = sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * a.rollers.n
+    width = sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * a.bodies.rollers.n
 
     def advance(samples, at=[0]):  # noqa: B006 the state runs on from call to call
         rows = np.zeros((samples, width))
-        time_loop.advance(a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch, at[0], plan.stride, rows)
+        time_loop.advance(a.bodies, a.groups, a.contacts, a.drive, a.scratch, at[0], plan.stride, rows)
         at[0] += samples * plan.stride
 
     advance(1)
@@ -183,13 +184,13 @@ class Work:
 def least_work(plan: Plan) -> Work:
     """Count the operations and bytes of one step of a bearing."""
     a, n = plan.arrays(), plan.model.bearing.n_rollers
-    disc = a.rollers.mass.size * n
-    rings = [(ring.last_row - ring.first_row) * ring.n_sectors for ring in (a.inner, a.outer)]
+    disc = a.bodies.disc.mass.size * n
+    rings = [(ring.last_row - ring.first_row) * ring.n_sectors for ring in (a.bodies.inner, a.bodies.outer)]
     turning = TURN if plan.operation.speed else STILL
-    tables = a.rollers.blocks.nbytes + a.rollers.neighbours.nbytes
+    tables = a.bodies.disc.blocks.nbytes + a.bodies.disc.neighbours.nbytes
     return Work(
         operations={
-            "rollers' forces": a.rollers.blocks.size * n,
+            "rollers' forces": a.bodies.disc.blocks.size * n,
             "rings' forces": RING_STENCIL * sum(rings),
             "rollers' motion": ROLLER_UPDATE * disc,
             "rings' motion": turning * rings[0] + STILL * rings[1],
@@ -201,6 +202,4 @@ def least_work(plan: Plan) -> Work:
 
 def state_bytes(plan: Plan) -> int:
     """Size of all arrays of the time loop, bytes."""
-    a = plan.arrays()
-    groups = (a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch)
-    return sum(item.nbytes for group in groups for item in group if isinstance(item, np.ndarray))
+    return sum(array.nbytes for array in plan.arrays().named().values())

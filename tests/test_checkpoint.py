@@ -137,11 +137,11 @@ def test_a_checkpoint_changes_nothing_of_the_plan_it_is_read_for(whole, tmp_path
     path, points = tmp_path / "copy.nc", plan.model.roller.points.copy()
     with np.load(checkpoint_path(whole)) as file:
         arrays = dict(file)
-    arrays["rollers.points"] = 2.0 * arrays["rollers.points"]
+    arrays["bodies.disc.points"] = 2.0 * arrays["bodies.disc.points"]
     with open(checkpoint_path(path), "wb") as file:
         np.savez(file, **arrays)
     state, _ = load_checkpoint(path, plan)
-    assert np.array_equal(state.arrays.rollers.points, arrays["rollers.points"])
+    assert np.array_equal(state.arrays.bodies.disc.points, arrays["bodies.disc.points"])
     assert np.array_equal(plan.model.roller.points, points)
 
 

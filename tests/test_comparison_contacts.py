@@ -6,13 +6,13 @@ import pytest
 from fem.cli import run_main
 from fem.elastic.critical_step import critical_time_step
 from fem.elastic.model import build_penalty_model
-from fem.kernels.contact_kernels import contact_forces
 from fem.kernels.facet_kernels import CORNER, chord
 from fem.solver.simulate import make_plan, run
 from fem.statics.equilibrium import standing
 from fem.statics.solve import equilibrium
 from lagrange.scene import STIFF_PENALTY, Scene, parse_scene, parse_scene_text
-from tests.reference.bearings import arrays, copies, loop_arguments, operation, paper
+from tests.reference.bearings import arrays, copies, operation, paper
+from tests.reference.compiled import press_contacts
 
 MESH_MM = 2.0
 LOAD = 2000.0
@@ -86,9 +86,9 @@ def test_the_start_carries_the_load_on_the_same_springs(faceted):
     found = model(STIFF_PENALTY, faceted)
     wanted = equilibrium(found, standing(found.bearing, how.first_roller_angle), how.radial_load, 0.0, 0.0)
     state = copies(arrays(found, how, 1e-8))
-    contact_forces(*loop_arguments(state)[:5], state.scratch.slope, state.contacts.resolved)
-    np.testing.assert_allclose(state.contacts.force[0, :13], wanted.inner_force, rtol=0.0, atol=1e-6 * LOAD)
-    np.testing.assert_allclose(state.contacts.force[1, :13], wanted.outer_force, rtol=0.0, atol=1e-6 * LOAD)
+    press_contacts(state)
+    np.testing.assert_allclose(state.contacts.forces.force[0, :13], wanted.inner_force, rtol=0.0, atol=1e-6 * LOAD)
+    np.testing.assert_allclose(state.contacts.forces.force[1, :13], wanted.outer_force, rtol=0.0, atol=1e-6 * LOAD)
     if faceted:  # 2 mm facets leave gaps far wider than contacts yield
         assert np.count_nonzero(wanted.inner_force) <= 4 and wanted.hub[1] < -50e-6
 

@@ -3,15 +3,10 @@
 import numpy as np
 import pytest
 
-from fem.kernels import sample_kernels
-from fem.kernels.contact_kernels import (
-    push_contacts,
-    ring_contacts,
-    roller_contacts,
-)
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import INNER, OUTER, ROLLER
 from tests.reference.bearings import copies
+from tests.reference.compiled import contact_energy, press_groups
 from tests.reference.contact_states import (
     DT,
     cartesian_resultant,
@@ -26,8 +21,7 @@ from tests.reference.contact_states import (
 
 def potential(state):
     """Energy of all contacts, J."""
-    pressed = press(state)
-    return sample_kernels.contacts_energy(pressed.contacts, pressed.rollers.n, pressed.contacts.resolved)
+    return contact_energy(press(state))
 
 
 class Motion:
@@ -35,7 +29,7 @@ class Motion:
 
     def __init__(self, state, seed, kinds):
         rng = np.random.default_rng(seed)
-        n, nodes = state.rollers.n, state.rollers.mass.size
+        n, nodes = state.bodies.rollers.n, state.bodies.disc.mass.size
 
         def draw(kind, scale, *shape):
             return scale * rng.standard_normal(shape) * (kind in kinds)
@@ -43,44 +37,49 @@ class Motion:
         self.roller_u = draw("roller u", 1.0, nodes, 2, n)
         self.centre = draw("centre", 1.0, n, 2)
         self.turn = draw("turn", 1.0 / 0.005, n)
-        self.inner_u = draw("inner u", 1.0, *state.inner.u[:, :, HALO:-HALO].shape)
-        self.outer_u = draw("outer u", 1.0, *state.outer.u[:, :, HALO:-HALO].shape)
+        self.inner_u = draw("inner u", 1.0, *state.bodies.inner.u[:, :, HALO:-HALO].shape)
+        self.outer_u = draw("outer u", 1.0, *state.bodies.outer.u[:, :, HALO:-HALO].shape)
         self.hub = draw("hub", 1.0, 2)
         self.ring_turn = float(draw("ring turn", 1.0 / 0.018, 1)[0])
 
     def moved(self, state, step):
         state = copies(state)
-        n = state.rollers.n
-        roller_field(state, state.rollers.u)[:] += step * self.roller_u
-        state.rollers.centre[:, :n] += step * self.centre.T
-        set_turns(state, state.rollers.turn[:n] + step * self.turn, state.drive.ring[0] + step * self.ring_turn)
-        fill_ring(state.inner.u, state.inner.u[:, :, HALO:-HALO] + step * self.inner_u)
-        fill_ring(state.outer.u, state.outer.u[:, :, HALO:-HALO] + step * self.outer_u)
+        n = state.bodies.rollers.n
+        roller_field(state, state.bodies.disc.u)[:] += step * self.roller_u
+        state.bodies.rollers.centre[:, :n] += step * self.centre.T
+        set_turns(state, state.bodies.rollers.turn[:n] + step * self.turn, state.drive.frame[0] + step * self.ring_turn)
+        fill_ring(state.bodies.inner.u, state.bodies.inner.u[:, :, HALO:-HALO] + step * self.inner_u)
+        fill_ring(state.bodies.outer.u, state.bodies.outer.u[:, :, HALO:-HALO] + step * self.outer_u)
         state.drive.hub[:] += step * self.hub
         return state
 
     def power(self, state):
-        """Power of all forces that `normal_contacts` exerts, as the time loop applies them, W."""
+        """Power of all forces that contacts exert, as the time loop applies them, W."""
         pressed = press(state)
-        rollers, n = pressed.rollers, pressed.rollers.n
-        force = roller_field(pressed, rollers.w) * rollers.mass[:, None, None] / DT  # in the frames
+        rollers, n = pressed.bodies.rollers, pressed.bodies.rollers.n
+        force = (
+            roller_field(pressed, pressed.bodies.disc.w) * pressed.bodies.disc.mass[:, None, None] / DT
+        )  # in the frames
         c, s = rollers.cosine[:n], rollers.sine[:n]
         centre = np.stack(
             [c * self.centre[:, 0] + s * self.centre[:, 1], c * self.centre[:, 1] - s * self.centre[:, 0]]
         )
-        position = rollers.points.reshape(-1, 2, 1) + roller_field(pressed, rollers.u)
+        position = pressed.bodies.disc.points.reshape(-1, 2, 1) + roller_field(pressed, pressed.bodies.disc.u)
         turned = np.stack([-position[:, 1], position[:, 0]], axis=1) * self.turn
         total = np.sum(force * (self.roller_u + centre[None] + turned))
-        total += np.sum(rollers.tilt[:, :n].T * self.centre) / DT
+        total += np.sum(rollers.body_impulse[:, :n].T * self.centre) / DT
         total += rollers.inertia * (rollers.turn_kick[:n] @ self.turn) / DT
-        for ring, rate, spin in ((pressed.inner, self.inner_u, self.ring_turn), (pressed.outer, self.outer_u, 0.0)):
+        for ring, rate, spin in (
+            (pressed.bodies.inner, self.inner_u, self.ring_turn),
+            (pressed.bodies.outer, self.outer_u, 0.0),
+        ):
             nodal = ring.w[:, :, HALO:-HALO] * ring.row_mass[:, None, None] / DT
             place = ring.u[:, :, HALO:-HALO].copy()
             place[:, 0] += ring.radii[:, None]
             total += np.sum(nodal * (rate + spin * np.stack([-place[:, 1], place[:, 0]], axis=1)))
         total += pressed.drive.impulse @ self.hub / DT
         # what the drive must hold against the contacts is what they exert on the frame, reversed
-        return total - pressed.drive.ring[3] * self.ring_turn
+        return total - pressed.drive.moment[0] * self.ring_turn
 
 
 ALONE = ("roller u", "centre", "turn", "inner u", "outer u", "hub", "ring turn")
@@ -91,14 +90,16 @@ ALONE = ("roller u", "centre", "turn", "inner u", "outer u", "hub", "ring turn")
 def test_contact_forces_are_the_gradient_of_the_contact_energy(kinds, seed):
     state = random_state(seed)
     motion = Motion(state, 100 + seed, kinds)
-    closed = press(state).contacts.force > 0.0
+    closed = press(state).contacts.forces.force > 0.0
     assert closed[INNER].sum() >= 4 and closed[OUTER].sum() >= 4 and closed[ROLLER, 3]
-    found, total = motion.power(state), press(state).contacts.force.sum()
+    found, total = motion.power(state), press(state).contacts.forces.force.sum()
 
     def slope(step):
         ahead, behind = motion.moved(state, step), motion.moved(state, -step)
         for other in (ahead, behind):
-            np.testing.assert_array_equal(press(other).contacts.force > 0.0, closed, "no contact opens on the way")
+            np.testing.assert_array_equal(
+                press(other).contacts.forces.force > 0.0, closed, "no contact opens on the way"
+            )
         return -(potential(ahead) - potential(behind)) / (2.0 * step)
 
     near, far = slope(2e-9), slope(4e-9)
@@ -112,9 +113,9 @@ def test_contact_forces_are_the_gradient_of_the_contact_energy(kinds, seed):
 def test_resolved_contact_forces_are_the_gradient_of_their_energy(kinds):
     state = random_state(4, resolved=True)
     motion = Motion(state, 104, kinds)
-    closed = press(state).contacts.force > 0.0
+    closed = press(state).contacts.forces.force > 0.0
     assert closed[INNER].sum() >= 4 and closed[OUTER].sum() >= 4 and closed[ROLLER, 3]
-    found, total = motion.power(state), press(state).contacts.force.sum()
+    found, total = motion.power(state), press(state).contacts.forces.force.sum()
 
     def slope(step):
         return -(potential(motion.moved(state, step)) - potential(motion.moved(state, -step))) / (2.0 * step)
@@ -128,38 +129,33 @@ def test_the_tilt_terms_are_seen_by_the_gradient_test():
     """Forces at fixed patches alone miss the potential by the tilt of the surfaces."""
     state = random_state(1)
     pressed = press(state)
-    total = pressed.contacts.force.sum()
-    assert np.abs(pressed.rollers.tilt).max() / DT > 1e-5 * total
-    assert np.abs(pressed.rollers.turn_kick).max() * pressed.rollers.inertia / DT > 1e-5 * total * 0.005
+    total = pressed.contacts.forces.force.sum()
+    assert np.abs(pressed.bodies.rollers.body_impulse).max() / DT > 1e-5 * total
+    assert np.abs(pressed.bodies.rollers.turn_kick).max() * pressed.bodies.rollers.inertia / DT > 1e-5 * total * 0.005
     assert np.abs(pressed.drive.impulse).max() / DT > 1e-5 * total
-    assert abs(pressed.drive.ring[3]) > 1e-5 * total * 0.018
+    assert abs(pressed.drive.moment[0]) > 1e-5 * total * 0.018
 
 
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("kind", ["inner", "outer", "roller"])
 def test_normal_forces_are_action_and_reaction(kind, seed):
     state = copies(random_state(seed))
-    rollers, contacts, drive, slope = state.rollers, state.contacts, state.drive, state.scratch.slope
-    if kind == "inner":
-        ring_contacts(INNER, rollers, state.inner, state.outer, contacts, drive, slope)
-    elif kind == "outer":
-        ring_contacts(OUTER, rollers, state.inner, state.outer, contacts, drive, slope)
-    else:
-        roller_contacts(rollers, contacts, drive, slope)
-    push_contacts(rollers, state.inner, state.outer, contacts, drive)
+    rollers, contacts, drive = state.bodies.rollers, state.contacts, state.drive
+    pairs = {"inner": state.groups[0][0], "outer": state.groups[0][1], "roller": state.groups[1][0]}
+    press_groups(state, ((pairs[kind],),))
     number = {"inner": INNER, "outer": OUTER, "roller": ROLLER}[kind]
-    Q, normal = contacts.force[number, :13], contacts.normal[number, :, :13].T
-    scale, impulse, tilt = Q.sum() * DT, rollers.impulse[:, :13].T, rollers.tilt[:, :13].T
+    Q, normal = contacts.forces.force[number, :13], contacts.patches.normal[number, :, :13].T
+    scale, impulse, tilt = Q.sum() * DT, rollers.node_impulse[:, :13].T, rollers.body_impulse[:, :13].T
     fresh = random_state(seed)
-    rollers.w[:] -= fresh.rollers.w
-    state.inner.w[:] -= fresh.inner.w
+    state.bodies.disc.w[:] -= fresh.bodies.disc.w
+    state.bodies.inner.w[:] -= fresh.bodies.inner.w
     # the roller's centre gets what its nodes get; the force is Q along the line of centres, tilt apart
     np.testing.assert_allclose(roller_resultants(state), impulse, rtol=0.0, atol=1e-12 * scale)
     push = Q[:, None] * normal * DT
     wanted = {"inner": push, "outer": -push, "roller": np.roll(push, 1, axis=0) - push}[kind]
     np.testing.assert_allclose(impulse, wanted, rtol=0.0, atol=1e-13 * scale)
     # nodes push nodes, and the tilt of both surfaces pushes both bodies (of the outer ring: the ground)
-    rings = cartesian_resultant(state.outer) + cartesian_resultant(state.inner, *drive.ring[1:3])
+    rings = cartesian_resultant(state.bodies.outer) + cartesian_resultant(state.bodies.inner, *drive.frame[1:])
     np.testing.assert_allclose(impulse.sum(axis=0) + rings, 0.0, rtol=0.0, atol=1e-11 * scale)
     assert np.abs(tilt).max() > 1e-6 * scale
     if kind != "outer":
@@ -172,16 +168,21 @@ def test_normal_forces_are_action_and_reaction(kind, seed):
 def test_spare_lanes_that_sit_on_a_roller_add_nothing():
     """Thirteen rollers are two groups of eight: the last three lanes stand where roller 0 is."""
     state = random_state(1)
-    rollers = state.rollers
+    rollers = state.bodies.rollers
     rollers.centre[:, 13:] = rollers.centre[:, :1]
     pressed = press(state)
-    assert pressed.contacts.force[ROLLER, 3] > 0.0
+    assert pressed.contacts.forces.force[ROLLER, 3] > 0.0
     angle, apart = np.arctan2(*rollers.centre[::-1, 12]), 2.0 * np.arcsin(0.2174)  # 12 and 0 touch: in the last group
     rollers.centre[:, 0] = 0.023 * np.cos(angle + apart), 0.023 * np.sin(angle + apart)
     rollers.centre[:, 13:] = rollers.centre[:, :1]
     pressed = press(state)
-    assert pressed.contacts.force[ROLLER, 12] > 0.0
-    for entry in (pressed.rollers.impulse, pressed.rollers.tilt, pressed.rollers.turn_kick, pressed.rollers.w):
+    assert pressed.contacts.forces.force[ROLLER, 12] > 0.0
+    for entry in (
+        pressed.bodies.rollers.node_impulse,
+        pressed.bodies.rollers.body_impulse,
+        pressed.bodies.rollers.turn_kick,
+        pressed.bodies.disc.w,
+    ):
         assert np.all(np.isfinite(entry))
 
 
@@ -189,9 +190,9 @@ def test_nothing_touches_nothing_pushes():
     state = random_state(1)
     state.drive.hub[:] = 0.0
     angle = 2.0 * np.pi * np.arange(13) / 13.0
-    state.rollers.centre[:, :13] = 0.0229 * np.cos(angle), 0.0229 * np.sin(angle)
+    state.bodies.rollers.centre[:, :13] = 0.0229 * np.cos(angle), 0.0229 * np.sin(angle)
     pressed = press(state)  # 0.1 mm off the outer ring and into the inner one
-    assert np.all(pressed.contacts.force[OUTER] == 0.0)
-    assert np.all(pressed.contacts.force[ROLLER] == 0.0)
-    assert np.all(pressed.contacts.force[INNER, :13] > 0.0)
-    assert np.all(pressed.outer.w == 0.0)
+    assert np.all(pressed.contacts.forces.force[OUTER] == 0.0)
+    assert np.all(pressed.contacts.forces.force[ROLLER] == 0.0)
+    assert np.all(pressed.contacts.forces.force[INNER, :13] > 0.0)
+    assert np.all(pressed.bodies.outer.w == 0.0)

@@ -5,8 +5,6 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from fem.kernels import time_loop
-from fem.kernels.contact_kernels import normal_contacts
 from fem.statics.contact_balance import LOOSE_SPRING
 from fem.statics.equilibrium import Motion, static_equilibrium
 from lagrange import Bearing
@@ -19,12 +17,12 @@ from tests.reference.bearings import (
     arrays,
     copies,
     fair_load,
-    loop_arguments,
     model,
     operation,
     paper,
     start_of,
 )
+from tests.reference.compiled import drift, kick, press_contacts
 from tests.reference.resolved_bearing import RESOLVED
 
 
@@ -236,25 +234,24 @@ def nothing_turns(**changes):
 
 def test_the_time_loop_sees_the_same_contact_forces():
     state = arrays(model(paper(), 2e-3), nothing_turns(), 1e-7)
-    wanted = state.contacts.force.copy()
-    state.contacts.force[:] = 0.0
-    normal_contacts(*loop_arguments(state)[:5], state.scratch.slope)
+    wanted = state.contacts.forces.force.copy()
+    state.contacts.forces.force[:] = 0.0
+    press_contacts(state)
     # geometry to the last digit: 3.5e-18 m of round-off times 1e9 N/m, and patches turned by the last Newton pass
-    np.testing.assert_allclose(state.contacts.force, wanted, rtol=0.0, atol=1e-6 * LOAD)
+    np.testing.assert_allclose(state.contacts.forces.force, wanted, rtol=0.0, atol=1e-6 * LOAD)
 
 
 def test_the_time_loop_stays_in_static_equilibrium():
     dt = 1e-7
     state = copies(arrays(model(paper(), 2e-3), nothing_turns(), dt))
-    arguments = loop_arguments(state)
     for _ in range(200):
-        time_loop.kick(*arguments[:5], 0.0, state.scratch)
-        time_loop.drift(state.rollers, state.inner, state.outer, state.drive, state.scratch)
+        kick(state.bodies, state.groups, state.contacts, state.drive, 0.0, state.scratch)
+        drift(state.bodies, state.drive, state.scratch)
     # a surface node of 3e-5 kg under one newton more would run at 3e-3 m/s after one step
     assert np.abs(state.drive.velocity).max() < 1e-7
-    assert np.abs(state.rollers.w).max() < 1e-6
-    assert np.abs(state.inner.w).max() < 1e-6
-    assert np.abs(state.outer.w).max() < 1e-6
+    assert np.abs(state.bodies.disc.w).max() < 1e-6
+    assert np.abs(state.bodies.inner.w).max() < 1e-6
+    assert np.abs(state.bodies.outer.w).max() < 1e-6
 
 
 @pytest.mark.parametrize("load", [500.0, LOAD])

@@ -54,9 +54,9 @@ def test_a_value_that_is_not_a_number_is_noticed_within_100_steps(body, plan):
     if body == "hub":
         arrays.drive.velocity[0] = np.nan
     elif body == "roller":
-        arrays.rollers.w[arrays.rollers.w.size // 2] = np.nan
+        arrays.bodies.disc.w[arrays.bodies.disc.w.size // 2] = np.nan
     else:
-        ring = arrays.inner if body == "inner ring" else arrays.outer
+        ring = arrays.bodies.inner if body == "inner ring" else arrays.bodies.outer
         ring.w[ring.first_row, 0, HALO + 5] = np.nan
     assert failing_step(plan, state) <= 100
 

@@ -470,6 +470,6 @@ def test_no_flipped_bit_of_a_checkpoint_goes_unnoticed(plan, tmp_path):
             refused += 1
             continue
         assert same == stored
-        np.testing.assert_array_equal(state.arrays.rollers.u, sound.arrays.rollers.u)
-        np.testing.assert_array_equal(state.arrays.inner.w, sound.arrays.inner.w)
+        np.testing.assert_array_equal(state.arrays.bodies.disc.u, sound.arrays.bodies.disc.u)
+        np.testing.assert_array_equal(state.arrays.bodies.inner.w, sound.arrays.bodies.inner.w)
     assert refused > 250

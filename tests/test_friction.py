@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.kernels.contact_kernels import normal_contacts, push_contacts
-from fem.kernels.friction_kernels import creep_traction, friction_contacts, grips, slips
+from fem.kernels.friction_kernels import ALWAYS, WHERE_ROLLERS_TOUCH, creep_traction
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import INNER, OUTER, ROLLER
-from tests.reference.bearings import copies, loop_arguments, model, paper
+from tests.reference.bearings import copies, model, paper
+from tests.reference.compiled import find_slips, press_contacts, push_surfaces, rub_contacts
 from tests.reference.contact_states import (
     DT,
     cartesian_resultant,
@@ -69,54 +69,54 @@ def by_contact(normal):
 
 def rubbing_state(seed=1, mesh_size=1e-3):
     state = with_random_velocities(random_state(seed, mesh_size=mesh_size), 7)
-    state = state_with(state, friction=0.1)
-    state.contacts.force[:] = 0.0
+    state = with_friction(state, coefficient=0.1)
+    state.contacts.forces.force[:] = 0.0
     state.drive.impulse[:] = 0.0
-    normal_contacts(state.rollers, state.inner, state.outer, state.contacts, state.drive, state.scratch.slope)
-    push_contacts(state.rollers, state.inner, state.outer, state.contacts, state.drive)
-    for entry in (state.rollers.impulse, state.rollers.tilt, state.rollers.turn_kick):
+    press_contacts(state)
+    push_surfaces(state)
+    for entry in (state.bodies.rollers.node_impulse, state.bodies.rollers.body_impulse, state.bodies.rollers.turn_kick):
         entry[:] = 0.0
-    state.drive.ring[3] = 0.0
+    state.drive.moment[0] = 0.0
     return state
 
 
-def state_with(state, **drive):
-    return type(state)(**{name: getattr(state, name) for name in state.__dataclass_fields__ if name != "drive"},
-                       drive=state.drive._replace(**drive))  # fmt: skip
+def with_friction(state, **changes):
+    return replace(state, contacts=state.contacts._replace(friction=state.contacts.friction._replace(**changes)))
 
 
 def rub(state):
     """Friction at a copy; returns it, slips before and after, and the dissipated energy, J."""
     state = copies(state)
-    three = state.contacts.slip
-    grips(*loop_arguments(state)[:5])
-    slips(*loop_arguments(state)[:5], state.rollers.turn_kick, three)
-    before = three.copy()
-    dissipated = friction_contacts(*loop_arguments(state)[:5], state.scratch.slip)
+    find_slips(state, state.bodies.rollers.turn_kick, state.contacts.friction.slip)
+    before = state.contacts.friction.slip.copy()
+    dissipated = rub_contacts(state)
     after = np.zeros_like(before)
-    slips(*loop_arguments(state)[:5], state.rollers.turn_kick, after)
+    find_slips(state, state.bodies.rollers.turn_kick, after)
     return state, before, after, dissipated
 
 
 def test_slip_is_the_sideways_speed_of_the_material():
     """Rigid bodies: v_roller + spin x arm − v_ring, whatever the node positions."""
     state = random_state(2)
-    state.rollers.u[:], state.inner.u[:], state.outer.u[:] = 0.0, 0.0, 0.0
-    fill_ring(state.inner.u, np.zeros((state.inner.radii.size, 2, state.inner.n_sectors)))
+    state.bodies.disc.u[:], state.bodies.inner.u[:], state.bodies.outer.u[:] = 0.0, 0.0, 0.0
+    fill_ring(state.bodies.inner.u, np.zeros((state.bodies.inner.radii.size, 2, state.bodies.inner.n_sectors)))
     state.drive.hub[:] = 0.0
     rng = np.random.default_rng(8)
-    rollers, n, spin, velocity = state.rollers, 13, 800.0 * rng.standard_normal(13), rng.standard_normal((13, 2))
+    rollers, n, spin, velocity = state.bodies.rollers, 13, 800.0 * rng.standard_normal(13), rng.standard_normal((13, 2))
     rollers.spin[:n], rollers.velocity[:, :n] = spin, velocity.T
-    points = rollers.points.reshape(-1, 2)
-    roller_field(state, rollers.w)[:] = np.stack([-points[:, 1], points[:, 0]], axis=1)[:, :, None] * spin
-    w = np.zeros((state.inner.radii.size, 2, state.inner.n_sectors))
-    w[:, 1] = state.drive.speed * state.inner.radii[:, None]
-    fill_ring(state.inner.w, w)
+    points = state.bodies.disc.points.reshape(-1, 2)
+    roller_field(state, state.bodies.disc.w)[:] = np.stack([-points[:, 1], points[:, 0]], axis=1)[:, :, None] * spin
+    w = np.zeros((state.bodies.inner.radii.size, 2, state.bodies.inner.n_sectors))
+    w[:, 1] = state.drive.speed * state.bodies.inner.radii[:, None]
+    fill_ring(state.bodies.inner.w, w)
     state = press_keeping_velocities(state)
-    found = np.zeros_like(state.contacts.slip)
-    grips(*loop_arguments(state)[:5])
-    slips(*loop_arguments(state)[:5], state.scratch.still, found)
-    found, normal, closed = found[:, :n], by_contact(state.contacts.normal), state.contacts.force[:, :n] > 0.0
+    found = np.zeros_like(state.contacts.friction.slip)
+    find_slips(state, state.scratch.still, found)
+    found, normal, closed = (
+        found[:, :n],
+        by_contact(state.contacts.patches.normal),
+        state.contacts.forces.force[:, :n] > 0.0,
+    )
     across = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
     own = np.einsum("kja,ja->kj", across, velocity)
     r = rollers.radius
@@ -130,85 +130,93 @@ def test_slip_is_the_sideways_speed_of_the_material():
 def press_keeping_velocities(state):
     """Contacts placed and forces found with velocities as they are (the push is taken off again)."""
     pressed = press(state)
-    for name in ("rollers", "inner", "outer"):
-        getattr(pressed, name).w[:] = getattr(state, name).w
-    pressed.rollers.velocity[:] = state.rollers.velocity
+    for name in ("disc", "inner", "outer"):
+        getattr(pressed.bodies, name).w[:] = getattr(state.bodies, name).w
+    pressed.bodies.rollers.velocity[:] = state.bodies.rollers.velocity
     return pressed
 
 
 def test_tractions_are_on_carters_curve_at_the_slip_they_leave():
     state = rubbing_state()
     rubbed, before, after, dissipated = rub(state)
-    law, rollers = rubbed.contacts, rubbed.rollers
-    closed = law.force > 0.0
+    contacts, rollers = rubbed.contacts, rubbed.bodies.rollers
+    tractions, closed = contacts.friction.traction, contacts.forces.force > 0.0
+    laws = [pair.law for group in rubbed.groups for pair in group]
     assert closed.sum() > 8
     pitch = 0.028 - 0.005
     for kind, j in np.argwhere(closed):
-        Q, traction = law.force[kind, j], law.traction[kind, j]
-        n = law.normal[kind, :, j]
+        Q, traction = contacts.forces.force[kind, j], tractions[kind, j]
+        n = contacts.patches.normal[kind, :, j]
         rolling = 0.0
         if kind != ROLLER:
             orbit = (rollers.velocity[1, j] * n[0] - rollers.velocity[0, j] * n[1]) / pitch
             rolling = abs(rollers.spin[j] - orbit) * rollers.radius
-        full = max(0.1 * np.sqrt(law.half_width_factor[kind] * Q) * law.curvature[kind] * rolling, 1e-4)
+        full = max(0.1 * np.sqrt(laws[kind].half_width_factor * Q) * laws[kind].curvature * rolling, 1e-4)
         share = min(abs(after[kind, j]) / full, 1.0)
         assert abs(traction) == pytest.approx(0.1 * Q * (1.0 - (1.0 - share) ** 2), rel=1e-6)
         assert abs(traction) <= 0.1 * Q * (1.0 + 1e-15)
         assert traction * before[kind, j] < 0.0
         assert before[kind, j] * after[kind, j] >= 0.0
-    assert np.all(law.traction[~closed] == 0.0)
+    assert np.all(tractions[~closed] == 0.0)
     mean = 0.5 * (before + after)
-    assert dissipated == pytest.approx(-np.sum((law.traction * mean)[closed]) * DT, rel=1e-9)
+    assert dissipated == pytest.approx(-np.sum((tractions * mean)[closed]) * DT, rel=1e-9)
     assert dissipated > 0.0
 
 
 def test_a_coarse_rollers_contacts_are_solved_in_turn_only_while_rollers_touch():
-    def tractions(touching, **crowded):
+    def tractions(touching, overlapping):
         state = rubbing_state(mesh_size=2e-3)
-        for slow in (state.rollers.w, state.rollers.velocity, state.rollers.spin, state.outer.w):
+        for slow in (
+            state.bodies.disc.w,
+            state.bodies.rollers.velocity,
+            state.bodies.rollers.spin,
+            state.bodies.outer.w,
+        ):
             slow[:] *= 1e-4  # so that contacts creep
         if not touching:
-            state.contacts.force[ROLLER] = 0.0
-        return rub(replace(state, contacts=state.contacts._replace(**crowded)))[0].contacts.traction
+            state.contacts.forces.force[ROLLER] = 0.0
+        return rub(with_friction(state, overlapping=overlapping))[0].contacts.friction.traction
 
-    assert np.any(rubbing_state(mesh_size=2e-3).contacts.force[ROLLER] > 0.0)
-    by_itself = {"crowded": False, "crowded_rollers": True}
-    apart, in_turn = ({"crowded": crowded, "crowded_rollers": False} for crowded in (False, True))
-    np.testing.assert_array_equal(tractions(True, **by_itself), tractions(True, **in_turn))
-    np.testing.assert_array_equal(tractions(False, **by_itself), tractions(False, **apart))
-    assert np.abs(tractions(True, **in_turn) - tractions(True, **apart)).max() > 0.1
+    assert np.any(rubbing_state(mesh_size=2e-3).contacts.forces.force[ROLLER] > 0.0)
+    np.testing.assert_array_equal(tractions(True, WHERE_ROLLERS_TOUCH), tractions(True, ALWAYS))
+    np.testing.assert_array_equal(tractions(False, WHERE_ROLLERS_TOUCH), tractions(False, None))
+    assert np.abs(tractions(True, ALWAYS) - tractions(True, None)).max() > 0.1
 
 
 def test_friction_is_action_and_reaction_with_the_raceways_arm():
     state = rubbing_state()
     rubbed, *_ = rub(state)
-    traction, normal = rubbed.contacts.traction[:, :13], by_contact(rubbed.contacts.normal)
-    closed = rubbed.contacts.force[:, :13] > 0.0
+    traction, normal = rubbed.contacts.friction.traction[:, :13], by_contact(rubbed.contacts.patches.normal)
+    closed = rubbed.contacts.forces.force[:, :13] > 0.0
     scale = np.abs(traction[closed]).sum()
     across = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
     push = traction[..., None] * across * closed[..., None]
     wanted = push[INNER] + push[OUTER] + np.roll(push[ROLLER], 1, axis=0) - push[ROLLER]
-    np.testing.assert_allclose(rubbed.rollers.impulse[:, :13].T / DT, wanted, rtol=0.0, atol=1e-12 * scale)
+    np.testing.assert_allclose(rubbed.bodies.rollers.node_impulse[:, :13].T / DT, wanted, rtol=0.0, atol=1e-12 * scale)
 
     gained = copies(rubbed)
-    for name in ("rollers", "inner", "outer"):
-        getattr(gained, name).w[:] -= getattr(state, name).w
+    for name in ("disc", "inner", "outer"):
+        getattr(gained.bodies, name).w[:] -= getattr(state.bodies, name).w
     round_off = 1e-9 * scale * DT  # velocities of metres per second change by micrometres per second
-    np.testing.assert_allclose(roller_resultants(gained), rubbed.rollers.impulse[:, :13].T, rtol=0.0, atol=round_off)
-    inner = cartesian_resultant(gained.inner, *gained.drive.ring[1:3])
+    np.testing.assert_allclose(
+        roller_resultants(gained), rubbed.bodies.rollers.node_impulse[:, :13].T, rtol=0.0, atol=round_off
+    )
+    inner = cartesian_resultant(gained.bodies.inner, *gained.drive.frame[1:])
     np.testing.assert_allclose(inner, -push[INNER].sum(axis=0) * DT, rtol=0.0, atol=round_off)
-    outer = cartesian_resultant(gained.outer)
+    outer = cartesian_resultant(gained.bodies.outer)
     np.testing.assert_allclose(outer, -push[OUTER].sum(axis=0) * DT, rtol=0.0, atol=round_off)
 
     # moment about a roller's centre: traction times radius
-    points = gained.rollers.points.reshape(-1, 2)
-    force = roller_field(gained, gained.rollers.w) * gained.rollers.mass[:, None, None] / DT
+    points = gained.bodies.disc.points.reshape(-1, 2)
+    force = roller_field(gained, gained.bodies.disc.w) * gained.bodies.disc.mass[:, None, None] / DT
     moment = np.sum(points[:, :1] * force[:, 1] - points[:, 1:] * force[:, 0], axis=0)
-    assert np.all(gained.rollers.turn_kick == 0.0)
-    arm = gained.rollers.radius * traction * closed
+    assert np.all(gained.bodies.rollers.turn_kick == 0.0)
+    arm = gained.bodies.rollers.radius * traction * closed
     wanted = arm[OUTER] - arm[INNER] - arm[ROLLER] - np.roll(arm[ROLLER], 1)
     np.testing.assert_allclose(moment, wanted, rtol=0.0, atol=1e-9 * scale * 0.005)
-    on_ring = gained.inner.w[:, 1, HALO:-HALO] * (gained.inner.row_mass * gained.inner.radii)[:, None]
-    assert gained.drive.ring[3] == 0.0
+    on_ring = (
+        gained.bodies.inner.w[:, 1, HALO:-HALO] * (gained.bodies.inner.row_mass * gained.bodies.inner.radii)[:, None]
+    )
+    assert gained.drive.moment[0] == 0.0
     wanted = -0.018 * np.sum(traction[INNER] * closed[INNER])
     assert np.sum(on_ring) / DT == pytest.approx(wanted, abs=1e-9 * scale * 0.018)

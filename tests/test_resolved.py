@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from fem.elastic.critical_step import critical_time_step
-from fem.kernels.contact_kernels import contact_forces
 from fem.kernels.sample_kernels import BLOCKS, HUB_AX, HUB_AY, N_SCALARS
 from fem.kernels.time_loop import advance
 from fem.solver.limits import check_meshes
@@ -20,6 +19,7 @@ from meshes import GradedAnnulus, GradedDisc, quality
 from meshes.graded import graded_disc
 from meshes.shapes import make
 from tests.reference.bearings import arrays, copies, loop_arguments, operation, resolved_model, soft
+from tests.reference.compiled import press_contacts
 
 ON_A_ROLLER = -0.5 * np.pi
 LOAD = 300.0
@@ -101,7 +101,7 @@ def test_pressures_are_hertzs():
 
 def advanced(state, n_samples, stride):
     """Samples of a run, finite or not."""
-    samples = np.zeros((n_samples, N_SCALARS + len(BLOCKS) * state.rollers.n))
+    samples = np.zeros((n_samples, N_SCALARS + len(BLOCKS) * state.bodies.rollers.n))
     advance(*loop_arguments(state), 0, stride, samples)
     return samples
 
@@ -113,8 +113,8 @@ def test_the_resolved_start_stands_still():
     dt = 0.9 * critical_time_step(model, LOAD)
     state = copies(arrays(model, how, dt))
     wanted = solved(model, LOAD, how.first_roller_angle)
-    contact_forces(*loop_arguments(state)[:5], state.scratch.slope, state.contacts.resolved)
-    found = state.contacts.force[:, : len(wanted.inner_force)]
+    press_contacts(state)
+    found = state.contacts.forces.force[:, : len(wanted.inner_force)]
     np.testing.assert_allclose(found[0], wanted.inner_force, rtol=0.0, atol=1e-6 * LOAD)
     np.testing.assert_allclose(found[1], wanted.outer_force, rtol=0.0, atol=1e-6 * LOAD)
     acceleration = advanced(copies(arrays(model, how, dt)), 1, 1)[0, [HUB_AX, HUB_AY]]

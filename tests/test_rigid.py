@@ -250,8 +250,8 @@ def test_only_what_moves_is_counted():
     assert rollers.degrees_of_freedom == whole.degrees_of_freedom - 2 * of_rollers + 3 * 13
     assert rings.mesh_nodes == of_rollers and rings.degrees_of_freedom == 2 * of_rollers + 2
     state = rollers.arrays()
-    assert state.rollers.u.size == state.rollers.blocks.size == 0
-    assert rings.arrays().inner.u.shape[0] == 1
+    assert state.bodies.disc.u.size == state.bodies.disc.blocks.size == 0
+    assert rings.arrays().bodies.inner.u.shape[0] == 1
 
 
 def free_ring(body):

@@ -10,7 +10,6 @@ from scipy.optimize import nnls
 from fem.elastic.critical_step import critical_time_step
 from fem.elastic.model import build_spread_model
 from fem.elastic.points import points
-from fem.kernels.contact_kernels import contact_forces
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.spread_kernels import spread_forces
 from fem.kernels.time_loop import advance
@@ -23,6 +22,7 @@ from fem.statics.solve import equilibrium
 from lagrange.kinematics import roller_angles
 from lagrange.scene import parse_scene
 from tests.reference.bearings import arrays, copies, loop_arguments, operation, soft
+from tests.reference.compiled import press_contacts
 
 ON_A_ROLLER = -0.5 * np.pi
 LOAD = 300.0
@@ -139,8 +139,8 @@ def test_the_start_stands_still():
     how = operation(speed=0.0, gravity=0.0, radial_load=LOAD)
     state = copies(arrays(model, how, 0.9 * critical_time_step(model, LOAD)))
     wanted = equilibrium(model, standing(five(), how.first_roller_angle), LOAD, 0.0, 0.0)
-    contact_forces(*loop_arguments(state)[:5], state.scratch.slope, state.contacts.resolved)
-    found = state.contacts.force[:, :5]
+    press_contacts(state)
+    found = state.contacts.forces.force[:, :5]
     np.testing.assert_allclose(found[0], wanted.inner_force, rtol=0.0, atol=1e-6 * LOAD)
     np.testing.assert_allclose(found[1], wanted.outer_force, rtol=0.0, atol=1e-6 * LOAD)
 
@@ -168,7 +168,7 @@ def test_the_step_limit_is_on_its_safe_side_and_close():
 
     def grown(share):
         state = copies(arrays(model, how, share * limit))
-        rows = np.zeros((12, N_SCALARS + len(BLOCKS) * state.rollers.n))
+        rows = np.zeros((12, N_SCALARS + len(BLOCKS) * state.bodies.rollers.n))
         advance(*loop_arguments(state), 0, 100, rows)
         path = rows[:, 1:3]
         return not np.all(np.isfinite(path)) or np.abs(path - path[0]).max() > 1e-3 * np.abs(path[0]).max()

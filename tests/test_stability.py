@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.kernels.friction_kernels import ALWAYS
 from fem.solver.samples import Samples
 from fem.solver.simulate import RunFailed, make_plan, run
 from lagrange.scene import SceneError, parse_scene, read_scene
@@ -151,7 +152,7 @@ def test_sticking_contacts_only_dissipate_where_patches_of_neighbours_overlap():
             ),
         )
     )  # fmt: skip
-    assert plan.arrays().contacts.crowded
+    assert plan.arrays().contacts.friction.overlapping == ALWAYS
     kept = []
     run(plan, kept.append)
     dissipated = np.concatenate([block["work_dissipated"] for block in kept])

@@ -12,11 +12,13 @@ from fem.elastic.bodies import disc_body
 from fem.elastic.continuum import ring_hertz_approach
 from fem.elastic.model import peak_pressure
 from fem.elastic.subgrid import contact_law, disc_compliance, disc_patch_force, patch, ring_compliance, ring_patch_force
+from fem.kernels.jit import OPTIONS
 from fem.kernels.law import STEEPEST, contact_energy, contact_force, kick_force, ripple_at
-from fem.kernels.patch_kernels import place, read_ring, read_roller
-from fem.kernels.patches import N_NODES, weight_slopes, weights
+from fem.kernels.patches import N_NODES, ONE, weight_slopes, weights
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import count_from, load, store
+from fem.kernels.state import DiscSurface, Patches, RingSurface
+from fem.kernels.surfaces import place, read
 from lagrange import Material
 from meshes import Disc
 from tests.reference.bearings import LENGTH, STEEL, disc, model, paper, ring
@@ -332,42 +334,35 @@ ANGLES = np.array([0.0, 0.37, 2.0, -0.01, -3.0, np.pi, -1.6, 1.234])  # of eight
 GROUP, COLUMNS = 8, 16
 
 
-@njit
-def read_rollers(u, first, n_surface, bx, by, ripples, start, weight, slope, out):
-    column = count_from(GROUP)
-    found = read_roller(
-        u, column, COLUMNS, first, n_surface, load(bx, 0), load(by, 0), ripples, start, weight, 1, GROUP, slope
-    )
+@njit(**OPTIONS)
+def read_group(surface, patches, bx, by, out):
+    found = read(surface, patches, 1, GROUP, count_from(GROUP), load(bx, 0), load(by, 0))
     for k in range(5):
         store(out, 8 * k, found[k])
 
 
-@njit
-def read_rings(u, row, n_sectors, cosines, sines, bx, by, ripples, start, weight, along, across, slope, out):
-    found = read_ring(
-        u, row, n_sectors, cosines, sines, load(bx, 0), load(by, 0), ripples, start, weight, along, across, COLUMNS, 1,
-        GROUP, slope,
+def some_patches():
+    weight, along, across = (np.zeros((2, N_NODES, COLUMNS)) for _ in range(3))
+    nothing = np.zeros((2, COLUMNS))
+    return Patches(
+        normal=np.zeros((1, 2, COLUMNS)), start=np.zeros((2, COLUMNS), dtype=np.int64), weight=weight,
+        outward=np.zeros((2, 2, COLUMNS)), along=along, across=across, scale=nothing, slope=nothing,
+        weight_slope=np.zeros((N_NODES, 8)), columns=COLUMNS, units=ONE,
     )  # fmt: skip
-    for k in range(5):
-        store(out, 8 * k, found[k])
-
-
-def patch_arrays():
-    return np.zeros((2, COLUMNS), dtype=np.int64), *(np.zeros((2, N_NODES, COLUMNS)) for _ in range(3))
 
 
 def test_kernels_and_matrices_use_the_same_roller_patches():
     body = disc(RADIUS, 3)
     u = np.random.default_rng(1).standard_normal((body.n_nodes, 2, COLUMNS))
     ripples = np.random.default_rng(2).standard_normal(3 * 8)
-    start, weight, *_ = patch_arrays()
+    surface = DiscSurface(
+        u=u.ravel(), w=u.ravel(), points=body.points.ravel(), lightness=1.0 / body.mass, impulse=np.zeros((2, COLUMNS)),
+        ripple=ripples, first=body.first_surface_node, n_nodes=body.shape.surface_nodes, columns=COLUMNS, radius=RADIUS,
+    )  # fmt: skip
 
     def read(at):
         out = np.zeros((5, 8))
-        read_rollers(
-            u, body.first_surface_node, body.shape.surface_nodes, np.cos(at), np.sin(at), ripples, start, weight,
-            np.zeros((N_NODES, 8)), out,
-        )  # fmt: skip
+        read_group(surface, some_patches(), np.cos(at), np.sin(at), out)
         return out
 
     out, side, rate, ripple, ripple_rate = read(ANGLES)
@@ -392,14 +387,14 @@ def test_kernels_and_matrices_use_the_same_ring_patches():
     padded = np.ascontiguousarray(np.concatenate([u[..., -HALO:], u, u[..., :HALO]], axis=-1))
     ripples = np.random.default_rng(4).standard_normal(8)
     sector = 2.0 * np.pi * (np.arange(56 + 2 * HALO) - HALO) / 56
-    start, weight, radial, across = patch_arrays()
+    surface = RingSurface(
+        u=padded, w=padded, cosines=np.cos(sector), sines=np.sin(sector), ripple=ripples, row=body.raceway_row,
+        n_nodes=56, node_mass=1.0, radius=0.018,
+    )  # fmt: skip
 
     def read(at):
         out = np.zeros((5, 8))
-        read_rings(
-            padded, body.raceway_row, 56, np.cos(sector), np.sin(sector), np.cos(at), np.sin(at), ripples, start,
-            weight, radial, across, np.zeros((N_NODES, 8)), out,
-        )  # fmt: skip
+        read_group(surface, some_patches(), np.cos(at), np.sin(at), out)
         return out
 
     out, side, rate, ripple, ripple_rate = read(ANGLES)

@@ -18,7 +18,7 @@ def rows(threads):
     """Samples of the paper's bearing over 60 steps."""
     how = operation()
     state = copies(arrays(model(paper(), 2e-3), how, 2e-7, friction=0.1, threads=threads))
-    out = np.zeros((4, N_SCALARS + len(BLOCKS) * state.rollers.n))
+    out = np.zeros((4, N_SCALARS + len(BLOCKS) * state.bodies.rollers.n))
     numba.set_num_threads(threads)
     try:
         advance(*loop_arguments(state), 0, 20, out)

@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh
 
 from fem.elastic.critical_step import critical_time_step
-from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
+from fem.kernels import disc_kernels, ring_kernels, time_loop
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.sample_kernels import (
     BLOCKS,
@@ -45,6 +45,7 @@ from tests.reference.bearings import (
     ring,
     run,
 )
+from tests.reference.compiled import drift, elastic_energy, kick, remember
 
 
 def observed_order(h, error):
@@ -146,37 +147,37 @@ def spinning(mesh_size, courant):
     dt = courant * critical_time_step(whole, 1.0)
     how = operation(speed=0.0, gravity=0.0, radial_load=0.0)
     state = copies(arrays(whole, how, dt, from_rest=True))
-    rollers = state.rollers
-    points = rollers.points.reshape(-1, 2)
-    field = rollers.w.reshape(-1, 2, rollers.columns)[:, :, :3]
+    rollers = state.bodies.rollers
+    points = state.bodies.disc.points.reshape(-1, 2)
+    field = state.bodies.disc.w.reshape(-1, 2, rollers.columns)[:, :, :3]
     field[:] = SPIN * (np.stack([-points[:, 1], points[:, 0]], axis=1) + 0.5 * dt * SPIN * points)[:, :, None]
     rollers.spin[:3], rollers.increment[:3] = SPIN, SPIN * dt
     return state, dt
 
 
 def step(state):
-    time_loop.kick(*loop_arguments(state)[:5], 0.0, state.scratch)
-    time_loop.drift(*(loop_arguments(state)[k] for k in (0, 1, 2, 4, 5)))
+    kick(state.bodies, state.groups, state.contacts, state.drive, 0.0, state.scratch)
+    drift(state.bodies, state.drive, state.scratch)
 
 
 def discs(state, name):
     """(n_nodes, 2, 3) of a field."""
-    return getattr(state.rollers, name).reshape(-1, 2, state.rollers.columns)[:, :, :3]
+    return getattr(state.bodies.disc, name).reshape(-1, 2, state.bodies.rollers.columns)[:, :, :3]
 
 
 def test_a_disc_spins_up_to_its_centrifugal_growth_in_the_mean():
     """u(R) = (1+ν)(1−2ν) ρ ω² R³/(4E) = 6.29 nm (Timoshenko and Goodier, article 32, plane strain)."""
     state, dt = spinning(3e-3, 0.8)
-    rollers = state.rollers
-    surface = slice(rollers.first_surface, None)
-    outward = rollers.points.reshape(-1, 2)[surface] / 0.018
+    disc = state.bodies.disc
+    surface = slice(state.bodies.surface.first, None)
+    outward = disc.points.reshape(-1, 2)[surface] / 0.018
     period = 2.0 * np.pi * 0.018 / (3.9769 * np.sqrt(STEEL.lame_mu / STEEL.density))  # of breathing
     growth = []
     for _ in range(int(40 * period / dt)):
         step(state)
         growth.append(np.einsum("na,naj->j", outward, discs(state, "u")[surface]) / len(outward))
     growth = np.array(growth)
-    static = model(FREE, 3e-3).roller.relaxed(SPIN**2 * (rollers.mass[:, None] * rollers.points.reshape(-1, 2)).ravel())
+    static = model(FREE, 3e-3).roller.relaxed(SPIN**2 * (disc.mass[:, None] * disc.points.reshape(-1, 2)).ravel())
     static = np.einsum("na,na->", outward, static.reshape(-1, 2)[surface]) / len(outward)
     # forty periods' mean of 1 − cos and a few faster modes
     np.testing.assert_allclose(growth.mean(axis=0), static, rtol=0.01)
@@ -187,8 +188,8 @@ def test_a_disc_spins_up_to_its_centrifugal_growth_in_the_mean():
 def vibrate(courant, smooth, n_steps):
     """Energies, angular momenta, largest mean displacement and lead of spinning discs set vibrating, 1 µm."""
     state, dt = spinning(6e-3, courant)
-    rollers, rng = state.rollers, np.random.default_rng(3)
-    mass, points = rollers.mass[:, None, None], rollers.points.reshape(-1, 2)
+    rollers, rng = state.bodies.rollers, np.random.default_rng(3)
+    mass, points = state.bodies.disc.mass[:, None, None], state.bodies.disc.points.reshape(-1, 2)
     if smooth:
         u = 1e-6 * disc_mode(model(FREE, 6e-3).roller)[1].reshape(-1, 2, 1) * np.array([1.0, 0.5, -1.0])
     else:
@@ -197,17 +198,17 @@ def vibrate(courant, smooth, n_steps):
     turned = np.stack([-points[:, 1], points[:, 0]], axis=1)[:, :, None]
     u -= turned * np.sum(mass * turned * u, axis=(0, 1)) / rollers.inertia
     discs(state, "u")[:] = u
-    bodies = tuple(loop_arguments(state)[k] for k in (0, 1, 2, 4, 5))
+    moving = (state.bodies, state.drive, state.scratch)
     energy, angular, mean, lead = [], [], [], []
     for _ in range(n_steps):
-        sample_kernels.remember(*bodies)
+        remember(*moving)
         before = discs(state, "w").copy()
-        time_loop.kick(*loop_arguments(state)[:5], 0.0, state.scratch)
+        kick(state.bodies, state.groups, state.contacts, state.drive, 0.0, state.scratch)
         after = discs(state, "w") + turned * rollers.turn_kick[:3]
         position = points[:, :, None] + discs(state, "u")
-        energy.append(0.5 * np.sum(mass * before * after) + sample_kernels.elastic_energy(*bodies))
+        energy.append(0.5 * np.sum(mass * before * after) + elastic_energy(*moving))
         angular.append(np.sum(mass[:, 0] * (position[:, 0] * after[:, 1] - position[:, 1] * after[:, 0]), axis=0))
-        time_loop.drift(*bodies)
+        drift(*moving)
         mean.append(np.abs(np.sum(mass * discs(state, "u"), axis=0)).max() / rollers.total_mass)
         lead.append(np.abs(rollers.lead[:3]).max())
     energy, angular = np.array(energy), np.array(angular)
@@ -341,7 +342,7 @@ def test_rollers_follow_the_cage_and_their_contact_forces():
     np.testing.assert_allclose(rate.mean(axis=0), block(samples, "roller_spin").mean(axis=0), rtol=1e-4)
     # radially: Q_i − Q_o + m ρ cage² − m g sin = m ρ''; waves and the contact resonance ring about it
     Q_i, Q_o = block(samples, "inner_force"), block(samples, "outer_force")
-    held = Q_o - Q_i - state.rollers.total_mass * (ideal**2 * np.hypot(x, y) - how.gravity * np.sin(turned))
+    held = Q_o - Q_i - state.bodies.rollers.total_mass * (ideal**2 * np.hypot(x, y) - how.gravity * np.sin(turned))
     assert np.abs(held.mean(axis=0)).max() < 0.02  # measured 2e-3; 0.04 rms
     assert held.std() < 0.2
 

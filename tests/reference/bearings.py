@@ -1,5 +1,6 @@
 """Bearings, bodies and loads that tests and verification share, each built once a session; states of the time loop."""
 
+from copy import deepcopy
 from dataclasses import replace
 from functools import cache
 from math import pi
@@ -114,22 +115,18 @@ def arrays(
     return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE, threads)
 
 
-def copy_of(state):
-    """An independent copy of one named tuple of the time loop."""
-    return type(state)(*(entry.copy() if isinstance(entry, np.ndarray) else entry for entry in state))
-
-
 def copies(state: Arrays) -> Arrays:
-    return Arrays(**{name: copy_of(getattr(state, name)) for name in state.__dataclass_fields__})
+    """An independent copy; what arrays its parts share they share in the copy."""
+    return deepcopy(state)
 
 
 def loop_arguments(state: Arrays) -> tuple:
-    return state.rollers, state.inner, state.outer, state.contacts, state.drive, state.scratch
+    return state.bodies, state.groups, state.contacts, state.drive, state.scratch
 
 
 def run(state: Arrays, n_samples: int, stride: int) -> np.ndarray:
     """Run on and return the samples, (n_samples, n_columns); the state is left at its end."""
-    samples = np.zeros((n_samples, N_SCALARS + len(BLOCKS) * state.rollers.n))
+    samples = np.zeros((n_samples, N_SCALARS + len(BLOCKS) * state.bodies.rollers.n))
     status, step, body = advance(*loop_arguments(state), 0, stride, samples)
     assert (status, step, body) == (0, n_samples * stride, -2)
     return samples

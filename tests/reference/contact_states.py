@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from fem.kernels.contact_kernels import contact_forces, push_nodes
 from fem.kernels.ring_kernels import HALO
 from tests.reference.bearings import arrays, copies, model, operation, paper, resolved_model, soft
+from tests.reference.compiled import press_contacts, push_surfaces
 
 DT = 1e-7
 PRESSED = 5e-6  # m, typical overlap of the circles
@@ -12,15 +12,15 @@ WAVY = 1e-6  # m, random displacement of every node: surfaces tilt by a millirad
 
 
 def set_turns(state, roller_turn, ring_turn):
-    rollers = state.rollers
+    rollers = state.bodies.rollers
     rollers.turn[: rollers.n] = roller_turn
     rollers.cosine[:], rollers.sine[:] = np.cos(rollers.turn), np.sin(rollers.turn)
-    state.drive.ring[:3] = ring_turn, np.cos(ring_turn), np.sin(ring_turn)
+    state.drive.frame[:] = ring_turn, np.cos(ring_turn), np.sin(ring_turn)
 
 
 def roller_field(state, flat):
     """(n_nodes, 2, n) view of a flat roller array."""
-    return flat.reshape(state.rollers.mass.size, 2, state.rollers.columns)[:, :, : state.rollers.n]
+    return flat.reshape(state.bodies.disc.mass.size, 2, state.bodies.rollers.columns)[:, :, : state.bodies.rollers.n]
 
 
 def fill_ring(field, values):
@@ -34,7 +34,7 @@ def random_state(seed, resolved=False, mesh_size=1e-3):
     rng = np.random.default_rng(seed)
     whole = resolved_model(soft(), 2e-4) if resolved else model(paper(), mesh_size)
     state = copies(arrays(whole, operation(speed=300.0), DT, from_rest=True))
-    rollers, n = state.rollers, state.rollers.n
+    rollers, n = state.bodies.rollers, state.bodies.rollers.n
     angle = np.cumsum(rng.uniform(0.95, 1.05, n)) * 2.0 * np.pi / n
     angle[4] = angle[3] + 2.0 * np.arcsin((rollers.radius - 0.5 * PRESSED) / 0.023)  # 3 and 4 press on each other
     rho = 0.023 + PRESSED * rng.uniform(-1.0, 1.0, n)
@@ -42,8 +42,8 @@ def random_state(seed, resolved=False, mesh_size=1e-3):
     rollers.centre[:, :n] = rho * np.cos(angle), rho * np.sin(angle)
     state.drive.hub[:] = PRESSED * rng.uniform(-1.0, 1.0, 2)
     set_turns(state, rng.uniform(-np.pi, np.pi, n), rng.uniform(-np.pi, np.pi))
-    roller_field(state, rollers.u)[:] = WAVY * rng.standard_normal((rollers.mass.size, 2, n))
-    for ring in (state.inner, state.outer):
+    roller_field(state, state.bodies.disc.u)[:] = WAVY * rng.standard_normal((state.bodies.disc.mass.size, 2, n))
+    for ring in (state.bodies.inner, state.bodies.outer):
         fill_ring(ring.u, WAVY * rng.standard_normal((ring.radii.size, 2, ring.n_sectors)))
     return state
 
@@ -51,22 +51,21 @@ def random_state(seed, resolved=False, mesh_size=1e-3):
 def press(state):
     """Normal forces at a copy of a state with all velocities and impulses cleared."""
     state = copies(state)
-    rollers, drive = state.rollers, state.drive
+    rollers, drive = state.bodies.rollers, state.drive
     for entry in (
-        rollers.w,
-        rollers.impulse,
-        rollers.tilt,
+        state.bodies.disc.w,
+        rollers.node_impulse,
+        rollers.body_impulse,
         rollers.turn_kick,
         drive.impulse,
-        state.inner.w,
-        state.outer.w,
+        state.bodies.inner.w,
+        state.bodies.outer.w,
     ):
         entry[:] = 0.0
-    drive.ring[3] = 0.0
-    state.contacts.force[:] = 0.0
-    contacts = state.contacts
-    contact_forces(rollers, state.inner, state.outer, contacts, drive, state.scratch.slope, contacts.resolved)
-    push_nodes(rollers, state.inner, state.outer, contacts, drive, contacts.resolved)
+    drive.moment[:] = 0.0
+    state.contacts.forces.force[:] = 0.0
+    press_contacts(state)
+    push_surfaces(state)
     return state
 
 
@@ -80,18 +79,22 @@ def cartesian_resultant(ring, c=1.0, s=0.0):
 
 def roller_resultants(state):
     """Momentum of each roller's nodal velocities, (n, 2), fixed axes."""
-    rollers, n = state.rollers, state.rollers.n
-    x, y = np.sum(roller_field(state, rollers.w) * rollers.mass[:, None, None], axis=0)
+    rollers, n = state.bodies.rollers, state.bodies.rollers.n
+    x, y = np.sum(roller_field(state, state.bodies.disc.w) * state.bodies.disc.mass[:, None, None], axis=0)
     c, s = rollers.cosine[:n], rollers.sine[:n]
     return np.column_stack([c * x - s * y, s * x + c * y])
 
 
 def with_random_velocities(state, seed):
     rng = np.random.default_rng(seed)
-    n = state.rollers.n
-    roller_field(state, state.rollers.w)[:] = rng.standard_normal((state.rollers.mass.size, 2, n))
-    fill_ring(state.inner.w, rng.standard_normal((state.inner.radii.size, 2, state.inner.n_sectors)))
-    fill_ring(state.outer.w, rng.standard_normal((state.outer.radii.size, 2, state.outer.n_sectors)))
-    state.rollers.velocity[:, :n] = rng.standard_normal((n, 2)).T
-    state.rollers.spin[:n] = 500.0 * rng.standard_normal(n)
+    n = state.bodies.rollers.n
+    roller_field(state, state.bodies.disc.w)[:] = rng.standard_normal((state.bodies.disc.mass.size, 2, n))
+    fill_ring(
+        state.bodies.inner.w, rng.standard_normal((state.bodies.inner.radii.size, 2, state.bodies.inner.n_sectors))
+    )
+    fill_ring(
+        state.bodies.outer.w, rng.standard_normal((state.bodies.outer.radii.size, 2, state.bodies.outer.n_sectors))
+    )
+    state.bodies.rollers.velocity[:, :n] = rng.standard_normal((n, 2)).T
+    state.bodies.rollers.spin[:n] = 500.0 * rng.standard_normal(n)
     return state

@@ -6,12 +6,12 @@ from math import pi
 import numpy as np
 
 from fem.elastic.critical_step import critical_time_step
-from fem.kernels import sample_kernels, time_loop
 from fem.kernels.state import ROLLER
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.start import rest_start
 from lagrange import Bearing, Operation
 from tests.reference.bearings import LENGTH, STEEL_ON_STEEL, model
+from tests.reference.compiled import contact_energy, drift, elastic_energy, kick, kinetic_energy, remember
 
 # wide enough that rollers never reach a raceway
 WIDE = Bearing(
@@ -56,9 +56,9 @@ def collide(velocities, mesh_size=1e-3, friction=0.0, spins=(0.0, 0.0), courant=
     whole = model(WIDE, mesh_size)
     dt = courant * critical_time_step(whole, LARGEST_FORCE)
     state = make_arrays(whole, NOTHING_ACTS, rest_start(whole, NOTHING_ACTS), dt, friction, 0.0, LARGEST_FORCE, 1)
-    rollers = state.rollers
-    field = rollers.w.reshape(rollers.mass.size, 2, rollers.columns)
-    points = rollers.points.reshape(-1, 2)
+    rollers, disc = state.bodies.rollers, state.bodies.disc
+    field = disc.w.reshape(disc.mass.size, 2, rollers.columns)
+    points = disc.points.reshape(-1, 2)
     for j, side in enumerate((-1.0, 1.0)):
         rollers.centre[:, j] = side * (rollers.radius + 0.5 * GAP), -0.0229
         rollers.velocity[:, j] = velocities[j]
@@ -86,26 +86,23 @@ def collide(velocities, mesh_size=1e-3, friction=0.0, spins=(0.0, 0.0), courant=
 
 def _step(state: Arrays) -> list[float]:
     """Advance by one step; the quantities at its kick."""
-    rollers, drive, scratch = state.rollers, state.drive, state.scratch
-    bodies = (rollers, state.inner, state.outer, drive, scratch)
-    sample_kernels.remember(*bodies)
-    _, _, lost = time_loop.kick(rollers, state.inner, state.outer, state.contacts, drive, 0.0, scratch)
-    kinetic, elastic = sample_kernels.kinetic_energy(*bodies), sample_kernels.elastic_energy(*bodies)
-    contact = sample_kernels.contacts_energy(state.contacts, rollers.n, state.contacts.resolved)
-    shape = (rollers.mass.size, 2, rollers.columns)
-    mass = rollers.mass[:, None]
-    position = rollers.points.reshape(-1, 2, 1) + rollers.u.reshape(shape)
-    w = rollers.w.reshape(shape)
+    rollers, disc = state.bodies.rollers, state.bodies.disc
+    moving = (state.bodies, state.drive, state.scratch)
+    remember(*moving)
+    _, _, lost = kick(state.bodies, state.groups, state.contacts, state.drive, 0.0, state.scratch)
+    kinetic, elastic, contact = kinetic_energy(*moving), elastic_energy(*moving), contact_energy(state)
+    shape, mass = (disc.mass.size, 2, rollers.columns), disc.mass[:, None]
+    position, w = disc.points.reshape(-1, 2, 1) + disc.u.reshape(shape), disc.w.reshape(shape)
     n = rollers.n
     own = np.sum(mass * (position[:, 0] * w[:, 1] - position[:, 1] * w[:, 0]))
     own += rollers.inertia * rollers.turn_kick[:n].sum()  # as `drift` does
-    velocity = (rollers.velocity[:, :n] + rollers.impulse[:, :n] / rollers.total_mass).T
+    velocity = (rollers.velocity[:, :n] + rollers.node_impulse[:, :n] / rollers.total_mass).T
     centre = rollers.centre[:, :n].T
     orbital = rollers.total_mass * np.sum(centre[:, 0] * velocity[:, 1] - centre[:, 1] * velocity[:, 0])
     momentum = rollers.total_mass * velocity.sum(axis=0)
     found = [
-        state.contacts.force[ROLLER, 0], state.contacts.traction[ROLLER, 0], kinetic, elastic, contact, lost,
-        *momentum, own + orbital, *velocity[:2].ravel(),
+        state.contacts.forces.force[ROLLER, 0], state.contacts.friction.traction[ROLLER, 0], kinetic, elastic, contact,
+        lost, *momentum, own + orbital, *velocity[:2].ravel(),
     ]  # fmt: skip
-    time_loop.drift(*bodies)
+    drift(*moving)
     return found

@@ -5,11 +5,10 @@ from math import pi
 import numpy as np
 from scipy.optimize import brentq
 
-from fem.kernels.contact_kernels import normal_contacts, push_contacts
-from fem.kernels.friction_kernels import friction_contacts, grips, slips
 from fem.kernels.state import INNER
 from fem.solver.simulate import Plan
 from lagrange import kinematics
+from tests.reference.compiled import find_slips, press_contacts, push_surfaces, rub_contacts
 from tests.reference.line_contact import carter_creep, half_width
 from tests.verification.case import Case, Check, Origin
 from tests.verification.runs import plan_of, record, without_spin
@@ -21,21 +20,20 @@ KINEMATICS = "rolling without slip (Harris, chapter 8)"
 def _creep(plan: Plan, sliding: float) -> tuple[float, float, float]:
     """Roller 0 pushed along the inner raceway at `sliding`, m/s: its creep, traction over μQ, and Q, N."""
     state = plan.arrays()
-    bodies = (state.rollers, state.inner, state.outer, state.contacts, state.drive)
-    normal_contacts(*bodies, state.scratch.slope)
-    push_contacts(*bodies)
-    across = state.contacts.normal[INNER, :, 0] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
-    state.rollers.velocity[:, 0] += sliding * across
-    grips(*bodies[:5])
-    slips(*bodies[:5], state.rollers.turn_kick, state.contacts.slip)
-    friction_contacts(*bodies, state.scratch.slip)
-    left = np.zeros_like(state.contacts.slip)
-    slips(*bodies[:5], state.rollers.turn_kick, left)
+    press_contacts(state)
+    push_surfaces(state)
+    across = state.contacts.patches.normal[INNER, :, 0] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+    state.bodies.rollers.velocity[:, 0] += sliding * across
+    turn_kick, friction = state.bodies.rollers.turn_kick, state.contacts.friction
+    find_slips(state, turn_kick, friction.slip)
+    rub_contacts(state)
+    left = np.zeros_like(friction.slip)
+    find_slips(state, turn_kick, left)
     ideal = plan.start.kinematics
     orbit = ideal.cage + sliding / plan.model.bearing.pitch_radius
     rolling = abs(ideal.roller - orbit) * plan.model.bearing.roller_radius
-    force = float(state.contacts.force[INNER, 0])
-    share = -float(state.contacts.traction[INNER, 0]) / (FRICTION * force)
+    force = float(state.contacts.forces.force[INNER, 0])
+    share = -float(state.contacts.friction.traction[INNER, 0]) / (FRICTION * force)
     return float(left[INNER, 0]) / rolling, share, force
 
 

@@ -1,0 +1,103 @@
+"""Parts of the time loop as kernels that Python can call, kept compiled as the time loop is."""
+
+import numpy as np
+
+from fem.kernels import contact_kernels, friction_kernels, sample_kernels, time_loop
+from fem.kernels.jit import kernel
+from fem.solver.arrays import Arrays
+
+
+@kernel
+def kick(bodies, groups, contacts, drive, time, scratch):
+    """`fem.kernels.time_loop.kick`."""
+    return time_loop.kick(bodies, groups, contacts, drive, time, scratch)
+
+
+@kernel
+def drift(bodies, drive, scratch):
+    """`fem.kernels.time_loop.drift`."""
+    time_loop.drift(bodies, drive, scratch)
+
+
+@kernel
+def remember(bodies, drive, scratch):
+    """`fem.kernels.sample_kernels.remember`."""
+    sample_kernels.remember(bodies, drive, scratch)
+
+
+@kernel
+def kinetic_energy(bodies, drive, scratch):
+    """`fem.kernels.sample_kernels.kinetic_energy`, J."""
+    return sample_kernels.kinetic_energy(bodies, drive, scratch)
+
+
+@kernel
+def elastic_energy(bodies, drive, scratch):
+    """`fem.kernels.sample_kernels.elastic_energy`, J."""
+    return sample_kernels.elastic_energy(bodies, drive, scratch)
+
+
+@kernel
+def _press(groups, bodies, contacts, drive, points):
+    time_loop.press_contacts(groups, bodies, contacts, drive, points)
+
+
+@kernel
+def _push(groups, bodies, contacts, drive, points):
+    time_loop.push_surfaces(groups, bodies, contacts, drive, points)
+
+
+@kernel
+def _press_groups(groups, rollers, surface, contacts, drive):
+    contact_kernels.press_patches(groups, rollers, surface, contacts, drive)
+    contact_kernels.push_patches(groups, rollers, surface, contacts, drive)
+
+
+@kernel
+def _slips(groups, rollers, surface, contacts, turn_kick, out):
+    friction_kernels.grip_all(groups, rollers, surface, contacts)
+    friction_kernels.slip_all(groups, rollers, surface, contacts, turn_kick, out)
+
+
+@kernel
+def _rub(groups, rollers, surface, contacts, drive, overlapping, whole):
+    return friction_kernels.friction_contacts(groups, rollers, surface, contacts, drive, overlapping, whole)
+
+
+@kernel
+def _energy(groups, contacts, n, points, out):
+    sample_kernels.add_contact_energy(groups, contacts, n, points, out)
+
+
+def press_contacts(state: Arrays) -> None:
+    """Find the normal forces of a state by its contact model; with many points their impulses are given too."""
+    _press(state.groups, state.bodies, state.contacts, state.drive, state.contacts.points)
+
+
+def push_surfaces(state: Arrays) -> None:
+    """Give the impulses of the normal forces that `press_contacts` has found."""
+    _push(state.groups, state.bodies, state.contacts, state.drive, state.contacts.points)
+
+
+def press_groups(state: Arrays, groups: tuple) -> None:
+    """Both, of some groups of pairs with the law below the grid."""
+    _press_groups(groups, state.bodies.rollers, state.bodies.surface, state.contacts, state.drive)
+
+
+def find_slips(state: Arrays, turn_kick: np.ndarray, out: np.ndarray) -> None:
+    """How a state's patches grip and slip; see `fem.kernels.friction_kernels.slip_pair`."""
+    _slips(state.groups, state.bodies.rollers, state.bodies.surface, state.contacts, turn_kick, out)
+
+
+def rub_contacts(state: Arrays) -> float:
+    """Tractions of a state whose patches grip, and their impulses; what they dissipate in a step, J."""
+    friction, bodies = state.contacts.friction, state.bodies
+    options = friction.overlapping, friction.whole
+    return _rub(state.groups, bodies.rollers, bodies.surface, state.contacts, state.drive, *options)
+
+
+def contact_energy(state: Arrays) -> float:
+    """Energy of a state's contacts, J."""
+    out = np.zeros(sample_kernels.CONTACT + 1)
+    _energy(state.groups, state.contacts, state.bodies.rollers.n, state.contacts.points, out)
+    return float(out[sample_kernels.CONTACT])

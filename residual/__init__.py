@@ -10,8 +10,8 @@ fitted_laws     laws with coupling between contacts, with damping
 spectrum        power spectral density, peaks, kinematic lines
 lines           levels of lines and sidebands; `envelope` spectrum around the ring's resonance; `short_time` spectra
 evaluation      the whole check as one call -> `Evaluation`
-figures         the paper's figures beside its ranges (`paper`); those it lacks: `motion_figures`, `diagnostics`,
-                `budget_figures`
+paper_figures   the paper's figures beside its ranges (`paper`); others: `motion_figures`, `budget_figures`;
+                `plotting` gives all one look
 quasistatic     the Lagrangian model's equilibria at every angle; `meaning`: what the numbers say of that model
 tables          rows of the report's and the terminal's tables, with `law_tables` and `line_tables`
 report          the self-contained HTML page; `interactive`: its spectra's data; `picture`: render-fem's

@@ -1,4 +1,6 @@
-"""Figures of the errors in detail: stacked terms over a few roller passages, spectra of terms, envelope, short time."""
+"""Figures of what the errors are made of: their terms, stacked over a few roller passages and as spectra; envelope and
+short-time spectra of the errors.
+"""
 
 from pathlib import Path
 
@@ -6,15 +8,18 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 from residual.evaluation import Evaluation, term_spectra
+from residual.moments import rms
 from residual.plotting import (
     BLUE,
     GREY,
     TERM_COLOURS,
+    WIDTH,
     SavedFigure,
     legend_above,
     line_handles,
     mark_lines,
     panels,
+    plt,
     save,
 )
 from residual.short_time import short_time_spectrum
@@ -25,6 +30,53 @@ PASSAGES_SHOWN = 2.0
 BINS_PER_DECADE = 120
 DYNAMIC_RANGE, SHORT_TIME_RANGE = 1e-9, 1e-7  # of a spectrum's plot
 ENVELOPE_BAND = 3.3  # times the ball-pass frequency of the inner ring
+
+
+def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the error's terms over time, and their rms."""
+    t, budget = evaluation.record, evaluation.budget
+    terms = {
+        d.name: {"error": d.budget.error, **{name: d.budget.terms[name] for name in budget.acting_terms},
+                 "momentum": d.budget.momentum}
+        for d in evaluation.directions
+    }  # fmt: skip
+    acting = budget.acting_terms
+    figure = plt.figure(figsize=(WIDTH, 8.4))
+    grid = figure.add_gridspec(3, 1, height_ratios=(1.0, 1.0, 1.25))
+    upper = figure.add_subplot(grid[0])
+    axes = [upper, figure.add_subplot(grid[1], sharex=upper)]
+    upper.tick_params(labelbottom=False)
+    for axis, direction in zip(axes, evaluation.directions, strict=True):
+        for name in ("error", *acting):
+            axis.plot(1e3 * t.time, terms[direction.name][name], color=TERM_COLOURS[name], label=words(name),
+                      linewidth=1.4 if name == "error" else 0.9)  # fmt: skip
+        axis.set_ylabel(f"terms of error_{direction.name}, N")
+        axis.margins(x=0.0)
+    legend_above(axes[0], 5, left=-0.1, columnspacing=1.0, handlelength=1.3)
+    axes[1].set_xlabel("time, ms")
+    bars = figure.add_subplot(grid[2])
+    names = ["error", *acting, "momentum"]
+    position = np.arange(len(names))[::-1]
+    for offset, direction, shade in ((0.19, "x", 1.0), (-0.19, "y", 0.5)):
+        values = [rms(terms[direction][name]) for name in names]
+        colours = [TERM_COLOURS[name] for name in names]
+        drawn = bars.barh(position + offset, values, height=0.34, color=colours, alpha=shade)
+        texts = [f"{direction}: {v:.3g} N" for v in values]
+        bars.bar_label(drawn, texts, padding=4, fontsize=8.5)
+    bars.set_xscale("log")
+    everything = [v for found in terms.values() for v in map(rms, found.values()) if v > 0.0]
+    top = max(everything, default=1.0)
+    bars.set_xlim(max(min(everything, default=0.1) / 2.0, 1e-5 * top), 8.0 * top)
+    bars.set_yticks(
+        position, [words(n).replace(" ", "\n", 1) + ("\nbalance" if n == "momentum" else "") for n in names]
+    )
+    bars.set_xlabel("rms, N (dark: x, light: y)")
+    bars.grid(axis="y", visible=False)
+    caption = (
+        "What the error forces are made of; the terms add up to the error sample by sample. Momentum balance: the "
+        "error with the run's own contact forces in place of the law, = differentiation + ring flexibility."
+    )
+    return save(figure, folder, "budget", "Budget of the error forces", caption)
 
 
 def stacked_terms(evaluation: Evaluation, folder: Path) -> SavedFigure:
@@ -164,11 +216,15 @@ def short_time_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | Non
     return save(figure, folder, "short_time", "Short-time spectra of the error forces", caption)
 
 
-def detail_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
+def budget_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
     """Draw those figures that the run has the data for."""
     drawn = []
     if evaluation.budget.x.terms:
-        drawn += [stacked_terms(evaluation, folder), budget_spectra(evaluation, folder)]
+        drawn += [
+            budget_figure(evaluation, folder),
+            stacked_terms(evaluation, folder),
+            budget_spectra(evaluation, folder),
+        ]
     if evaluation.x.envelope is not None:
         drawn.append(envelope_figure(evaluation, folder))
     short_time = short_time_figure(evaluation, folder)

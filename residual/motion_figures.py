@@ -1,4 +1,4 @@
-"""Figures of the inner ring's path and of the load from roller to roller, beside the Lagrangian statics."""
+"""Figures of loads, motion and energy: the hub's path, loads around the bearing and on one roller, energy balance."""
 
 from pathlib import Path
 
@@ -6,13 +6,27 @@ import numpy as np
 
 from residual.budget import load_zones
 from residual.evaluation import Evaluation
-from residual.figures import chosen_roller
-from residual.plotting import BLUE, GREY, ORANGE, RED, WIDTH, SavedFigure, legend_above, panels, plt, save
+from residual.paper_figures import chosen_roller
+from residual.plotting import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    RED,
+    WIDTH,
+    SavedFigure,
+    legend_above,
+    panels,
+    plt,
+    save,
+)
 from residual.quasistatic import QuasiStatic, angle_from_load
 from residual.record import Record
+from residual.sources import ENERGIES
 from residual.words import text
 
-MOST_POINTS = 20_000
+MOST_POINTS = 20_000  # of a scatter plot: more hide each other
 SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 
 
@@ -68,6 +82,75 @@ def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folde
     return save(figure, folder, "load_distribution", "Load distribution", caption + ".")
 
 
+def roller_loads(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the law's and the run's inner contact forces over the roller's angle from the load line."""
+    t, budget = evaluation.record, evaluation.budget
+    stride = max(1, budget.law_force.size // MOST_POINTS)
+    rows = slice(None, None, stride)
+    contacts = budget.contacts
+    angle = np.degrees(angle_from_load(np.arctan2(-contacts.direction_y[rows], -contacts.direction_x[rows])))
+    told = t.inner_force is not None
+    figure, axes = panels(2 if told else 1, 5.6 if told else 3.8)
+    axis = axes[0]
+    style = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
+    axis.plot(angle.ravel(), budget.law_force[rows].ravel(), color=RED, label=f"law: {evaluation.law.name}", **style)
+    if told:
+        axis.plot(angle.ravel(), t.inner_force[rows].ravel(), color=BLUE, label="run's own contact force", **style)
+        closed = budget.loaded[rows]
+        miss = (t.inner_force - budget.law_force)[rows]
+        axes[1].plot(angle[closed], miss[closed], color=PURPLE, **style)
+        axes[1].set_ylabel("run − law, closed contacts, N")
+    axis.set_ylabel("inner contact force, N")
+    axes[-1].set_xlabel("roller's angle from the load line, degrees")
+    axis.set_xlim(-180.0, 180.0)
+    axis.set_xticks(np.arange(-180, 181, 45))
+    axis.set_ylim(bottom=0.0)
+    axis.legend(loc="upper left", markerscale=5)
+    caption = (
+        "Contact force between the inner ring and each roller, all rollers and times, over the roller's angle from "
+        "the load line (counter-clockwise)."
+    ) + (" Below: how far the law misses the closed contacts." if told else "")
+    return save(figure, folder, "loads", "Loads of the rollers", caption)
+
+
+def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the changes of energies and works since the first sample, and what does not add up."""
+    t = evaluation.record
+    names = {
+        "energy_kinetic": ("kinetic", BLUE),
+        "energy_elastic": ("elastic", RED),
+        "energy_contact": ("contact", PURPLE),
+        "work_external": ("external work", GREEN),
+        "work_dissipated": ("dissipated", GREY),
+    }
+    figure, axes = panels(2, 4.8)
+    for key, (label, colour) in names.items():
+        change = t.energies[key] - t.energies[key][0]
+        axes[0].plot(1e3 * t.time, 1e3 * change, label=label, color=colour)
+    axes[0].margins(x=0.0)
+    axes[0].set_ylabel("change, mJ")
+    legend_above(axes[0], 5, columnspacing=1.2)
+    imbalance = energy_imbalance(t.energies)
+    scale = float(np.mean(t.energies["energy_elastic"] + t.energies["energy_contact"]))
+    axes[1].plot(1e3 * t.time, 1e6 * imbalance, color="black")
+    axes[1].set(xlabel="time, ms", ylabel="imbalance, µJ")
+    share = (
+        f"; at most {100 * np.max(np.abs(imbalance)) / scale:.2g} % of the mean strain energy" if scale > 0.0 else ""
+    )
+    caption = (
+        "Energies and works since the first sample shown. Imbalance: kinetic + elastic + contact − external work + "
+        f"dissipated, all as changes{share}."
+    )
+    return save(figure, folder, "energy", "Energy balance of the run", caption)
+
+
+def energy_imbalance(energies) -> np.ndarray:
+    """Change of the energies minus external work plus dissipation since the first sample, J, (n_times,)."""
+    total = energies["energy_kinetic"] + energies["energy_elastic"] + energies["energy_contact"]
+    total = total - energies["work_external"] + energies["work_dissipated"]
+    return total - total[0]
+
+
 def passage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
     """Draw the forces on one roller through the load zone; None where it never passes or the source holds no forces."""
     t = evaluation.record
@@ -112,6 +195,10 @@ def _from_load(t: Record) -> np.ndarray:
 
 def motion_figures(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> list[SavedFigure]:
     """Draw those figures that the run has the data for."""
-    passage = passage_figure(evaluation, folder)
     drawn = [orbit_figure(evaluation, statics, folder), load_distribution(evaluation, statics, folder)]
-    return drawn if passage is None else [*drawn, passage]
+    passage = passage_figure(evaluation, folder)
+    drawn += [] if passage is None else [passage]
+    drawn.append(roller_loads(evaluation, folder))
+    if set(ENERGIES) <= set(evaluation.record.energies):
+        drawn.append(energy_balance(evaluation, folder))
+    return drawn

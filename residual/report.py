@@ -27,13 +27,13 @@ from residual.tables import (
 from residual.words import text
 
 TEMPLATES = Path(__file__).parent / "templates"
-MOTION = ("orbit", "load_distribution", "passage", "loads", "energy")  # figures of loads and motion
+GROUPS = ("paper", "motion", "budget")  # of figures, each with a place of its own on the page
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 
 def render_report(
     evaluation: Evaluation,
-    figures: list[SavedFigure],
+    figures: dict[str, list[SavedFigure]],
     tolerance: float | None,
     version: str,
     statics: QuasiStatic | None = None,
@@ -68,9 +68,7 @@ def render_report(
         meaning=meaning(evaluation, statics),
         stated_errors=stated_error_rows(evaluation),
         picture=picture_of(t.source) if t.attributes else None,
-        paper_figures=[(f, _embedded(f)) for f in figures if f.name.startswith("fig")],
-        motion_figures=[(f, _embedded(f)) for f in figures if f.name in MOTION],
-        detail_figures=[(f, _embedded(f)) for f in figures if not f.name.startswith("fig") and f.name not in MOTION],
+        **{f"{group}_figures": [(f, _embedded(f)) for f in figures.get(group, ())] for group in GROUPS},
         resolution=text(evaluation.x.spectrum.resolution),
         spectra=Markup(spectra_json(evaluation)),
         plot_style=_vendored("uPlot.min.css"),

@@ -96,10 +96,9 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
     """Write every file of the report."""
     import matplotlib.pyplot as plt
 
-    from residual.budget_figures import detail_figures
-    from residual.diagnostics import extra_figures
-    from residual.figures import paper_figures
+    from residual.budget_figures import budget_figures
     from residual.motion_figures import motion_figures
+    from residual.paper_figures import paper_figures
     from residual.plotting import STYLE
     from residual.quasistatic import quasi_static
     from residual.report import render_report
@@ -107,8 +106,11 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
     version = package_version()
     statics = quasi_static(evaluation.record, evaluation.law.name)
     with plt.rc_context(STYLE):
-        figures = paper_figures(evaluation, folder) + motion_figures(evaluation, statics, folder)
-        figures += extra_figures(evaluation, folder) + detail_figures(evaluation, folder)
+        figures = {
+            "paper": paper_figures(evaluation, folder),
+            "motion": motion_figures(evaluation, statics, folder),
+            "budget": budget_figures(evaluation, folder),
+        }
     _write_arrays(evaluation, folder / "residual.nc", version)
     page = render_report(evaluation, figures, tolerance, version, statics)
     (folder / "report.html").write_text(page, encoding="utf-8")

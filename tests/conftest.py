@@ -37,7 +37,6 @@ def can_draw():
 @pytest.fixture
 def plain_report(monkeypatch):
     """Make reports without figures, which take most of the time and are tested elsewhere."""
-    monkeypatch.setattr("residual.figures.paper_figures", lambda *_: [])
+    monkeypatch.setattr("residual.paper_figures.paper_figures", lambda *_: [])
     monkeypatch.setattr("residual.motion_figures.motion_figures", lambda *_: [])
-    monkeypatch.setattr("residual.diagnostics.extra_figures", lambda *_: [])
-    monkeypatch.setattr("residual.budget_figures.detail_figures", lambda *_: [])
+    monkeypatch.setattr("residual.budget_figures.budget_figures", lambda *_: [])

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from residual import Record, evaluate, paper
-from residual.figures import chosen_roller
+from residual.paper_figures import chosen_roller
 from residual.plotting import BLUE, GREEN, GREY, ORANGE, RED, STYLE, plt
 from residual.spectrum import power_spectrum
 from tests.paper.variants import BAND, SKIPPED, Measured, Variant, left_sides, radial

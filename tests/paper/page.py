@@ -9,7 +9,7 @@ from lagrange import contact_laws
 from lagrange.ball_contact import delta_star
 from lagrange.scene import read_scene
 from residual import paper
-from residual.figures import HARRIS_POINTS
+from residual.paper_figures import HARRIS_POINTS
 from tests.pages import markdown_table
 from tests.paper.supports import HALF_SUPPORT, Held
 from tests.paper.variants import COARSE, Measured, Range, Variant

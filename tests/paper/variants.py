@@ -9,7 +9,7 @@ from fem.cli import run_main
 from residual import Record, evaluate, read_result
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation
-from residual.figures import chosen_roller
+from residual.paper_figures import chosen_roller
 
 SOFT = 8.3e6  # N/m, of each contact: the hub sinks by the paper's 0.15 mm
 SKIPPED = 1e-3  # s: left out of every range

@@ -10,6 +10,7 @@ from scipy.optimize import nnls
 from fem.elastic.critical_step import critical_time_step
 from fem.elastic.model import build_spread_model
 from fem.elastic.points import points
+from fem.kernels.jit import kernel
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.spread_kernels import spread_forces
 from fem.kernels.time_loop import advance
@@ -93,6 +94,11 @@ def test_meshes_choose_the_contact():
         assert not spreads or model.inner_law.spreads
 
 
+@kernel
+def _spread_forces(points, spread, row, j):
+    return spread_forces(points, spread, row, j)
+
+
 def test_points_in_contact_are_found_as_by_another_method():
     """Against non-negative least squares of the factored problem (Lawson and Hanson), also where a wave parts them."""
     laws = dict(
@@ -104,7 +110,7 @@ def test_points_in_contact_are_found_as_by_another_method():
     root = np.linalg.cholesky(full)
     for shape in (0.1 - x**2, 0.05 - x**2 + 0.02 * x, 0.25 * np.cos(12.0 * x) - 2.0 * x**2, -1.0 - x**2):
         some.closing[:] = 1e-6 * shape
-        energy = spread_forces(some, 0, 0)
+        energy = _spread_forces(some, some.spread, 0, 0)
         wanted, _ = nnls(root.T, np.linalg.solve(root, some.closing))
         np.testing.assert_allclose(some.force, wanted, rtol=0.0, atol=1e-7 * max(wanted.max(), 1e-9))
         assert energy == pytest.approx(0.5 * wanted @ full @ wanted, rel=1e-6, abs=1e-15)
@@ -114,7 +120,7 @@ def test_a_contact_wider_than_its_points_is_not_a_number():
     laws = dict(enumerate([spread_model(2.5e-4).inner_law] * 3))
     some = points(laws, LOAD, 5)
     some.closing[:] = 1e-5
-    spread_forces(some, 0, 0)
+    _spread_forces(some, some.spread, 0, 0)
     assert np.isnan(some.force).any()
 
 

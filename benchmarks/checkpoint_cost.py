@@ -11,10 +11,12 @@ import tempfile
 import time
 from pathlib import Path
 
+from fem.outcome import Outcome
 from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
-from fem.runner import Checkpoints, simulate
-from fem.solver.simulate import Plan, compile_kernels, make_plan
+from fem.runner import Checkpoints, Wishes, simulate
+from fem.solver.simulate import make_plan
+from fem.solver.solver import Plan
 from lagrange.scene import read_scene
 
 NEVER = float("inf")
@@ -42,7 +44,8 @@ def one_run(plan: Plan, folder: Path, every: float | None, watched: dict[str, Wa
     """Wall, processor and own seconds of a run."""
     before = {name: (watch.seconds, watch.calls) for name, watch in watched.items()}
     wall, cpu = time.perf_counter(), time.process_time()
-    if simulate(plan, 0.0, folder / "run.nc", resume=False, quiet=True, every=every) != 0:
+    wishes = Wishes(quiet=True, checkpoint_seconds=every)
+    if simulate(plan, 0.0, folder / "run.nc", wishes) is not Outcome.COMPLETE:
         raise RuntimeError("the run failed")
     found = {"wall": time.perf_counter() - wall, "cpu": time.process_time() - cpu}
     for name, watch in watched.items():
@@ -58,7 +61,7 @@ def main() -> None:
     parser.add_argument("--folder", type=Path, help="on the disk to be measured; default: the system's temporary one")
     given = parser.parse_args()
     plan = make_plan(read_scene(None, (f"numerics.duration_ms={given.duration}",)))
-    compile_kernels(plan)
+    plan.prepare()
     watched = {"commits": Watched(ResultFile, "commit"), "checkpoints": Watched(Checkpoints, "save")}
     pairs = []
     with tempfile.TemporaryDirectory(dir=given.folder) as folder:

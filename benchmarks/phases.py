@@ -12,7 +12,7 @@ from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.kernels.contact_kernels import normal_contacts, push_contacts
 from fem.kernels.friction_kernels import friction_contacts, grips, slips
 from fem.solver.arrays import Arrays
-from fem.solver.simulate import Plan
+from fem.solver.finite_elements import ElementPlan
 
 TARGET_SECONDS = 0.02  # of one measurement
 # arithmetic instructions (multiply-add, or add) per node at least
@@ -100,7 +100,7 @@ def _seconds(function: Callable, *arguments) -> float:
     return median_seconds(loop, count, *arguments) / count
 
 
-def time_phases(plan: Plan) -> dict[str, float]:
+def time_phases(plan: ElementPlan) -> dict[str, float]:
     """Seconds a step spends in each phase, contacts and friction at the static loads."""
     a: Arrays = plan.arrays()
     r, i, o, c, d, x = a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch
@@ -147,7 +147,7 @@ def time_phases(plan: Plan) -> dict[str, float]:
     return out
 
 
-def step_seconds(plan: Plan, repeats: int = 3) -> float:
+def step_seconds(plan: ElementPlan, repeats: int = 3) -> float:
     """Whole steps of the running bearing, samples included."""
     a = plan.arrays()
     width = sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * a.rollers.n
@@ -179,7 +179,7 @@ class Work:
         return (arithmetic, "arithmetic") if arithmetic > traffic else (traffic, level)
 
 
-def least_work(plan: Plan) -> Work:
+def least_work(plan: ElementPlan) -> Work:
     """Operations and bytes of one step of a bearing."""
     a, n = plan.arrays(), plan.model.bearing.n_rollers
     disc = a.rollers.mass.size * n
@@ -198,7 +198,7 @@ def least_work(plan: Plan) -> Work:
     )
 
 
-def state_bytes(plan: Plan) -> int:
+def state_bytes(plan: ElementPlan) -> int:
     """All arrays of the time loop."""
     a = plan.arrays()
     groups = (a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch)

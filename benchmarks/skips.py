@@ -12,7 +12,8 @@ from unittest import mock
 import numpy as np
 from rich.table import Table
 
-from fem.solver.simulate import Plan, compile_kernels, make_plan, run
+from fem.solver.finite_elements import ElementPlan
+from fem.solver.simulate import make_plan, run
 from lagrange import contact_laws, simulate
 from lagrange.scene import read_scene
 
@@ -67,8 +68,8 @@ def skip_table(size_mm: float, pairs: int) -> Table:
         short = make_plan(read_scene(None, (*base, *skip.scene)))
         whole = make_plan(read_scene(None, (*base, *skip.scene, *skip.whole)))
         ratios = []
-        compile_kernels(whole)
-        compile_kernels(short)
+        whole.prepare()
+        short.prepare()
         for _ in range(pairs):
             with skip.forced():
                 longer, all_of_it = _timed(whole)
@@ -91,7 +92,7 @@ def _add_rigid(table: Table, base: tuple[str, ...], names: tuple[str, ...], pair
     """A row: the scene with rigid bodies against the elastic one. Its steps may be longer, which the time counts in."""
     whole = make_plan(read_scene(None, base))
     plan = make_plan(read_scene(None, (*base, *(f'bodies.{name}="rigid"' for name in names))))
-    compile_kernels(plan)
+    plan.prepare()
     ratios = []
     for _ in range(pairs):
         longer, elastic = _timed(whole)
@@ -108,7 +109,7 @@ def _add_rigid(table: Table, base: tuple[str, ...], names: tuple[str, ...], pair
     )
 
 
-def _timed(plan: Plan) -> tuple[float, dict[str, np.ndarray]]:
+def _timed(plan: ElementPlan) -> tuple[float, dict[str, np.ndarray]]:
     """Processor time of the time loop, s, and its samples."""
     blocks = []
     began = time.thread_time()

@@ -15,7 +15,8 @@ from rich.table import Table
 
 from benchmarks import footprint, machine, phases
 from benchmarks.skips import skip_table
-from fem.solver.simulate import Plan, compile_kernels, make_plan
+from fem.solver.finite_elements import ElementPlan
+from fem.solver.simulate import make_plan
 from lagrange.scene import read_scene
 
 SIZES_MM = (2.0, 1.0, 0.5, 0.25)
@@ -28,7 +29,7 @@ class Mesh:
     """What was measured on one mesh."""
 
     size_mm: float
-    plan: Plan
+    plan: ElementPlan
     setup: float  # s
     phases: dict[str, float]  # s per step
     step: float  # s
@@ -50,7 +51,7 @@ def measure(size_mm: float) -> Mesh:
     began = time.perf_counter()
     plan = make_plan(read_scene(None, (f"numerics.mesh_size_mm={size_mm}",)))
     setup = time.perf_counter() - began
-    compile_kernels(plan)
+    plan.prepare()
     return Mesh(
         size_mm=size_mm,
         plan=plan,

@@ -70,7 +70,7 @@ def write(path, plan, samples):
             part = {name: values[start : start + block] for name, values in samples.items()}
             store.append(part)
             store.commit()
-        store.finish("interrupted", 7, 1.5)
+        store.finish("interrupted", steps=7, wall_seconds=1.5)
 
 
 ENDS = [(0, "running"), (1, "running"), (5, "running"), (20, "running"), (20, "interrupted")]

@@ -1,6 +1,5 @@
 """Forward solution: balances, order, statics it settles on, its own residual."""
 
-import importlib
 from dataclasses import replace
 
 import numpy as np
@@ -12,8 +11,9 @@ from lagrange.integrate import DRIFTS, KICKS
 from lagrange.motion import State, angular_equations, contacts
 from lagrange.raceway_laws import contact_laws
 from lagrange.scene import Scene
-from lagrange.simulate import STABLE, simulate
+from lagrange.simulate import simulate
 from lagrange.statics import static_equilibrium
+from lagrange.step_size import STABLE
 from tests.test_lagrange_ball_contact import DGBB_209
 
 PAPER = Scene().ideal_bearing()
@@ -196,8 +196,7 @@ def test_impossible_arguments_are_refused(wrong):
 
 
 def test_a_step_too_long_for_the_forces_met_is_halved_or_told(monkeypatch):
-    module = importlib.import_module("lagrange.simulate")  # the package's `simulate` is the function
-    monkeypatch.setattr(module, "STEP", 12.0)
+    monkeypatch.setattr("lagrange.step_size.STEP", 12.0)
     run = simulate(PAPER, RUNNING, HARRIS, 1e-3, 2e-5)
     assert run.time_step == pytest.approx(5e-6) and run.steps == 200
     assert np.max(np.abs(run.energy_error)) < ENERGY * run.energy_contact.mean()

@@ -12,8 +12,9 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 from benchmarks.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Outcome, Watch, append_csv, read_csv, try_scene
 from benchmarks.random_scenes import RANGES, random_scene
 from benchmarks.step_limit import SAFE_SIDE, at_ratio, energy_drift
-from fem.solver.samples import Samples
-from fem.solver.simulate import RunFailed, make_plan, run
+from fem.errors import RunFailed
+from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Samples
 from lagrange.scene import SceneError, parse_scene, read_scene
 
 SEED = 1

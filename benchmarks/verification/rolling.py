@@ -10,7 +10,7 @@ from benchmarks.verification.runs import plan_of, record, without_spin
 from fem.kernels.contact_kernels import normal_contacts, push_contacts
 from fem.kernels.friction_kernels import friction_contacts, grips, slips
 from fem.kernels.state import INNER
-from fem.solver.simulate import Plan
+from fem.solver.finite_elements import ElementPlan
 from lagrange import kinematics
 from tests.reference.line_contact import carter_creep, half_width
 
@@ -18,7 +18,7 @@ FRICTION = 0.1
 KINEMATICS = "rolling without slip (Harris, chapter 8)"
 
 
-def _creep(plan: Plan, sliding: float) -> tuple[float, float, float]:
+def _creep(plan: ElementPlan, sliding: float) -> tuple[float, float, float]:
     """Roller 0 pushed along the inner raceway at `sliding`, m/s: its creep, traction over μQ, and Q, N."""
     state = plan.arrays()
     bodies = (state.rollers, state.inner, state.outer, state.contacts, state.drive)

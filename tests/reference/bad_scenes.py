@@ -186,7 +186,9 @@ BAD_SETTINGS = {
     "nothing to resume": options(
         "--resume", "--mesh-size", "2", "--output", "none.nc", say="none.nc & nothing to resume"
     ),
-    "resumed Lagrangian model": options("--model", "lagrange", "--resume", say="--resume & Lagrangian"),
+    "nothing to resume of the Lagrangian model": options(
+        "--model", "lagrange", "--resume", "--output", "none.nc", say="none.nc & nothing to resume"
+    ),
     "error estimate without a mesh": options("--model", "lagrange", "--estimate-error", say="--estimate-error"),
     # sensible values of a bearing that can't be simulated
     "centrifugal strain": setting(

@@ -28,34 +28,21 @@ class Record:
 
 
 class Integration:
-    """Steps of a system, `per_sample` of them from one sample to the next; the start is the first sample."""
+    """Steps of a system, `per_sample` of them from one sample to the next; the start is the first sample.
+
+    `memory` is all that the next steps need: hub and elements, their rates and accelerations after the last step; the
+    works of held angles, of the ramp and of the dampers, and the power that holds the angles.
+    """
 
     def __init__(self, system, start: Packed, step: float, per_sample: int, damping: float):
         self._system, self._step, self._per_sample, self._damping = system, step, per_sample, damping
         self._advance = self._leapfrog if damping > 0.0 else self._blanes_moan
         self.done = 0  # samples
-        self._z, self._z_rate = start.z, start.z_rate
-        self._q, self._q_rate = (np.array(part, dtype=system.dtype) for part in (start.q, start.q_rate))
-        self._works = 0.0, 0.0, 0.0  # held, of the ramp, dissipated
-        # accelerations after the last step and the power of held angles, with which the six stages go on
-        self._accelerations = 0j, np.zeros(system.n, dtype=system.dtype), 0.0
-
-    def to_keep(self) -> dict[str, np.ndarray]:
-        """All that the next steps need, as arrays; `take_back` goes on from them."""
-        z_acc, q_acc, power = self._accelerations
-        return {
-            "hub": np.array([self._z, self._z_rate, z_acc]),
-            "elements": np.array([self._q, self._q_rate, q_acc]),
-            "works": np.array([*self._works, power]),
+        self.memory = {
+            "hub": np.array([start.z, start.z_rate, 0j]),
+            "elements": np.array([start.q, start.q_rate, 0.0 * start.q], dtype=system.dtype),
+            "works": np.zeros(4),
         }
-
-    def take_back(self, kept: dict[str, np.ndarray], done: int) -> None:
-        """Go on where another integration of the same system and steps stopped, after `done` samples."""
-        self.done = done
-        self._z, self._z_rate, z_acc = (complex(value) for value in kept["hub"])
-        self._q, self._q_rate, q_acc = (row.copy() for row in kept["elements"])
-        *works, power = (float(value) for value in kept["works"])
-        self._works, self._accelerations = tuple(works), (z_acc, q_acc, power)
 
     def advance(self, count: int) -> Record:
         """The next so many samples; fewer where numbers overflow."""
@@ -63,18 +50,17 @@ class Integration:
         z = np.empty((2, count), dtype=complex)
         q = np.empty((2, count, n), dtype=self._system.dtype)
         works = np.zeros((3, count))
+        hub, elements, sums = self.memory.values()
 
         def store() -> None:
             k = self.done - first
-            z[:, k] = self._z, self._z_rate
-            q[0, k], q[1, k] = self._q, self._q_rate
-            works[:, k] = self._works
+            z[:, k], q[:, k], works[:, k] = hub[:2], elements[:2], sums[:3]
             self.done += 1
 
         if first == 0 < count:
             store()
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # seen below
-            while self.done < first + count and np.isfinite(self._z):
+            while self.done < first + count and np.isfinite(hub[0]):
                 last = self.done - 1
                 border = last - last % BLOCK + BLOCK
                 for _ in self._advance(last, min(border, first + count - 1)):
@@ -89,6 +75,15 @@ class Integration:
             z=z[0, :good], z_rate=z[1, :good], q=q[0, :good], q_rate=q[1, :good],
             held_work=works[0, :good], ramp_work=works[1, :good], dissipated=works[2, :good],
         )  # fmt: skip
+
+    def _remembered(self) -> tuple[list[complex], np.ndarray, list[float]]:
+        """The memory as the steps take it: Python's own numbers are faster."""
+        hub, elements, works = self.memory.values()
+        return hub.tolist(), elements.copy(), works.tolist()
+
+    def _remember(self, *values) -> None:
+        for kept, now in zip(self.memory.values(), values, strict=True):
+            kept[:] = now
 
     def _blanes_moan(self, first: int, last: int) -> Iterator[None]:
         """Six-stage symplectic steps of fourth order from one sample to another; stops at each in between."""
@@ -105,15 +100,13 @@ class Integration:
             (step * a, step * a * whole, step * b, step * b * whole) for a, b in zip(drifts, kicks[1:], strict=True)
         ]
         begin, begin_all = step * kicks[0], step * kicks[0] * whole
-        z, z_rate, q, q_rate = self._z, self._z_rate, self._q, self._q_rate
-        held, ramped, lost = self._works
+        (z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power) = self._remembered()
         accelerations, ramping = system.accelerations, system.ramp > 0.0
         if first % BLOCK == 0:  # anew, at a time without the round-off of the stages' sum
             time = step * first * per_sample
             z_acc, q_acc, power = accelerations(time, z, q, system.directions(np.array([time]))[0])
         else:
             time = step * (first * per_sample - 1 + float(at[-1]))
-            z_acc, q_acc, power = self._accelerations
         i = 0
         for _ in range(first, last):
             for _ in range(per_sample):
@@ -133,8 +126,7 @@ class Integration:
                     held += kick * power
                     if ramping:
                         ramped += kick * system.ramp_power(time, z.imag)
-            self._z, self._z_rate, self._q, self._q_rate = z, z_rate, q, q_rate
-            self._works, self._accelerations = (held, ramped, lost), (z_acc, q_acc, power)
+            self._remember((z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power))
             yield
 
     def _leapfrog(self, first: int, last: int) -> Iterator[None]:
@@ -144,8 +136,7 @@ class Integration:
         times = step * (steps + 0.5)
         turns = system.directions(times)
         times = times.tolist()
-        z, z_rate, q, q_rate = self._z, self._z_rate, self._q, self._q_rate
-        held, ramped, lost = self._works
+        (z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power) = self._remembered()
         half = 0.5 * step
         i = 0
         for _ in range(first, last):
@@ -168,6 +159,5 @@ class Integration:
                 z = z + half * z_rate
                 q = q + half * q_rate
                 i += 1
-            self._z, self._z_rate, self._q, self._q_rate = z, z_rate, q, q_rate
-            self._works = held, ramped, lost
+            self._remember((z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power))
             yield

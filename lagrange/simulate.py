@@ -91,10 +91,14 @@ class Simulation:
     @property
     def critical_time_step(self) -> float:
         """Step, s, at which the scheme becomes unstable under the forces met so far; before any, those expected."""
-        met = self._completion.extremes
         if not self.done:
             return critical_time_step(self.problem, *2 * (expected_force(self.problem),))
-        return critical_time_step(self.problem, met.inner_force, met.outer_force)
+        return critical_time_step(self.problem, *self._largest_forces)
+
+    @property
+    def _largest_forces(self) -> tuple[float, float]:
+        met = self._completion.met
+        return float(met["inner_force"]), float(met["outer_force"])
 
     @property
     def done(self) -> int:
@@ -104,7 +108,7 @@ class Simulation:
     @property
     def first_kinetic_energy(self) -> float:
         """Of the first sample, J."""
-        return self._completion.first["kinetic"]
+        return float(self._completion.first["kinetic"])
 
     def advance(self, count: int) -> Trajectory | None:
         """The next samples, at most so many; None, or fewer and `trouble`, where numbers overflow."""
@@ -130,16 +134,15 @@ class Simulation:
     @property
     def verdict(self) -> Verdict:
         """How the step has resolved the motion so far; its last word is at the end."""
-        met, stable = self._completion.extremes, STABLE if self.problem.damping == 0.0 else DAMPED_STABLE
-        if not fastest_mode(self.problem, met.inner_force, met.outer_force) * self.time_step < stable:
+        stable = STABLE if self.problem.damping == 0.0 else DAMPED_STABLE
+        if not fastest_mode(self.problem, *self._largest_forces) * self.time_step < stable:
             return Verdict.TOO_FAST
         return Verdict.RESOLVED if self._energy_share() <= ENERGY_TOLERANCE else Verdict.RATTLING
 
     @property
     def sentence(self) -> str:
         """The verdict with its numbers."""
-        met, step = self._completion.extremes, self.time_step
-        omega = fastest_mode(self.problem, met.inner_force, met.outer_force)
+        omega, step = fastest_mode(self.problem, *self._largest_forces), self.time_step
         return self.verdict.value.format(
             frequency=omega / (2 * pi), step=step, stable_step=0.5 * STEP / omega, percent=100 * self._energy_share(),
             quarter_step=step / 4,
@@ -156,30 +159,30 @@ class Simulation:
 
     def _energy_share(self) -> float:
         """Largest energy error, of the energy that contacts and dampers took and motion gained or lost."""
-        met = self._completion.extremes
-        if met.energy_error <= ROUND_OFF * self.first_kinetic_energy:
+        met = self._completion.met
+        if met["energy_error"] <= ROUND_OFF * self.first_kinetic_energy:
             return 0.0
-        moved = met.contact_energy + (met.largest_kinetic - met.least_kinetic) + met.dissipated
-        return met.energy_error / moved
+        moved = met["energy_contact"] + (met["largest_kinetic"] - met["least_kinetic"]) + met["dissipated"]
+        return float(met["energy_error"] / moved)
 
-    def to_keep(self) -> tuple[dict[str, np.ndarray], dict]:
-        """All that the rest of the motion needs: arrays, and numbers that JSON can hold; `take_back` goes on."""
-        arrays, numbers = self._completion.to_keep()
-        return self._integration.to_keep() | arrays, numbers | {"refinements": self.refinements}
+    def to_keep(self) -> dict[str, np.ndarray]:
+        """All that the rest of the motion needs beside `done` and `refinements`, as arrays."""
+        return self._integration.memory | self._completion.memory
 
-    def take_back(self, arrays: dict[str, np.ndarray], numbers: dict, done: int) -> None:
-        """Go on where another simulation of the same problem stopped, after `done` samples.
+    def take_back(self, arrays: dict[str, np.ndarray], done: int, refinements: int) -> None:
+        """Go on where another simulation of the same problem stopped.
 
         Errors
         ------
-        ValueError, KeyError, TypeError: not what `to_keep` gives.
+        ValueError, KeyError: not what `to_keep` gives.
         """
-        self.refinements = int(numbers["refinements"])
-        if not 0 <= self.refinements <= self._most_refinements:
-            raise ValueError(f"{self.refinements} refinements")
+        if not 0 <= refinements <= self._most_refinements:
+            raise ValueError(f"{refinements} refinements")
+        self.refinements = refinements
         self._begin()
-        self._integration.take_back(arrays, done)
-        self._completion.take_back(arrays, numbers)
+        self._integration.done = done
+        for name, memory in self.to_keep().items():
+            memory[...] = arrays[name]
 
 
 def simulate(

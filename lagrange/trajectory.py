@@ -1,6 +1,6 @@
 """What a forward solution gives: motion, forces, energies and works at the stored samples."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,10 @@ from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
 
 TURN = 2.0 * np.pi
-FIRST = ("lift", "pull", "swing", "kinetic", "energy")  # of the first sample, see `Completion.read`
+# of the first sample, see `Completion.read`; of all samples so far: the largest, or what the name says; J and N
+FIRST = np.dtype([(name, float) for name in ("lift", "pull", "swing", "kinetic", "energy")])
+MET = np.dtype([(name, float) for name in ("inner_force", "outer_force", "energy_contact", "energy_error",
+                                           "least_kinetic", "largest_kinetic", "dissipated")])  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,57 +65,20 @@ class Trajectory:
         return self.work_load + self.work_gravity + self.work_cage
 
 
-@dataclass(kw_only=True)
-class Extremes:
-    """What a solution has met so far."""
-
-    inner_force: float = 0.0  # N, largest
-    outer_force: float = 0.0
-    contact_energy: float = 0.0  # J, largest
-    least_kinetic: float = np.inf
-    largest_kinetic: float = -np.inf
-    energy_error: float = 0.0  # J, largest, of either sign
-    dissipated: float = 0.0  # J, until now
-
-    def see(self, part: dict[str, np.ndarray]) -> None:
-        """Take further samples into account, by the trajectory's names."""
-        for name, low, high in (
-            ("inner_force", None, "inner_force"),
-            ("outer_force", None, "outer_force"),
-            ("energy_contact", None, "contact_energy"),
-            ("energy_kinetic", "least_kinetic", "largest_kinetic"),
-            ("energy_error", None, "energy_error"),
-        ):
-            values = np.abs(part[name])
-            setattr(self, high, float(np.maximum(getattr(self, high), values.max())))
-            if low is not None:
-                setattr(self, low, float(np.minimum(getattr(self, low), values.min())))
-        self.dissipated = float(part["work_dissipated"][-1])
-
-
 class Completion:
     """Adds forces, accelerations, energies and works to stored samples, which come in order and in parts.
 
-    How they are cut into parts changes no bit.
+    How they are cut into parts changes no bit. `memory` is all that runs on from part to part: what the first sample
+    had, the extremes `met` so far, and of free angles the last sample's before they were unwrapped, their turns since
+    the first one, and the shift of all, rad.
     """
 
     def __init__(self, problem: Problem, system):
         self._problem, self._system = problem, system
-        self.first: dict[str, float] = {}  # of the first sample, from which works and errors are counted; J
-        self.extremes = Extremes()
-        # of free angles, rad: the last sample's before they were unwrapped, their turns since the first, all's shift
-        self._angles = np.zeros((3, problem.bearing.n_rollers))
-
-    def to_keep(self) -> tuple[dict[str, np.ndarray], dict[str, dict[str, float]]]:
-        """All that runs on from part to part, as arrays and numbers; `take_back` goes on from it."""
-        return {"angles": self._angles}, {"first": self.first, "extremes": asdict(self.extremes)}
-
-    def take_back(self, arrays: dict[str, np.ndarray], numbers: dict[str, dict[str, float]]) -> None:
-        """Go on where another completion of the same problem stopped."""
-        self._angles = arrays["angles"]
-        kept = numbers["first"]
-        self.first = {name: float(kept[name]) for name in FIRST} if kept else {}
-        self.extremes = Extremes(**{name: float(numbers["extremes"][name]) for name in asdict(Extremes())})
+        self.first, self.met = np.full((), np.nan, dtype=FIRST), np.zeros((), dtype=MET)
+        self.met["least_kinetic"], self.met["largest_kinetic"] = np.inf, -np.inf
+        angles = np.zeros((3, problem.bearing.n_rollers))
+        self.memory = {"first": self.first, "met": self.met, "angles": angles}
 
     def read(self, record: Record, time: np.ndarray) -> dict[str, np.ndarray]:
         """Quantities of the next samples, at least one, by the trajectory's names; `time` in s."""
@@ -132,11 +98,9 @@ class Completion:
         kinetic = kinetic_energy(bearing, operation, state) + rotation_energy(bearing, operation)
         contact = contact_energy(laws, touch)
         energy = kinetic + contact
-        if not self.first:
-            self.first = {
-                name: float(values[0]) for name, values in zip(FIRST, (lift, pull, swing, kinetic, energy), strict=True)
-            }
         first = self.first
+        if np.isnan(first["energy"]):
+            first[()] = lift[0], pull[0], swing[0], kinetic[0], energy[0]
         held = self._system.holds_angles
         part = dict(
             time=time,
@@ -152,17 +116,26 @@ class Completion:
         )  # fmt: skip
         external = part["work_load"] + part["work_gravity"] + part["work_cage"]
         part["energy_error"] = energy - first["energy"] - external + record.dissipated
-        self.extremes.see(part)
+        self._meet(part)
         return part
+
+    def _meet(self, part: dict[str, np.ndarray]) -> None:
+        """Take further samples into account in what has been met."""
+        met, kinetic = self.met, part["energy_kinetic"]
+        for name in ("inner_force", "outer_force", "energy_contact", "energy_error"):
+            met[name] = np.maximum(met[name], np.abs(part[name]).max())
+        met["least_kinetic"] = np.minimum(met["least_kinetic"], kinetic.min())
+        met["largest_kinetic"] = np.maximum(met["largest_kinetic"], kinetic.max())
+        met["dissipated"] = part["work_dissipated"][-1]
 
     def _unwrapped(self, angles: np.ndarray) -> np.ndarray:
         """Angles in (−π, π] as they run on, rad, (n_times, n_rollers); the first sample's are the operation's."""
-        last, turns, shift = self._angles
-        if not self.first:
+        last, turns, shift = self.memory["angles"]
+        if np.isnan(self.first["energy"]):
             last, wanted = angles[0], self._system.first + self._system.spacing
             shift = TURN * np.round((wanted - last) / TURN)
         change = np.diff(np.concatenate([last[None], angles]), axis=0)
         jumps = np.where(np.abs(change) < np.pi, 0.0, np.mod(change + np.pi, TURN) - np.pi - change)
         turned = np.concatenate([turns[None], jumps]).cumsum(axis=0)[1:]
-        self._angles = np.array([angles[-1], turned[-1], shift])
+        self.memory["angles"][:] = angles[-1], turned[-1], shift
         return angles + turned + shift

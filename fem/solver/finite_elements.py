@@ -12,6 +12,7 @@ from fem.elastic.model import Model
 from fem.kernels.jit import cache_folder, is_compiled
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
+from fem.solver.description import mesh_table, plan_rows
 from fem.solver.discretise import check_widths, largest_force, model_of
 from fem.solver.element_state import ElementState
 from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads
@@ -41,6 +42,7 @@ class ElementPlan(Plan):
     cautions: tuple[str, ...] = ()
 
     model_name = "finite elements"
+    table, rows = mesh_table, plan_rows
 
     @property
     def interval(self) -> float:
@@ -87,16 +89,6 @@ class ElementPlan(Plan):
 
     def versions(self) -> dict[str, str]:
         return {"kernels": cache_folder().name, "numba": version("numba")}
-
-    def table(self):
-        from fem.solver.description import mesh_table
-
-        return mesh_table(self)
-
-    def rows(self) -> dict[str, str]:
-        from fem.solver.description import plan_rows
-
-        return plan_rows(self)
 
     def error_estimate(self):
         from fem.solver.error_estimate import error_estimate

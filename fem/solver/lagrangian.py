@@ -168,9 +168,9 @@ class LagrangianState(State):
         return (simulation.sentence,) if at_end and simulation.verdict is Verdict.RATTLING else ()
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        arrays, numbers = self._simulation.to_keep()
-        return arrays, numbers | {"exchanged": self._exchanged}
+        numbers = {"refinements": self._simulation.refinements, "exchanged": self._exchanged}
+        return self._simulation.to_keep(), numbers
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
-        self._simulation.take_back(arrays, numbers, self.done)
+        self._simulation.take_back(arrays, self.done, int(numbers["refinements"]))
         self._exchanged = float(numbers["exchanged"])

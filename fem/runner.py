@@ -17,7 +17,7 @@ from fem.result.checkpoint import checkpoint_path, load_checkpoint, refuse_no_pl
 from fem.result.estimate_columns import read_columns, write_estimates
 from fem.result.store import NOTHING, ResultFile, Stored, WriteFailed
 from fem.solver.simulate import make_plan, run
-from fem.solver.solver import Plan, Progress, State
+from fem.solver.solver import Plan, Progress, RunState
 from fem.summary import print_estimates, print_plan, print_run
 from lagrange.scene import Scene
 
@@ -63,7 +63,7 @@ def run_scene(scene: Scene, path: Path, wishes: Wishes) -> Outcome:
     began = time.perf_counter()
     plan = _planned(scene)
     estimate = plan.error_estimate() if wishes.estimate_error else None
-    plan.prepare(lambda sentence: None if wishes.quiet else _say(sentence))
+    plan.prepare(None if wishes.quiet else _say)
     for sentence in (*plan.remarks, *(() if wishes.quiet else plan.cautions)):
         _say(f"warning: {sentence}")
     outcome = simulate(plan, time.perf_counter() - began, path, wishes)
@@ -131,7 +131,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, wishes: Wishes) -> Ou
 class Checkpoints:
     """Saves the state of a run every so many seconds; None: every CHECKPOINT_SECONDS, less often on slow disks."""
 
-    def __init__(self, path: Path, state: State, store: ResultFile, every: float | None):
+    def __init__(self, path: Path, state: RunState, store: ResultFile, every: float | None):
         self._path, self._state, self._store, self._every = path, state, store, every
         self._saved, self._cost = time.monotonic(), 0.0
 

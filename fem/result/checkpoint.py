@@ -16,7 +16,7 @@ from fem.errors import UsageError
 from fem.result.durable import move_into_place, real_path
 from fem.result.layout import VARIABLES
 from fem.result.store import Stored, program_version
-from fem.solver.solver import Plan, State
+from fem.solver.solver import Plan, RunState
 from lagrange.scene import Scene, SceneError, parse_scene_text
 
 FORMAT = 4
@@ -41,7 +41,7 @@ def refuse_no_place(result: Path) -> None:
         raise UsageError(f"{path}: is not a plain file, and the run's state is to be kept there; name another --output")
 
 
-def save_checkpoint(result: Path, state: State, stored: Stored) -> None:
+def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
     """Write the state after its last sample, atomically; `stored`, those samples, must be on the disk.
 
     Errors
@@ -80,7 +80,7 @@ def _versions(plan: Plan) -> dict[str, str]:
     return {"program": program_version(), **plan.versions()}
 
 
-def load_checkpoint(result: Path, plan: Plan) -> tuple[State, Stored]:
+def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     """The state to go on from, and what the result file must hold.
 
     Errors

@@ -12,7 +12,7 @@ from fem.solver.frames import frame_of
 from fem.solver.guards import energy_trouble, good_rows, n_balanced, n_in_place, place_trouble, velocity_trouble
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import LARGEST_BLOCK
-from fem.solver.solver import Block, Numbers, State
+from fem.solver.solver import Block, Numbers, RunState
 
 if TYPE_CHECKING:
     from fem.solver.arrays import Arrays
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 GROUPS = ("rollers", "inner", "outer", "contacts", "drive")  # of the arrays that a checkpoint keeps
 
 
-class ElementState(State):
+class ElementState(RunState):
     """Arrays that the kernels change in place, and the reader of their samples."""
 
     def __init__(self, plan: "ElementPlan"):

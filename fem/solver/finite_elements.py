@@ -76,9 +76,9 @@ class ElementPlan(Plan):
             self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force, numerics.threads
         )
 
-    def prepare(self, tell: Callable[[str], None] = lambda sentence: None) -> None:
+    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
         """Compile the time loop, or load it compiled, without taking a step."""
-        if not is_compiled():
+        if tell is not None and not is_compiled():
             tell("compiling the kernels, once, about half a minute")
         if self.scene.numerics.threads > 1:
             numba.set_num_threads(self.scene.numerics.threads)

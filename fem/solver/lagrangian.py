@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.errors import RunFailed
 from fem.solver.simulate import LARGEST_BLOCK
-from fem.solver.solver import Block, Numbers, Plan, Samples, State, sample_count
+from fem.solver.solver import Block, Numbers, Plan, RunState, Samples, sample_count
 from lagrange import Trajectory, contact_laws, static_equilibrium
 from lagrange.laws import PowerLaw
 from lagrange.problem import Problem
@@ -106,7 +106,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
     )
 
 
-class LagrangianState(State):
+class LagrangianState(RunState):
     """A simulation under way. At its end it begins again with half the step where contacts have rattled."""
 
     def __init__(self, plan: LagrangianPlan):

@@ -8,7 +8,7 @@ from fem.errors import RunFailed
 
 if TYPE_CHECKING:  # the command asks for the names of models long before anything heavy is needed
     from fem.solver.frames import Frame
-    from fem.solver.solver import Plan, Progress, Samples, State
+    from fem.solver.solver import Plan, Progress, RunState, Samples
     from lagrange.scene import Scene
 
 SOLVERS = {  # a scene's `model`: the module whose `make_plan` takes it
@@ -34,7 +34,7 @@ def run(
     write: "Callable[[Samples], None]",
     report: "Callable[[Progress], None]" = lambda progress: None,
     stop: Callable[[], bool] = lambda: False,
-    state: "State | None" = None,
+    state: "RunState | None" = None,
     keep: "Callable[[Frame], None]" = lambda frame: None,
     begin_again: Callable[[str], None] = lambda reason: None,
 ) -> "Progress":

@@ -81,7 +81,7 @@ class Progress:
     imbalance: float  # energy imbalance over the exchanged energy: see `Samples`
 
 
-class State(ABC):
+class RunState(ABC):
     """A run after its last sample. A solver's own adds what its next steps need."""
 
     steps_per_sample: int
@@ -151,11 +151,11 @@ class Plan(ABC):
     remarks: tuple[str, ...] = ()  # told at the start even to those who want quiet, since the file does not keep them
     model_name: str  # "finite elements"
 
-    def prepare(self, tell: Callable[[str], None] = lambda sentence: None) -> None:  # noqa: B027 (most need nothing)
+    def prepare(self, tell: Callable[[str], None] | None = None) -> None:  # noqa: B027 (most need nothing)
         """Load or compile what the steps need; `tell` gets a sentence if that takes long."""
 
     @abstractmethod
-    def first_state(self) -> State:
+    def first_state(self) -> RunState:
         """The state of a run that has not begun. RunFailed: there is none."""
 
     @abstractmethod

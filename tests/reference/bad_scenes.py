@@ -208,13 +208,4 @@ BAD_SETTINGS = {
         "operation.radial_load_N=1", "numerics.mesh_size_mm=0.03", say="mesh_size_mm = 0.03 & nodes & at most"
     ),
     "balls as plane sections": setting("bearing.type=ball", say='bearing.type = "ball" & --model lagrange'),
-    "Lagrangian run beyond memory": options(
-        "--model",
-        "lagrange",
-        "--duration",
-        "1e6",
-        "--set",
-        "numerics.output_interval_us=0.1",
-        say="numerics.duration_ms & GiB",
-    ),
 }

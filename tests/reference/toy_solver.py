@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.result.layout import PER_TIME, VARIABLES
-from fem.solver.solver import Block, Plan, Samples, State, sample_count
+from fem.solver.solver import Block, Plan, RunState, Samples, sample_count
 from lagrange.scene import Scene
 
 TURN = 0.1  # rad a sample
@@ -34,7 +34,7 @@ class ToyPlan(Plan):
         return {"spring": "one"}
 
 
-class ToyState(State):
+class ToyState(RunState):
     steps_per_sample = 10
 
     def __init__(self, plan):

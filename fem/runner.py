@@ -93,7 +93,8 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, wishes: Wishes) -> Ou
         state, stored = load_checkpoint(path, plan) if wishes.resume else (plan.first_state(), None)
     except RunFailed as error:
         return _ended(Outcome.FAILED_AT_START, reason=error)
-    with _signals() as stopped, ResultFile(path, plan, setup_seconds, stored) as store, _explained(path, store):
+    file = ResultFile(path, plan, setup_seconds, stored, **state.outcome_attributes)
+    with _signals() as stopped, file as store, _explained(path, store):
         if not wishes.resume:
             checkpoint_path(path).unlink(missing_ok=True)
         checkpoints = Checkpoints(path, state, store, wishes.checkpoint_seconds)

@@ -64,10 +64,13 @@ class ResultFile:
     or an earlier file that can't be written; an earlier file stays as it was. WriteFailed, later: the disk fails.
     """
 
-    def __init__(self, path: Path, plan: "Plan", setup_seconds: float, resume: Stored | None = None):
-        """A new file in the place of any earlier one, or one that goes on after what was stored."""
+    def __init__(self, path: Path, plan: "Plan", setup_seconds: float, resume: Stored | None = None, **attributes: float):
+        """A new file in the place of any earlier one, or one that goes on after what was stored.
+
+        `attributes` are those that the run has found out, in place of the plan's.
+        """
         self._path = real_path(path)
-        self._attributes = _attributes(plan, setup_seconds)
+        self._attributes = _attributes(plan, setup_seconds) | attributes
         self._plan = plan
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with alone_in(self._path.parent):

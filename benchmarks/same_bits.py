@@ -1,0 +1,280 @@
+"""Whether another revision of the program gives the same bits, and takes the same time.
+
+BASE is checked out beside this tree. Both run the same short scenes, each as a command of its own; every variable of
+the result files is compared byte by byte, their attributes but for times and versions, and the reports' numbers. With
+--speed whole runs are timed in turns, with --cold a first start with no kernel compiled.
+"""
+
+import json
+import os
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import h5py
+import numpy as np
+from cyclopts import App, Parameter
+from rich.console import Console
+from rich.table import Table
+
+HERE = Path(__file__).resolve().parent.parent
+# attributes that may differ; a scene's text gains keys as the program does
+UNLIKE = {"wall_seconds", "setup_seconds", "program_version", "scene", "scene_checksum"}
+UNLIKE_IN_REPORT = {"run", "wall_seconds", "program_version"}
+SPEED_MS = 60.0  # of the paper's bearing
+console = Console(highlight=False, soft_wrap=True)
+
+
+@dataclass(frozen=True)
+class Short:
+    """A short run of the built-in scene with some keys changed."""
+
+    name: str
+    duration_ms: float
+    keys: tuple[str, ...] = ()
+    resumed: bool = False  # stopped half-way and gone on with
+    report: bool = False  # compare the numbers of check-residual too
+
+
+def _scene(name: str, duration_ms: float, text: str = "", **options: bool) -> Short:
+    return Short(name, duration_ms, tuple(text.split()), **options)
+
+
+SOFT = "material.youngs_modulus_GPa=5"
+SCENES = (
+    _scene("paper", 4.0, "numerics.mesh_size_mm=2", report=True),
+    _scene("fine", 0.5, "numerics.mesh_size_mm=1"),
+    _scene("static", 0.0, "numerics.mesh_size_mm=2"),
+    _scene("resumed", 1.0, "numerics.mesh_size_mm=2", resumed=True),
+    _scene("from-rest", 1.0, "numerics.mesh_size_mm=2 numerics.start=rest numerics.load_ramp_ms=0.2"),
+    _scene("frictionless", 1.0, "numerics.mesh_size_mm=2 contact.friction_coefficient=0"),
+    _scene("threads", 0.3, "numerics.threads=2"),
+    _scene("fields", 0.5, "numerics.mesh_size_mm=2 output.fields_every_ms=0.1"),
+    _scene("fast", 0.5, "numerics.mesh_size_mm=2 operation.speed_rpm=40000"),
+    _scene("backward", 0.5, "numerics.mesh_size_mm=1.5 operation.speed_rpm=-900 operation.gravity_m_s2=0"),
+    _scene("still", 0.5, "numerics.mesh_size_mm=2 operation.speed_rpm=0"),
+    _scene("preload", 0.5, "numerics.mesh_size_mm=1.5 bearing.outer_raceway_diameter_mm=55.99"),
+    _scene(
+        "rattling",
+        2.0,
+        "numerics.mesh_size_mm=2 numerics.start=rest bearing.outer_raceway_diameter_mm=56.2 bearing.rollers=14 "
+        "operation.radial_load_N=50",
+    ),
+    _scene("three-rollers", 0.5, "numerics.mesh_size_mm=2 bearing.rollers=3 contact.friction_coefficient=0.2"),
+    _scene("many-rollers", 0.5, "numerics.mesh_size_mm=1.2 bearing.rollers=31 bearing.roller_diameter_mm=4 "
+           "bearing.outer_raceway_diameter_mm=44"),
+    _scene("rigid-rollers", 0.5, "numerics.mesh_size_mm=2 bodies.rollers=rigid"),
+    _scene("rigid-inner", 0.5, "numerics.mesh_size_mm=2 bodies.inner_ring=rigid"),
+    _scene("rigid-rings", 0.5, "numerics.mesh_size_mm=2 bodies.inner_ring=rigid bodies.outer_ring=rigid"),
+    _scene("penalty", 0.5, "numerics.mesh_size_mm=2 contact.model=penalty"),
+    _scene("faceted", 0.5, "numerics.mesh_size_mm=2 contact.model=faceted contact.penalty_stiffness_N_per_m=1e8"),
+    _scene("spread", 0.05, f"{SOFT} numerics.mesh_size_mm=0.5"),
+    _scene("resolved", 0.02, f"{SOFT} contact.model=resolved numerics.mesh_size_mm=0.15"),
+    _scene("lagrange", 5.0, "model=lagrange", report=True),
+    _scene("lagrange-free", 2.0, "model=lagrange lagrange.angles=free lagrange.law=johnson numerics.start=rest"),
+    _scene("lagrange-damped", 1.0, "model=lagrange lagrange.damping_N_s_m=200"),
+    _scene("lagrange-rattling", 5.0, "model=lagrange numerics.start=rest numerics.load_ramp_ms=0 "
+           "bearing.outer_raceway_diameter_mm=56.1 operation.radial_load_N=20"),
+    _scene("lagrange-balls", 2.0, "model=lagrange bearing.type=ball bearing.rollers=9 bearing.roller_length_mm=16"),
+)  # fmt: skip
+
+
+class Tree:
+    """A checkout whose commands are run; meshes are kept apart from every other's, compiled kernels are not."""
+
+    def __init__(self, folder: Path, room: Path):
+        self.folder, self.room = folder, room
+        room.mkdir()
+        kernels = os.environ.get("NUMBA_CACHE_DIR") or Path.home() / ".cache" / "roller-bearing-fem"
+        self.environment = os.environ | {
+            "PYTHONPATH": str(folder),
+            "XDG_CACHE_HOME": str(room / "cache"),
+            "NUMBA_CACHE_DIR": str(kernels),
+        }
+
+    def command(self, module: str, *arguments: str, **environment: str) -> None:
+        """Run a command of the tree.
+
+        Errors
+        ------
+        RuntimeError: it failed, with what it said.
+        """
+        told = subprocess.run(
+            [sys.executable, "-m", module, *arguments],
+            cwd=self.folder,
+            env=self.environment | environment,
+            capture_output=True,
+            text=True,
+        )
+        if told.returncode:
+            raise RuntimeError(f"{self.folder}: {module} {' '.join(arguments)}\n{told.stderr.strip()}")
+
+    def run(self, scene: Short) -> Path:
+        """The result file of a scene."""
+        path = self.room / f"{scene.name}.nc"
+        keys = [word for key in scene.keys for word in ("--set", key)]
+        ends = (0.5 * scene.duration_ms, scene.duration_ms) if scene.resumed else (scene.duration_ms,)
+        for part, end in enumerate(ends):
+            more = ("--resume",) if part else ()
+            self.command("fem.cli", "--output", str(path), "--quiet", "--duration", repr(end), *keys, *more)
+        return path
+
+    def report(self, path: Path) -> dict:
+        """Numbers of a run's report."""
+        folder = path.with_suffix("")
+        self.command("residual.cli", str(path), "--output", str(folder))
+        return json.loads((folder / "summary.json").read_text())
+
+
+def differences(one: Path, other: Path) -> Iterator[str]:
+    """What two result files differ in: variables byte by byte, attributes."""
+    with h5py.File(one, "r") as a, h5py.File(other, "r") as b:
+        for name in sorted((set(a.attrs) | set(b.attrs)) - UNLIKE):
+            if not np.array_equal(a.attrs.get(name), b.attrs.get(name)):
+                yield f"attribute {name}: {a.attrs.get(name)!r} was {b.attrs.get(name)!r}"
+        names: set[str] = set()
+        for file in (a, b):
+            file.visititems(lambda name, item: names.add(name) if isinstance(item, h5py.Dataset) else None)
+        for name in sorted(names):
+            if name not in a or name not in b:
+                yield f"{name}: only in {'the base' if name not in a else 'this tree'}"
+                continue
+            x, y = a[name][()], b[name][()]
+            if x.tobytes() != y.tobytes() or x.shape != y.shape:
+                yield f"{name}: {_size(x, y)}"
+
+
+def _size(x: np.ndarray, y: np.ndarray) -> str:
+    if x.shape != y.shape:
+        return f"shape {x.shape} was {y.shape}"
+    if x.dtype.kind != "f":
+        return "differs"
+    gap, where = np.abs(x - y), np.flatnonzero(np.asarray(x != y).ravel())
+    largest = float(np.nanmax(np.abs(y))) or 1.0
+    return (
+        f"{where.size} of {x.size} differ, first at {where[:1]}, at most {np.nanmax(gap) / largest:.1e} of the largest"
+    )
+
+
+def _unlike(one, other, place: str = "") -> Iterator[str]:
+    """Numbers of two reports that are not the same."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        for key in sorted((set(one) | set(other)) - UNLIKE_IN_REPORT):
+            yield from _unlike(one.get(key), other.get(key), f"{place}.{key}".lstrip("."))
+    elif json.dumps(one) != json.dumps(other):
+        yield f"report: {place} = {one!r} was {other!r}"
+
+
+def compare(scene: Short, mine: Tree, base: Tree) -> list[str]:
+    """Everything in which a scene's results differ."""
+    one, other = mine.run(scene), base.run(scene)
+    found = list(differences(one, other))
+    if scene.report:
+        found += _unlike(mine.report(one), base.report(other))
+    return found
+
+
+@contextmanager
+def checked_out(revision: str) -> Iterator[tuple[Tree, Tree]]:
+    """This tree and a revision's, which goes when done."""
+    git = ["git", "-C", str(HERE)]
+    with tempfile.TemporaryDirectory(prefix="same-bits-") as room:
+        folder = Path(room) / "base"
+        subprocess.run([*git, "worktree", "add", "--quiet", "--detach", str(folder), revision], check=True)
+        try:
+            yield Tree(HERE, Path(room) / "mine"), Tree(folder, Path(room) / "of-base")
+        finally:
+            subprocess.run([*git, "worktree", "remove", "--force", str(folder)], check=True)
+
+
+def _taken(tree: Tree, *arguments: str, **environment: str) -> tuple[float, float]:
+    """Wall and processor time of one run-fem, s."""
+    began, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
+    tree.command("fem.cli", "--quiet", "--output", str(tree.room / "speed.nc"), *arguments, **environment)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return time.perf_counter() - began, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def _speed(mine: Tree, base: Tree, sizes: list[float], pairs: int) -> Table:
+    table = Table(title=f"Whole runs of {SPEED_MS:g} ms, {pairs} pairs in turns, one thread", title_justify="left")
+    for heading in ("mesh, mm", "this tree, s", "base, s", "ratio of wall times", "of processor times"):
+        table.add_column(heading, justify="right")
+    for size in sizes:
+        options = ("--mesh-size", repr(size), "--duration", repr(SPEED_MS))
+        for tree in (mine, base):  # compiled, meshed
+            _taken(tree, "--mesh-size", repr(size), "--duration", "0.01")
+        taken = []
+        for turn in range(pairs):
+            order = (mine, base) if turn % 2 else (base, mine)
+            found = {tree: _taken(tree, *options) for tree in order}
+            taken.append((*found[mine], *found[base]))
+        wall, spent, base_wall, base_spent = np.array(taken).T
+        ratios = [f"{statistics.median(r):.3f} ({min(r):.3f} … {max(r):.3f})"
+                  for r in (wall / base_wall, spent / base_spent)]  # fmt: skip
+        table.add_row(f"{size:g}", f"{statistics.median(wall):.2f}", f"{statistics.median(base_wall):.2f}", *ratios)
+    return table
+
+
+def _cold(mine: Tree, base: Tree) -> str:
+    """Processor time of a first start, whose kernels are all to be compiled."""
+    seconds = []
+    for tree in (mine, base):
+        _taken(tree, "--duration", "0")  # meshes
+        with tempfile.TemporaryDirectory() as empty:
+            seconds.append(_taken(tree, "--duration", "0.01", NUMBA_CACHE_DIR=empty)[1])
+    return (
+        f"first start, processor time: {seconds[0]:.1f} s, base {seconds[1]:.1f} s, ratio {seconds[0] / seconds[1]:.2f}"
+    )
+
+
+app = App(name="same_bits", help=__doc__, help_format="plaintext", result_action="return_value")
+
+
+@app.default
+def main(
+    base: Annotated[str, Parameter(help="git revision to compare with")],
+    /,
+    *,
+    scenes: Annotated[str | None, Parameter(help="names of scenes, by commas; default: all")] = None,
+    workers: Annotated[int, Parameter(help="scenes run at the same time")] = 1,
+    speed: Annotated[
+        list[float] | None, Parameter(help="mesh sizes to time instead, mm; repeatable", negative="")
+    ] = None,
+    pairs: Annotated[int, Parameter(help="timed runs of each tree")] = 10,
+    cold: Annotated[bool, Parameter(negative="", help="time a first start instead")] = False,
+) -> int:
+    """Compare this tree with a revision; 1 where any scene differs."""
+    wanted = set(scenes.split(",")) if scenes else {scene.name for scene in SCENES}
+    if unknown := wanted - {scene.name for scene in SCENES}:
+        console.print(f"unknown scenes: {', '.join(sorted(unknown))}; known: {', '.join(s.name for s in SCENES)}")
+        return 2
+    with checked_out(base) as (mine, old):
+        if speed:
+            console.print(_speed(mine, old, speed, pairs))
+        if cold:
+            console.print(_cold(mine, old))
+        if speed or cold:
+            return 0
+        chosen = [scene for scene in SCENES if scene.name in wanted]
+        unlike = 0
+        with ThreadPoolExecutor(workers) as pool:
+            for scene, found in zip(chosen, pool.map(lambda s: compare(s, mine, old), chosen), strict=True):
+                unlike += bool(found)
+                console.print(f"{scene.name:20s} {'same' if not found else 'DIFFERS'}")
+                for what in found:
+                    console.print(f"    {what}")
+    console.print(f"{len(chosen) - unlike} of {len(chosen)} scenes the same")
+    return 1 if unlike else 0
+
+
+if __name__ == "__main__":
+    sys.exit(app())

@@ -64,7 +64,9 @@ class ResultFile:
     or an earlier file that can't be written; an earlier file stays as it was. WriteFailed, later: the disk fails.
     """
 
-    def __init__(self, path: Path, plan: "Plan", setup_seconds: float, resume: Stored | None = None, **attributes: float):
+    def __init__(
+        self, path: Path, plan: "Plan", setup_seconds: float, resume: Stored | None = None, **attributes: float
+    ):
         """A new file in the place of any earlier one, or one that goes on after what was stored.
 
         `attributes` are those that the run has found out, in place of the plan's.

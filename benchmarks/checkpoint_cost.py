@@ -14,7 +14,7 @@ from pathlib import Path
 from fem.outcome import Outcome
 from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
-from fem.runner import Checkpoints, Wishes, simulate
+from fem.runner import Checkpoints, RunOptions, simulate
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Plan
 from lagrange.scene import read_scene
@@ -44,8 +44,8 @@ def one_run(plan: Plan, folder: Path, every: float | None, watched: dict[str, Wa
     """Wall, processor and own seconds of a run."""
     before = {name: (watch.seconds, watch.calls) for name, watch in watched.items()}
     wall, cpu = time.perf_counter(), time.process_time()
-    wishes = Wishes(quiet=True, checkpoint_seconds=every)
-    if simulate(plan, 0.0, folder / "run.nc", wishes) is not Outcome.COMPLETE:
+    options = RunOptions(quiet=True, checkpoint_seconds=every)
+    if simulate(plan, 0.0, folder / "run.nc", options) is not Outcome.COMPLETE:
         raise RuntimeError("the run failed")
     found = {"wall": time.perf_counter() - wall, "cpu": time.process_time() - cpu}
     for name, watch in watched.items():

@@ -90,12 +90,12 @@ def _run(
         raise UsageError(f"--output {path}: is a folder; name a file in it")
     if checkpoint is not None and not checkpoint >= 0.0:
         raise UsageError(f"--checkpoint {checkpoint:g}: must be a number of seconds >= 0")
-    from fem.runner import Wishes, run_scene, show_plan
+    from fem.runner import RunOptions, run_scene, show_plan
 
     if dry_run:
         return show_plan(chosen).code
-    wishes = Wishes(resume=resume, quiet=quiet, estimate_error=estimate_error, checkpoint_seconds=checkpoint)
-    return run_scene(chosen, path, wishes).code
+    options = RunOptions(resume=resume, quiet=quiet, estimate_error=estimate_error, checkpoint_seconds=checkpoint)
+    return run_scene(chosen, path, options).code
 
 
 def run_app_main(app: App, arguments: list[str] | None) -> int:

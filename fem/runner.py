@@ -30,7 +30,7 @@ GO_ON = "the same command with --resume goes on"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wishes:
+class RunOptions:
     """How a scene is to be run."""
 
     resume: bool = False
@@ -53,7 +53,7 @@ def show_plan(scene: Scene) -> Outcome:
     return Outcome.COMPLETE
 
 
-def run_scene(scene: Scene, path: Path, wishes: Wishes) -> Outcome:
+def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     """Plan a scene, run it into a result file, and estimate its error where that is wished.
 
     Errors
@@ -62,14 +62,14 @@ def run_scene(scene: Scene, path: Path, wishes: Wishes) -> Outcome:
     """
     began = time.perf_counter()
     plan = _planned(scene)
-    estimate = plan.error_estimate() if wishes.estimate_error else None
-    plan.prepare(None if wishes.quiet else _say)
-    for sentence in (*plan.remarks, *(() if wishes.quiet else plan.cautions)):
+    estimate = plan.error_estimate() if options.estimate_error else None
+    plan.prepare(None if options.quiet else _say)
+    for sentence in (*plan.remarks, *(() if options.quiet else plan.cautions)):
         _say(f"warning: {sentence}")
-    outcome = simulate(plan, time.perf_counter() - began, path, wishes)
+    outcome = simulate(plan, time.perf_counter() - began, path, options)
     if estimate is None or outcome is not Outcome.COMPLETE:
         return outcome
-    return _estimate(estimate, path, wishes.quiet)
+    return _estimate(estimate, path, options.quiet)
 
 
 def _planned(scene: Scene) -> Plan:
@@ -81,7 +81,7 @@ def _planned(scene: Scene) -> Plan:
     return plan
 
 
-def simulate(plan: Plan, setup_seconds: float, path: Path, wishes: Wishes) -> Outcome:
+def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) -> Outcome:
     """Run a plan into a result file, with a checkpoint each so many seconds (see `Checkpoints`).
 
     Errors
@@ -90,24 +90,24 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, wishes: Wishes) -> Ou
     """
     refuse_no_place(path)
     try:
-        state, stored = load_checkpoint(path, plan) if wishes.resume else (plan.first_state(), None)
+        state, stored = load_checkpoint(path, plan) if options.resume else (plan.first_state(), None)
     except RunFailed as error:
         return _ended(Outcome.FAILED_AT_START, reason=error)
     file = ResultFile(path, plan, setup_seconds, stored, **state.outcome_attributes)
     with _signals() as stopped, file as store, _explained(path, store):
-        if not wishes.resume:
+        if not options.resume:
             checkpoint_path(path).unlink(missing_ok=True)
-        checkpoints = Checkpoints(path, state, store, wishes.checkpoint_seconds)
+        checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)
         outcome, reason = Outcome.COMPLETE, None
 
         def begin_again(reason: str) -> None:
-            if not wishes.quiet:
+            if not options.quiet:
                 _say(reason)
             checkpoints.begin_again()
             store.begin_again(**state.outcome_attributes)
 
         try:
-            with progress_display(plan, wishes.quiet) as show:
+            with progress_display(plan, options.quiet) as show:
 
                 def watch(progress: Progress) -> None:
                     with suppress(OSError):  # a terminal that has gone is no reason to stop
@@ -124,7 +124,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, wishes: Wishes) -> Ou
     for sentence in state.remarks:
         _say(f"warning: {sentence}")
     seen = state.progress
-    if outcome is Outcome.COMPLETE and not wishes.quiet:
+    if outcome is Outcome.COMPLETE and not options.quiet:
         print_run(plan, seen, read_columns(path, ("inner_x", "inner_y", "inner_force"), samples=1), path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store))
 

@@ -17,15 +17,7 @@ from lagrange.integrate import Integration
 from lagrange.kinematics import kinematics
 from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
-from lagrange.step_size import (
-    DAMPED_STABLE,
-    STABLE,
-    STEP,
-    critical_time_step,
-    expected_force,
-    fastest_mode,
-    steps_per_sample,
-)
+from lagrange.step_size import DAMPED_STABLE, STABLE, STEP, critical_time_step, fastest_mode, steps_per_sample
 from lagrange.systems import FreeAngles, KinematicAngles
 from lagrange.trajectory import Completion, Trajectory
 
@@ -91,9 +83,7 @@ class Simulation:
     @property
     def critical_time_step(self) -> float:
         """Step, s, at which the scheme becomes unstable under the forces met so far; before any, those expected."""
-        if not self.done:
-            return critical_time_step(self.problem, *2 * (expected_force(self.problem),))
-        return critical_time_step(self.problem, *self._largest_forces)
+        return critical_time_step(self.problem, *(self._largest_forces if self.done else ()))
 
     @property
     def _largest_forces(self) -> tuple[float, float]:

@@ -31,13 +31,13 @@ def fastest_mode(problem: Problem, inner_force: float, outer_force: float) -> fl
     return (stiffness / problem.bearing.roller_mass) ** 0.5
 
 
-def critical_time_step(problem: Problem, inner_force: float, outer_force: float) -> float:
-    """Step, s, at which the scheme becomes unstable under the largest contact forces, N."""
+def critical_time_step(problem: Problem, *largest: float) -> float:
+    """Step, s, at which the scheme becomes unstable under the largest inner and outer force, N; default: expected."""
     limit = LIMIT if problem.damping == 0.0 else DAMPED_LIMIT
-    return limit / fastest_mode(problem, inner_force, outer_force)
+    return limit / fastest_mode(problem, *(largest or 2 * [_expected_force(problem)]))
 
 
-def expected_force(problem: Problem) -> float:
+def _expected_force(problem: Problem) -> float:
     """The largest contact force to be expected, N."""
     bearing, operation = problem.bearing, problem.operation
     weight = operation.radial_load + operation.inner_mass * operation.gravity
@@ -47,7 +47,7 @@ def expected_force(problem: Problem) -> float:
 
 
 def _longest_step(problem: Problem) -> float:
-    force = expected_force(problem)
+    force = _expected_force(problem)
     omega = fastest_mode(problem, force, force)
     if problem.damping == 0.0:
         return STEP / omega

@@ -1,7 +1,9 @@
 """What a run does whichever solver it is of: progress, checkpoints, signals, failures, resuming bit for bit."""
 
+import errno
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,7 +16,9 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
+from fem.result import checkpoint
 from fem.result.checkpoint import checkpoint_path
+from fem.result.store import ResultFile
 from fem.solver.simulate import SOLVERS
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -194,24 +198,41 @@ def test_the_lagrangian_model_refuses_a_state_of_another_numpy(tmp_path, monkeyp
 
 
 def test_a_run_that_begins_again_says_so_and_starts_its_file_anew(tmp_path, monkeypatch, capsys):
-    path, empty = tmp_path / "run.nc", []
-    from fem.result.store import ResultFile
-
+    """A kill between its checkpoint and its new file leaves what can be resumed."""
+    path, killed, seen = tmp_path / "run.nc", tmp_path / "killed.nc", []
     begin_again = ResultFile.begin_again
 
     def watched(store, **attributes):
-        assert checkpoint_path(path).exists()  # a kill between the two leaves what can be resumed
+        shutil.copy(path, killed)
+        shutil.copy(checkpoint_path(path), checkpoint_path(killed))
         begin_again(store, **attributes)
         with h5py.File(path, locking=False) as file:
-            empty.append((file.attrs["committed_samples"], file.attrs["time_step"]))
+            seen.append((int(file.attrs["committed_samples"]), float(file.attrs["time_step"])))
 
     monkeypatch.setattr(ResultFile, "begin_again", watched)
     assert run(CASES["Lagrangian that refines"], path) == 0
     error = capsys.readouterr().err
     assert "contacts rattle: the step of 5e-06 s changes the energy by 2.4 %" in error and "begins again" in error
-    assert empty == [(0, pytest.approx(2.5e-6))]
+    assert seen == [(0, pytest.approx(2.5e-6))]
     with h5py.File(path) as file:
         assert 2.4e-6 < file.attrs["time_step"] < file.attrs["critical_time_step"]
+    assert run(CASES["Lagrangian that refines"], killed, "--quiet", "--resume") == 0
+    assert content(killed) == content(path) and len(seen) == 1
+
+
+def test_a_run_that_begins_again_without_room_for_its_state_is_not_resumed_from_an_old_one(tmp_path, monkeypatch):
+    """The checkpoint of the first pass counts samples that are no longer there."""
+    path = tmp_path / "run.nc"
+    save = checkpoint.save_checkpoint
+
+    def full(result, state, stored):
+        if state.void_steps:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(checkpoint_path(path)))
+        save(result, state, stored)
+
+    monkeypatch.setattr("fem.runner.save_checkpoint", full)
+    assert run(CASES["Lagrangian that refines"], path, "--checkpoint", "0", "--quiet") == 0
+    assert not checkpoint_path(path).exists()
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from lagrange.problem import Problem
 from lagrange.raceway_laws import caution
 from lagrange.scene import Scene
 from lagrange.simulate import Simulation, Verdict
-from lagrange.step_size import critical_time_step, expected_force, steps_per_sample
+from lagrange.step_size import critical_time_step, steps_per_sample
 
 ARRAYS = 30  # per roller and sample of a block, at the most at a time
 # one thread of a 2024 server core; only a guide
@@ -47,7 +47,7 @@ class LagrangianPlan(Plan):
     @property
     def critical_time_step(self) -> float:
         """Under the largest forces that can be expected, s."""
-        return critical_time_step(self.problem, *2 * (expected_force(self.problem),))
+        return critical_time_step(self.problem)
 
     @property
     def degrees_of_freedom(self) -> int:

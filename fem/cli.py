@@ -59,9 +59,7 @@ def _run(
     /,
     *,
     output: Annotated[Path | None, Parameter(help="result file; default: runs/<scene name>.nc")] = None,
-    model: Annotated[
-        Literal[tuple(SOLVERS)] | None, Parameter(help="finite elements or Lagrangian model; default: the scene's")
-    ] = None,
+    model: Annotated[Literal[tuple(SOLVERS)] | None, Parameter(help="what solves it; default: the scene's")] = None,
     mesh_size: Annotated[float | None, Parameter(help="surface node distance, mm")] = None,
     duration: Annotated[float | None, Parameter(help="simulated time, ms; 0: static equilibrium only")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,

@@ -29,10 +29,10 @@ def print_run(plan: Plan, progress: Progress, first: dict[str, np.ndarray], path
     console = Console(highlight=False)
     if plan.n_samples == 1:
         force = first["inner_force"][0]
-        loads = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
+        forces = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
         lines = [
             f"Static equilibrium: hub x {1e6 * first['inner_x'][0]:.4f} µm, y {1e6 * first['inner_y'][0]:.4f} µm",
-            f"Loaded rollers: {loads or 'none'} N",
+            f"Loaded rollers: {forces or 'none'} N",
         ]
     else:
         lines = [

@@ -10,6 +10,7 @@ import sys
 import time
 from contextlib import contextmanager
 from pathlib import Path
+from typing import get_args
 
 import h5py
 import numpy as np
@@ -20,6 +21,7 @@ from fem.result import checkpoint
 from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
 from fem.solver.simulate import SOLVERS
+from lagrange.scene import Scene
 
 ROOT = Path(__file__).resolve().parent.parent
 NO_CONTRACT = ("wall_seconds", "setup_seconds")  # attributes that differ from run to run
@@ -278,6 +280,10 @@ def test_a_model_without_a_mesh_refuses_to_estimate_its_error(case, tmp_path, ca
     assert run(case, tmp_path / "run.nc", "--estimate-error") == 2
     assert "--estimate-error: the " in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def test_every_model_that_a_scene_may_name_has_a_solver():
+    assert get_args(Scene.model_fields["model"].annotation) == tuple(SOLVERS)
 
 
 def test_the_command_names_its_models_without_loading_any():

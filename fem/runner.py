@@ -93,8 +93,8 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
         state, stored = load_checkpoint(path, plan) if options.resume else (plan.first_state(), None)
     except RunFailed as error:
         return _ended(Outcome.FAILED_AT_START, reason=error)
-    file = ResultFile(path, plan, setup_seconds, stored, **state.outcome_attributes)
-    with _signals() as stopped, file as store, _explained(path, store):
+    met = state.outcome_attributes
+    with _signals() as stopped, ResultFile(path, plan, setup_seconds, stored, **met) as store, _explained(path, store):
         if not options.resume:
             checkpoint_path(path).unlink(missing_ok=True)
         checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)

@@ -222,6 +222,20 @@ def test_a_run_that_begins_again_says_so_and_starts_its_file_anew(tmp_path, monk
     assert content(killed) == content(path) and len(seen) == 1
 
 
+def test_where_no_refinement_is_left_rattling_is_warned_of_and_too_long_a_step_fails(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(sys.modules["lagrange.simulate"], "REFINEMENTS", 0)  # the package's `simulate` is the function
+    path = tmp_path / "run.nc"
+    for option in ((), ("--resume",)):
+        assert run(CASES["Lagrangian that refines"], path, "--quiet", *option) == 0
+        error = capsys.readouterr().err
+        assert error.startswith("warning: contacts rattle: the step of 5e-06 s") and error.endswith("or add damping\n")
+    monkeypatch.setattr("lagrange.step_size.STEP", 12.0)
+    assert run(CASES["Lagrangian"], path, "--set", "numerics.output_interval_us=20") == 1
+    assert "error: failed: the forces met make a mode of " in capsys.readouterr().err
+    with h5py.File(path) as file:
+        assert file.attrs["status"].startswith("failed: the forces met") and file["time"].shape == (101,)
+
+
 def test_a_run_that_begins_again_without_room_for_its_state_is_not_resumed_from_an_old_one(tmp_path, monkeypatch):
     """The checkpoint of the first pass counts samples that are no longer there."""
     path = tmp_path / "run.nc"

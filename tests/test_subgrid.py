@@ -1,8 +1,6 @@
 """The contact law below the grid: finite elements plus law give the exact approach wherever the contact sits."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,11 +8,6 @@ from numba import njit
 from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import LENGTH, STEEL, disc, model, paper, ring
-from line_contact import half_width, squeezed_disc_approach
-
-from benchmarks.verification.contact_statics import POSITIONS, RIGID, squeezed
 from fem.elastic.bodies import disc_body
 from fem.elastic.continuum import ring_hertz_approach
 from fem.elastic.model import peak_pressure
@@ -26,6 +19,9 @@ from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import count_from, load, store
 from lagrange import Material
 from meshes import Disc
+from tests.reference.bearings import LENGTH, STEEL, disc, model, paper, ring
+from tests.reference.line_contact import half_width, squeezed_disc_approach
+from tests.verification.contact_statics import POSITIONS, RIGID, squeezed
 
 RADIUS = 0.005
 CALIBRATED_AT = 5e-5  # half-width b, m, as `fem.elastic.model` does for this roller

@@ -17,7 +17,7 @@ from lagrange.energy import contact_energy, kinetic_energy, rotation_energy
 from lagrange.integrate import FreeAngles, KinematicAngles, integrate
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.load_ramp import load_share
-from lagrange.motion import State, accelerations, contacts
+from lagrange.motion import State, accelerations, contact_state
 from lagrange.raceway_laws import ContactLaws
 from lagrange.statics import static_equilibrium
 from lagrange.trajectory import Trajectory
@@ -194,7 +194,7 @@ def _start(bearing: Bearing, operation: Operation, laws: ContactLaws, start: str
 
 def _complete(bearing, operation, laws, time, state: State, record, damping: float, load_ramp: float) -> Trajectory:
     """Forces, accelerations, energies and works of the stored states."""
-    touch = contacts(bearing, laws, state, damping)
+    touch = contact_state(bearing, laws, state, damping)
     share = load_share(time, load_ramp)
     ax, ay, _, _ = accelerations(bearing, replace(operation, radial_load=0.0), state, touch)
     ay = ay - share * operation.radial_load / operation.inner_mass

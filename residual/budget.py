@@ -17,9 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lagrange.equations import Approaches, approaches, contact_resultant, error_forces
+from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.kinematics import kinematics
 from lagrange.load_ramp import load_share
+from lagrange.overlap import Overlaps
 from residual.fitted_laws import Law, law_force
 from residual.trajectory import Trajectory
 
@@ -40,7 +41,7 @@ class Budget:
     momentum_x: np.ndarray | None
     momentum_y: np.ndarray | None
     law_force: np.ndarray  # (n_times, n_rollers), N, the law's
-    contacts: Approaches
+    contacts: Overlaps
     closing_speed: np.ndarray  # (n_times, n_rollers), m/s, of the inner contacts
     loaded: np.ndarray  # (n_times, n_rollers), bool, inner contact closed
 
@@ -50,7 +51,7 @@ def acting_terms(budget: Budget) -> list[str]:
     return [name for name, x in budget.terms_x.items() if np.any(x) or np.any(budget.terms_y[name])]
 
 
-def traction_resultant(contacts: Approaches, traction) -> tuple[np.ndarray, np.ndarray]:
+def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.ndarray]:
     """x and y components of the tangential forces on the inner ring, N, each (n_times,).
 
     `traction`, (n_times, n_rollers), N, acts on the roller along t = (−n_y, n_x), n pointing from the inner

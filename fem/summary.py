@@ -5,11 +5,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from fem.elastic.model import peak_pressure
 from fem.solver.arrays import Arrays
 from fem.solver.error_estimate import Estimate
 from fem.solver.simulate import Plan, Progress
-from fem.statics.solve import static_error
+from fem.statics.static_error import static_error
 from fem.wording import run_line, statics_lines
 from meshes import Mesh, quality
 
@@ -49,7 +48,7 @@ def print_plan(plan: Plan) -> None:
         "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
         "expected time": f"about {seconds:.2g} s",
         "largest static contact force": f"{load:.1f} N, "
-        f"{1e-6 * peak_pressure(model.inner_law, load, model.bearing.roller_length):.0f} MPa at the inner raceway",
+        f"{1e-6 * model.inner_law.pair.peak_pressure(load):.0f} MPa at the inner raceway",
     }
     if plan.operation.radial_load > 0.0:
         error = static_error(model, plan.operation)

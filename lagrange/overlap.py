@@ -75,7 +75,7 @@ def polar_overlaps(bearing: Bearing, rho, along, across) -> PolarOverlaps:
 
 
 def touching_distances(bearing: Bearing) -> tuple[float, float]:
-    """Centres' distance, m, of a roller and the inner ring that touch (reach), and of one and the outer ring (track)."""
+    """Distance, m, of a roller's centre that touches the inner ring from its centre (reach), and the outer (track)."""
     return (
         bearing.inner_raceway_radius + bearing.roller_radius,
         bearing.outer_raceway_radius - bearing.roller_radius,

@@ -11,9 +11,9 @@ from scipy.linalg import eigh
 sys.path.insert(0, str(Path(__file__).parent / "reference"))
 from bearings import LENGTH, STEEL, disc, model, paper, ring
 
+from fem.contacts.critical_step import LANCZOS_TOLERANCE, LOAD_MARGIN, critical_time_step
+from fem.contacts.patch import disc_patch_force, ring_patch_force
 from fem.elastic.assembly import assemble
-from fem.elastic.critical_step import LANCZOS_TOLERANCE, LOAD_MARGIN, critical_time_step
-from fem.elastic.subgrid import disc_patch_force, ring_patch_force
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
 from meshes import Mesh

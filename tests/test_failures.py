@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
-from fem.elastic.critical_step import critical_time_step
+from fem.contacts.critical_step import critical_time_step
 from fem.kernels.ring_kernels import HALO
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import LONGEST_UNWATCHED, RunFailed, _advance, _row_width, first_state, make_plan, run

@@ -6,7 +6,7 @@ import pytest
 from benchmarks.paper import supports
 from benchmarks.paper.page import harris_force, rattle, sinking_frequency, span, text
 from benchmarks.paper.variants import VARIANTS, strongest
-from fem.elastic.subgrid import ring_patch_force
+from fem.contacts.patch import ring_patch_force
 from lagrange.scene import read_scene
 from tests.reference.bearings import model, paper
 

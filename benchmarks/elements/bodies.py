@@ -77,9 +77,9 @@ class Body:
     def _displacement(self, load: np.ndarray, angle: float) -> float:
         n = np.arange(load.size)
         if self.held is None:
-            series = continuum.disc_compliance(n, self.raceway, STEEL)
+            series = continuum.disc_harmonic_compliance(n, self.raceway, STEEL)
         else:
-            series = continuum.ring_compliance(n, self.raceway, self.held, STEEL)
+            series = continuum.ring_harmonic_compliance(n, self.raceway, self.held, STEEL)
         parts = [continuum.patch_displacement(series, load, load, self.raceway, angle - at) for at in self.loads]
         return sum(parts) / LENGTH
 

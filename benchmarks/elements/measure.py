@@ -11,8 +11,8 @@ from scipy.sparse.linalg import eigsh, splu
 from benchmarks.elements.bodies import HALF_WIDTH, Body
 from benchmarks.elements.candidates import build
 from benchmarks.elements.discretisations import Discrete
+from fem.contacts.patch import patch
 from fem.elastic.bodies import rigid_modes
-from fem.elastic.subgrid import patch
 
 SAFETY = 0.9  # step over critical step, the solver's default
 PLACES = 2.0 * pi * np.mod(0.618034 * np.arange(24), 1.0)  # of a load, rad; every part of an element is met

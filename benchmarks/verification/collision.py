@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 
 from benchmarks.verification.shapes import LENGTH, STEEL_ON_STEEL, model
-from fem.elastic.critical_step import critical_time_step
+from fem.contacts.critical_step import critical_time_step
 from fem.kernels import sample_kernels, time_loop
 from fem.kernels.state import ROLLER
 from fem.solver.arrays import Arrays, make_arrays

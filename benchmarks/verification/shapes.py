@@ -4,8 +4,8 @@ from dataclasses import replace
 from functools import cache
 from math import pi
 
+from fem.contacts import Model, SubgridModel
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
-from fem.elastic.model import Model, build_model
 from lagrange import Bearing, Material
 from lagrange.scene import read_scene
 from meshes import Annulus, Disc
@@ -55,7 +55,7 @@ def fair_load(bearing: Bearing) -> float:
 
 @cache
 def model(bearing: Bearing, mesh_size: float) -> Model:
-    return build_model(bearing, mesh_size)
+    return SubgridModel.build(bearing, mesh_size)
 
 
 @cache

@@ -4,7 +4,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from fem.elastic.model import Model, peak_pressure
+from fem.contacts.model import Model
 from fem.statics.equilibrium import Equilibrium
 from lagrange import Operation, contact_laws
 
@@ -20,13 +20,9 @@ def cautions(model: Model, operation: Operation, equilibrium: Equilibrium, inter
 
 def _yield(model: Model, equilibrium: Equilibrium) -> str | None:
     """The model is elastic at any pressure; steel is not."""
-    length = model.bearing.roller_length
     worst, name, force = max(
-        (peak_pressure(law, float(forces.max()), length), name, float(forces.max()))
-        for name, law, forces in (
-            ("inner", model.inner_law, equilibrium.inner_force),
-            ("outer", model.outer_law, equilibrium.outer_force),
-        )
+        (law.pair.peak_pressure(float(forces.max())), law.pair.kind, float(forces.max()))
+        for law, forces in ((model.inner_law, equilibrium.inner_force), (model.outer_law, equilibrium.outer_force))
     )
     if worst <= ISO_76_PRESSURE:
         return None

@@ -8,15 +8,15 @@ from math import ceil
 import numba
 import numpy as np
 
-from fem.elastic.critical_step import critical_time_step
-from fem.elastic.model import Model
+from fem.contacts.critical_step import critical_time_step
+from fem.contacts.model import Model
 from fem.kernels import time_loop
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
-from fem.solver.discretise import check_widths, largest_force, model_of
+from fem.solver.discretise import expected_forces, model_of
 from fem.solver.frames import Frame, frame_of
-from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads
+from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads, check_widths
 from fem.solver.samples import SampleReader, Samples
 from fem.solver.start import Start, equilibrium_start, rest_start
 from fem.statics.contact_balance import NotFound
@@ -100,14 +100,15 @@ def make_plan(scene: Scene) -> Plan:
     numerics = scene.numerics
     operation = scene.ideal_operation()
     check_threads(numerics.threads)
-    model = model_of(scene)
+    forces = expected_forces(scene)
+    model = model_of(scene, forces)
     check_meshes(model)
     check_speed(model, kinematics(model.bearing, operation.speed))
     try:
         loaded = equilibrium_start(model, operation)
     except NotFound:
-        if model.is_resolved:  # contacts wider than all pressure points have none: better say so
-            check_widths(model.bearing, largest_force(model.bearing, operation))
+        if model.is_sized_by_forces:  # contacts wider than all pressure points have none: better say so
+            check_widths(model.bearing, forces.largest)
         raise
     check_contacts(model, loaded.equilibrium)
     start = rest_start(model, operation) if numerics.start == "rest" else loaded
@@ -274,10 +275,8 @@ def _balanced(samples: Samples) -> tuple[int, float]:
 
 def _in_place(plan: Plan, samples: Samples) -> int:
     """Number of leading samples in which the rollers are between the raceways and the hub is between the rollers."""
-    bearing, law = plan.model.bearing, plan.model.inner_law
-    give = ASTRAY * bearing.roller_radius
-    if plan.model.is_resolved and law.is_one_point:  # a soft penalty spring gives way as steel does not
-        give += 2.0 * plan.operation.radial_load / law.point_stiffness
+    bearing = plan.model.bearing
+    give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.radial_load)
     hub_x, hub_y = samples["inner_x"], samples["inner_y"]
     from_hub = np.hypot(samples["roller_x"] - hub_x[:, None], samples["roller_y"] - hub_y[:, None]).min(axis=1)
     astray = from_hub < bearing.inner_raceway_radius + bearing.roller_radius - give
@@ -309,9 +308,5 @@ def _energy_trouble(plan: Plan, samples: Samples, good: int, imbalance: float) -
 
 def _velocity_trouble(plan: Plan, step: int, body: int) -> str:
     name = "the hub" if body < 0 else f"roller {body}"
-    hint = "lower numerics.time_step_safety or check the load"
-    law = plan.model.inner_law
-    if plan.model.is_resolved and not law.is_one_point:
-        wide = "pressure points reach as far as static loads need, and an impact may have made a contact wider"
-        hint = f"{wide}: a coarser numerics.mesh_size_mm has no such limit; or {hint}"
+    hint = f"{plan.model.failure_hint}lower numerics.time_step_safety or check the load"
     return f"the velocity of {name} is not finite at step {step}, t = {1e3 * step * plan.time_step:.5g} ms; {hint}"

@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.elastic.model import Model
+from fem.contacts.model import Model
+from fem.contacts.reduction import Motion
 from fem.statics.contact_balance import NotFound
-from fem.statics.equilibrium import Equilibrium, Motion
-from fem.statics.solve import equilibrium
+from fem.statics.equilibrium import Equilibrium, equilibrium
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles
 

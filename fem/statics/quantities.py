@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.elastic.model import Model
-from fem.statics.equilibrium import standing
-from fem.statics.solve import equilibrium
+from fem.contacts.model import Model
+from fem.contacts.reduction import standing
+from fem.statics.equilibrium import equilibrium
 from lagrange import Operation
 
 

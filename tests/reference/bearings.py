@@ -10,8 +10,8 @@ import numpy as np
 
 from benchmarks.verification import shapes
 from benchmarks.verification.shapes import LENGTH, STEEL, paper
+from fem.contacts import Model, ResolvedModel
 from fem.elastic.bodies import DiscBody, RingBody
-from fem.elastic.model import Model, build_resolved_model
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.time_loop import advance
 from fem.solver.arrays import Arrays, make_arrays
@@ -58,7 +58,7 @@ def soft(**changes) -> Bearing:
 @lru_cache
 def resolved_model(bearing: Bearing, mesh_size: float) -> Model:
     with own_folder():
-        return build_resolved_model(bearing, mesh_size)
+        return ResolvedModel.build(bearing, mesh_size)
 
 
 def operation(**changes) -> Operation:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.overlap import polar_overlaps
+from lagrange.overlap import PolarOverlaps, polar_overlaps
 from lagrange.raceway_laws import ContactLaws
 
 
@@ -29,16 +29,11 @@ class State:
 
 
 @dataclass(frozen=True, kw_only=True)
-class ContactState:
-    """Geometry and forces of the contacts in a state, each (..., n_rollers)."""
+class ContactState(PolarOverlaps):
+    """Geometry and forces of the contacts in a state, each (..., n_rollers); overlaps are δ_in (26) and δ_out (27)."""
 
-    distance: np.ndarray  # χ, m: (19)
-    radial: np.ndarray  # ∂χ/∂ρ = (ρ − x cos θ − y sin θ)/χ
-    tangential: np.ndarray  # ∂χ/(ρ ∂θ) = (x sin θ − y cos θ)/χ
     along_x: np.ndarray  # ∂χ/∂x
     along_y: np.ndarray  # ∂χ/∂y
-    inner: np.ndarray  # δ_in, m: (26)
-    outer: np.ndarray  # δ_out, m: (27)
     inner_force: np.ndarray  # N, >= 0, 0 outside the load zone: (24), (25)
     outer_force: np.ndarray
 
@@ -67,10 +62,8 @@ def contact_state(bearing: Bearing, laws: ContactLaws, state: State, damping: fl
         closing = -(radial * state.rho_rate + tangential * state.rho * state.theta_rate + along_x * vx + along_y * vy)
         inner_force = damped(inner_force, closing, damping)
         outer_force = damped(outer_force, state.rho_rate, damping)
-    return ContactState(
-        distance=found.distance, radial=radial, tangential=tangential, along_x=along_x, along_y=along_y,
-        inner=found.inner, outer=found.outer, inner_force=inner_force, outer_force=outer_force,
-    )  # fmt: skip
+    forces = {"inner_force": inner_force, "outer_force": outer_force}
+    return ContactState(**vars(found), along_x=along_x, along_y=along_y, **forces)
 
 
 def damped(force, closing_speed, damping: float):

@@ -3,13 +3,13 @@
 from math import pi, radians, sqrt
 
 import numpy as np
-from fem.statics.resolved_statics import Pressures, contact_pressures
 
 from benchmarks.verification.case import Case, Check, Origin
 from benchmarks.verification.runs import plan_of, record
 from fem.contacts import ResolvedModel
 from fem.contacts.points import POINTS_PER_NODE
 from fem.contacts.reduction import standing
+from fem.statics.equilibrium import Pressures, contact_pressures
 from lagrange import Bearing, Material, kinematics
 from tests.reference.line_contact import half_width
 

@@ -45,7 +45,7 @@ class PointLaw(NoLaw):
         return ceil(span * self.pair.half_width(force) / self.spacing)
 
     def most(self, largest_force: float) -> int:
-        """Points on either side that the time loop needs where N is the largest static force."""
+        """Points on either side that the time loop needs at the largest static force, N."""
         return self.half_count(largest_force, SPAN)
 
     def places(self, half_count: int) -> np.ndarray:
@@ -65,10 +65,6 @@ class PointLaw(NoLaw):
 @dataclass(frozen=True, kw_only=True)
 class PointModel(Model):
     """A bearing whose contacts are carried by points, without a law of the contact as a whole."""
-
-    inner_law: PointLaw
-    outer_law: PointLaw
-    roller_law: PointLaw
 
     is_sized_by_forces: ClassVar[bool] = True
     static_passes: ClassVar[int] = 2

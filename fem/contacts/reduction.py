@@ -24,6 +24,11 @@ class Motion:
         """Unit vectors from the outer ring's centre to the rollers, (n_rollers, 2)."""
         return np.column_stack([np.cos(self.roller_angle), np.sin(self.roller_angle)])
 
+    @property
+    def around(self) -> np.ndarray:
+        """Unit vectors along the rollers' path, counter-clockwise, (n_rollers, 2)."""
+        return np.column_stack([-np.sin(self.roller_angle), np.cos(self.roller_angle)])
+
     def lines_of_centres(self, place: np.ndarray) -> np.ndarray:
         """Directions of inner, then outer contacts, (2 n_rollers,), rad; `place`: hub, radii, (n_rollers + 2,), m."""
         to_roller = self.radial * place[2:, None] - place[:2]

@@ -43,10 +43,6 @@ class ResolvedLaw(PointLaw):
 class ResolvedModel(PointModel):
     """Contacts whose points push the nodes beside them."""
 
-    inner_law: ResolvedLaw
-    outer_law: ResolvedLaw
-    roller_law: ResolvedLaw
-
     shapes: ClassVar = staticmethod(graded_shapes)
     shares: ClassVar = staticmethod(hats)
     coarsest: ClassVar[float] = COARSEST

@@ -65,7 +65,6 @@ class SpreadLaw(PointLaw):
 
     @staticmethod
     def own_arrays(laws: tuple, n_points: int, n_rollers: int) -> dict[str, np.ndarray]:
-        """See `PointLaw.own_arrays`."""
         return {
             "lack": np.stack([law.missing_compliance for law in laws]),
             "inverse": np.stack([law.inverses() for law in laws]),
@@ -78,10 +77,6 @@ class SpreadLaw(PointLaw):
 @dataclass(frozen=True, kw_only=True)
 class SpreadModel(PointModel):
     """Contacts whose points push patches of nodes, and what the mesh lacks between them."""
-
-    inner_law: SpreadLaw
-    outer_law: SpreadLaw
-    roller_law: SpreadLaw
 
     shapes: ClassVar = staticmethod(graded_shapes)
     shares: ClassVar = staticmethod(patches)

@@ -32,10 +32,6 @@ class SpringLaw(ResolvedLaw):
 class PenaltyModel(PointModel):
     """Contacts of one spring each, between circles."""
 
-    inner_law: SpringLaw
-    outer_law: SpringLaw
-    roller_law: SpringLaw
-
     shares: ClassVar = staticmethod(hats)
     static_passes: ClassVar[int] = 6  # facets may leave the hub room to move by milliradians
     stress_note: ClassVar[str] = "forces on two nodes"
@@ -49,21 +45,14 @@ class PenaltyModel(PointModel):
     @classmethod
     def of_stiffness(cls, bearing: Bearing, mesh_size: float, stiffness: float) -> Model:
         """Mesh and assemble a bearing at a surface spacing, m, with springs of a stiffness, N/m."""
-        bodies = assembled_bodies(bearing, bearing_shapes(bearing, mesh_size))
-        return cls(bearing=bearing, **bodies, **named(cls._laws(bearing, surface_spacings(bodies), stiffness)))
-
-    @classmethod
-    def _laws(cls, bearing: Bearing, spacings: dict[str, float], stiffness: float) -> list[SpringLaw]:
-        found = []
+        bodies, found = assembled_bodies(bearing, bearing_shapes(bearing, mesh_size)), []
+        spacings = surface_spacings(bodies)
         for law, body in zip(resolved_laws(bearing, spacings), ("inner_ring", "outer_ring", "roller"), strict=True):
-            chords = [
-                cls.facet * spacings[name] ** 2 / (8.0 * radius)
-                for name, radius in zip((body, "roller"), law.pair.radii, strict=True)
-            ]
-            spacing = POINTS_PER_NODE * law.spacing
-            layer = stiffness / (spacing * law.pair.length)
-            found.append(SpringLaw(pair=law.pair, layer=layer, spacing=spacing, sagitta=tuple(chords)))
-        return found
+            h, pair, spacing = (spacings[body], spacings["roller"]), law.pair, POINTS_PER_NODE * law.spacing
+            layer = stiffness / (spacing * pair.length)
+            sagitta = tuple(cls.facet * h[side] ** 2 / (8.0 * pair.radii[side]) for side in (0, 1))
+            found.append(SpringLaw(pair=pair, layer=layer, spacing=spacing, sagitta=sagitta))
+        return cls(bearing=bearing, **bodies, **named(found))
 
     def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
         """See `Model.carried`: the nodes beside the point, whatever the force."""

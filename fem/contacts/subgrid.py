@@ -50,9 +50,6 @@ class SurfaceCompliance:
 class SubgridModel(Model):
     """Contacts of one patch each, with what the mesh can't see of them as a law."""
 
-    inner_law: ContactLaw
-    outer_law: ContactLaw
-    roller_law: ContactLaw
     roller_surface: SurfaceCompliance
     inner_surface: SurfaceCompliance
     outer_surface: SurfaceCompliance
@@ -135,7 +132,6 @@ class SubgridModel(Model):
         }
 
     def stiffnesses(self, force: float) -> list[float]:
-        """See `Model.stiffnesses`."""
         return [law.stiffness(min(force, law.Q_line)) for law in self.laws]
 
     def kernel_data(self, largest_force: float) -> KernelData:

@@ -101,14 +101,14 @@ class DrawnBearing:
         return self.data[:, _STRESS]
 
     def stress(self) -> np.ndarray:
-        """With what lies below the grid, (n_nodes, 3), Pa."""
+        """Nodal stress with what lies below the grid, (n_nodes, 3), Pa."""
         stress = self.smooth_stress.copy()
         add_hertz(stress, self.local, self.body, self.loads)
         return stress
 
     @property
     def contact_points(self) -> np.ndarray:
-        """Of all loads, in the reference, (n_loads, 2), m."""
+        """Points of contact of all loads, in the reference, (n_loads, 2), m."""
         centres = np.concatenate([np.zeros((2, 2)), self.roller_reference])
         return np.array([item.load.point + centres[item.body] for item in self.loads]).reshape(-1, 2)
 

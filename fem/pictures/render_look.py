@@ -108,7 +108,7 @@ def _roller(request: Request, forces: np.ndarray) -> int:
 def _scales(
     request: Request, run: StoredRun, force: float, displacement: float, pixel: float, contact_pixel: float
 ) -> tuple[Scale, Scale]:
-    """Of the picture, and of a close-up's contacts; pixels in m, but `pixel` as in `chosen_look`."""
+    """Scales of the picture and of a close-up's contacts; pixels in m, but `pixel` as in `chosen_look`."""
     field = request.field or ("max-shear" if request.view == "close-up" else "von-mises")
     bearing = run.model.bearing
     if field == "displacement":

@@ -51,14 +51,9 @@ def equilibrium(
     inner_force, outer_force = _sums(reduced, pressed, model.bearing.n_rollers).reshape(2, -1)
     inner_ring, outer_ring, rollers = reduced.fields(pressed)
     return Equilibrium(
-        hub=place[:2].copy(),
-        rho=place[2:].copy(),
-        inner_force=inner_force.copy(),
-        outer_force=outer_force.copy(),
-        inner_ring=inner_ring,
-        outer_ring=outer_ring,
-        rollers=rollers,
-    )
+        hub=place[:2].copy(), rho=place[2:].copy(), inner_force=inner_force.copy(), outer_force=outer_force.copy(),
+        inner_ring=inner_ring, outer_ring=outer_ring, rollers=rollers,
+    )  # fmt: skip
 
 
 def contact_pressures(model: Model, motion: Motion, radial_load: float) -> list[Pressures]:

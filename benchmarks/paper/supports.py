@@ -105,7 +105,7 @@ def _balance(model: Model, motion, load: float, solve):
     )
     contacts = Condensed(
         bearing=model.bearing, radial=radial, inner_law=model.inner_law, outer_law=model.outer_law,
-        compliance=compliance, growth=patches.closing,
+        compliance=compliance, closing=patches.closing,
     )  # fmt: skip
     position, forces = balance(contacts, Loads(load, 0.0, 0.0), first_guess(model.bearing, radial, load))
     forces = closed_forces(forces)

@@ -225,13 +225,8 @@ def rigid_surface(half_width: float) -> SurfaceCompliance:
 
 def unmeshed_disc(radius: float, material: Material, thickness: float, half_width: float) -> SurfaceCompliance:
     """The compliance of a disc without finite elements: all of the exact disc's under two opposite Hertz pressures."""
-    return SurfaceCompliance(
-        missing=disc_hertz_approach(radius, material, half_width) / thickness,
-        half_width=half_width,
-        unit=line_compliance(material, thickness),
-        ripple=np.zeros(KNOTS_PER_NODE),
-        spread=0.0,
-    )
+    exact = disc_hertz_approach(radius, material, half_width) / thickness
+    return _missing(exact, np.zeros(KNOTS_PER_NODE), half_width, material, thickness)
 
 
 def _missing(exact: float, found: np.ndarray, half_width: float, material: Material, thickness: float):

@@ -46,7 +46,7 @@ class Condensed:
     inner_law: ContactLaw | NoLaw  # of the approach that `compliance` leaves out
     outer_law: ContactLaw | NoLaw
     compliance: np.ndarray  # (2 n_rollers, 2 n_rollers), m/N
-    growth: np.ndarray  # (2 n_rollers,), closing of each contact by other loads, m
+    closing: np.ndarray  # (2 n_rollers,), m, of each contact by other loads: beside the circles' overlap
 
 
 def first_guess(bearing: Bearing, radial, load) -> np.ndarray:
@@ -99,7 +99,7 @@ def _convex(contacts: Condensed, loads: Loads, position) -> tuple[np.ndarray, np
     """
     bearing, n = contacts.bearing, contacts.bearing.n_rollers
     overlap, directions = geometry(bearing, contacts.radial, position)
-    closing = overlap + contacts.growth
+    overlap = overlap + contacts.closing
     applied = np.concatenate(
         [
             [0.0, -loads.hub],
@@ -110,11 +110,11 @@ def _convex(contacts: Condensed, loads: Loads, position) -> tuple[np.ndarray, np
     middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
     size = max(float(np.abs(applied).max()), FAINTEST)
     moved, force = position.copy(), np.full(2 * n, size)
-    gap = FIRST_GAP * bearing.roller_radius + np.maximum(-closing, 0.0)
+    gap = FIRST_GAP * bearing.roller_radius + np.maximum(-overlap, 0.0)
     for _ in range(MAX_STEPS):
         approach, softness = _law(contacts, force)
         unbalanced = applied - LOOSE_SPRING * (moved - middle) - directions.T @ force
-        apart = closing + directions @ (moved - position) - contacts.compliance @ force - approach + gap
+        apart = overlap + directions @ (moved - position) - contacts.compliance @ force - approach + gap
         product = float(force @ gap) / (2 * n)
         scale = max(size, float(force.max()))
         if (

@@ -73,7 +73,7 @@ def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
         inner_law=_law(inner, single, half_width, inner_pair),
         outer_law=_law(outer, single, half_width, outer_pair),
         compliance=compliance / bearing.roller_length,
-        growth=np.zeros(2 * n),
+        closing=np.zeros(2 * n),
     )
 
 

@@ -82,15 +82,14 @@ def _turning(bearing: Bearing, radial, place, inner_force) -> np.ndarray:
 
 def _pressed(points: PressurePoints, overlap: np.ndarray, active: np.ndarray):
     """Forces of all points, N, their derivative to the contacts' overlaps summed by contact, and the active points."""
-    closing = overlap[points.contact] + points.closing
-    count = overlap.size
+    count, overlap = overlap.size, overlap[points.contact] + points.closing
     for _ in range(MAX_CLOSING):
         i = np.flatnonzero(active)
-        force = np.zeros(closing.size)
+        force = np.zeros(overlap.size)
         factor = lu_factor(points.compliance[np.ix_(i, i)]) if i.size else None
         if i.size:
-            force[i] = lu_solve(factor, closing[i])
-        left = closing - points.compliance @ force
+            force[i] = lu_solve(factor, overlap[i])
+        left = overlap - points.compliance @ force
         found = np.where(active, force > 0.0, left > 0.0)
         if np.array_equal(found, active):
             break

@@ -129,6 +129,6 @@ def _start(bearing: Bearing, radial, points: PressurePoints, shape: np.ndarray, 
         inner_law=NoLaw(),
         outer_law=NoLaw(),
         compliance=weights.T @ points.compliance @ weights,
-        growth=weights.T @ points.closing,
+        closing=weights.T @ points.closing,
     )
     return balance(contacts, Loads(load, 0.0, 0.0), first_guess(bearing, radial, load))[0]

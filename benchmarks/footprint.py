@@ -8,6 +8,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from benchmarks.measuring import processor_seconds
+
 PEAK = """
 import sys
 from pathlib import Path
@@ -35,14 +37,9 @@ def start_seconds(repeats: int = 7) -> tuple[float, float]:
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "fem.cli", "--quiet", "--duration", "0.01", "--output", f"{folder}/run.nc"]
         for attempt in range(repeats + 1):
-            before, began = _children_seconds(), time.perf_counter()
+            before, began = processor_seconds(resource.RUSAGE_CHILDREN), time.perf_counter()
             subprocess.run(command, check=True, cwd=Path(__file__).parent.parent)
             if attempt:
                 walls.append(time.perf_counter() - began)
-                processors.append(_children_seconds() - before)
+                processors.append(processor_seconds(resource.RUSAGE_CHILDREN) - before)
     return statistics.median(walls), statistics.median(processors)
-
-
-def _children_seconds() -> float:
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime

@@ -6,13 +6,14 @@ model: differentiation is all that may be left.
 
 import statistics
 import tempfile
-import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.measuring import new_table, timed
 from fem.cli import run_main
 from lagrange import Trajectory, contact_laws, simulate
 from lagrange.scene import read_scene
@@ -32,24 +33,19 @@ CASES = {
 
 
 def solve(name: str, options: dict) -> tuple[Trajectory, float]:
-    """The paper's bearing for 60 ms, and the median processor time, s."""
+    """Solve the paper's bearing for 60 ms; the trajectory and the median processor time, s."""
     scene = read_scene()
     bearing = scene.ideal_bearing()
     laws = contact_laws(name.partition(",")[0], bearing)
-    times = []
-    for _ in range(REPEATS):
-        began = time.process_time()
-        run = simulate(bearing, scene.ideal_operation(), laws, DURATION, INTERVAL, **options)
-        times.append(time.process_time() - began)
-    return run, statistics.median(times)
+    solve_once = partial(simulate, bearing, scene.ideal_operation(), laws, DURATION, INTERVAL, **options)
+    found = [timed(solve_once) for _ in range(REPEATS)]
+    return found[-1][1], statistics.median(seconds for seconds, _ in found)
 
 
 def solutions() -> Table:
-    """A row for each way to solve."""
-    table = Table(title="60 ms of the paper's bearing, a sample every 10 µs", title_justify="left")
-    table.add_column("law and options")
-    for heading in ("steps", "time, s", "energy error over the contacts' energy"):
-        table.add_column(heading, justify="right")
+    """Table with a row for each way to solve."""
+    headings = ("law and options", "steps", "time, s", "energy error over the contacts' energy")
+    table = new_table("60 ms of the paper's bearing, a sample every 10 µs", headings)
     for name, options in CASES.items():
         run, seconds = solve(name, options)
         drift = np.max(np.abs(run.energy_error)) / run.energy_contact[run.time > 1e-3].mean()
@@ -58,7 +54,7 @@ def solutions() -> Table:
 
 
 def checked(interval_us: float, *settings: str) -> list[str]:
-    """Error forces that the checker finds in a file of the model, N: cells of a row."""
+    """Cells of a row: the error forces that the checker finds in a file of the model, N."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "ideal.nc"
         words = [word for setting in (f"numerics.output_interval_us={interval_us}", *settings)
@@ -66,27 +62,24 @@ def checked(interval_us: float, *settings: str) -> list[str]:
         arguments = ["--model", "lagrange", "--duration", str(CHECKED_MS), "--output", str(path), "--quiet", *words]
         assert run_main(arguments) == 0
         found = evaluate(read_result(path))
-    cells, mass = [], found.trajectory.operation.inner_mass
-    for axis in "xy":
-        error, terms = getattr(found.budget, f"error_{axis}"), getattr(found.budget, f"terms_{axis}")
-        rest = np.max(np.abs(error - terms["differentiation"]))
-        floor = mass * getattr(found, f"floor_{axis}").total
-        inner = error[8:-8]  # where the stencil is central
+    cells, mass = [], found.record.operation.inner_mass
+    for direction in found.directions:
+        rest = np.max(np.abs(direction.budget.error - direction.budget.terms["differentiation"]))
+        floor = mass * direction.floor.total
+        inner = direction.budget.error[8:-8]  # where the stencil is central
         cells += [f"{np.sqrt(np.mean(inner**2)):.1e}", f"{floor:.1e}", f"{rest:.0e}"]
     return cells
 
 
 def residuals() -> Table:
-    """A row for each sampling interval."""
-    table = Table(title="The checker on the model's own output, Harris' law, error forces in N", title_justify="left")
-    table.add_column("sampling")
-    for heading in ("x: rms", "stated floor", "all else", "y: rms", "stated floor", "all else"):
-        table.add_column(heading, justify="right")
-    for interval in (10.0, 5.0, 2.0):
-        table.add_row(f"{interval:g} µs", *checked(interval))
-    for interval in (10.0, 5.0, 2.0):
-        table.add_row(f"{interval:g} µs, preloaded", *checked(interval, PRELOADED))
-    return table
+    """Table with a row for each sampling interval."""
+    headings = ("sampling", "x: rms", "stated floor", "all else", "y: rms", "stated floor", "all else")
+    rows = (
+        (f"{interval:g} µs{words}", *checked(interval, *settings))
+        for words, settings in (("", ()), (", preloaded", (PRELOADED,)))
+        for interval in (10.0, 5.0, 2.0)
+    )
+    return new_table("The checker on the model's own output, Harris' law, error forces in N", headings, rows)
 
 
 if __name__ == "__main__":

@@ -1,16 +1,14 @@
 """The machine's two ceilings for one thread: multiply-adds in registers, bytes from every level of cache."""
 
-import statistics
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numba import njit
 
+from benchmarks.measuring import median_seconds
 from fem.kernels.simd import fma, load, splat, store
 
-REPEATS = 7
 CACHES = {"L1": 32 << 10, "L2": 1 << 20, "L3": 32 << 20}  # bytes, where the system does not tell
 
 
@@ -33,7 +31,7 @@ class Machine:
 
 @njit
 def multiply_adds(count, scale, out):
-    """16 independent chains of 8 lanes: 128 multiply-adds a turn."""
+    """Run 16 independent chains of 8 lanes: 128 multiply-adds a turn."""
     one = splat(1.0)
     a, b, c, d = splat(1.0), splat(1.1), splat(1.2), splat(1.3)
     e, f, g, h = splat(1.4), splat(1.5), splat(1.6), splat(1.7)
@@ -61,25 +59,11 @@ def read(count, flat, out):
 
 @njit
 def update(count, target, source, scale):
-    """target += scale·source, `count` times."""
+    """Add scale·source to the target, `count` times."""
     for _ in range(count):
         for i in range(0, target.size, 16):
             store(target, i, fma(scale, load(source, i), load(target, i)))
             store(target, i + 8, fma(scale, load(source, i + 8), load(target, i + 8)))
-
-
-def median_seconds(function, *arguments, repeats: int = REPEATS) -> float:
-    """Median time of a call, after one that compiles and warms up.
-
-    Processor time of this thread: waiting for a busy core is not counted.
-    """
-    function(*arguments)
-    times = []
-    for _ in range(repeats):
-        began = time.thread_time()
-        function(*arguments)
-        times.append(time.thread_time() - began)
-    return statistics.median(times)
 
 
 def cache_sizes() -> dict[str, int]:
@@ -104,7 +88,7 @@ def aligned(size: int) -> np.ndarray:
 
 
 def measure() -> Machine:
-    """Half of each cache is streamed through; four times the last one for memory."""
+    """Measure the ceilings, streaming through half of each cache, and through four times the last one for memory."""
     out, turns = aligned(8), 2_000_000
     fma_rate = 128.0 * turns / median_seconds(multiply_adds, turns, 0.999, out)
     caches = cache_sizes()

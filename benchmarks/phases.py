@@ -7,7 +7,8 @@ from functools import cache
 import numpy as np
 from numba import njit
 
-from benchmarks.machine import Machine, median_seconds
+from benchmarks.machine import Machine
+from benchmarks.measuring import median_seconds
 from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.kernels.contact_kernels import normal_contacts, push_contacts
 from fem.kernels.friction_kernels import friction_contacts, grips, slips
@@ -70,7 +71,7 @@ def _rings_drift(inner, outer, radii):
 
 
 def _rows(ring) -> tuple:
-    """What the kernels take of a ring: passing all of it would take longer than a small ring's kick."""
+    """Parts of a ring that the kernels take: passing all of it would take longer than a small ring's kick."""
     return ring.table, ring.u, ring.w, ring.first_row, ring.last_row
 
 
@@ -89,7 +90,7 @@ def _sampled(rollers, inner, outer, contacts, drive, scratch, row):
 
 
 def _seconds(function: Callable, *arguments) -> float:
-    """Per call."""
+    """Time of one call of a kernel, s."""
     loop = _repeated(function)
     count = 4
     while True:
@@ -101,7 +102,7 @@ def _seconds(function: Callable, *arguments) -> float:
 
 
 def time_phases(plan: Plan) -> dict[str, float]:
-    """Seconds a step spends in each phase, contacts and friction at the static loads."""
+    """Time that a step spends in each phase, s, contacts and friction at the static loads."""
     a: Arrays = plan.arrays()
     r, i, o, c, d, x = a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch
     row = np.zeros(sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * r.n)
@@ -148,7 +149,7 @@ def time_phases(plan: Plan) -> dict[str, float]:
 
 
 def step_seconds(plan: Plan, repeats: int = 3) -> float:
-    """Whole steps of the running bearing, samples included."""
+    """Time of one whole step of the running bearing, s, samples included."""
     a = plan.arrays()
     width = sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * a.rollers.n
 
@@ -165,7 +166,7 @@ def step_seconds(plan: Plan, repeats: int = 3) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Work:
-    """What one step needs at least; contacts, a few hundred nodes, are not counted."""
+    """The least work that one step needs; contacts, a few hundred nodes, are not counted."""
 
     operations: dict[str, float]  # by phase
     bytes_moved: float
@@ -180,7 +181,7 @@ class Work:
 
 
 def least_work(plan: Plan) -> Work:
-    """Operations and bytes of one step of a bearing."""
+    """Count the operations and bytes of one step of a bearing."""
     a, n = plan.arrays(), plan.model.bearing.n_rollers
     disc = a.rollers.mass.size * n
     rings = [(ring.last_row - ring.first_row) * ring.n_sectors for ring in (a.inner, a.outer)]
@@ -199,7 +200,7 @@ def least_work(plan: Plan) -> Work:
 
 
 def state_bytes(plan: Plan) -> int:
-    """All arrays of the time loop."""
+    """Size of all arrays of the time loop, bytes."""
     a = plan.arrays()
     groups = (a.rollers, a.inner, a.outer, a.contacts, a.drive, a.scratch)
     return sum(item.nbytes for group in groups for item in group if isinstance(item, np.ndarray))

@@ -1,17 +1,15 @@
-"""Pictures of docs/, and the figures that docs/pictures.md states: stress below contacts, times, sizes.
+"""Pictures of docs/, and the figures that docs/pictures.md states: stress below contacts, times, sizes."""
 
-python -m benchmarks.pictures             # prints the tables
-python -m benchmarks.pictures --pictures  # also re-makes the pictures in docs/
-"""
-
-import argparse
 import resource
 import tempfile
 import time
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
+from cyclopts import App, Parameter
 
+from benchmarks.measuring import processor_seconds
 from fem.cli import run_main
 from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING
 from fem.pictures.peaks import shear_peak
@@ -33,12 +31,13 @@ PICTURES = {
     "photoelastic.png": ["--field", "photoelastic"],
     "photoelastic-close-up.png": ["--view", "close-up", "--field", "photoelastic"],
 }
+EVERY = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 # two roller passages, so that the film closes on itself but for the numbers
 FILM = ["--start", "10", "--stop", "15.16", "--frames", "30", "--fps", "12", "--width", "480"]
 
 
 def below_contacts(folder: Path) -> None:
-    """Largest shear below every contact of the standing bearing, over p₀, and its depth, over b."""
+    """Print the largest shear below every contact of the standing bearing, over p₀, and its depth, over b."""
     print("| mesh, mm | body | contacts | shear / p₀ | deviation | depth / b | deviation |")
     print("|---|---|---|---|---|---|---|")
     for mesh_size in MESH_SIZES:
@@ -72,7 +71,7 @@ def _worst(values: np.ndarray, expected: float) -> str:
 
 
 def times(run: Path, folder: Path) -> None:
-    """Seconds for pictures, films and exports of the paper's run, libraries loaded; of the clock and of all cores."""
+    """Print wall and processor time, s, of pictures, films and exports of the paper's run, libraries loaded."""
     print("| what | seconds | of CPU | MB |")
     print("|---|---|---|---|")
     stored = StoredRun(run)
@@ -94,37 +93,37 @@ def times(run: Path, folder: Path) -> None:
 
 
 class _Row:
-    """A line of the table about what is done inside and the file, with a folder of its name, that comes of it."""
+    """Prints a line of the table about the work inside and the file, or folder of its name, that comes of it."""
 
     def __init__(self, name: str, path: Path):
         self._name, self._path = name, path
 
     def __enter__(self) -> None:
-        self._began, self._used = time.perf_counter(), _cpu()
+        self._began, self._used = time.perf_counter(), processor_seconds(*EVERY)
 
     def __exit__(self, *_) -> None:
-        took, used = time.perf_counter() - self._began, _cpu() - self._used
+        took, used = time.perf_counter() - self._began, processor_seconds(*EVERY) - self._used
         size = sum(file.stat().st_size for file in (self._path, *self._path.with_suffix("").glob("*")))
         print(f"| {self._name} | {took:.1f} | {used:.1f} | {1e-6 * size:.2g} |", flush=True)
 
 
-def _cpu() -> float:
-    """CPU seconds of this process and its finished children."""
-    return sum(
-        usage.ru_utime + usage.ru_stime
-        for usage in map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    )
+app = App(help=__doc__)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--pictures", action="store_true", help="re-make the pictures in docs/")
-    wanted = parser.parse_args()
+@app.default
+def main(*, pictures: Annotated[bool, Parameter(negative="")] = False) -> None:
+    """Make the runs and print the tables.
+
+    Parameters
+    ----------
+    pictures
+        also re-make the pictures in docs/
+    """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         run = folder / "paper.nc"
         assert run_main(["--output", str(run), "--quiet"]) == 0
-        if wanted.pictures:
+        if pictures:
             for file, words in PICTURES.items():
                 assert render_main([str(run), "--time", INSTANT, "--output", str(DOCS / file), *words]) == 0
             assert render_main([str(run), "--animation", str(DOCS / "bearing.gif"), "--quiet", *FILM]) == 0
@@ -137,4 +136,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    app()

@@ -1,18 +1,20 @@
-"""What a scene does not need it does not pay for: the same scene with each part left out and put in without effect.
+"""A scene does not pay for what it does not need: the same scene with each part left out and put in without effect.
 
 And what rigid bodies, an approximation that a scene may ask for, save and change.
 """
 
 import statistics
-import time
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from unittest import mock
 
 import numpy as np
 from rich.table import Table
 
-from fem.solver.simulate import Plan, compile_kernels, make_plan, run
+from benchmarks.measuring import in_turns, new_table, paper_plan, spread, timed
+from fem.solver.simulate import Plan, compile_kernels, run
 from lagrange import contact_laws, simulate
 from lagrange.scene import read_scene
 
@@ -20,6 +22,7 @@ NOTHING = 1e-30  # of friction, of gravity, of speed: too little to change a dig
 EVERYWHERE = 1e3  # of a roller's radius: every pair is in reach
 DURATION_MS = 5.0
 COMPARED = (("inner_x", "inner_y"), ("roller_x", "roller_y"), ("inner_force", "outer_force"))  # relative to both
+Samples = dict[str, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -48,86 +51,70 @@ SKIPS = (
     Skip("no fields stored (else every 0.1 ms)", (), ("output.fields_every_ms=0.1",)),
     Skip("nothing left out: how exact the ratios are", ()),
 )
-
-
-# keys of [bodies]
-RIGID = (("rollers",), ("inner_ring",), ("outer_ring",), ("inner_ring", "outer_ring"))
+RIGID = (("rollers",), ("inner_ring",), ("outer_ring",), ("inner_ring", "outer_ring"))  # keys of [bodies]
 
 
 def skip_table(size_mm: float, pairs: int) -> Table:
-    """Time loop without a part over the one with it, taken in turns, and how far their results differ."""
-    table = Table(
-        title=f"What a scene does not need: {size_mm:g} mm, {DURATION_MS:g} ms, {pairs} pairs in turns",
-        title_justify="left",
+    """Table of the time loop without a part over the one with it, in turns, and of how far their results differ."""
+    headings = ("left out", "time over the same scene with it (median)", "lowest … highest", "largest difference")
+    table = new_table(
+        f"What a scene does not need: {size_mm:g} mm, {DURATION_MS:g} ms, {pairs} pairs in turns", headings
     )
-    for name in ("left out", "time over the same scene with it (median)", "lowest … highest", "largest difference"):
-        table.add_column(name, justify="left" if name == "left out" else "right")
-    base = (f"numerics.mesh_size_mm={size_mm}", f"numerics.duration_ms={DURATION_MS}")
+    duration = f"numerics.duration_ms={DURATION_MS}"
     for skip in SKIPS:
-        short = make_plan(read_scene(None, (*base, *skip.scene)))
-        whole = make_plan(read_scene(None, (*base, *skip.scene, *skip.whole)))
-        ratios = []
-        compile_kernels(whole)
-        compile_kernels(short)
-        for _ in range(pairs):
-            with skip.forced():
-                longer, all_of_it = _timed(whole)
-            shorter, without = _timed(short)
-            ratios.append(shorter / longer)
-        difference = max(_difference(without, all_of_it, names) for names in COMPARED)
-        spread = f"{min(ratios):.3f} … {max(ratios):.3f}"
-        table.add_row(skip.name, f"{statistics.median(ratios):.3f}", spread, f"{difference:.0e}" if difference else "0")
+        short = paper_plan(size_mm, duration, *skip.scene)
+        whole = paper_plan(size_mm, duration, *skip.scene, *skip.whole)
+        table.add_row(skip.name, *_compared(short, whole, pairs, skip.forced))
     table.add_section()
-    for names in RIGID:
-        _add_rigid(table, base, names, pairs)
-    elastic = statistics.median(_timed(short)[0] for _ in range(3))
-    rigid, worst = _rigid(size_mm, without)
-    words = f"{rigid / elastic:.3f}"
-    table.add_row("elastic bodies: --model lagrange, an approximation", words, "", f"{worst:.0e}")
+    elastic = paper_plan(size_mm, duration)
+    for names in RIGID:  # steps may be longer, which the time counts in
+        rigid = paper_plan(size_mm, duration, *(f'bodies.{name}="rigid"' for name in names))
+        words = " and ".join(name.replace("_", " ") for name in names)
+        steps = f"{rigid.time_step / elastic.time_step:.2f} times as long a step"
+        table.add_row(f"elasticity of {words}, an approximation; {steps}", *_compared(rigid, elastic, pairs))
+    table.add_row("elastic bodies: --model lagrange, an approximation", *_against_lagrange(elastic))
     return table
 
 
-def _add_rigid(table: Table, base: tuple[str, ...], names: tuple[str, ...], pairs: int) -> None:
-    """A row: the scene with rigid bodies against the elastic one. Its steps may be longer, which the time counts in."""
-    whole = make_plan(read_scene(None, base))
-    plan = make_plan(read_scene(None, (*base, *(f'bodies.{name}="rigid"' for name in names))))
-    compile_kernels(plan)
+def _compared(
+    short: Plan, whole: Plan, pairs: int, forced: Callable[[], AbstractContextManager] = nullcontext
+) -> tuple[str, str, str]:
+    """Cells of a row: median and spread of the ratios of the two plans' times, largest difference of their results."""
+    compile_kernels(whole)
+    compile_kernels(short)
+
+    def run_whole() -> tuple[float, Samples]:
+        with forced():
+            return _run(whole)
+
     ratios = []
-    for _ in range(pairs):
-        longer, elastic = _timed(whole)
-        shorter, rigid = _timed(plan)
+    for found in in_turns({"whole": run_whole, "short": partial(_run, short)}, pairs):
+        (longer, wanted), (shorter, got) = found["whole"], found["short"]
         ratios.append(shorter / longer)
-    worst = max(_difference(rigid, elastic, names) for names in COMPARED)
-    words = " and ".join(name.replace("_", " ") for name in names)
-    steps = f"{plan.time_step / whole.time_step:.2f} times as long a step"
-    table.add_row(
-        f"elasticity of {words}, an approximation; {steps}",
-        f"{statistics.median(ratios):.3f}",
-        f"{min(ratios):.3f} … {max(ratios):.3f}",
-        f"{worst:.0e}",
-    )
+    difference = max(_difference(got, wanted, names) for names in COMPARED)
+    return f"{statistics.median(ratios):.3f}", spread(ratios), f"{difference:.0e}" if difference else "0"
 
 
-def _timed(plan: Plan) -> tuple[float, dict[str, np.ndarray]]:
+def _run(plan: Plan) -> tuple[float, Samples]:
     """Processor time of the time loop, s, and its samples."""
     blocks = []
-    began = time.thread_time()
-    run(plan, blocks.append)
-    taken = time.thread_time() - began
+    taken, _ = timed(run, plan, blocks.append)
     names = [name for together in COMPARED for name in together]
     return taken, {name: np.concatenate([block[name] for block in blocks]) for name in names}
 
 
-def _difference(found: dict[str, np.ndarray], wanted: dict[str, np.ndarray], names: tuple[str, ...]) -> float:
+def _difference(found: Samples, wanted: Samples, names: tuple[str, ...]) -> float:
     largest = max(np.abs(wanted[name]).max() for name in names)
     return float(max(np.abs(found[name] - wanted[name]).max() for name in names) / largest)
 
 
-def _rigid(size_mm: float, elastic: dict[str, np.ndarray]) -> tuple[float, float]:
-    """Processor time of the Lagrangian model of the same scene, s, and its hub's mean height's relative error."""
-    scene = read_scene(None, (f"numerics.mesh_size_mm={size_mm}", f"numerics.duration_ms={DURATION_MS}"))
+def _against_lagrange(elastic: Plan) -> tuple[str, str, str]:
+    """Cells of the Lagrangian model's row: time over the elastic bodies', relative error of the hub's mean height."""
+    scene = read_scene()
     bearing = scene.ideal_bearing()
-    began = time.thread_time()
-    found = simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 1e-3 * DURATION_MS, 1e-5)
-    taken = time.thread_time() - began
-    return taken, abs(float(np.mean(found.inner_y)) / float(elastic["inner_y"].mean()) - 1.0)
+    laws = contact_laws("harris", bearing)
+    taken, found = timed(simulate, bearing, scene.ideal_operation(), laws, 1e-3 * DURATION_MS, 1e-5)
+    runs = [_run(elastic) for _ in range(3)]
+    ratio = taken / statistics.median(seconds for seconds, _ in runs)
+    worst = abs(float(np.mean(found.inner_y)) / float(runs[0][1]["inner_y"].mean()) - 1.0)
+    return f"{ratio:.3f}", "", f"{worst:.0e}"

@@ -14,9 +14,9 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks import footprint, machine, phases
+from benchmarks.measuring import new_table, paper_plan, timed
 from benchmarks.skips import skip_table
-from fem.solver.simulate import Plan, compile_kernels, make_plan
-from lagrange.scene import read_scene
+from fem.solver.simulate import Plan, compile_kernels
 
 SIZES_MM = (2.0, 1.0, 0.5, 0.25)
 FULL_S = 0.06
@@ -25,7 +25,7 @@ KERNELS = ("rollers' forces", "rings' forces")
 
 @dataclass(frozen=True, kw_only=True)
 class Mesh:
-    """What was measured on one mesh."""
+    """Measurements on one mesh."""
 
     size_mm: float
     plan: Plan
@@ -41,15 +41,13 @@ class Mesh:
 
     @property
     def full(self) -> float:
-        """Seconds for 0.06 s."""
+        """Time for 0.06 s of the bearing, s."""
         return FULL_S / self.plan.time_step * self.step
 
 
 def measure(size_mm: float) -> Mesh:
     """Time one mesh of the paper's scene."""
-    began = time.perf_counter()
-    plan = make_plan(read_scene(None, (f"numerics.mesh_size_mm={size_mm}",)))
-    setup = time.perf_counter() - began
+    setup, plan = timed(paper_plan, size_mm, clock=time.perf_counter)
     compile_kernels(plan)
     return Mesh(
         size_mm=size_mm,
@@ -63,9 +61,8 @@ def measure(size_mm: float) -> Mesh:
 
 
 def ceilings(found: machine.Machine) -> Table:
-    table = Table(title="Ceilings of this machine, one thread, medians", title_justify="left")
-    for name in ("", "size", "read, GB/s", "read and write, GB/s"):
-        table.add_column(name, justify="right" if name else "left")
+    title = "Ceilings of this machine, one thread, medians"
+    table = new_table(title, ("", "size", "read, GB/s", "read and write, GB/s"))
     table.add_row("multiply-adds in registers", "", f"{1e-9 * found.fma_rate:.1f} G/s", "")
     for level in found.read_rate:
         size = found.cache_bytes.get(level)
@@ -75,10 +72,8 @@ def ceilings(found: machine.Machine) -> Table:
 
 
 def phase_table(meshes: list[Mesh], found: machine.Machine) -> Table:
-    table = Table(title="Time of a step, µs (ns per degree of freedom)", title_justify="left")
-    table.add_column("phase")
-    for mesh in meshes:
-        table.add_column(f"{mesh.size_mm:g} mm", justify="right")
+    title = "Time of a step, µs (ns per degree of freedom)"
+    table = new_table(title, ("phase", *(f"{mesh.size_mm:g} mm" for mesh in meshes)))
 
     def row(name, values, digits=2, style=None):
         cells = [f"{1e6 * v:.{digits}f} ({1e9 * v / m.freedom:.3f})" for v, m in zip(values, meshes, strict=True)]
@@ -102,24 +97,21 @@ def phase_table(meshes: list[Mesh], found: machine.Machine) -> Table:
 
 
 def size_table(meshes: list[Mesh]) -> Table:
-    table = Table(title="The paper's scene", title_justify="left")
-    for name in ("mesh, mm", "degrees of freedom", "step, ns", "ns/DOF/step", "0.06 s take, s", "set-up, s", "B/DOF"):
-        table.add_column(name, justify="right")
-    for m in meshes:
-        table.add_row(
-            f"{m.size_mm:g}",
-            f"{m.freedom}",
-            f"{1e9 * m.plan.time_step:.1f}",
-            f"{1e9 * m.step / m.freedom:.2f}",
-            f"{m.full:.2f}",
-            f"{m.setup:.1f}",
-            f"{m.state_bytes / m.freedom:.0f}",
+    headings = (
+        "mesh, mm", "degrees of freedom", "step, ns", "ns/DOF/step", "0.06 s take, s", "set-up, s", "B/DOF"
+    )  # fmt: skip
+    rows = (
+        (
+            f"{m.size_mm:g}", f"{m.freedom}", f"{1e9 * m.plan.time_step:.1f}", f"{1e9 * m.step / m.freedom:.2f}",
+            f"{m.full:.2f}", f"{m.setup:.1f}", f"{m.state_bytes / m.freedom:.0f}",
         )
-    return table
+        for m in meshes
+    )  # fmt: skip
+    return new_table("The paper's scene", headings, rows)
 
 
 def exponent(meshes: list[Mesh]) -> float:
-    """Of the time for a fixed simulated time against degrees of freedom."""
+    """Exponent with which the time for a fixed simulated time grows over the degrees of freedom."""
     return float(np.polyfit(np.log([m.freedom for m in meshes]), np.log([m.full for m in meshes]), 1)[0])
 
 
@@ -132,9 +124,12 @@ def main(*, sizes: tuple[float, ...] = SIZES_MM, pairs: int = 7, skips: bool = T
 
     Parameters
     ----------
-    sizes: surface node distances, mm.
-    pairs: pairs of runs per line of the skip table.
-    skips: measure the skip table.
+    sizes
+        surface node distances, mm
+    pairs
+        pairs of runs per line of the skip table
+    skips
+        measure the skip table
     """
     console = Console(width=None if sys.stdout.isatty() else 150, highlight=False)
     console.print(f"one thread of {os.cpu_count()}")

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 from cyclopts import App
 from rich.console import Console
-from rich.table import Table
 
+from benchmarks.measuring import markdown_table, new_table, paper_plan, timed
 from fem.solver.simulate import make_plan, run
 from fem.statics.exact_statics import exact_statics
 from fem.statics.quantities import moving_quantities
@@ -37,7 +37,7 @@ COMPARED = ("hub_mean_y", "hub_std_x", "largest_force")
 
 @dataclass(frozen=True, kw_only=True)
 class Point:
-    """One model: what it costs and what it gives."""
+    """Cost and results of one model."""
 
     kind: str  # lagrange, subgrid, resolved
     name: str
@@ -49,17 +49,10 @@ class Point:
 
 
 def finite_elements(kind: str, size_mm: float) -> Point:
-    """Run one mesh."""
+    """Run the scene on one mesh."""
     record = RECORD_MS if kind == "subgrid" else RESOLVED_RECORD_MS
-    plan = make_plan(
-        read_scene(
-            None,
-            (
-                f"contact.model={kind}", f"numerics.mesh_size_mm={size_mm}", f"numerics.duration_ms={record}",
-                "numerics.output_interval_us=1" if kind == "resolved" else "numerics.output_interval_us=10",
-            ),
-        )
-    )  # fmt: skip
+    interval = "numerics.output_interval_us=1" if kind == "resolved" else "numerics.output_interval_us=10"
+    plan = paper_plan(size_mm, f"contact.model={kind}", f"numerics.duration_ms={record}", interval)
     walls = []
     for _ in range(REPEATS if kind == "subgrid" and size_mm > 0.3 else 1):
         kept = []
@@ -82,11 +75,10 @@ def rigid_bodies(law: str) -> Point:
     scene = read_scene()
     bearing, how = scene.ideal_bearing(), scene.ideal_operation()
     laws = contact_laws(law, bearing)
-    walls = []
-    for _ in range(REPEATS):
-        began = time.perf_counter()
-        found = simulate(bearing, how, laws, 1e-3 * FULL_MS, 1e-5)
-        walls.append(time.perf_counter() - began)
+    solved = [
+        timed(simulate, bearing, how, laws, 1e-3 * FULL_MS, 1e-5, clock=time.perf_counter) for _ in range(REPEATS)
+    ]
+    found = solved[-1][1]
     first = found.time <= 1e-3 * RECORD_MS * (1.0 + 1e-9)
     samples = {
         name: getattr(found, name)[first] for name in ("time", "inner_x", "inner_y", "inner_force", "roller_theta")
@@ -98,14 +90,14 @@ def rigid_bodies(law: str) -> Point:
         name=f"rigid bodies, {law}",
         degrees_of_freedom=bearing.n_rollers + 2,
         step_ns=1e9 * found.time_step,
-        seconds=statistics.median(walls),
+        seconds=statistics.median(wall for wall, _ in solved),
         static_error=abs(still.y / float(exact.hub[1]) - 1.0),
         moving={each.name: each.value for each in moving_quantities(samples)},
     )
 
 
 def rows(points: list[Point], finest: Point) -> list[list[str]]:
-    """Table cells; dynamic errors against the finest mesh below the grid."""
+    """Cells of the table's rows; dynamic errors against the finest mesh below the grid."""
 
     def off(point: Point, name: str) -> str:
         if point is finest:
@@ -140,7 +132,7 @@ LABELS = {
 
 
 def plot(points: list[Point], finest: Point, path: Path) -> None:
-    """Error against time, with the paper's cost."""
+    """Draw the error against the time, with the paper's cost."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -194,18 +186,11 @@ def main(
     points = [
         *(rigid_bodies(law) for law in LAWS), *subgrid, *(finite_elements("resolved", size) for size in resolved)
     ]  # fmt: skip
-    table = Table(title="Work and precision, the paper's bearing, one thread")
-    for heading in HEADINGS:
-        table.add_column(heading, justify="right")
-    for row in rows(points, subgrid[-1]):
-        table.add_row(*row)
-    Console(width=150).print(table)
+    cells = rows(points, subgrid[-1])
+    Console(width=150).print(new_table("Work and precision, the paper's bearing, one thread", HEADINGS, cells))
     plot(points, subgrid[-1], output / "work_precision.png")
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True).stdout.strip()
-    lines = [
-        "| " + " | ".join(cells) + " |" for cells in [HEADINGS, ["---"] * len(HEADINGS), *rows(points, subgrid[-1])]
-    ]
-    (output / "work_precision.md").write_text(TEXT.format(table="\n".join(lines), commit=commit))
+    (output / "work_precision.md").write_text(TEXT.format(table=markdown_table(HEADINGS, cells), commit=commit))
 
 
 TEXT = """# Work and precision

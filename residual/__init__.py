@@ -1,8 +1,8 @@
-"""The check of Lagrange's equations against a simulated or measured trajectory.
+"""The check of Lagrange's equations against a simulated or measured run.
 
-trajectory      `Trajectory`: the arrays all else works on, and their checks
-sources         result file -> `Trajectory`
-table_source    trajectory table -> `Trajectory`; uneven steps in `resampling`
+record          `Record`: the arrays all else works on, and their checks
+sources         result file -> `Record`
+table_source    trajectory table -> `Record`; `resampling` evens out its steps
 differentiate   accelerations by central stencils of high order, with their error floor
 budget          error forces of equations (22) and (23) and what they are made of
 identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
@@ -10,8 +10,8 @@ fitted_laws     laws with coupling between contacts, with damping
 spectrum        power spectral density, peaks, kinematic lines
 lines           levels of lines and sidebands; `envelope` spectrum around the ring's resonance; `short_time` spectra
 evaluation      the whole check as one call -> `Evaluation`
-figures         the paper's figures beside its ranges (`paper`); those it lacks: `motion_figures`, `diagnostics`,
-                `budget_figures`
+paper_figures   the paper's figures beside its ranges (`paper`); others: `motion_figures`, `budget_figures`;
+                `plotting` gives all one look
 quasistatic     the Lagrangian model's equilibria at every angle; `meaning`: what the numbers say of that model
 tables          rows of the report's and the terminal's tables, with `law_tables` and `line_tables`
 report          the self-contained HTML page; `interactive`: its spectra's data; `picture`: render-fem's
@@ -27,8 +27,8 @@ Names are loaded when first used, so that the command line starts quickly.
 from importlib import import_module
 
 _HOME = {
-    "Trajectory": "trajectory",
-    "InputError": "trajectory",
+    "Record": "record",
+    "InputError": "errors",
     "read_result": "sources",
     "read_table": "table_source",
     "Evaluation": "evaluation",
@@ -39,7 +39,7 @@ _HOME = {
 __all__ = [
     "Evaluation",
     "InputError",
-    "Trajectory",
+    "Record",
     "evaluate",
     "read_result",
     "read_table",

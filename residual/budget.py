@@ -1,6 +1,6 @@
 """Error forces of equations (22) and (23), and what they are made of.
 
-Where the run tells its own contact forces, the error splits exactly:
+Where the source holds the run's own contact forces, the error splits exactly:
 
     error = differentiation + contact_law + friction + load_and_weight + ring_flexibility
 
@@ -22,37 +22,42 @@ from lagrange.kinematics import kinematics
 from lagrange.load_ramp import load_share
 from lagrange.overlap import Overlaps
 from residual.fitted_laws import Law, law_force
-from residual.trajectory import Trajectory
+from residual.record import Record
 
 CHATTER = 0.05  # of a cage revolution
 
 
 @dataclass(frozen=True, kw_only=True)
-class Budget:
-    """Error forces and their terms, each (n_times,), N. The terms of one direction add up to its error.
+class DirectionBudget:
+    """Error force of one equation and its terms, which add up to it; each (n_times,), N.
 
-    `momentum_*` is None where the run does not tell its forces; then the error has no terms.
+    Where the source holds no contact forces there are no terms and `momentum` is None.
     """
 
-    error_x: np.ndarray
-    error_y: np.ndarray
-    terms_x: dict[str, np.ndarray]
-    terms_y: dict[str, np.ndarray]
-    momentum_x: np.ndarray | None
-    momentum_y: np.ndarray | None
+    error: np.ndarray
+    terms: dict[str, np.ndarray]
+    momentum: np.ndarray | None  # the error with the run's own forces in place of the law
+
+
+@dataclass(frozen=True, kw_only=True)
+class Budget:
+    """Error forces of both equations, and the contacts they come from."""
+
+    x: DirectionBudget
+    y: DirectionBudget
     law_force: np.ndarray  # (n_times, n_rollers), N, the law's
     contacts: Overlaps
     closing_speed: np.ndarray  # (n_times, n_rollers), m/s, of the inner contacts
     loaded: np.ndarray  # (n_times, n_rollers), bool, inner contact closed
 
-
-def acting_terms(budget: Budget) -> list[str]:
-    """Terms that are not zero throughout in both directions."""
-    return [name for name, x in budget.terms_x.items() if np.any(x) or np.any(budget.terms_y[name])]
+    @property
+    def acting_terms(self) -> list[str]:
+        """Names of the terms that are not zero throughout in both directions."""
+        return [name for name, x in self.x.terms.items() if np.any(x) or np.any(self.y.terms[name])]
 
 
 def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.ndarray]:
-    """x and y components of the tangential forces on the inner ring, N, each (n_times,).
+    """Sum the tangential forces on the inner ring: x and y components, N, each (n_times,).
 
     `traction`, (n_times, n_rollers), N, acts on the roller along t = (−n_y, n_x), n pointing from the inner
     ring's centre to the roller's; the ring feels the opposite.
@@ -64,15 +69,15 @@ def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.nda
     )
 
 
-def missing_load(trajectory: Trajectory) -> np.ndarray:
-    """Load of the equations that did not act yet, N, (n_times,): of a start from rest, during its ramp."""
-    numerics = trajectory.scene.numerics
+def missing_load(record: Record) -> np.ndarray:
+    """Load of the equations that does not act yet during the ramp of a start from rest, N, (n_times,)."""
+    numerics = record.scene.numerics
     ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
-    return trajectory.operation.radial_load * (1.0 - load_share(trajectory.time, ramp))
+    return record.operation.radial_load * (1.0 - load_share(record.time, ramp))
 
 
-def error_budget(trajectory: Trajectory, law: Law, acceleration_x, acceleration_y, closing_speed) -> Budget:
-    """Error forces with a contact law, and their causes.
+def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closing_speed) -> Budget:
+    """Split the error forces that a contact law leaves into their terms.
 
     Parameters
     ----------
@@ -83,42 +88,48 @@ def error_budget(trajectory: Trajectory, law: Law, acceleration_x, acceleration_
     ------
     The terms add up to the error to round-off, about 1e-12 of the load.
     """
-    operation = trajectory.operation
-    contacts = approaches(
-        trajectory.bearing, trajectory.inner_x, trajectory.inner_y, trajectory.roller_x, trajectory.roller_y
-    )
+    operation = record.operation
+    contacts = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
     force = law_force(law, contacts.inner, closing_speed)
-    law_x, law_y = contact_resultant(contacts, force)
-    error_x, error_y = error_forces(operation, acceleration_x, acceleration_y, law_x, law_y)
-    terms_x, terms_y, momentum_x, momentum_y = {}, {}, None, None
-    own = (trajectory.inner_ax, trajectory.inner_ay)
-    if own[0] is not None and own[1] is not None:
-        terms_x["differentiation"] = operation.inner_mass * (acceleration_x - own[0])
-        terms_y["differentiation"] = operation.inner_mass * (acceleration_y - own[1])
-    if trajectory.inner_force is None:
-        terms_x, terms_y = {}, {}
+    law_push = contact_resultant(contacts, force)
+    errors = error_forces(operation, acceleration_x, acceleration_y, *law_push)
+    if record.inner_force is None:
+        x, y = (DirectionBudget(error=error, terms={}, momentum=None) for error in errors)
+        loaded = contacts.inner > 0.0
     else:
-        fem_x, fem_y = contact_resultant(contacts, trajectory.inner_force)
-        terms_x["contact_law"], terms_y["contact_law"] = fem_x - law_x, fem_y - law_y
-        momentum_x, momentum_y = error_x - terms_x["contact_law"], error_y - terms_y["contact_law"]
-        if trajectory.inner_traction is not None:
-            friction_x, friction_y = traction_resultant(contacts, trajectory.inner_traction)
-            terms_x["friction"], terms_y["friction"] = friction_x, friction_y
-            momentum_x, momentum_y = momentum_x - friction_x, momentum_y - friction_y
-        terms_x["load_and_weight"], terms_y["load_and_weight"] = np.zeros_like(error_x), missing_load(trajectory)
-        momentum_y = momentum_y - terms_y["load_and_weight"]
-        terms_x["ring_flexibility"] = error_x - sum(terms_x.values())
-        terms_y["ring_flexibility"] = error_y - sum(terms_y.values())
-    closed = contacts.inner > 0.0 if trajectory.inner_force is None else trajectory.inner_force > 0.0
-    return Budget(
-        error_x=error_x, error_y=error_y, terms_x=terms_x, terms_y=terms_y,
-        momentum_x=momentum_x, momentum_y=momentum_y, law_force=force, contacts=contacts,
-        closing_speed=closing_speed, loaded=closed,
-    )  # fmt: skip
+        run_push = contact_resultant(contacts, record.inner_force)
+        differentiation, friction = (None, None), (None, None)
+        if record.inner_ax is not None and record.inner_ay is not None:
+            differentiation = (
+                operation.inner_mass * (acceleration_x - record.inner_ax),
+                operation.inner_mass * (acceleration_y - record.inner_ay),
+            )
+        if record.inner_traction is not None:
+            friction = traction_resultant(contacts, record.inner_traction)
+        load = np.zeros_like(errors[0]), missing_load(record)
+        laws = run_push[0] - law_push[0], run_push[1] - law_push[1]
+        x, y = map(_split, errors, differentiation, laws, friction, load)
+        loaded = record.inner_force > 0.0
+    return Budget(x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded)
+
+
+def _split(error, differentiation, contact_law, friction, load_and_weight) -> DirectionBudget:
+    """Budget of one direction. Terms for which the source holds no data are None; the last term takes them over."""
+    known = {
+        "differentiation": differentiation, "contact_law": contact_law, "friction": friction,
+        "load_and_weight": load_and_weight,
+    }  # fmt: skip
+    terms = {name: term for name, term in known.items() if term is not None}
+    momentum = error
+    for name in ("contact_law", "friction", "load_and_weight"):
+        if name in terms:
+            momentum = momentum - terms[name]
+    terms["ring_flexibility"] = error - sum(terms.values())
+    return DirectionBudget(error=error, terms=terms, momentum=momentum)
 
 
 def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
-    """Samples within `reach` of a contact that opens or closes, (n_times,) bool: there the order drops."""
+    """Mark the samples within `reach` of a contact that opens or closes, where the order drops, (n_times,) bool."""
     change = np.zeros(loaded.shape[0], dtype=bool)
     change[1:] = np.any(loaded[1:] != loaded[:-1], axis=1)
     kernel = np.ones(2 * reach + 1)
@@ -126,7 +137,7 @@ def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
 
 
 def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
-    """First and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
+    """Find the first and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
     at = np.flatnonzero(loaded)
     if at.size == 0:
         return []
@@ -136,10 +147,10 @@ def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
     return list(zip(first.tolist(), last.tolist(), strict=True))
 
 
-def chatter_gap(trajectory: Trajectory) -> int:
-    """Longest opening, samples, within one pass through the load zone: 5 % of a cage revolution."""
-    cage = kinematics(trajectory.bearing, trajectory.operation.speed).frequencies["FTF"]
-    samples = trajectory.time.size // 50
+def chatter_gap(record: Record) -> int:
+    """Longest opening within one pass through the load zone, samples: 5 % of a cage revolution."""
+    cage = kinematics(record.bearing, record.operation.speed).frequencies["FTF"]
+    samples = record.time.size // 50
     if cage > 0.0:
-        samples = min(samples, int(CHATTER / cage / trajectory.interval))
+        samples = min(samples, int(CHATTER / cage / record.interval))
     return max(1, samples)

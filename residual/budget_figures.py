@@ -1,26 +1,30 @@
-"""The errors in detail: their terms stacked over a few roller passages, spectra of terms, envelope, short time."""
+"""Figures of what the errors are made of: their terms, stacked over a few roller passages and as spectra; envelope and
+short-time spectra of the errors.
+"""
 
 from pathlib import Path
 
 import numpy as np
 from matplotlib.colors import LogNorm
 
-from residual.budget import acting_terms
 from residual.evaluation import Evaluation, term_spectra
+from residual.moments import rms
 from residual.plotting import (
     BLUE,
     GREY,
     TERM_COLOURS,
-    Drawn,
+    WIDTH,
+    SavedFigure,
+    legend_above,
     line_handles,
     mark_lines,
     panels,
+    plt,
     save,
-    term_label,
 )
 from residual.short_time import short_time_spectrum
 from residual.spectrum import Spectrum
-from residual.words import text
+from residual.words import text, words
 
 PASSAGES_SHOWN = 2.0
 BINS_PER_DECADE = 120
@@ -28,28 +32,74 @@ DYNAMIC_RANGE, SHORT_TIME_RANGE = 1e-9, 1e-7  # of a spectrum's plot
 ENVELOPE_BAND = 3.3  # times the ball-pass frequency of the inner ring
 
 
-def stacked_terms(evaluation: Evaluation, folder: Path) -> Drawn:
-    """Terms less their means, stacked, over two roller passages in the middle of the record."""
-    t, budget = evaluation.trajectory, evaluation.budget
+def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the error's terms over time, and their rms."""
+    t, budget = evaluation.record, evaluation.budget
+    terms = {
+        d.name: {"error": d.budget.error, **{name: d.budget.terms[name] for name in budget.acting_terms},
+                 "momentum": d.budget.momentum}
+        for d in evaluation.directions
+    }  # fmt: skip
+    acting = budget.acting_terms
+    figure = plt.figure(figsize=(WIDTH, 8.4))
+    grid = figure.add_gridspec(3, 1, height_ratios=(1.0, 1.0, 1.25))
+    upper = figure.add_subplot(grid[0])
+    axes = [upper, figure.add_subplot(grid[1], sharex=upper)]
+    upper.tick_params(labelbottom=False)
+    for axis, direction in zip(axes, evaluation.directions, strict=True):
+        for name in ("error", *acting):
+            axis.plot(1e3 * t.time, terms[direction.name][name], color=TERM_COLOURS[name], label=words(name),
+                      linewidth=1.4 if name == "error" else 0.9)  # fmt: skip
+        axis.set_ylabel(f"terms of error_{direction.name}, N")
+        axis.margins(x=0.0)
+    legend_above(axes[0], 5, left=-0.1, columnspacing=1.0, handlelength=1.3)
+    axes[1].set_xlabel("time, ms")
+    bars = figure.add_subplot(grid[2])
+    names = ["error", *acting, "momentum"]
+    position = np.arange(len(names))[::-1]
+    for offset, direction, shade in ((0.19, "x", 1.0), (-0.19, "y", 0.5)):
+        values = [rms(terms[direction][name]) for name in names]
+        colours = [TERM_COLOURS[name] for name in names]
+        drawn = bars.barh(position + offset, values, height=0.34, color=colours, alpha=shade)
+        texts = [f"{direction}: {v:.3g} N" for v in values]
+        bars.bar_label(drawn, texts, padding=4, fontsize=8.5)
+    bars.set_xscale("log")
+    everything = [v for found in terms.values() for v in map(rms, found.values()) if v > 0.0]
+    top = max(everything, default=1.0)
+    bars.set_xlim(max(min(everything, default=0.1) / 2.0, 1e-5 * top), 8.0 * top)
+    bars.set_yticks(
+        position, [words(n).replace(" ", "\n", 1) + ("\nbalance" if n == "momentum" else "") for n in names]
+    )
+    bars.set_xlabel("rms, N (dark: x, light: y)")
+    bars.grid(axis="y", visible=False)
+    caption = (
+        "What the error forces are made of; the terms add up to the error sample by sample. Momentum balance: the "
+        "error with the run's own contact forces in place of the law, = differentiation + ring flexibility."
+    )
+    return save(figure, folder, "budget", "Budget of the error forces", caption)
+
+
+def stacked_terms(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the terms less their means, stacked, over two roller passages in the middle of the record."""
+    t = evaluation.record
     shown = _middle(evaluation)
     time = 1e3 * t.time[shown]
     figure, axes = panels(2, 5.6)
-    acting, means = acting_terms(budget), []
-    for axis, direction in zip(axes, "xy", strict=True):
-        terms = {name: getattr(budget, f"terms_{direction}")[name] for name in acting}
-        total = getattr(budget, f"error_{direction}")
+    means = []
+    for axis, direction in zip(axes, evaluation.directions, strict=True):
+        terms = {name: direction.budget.terms[name] for name in evaluation.budget.acting_terms}
+        total = direction.budget.error
         values = np.array([v[shown] - v.mean() for v in terms.values()])
         colours = [TERM_COLOURS[name] for name in terms]
-        labels = [term_label(name) for name in terms]
+        labels = [words(name) for name in terms]
         axis.stackplot(time, np.maximum(values, 0.0), colors=colours, labels=labels, alpha=0.75, linewidth=0)
         axis.stackplot(time, np.minimum(values, 0.0), colors=colours, alpha=0.75, linewidth=0)
         axis.plot(time, total[shown] - total.mean(), color="black", linewidth=1.2, label="error")
-        axis.set_ylabel(f"error_{direction} less its mean, N")
+        axis.set_ylabel(f"error_{direction.name} less its mean, N")
         axis.margins(x=0.0)
-        mean = ", ".join(f"{term_label(name)} {text(v.mean(), 3)}" for name, v in terms.items())
-        means.append(f"in {direction} {mean}")
-    axes[0].legend(loc="lower left", bbox_to_anchor=(-0.08, 1.0), ncols=5, borderaxespad=0.2,
-                   columnspacing=1.0, handlelength=1.2)  # fmt: skip
+        mean = ", ".join(f"{words(name)} {text(v.mean(), 3)}" for name, v in terms.items())
+        means.append(f"in {direction.name} {mean}")
+    legend_above(axes[0], 5, left=-0.08, columnspacing=1.0, handlelength=1.2)
     axes[1].set_xlabel("time, ms")
     caption = (
         "The terms of the error forces stacked, positive upward and negative downward, each less its mean over the "
@@ -60,8 +110,8 @@ def stacked_terms(evaluation: Evaluation, folder: Path) -> Drawn:
 
 
 def _middle(evaluation: Evaluation) -> slice:
-    """Samples of a few roller passages in the middle of the record; all of it for a standing bearing."""
-    t = evaluation.trajectory
+    """Choose the samples of a few roller passages in the middle of the record; all of them for a standing bearing."""
+    t = evaluation.record
     passing = evaluation.lines.get("BPFO", 0.0)
     if passing == 0.0:
         return slice(None)
@@ -70,26 +120,25 @@ def _middle(evaluation: Evaluation) -> slice:
     return slice(first, first + n)
 
 
-def budget_spectra(evaluation: Evaluation, folder: Path) -> Drawn:
-    """Density of every term beside the error's."""
+def budget_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the density of every term beside the error's."""
     figure, axes = panels(2, 6.4)
-    for axis, direction in zip(axes, "xy", strict=True):
-        total = getattr(evaluation, f"spectrum_{direction}")
-        f, psd = _thinned(total)
+    for axis, direction in zip(axes, evaluation.directions, strict=True):
+        f, psd = _thinned(direction.spectrum)
         axis.loglog(f, psd, color="black", linewidth=2.6, alpha=0.35, label="error")
         spectra = term_spectra(evaluation, direction)
-        for name in acting_terms(evaluation.budget):
+        for name in evaluation.budget.acting_terms:
             spectrum = spectra[name]
-            axis.loglog(*_thinned(spectrum), color=TERM_COLOURS[name], linewidth=0.9, label=term_label(name))
+            axis.loglog(*_thinned(spectrum), color=TERM_COLOURS[name], linewidth=0.9, label=words(name))
         top = max(float(psd.max()), 1e-30)
         axis.set_ylim(DYNAMIC_RANGE * top, 10.0 * top)
         axis.set_xlim(f[0], f[-1])
-        axis.set_ylabel(f"PSD, {direction}, N²/Hz")
+        axis.set_ylabel(f"PSD, {direction.name}, N²/Hz")
         axis.grid(which="minor", visible=False)
         for line, frequency in evaluation.lines.items():
             if "×" not in line and f[0] <= frequency <= f[-1]:
                 axis.axvline(frequency, color=GREY, linestyle=(0, (4, 2)), linewidth=0.9, zorder=0)
-                if direction == "x":
+                if direction is evaluation.x:
                     axis.annotate(line, (frequency, 1.01), xycoords=("data", "axes fraction"), ha="center",
                                   va="bottom", fontsize=9, color="#555555")  # fmt: skip
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=5, columnspacing=1.2,
@@ -104,31 +153,30 @@ def budget_spectra(evaluation: Evaluation, folder: Path) -> Drawn:
 
 
 def _thinned(spectrum: Spectrum) -> tuple[np.ndarray, np.ndarray]:
-    """Frequency and density averaged in bins of equal width on a logarithmic axis; a curve to look at."""
+    """Average frequency and density in bins of equal width on a logarithmic axis, for a curve to look at."""
     f, psd = spectrum.frequency[1:], spectrum.psd[1:]
     bins = np.unique(np.floor(BINS_PER_DECADE * np.log10(f)), return_inverse=True)[1]
     count = np.bincount(bins)
     return np.bincount(bins, f) / count, np.maximum(np.bincount(bins, psd) / count, 1e-300)
 
 
-def envelope_figure(evaluation: Evaluation, folder: Path) -> Drawn:
-    """Spectrum of the envelope of the band around the ring's resonance."""
+def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the spectrum of the envelope of the band around the ring's resonance."""
     figure, axes = panels(2, 5.4)
     top = ENVELOPE_BAND * evaluation.lines.get("BPFI", 1000.0)
     parts = []
     families = []
-    for axis, direction in zip(axes, "xy", strict=True):
-        found = getattr(evaluation, f"envelope_{direction}")
-        spectrum = found.spectrum
+    for axis, direction in zip(axes, evaluation.directions, strict=True):
+        spectrum = direction.envelope.spectrum
         inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
         axis.semilogy(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, linewidth=1.0)
-        axis.set_ylabel(f"envelope PSD, {direction}, N²/Hz")
+        axis.set_ylabel(f"envelope PSD, {direction.name}, N²/Hz")
         axis.set_xlim(0.0, top)
         families = mark_lines(axis, evaluation.lines, 0.0, top, labels=False)
-        parts.append(f"{direction} {found.rms:.3g}")
+        parts.append(f"{direction.name} {direction.envelope.rms:.3g}")
     figure.legend(handles=line_handles(families, evaluation.lines), loc="outside upper left", ncols=3)
     axes[1].set_xlabel("frequency, Hz")
-    low, high = evaluation.envelope_x.low, evaluation.envelope_x.high
+    low, high = evaluation.x.envelope.low, evaluation.x.envelope.high
     caption = (
         f"Spectrum of the envelope of the error force within {low / 1e3:.3g} to {high / 1e3:.3g} kHz, around the "
         f"resonance of the ring on its contacts ({evaluation.resonance / 1e3:.3g} kHz); rms of that band, N: "
@@ -137,22 +185,22 @@ def envelope_figure(evaluation: Evaluation, folder: Path) -> Drawn:
     return save(figure, folder, "envelope", "Envelope spectrum around the ring's resonance", caption)
 
 
-def short_time_figure(evaluation: Evaluation, folder: Path) -> Drawn | None:
-    """How the errors' spectra change along the record; None for a record too short for it."""
-    t = evaluation.trajectory
+def short_time_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
+    """Draw how the errors' spectra change along the record; None for a record too short for it."""
+    t = evaluation.record
     passing = evaluation.lines.get("BPFO", 0.0)
-    found = [short_time_spectrum(getattr(evaluation.budget, f"error_{d}"), t.interval, passing) for d in "xy"]
+    found = [short_time_spectrum(d.budget.error, t.interval, passing) for d in evaluation.directions]
     if None in found:
         return None
     figure, axes = panels(2, 6.0)
-    for axis, direction, spectrum in zip(axes, "xy", found, strict=True):
+    for axis, direction, spectrum in zip(axes, evaluation.directions, found, strict=True):
         time, frequency = 1e3 * (t.time[0] + spectrum.time), 1e-3 * spectrum.frequency
         top = 10.0 ** np.ceil(np.log10(max(spectrum.psd.max(), 1e-30)))
         image = axis.pcolormesh(
             time, frequency, spectrum.psd, norm=LogNorm(top * SHORT_TIME_RANGE, top), cmap="viridis",
             shading="nearest", rasterized=True,
         )  # fmt: skip
-        figure.colorbar(image, ax=axis, label=f"PSD of error_{direction}, N²/Hz", pad=0.015, extend="min")
+        figure.colorbar(image, ax=axis, label=f"PSD of error_{direction.name}, N²/Hz", pad=0.015, extend="min")
         if 0.0 < evaluation.resonance < spectrum.frequency[-1]:
             axis.axhline(1e-3 * evaluation.resonance, color="white", linestyle=(0, (4, 3)), linewidth=1.0)
         axis.set(ylabel="frequency, kHz", ylim=(0.0, frequency[-1]))
@@ -168,12 +216,16 @@ def short_time_figure(evaluation: Evaluation, folder: Path) -> Drawn | None:
     return save(figure, folder, "short_time", "Short-time spectra of the error forces", caption)
 
 
-def detail_figures(evaluation: Evaluation, folder: Path) -> list[Drawn]:
-    """Those the run has the data for."""
+def budget_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
+    """Draw those figures that the run has the data for."""
     drawn = []
-    if evaluation.budget.terms_x:
-        drawn += [stacked_terms(evaluation, folder), budget_spectra(evaluation, folder)]
-    if evaluation.envelope_x is not None:
+    if evaluation.budget.x.terms:
+        drawn += [
+            budget_figure(evaluation, folder),
+            stacked_terms(evaluation, folder),
+            budget_spectra(evaluation, folder),
+        ]
+    if evaluation.x.envelope is not None:
         drawn.append(envelope_figure(evaluation, folder))
     short_time = short_time_figure(evaluation, folder)
     return drawn if short_time is None else [*drawn, short_time]

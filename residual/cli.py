@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
+from residual.errors import InputError
+
 RUNS = Path("runs")
 
 
@@ -67,11 +69,11 @@ def _command(
     _check_number("--start", start, "ms")
     _check_number("--tolerance", tolerance, "N")
     path = run if run is not None else _newest()
-    trajectory = _read(path, scene, resample)
+    record = _read(path, scene, resample)
     folder = output if output is not None else path.with_name(f"{path.stem}-residual")
-    _check_law(law, trajectory.bearing)
+    _check_law(law, record.bearing)
     check_replaceable(folder)
-    evaluation = evaluate(trajectory, law, None if start is None else 1e-3 * start, order, line)
+    evaluation = evaluate(record, law, None if start is None else 1e-3 * start, order, line)
     for note in evaluation.notes:
         print(f"warning: {path}: {note}", file=sys.stderr)
     write_report(evaluation, folder, tolerance)
@@ -81,18 +83,15 @@ def _command(
 
 
 def _check_number(option: str, value: float | None, unit: str) -> None:
-    """Options that must be finite and not negative."""
-    from residual.trajectory import InputError
-
+    """Refuse an option's number that is negative or not finite."""
     if value is not None and not 0.0 <= value < float("inf"):
         raise InputError(f"{option} {value:g}: must be a number of {unit} >= 0")
 
 
 def _check_law(law: str | None, bearing) -> None:
-    """The law must be known for the bearing's rolling elements."""
+    """Refuse a law that is not known for the bearing's rolling elements."""
     from lagrange.raceway_laws import law_names
     from residual.comparison import ALIASES, FITTED
-    from residual.trajectory import InputError
 
     known = (*law_names(bearing), *FITTED)
     if law is not None and law not in (*known, *ALIASES):
@@ -100,9 +99,7 @@ def _check_law(law: str | None, bearing) -> None:
 
 
 def _newest() -> Path:
-    """The newest result file in runs/."""
-    from residual.trajectory import InputError
-
+    """Find the newest result file in runs/."""
     found = sorted(RUNS.glob("*.nc"), key=lambda p: p.stat().st_mtime)
     if not found:
         raise InputError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")
@@ -110,32 +107,29 @@ def _newest() -> Path:
 
 
 def _read(path: Path, scene_path: Path | None, resample: bool):
-    """A trajectory from a result file, or from a table and its scene."""
+    """Read a record from a result file, or from a table and its scene."""
     from lagrange.scene import read_scene
     from residual.sources import is_result, read_result
     from residual.table_source import read_table
-    from residual.trajectory import InputError
 
     scene = None if scene_path is None else read_scene(scene_path)
     if not path.is_file() or is_result(path):
-        trajectory = read_result(path)
+        record = read_result(path)
         if resample:
             raise InputError(f"--resample: only for tables; {path} is a result file")
-        if scene is not None and (
-            (scene.bearing, scene.operation) != (trajectory.scene.bearing, trajectory.scene.operation)
-        ):
+        if scene is not None and ((scene.bearing, scene.operation) != (record.scene.bearing, record.scene.operation)):
             raise InputError(
                 f"--scene {scene_path}: its bearing or operation differs from the scene inside {path}; "
                 "leave --scene out"
             )
-        return trajectory
+        return record
     if scene is None:
         raise InputError(f"{path}: a trajectory table needs its scene: add --scene SCENE.toml")
     return read_table(path, scene, resample)
 
 
 def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_laws: bool) -> None:
-    """A short table on the terminal."""
+    """Print a short table and the most telling sentences."""
     from rich.console import Console
     from rich.table import Table
 
@@ -145,7 +139,7 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
     from residual.words import text
 
     console = Console(highlight=False)
-    table = Table(title=f"Residual of {evaluation.trajectory.name}", title_justify="left")
+    table = Table(title=f"Residual of {evaluation.record.name}", title_justify="left")
     table.add_column("N")
     for heading in ("mean", "rms", "std", "largest"):
         table.add_column(heading, justify="right")
@@ -154,12 +148,12 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
     console.print(table)
     low, high = evaluation.loaded_range
     console.print(f"Loaded rollers: {low} to {high}")
-    for axis in "xy":
-        peaks = getattr(evaluation, f"peaks_{axis}")[:4]
+    for direction in evaluation.directions:
         named = [
-            f"{text(p.frequency)} Hz ({p.line or 'no line'}{'' if p.resolved else ', not resolved'})" for p in peaks
+            f"{text(p.frequency)} Hz ({p.line or 'no line'}{'' if p.resolved else ', not resolved'})"
+            for p in direction.peaks[:4]
         ]
-        console.print(f"Peaks of error_{axis}: {'; '.join(named) or 'none stands out'}", soft_wrap=True)
+        console.print(f"Peaks of error_{direction.name}: {'; '.join(named) or 'none stands out'}", soft_wrap=True)
     for name, rms_x, rms_y, background, resolved in watched_rows(evaluation):
         told = "" if resolved == "yes" else ", not resolved"
         console.print(f"{name}: {rms_x} N rms in x, {rms_y} in y (background {background}){told}", soft_wrap=True)
@@ -172,7 +166,7 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
 
 
 def _print_laws(console, evaluation) -> None:
-    """The ranking of the contact laws."""
+    """Print the ranking of the contact laws."""
     from rich.table import Table
 
     from residual.law_tables import ranking_rows, ranking_span
@@ -192,7 +186,7 @@ def _terminated(number, frame):
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command; its exit code. A user's mistake gives a few lines on stderr, never a traceback."""
+    """Run the command and return its exit code. A user's mistake gives a few lines on stderr, never a traceback."""
     try:
         result = app(arguments)
         return result if isinstance(result, int) else 0
@@ -203,14 +197,16 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"error: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
         return 2
     except ValueError as error:
-        if type(error).__name__ not in ("InputError", "SceneError"):
+        from lagrange.scene import SceneError  # loaded by whatever raised it
+
+        if not isinstance(error, InputError | SceneError):
             raise
         print(f"error: {error}", file=sys.stderr)
         return 2
 
 
 def check_residual() -> None:
-    """Entry point."""
+    """Entry point of the installed command."""
     signal.signal(signal.SIGTERM, _terminated)
     sys.exit(main())
 

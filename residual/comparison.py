@@ -1,4 +1,4 @@
-"""All contact laws ranked by the error force they leave, on samples no law was fitted to."""
+"""Contact laws ranked by the error force that each leaves, on samples that no law was fitted to."""
 
 from dataclasses import dataclass
 
@@ -7,10 +7,11 @@ import numpy as np
 from lagrange.equations import contact_resultant
 from lagrange.raceway_laws import contact_laws, law_names
 from residual.budget import Budget
+from residual.errors import InputError
 from residual.fitted_laws import DampedLaw, Law, law_force
 from residual.identification import Extra, Identification, fit_law
-from residual.moments import Statistics
-from residual.trajectory import InputError, Trajectory
+from residual.moments import Statistics, rms
+from residual.record import Record
 
 # name: what is fitted beside K and n
 FITTED: dict[str, tuple[Extra, ...]] = {
@@ -24,71 +25,65 @@ ALIASES = ("tripp",)
 
 @dataclass(frozen=True, kw_only=True)
 class LawScore:
-    """What one law leaves, N."""
+    """Error forces that one law leaves."""
 
     name: str
-    error_x: Statistics
-    error_y: Statistics
-    contact_rms: float | None  # N, of run − law per closed contact; None without the run's forces
+    errors: tuple[Statistics, Statistics]  # in x and y
+    contact_rms: float | None  # N, of run − law per closed contact; None where the source holds no forces
 
     @property
     def rms(self) -> float:
         """Rms of the error force's magnitude, N: the ranking's measure."""
-        return float(np.hypot(self.error_x.rms, self.error_y.rms))
+        return float(np.hypot(self.errors[0].rms, self.errors[1].rms))
 
 
-def inner_law(name: str, trajectory: Trajectory) -> Law:
-    """The named law of the inner contact, with the damping that the scene's [lagrange] states."""
-    law = contact_laws(name, trajectory.bearing).inner
-    damping = trajectory.scene.lagrange.damping_N_s_m
+def inner_law(name: str, record: Record) -> Law:
+    """Named law of the inner contact, with the damping that the scene's [lagrange] states."""
+    law = contact_laws(name, record.bearing).inner
+    damping = record.scene.lagrange.damping_N_s_m
     return DampedLaw(spring=law, damping=damping) if damping > 0.0 else law
 
 
-def identify(trajectory: Trajectory, approach, closing_speed, bridge: int, name: str) -> Identification:
-    """The law `name`, a key of FITTED, of a run that tells its forces; approach, m, and its rate, m/s.
+def identify(record: Record, approach, closing_speed, bridge: int, name: str) -> Identification:
+    """Fit the law `name`, a key of FITTED, to a run's own forces over the approach, m, and its rate, m/s.
 
     Errors
     ------
-    InputError: the run tells no forces, or they fix no law.
+    InputError: the source holds no forces, or they fix no law.
     """
-    if trajectory.inner_force is None:
+    if record.inner_force is None:
         raise InputError(
-            f"{trajectory.source}: the law {name} is fitted to the run's own contact forces, which this source does "
+            f"{record.source}: the law {name} is fitted to the run's own contact forces, which this source does "
             "not tell; choose a named law"
         )
     try:
-        return fit_law(approach, trajectory.inner_force, bridge, FITTED[name], closing_speed)
+        return fit_law(approach, record.inner_force, bridge, FITTED[name], closing_speed)
     except InputError as error:
-        raise InputError(f"{trajectory.source}: {error}") from None
+        raise InputError(f"{record.source}: {error}") from None
 
 
-def rank_laws(trajectory: Trajectory, budget: Budget, identified: dict[str, Identification]) -> list[LawScore]:
-    """Every law's error force, smallest first, on the held-back samples (all samples when nothing was fitted).
+def rank_laws(record: Record, budget: Budget, identified: dict[str, Identification]) -> list[LawScore]:
+    """Rank all laws by the error force on the held-back samples (all samples where nothing was fitted), smallest first.
 
     Parameters
     ----------
     identified : fitted laws by name
     """
-    laws = {name: inner_law(name, trajectory) for name in law_names(trajectory.bearing)}
+    laws = {name: inner_law(name, record) for name in law_names(record.bearing)}
     laws |= {name: found.law for name, found in identified.items()}
     first = max((found.samples for found in identified.values()), default=0)
     late = slice(first, None)
+    directions = (budget.x, budget.y)
     resultant = contact_resultant(budget.contacts, budget.law_force)
-    inertia_and_load = budget.error_x + resultant[0], budget.error_y + resultant[1]
-    run_force = None if trajectory.inner_force is None else trajectory.inner_force[late]
+    inertia_and_load = [direction.error + push for direction, push in zip(directions, resultant, strict=True)]
+    run_force = None if record.inner_force is None else record.inner_force[late]
     scores = []
     for name, law in laws.items():
         force = law_force(law, budget.contacts.inner, budget.closing_speed)
-        push_x, push_y = contact_resultant(budget.contacts, force)
+        pushes = contact_resultant(budget.contacts, force)
         contact_rms = None
         if run_force is not None and np.any(run_force > 0.0):
-            contact_rms = float(np.sqrt(np.mean((run_force - force[late])[run_force > 0.0] ** 2)))
-        scores.append(
-            LawScore(
-                name=name,
-                error_x=Statistics.of((inertia_and_load[0] - push_x)[late]),
-                error_y=Statistics.of((inertia_and_load[1] - push_y)[late]),
-                contact_rms=contact_rms,
-            )
-        )
+            contact_rms = rms((run_force - force[late])[run_force > 0.0])
+        error_x, error_y = (Statistics.of((i - p)[late]) for i, p in zip(inertia_and_load, pushes, strict=True))
+        scores.append(LawScore(name=name, errors=(error_x, error_y), contact_rms=contact_rms))
     return sorted(scores, key=lambda score: score.rms)

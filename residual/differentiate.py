@@ -1,4 +1,4 @@
-"""Derivatives of a uniformly sampled record by central stencils of high order, with their error floor.
+"""Derivatives of a uniformly sampled signal by central stencils of high order, with their error floor.
 
 The integrator's own three-point second difference is useless here: at the integrator's step it returns the
 scheme itself, whatever the error in time. These stencils are wider, so the balance they give is a test.
@@ -61,12 +61,12 @@ def stencil(order: int, derivative: int = 2) -> np.ndarray:
     return np.array(_weights(-(order // 2), order // 2, derivative))
 
 
-def derivative(record, interval: float, derivative: int = 2, order: int = 6) -> np.ndarray:
-    """First or second time derivative of a record.
+def derivative(signal, interval: float, derivative: int = 2, order: int = 6) -> np.ndarray:
+    """First or second time derivative of a signal.
 
     Parameters
     ----------
-    record : ndarray, (n_times, ...), any unit; motion is taken relative to its mean first, so that round-off
+    signal : ndarray, (n_times, ...), any unit; motion is taken relative to its mean first, so that round-off
         scales with the motion and not with the position
     interval : float, s
     order : 4, 6 or 8
@@ -77,16 +77,16 @@ def derivative(record, interval: float, derivative: int = 2, order: int = 6) -> 
 
     Errors
     ------
-    Truncation O(interval^order) where the record is smooth, one or two orders less in the last order/2
+    Truncation O(interval^order) where the signal is smooth, one or two orders less in the last order/2
     samples at either end; at a kink (a contact opening or closing) the order drops. Round-off and truncation
     are estimated by `floor`. ValueError: fewer than order + 1 samples.
     """
-    record = np.asarray(record, dtype=float)
+    signal = np.asarray(signal, dtype=float)
     weights = stencil(order, derivative)
-    n_times, half = record.shape[0], order // 2
+    n_times, half = signal.shape[0], order // 2
     if n_times < order + 1:
         raise ValueError(f"{n_times} samples are too few for a stencil of order {order}: at least {order + 1}")
-    motion = record - record.mean(axis=0)
+    motion = signal - signal.mean(axis=0)
     result = np.zeros_like(motion)
     inner = result[half : n_times - half]
     for offset, weight in enumerate(weights):
@@ -101,7 +101,7 @@ def derivative(record, interval: float, derivative: int = 2, order: int = 6) -> 
 
 
 def response(frequency, interval: float, order: int = 6) -> np.ndarray:
-    """Second-derivative stencil's gain over the exact −ω², at `frequency`, Hz: 1 is perfect."""
+    """Gain of the second derivative's stencil over the exact −ω² at `frequency`, Hz; 1 is perfect."""
     turns = np.asarray(frequency, dtype=float) * interval
     half = order // 2
     # 1 − cos as sines: no cancellation at frequencies far below the sampling's
@@ -110,7 +110,7 @@ def response(frequency, interval: float, order: int = 6) -> np.ndarray:
 
 @dataclass(frozen=True, kw_only=True)
 class Floor:
-    """What the differentiation itself contributes, in the unit of the second derivative."""
+    """Error that the differentiation itself makes, in the unit of the second derivative."""
 
     round_off: float  # bound: Σ|c| eps max|x − mean| / interval²
     truncation: float  # rms, of the central stencil
@@ -120,24 +120,24 @@ class Floor:
         return float(np.hypot(self.round_off, self.truncation))
 
 
-def floor(record, interval: float, order: int = 6, eps: float = np.finfo(float).eps) -> Floor:
-    """Estimate the error of the second derivative of one record, (n_times,).
+def floor(signal, interval: float, order: int = 6, eps: float = np.finfo(float).eps) -> Floor:
+    """Estimate the error of the second derivative of one signal, (n_times,).
 
     Parameters
     ----------
-    eps : relative precision the record was stored with
+    eps : relative precision the signal was stored with
 
     Errors
     ------
     Truncation is what the stencil's gain takes from the derivative's own spectrum: right to a few per cent where the
-    record is sampled finely enough. Motion beyond the Nyquist frequency it can't know, nor the last order/2 samples at
+    signal is sampled finely enough. Motion beyond the Nyquist frequency it can't know, nor the last order/2 samples at
     either end.
     """
-    record = np.asarray(record, dtype=float)
-    spectrum = power_spectrum(derivative(record, interval, order=order), interval)
+    signal = np.asarray(signal, dtype=float)
+    spectrum = power_spectrum(derivative(signal, interval, order=order), interval)
     gain = response(spectrum.frequency[1:], interval, order)
     missed = spectrum.psd[1:] * ((1.0 - gain) / gain) ** 2
-    size = np.max(np.abs(record)) if eps > 1e-10 else np.max(np.abs(record - record.mean()))
+    size = np.max(np.abs(signal)) if eps > 1e-10 else np.max(np.abs(signal - signal.mean()))
     return Floor(
         round_off=float(np.sum(np.abs(stencil(order))) * eps * size / interval**2),
         truncation=float(np.sqrt(np.sum(missed) * spectrum.resolution)),

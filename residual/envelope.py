@@ -1,4 +1,4 @@
-"""Envelope spectrum: how the vibration at the ring's resonance swells and fades.
+"""Envelope spectrum, which shows how the vibration at the ring's resonance swells and fades.
 
 Something that strikes once per roller makes the resonance ring each time: its frequency shows in the envelope of
 the band around the resonance, not at low frequency itself.
@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from residual.moments import rms
 from residual.spectrum import Spectrum, power_spectrum
 
 BAND = (2.0**-0.5, 2.0**0.5)  # of the resonance: one octave around it
@@ -18,7 +19,7 @@ TRANSIENT = 6.0  # periods of the band's width, both ends together
 
 @dataclass(frozen=True, kw_only=True)
 class Envelope:
-    """Envelope of one record in a band."""
+    """Envelope of one signal in a band."""
 
     low: float  # Hz, the band
     high: float
@@ -27,12 +28,12 @@ class Envelope:
     spectrum: Spectrum  # of the envelope, its mean removed
 
 
-def envelope(record, interval: float, resonance: float, slowest_line: float = 0.0) -> Envelope | None:
-    """Envelope around a resonance, Hz; None where the record is too coarse or too short for it, or has none.
+def envelope(signal, interval: float, resonance: float, slowest_line: float = 0.0) -> Envelope | None:
+    """Envelope around a resonance, Hz; None where the signal is too coarse or too short for it, or has none.
 
     Parameters
     ----------
-    record : ndarray, (n_times,), N
+    signal : ndarray, (n_times,), N
     interval : float, s
 
     Errors
@@ -46,13 +47,13 @@ def envelope(record, interval: float, resonance: float, slowest_line: float = 0.
     low, high = resonance * BAND[0], min(resonance * BAND[1], TOP_OF_NYQUIST * nyquist)
     if resonance <= 0.0 or resonance >= high:
         return None
-    record = np.asarray(record, dtype=float)
-    if (high - low) * record.size * interval < TRANSIENT:
+    signal = np.asarray(signal, dtype=float)
+    if (high - low) * signal.size * interval < TRANSIENT:
         return None
     sections = butter(FILTER_ORDER, (low, high), "bandpass", fs=1.0 / interval, output="sos")
-    band = sosfiltfilt(sections, record - record.mean(), padlen=min(record.size - 1, 60))
+    band = sosfiltfilt(sections, signal - signal.mean(), padlen=min(signal.size - 1, 60))
     level = np.abs(hilbert(band))
     return Envelope(
-        low=low, high=high, rms=float(np.sqrt(np.mean(band**2))), level=level,
+        low=low, high=high, rms=rms(band), level=level,
         spectrum=power_spectrum(level, interval, slowest_line),
     )  # fmt: skip

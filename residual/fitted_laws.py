@@ -58,12 +58,12 @@ Law = PowerLaw | LogarithmicLaw | DampedLaw
 
 
 def law_force(law: Law, approach, closing_speed) -> np.ndarray:
-    """Contact forces, N, (..., n_rollers), of approaches, m, that grow at a speed, m/s."""
+    """Contact forces, N, (..., n_rollers), at approaches, m, that grow at a speed, m/s."""
     if isinstance(law, DampedLaw):
         return damped(law.spring.force(approach), closing_speed, law.damping)
     return law.force(approach)
 
 
 def neighbours(force) -> np.ndarray:
-    """Q_{j−1} + Q_{j+1} of every contact, rollers along the last axis."""
+    """Sum Q_{j−1} + Q_{j+1} of the neighbours of every contact, rollers along the last axis."""
     return np.roll(force, 1, axis=-1) + np.roll(force, -1, axis=-1)

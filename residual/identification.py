@@ -1,8 +1,7 @@
 """A contact law fitted to a run's own forces: K and n of Q = K δ^n by least squares, with confidence intervals.
 
-Where wanted with more: the coupling c of neighbouring contacts, the damping d of each contact.
-
-Fitted to the closed inner contacts of the record's first part; the rest is held back to judge the law on.
+The coupling c of neighbouring contacts and the damping d of each contact are fitted too where they are wanted. The fit
+is to the closed inner contacts of the record's first part; the rest is held back to judge the law on.
 
 The samples of one roller's passage through the load zone are far from independent, so the intervals take the
 passage, not the sample, as the unit of observation. They say how well the data fix the two numbers, not that a
@@ -16,8 +15,10 @@ import numpy as np
 
 from lagrange.laws import PowerLaw
 from residual.budget import load_zones
+from residual.errors import InputError
 from residual.fitted_laws import CoupledLaw, DampedLaw, neighbours
-from residual.trajectory import FEWEST_SAMPLES, InputError
+from residual.moments import rms
+from residual.record import FEWEST_SAMPLES
 
 FIT_SHARE = 0.5  # of the record
 CONFIDENCE = 0.95
@@ -55,7 +56,7 @@ class Identification:
 def fit_law(
     approach, force, bridge: int, extras: tuple[Extra, ...] = (), closing_speed=None, samples: int | None = None
 ) -> Identification:
-    """Least-squares fit of Q = K δ^n to closed contacts.
+    """Fit Q = K δ^n to closed contacts by least squares.
 
     Parameters
     ----------
@@ -93,7 +94,7 @@ def fit_law(
         causes["coupling"] = neighbours(force[:samples])[closed]
     if "damping" in extras:
         causes["damping"] = closing_speed[:samples][closed]
-    units = {"depth": _rms(depth[positive]), "load": _rms(load)} | {name: _rms(v) for name, v in causes.items()}
+    units = {"depth": rms(depth[positive]), "load": rms(load)} | {name: rms(v) for name, v in causes.items()}
     for name in extras:
         if not units[name] > 0.0:
             raise InputError(f"the run has nothing that fixes a {name}: no neighbour is loaded, or nothing moves")
@@ -103,16 +104,12 @@ def fit_law(
     covariance = _clustered_covariance(jacobian, miss, passage)
     return _identified(
         extras, parameters, covariance, units, samples=samples, contacts=load.size, passages=n_passages,
-        depth=(float(depth.min()), float(depth.max())), scatter=units["load"] * _rms(miss),
+        depth=(float(depth.min()), float(depth.max())), scatter=units["load"] * rms(miss),
     )  # fmt: skip
 
 
-def _rms(values) -> float:
-    return float(np.sqrt(np.mean(values**2)))
-
-
 def passage_numbers(closed: np.ndarray, bridge: int) -> np.ndarray:
-    """A number for each passage of a roller through the load zone, (n_times, n_rollers); −1 outside."""
+    """Number each passage of a roller through the load zone, (n_times, n_rollers); −1 outside."""
     number = np.full(closed.shape, -1)
     count = 0
     for j in range(closed.shape[1]):
@@ -140,7 +137,7 @@ def _model(parameters, extras, depth, causes):
 
 
 def _least_squares(extras, depth, load, causes):
-    """Parameters (ln K, n, extras) in units of the data, Jacobian and run − law at the optimum."""
+    """Find the parameters (ln K, n, extras) in units of the data; Jacobian and run − law at the optimum."""
     from scipy.optimize import least_squares
 
     found = least_squares(
@@ -166,7 +163,7 @@ def _clustered_covariance(jacobian, miss, passage) -> np.ndarray:
 
 
 def _identified(extras, parameters, covariance, units, **facts) -> Identification:
-    """Back to SI: ln K = ln K' + ln Q0 − n ln δ0, so K and n are correlated and K's interval is wide."""
+    """Convert to SI: ln K = ln K' + ln Q0 − n ln δ0, so K and n are correlated and K's interval is wide."""
     exponent = float(parameters[1])
     log_stiffness = float(parameters[0] + np.log(units["load"]) - exponent * np.log(units["depth"]))
     weights = np.zeros(parameters.size)
@@ -189,7 +186,7 @@ def _identified(extras, parameters, covariance, units, **facts) -> Identificatio
 
 
 def _law(stiffness: float, exponent: float, extras: dict[str, Interval], deepest: float) -> PowerLaw | DampedLaw:
-    """The law with the numbers found, if its iteration converges."""
+    """Make the law with the numbers found, if its iteration converges."""
     about = {
         "name": "_".join(["fitted", *(ADJECTIVE[extra] for extra in extras)]),
         "stiffness": stiffness, "exponent": exponent, "range": "the depths it was fitted to",

@@ -1,4 +1,4 @@
-"""The spectra as data for the page's own plot, which can be zoomed."""
+"""Data of the spectra for the page's own plot, which can be zoomed."""
 
 import json
 
@@ -14,24 +14,24 @@ DIGITS = 4
 
 
 def spectra_json(evaluation: Evaluation) -> str:
-    """Frequencies, Hz, densities, N²/Hz, and kinematic lines, as JSON that may stand inside a script element."""
-    kept = _kept(evaluation.spectrum_x, evaluation.spectrum_y)
-    spectra = {axis: getattr(evaluation, f"spectrum_{axis}").psd[kept] for axis in "xy"}
+    """Write frequencies, Hz, densities, N²/Hz, and kinematic lines as JSON that may stand inside a script element."""
+    kept = _kept(evaluation.x.spectrum, evaluation.y.spectrum)
+    spectra = {direction.name: direction.spectrum.psd[kept] for direction in evaluation.directions}
     top = max(float(psd.max()) for psd in spectra.values())
     data = {
-        "frequency": _rounded(evaluation.spectrum_x.frequency[kept], 7),
+        "frequency": _rounded(evaluation.x.spectrum.frequency[kept], 7),
         **{axis: _rounded(np.maximum(psd, 1e-16 * top), DIGITS) for axis, psd in spectra.items()},
         "lines": [
             {"name": name, "frequency": float(f"{frequency:.7g}"), "colour": LINE_COLOURS[family(name)]}
             for name, frequency in sorted(evaluation.lines.items(), key=lambda line: ("×" in line[0], line[1]))
         ],
-        "resolution": float(f"{evaluation.spectrum_x.resolution:.6g}"),
+        "resolution": float(f"{evaluation.x.spectrum.resolution:.6g}"),
     }
     return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
 def _kept(x: Spectrum, y: Spectrum) -> np.ndarray:
-    """Bins to show: all of a short record; of a long one those below ALL_BELOW and each group's highest in x and y."""
+    """Choose the bins to show: all of a short record; of a long one those below ALL_BELOW and each group's highest."""
     n = x.frequency.size
     if n - 1 <= MOST_POINTS:
         return np.arange(1, n)

@@ -1,27 +1,28 @@
-"""Rows and sentences on contact laws: the ranking, and what a fitted law is worth."""
+"""Rows and sentences about contact laws: the ranking, and what a fitted law is worth."""
 
-from residual.evaluation import Evaluation, Statistics
+from residual.evaluation import Evaluation
 from residual.identification import Identification, Interval
-from residual.words import text
+from residual.moments import rms
+from residual.words import text, words
 
 REFERENCE = "harris"  # the paper's law: what a fit is compared with, for rollers
 MILLIMETRES = 1e3
 
 
 def ranking_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Law, mean and rms in x, mean and rms in y, rms per contact; N; the law in use marked."""
+    """Rows of law, mean and rms in x, mean and rms in y, rms per contact, N; the law in use is marked."""
     rows = []
     for score in evaluation.laws:
         name = score.name + (" (in use)" if score.name == evaluation.law.name else "")
-        values = (score.error_x.mean, score.error_x.rms, score.error_y.mean, score.error_y.rms)
+        values = (value for error in score.errors for value in (error.mean, error.rms))
         contact = "-" if score.contact_rms is None else text(score.contact_rms)
         rows.append([name, *(text(v) for v in values), contact])
     return rows
 
 
 def ranking_span(evaluation: Evaluation) -> str:
-    """Which samples the ranking is about."""
-    time = evaluation.trajectory.time
+    """Say which samples the ranking is about."""
+    time = evaluation.record.time
     if not evaluation.identified:
         return f"The whole record, {text(1e3 * time[0])} to {text(1e3 * time[-1])} ms"
     first = next(iter(evaluation.identified.values())).samples
@@ -32,26 +33,26 @@ def ranking_span(evaluation: Evaluation) -> str:
 
 
 def fit_sentences(evaluation: Evaluation) -> list[str]:
-    """What the fit found, what disappears with it, what remains and why; empty for a named law."""
+    """Say what the fit found, what disappears with it, what remains and why; nothing for a named law."""
     found = evaluation.identification
     if found is None:
         return []
     sentences = [_constants(found), _known(found), _disappears(evaluation)]
-    if evaluation.budget.terms_y:
+    if evaluation.budget.y.terms:
         sentences.append(_remains(evaluation, found))
     return sentences
 
 
 def _constants(found: Identification) -> str:
-    """K, n and c with their intervals."""
+    """State the fitted numbers with their intervals."""
     scale = MILLIMETRES**-found.exponent.value
-    words = (
+    numbers = (
         f"Fitted: K = {_interval(found.stiffness, scale)} N/mm^n, n = {_interval(found.exponent)}"
         + ("" if found.coupling is None else f", c = {_interval(found.coupling, 1e12)} pm/N")
         + ("" if found.damping is None else f", d = {_interval(found.damping)} N s/m")
         + " (95 % confidence; K is the force at 1 mm, far outside the data, hence its width"
     )
-    return words + ")."
+    return numbers + ")."
 
 
 def _interval(number: Interval, scale: float = 1.0) -> str:
@@ -69,13 +70,12 @@ def _known(found: Identification) -> str:
 
 
 def _disappears(evaluation: Evaluation) -> str:
-    """Against the reference law, on the held-back part."""
+    """Compare the fitted law with the reference law on the held-back part."""
     names = [score.name for score in evaluation.laws if score.name not in evaluation.identified]
     name = REFERENCE if REFERENCE in names else names[0]
     before, after = evaluation.score(name), evaluation.score(evaluation.law.name)
     parts = []
-    for axis in "xy":
-        old, new = getattr(before, f"error_{axis}"), getattr(after, f"error_{axis}")
+    for axis, old, new in zip("xy", before.errors, after.errors, strict=True):
         change = 100.0 * (new.rms / old.rms - 1.0) if old.rms > 0.0 else 0.0
         share = f", {abs(change):.4g} % {'more' if change > 0.0 else 'less'}" if abs(change) >= 0.1 else ""
         parts.append(
@@ -85,13 +85,11 @@ def _disappears(evaluation: Evaluation) -> str:
 
 
 def _remains(evaluation: Evaluation, found: Identification) -> str:
-    """The budget of the held-back part, largest first."""
+    """State the budget of the held-back part, largest term first."""
     parts = []
-    for axis in "xy":
-        terms = getattr(evaluation.budget, f"terms_{axis}")
-        rms = sorted(((Statistics.of(v[found.samples :]).rms, k) for k, v in terms.items()), reverse=True)
-        words = [f"{name.replace('_', ' ')} {text(v, 3)}" for v, name in rms if v > 0.0]
-        parts.append(f"in {axis} {', '.join(words)}")
+    for d in evaluation.directions:
+        left = sorted(((rms(v[found.samples :]), name) for name, v in d.budget.terms.items()), reverse=True)
+        parts.append(f"in {d.name} {', '.join(f'{words(name)} {text(v, 3)}' for v, name in left if v > 0.0)}")
     return (
         f"What remains, N rms: {'; '.join(parts)}. Contact law is what a law of this form can't follow "
         "(coupling through the ring, damping); the rest no contact law can change."

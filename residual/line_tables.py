@@ -1,4 +1,4 @@
-"""Rows on the levels of lines, for the report and the terminal."""
+"""Rows about the levels of lines, for the report and the terminal."""
 
 from residual.evaluation import Evaluation
 from residual.lines import LineLevel
@@ -6,9 +6,9 @@ from residual.words import text
 
 
 def level_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Line, Hz, N rms in x, its background, in y, its background, resolved; levels that stand out are marked."""
+    """Rows of line, Hz, N rms and background in x and in y, resolved; levels that stand out are marked."""
     rows = []
-    for x, y in zip(evaluation.levels_x, evaluation.levels_y, strict=True):
+    for x, y in zip(evaluation.x.levels, evaluation.y.levels, strict=True):
         rows.append([x.name, text(x.frequency), *_cells(x), *_cells(y), "yes" if x.resolved else f"no: {x.obstacle}"])
     return rows
 
@@ -18,7 +18,7 @@ def _cells(level: LineLevel) -> list[str]:
 
 
 def watched_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Line asked for, N rms in x, in y, background in x and y, resolved."""
+    """Rows of a line asked for, N rms in x and in y, background in x and y, resolved."""
     return [
         [
             x.name if x.name.endswith("Hz") else f"{x.name} ({text(x.frequency)} Hz)",

@@ -1,4 +1,4 @@
-"""Levels of the bearing's lines: rms in a band around each kinematic line, harmonic and sideband, in N.
+"""Levels of the bearing's lines: the rms in a band around each kinematic line, harmonic and sideband, N.
 
 A density in N²/Hz is for noise; a line's height in it depends on the record's length. A line is stated as the rms
 of its main lobe, which does not.
@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from residual.errors import InputError
 from residual.spectrum import MAIN_LOBE, Peak, Spectrum, smooth_background
-from residual.trajectory import InputError
 
 CARRIERS = ("BPFO", "2×BPFO", "BPFI", "2×BPFI")
 CAGE_HARMONICS = (2, 3)
@@ -22,7 +22,7 @@ SAME_LINE = 0.01  # relative: a frequency asked for in Hz this near a line is th
 
 @dataclass(frozen=True, kw_only=True)
 class LineLevel:
-    """One line of one error force."""
+    """Level of one line in one error force."""
 
     name: str
     frequency: float  # Hz, from kinematics or as asked for
@@ -37,7 +37,7 @@ class LineLevel:
 
 
 def sidebands(lines: dict[str, float]) -> dict[str, float]:
-    """Lines that only a long record parts from their neighbours, Hz, by name: cage harmonics, "BPFO+shaft", ...
+    """Frequencies, Hz, by name, of lines that only a long record separates: "2×FTF", "BPFO+shaft", ...
 
     The sidebands are the first ones of the ball-pass lines, modulated by shaft and cage.
     """
@@ -53,7 +53,7 @@ def sidebands(lines: dict[str, float]) -> dict[str, float]:
 
 
 def line_levels(spectrum: Spectrum, lines: dict[str, float]) -> list[LineLevel]:
-    """Every line and every resolved sideband below the Nyquist frequency, by frequency."""
+    """Levels of all lines and all resolved sidebands below the Nyquist frequency, by frequency."""
     among = lines | sidebands(lines)
     levels = [_level(spectrum, name, frequency, lines) for name, frequency in lines.items()]
     for name, frequency in sidebands(lines).items():
@@ -65,7 +65,7 @@ def line_levels(spectrum: Spectrum, lines: dict[str, float]) -> list[LineLevel]:
 
 
 def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> LineLevel:
-    """The line a user asks for: "22" (Hz), "BPFO", "2xBPFO", "BPFO-shaft".
+    """Level of a line that the user asks for: "22" (Hz), "BPFO", "2xBPFO", "BPFO-shaft".
 
     Errors
     ------
@@ -90,7 +90,7 @@ def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> L
 
 
 def named_peaks(peaks: list[Peak], spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
-    """The same peaks; those without a line get the name of a resolved sideband within half a bin."""
+    """Name peaks without a line after a resolved sideband within half a bin."""
     bands = [level for level in line_levels(spectrum, lines) if level.name not in lines]
     named = []
     for peak in peaks:
@@ -100,7 +100,7 @@ def named_peaks(peaks: list[Peak], spectrum: Spectrum, lines: dict[str, float]) 
 
 
 def _level(spectrum: Spectrum, name: str, frequency: float, among: dict[str, float]) -> LineLevel:
-    """Rms in the main lobe, cut half-way to the nearest other line."""
+    """Level of one line: the rms in its main lobe, cut half-way to the nearest other line."""
     step = spectrum.resolution
     others = {key: value for key, value in among.items() if abs(value - frequency) > SAME_LINE * frequency}
     others["zero frequency"] = 0.0
@@ -118,7 +118,7 @@ def _level(spectrum: Spectrum, name: str, frequency: float, among: dict[str, flo
 
 
 def _excess(n_bins: int, segments: int) -> float:
-    """How far above its mean the power of noise in so many bins may lie."""
+    """Factor by which the power of noise in so many bins may exceed its mean."""
     from scipy.stats import chi2
 
     freedom = 2.0 * segments * max(1.0, n_bins / CORRELATED_BINS)

@@ -1,9 +1,7 @@
-"""What a run's numbers say of the Lagrangian model, in sentences."""
-
-import numpy as np
+"""What a run's numbers say about the Lagrangian model, in sentences."""
 
 from residual.evaluation import Evaluation
-from residual.moments import Statistics
+from residual.moments import rms
 from residual.quasistatic import QuasiStatic
 from residual.words import text
 
@@ -13,7 +11,7 @@ ALIKE = 0.05  # loads this near agree
 
 
 def meaning(evaluation: Evaluation, statics: QuasiStatic | None) -> list[str]:
-    """From the trajectories' soundness to what the model may be used for; only what the run has the data for."""
+    """Say how sound the trajectories are and what the model may be used for, as far as the run has the data."""
     found = [_sound(evaluation), _mean(evaluation), _varying(evaluation), _best(evaluation), _omitted(evaluation)]
     if statics is not None:
         found.append(_used(evaluation, statics))
@@ -21,40 +19,40 @@ def meaning(evaluation: Evaluation, statics: QuasiStatic | None) -> list[str]:
 
 
 def _sound(evaluation: Evaluation) -> str:
-    budget = evaluation.budget
-    if budget.momentum_x is None:
+    momenta = [direction.budget.momentum for direction in evaluation.directions]
+    if momenta[0] is None:
         return (
             "The source tells no contact forces, so the error can't be told apart into what the trajectories and what "
             "the contact law are responsible for."
         )
-    rms = [Statistics.of(momentum).rms for momentum in (budget.momentum_x, budget.momentum_y)]
+    in_x, in_y = map(rms, momenta)
     return (
-        f"With the run's own contact forces the inner ring obeys Newton's law to {text(rms[0], 2)} N rms in x and "
-        f"{text(rms[1], 2)} N in y: what equations (22) and (23) leave beyond that is the model's, not the run's."
+        f"With the run's own contact forces the inner ring obeys Newton's law to {text(in_x, 2)} N rms in x and "
+        f"{text(in_y, 2)} N in y: what equations (22) and (23) leave beyond that is the model's, not the run's."
     )
 
 
 def _mean(evaluation: Evaluation) -> str:
-    load = evaluation.trajectory.operation.radial_load
+    load = evaluation.record.operation.radial_load
     if load <= 0.0:
         return ""
-    missing = evaluation.error_y.mean / load
+    missing = evaluation.y.error.mean / load
     name = evaluation.law.name
     if abs(missing) < MATTERS:
         return f"On the run's approaches the law {name} carries the load to {text(100.0 * abs(missing), 2)} %."
     less = "less" if missing > 0.0 else "more"
     return (
         f"On the run's approaches the law {name} carries {text(100.0 * abs(missing), 3)} % {less} than the load "
-        f"(mean of error_y {text(evaluation.error_y.mean)} N). A law takes each contact alone, with rigid bodies "
+        f"(mean of error_y {text(evaluation.y.error.mean)} N). A law takes each contact alone, with rigid bodies "
         "behind it; in the run contacts of one ring share its flexibility. Even an exact simulation does not make the "
         "sum 0."
     )
 
 
 def _varying(evaluation: Evaluation) -> str:
-    x, y = evaluation.error_x, evaluation.error_y
+    x, y = evaluation.x.error, evaluation.y.error
     words = f"What varies in time is {text(x.std, 2)} N (standard deviation) in x and {text(y.std, 2)} N in y"
-    peak = evaluation.peaks_x[0] if evaluation.peaks_x else None
+    peak = evaluation.x.peaks[0] if evaluation.x.peaks else None
     if peak is not None and peak.line is not None:
         words += f"; in x the strongest line is {peak.line}, {text(peak.rms, 2)} N rms at {text(peak.frequency)} Hz"
     if max(x.std, y.std) < LEVEL * abs(y.mean):
@@ -66,21 +64,19 @@ def _best(evaluation: Evaluation) -> str:
     best = evaluation.laws[0]
     named = next((score for score in evaluation.laws if score.name not in evaluation.identified), None)
     words = (
-        f"Of the laws compared, {best.name} leaves least: {text(best.error_x.rms, 2)} N rms in x, "
-        f"{text(best.error_y.rms, 3)} N in y"
+        f"Of the laws compared, {best.name} leaves least: {text(best.errors[0].rms, 2)} N rms in x, "
+        f"{text(best.errors[1].rms, 3)} N in y"
     )
     if named is not None and named is not best:
-        words += f"; of those not fitted to the run, {named.name}: {text(named.error_y.rms, 3)} N in y"
+        words += f"; of those not fitted to the run, {named.name}: {text(named.errors[1].rms, 3)} N in y"
     return words + "."
 
 
 def _omitted(evaluation: Evaluation) -> str:
-    budget, load = evaluation.budget, evaluation.trajectory.operation.radial_load
+    budget, load = evaluation.budget, evaluation.record.operation.radial_load
     words = {"friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring"}
     largest = {
-        name: max(float(np.sqrt(np.mean(terms[name] ** 2))) for terms in (budget.terms_x, budget.terms_y))
-        for name in words
-        if name in budget.terms_x
+        name: max(rms(budget.x.terms[name]), rms(budget.y.terms[name])) for name in words if name in budget.x.terms
     }
     if not largest:
         return ""
@@ -90,7 +86,7 @@ def _omitted(evaluation: Evaluation) -> str:
 
 
 def _used(evaluation: Evaluation, statics: QuasiStatic) -> str:
-    t = evaluation.trajectory
+    t = evaluation.record
     force = t.inner_force if t.inner_force is not None else evaluation.budget.law_force
     most, static = float(force.max()), float(statics.force.max())
     if most <= 0.0 or static <= 0.0:

@@ -1,4 +1,4 @@
-"""Where the inner ring's centre goes and how the load passes from roller to roller, beside the Lagrangian statics."""
+"""Figures of loads, motion and energy: the hub's path, loads around the bearing and on one roller, energy balance."""
 
 from pathlib import Path
 
@@ -6,19 +6,33 @@ import numpy as np
 
 from residual.budget import load_zones
 from residual.evaluation import Evaluation
-from residual.figures import chosen_roller
-from residual.plotting import BLUE, GREY, ORANGE, RED, WIDTH, Drawn, panels, plt, save
-from residual.quasistatic import QuasiStatic
-from residual.trajectory import Trajectory
+from residual.paper_figures import chosen_roller
+from residual.plotting import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    RED,
+    WIDTH,
+    SavedFigure,
+    legend_above,
+    panels,
+    plt,
+    save,
+)
+from residual.quasistatic import QuasiStatic, angle_from_load
+from residual.record import Record
+from residual.sources import ENERGIES
 from residual.words import text
 
-MOST_POINTS = 20_000
+MOST_POINTS = 20_000  # of a scatter plot: more hide each other
 SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 
 
-def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> Drawn:
-    """The hub's path and that of the Lagrangian model's equilibria, each about its own middle."""
-    t = evaluation.trajectory
+def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> SavedFigure:
+    """Draw the hub's path and that of the Lagrangian model's equilibria, each about its own middle."""
+    t = evaluation.record
     figure, axes = plt.subplots(figsize=(WIDTH, 4.6))
     middle = 1e6 * np.array([t.inner_x.mean(), t.inner_y.mean()])
     axes.plot(1e6 * t.inner_x - middle[0], 1e6 * t.inner_y - middle[1], color=BLUE, linewidth=0.6, alpha=0.8,
@@ -34,13 +48,13 @@ def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Pa
         )
     axes.set(xlabel="x less its mean, µm", ylabel="y less its mean, µm")
     axes.set_aspect("equal", adjustable="datalim")
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.2)
+    legend_above(axes, 2)
     return save(figure, folder, "orbit", "Orbit of the inner ring", caption)
 
 
-def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> Drawn:
-    """Inner contact force around the bearing, polar, the load downwards."""
-    t, budget = evaluation.trajectory, evaluation.budget
+def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> SavedFigure:
+    """Draw the inner contact force around the bearing in polar coordinates, the load downwards."""
+    t, budget = evaluation.record, evaluation.budget
     told = t.inner_force is not None
     force = t.inner_force if told else budget.law_force
     stride = max(1, force.size // MOST_POINTS)
@@ -68,9 +82,78 @@ def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folde
     return save(figure, folder, "load_distribution", "Load distribution", caption + ".")
 
 
-def passage_figure(evaluation: Evaluation, folder: Path) -> Drawn | None:
-    """The forces on one roller through the load zone; None where it never passes or the run tells no forces."""
-    t = evaluation.trajectory
+def roller_loads(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the law's and the run's inner contact forces over the roller's angle from the load line."""
+    t, budget = evaluation.record, evaluation.budget
+    stride = max(1, budget.law_force.size // MOST_POINTS)
+    rows = slice(None, None, stride)
+    contacts = budget.contacts
+    angle = np.degrees(angle_from_load(np.arctan2(-contacts.direction_y[rows], -contacts.direction_x[rows])))
+    told = t.inner_force is not None
+    figure, axes = panels(2 if told else 1, 5.6 if told else 3.8)
+    axis = axes[0]
+    style = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
+    axis.plot(angle.ravel(), budget.law_force[rows].ravel(), color=RED, label=f"law: {evaluation.law.name}", **style)
+    if told:
+        axis.plot(angle.ravel(), t.inner_force[rows].ravel(), color=BLUE, label="run's own contact force", **style)
+        closed = budget.loaded[rows]
+        miss = (t.inner_force - budget.law_force)[rows]
+        axes[1].plot(angle[closed], miss[closed], color=PURPLE, **style)
+        axes[1].set_ylabel("run − law, closed contacts, N")
+    axis.set_ylabel("inner contact force, N")
+    axes[-1].set_xlabel("roller's angle from the load line, degrees")
+    axis.set_xlim(-180.0, 180.0)
+    axis.set_xticks(np.arange(-180, 181, 45))
+    axis.set_ylim(bottom=0.0)
+    axis.legend(loc="upper left", markerscale=5)
+    caption = (
+        "Contact force between the inner ring and each roller, all rollers and times, over the roller's angle from "
+        "the load line (counter-clockwise)."
+    ) + (" Below: how far the law misses the closed contacts." if told else "")
+    return save(figure, folder, "loads", "Loads of the rollers", caption)
+
+
+def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the changes of energies and works since the first sample, and what does not add up."""
+    t = evaluation.record
+    names = {
+        "energy_kinetic": ("kinetic", BLUE),
+        "energy_elastic": ("elastic", RED),
+        "energy_contact": ("contact", PURPLE),
+        "work_external": ("external work", GREEN),
+        "work_dissipated": ("dissipated", GREY),
+    }
+    figure, axes = panels(2, 4.8)
+    for key, (label, colour) in names.items():
+        change = t.energies[key] - t.energies[key][0]
+        axes[0].plot(1e3 * t.time, 1e3 * change, label=label, color=colour)
+    axes[0].margins(x=0.0)
+    axes[0].set_ylabel("change, mJ")
+    legend_above(axes[0], 5, columnspacing=1.2)
+    imbalance = energy_imbalance(t.energies)
+    scale = float(np.mean(t.energies["energy_elastic"] + t.energies["energy_contact"]))
+    axes[1].plot(1e3 * t.time, 1e6 * imbalance, color="black")
+    axes[1].set(xlabel="time, ms", ylabel="imbalance, µJ")
+    share = (
+        f"; at most {100 * np.max(np.abs(imbalance)) / scale:.2g} % of the mean strain energy" if scale > 0.0 else ""
+    )
+    caption = (
+        "Energies and works since the first sample shown. Imbalance: kinetic + elastic + contact − external work + "
+        f"dissipated, all as changes{share}."
+    )
+    return save(figure, folder, "energy", "Energy balance of the run", caption)
+
+
+def energy_imbalance(energies) -> np.ndarray:
+    """Change of the energies minus external work plus dissipation since the first sample, J, (n_times,)."""
+    total = energies["energy_kinetic"] + energies["energy_elastic"] + energies["energy_contact"]
+    total = total - energies["work_external"] + energies["work_dissipated"]
+    return total - total[0]
+
+
+def passage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
+    """Draw the forces on one roller through the load zone; None where it never passes or the source holds no forces."""
+    t = evaluation.record
     j = chosen_roller(evaluation.budget.loaded, evaluation.chatter)
     zones = load_zones(evaluation.budget.loaded[:, j], evaluation.chatter)
     angle = np.degrees(np.unwrap(_from_load(t)[:, j]))
@@ -89,7 +172,7 @@ def passage_figure(evaluation: Evaluation, folder: Path) -> Drawn | None:
                  label=f"law {evaluation.law.name}, inner")  # fmt: skip
     axes[0].set_ylabel("normal force, N")
     axes[0].set_ylim(bottom=0.0)
-    axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.2)
+    legend_above(axes[0], 3)
     caption = (
         f"Roller {j} on its way through the load zone, {text(1e3 * t.time[first])} to {text(1e3 * t.time[last])} ms: "
         "normal forces of both raceways (the outer one also carries the centrifugal force) and what the law makes of "
@@ -105,13 +188,17 @@ def passage_figure(evaluation: Evaluation, folder: Path) -> Drawn | None:
     return save(figure, folder, "passage", f"Roller {j} through the load zone", caption + ".")
 
 
-def _from_load(t: Trajectory) -> np.ndarray:
-    """Angle of every roller about the outer ring's centre from the load line, −π … π, (n_times, n_rollers)."""
-    return np.mod(np.arctan2(t.roller_y, t.roller_x) + 1.5 * np.pi, 2.0 * np.pi) - np.pi
+def _from_load(t: Record) -> np.ndarray:
+    """Angle of every roller about the outer ring's centre from the load line, (n_times, n_rollers)."""
+    return angle_from_load(np.arctan2(t.roller_y, t.roller_x))
 
 
-def motion_figures(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> list[Drawn]:
-    """Those the run has the data for."""
-    passage = passage_figure(evaluation, folder)
+def motion_figures(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> list[SavedFigure]:
+    """Draw those figures that the run has the data for."""
     drawn = [orbit_figure(evaluation, statics, folder), load_distribution(evaluation, statics, folder)]
-    return drawn if passage is None else [*drawn, passage]
+    passage = passage_figure(evaluation, folder)
+    drawn += [] if passage is None else [passage]
+    drawn.append(roller_loads(evaluation, folder))
+    if set(ENERGIES) <= set(evaluation.record.energies):
+        drawn.append(energy_balance(evaluation, folder))
+    return drawn

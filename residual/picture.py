@@ -1,4 +1,4 @@
-"""A picture of the run that render-fem has drawn beside it, to be shown in the report."""
+"""The picture of the run that render-fem has drawn beside it, for the report."""
 
 import base64
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ class Picture:
 
 
 def picture_of(run: Path) -> Picture | None:
-    """`<run>.png` beside a result file, if it is of that run and not older; it says so in its text."""
+    """Read `<run>.png` beside a result file, if it is of that run, as its text says, and not older."""
     path = run.with_suffix(".png")
     try:
         if path.stat().st_mtime < run.stat().st_mtime or path.stat().st_size > LARGEST:

@@ -1,4 +1,4 @@
-"""One look for all figures: style, colours, kinematic lines, saving as PNG and SVG."""
+"""What gives all figures one look: style, colours, marks of kinematic lines, files in PNG and SVG."""
 
 import re
 from dataclasses import dataclass
@@ -56,8 +56,8 @@ STYLE = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Drawn:
-    """A figure on disk."""
+class SavedFigure:
+    """A figure that has been written, with its title and caption."""
 
     name: str
     title: str
@@ -67,7 +67,7 @@ class Drawn:
 
 
 def panels(n_rows: int, height: float, **keywords):
-    """A figure of rows that share their x axis, and its axes."""
+    """Make a figure of rows that share their x axis; the figure and its axes."""
     figure, axes = plt.subplots(n_rows, 1, figsize=(WIDTH, height), sharex=True, **keywords)
     axes = np.atleast_1d(axes)
     if n_rows > 1:
@@ -76,7 +76,7 @@ def panels(n_rows: int, height: float, **keywords):
 
 
 def panels_beside(n_rows: int, height: float):
-    """As `panels`, each row with a slim axis at its right for `beside_paper`: (axes, slim axes)."""
+    """Make `panels` with a slim axis at the right of each row for `beside_paper`: figure, axes, slim axes."""
     figure, axes = plt.subplots(
         n_rows, 2, figsize=(WIDTH, height), sharex="col", width_ratios=(SLIM, 1.0), squeeze=False
     )
@@ -92,7 +92,7 @@ def panels_beside(n_rows: int, height: float):
 
 
 def beside_paper(axis, paper: tuple[float, float], ours: np.ndarray) -> None:
-    """The range the paper's figure shows as a band, and ours as a bar, on one scale of its own."""
+    """Draw the range that the paper's figure shows as a band, and ours as a bar, on a scale of their own."""
     low, high = float(np.min(ours)), float(np.max(ours))
     bottom, top = min(low, paper[0]), max(high, paper[1])
     margin = 0.08 * (top - bottom)
@@ -106,32 +106,32 @@ def beside_paper(axis, paper: tuple[float, float], ours: np.ndarray) -> None:
 
 
 def name_slim(axis) -> None:
-    """Say above the first slim axis what its band and its bar are."""
+    """Write above the first slim axis what its band and its bar are."""
     for x, word, colour, side in ((-0.12, "paper", "#8A5A00", "left"), (1.12, "run", BLUE, "right")):
         axis.annotate(word, (x, 1.02), xycoords="axes fraction", fontsize=8.5, color=colour, va="bottom", ha=side)
 
 
-def save(figure, folder: Path, name: str, title: str, caption: str) -> Drawn:
+def save(figure, folder: Path, name: str, title: str, caption: str) -> SavedFigure:
     """Write one figure as PNG and SVG, without a date, so that the same run gives the same files."""
     png, svg = folder / f"{name}.png", folder / f"{name}.svg"
     figure.savefig(png, dpi=DPI, metadata={"Software": None, "Title": title})
     figure.savefig(svg, metadata={"Date": None, "Title": title}, dpi=DPI)
     plt.close(figure)
-    return Drawn(name=name, title=title, caption=caption, png=png, svg=svg)
+    return SavedFigure(name=name, title=title, caption=caption, png=png, svg=svg)
 
 
-def term_label(name: str) -> str:
-    """A budget term's name as words."""
-    return name.replace("_", " ")
+def legend_above(axis, columns: int, left: float = 0.0, **style) -> None:
+    """Put an axis' legend above it, its left edge a share of the axis' width to the right of the axis' own."""
+    axis.legend(loc="lower left", bbox_to_anchor=(left, 1.0), ncols=columns, **{"borderaxespad": 0.2, **style})
 
 
 def family(line: str) -> str:
-    """Kinematic line a harmonic or sideband belongs to: "3×BPFO", "2×BPFO+shaft" -> "BPFO"."""
+    """Kinematic line that a harmonic or sideband belongs to: "3×BPFO", "2×BPFO+shaft" -> "BPFO"."""
     return re.split("[+−]", line)[0].rpartition("×")[2]
 
 
 def mark_lines(axis, lines: dict[str, float], low: float, high: float, labels: bool) -> list[str]:
-    """Vertical marks at the kinematic lines within low … high, Hz; the families drawn."""
+    """Mark the kinematic lines within low … high, Hz, by vertical lines; the families drawn."""
     shown = sorted((f, name) for name, f in lines.items() if low <= f <= high)
     previous, level = -np.inf, 0
     for frequency, name in shown:
@@ -158,7 +158,7 @@ def mark_lines(axis, lines: dict[str, float], low: float, high: float, labels: b
 
 
 def line_handles(families: list[str], lines: dict[str, float]):
-    """Legend entries of kinematic lines."""
+    """Make the legend's entries of kinematic lines."""
     from matplotlib.lines import Line2D
 
     return [

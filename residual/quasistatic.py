@@ -1,4 +1,4 @@
-"""The Lagrangian model standing still at every angle the rollers pass: what motion alone adds to is seen beside it."""
+"""Equilibria of the Lagrangian model at every angle the rollers pass: beside them one sees what motion adds."""
 
 from dataclasses import dataclass
 from math import pi
@@ -8,7 +8,7 @@ import numpy as np
 from lagrange import contact_laws, static_equilibrium
 from lagrange.kinematics import roller_angles
 from lagrange.raceway_laws import law_names
-from residual.trajectory import Trajectory
+from residual.record import Record
 
 PHASES = 24  # of one roller pitch
 
@@ -24,9 +24,14 @@ class QuasiStatic:
     force: np.ndarray  # (n,), N, of the inner contact
 
 
-def quasi_static(trajectory: Trajectory, law: str) -> QuasiStatic | None:
-    """Equilibria with a named law, or where it was fitted to the run the usual one; None where there is none."""
-    bearing, operation = trajectory.bearing, trajectory.operation
+def angle_from_load(angle):
+    """Angle from the load line, −y, counter-clockwise, −π … π, of an angle from x, rad."""
+    return np.mod(angle + 1.5 * pi, 2.0 * pi) - pi
+
+
+def quasi_static(record: Record, law: str) -> QuasiStatic | None:
+    """Equilibria with a named law, for a fitted law with the usual one; None where there is no equilibrium."""
+    bearing, operation = record.bearing, record.operation
     known = law_names(bearing)
     name = law if law in known else known[0]
     laws = contact_laws(name, bearing)
@@ -39,7 +44,7 @@ def quasi_static(trajectory: Trajectory, law: str) -> QuasiStatic | None:
         except RuntimeError:
             return None
         start = found[-1].x, found[-1].y
-    away = np.concatenate([np.mod(each.theta + 1.5 * pi, 2.0 * pi) - pi for each in found])
+    away = np.concatenate([angle_from_load(each.theta) for each in found])
     order = np.argsort(away)
     return QuasiStatic(
         law=name,

@@ -13,32 +13,32 @@ from residual.law_tables import fit_sentences, ranking_rows, ranking_span
 from residual.line_tables import level_rows, watched_rows
 from residual.meaning import meaning
 from residual.picture import picture_of
-from residual.plotting import Drawn
+from residual.plotting import SavedFigure
 from residual.quasistatic import QuasiStatic
 from residual.tables import (
     budget_rows,
     error_rows,
-    estimate_rows,
     honest_notes,
     paper_rows,
     peak_rows,
+    stated_error_rows,
     verdict,
 )
 from residual.words import text
 
 TEMPLATES = Path(__file__).parent / "templates"
-MOTION = ("orbit", "load_distribution", "passage", "loads", "energy")  # figures of loads and motion
+GROUPS = ("paper", "motion", "budget")  # of figures, each with a place of its own on the page
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 
 def render_report(
     evaluation: Evaluation,
-    figures: list[Drawn],
+    figures: dict[str, list[SavedFigure]],
     tolerance: float | None,
     version: str,
     statics: QuasiStatic | None = None,
 ) -> str:
-    """The page's HTML text."""
+    """Write the page's HTML text."""
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES),
         autoescape=True,
@@ -46,7 +46,7 @@ def render_report(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    t = evaluation.trajectory
+    t = evaluation.record
     return environment.get_template("report.html.j2").render(
         name=t.name,
         version=version,
@@ -60,18 +60,16 @@ def render_report(
         laws=ranking_rows(evaluation),
         laws_span=ranking_span(evaluation),
         unfitted=evaluation.unfitted,
-        peaks=[("x", peak_rows(evaluation.peaks_x)), ("y", peak_rows(evaluation.peaks_y))],
+        peaks=[(direction.name, peak_rows(direction.peaks)) for direction in evaluation.directions],
         levels=level_rows(evaluation),
         watched=watched_rows(evaluation),
         lines=[(name, text(f)) for name, f in evaluation.lines.items() if "×" not in name],
         notes=honest_notes(evaluation),
         meaning=meaning(evaluation, statics),
-        estimates=estimate_rows(evaluation),
+        stated_errors=stated_error_rows(evaluation),
         picture=picture_of(t.source) if t.attributes else None,
-        paper_figures=[(f, _embedded(f)) for f in figures if f.name.startswith("fig")],
-        motion_figures=[(f, _embedded(f)) for f in figures if f.name in MOTION],
-        detail_figures=[(f, _embedded(f)) for f in figures if not f.name.startswith("fig") and f.name not in MOTION],
-        resolution=text(evaluation.spectrum_x.resolution),
+        **{f"{group}_figures": [(f, _embedded(f)) for f in figures.get(group, ())] for group in GROUPS},
+        resolution=text(evaluation.x.spectrum.resolution),
         spectra=Markup(spectra_json(evaluation)),
         plot_style=_vendored("uPlot.min.css"),
         plot_library=_vendored("uPlot.iife.min.js"),
@@ -81,13 +79,13 @@ def render_report(
 
 
 def _vendored(name: str) -> Markup:
-    """A file of uPlot, for the page itself: it must open without a network."""
+    """Read a file of uPlot, which goes into the page itself: it must open without a network."""
     return Markup((TEMPLATES / "vendor" / name).read_text(encoding="utf-8"))
 
 
 def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
-    """Key numbers that are not errors."""
-    t = evaluation.trajectory
+    """Rows of the key facts of the run and the check."""
+    t = evaluation.record
     bearing, operation, scene = t.bearing, t.operation, t.scene
     low, high = evaluation.loaded_range
     facts = [
@@ -117,7 +115,7 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
 
 
 def _elements(bearing: Bearing) -> str:
-    """Kind and size of the rolling elements."""
+    """Name the kind and size of the rolling elements."""
     diameter = text(2e3 * bearing.roller_radius)
     if isinstance(bearing, BallBearing):
         return f"balls Ø {diameter} mm"
@@ -125,7 +123,7 @@ def _elements(bearing: Bearing) -> str:
 
 
 def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
-    """The run's cage speed beside that of rolling without slip; none for a standing bearing."""
+    """Row of the run's cage speed beside that of rolling without slip; none for a standing bearing."""
     if "FTF" not in evaluation.lines:
         return []
     cage, ideal = evaluation.lines["FTF"], evaluation.ideal_cage
@@ -135,8 +133,8 @@ def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
     ]
 
 
-def _embedded(figure: Drawn) -> str:
-    """The figure as a data address: vectors unless they are many and take more room than pixels."""
+def _embedded(figure: SavedFigure) -> str:
+    """Encode the figure as a data address: vectors unless they are many and take more room than pixels."""
     vectors, pixels = figure.svg.stat().st_size, figure.png.stat().st_size
     small = vectors <= LARGEST_SVG or vectors <= pixels
     path, kind = (figure.svg, "svg+xml") if small else (figure.png, "png")

@@ -1,10 +1,11 @@
-"""Irregular samples brought to equal steps."""
+"""Resampling of irregular samples at equal steps."""
 
 from pathlib import Path
 
 import numpy as np
 
-from residual.trajectory import FEWEST_SAMPLES, TIME_JITTER, InputError
+from residual.errors import InputError
+from residual.record import FEWEST_SAMPLES, TIME_JITTER
 
 DEGREE = 7  # of the spline: smoother than the highest order of differentiation needs
 LARGEST_GAP = 10.0  # of the median interval: nothing is made up across more
@@ -12,7 +13,7 @@ FORCES = ("inner_force", "outer_force", "inner_traction", "outer_traction")  # w
 
 
 def evenly_sampled(path: Path, arrays: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], str | None]:
-    """The same record on as many equal steps, and a note; unchanged and None where steps are equal already.
+    """Bring arrays to as many equal steps, with a note; unchanged and None where the steps are equal already.
 
     Errors
     ------

@@ -1,4 +1,4 @@
-"""The solver's result file (HDF5) -> `Trajectory`; tables are read in `table_source`."""
+"""Reader of the solver's result file (HDF5); tables are read in `table_source`."""
 
 from pathlib import Path
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from lagrange.scene import Scene, SceneError, parse_scene_text
 from lagrange.stored import SIGNATURE, Damaged, check_array, has, read_numbers, read_scene_text, refusal_in_child
-from residual.trajectory import FEWEST_SAMPLES, Estimate, InputError, Trajectory, checked
+from residual.errors import InputError
+from residual.record import FEWEST_SAMPLES, Record, StatedError, checked
 
 FORMAT_VERSION = 1
 LARGEST_READ = 4 * 2**30  # bytes of arrays held in memory
@@ -14,7 +15,7 @@ READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at lea
 READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times its size
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
-MOST_ESTIMATES, LONGEST_WORDS = 1000, 2000
+MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
 ATTRIBUTES = (
     "scene", "committed_samples", "format_version", "program", "program_version", "status", "warnings", "mesh_nodes",
     "degrees_of_freedom", "time_step", "critical_time_step", "steps", "wall_seconds", "setup_seconds",
@@ -23,8 +24,8 @@ SOLVER = "run-fem"  # attribute `program`: of a file that holds all variables
 ENERGIES = ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")
 
 
-def read_result(path: str | Path) -> Trajectory:
-    """A run's result file, up to its last committed sample.
+def read_result(path: str | Path) -> Record:
+    """Read a run's result file up to its last committed sample.
 
     Errors
     ------
@@ -43,7 +44,7 @@ def read_result(path: str | Path) -> Trajectory:
     return _read(path)
 
 
-def _read(path: Path) -> Trajectory:
+def _read(path: Path) -> Record:
     import h5py
 
     try:
@@ -60,8 +61,8 @@ def _read(path: Path) -> Trajectory:
         raise InputError(f"{path}: damaged or truncated HDF5 file ({reason}); run the simulation again") from None
 
 
-def _from_file(path: Path, file) -> Trajectory:
-    """Unchecked trajectory of an open result file."""
+def _from_file(path: Path, file) -> Record:
+    """Read an open result file; the record is not checked yet."""
     attributes = {name: _plain(file.attrs[name]) for name in ATTRIBUTES if name in file.attrs}
     for name in ("status", "warnings", "program_version"):  # they are printed
         if name in attributes:
@@ -96,14 +97,14 @@ def _from_file(path: Path, file) -> Trajectory:
         notes.append(f"the run is not complete (status: {status}); its first {n} samples are used")
     elif file["time"].shape[0] > n:
         notes.append(f"only the first {n} of {file['time'].shape[0]} samples are committed")
-    return Trajectory(
+    return Record(
         name=path.stem, source=path, scene=scene, energies=energies, attributes=attributes,
-        estimates=_estimates(file), notes=tuple(notes), precision=float(coarsest), **arrays,
+        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **arrays,
     )  # fmt: skip
 
 
-def _estimates(file) -> tuple[Estimate, ...]:
-    """Error estimates, where `run-fem --estimate-error` has left any."""
+def _stated_errors(file) -> tuple[StatedError, ...]:
+    """Read the errors that `run-fem --estimate-error` has stated in the file."""
     names = ("quantity_meaning", "quantity_unit", "quantity_value", "quantity_error")
     if not all(has(file, name) for name in names):
         return ()
@@ -111,22 +112,22 @@ def _estimates(file) -> tuple[Estimate, ...]:
     for name in names:
         numbers = name in ("quantity_value", "quantity_error")
         check_array(file, name, 0, kinds="f" if numbers else "OS", dimensions=(1,))
-        if len(file[name]) > MOST_ESTIMATES:
-            raise Damaged(f"{name} holds {len(file[name])} values, at most {MOST_ESTIMATES} are read")
+        if len(file[name]) > MOST_STATED_ERRORS:
+            raise Damaged(f"{name} holds {len(file[name])} values, at most {MOST_STATED_ERRORS} are read")
         columns.append([_plain(value) if numbers else _words(_plain(value)) for value in file[name][:]])
     return tuple(
-        Estimate(meaning=meaning, unit=unit, value=value, error=error)
+        StatedError(meaning=meaning, unit=unit, value=value, error=error)
         for meaning, unit, value, error in zip(*columns, strict=True)
     )
 
 
 def _words(value: object) -> str:
-    """Text fit to be printed."""
+    """Make text fit to be printed."""
     return "".join(c if c.isprintable() or c == "\n" else "?" for c in str(value)[:LONGEST_WORDS])
 
 
 def _check_size(path: Path, file, names: list[str], n: int, scene: Scene) -> None:
-    """Kinds, shapes and sizes, before anything is read."""
+    """Refuse wrong kinds, shapes and sizes before anything is read."""
     size = 0
     for name in names:
         check_array(file, name, n)
@@ -150,7 +151,7 @@ def is_result(path: Path) -> bool:
 
 
 def check_readable(path: Path) -> None:
-    """The commonest mistakes, said plainly."""
+    """Refuse what is plainly no result file or table: missing, empty, unreadable, misnamed."""
     if not path.exists():
         raise InputError(f"{path}: no such file; give the path of a result file or a table, or run run-fem first")
     if not path.is_file():
@@ -167,7 +168,7 @@ def check_readable(path: Path) -> None:
 
 
 def _plain(value):
-    """An HDF5 attribute as a plain Python value."""
+    """Convert an HDF5 attribute into a plain Python value."""
     if isinstance(value, bytes):
         return value.decode("utf-8", errors="replace")
     if isinstance(value, np.generic):

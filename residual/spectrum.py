@@ -9,7 +9,7 @@ from lagrange.kinematics import Kinematics
 WINDOW = "hann"
 MAIN_LOBE = 2.0  # half-width of the Hann window's main lobe, in bins: nearer than this two lines are one peak
 HARMONICS = {"shaft": 3, "FTF": 1, "BSF": 1, "BPFO": 5, "BPFI": 5}
-# of the slowest line: a longer record is averaged (Welch) instead of resolved further
+# of the slowest line: a longer signal is averaged (Welch) instead of resolved further
 REVOLUTIONS_PER_SEGMENT = 40
 FALSE_PEAKS = 0.01  # expected number of peaks that noise alone would show, had it a known background
 DYNAMIC_RANGE = 1e-8  # peaks this far below the largest are leakage or round-off
@@ -24,10 +24,10 @@ class Spectrum:
     frequency: np.ndarray  # (n_frequencies,), Hz
     psd: np.ndarray  # (n_frequencies,), N²/Hz
     resolution: float  # 1/(length of a segment), Hz
-    segments: int  # 1: the whole record as one periodogram
+    segments: int  # 1: the whole signal as one periodogram
 
     def band_rms(self, low: float, high: float) -> float:
-        """Rms of the record in the band low … high, Hz, in N: the root of the density's sum over its bins."""
+        """Rms of the signal in the band low … high, Hz, in N: the root of the density's sum over its bins."""
         inside = (self.frequency >= low) & (self.frequency <= high)
         return float(np.sqrt(np.sum(self.psd[inside]) * self.resolution))
 
@@ -57,33 +57,33 @@ def kinematic_lines(kinematics: Kinematics) -> dict[str, float]:
     return lines
 
 
-def power_spectrum(record, interval: float, slowest_line: float = 0.0) -> Spectrum:
-    """One-sided PSD, mean removed, Hann window.
+def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectrum:
+    """One-sided power spectral density of a signal, its mean removed, with a Hann window.
 
-    The whole record is one periodogram, for the finest resolution, unless it is longer than two segments of
+    The whole signal is one periodogram, for the finest resolution, unless it is longer than two segments of
     40 periods of `slowest_line`, Hz; then such segments are averaged (Welch, half overlapped).
 
     Parameters
     ----------
-    record : ndarray, (n_times,), N
+    signal : ndarray, (n_times,), N
     interval : float, s
 
     Errors
     ------
     The integral is the variance weighted by the squared window: equal to the variance for a stationary
-    record. A bin half-way off a line reads up to 30 % low in density; the rms over the main lobe does not.
+    signal. A bin half-way off a line reads up to 30 % low in density; the rms over the main lobe does not.
     """
     from scipy.signal import welch  # costs a second to import
 
-    record = np.asarray(record, dtype=float)
-    n = record.size
+    signal = np.asarray(signal, dtype=float)
+    n = signal.size
     length = n
     if slowest_line > 0.0:
         wanted = int(np.ceil(REVOLUTIONS_PER_SEGMENT / slowest_line / interval))
         if n >= 2 * wanted:
             length = wanted
     frequency, psd = welch(
-        record - record.mean(), fs=1.0 / interval, window=WINDOW, nperseg=length, noverlap=length // 2,
+        signal - signal.mean(), fs=1.0 / interval, window=WINDOW, nperseg=length, noverlap=length // 2,
         detrend="constant", scaling="density",
     )  # fmt: skip
     segments = 1 + (n - length) // (length - length // 2)
@@ -91,7 +91,7 @@ def power_spectrum(record, interval: float, slowest_line: float = 0.0) -> Spectr
 
 
 def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> list[Peak]:
-    """Significant peaks, highest first.
+    """Find significant peaks, highest first.
 
     A peak must exceed the smooth background by more than exponentially distributed bins of noise do, and
     stand clear of its neighbours by a factor 4. Noise alone shows a peak in about one of twenty spectra.
@@ -142,7 +142,7 @@ def _background(frequency: np.ndarray, level: np.ndarray) -> np.ndarray:
 
 
 def _describe(spectrum: Spectrum, i: int, step: float, lines: dict[str, float]) -> Peak:
-    """The peak at bin `i`, named."""
+    """Describe and name the peak at bin `i`."""
     frequency = _interpolate(spectrum.psd, i) * step
     near = sorted((abs(value - frequency), name) for name, value in lines.items())
     line = near[0][1] if near and near[0][0] <= step else None

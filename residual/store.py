@@ -1,4 +1,4 @@
-"""The report folder: residual.nc, summary.json, figures, report.html; it appears whole or not at all."""
+"""Writer of the report folder, residual.nc, summary.json, figures, report.html, which appears whole or not at all."""
 
 import json
 import os
@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from residual.errors import InputError
 from residual.evaluation import Evaluation, term_spectra
 from residual.summary import PROGRAM, summarise
-from residual.trajectory import InputError
+from residual.words import words
 
 OURS = {"residual.nc", "summary.json", "report.html"}
 
@@ -26,7 +27,7 @@ def package_version() -> str:
 
 
 def write_report(evaluation: Evaluation, folder: str | Path, tolerance: float | None = None) -> dict:
-    """Write the report folder and give back the summary.
+    """Write the report folder and return the summary.
 
     Parameters
     ----------
@@ -92,22 +93,24 @@ def _move_into_place(fresh: Path, folder: Path) -> None:
 
 
 def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict:
-    """Every file of the report."""
+    """Write every file of the report."""
     import matplotlib.pyplot as plt
 
-    from residual.budget_figures import detail_figures
-    from residual.diagnostics import extra_figures
-    from residual.figures import paper_figures
+    from residual.budget_figures import budget_figures
     from residual.motion_figures import motion_figures
+    from residual.paper_figures import paper_figures
     from residual.plotting import STYLE
     from residual.quasistatic import quasi_static
     from residual.report import render_report
 
     version = package_version()
-    statics = quasi_static(evaluation.trajectory, evaluation.law.name)
+    statics = quasi_static(evaluation.record, evaluation.law.name)
     with plt.rc_context(STYLE):
-        figures = paper_figures(evaluation, folder) + motion_figures(evaluation, statics, folder)
-        figures += extra_figures(evaluation, folder) + detail_figures(evaluation, folder)
+        figures = {
+            "paper": paper_figures(evaluation, folder),
+            "motion": motion_figures(evaluation, statics, folder),
+            "budget": budget_figures(evaluation, folder),
+        }
     _write_arrays(evaluation, folder / "residual.nc", version)
     page = render_report(evaluation, figures, tolerance, version, statics)
     (folder / "report.html").write_text(page, encoding="utf-8")
@@ -119,42 +122,47 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
 
 
 def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
-    """residual.nc: HDF5 with dimension scales, which is NetCDF-4."""
+    """Write residual.nc: HDF5 with dimension scales, which is NetCDF-4."""
     import h5py
 
-    t, budget = evaluation.trajectory, evaluation.budget
+    t, budget = evaluation.record, evaluation.budget
     series = {
-        "error_x": (budget.error_x, "left side of equation (22)"),
-        "error_y": (budget.error_y, "left side of equation (23), load moved over"),
+        "error_x": (budget.x.error, "left side of equation (22)"),
+        "error_y": (budget.y.error, "left side of equation (23), load moved over"),
     }
-    for axis in "xy":
-        for name, value in getattr(budget, f"terms_{axis}").items():
-            series[f"budget_{axis}_{name}"] = (value, f"{name.replace('_', ' ')} term of error_{axis}")
-        momentum = getattr(budget, f"momentum_{axis}")
-        if momentum is not None:
-            series[f"momentum_{axis}"] = (momentum, f"error_{axis} with the run's own contact forces")
+    for d in evaluation.directions:
+        for name, term in d.budget.terms.items():
+            series[f"budget_{d.name}_{name}"] = (term, f"{words(name)} term of error_{d.name}")
+        if d.budget.momentum is not None:
+            series[f"momentum_{d.name}"] = (d.budget.momentum, f"error_{d.name} with the run's own contact forces")
     with h5py.File(path, "w", track_order=True) as file:
         _scale(file, "time", t.time, "s", "time")
-        _scale(file, "frequency", evaluation.spectrum_x.frequency, "Hz", "frequency")
+        _scale(file, "frequency", evaluation.x.spectrum.frequency, "Hz", "frequency")
         for name, (value, long_name) in series.items():
             _variable(file, name, value, "time", "N", long_name)
         count = np.sum(budget.loaded, axis=1).astype(np.int32)
         _variable(file, "loaded_rollers", count, "time", "1", "rollers in the load zone")
-        for axis in "xy":
-            psd = getattr(evaluation, f"spectrum_{axis}").psd
-            _variable(file, f"psd_{axis}", psd, "frequency", "N2 Hz-1", f"one-sided PSD of error_{axis}")
-            for name, spectrum in term_spectra(evaluation, axis).items():
-                words = f"one-sided PSD of the {name.replace('_', ' ')} term of error_{axis}"
-                _variable(file, f"psd_{axis}_{name}", spectrum.psd, "frequency", "N2 Hz-1", words)
-            found = getattr(evaluation, f"envelope_{axis}")
-            if found is not None:
-                words = f"one-sided PSD of the envelope of error_{axis}, {found.low:.4g} to {found.high:.4g} Hz"
-                _variable(file, f"envelope_psd_{axis}", found.spectrum.psd, "frequency", "N2 Hz-1", words)
+        for name, (psd, of) in _densities(evaluation).items():
+            _variable(file, name, psd, "frequency", "N2 Hz-1", f"one-sided PSD of {of}")
         file.attrs.update(
             program=PROGRAM, program_version=version, run=t.name, law=evaluation.law.name,
             order=evaluation.order,
-            frequency_resolution_Hz=evaluation.spectrum_x.resolution, window="hann", scene=t.scene.to_toml(),
+            frequency_resolution_Hz=evaluation.x.spectrum.resolution, window="hann", scene=t.scene.to_toml(),
         )  # fmt: skip
+
+
+def _densities(evaluation: Evaluation) -> dict[str, tuple[np.ndarray, str]]:
+    """Power spectral densities, N²/Hz, and what each is of, by the variable's name."""
+    found = {}
+    for d in evaluation.directions:
+        error = f"error_{d.name}"
+        found[f"psd_{d.name}"] = d.spectrum.psd, error
+        for name, spectrum in term_spectra(evaluation, d).items():
+            found[f"psd_{d.name}_{name}"] = spectrum.psd, f"the {words(name)} term of {error}"
+        if d.envelope is not None:
+            band = f"{d.envelope.low:.4g} to {d.envelope.high:.4g} Hz"
+            found[f"envelope_psd_{d.name}"] = d.envelope.spectrum.psd, f"the envelope of {error}, {band}"
+    return found
 
 
 def _scale(file, name: str, value, units: str, long_name: str) -> None:

@@ -1,11 +1,12 @@
-"""The numbers of summary.json, units in their names."""
+"""The numbers of summary.json, with their units in their names."""
 
 import numpy as np
 
 from residual.comparison import LawScore
-from residual.evaluation import Evaluation, Statistics
+from residual.evaluation import Evaluation
 from residual.identification import CONFIDENCE, Identification
 from residual.lines import LineLevel
+from residual.moments import Statistics, rms
 from residual.spectrum import Peak
 from residual.tables import floor_newtons
 
@@ -13,8 +14,8 @@ PROGRAM = "check-residual"
 
 
 def summarise(evaluation: Evaluation, tolerance: float | None, version: str) -> dict:
-    """The numbers of summary.json: each budget term's rms; `budget_mean_*` add up to the error's mean."""
-    t, budget = evaluation.trajectory, evaluation.budget
+    """Content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
+    t, directions = evaluation.record, evaluation.directions
     low, high = evaluation.loaded_range
     floors = floor_newtons(evaluation)
     summary = {
@@ -27,16 +28,13 @@ def summarise(evaluation: Evaluation, tolerance: float | None, version: str) -> 
         "interval_s": t.interval,
         "start_s": evaluation.start,
         "order": evaluation.order,
-        "error_x": _statistics(evaluation.error_x),
-        "error_y": _statistics(evaluation.error_y),
-        "frequency_resolution_Hz": evaluation.spectrum_x.resolution,
-        "segments": evaluation.spectrum_x.segments,
+        **_errors((evaluation.x.error, evaluation.y.error)),
+        "frequency_resolution_Hz": evaluation.x.spectrum.resolution,
+        "segments": evaluation.x.spectrum.segments,
         "kinematic_lines_Hz": evaluation.lines,
         "cage_Hz": {"observed": evaluation.lines.get("FTF", 0.0), "rolling_without_slip": evaluation.ideal_cage},
-        "peaks_x": [_peak(p) for p in evaluation.peaks_x],
-        "peaks_y": [_peak(p) for p in evaluation.peaks_y],
-        "lines_x": [_level(level) for level in evaluation.levels_x],
-        "lines_y": [_level(level) for level in evaluation.levels_y],
+        **{f"peaks_{d.name}": [_peak(peak) for peak in d.peaks] for d in directions},
+        **{f"lines_{d.name}": [_level(level) for level in d.levels] for d in directions},
         "watched": [{"x": _level(x), "y": _level(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": {"x": floors[0], "y": floors[1]},
@@ -47,21 +45,23 @@ def summarise(evaluation: Evaluation, tolerance: float | None, version: str) -> 
     summary["laws"] = [_score(score) for score in evaluation.laws]
     found = evaluation.identification
     summary["identification"] = None if found is None else _identification(found, t.time, evaluation.judged)
-    for axis in "xy":
-        terms = dict(getattr(budget, f"terms_{axis}"))
-        summary[f"budget_mean_{axis}"] = {name: float(np.mean(v)) for name, v in terms.items()}
-        momentum = getattr(budget, f"momentum_{axis}")
+    for d in directions:
+        terms, momentum = dict(d.budget.terms), d.budget.momentum
+        summary[f"budget_mean_{d.name}"] = {name: float(np.mean(v)) for name, v in terms.items()}
         if momentum is not None:
             terms["momentum"] = momentum
-            summary[f"momentum_{axis}"] = _statistics(Statistics.of(momentum))
-        summary[f"budget_{axis}"] = {name: Statistics.of(v).rms for name, v in terms.items()}
-        away = getattr(evaluation, f"away_{axis}")
-        summary[f"away_from_contact_changes_{axis}"] = None if away is None else _statistics(away)
+            summary[f"momentum_{d.name}"] = _statistics(Statistics.of(momentum))
+        summary[f"budget_{d.name}"] = {name: rms(v) for name, v in terms.items()}
+        summary[f"away_from_contact_changes_{d.name}"] = None if d.away is None else _statistics(d.away)
     return summary
 
 
 def _statistics(s: Statistics) -> dict[str, float]:
     return {"mean_N": s.mean, "rms_N": s.rms, "std_N": s.std, "max_abs_N": s.max_abs}
+
+
+def _errors(errors: tuple[Statistics, Statistics]) -> dict[str, dict[str, float]]:
+    return {"error_x": _statistics(errors[0]), "error_y": _statistics(errors[1])}
 
 
 def _level(level: LineLevel) -> dict:
@@ -80,14 +80,13 @@ def _level(level: LineLevel) -> dict:
 def _score(score: LawScore) -> dict:
     return {
         "law": score.name,
-        "error_x": _statistics(score.error_x),
-        "error_y": _statistics(score.error_y),
+        **_errors(score.errors),
         "contact_rms_N": score.contact_rms,
     }
 
 
 def _identification(found: Identification, time: np.ndarray, held_back) -> dict:
-    """The fit's numbers in SI, and the errors of the part of the record it did not see."""
+    """The fit's numbers in SI, and the errors on the part of the record it was not fitted to."""
 
     def interval(number):
         return None if number is None else {"value": number.value, "low": number.low, "high": number.high}
@@ -105,8 +104,7 @@ def _identification(found: Identification, time: np.ndarray, held_back) -> dict:
         "held_back": {
             "start_s": float(time[found.samples]),
             "samples": int(time.size - found.samples),
-            "error_x": _statistics(held_back[0]),
-            "error_y": _statistics(held_back[1]),
+            **_errors(held_back),
         },
     }
 

@@ -1,4 +1,4 @@
-"""Trajectory tables (CSV, TSV, semicolons): other people's data -> `Trajectory`."""
+"""Reader of trajectory tables (CSV, TSV, semicolons): other people's data."""
 
 import csv
 import warnings
@@ -8,25 +8,26 @@ import numpy as np
 
 from lagrange.scene import Scene
 from lagrange.scene_columns import Columns, per_roller
+from residual.errors import InputError
+from residual.record import Record, checked
 from residual.resampling import evenly_sampled
-from residual.sources import LARGEST_READ, check_readable
-from residual.trajectory import InputError, Trajectory, checked
+from residual.sources import LARGEST_READ, OPTIONAL, check_readable
 
 LONGEST_LINE = 2**20  # characters
 LONGEST_QUOTE = 200  # characters of a message
 MOTION = ("time", "inner_x", "inner_y")
 CARTESIAN, POLAR = ("roller_x", "roller_y"), ("roller_rho", "roller_theta")
-OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is not finite, and refused as such
-def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Trajectory:
-    """A trajectory table with one header line.
+def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Record:
+    """Read a trajectory table with one header line.
 
     Parameters
     ----------
-    scene : its [table] tells names and units; without: time, inner_x, inner_y and roller_<j>_x, roller_<j>_y or
-        roller_<j>_rho, roller_<j>_theta, j from 0, in SI; accelerations and contact forces where it has them
+    scene : its [table] gives names and units; without one: time, inner_x, inner_y and roller_<j>_x,
+        roller_<j>_y or roller_<j>_rho, roller_<j>_theta, j from 0, in SI; accelerations and contact forces where it has
+        them
     resample : bring irregular samples to equal steps instead of refusing them
 
     Columns may stand in any order; others are left out. Lines starting with # are comments. The delimiter (comma, tab
@@ -39,11 +40,11 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Trajec
     """
     path = Path(path)
     check_readable(path)
-    return _trajectory(path, scene, _read_columns(path, scene), resample)
+    return _record(path, scene, _read_columns(path, scene), resample)
 
 
 def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
-    """Every quantity the table has, SI."""
+    """Read every quantity that the table has, SI."""
     columns = scene.table
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
@@ -74,7 +75,7 @@ def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
 
 
 def _lines(path: Path, file):
-    """Lines of a text, none so long that it can't be a table's."""
+    """Yield the lines of a text; refuse one so long that it can't be a table's."""
     while line := file.readline(LONGEST_LINE + 1):
         if len(line) > LONGEST_LINE:
             raise InputError(f"{path}: a line of more than {LONGEST_LINE} characters; is it a table?")
@@ -82,7 +83,7 @@ def _lines(path: Path, file):
 
 
 def _at_most(path: Path, lines, most: int):
-    """No more rows than fit in memory."""
+    """Yield lines, but no more rows than fit in memory."""
     for count, line in enumerate(lines):
         if count >= most:
             raise InputError(f"{path}: more than {most} samples, {LARGEST_READ / 2**30:.0f} GiB; cut it into parts")
@@ -90,13 +91,13 @@ def _at_most(path: Path, lines, most: int):
 
 
 def _shown(text: str) -> str:
-    """The first line of a message, fit to be printed."""
+    """Make the first line of a message fit to be printed."""
     line = (text.splitlines() or [""])[0]
     return "".join(c if c.isprintable() else "?" for c in line[:LONGEST_QUOTE])
 
 
-def _trajectory(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: bool) -> Trajectory:
-    """Cartesian, evenly sampled, checked; notes on what the table lacks."""
+def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: bool) -> Record:
+    """Make the record: Cartesian, evenly sampled, checked, with notes on what the table lacks."""
     notes = []
     if "roller_rho" in arrays:
         rho, theta = arrays.pop("roller_rho"), np.unwrap(arrays.pop("roller_theta"), axis=0)
@@ -111,18 +112,18 @@ def _trajectory(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resampl
             notes.append("the table tells no accelerations of its own: the budget has no differentiation term")
         if "inner_traction" not in arrays:
             notes.append("the table tells no tangential forces: the budget has no friction term")
-    return checked(Trajectory(name=path.stem, source=path, scene=scene, notes=tuple(notes), **arrays))
+    return checked(Record(name=path.stem, source=path, scene=scene, notes=tuple(notes), **arrays))
 
 
 def _delimiter(header: str) -> str:
-    """Tab or semicolon where the header has one, else comma."""
+    """Recognise the delimiter: tab or semicolon where the header has one, else comma."""
     return next((character for character in "\t;" if character in header), ",")
 
 
 def _columns_found(
     path: Path, header: list[str], columns: Columns, n_rollers: int
 ) -> dict[str, tuple[list[int], float]]:
-    """Column numbers and factor to SI of each quantity the table has."""
+    """Find column numbers and factor to SI of each quantity that the table has."""
     polar_only = not _at(path, header, columns, "roller_x", n_rollers)[0] and bool(
         _at(path, header, columns, "roller_rho", n_rollers)[0]
     )
@@ -148,7 +149,7 @@ def _columns_found(
 
 
 def _check_count(path: Path, header, columns: Columns, quantity: str, n_rollers: int, n_found: int) -> None:
-    """As many rollers as the scene has: neither fewer nor one more."""
+    """Refuse fewer or more rollers than the scene has."""
     further = any(name in header for name in columns.header(quantity, n_rollers)[0])
     if 0 < n_found < n_rollers or further:
         count = f"at least {n_rollers + 1}" if further else n_found
@@ -156,7 +157,7 @@ def _check_count(path: Path, header, columns: Columns, quantity: str, n_rollers:
 
 
 def _at(path: Path, header: list[str], columns: Columns, quantity: str, n_rollers: int):
-    """Column numbers found, factor to SI, names of those missing."""
+    """Look for a quantity's columns: numbers of those found, factor to SI, names of those missing."""
     indices, absent, factor = [], [], 1.0
     for roller in range(n_rollers) if per_roller(quantity) else (None,):
         names, factor = columns.header(quantity, roller)

@@ -1,25 +1,26 @@
-"""Rows of the tables in the report and on the terminal: text only, no layout."""
+"""Rows of the tables in the report and on the terminal, as text without layout."""
 
 import numpy as np
 
-from residual.evaluation import Evaluation, Statistics
-from residual.figures import chosen_roller, roller_radial
+from residual.evaluation import Direction, Evaluation
+from residual.moments import Statistics
 from residual.paper import PEAK, is_paper
+from residual.paper_figures import chosen_roller, roller_radial
 from residual.spectrum import MAIN_LOBE, Peak
-from residual.words import text
+from residual.words import text, words
 
 
 def span(values, scale: float = 1.0, digits: int = 4) -> str:
-    """Smallest … largest."""
+    """Write the smallest and the largest of some values, scaled."""
     return f"{text(scale * float(np.min(values)), digits)} … {text(scale * float(np.max(values)), digits)}"
 
 
 def verdict(evaluation: Evaluation, tolerance: float | None) -> str:
-    """The outcome in one sentence."""
+    """State the outcome in one sentence."""
     error_x, error_y = evaluation.judged
     worst = max(error_x.rms, error_y.rms)
     part = "" if evaluation.identification is None else ", on the part of the record that the law was not fitted to"
-    load = evaluation.trajectory.operation.radial_load
+    load = evaluation.record.operation.radial_load
     share = f", at most {100.0 * worst / load:.3g} % of the load" if load > 0.0 else ""
     found = (
         f"with the contact law {evaluation.law.name}, equations (22) and (23) are off by "
@@ -33,15 +34,14 @@ def verdict(evaluation: Evaluation, tolerance: float | None) -> str:
 
 
 def error_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Name, mean, rms, standard deviation, largest; N."""
+    """Rows of name, mean, rms, standard deviation and largest magnitude, N."""
     rows = [
-        _statistics_row("error_x, equation (22)", evaluation.error_x),
-        _statistics_row("error_y, equation (23)", evaluation.error_y),
+        _statistics_row("error_x, equation (22)", evaluation.x.error),
+        _statistics_row("error_y, equation (23)", evaluation.y.error),
     ]
-    for axis in "xy":
-        momentum = getattr(evaluation.budget, f"momentum_{axis}")
-        if momentum is not None:
-            rows.append(_statistics_row(f"momentum balance, {axis}", Statistics.of(momentum)))
+    for d in evaluation.directions:
+        if d.budget.momentum is not None:
+            rows.append(_statistics_row(f"momentum balance, {d.name}", Statistics.of(d.budget.momentum)))
     return rows
 
 
@@ -50,28 +50,25 @@ def _statistics_row(name: str, s: Statistics) -> list[str]:
 
 
 def budget_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Term, mean and rms in x, mean and rms in y; N."""
-    budget = evaluation.budget
-    rows = []
-    for name in budget.terms_x:
-        cells = [Statistics.of(terms[name]) for terms in (budget.terms_x, budget.terms_y)]
-        rows.append([name.replace("_", " "), *(text(v) for s in cells for v in (s.mean, s.rms))])
-    if rows:
-        cells = [evaluation.error_x, evaluation.error_y]
-        rows.append(["sum = error", *(text(v) for s in cells for v in (s.mean, s.rms))])
-    return rows
+    """Rows of term, mean and rms in x, mean and rms in y, N."""
+    directions = evaluation.directions
+    names = evaluation.budget.x.terms
+    sums = {words(name): [Statistics.of(d.budget.terms[name]) for d in directions] for name in names}
+    if sums:
+        sums["sum = error"] = [d.error for d in directions]
+    return [[name, *(text(v) for s in cells for v in (s.mean, s.rms))] for name, cells in sums.items()]
 
 
 def peak_rows(peaks: list[Peak]) -> list[list[str]]:
-    """Frequency, density, rms, line, resolved."""
+    """Rows of frequency, density, rms, line, and whether it is resolved."""
     return [
         [text(p.frequency), text(p.psd, 3), text(p.rms, 3), p.line or "-", "yes" if p.resolved else "no"] for p in peaks
     ]
 
 
 def paper_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Figure, quantity, range read off the paper, ours; empty for another bearing or operating point."""
-    t, budget = evaluation.trajectory, evaluation.budget
+    """Rows of figure, quantity, range read off the paper, and ours; none for another bearing or operating point."""
+    t, budget = evaluation.record, evaluation.budget
     if not is_paper(t.scene):
         return []
     j = chosen_roller(budget.loaded, evaluation.chatter)
@@ -84,19 +81,19 @@ def paper_rows(evaluation: Evaluation) -> list[list[str]]:
         ["7", "dρ/dt, mm/s", "±400", span(velocity, 1e3)],
         ["7", "d²ρ/dt², mm/s²", "±5·10^6", span(acceleration, 1e3, 3)],
         ["text", "rollers in the load zone", "6 … 7", f"{low} … {high}"],
-        ["8", "left side of (22), N", "±3000 around 0", span(budget.error_x)],
-        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.operation.radial_load - budget.error_y)],
-        ["10", "strongest peak of (22), 0-300 Hz", "near 22 Hz, 2.5·10^10", _band_peak(evaluation, "x")],
-        ["11", "strongest peak of (23), 0-300 Hz", "near 22 Hz, 1.5·10^7", _band_peak(evaluation, "y")],
+        ["8", "left side of (22), N", "±3000 around 0", span(budget.x.error)],
+        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.operation.radial_load - budget.y.error)],
+        ["10", "strongest peak of (22), 0-300 Hz", "near 22 Hz, 2.5·10^10", _band_peak(evaluation.x)],
+        ["11", "strongest peak of (23), 0-300 Hz", "near 22 Hz, 1.5·10^7", _band_peak(evaluation.y)],
     ]
 
 
-def _band_peak(evaluation: Evaluation, axis: str) -> str:
-    """The strongest significant peak in the paper's band, or the strongest bin when none stands out."""
-    peaks = [p for p in getattr(evaluation, f"peaks_{axis}") if p.frequency <= 300.0]
+def _band_peak(direction: Direction) -> str:
+    """State the strongest significant peak in the paper's band, or the strongest bin where none stands out."""
+    peaks = [p for p in direction.peaks if p.frequency <= 300.0]
     if peaks:
         return f"{text(peaks[0].frequency)} Hz, {text(peaks[0].psd, 3)} N²/Hz"
-    spectrum = getattr(evaluation, f"spectrum_{axis}")
+    spectrum = direction.spectrum
     band = (spectrum.frequency > 0.0) & (spectrum.frequency <= 300.0)
     if not band.any():
         return "no bin in this band"
@@ -104,24 +101,25 @@ def _band_peak(evaluation: Evaluation, axis: str) -> str:
     return f"none stands out (density at most {text(top, 3)} N²/Hz)"
 
 
-def estimate_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Quantity, value with unit, estimated discretisation error, the same in per cent; empty without estimates."""
+def stated_error_rows(evaluation: Evaluation) -> list[list[str]]:
+    """Rows of quantity, value, the discretisation error that the solver states, the same in per cent."""
     rows = []
-    for each in evaluation.trajectory.estimates:
+    for each in evaluation.record.stated_errors:
         share = "-" if each.value == 0.0 else f"{text(100.0 * each.error / abs(each.value), 2)} %"
         rows.append([each.meaning, f"{text(each.value, 5)} {each.unit}", f"{text(each.error, 2)} {each.unit}", share])
     return rows
 
 
 def floor_newtons(evaluation: Evaluation) -> tuple[float, float]:
-    """Estimated error of the inertia forces from differentiation, x and y, N."""
-    mass = evaluation.trajectory.operation.inner_mass
-    return mass * evaluation.floor_x.total, mass * evaluation.floor_y.total
+    """Estimated error of the inertia forces that differentiation makes, in x and y, N."""
+    mass = evaluation.record.operation.inner_mass
+    return mass * evaluation.x.floor.total, mass * evaluation.y.floor.total
 
 
 def honest_notes(evaluation: Evaluation) -> list[str]:
-    """What limits the numbers."""
-    spectrum = evaluation.spectrum_x
+    """Say what limits the numbers, in sentences."""
+    x, y = evaluation.directions
+    spectrum = x.spectrum
     reach = MAIN_LOBE * spectrum.resolution
     floor_x, floor_y = floor_newtons(evaluation)
     notes = list(evaluation.notes)
@@ -133,10 +131,9 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
     if reach > PEAK:
         notes.append(
             "The paper's 22 Hz peak can't be resolved from a record this long: 22 Hz is "
-            f"{PEAK / spectrum.resolution:.2g} "
-            "bins, so it can be told neither from drift nor from the cage's line. It takes at least "
-            f"{text(1e3 * MAIN_LOBE / PEAK, 2)} ms to part 22 Hz from drift, and much longer from the "
-            "cage."
+            f"{PEAK / spectrum.resolution:.2g} bins, so it can be told neither from drift nor from the cage's line. "
+            f"It takes at least {text(1e3 * MAIN_LOBE / PEAK, 2)} ms to part 22 Hz from drift, and much longer from "
+            "the cage."
         )
     notes.append(
         f"Differentiation: central stencil of order {evaluation.order}, off centre in the last "
@@ -144,23 +141,22 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
         f"{text(floor_x, 2)} N rms in x and {text(floor_y, 2)} N rms in y (what vibrates beyond the Nyquist frequency "
         "comes on top)."
     )
-    if evaluation.away_x and evaluation.away_y:
+    if x.away and y.away:
         notes.append(
             "Away from contacts that open or close, where the stencil has its full order, the error is "
-            f"{text(evaluation.away_x.rms)} N rms in x and {text(evaluation.away_y.rms)} N rms in y."
+            f"{text(x.away.rms)} N rms in x and {text(y.away.rms)} N rms in y."
         )
     notes.append(_law_note(evaluation))
-    if evaluation.peaks_x or evaluation.peaks_y:
+    if x.peaks or y.peaks:
         notes.append(
             "A peak bears the name of the nearest kinematic line within Δf; that is a matter of frequency, "
-            "not a cause. "
-            "Not resolved: zero frequency or another line lies within the window's reach."
+            "not a cause. Not resolved: zero frequency or another line lies within the window's reach."
         )
     return [note[0].upper() + note[1:] for note in notes]
 
 
 def _law_note(evaluation: Evaluation) -> str:
-    """What a law is worth."""
+    """Say what the law is worth."""
     if evaluation.identification is not None:
         return (
             "The law was fitted to the first part of this record: the numbers of the whole record include that part; "

@@ -1,14 +1,15 @@
-"""Shared: one short simulation of the paper's bearing on the coarse mesh; reports without figures."""
+"""What all tests share: their own cache of meshes, a short simulation on the coarse mesh, reports without figures."""
 
 import os
-import sys
+import tempfile
 from pathlib import Path
+from unittest import mock
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent.parent))  # benchmarks, tests.reference
-
 os.environ.setdefault("MPLBACKEND", "Agg")
+_CACHE = tempfile.TemporaryDirectory(prefix="test-cache-")  # a user's cache neither helps a test nor is changed by one
+mock.patch("meshes.cache.cache_folder", lambda: Path(_CACHE.name) / "meshes").start()
 
 
 @pytest.fixture(scope="session")
@@ -21,10 +22,21 @@ def coarse_run(tmp_path_factory):
     return path
 
 
+@pytest.fixture(scope="session")
+def can_draw():
+    """Skip the test on a machine that can't draw off-screen."""
+    from fem.errors import UsageError
+    from fem.pictures.rendering_probe import check_rendering
+
+    try:
+        check_rendering()
+    except UsageError as error:
+        pytest.skip(f"no off-screen rendering here: {error}")
+
+
 @pytest.fixture
 def plain_report(monkeypatch):
-    """Reports without figures, which take most of the time and are tested elsewhere."""
-    monkeypatch.setattr("residual.figures.paper_figures", lambda *_: [])
+    """Make reports without figures, which take most of the time and are tested elsewhere."""
+    monkeypatch.setattr("residual.paper_figures.paper_figures", lambda *_: [])
     monkeypatch.setattr("residual.motion_figures.motion_figures", lambda *_: [])
-    monkeypatch.setattr("residual.diagnostics.extra_figures", lambda *_: [])
-    monkeypatch.setattr("residual.budget_figures.detail_figures", lambda *_: [])
+    monkeypatch.setattr("residual.budget_figures.budget_figures", lambda *_: [])

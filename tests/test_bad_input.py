@@ -2,22 +2,18 @@
 
 import contextlib
 import os
-import sys
 import threading
 import time
-from pathlib import Path
 
 import h5py
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bad_files import BAD_CHECKPOINTS, BAD_FILES, BAD_PICTURES, DURATION, FINISHED, RUN
-from bad_scenes import BAD_SCENES, BAD_SETTINGS
-from synthetic_run import write_result
-
 from fem.cli import run_main
 from fem.render_cli import render_main
 from residual.cli import main as check_main
+from tests.reference.bad_files import BAD_CHECKPOINTS, BAD_FILES, BAD_PICTURES, DURATION, FINISHED, RUN
+from tests.reference.bad_scenes import BAD_SCENES, BAD_SETTINGS
+from tests.reference.synthetic_run import write_result
 
 KINDS = {
     "scene": BAD_SCENES,

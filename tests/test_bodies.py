@@ -1,29 +1,24 @@
 """Assembled bodies: patch test, rigid motions, exact masses, kernels against matrices, exact vibration modes."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 from scipy.sparse.linalg import spsolve
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import LENGTH, STEEL, disc, ring
-from free_vibration import disc_frequency, ring_frequency
-
-from benchmarks.verification.elastic_bodies import (
+from fem.elastic.assembly import assemble
+from fem.elastic.bodies import rigid_modes
+from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.ring_kernels import HALO
+from meshes import Mesh
+from tests.reference.bearings import LENGTH, STEEL, disc, ring
+from tests.reference.free_vibration import disc_frequency, ring_frequency
+from tests.verification.elastic_bodies import (
     centrifugal_growth,
     disc_frequencies,
     exact_disc_frequencies,
     exact_growth,
     ring_mode,
 )
-from fem.elastic.assembly import assemble
-from fem.elastic.bodies import rigid_modes
-from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.ring_kernels import HALO
-from meshes import Mesh
 
 ROUND_OFF = 1e-13  # of stiffness times displacement: sums of ten products
 RADIUS = 0.005

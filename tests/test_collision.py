@@ -1,23 +1,11 @@
 """Two rollers that collide, with and without friction: momenta, energy, and the order of its error."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import LENGTH, STEEL, own_folder, paper
-from line_contact import impact_on_rigid_flat
-
-from benchmarks.verification.collision import WIDE, collide
-
-
-@pytest.fixture(autouse=True)
-def meshes_of_our_own():
-    with own_folder():
-        yield
-
+from tests.reference.bearings import LENGTH, STEEL, paper
+from tests.reference.line_contact import impact_on_rigid_flat
+from tests.verification.collision import WIDE, collide
 
 # A roller of 5 mm by 10 mm thrown at a rigid frictionless flat, quasi-static with Johnson's approach (1985, eq. 5.57)
 THROWN = [(0.1, 0.333, 193.0, 10.34), (1.0, 3.008, 2156.0, 9.31)]

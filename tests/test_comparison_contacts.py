@@ -12,7 +12,7 @@ from fem.kernels.facet_kernels import CORNER, chord
 from fem.solver.simulate import make_plan, run
 from fem.statics.equilibrium import equilibrium
 from lagrange.scene import STIFF_PENALTY, Scene, parse_scene, parse_scene_text
-from tests.reference.bearings import arrays, copies, loop_arguments, operation, own_folder, paper
+from tests.reference.bearings import arrays, copies, loop_arguments, operation, paper
 
 MESH_MM = 2.0
 LOAD = 2000.0
@@ -20,8 +20,7 @@ ON_A_ROLLER = -0.5 * np.pi
 
 
 def model(stiffness, faceted, mesh_mm=MESH_MM):
-    with own_folder():
-        return (FacetedModel if faceted else PenaltyModel).of_stiffness(paper(), 1e-3 * mesh_mm, stiffness)
+    return (FacetedModel if faceted else PenaltyModel).of_stiffness(paper(), 1e-3 * mesh_mm, stiffness)
 
 
 def hub(a_model):

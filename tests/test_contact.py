@@ -1,23 +1,7 @@
 """Normal contact forces: the gradient of one potential, action and reaction."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import copies
-from contact_states import (
-    DT,
-    cartesian_resultant,
-    fill_ring,
-    press,
-    random_state,
-    roller_field,
-    roller_resultants,
-    set_turns,
-)
 
 from fem.kernels import sample_kernels
 from fem.kernels.contact_kernels import (
@@ -27,6 +11,17 @@ from fem.kernels.contact_kernels import (
 )
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import INNER, OUTER, ROLLER
+from tests.reference.bearings import copies
+from tests.reference.contact_states import (
+    DT,
+    cartesian_resultant,
+    fill_ring,
+    press,
+    random_state,
+    roller_field,
+    roller_resultants,
+    set_turns,
+)
 
 
 def potential(state):

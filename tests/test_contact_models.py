@@ -11,7 +11,7 @@ from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan
 from fem.statics import expected_forces
 from lagrange.scene import ContactTable, parse_scene
-from tests.reference.bearings import own_folder, paper, soft
+from tests.reference.bearings import paper, soft
 
 LOAD = 650.0
 BUILT = {
@@ -25,8 +25,7 @@ every_model = pytest.mark.parametrize("name", BUILT)
 
 
 def built(name) -> Model:
-    with own_folder():
-        return BUILT[name]()
+    return BUILT[name]()
 
 
 def scene(contact="subgrid", mesh_size=2.0, modulus=210.0):
@@ -52,8 +51,7 @@ def test_every_name_of_the_scene_has_a_model():
     ],
 )
 def test_a_scene_gets_its_model(contact, mesh_size, modulus, kind):
-    with own_folder():
-        assert type(model_of(scene(contact, mesh_size, modulus))) is kind
+    assert type(model_of(scene(contact, mesh_size, modulus))) is kind
 
 
 @every_model
@@ -99,6 +97,5 @@ def test_exact_statics_of_a_scene_are_solved_once_at_most(contact, mesh_size, mo
     calls = []
     solve = expected_forces.exact_statics
     monkeypatch.setattr(expected_forces, "exact_statics", lambda *args: calls.append(args) or solve(*args))
-    with own_folder():
-        make_plan(scene(contact, mesh_size, modulus))
+    make_plan(scene(contact, mesh_size, modulus))
     assert len(calls) == most

@@ -1,15 +1,10 @@
 """The critical time step: dense eigenvalues, and leapfrog itself just below and just above it."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.linalg import eigh
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import LENGTH, STEEL, disc, model, paper, ring
 
 from fem.contacts.critical_step import LANCZOS_TOLERANCE, LOAD_MARGIN, critical_time_step
 from fem.contacts.patch import disc_patch_force, ring_patch_force
@@ -17,6 +12,7 @@ from fem.elastic.assembly import assemble
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
 from meshes import Mesh
+from tests.reference.bearings import LENGTH, STEEL, disc, model, paper, ring
 
 LOAD = 650.0  # N, on the most loaded roller
 

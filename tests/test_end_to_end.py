@@ -58,14 +58,14 @@ def test_rest_start_settles_around_the_equilibrium(tmp_path):
     assert abs(balance - balance[0]).max() < 1e-3 * elastic.max()
     # the checker takes the load that the ramp withholds for what it is: half a cosine of 2000 N
     budget = evaluate(read_result(path), start=0.0).budget
-    assert budget.terms_y["load_and_weight"][0] == 2000.0 and not budget.terms_y["load_and_weight"][50:].any()
-    assert abs(budget.momentum_y[:50]).max() < 40.0
+    assert budget.y.terms["load_and_weight"][0] == 2000.0 and not budget.y.terms["load_and_weight"][50:].any()
+    assert abs(budget.y.momentum[:50]).max() < 40.0
 
 
 @pytest.mark.parametrize("law", ["harris", "fitted_coupled_damped"])
 def test_the_budget_of_a_simulated_run_adds_up_at_every_sample(coarse_run, law):
     budget = evaluate(read_result(coarse_run), law).budget
-    assert list(budget.terms_y) == ["differentiation", "contact_law", "friction", "load_and_weight", "ring_flexibility"]
+    assert list(budget.y.terms) == ["differentiation", "contact_law", "friction", "load_and_weight", "ring_flexibility"]
     for axis in "xy":
-        total = sum(getattr(budget, f"terms_{axis}").values())
-        assert abs(total - getattr(budget, f"error_{axis}")).max() < 1e-9 * 2000.0
+        total = sum(getattr(budget, axis).terms.values())
+        assert abs(total - getattr(budget, axis).error).max() < 1e-9 * 2000.0

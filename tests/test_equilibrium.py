@@ -1,17 +1,10 @@
 """Static equilibrium: the paper's bearing against a fully resolved reference, balances, other bearings, light loads."""
 
-import sys
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import STEEL, arrays, copies, loop_arguments, model, operation, paper, start_of
-from resolved_bearing import RESOLVED
-
-from benchmarks.verification.shapes import LOAD, ON_A_ROLLER, SHAPES, fair_load
 from fem.contacts.reduction import Motion
 from fem.kernels import time_loop
 from fem.kernels.contact_kernels import normal_contacts
@@ -19,6 +12,21 @@ from fem.statics.contact_balance import LOOSE_SPRING
 from fem.statics.equilibrium import equilibrium
 from lagrange import Bearing
 from lagrange.kinematics import roller_angles
+from tests.reference.bearings import (
+    LOAD,
+    ON_A_ROLLER,
+    SHAPES,
+    STEEL,
+    arrays,
+    copies,
+    fair_load,
+    loop_arguments,
+    model,
+    operation,
+    paper,
+    start_of,
+)
+from tests.reference.resolved_bearing import RESOLVED
 
 
 def motion(bearing, first, turn=0.0, cage_speed=0.0, roller_speed=0.0, ring_speed=0.0):

@@ -5,14 +5,13 @@ import numpy as np
 import pytest
 import xarray
 
-from benchmarks.verification.shapes import SHAPES, fair_load
 from fem.cli import run_main
 from fem.errors import UsageError
 from fem.solver.error_estimate import SAFETY, coarser_scene, estimates
 from fem.statics.exact_statics import exact_statics
 from fem.statics.quantities import Quantity, moving_quantities, static_quantities
 from lagrange.scene import read_scene
-from tests.reference.bearings import model, operation
+from tests.reference.bearings import SHAPES, fair_load, model, operation
 
 
 def quantity(value):

@@ -14,10 +14,6 @@ import h5py
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from recorded_disk import RecordedDisk
-from synthetic_run import make_run, write_result
-
 import residual.store  # noqa: F401 (loaded before the right to do so is given up)
 from fem.cli import run_main
 from fem.errors import UsageError
@@ -28,8 +24,10 @@ from fem.solver.simulate import make_plan
 from lagrange.scene import read_scene
 from lagrange.stored import SIGNATURE, read_numbers
 from residual.cli import main as check_main
+from residual.errors import InputError
 from residual.sources import MOTION, OPTIONAL, read_result
-from residual.trajectory import InputError
+from tests.reference.recorded_disk import RecordedDisk
+from tests.reference.synthetic_run import make_run, write_result
 
 ROOT = Path(__file__).resolve().parent.parent
 BLOCKS = (1, 4, 15)  # samples appended and committed at a time, of 41

@@ -1,16 +1,11 @@
 """Fields stored in the result file: the solver's own, where the scene asks for them and nowhere else."""
 
 import shutil
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from unchecked import unchecked_copy
 
 from fem.cli import run_main
 from fem.elastic.stress import turned
@@ -21,6 +16,7 @@ from fem.result.store import ResultFile
 from fem.solver.frames import frame_of
 from fem.solver.simulate import first_state, make_plan, run
 from lagrange.scene import SceneError, read_scene
+from tests.reference.unchecked import unchecked_copy
 
 EVERY = ["--set", "output.fields_every_ms=0.5"]
 

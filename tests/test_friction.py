@@ -1,15 +1,16 @@
 """Friction: Carter's creep, slips of patches, action and reaction of tractions."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import copies, loop_arguments, model, paper
-from contact_states import (
+from fem.kernels.contact_kernels import normal_contacts, push_contacts
+from fem.kernels.friction_kernels import creep_traction, friction_contacts, grips, slips
+from fem.kernels.ring_kernels import HALO
+from fem.kernels.state import INNER, OUTER, ROLLER
+from tests.reference.bearings import copies, loop_arguments, model, paper
+from tests.reference.contact_states import (
     DT,
     cartesian_resultant,
     fill_ring,
@@ -19,12 +20,7 @@ from contact_states import (
     roller_resultants,
     with_random_velocities,
 )
-from line_contact import carter_creep
-
-from fem.kernels.contact_kernels import normal_contacts, push_contacts
-from fem.kernels.friction_kernels import creep_traction, friction_contacts, grips, slips
-from fem.kernels.ring_kernels import HALO
-from fem.kernels.state import INNER, OUTER, ROLLER
+from tests.reference.line_contact import carter_creep
 
 
 def test_creep_follows_carter():

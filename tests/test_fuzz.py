@@ -1,4 +1,4 @@
-"""Short form of `python -m benchmarks.fuzz`: every reader takes what is sound and refuses the rest in a sentence."""
+"""Short form of `python -m tests.fuzz`: every reader takes what is sound and refuses the rest in a sentence."""
 
 import os
 import resource
@@ -12,10 +12,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-sys.path.insert(0, str(Path(__file__).parent.parent))
-from benchmarks.fuzz import NAMES, Targets, seeds
-from benchmarks.mutations import MUTATIONS
 from lagrange.stored import refusal_in_child
+from tests.fuzz.mutations import MUTATIONS
+from tests.fuzz.targets import NAMES, Targets, seeds
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = {"scene": 300, "table": 150, "result": 30, "checkpoint": 80}

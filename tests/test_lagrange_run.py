@@ -88,8 +88,8 @@ def test_where_contacts_open_all_but_differentiation_still_vanishes(short):
     found = evaluate(read_result(short))
     assert found.loaded_range == (6, 7)
     for axis in "xy":
-        terms = getattr(found.budget, f"terms_{axis}")
-        error = getattr(found.budget, f"error_{axis}")
+        terms = getattr(found.budget, axis).terms
+        error = getattr(found.budget, axis).error
         assert np.max(np.abs(error - terms["differentiation"])) < BUDGET
         assert np.sqrt(np.mean(error**2)) < 0.3
 
@@ -175,10 +175,10 @@ def test_the_load_that_a_ramp_withholds_is_a_term_of_its_own(tmp_path):
     found = evaluate(read_result(path), start=0.0).budget
     time = 1e-5 * np.arange(301)
     withheld = LOAD * np.where(time < 2e-3, 0.5 * (1.0 + np.cos(np.pi * time / 2e-3)), 0.0)
-    np.testing.assert_allclose(found.terms_y["load_and_weight"], withheld, atol=1e-9)
-    assert not np.any(found.terms_x["load_and_weight"])
-    np.testing.assert_allclose(found.terms_y["ring_flexibility"], 0.0, atol=BUDGET)
-    np.testing.assert_allclose(sum(found.terms_y.values()), found.error_y, atol=BUDGET, rtol=0)
+    np.testing.assert_allclose(found.y.terms["load_and_weight"], withheld, atol=1e-9)
+    assert not np.any(found.x.terms["load_and_weight"])
+    np.testing.assert_allclose(found.y.terms["ring_flexibility"], 0.0, atol=BUDGET)
+    np.testing.assert_allclose(sum(found.y.terms.values()), found.y.error, atol=BUDGET, rtol=0)
 
 
 def test_free_angles_have_their_own_degrees_of_freedom(tmp_path):

@@ -1,16 +1,9 @@
 """Stress below the contacts of a coarse mesh: against theory, an exact field and a resolved model."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-
-from half_plane import mcewen
-from resolved_roller import resolved_disc
 
 from fem.cli import run_main
 from fem.contacts import SpreadModel
@@ -19,6 +12,8 @@ from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING, OUTER_RING
 from fem.pictures.peaks import shear_peak
 from fem.pictures.recover import read_instant
 from fem.pictures.render_bodies import drawn_bearing
+from tests.reference.half_plane import mcewen
+from tests.reference.resolved_roller import resolved_disc
 
 STANDING = ["operation.speed_rpm=0", "operation.gravity_m_s2=0", "contact.friction_coefficient=0"]
 

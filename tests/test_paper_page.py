@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from benchmarks.paper import supports
-from benchmarks.paper.page import harris_force, rattle, sinking_frequency, span, text
-from benchmarks.paper.variants import VARIANTS, strongest
 from fem.contacts.patch import ring_patch_force
 from lagrange.scene import read_scene
+from tests.paper import supports
+from tests.paper.page import harris_force, rattle, sinking_frequency, span, text
+from tests.paper.variants import VARIANTS, strongest
 from tests.reference.bearings import model, paper
 
 

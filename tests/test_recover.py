@@ -1,15 +1,10 @@
 """Fields recovered from a result file: against the equilibrium they came from and the stored energy."""
 
-import sys
 from math import pi
-from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from unchecked import unchecked_copy
 
 from fem.cli import run_main
 from fem.contacts.patch import patch
@@ -20,6 +15,7 @@ from fem.solver.frames import rotated
 from fem.solver.start import rolling_motion
 from fem.statics.equilibrium import equilibrium
 from lagrange.scene import SceneError
+from tests.reference.unchecked import unchecked_copy
 
 
 @pytest.fixture(scope="module")

@@ -13,20 +13,12 @@ from fem.pictures.recover import StoredRun
 from fem.pictures.render_bodies import ARCS, drawn_bearing
 from fem.pictures.render_look import LARGEST_SHARE, Request, chosen_look, chosen_magnification
 from fem.pictures.render_scale import fringe_scale, linear_scale, logarithmic_scale, quantity
-from fem.pictures.rendering_probe import check_rendering
+from fem.pictures.rendering_probe import PROBE, check_rendering
 
 PAPER_RADIUS = 32.5e-3  # m, outside
 WIDTH = 640
 SAMPLE = 400
 FORCE, HOUSING, LOAD_ZONE = (0xD7, 0x30, 0x1F), (0xE3, 0xE3, 0xE3), (0xF5, 0xDC, 0xA8)
-
-
-@pytest.fixture(scope="module")
-def can_draw():
-    try:
-        check_rendering()
-    except UsageError as error:
-        pytest.skip(f"no off-screen rendering here: {error}")
 
 
 @pytest.fixture(scope="module")
@@ -287,8 +279,12 @@ def test_photoelastic_pictures_are_grey_inside_the_bodies(can_draw, run):
 # ---- the probe
 
 
-def test_the_probe_leaves_a_machine_that_draws_alone(can_draw):
-    check_rendering()
+def test_the_probe_refuses_a_blank_picture(can_draw, monkeypatch):
+    blank = PROBE.replace("plotter.add_mesh(pyvista.Sphere())", "")
+    assert blank != PROBE
+    monkeypatch.setattr("fem.pictures.rendering_probe.PROBE", blank)
+    with pytest.raises(UsageError, match="the picture is blank"):
+        check_rendering()
 
 
 @pytest.mark.parametrize(

@@ -7,17 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from fem.errors import UsageError
-from fem.pictures.rendering_probe import check_rendering
 from fem.render_cli import render_main
-
-
-@pytest.fixture(scope="module")
-def can_draw():
-    try:
-        check_rendering()
-    except UsageError as error:
-        pytest.skip(f"no off-screen rendering here: {error}")
 
 
 def test_the_command_writes_a_png_of_the_width_asked_for(can_draw, coarse_run, tmp_path, capsys):

@@ -1,17 +1,12 @@
 """Error forces and their budget on a made-up run whose forces are known in closed form."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from synthetic_run import exact_errors, make_run, run_variables, write_result
 
 from residual.budget import near_contact_change, traction_resultant
 from residual.evaluation import evaluate
 from residual.sources import read_result
+from tests.reference.synthetic_run import exact_errors, make_run, run_variables, write_result
 
 
 @pytest.fixture(scope="module")
@@ -26,21 +21,21 @@ def evaluation(run, tmp_path_factory):
 
 def test_error_forces_equal_the_closed_form(run, evaluation):
     exact_x, exact_y = exact_errors(run)
-    np.testing.assert_allclose(evaluation.budget.error_x, exact_x, atol=1e-5)
-    np.testing.assert_allclose(evaluation.budget.error_y, exact_y, atol=1e-5)
+    np.testing.assert_allclose(evaluation.budget.x.error, exact_x, atol=1e-5)
+    np.testing.assert_allclose(evaluation.budget.y.error, exact_y, atol=1e-5)
 
 
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_terms_add_up_to_the_error(evaluation, axis):
-    total = sum(getattr(evaluation.budget, f"terms_{axis}").values())
-    error = getattr(evaluation.budget, f"error_{axis}")
+    total = sum(getattr(evaluation.budget, axis).terms.values())
+    error = getattr(evaluation.budget, axis).error
     np.testing.assert_allclose(total, error, atol=1e-9 * 2000.0, rtol=0)
 
 
 def test_contact_law_term_is_the_injected_force_error(run, evaluation):
     """The run's forces are 0.95 of the law's: the term is −5 % of the law's resultant."""
     push = -np.sum(run.law_force * np.sin(run.angle), axis=1)
-    np.testing.assert_allclose(evaluation.budget.terms_y["contact_law"], -0.05 * push, atol=1e-7)
+    np.testing.assert_allclose(evaluation.budget.y.terms["contact_law"], -0.05 * push, atol=1e-7)
 
 
 def test_friction_acts_on_the_ring_against_the_roller(run, evaluation):
@@ -48,10 +43,10 @@ def test_friction_acts_on_the_ring_against_the_roller(run, evaluation):
     traction = run_variables(run)["inner_traction"]
     angle = run.angle
     np.testing.assert_allclose(
-        evaluation.budget.terms_x["friction"], np.sum(-traction * -np.sin(angle), axis=1), atol=1e-9
+        evaluation.budget.x.terms["friction"], np.sum(-traction * -np.sin(angle), axis=1), atol=1e-9
     )
     np.testing.assert_allclose(
-        evaluation.budget.terms_y["friction"], np.sum(-traction * np.cos(angle), axis=1), atol=1e-9
+        evaluation.budget.y.terms["friction"], np.sum(-traction * np.cos(angle), axis=1), atol=1e-9
     )
     below = np.zeros_like(traction)
     roller = int(np.argmin(np.sin(angle[0])))
@@ -63,9 +58,9 @@ def test_friction_acts_on_the_ring_against_the_roller(run, evaluation):
 def test_momentum_balance_leaves_out_law_and_friction(evaluation):
     budget = evaluation.budget
     for axis in "xy":
-        terms = getattr(budget, f"terms_{axis}")
+        terms = getattr(budget, axis).terms
         np.testing.assert_allclose(
-            getattr(budget, f"momentum_{axis}"),
+            getattr(budget, axis).momentum,
             terms["differentiation"] + terms["ring_flexibility"],
             atol=1e-8,
         )
@@ -80,8 +75,8 @@ def test_run_in_momentum_balance_is_found_balanced(tmp_path):
     variables["inner_force"] = run.law_force.copy()
     trajectory = read_result(write_result(tmp_path / "n.nc", run, variables))
     budget = evaluate(trajectory).budget
-    np.testing.assert_allclose(budget.terms_x["contact_law"], 0.0, atol=1e-6)
-    np.testing.assert_allclose(budget.momentum_y, exact_y, atol=1e-5)
+    np.testing.assert_allclose(budget.x.terms["contact_law"], 0.0, atol=1e-6)
+    np.testing.assert_allclose(budget.y.momentum, exact_y, atol=1e-5)
     assert mass * np.max(np.abs(run.acceleration_x)) > 0.1
 
 
@@ -95,7 +90,7 @@ def test_injected_force_is_found_in_the_momentum_balance(tmp_path):
     direction = -np.sin(run.angle[rows, lowest])
     variables["inner_force"][rows, lowest] -= missing / direction
     hidden = read_result(write_result(tmp_path / "b.nc", run, variables))
-    difference = evaluate(hidden).budget.momentum_y - evaluate(base).budget.momentum_y
+    difference = evaluate(hidden).budget.y.momentum - evaluate(base).budget.y.momentum
     np.testing.assert_allclose(difference, missing, atol=1e-7)
 
 
@@ -105,16 +100,16 @@ def test_without_forces_the_error_has_no_terms(tmp_path):
         k: v for k, v in run_variables(run).items() if k in ("time", "inner_x", "inner_y", "roller_x", "roller_y")
     }
     budget = evaluate(read_result(write_result(tmp_path / "n.nc", run, variables))).budget
-    assert budget.terms_x == {} and budget.momentum_x is None
+    assert budget.x.terms == {} and budget.x.momentum is None
 
 
 def test_start_skips_exactly_the_transient(run, tmp_path):
     trajectory = read_result(write_result(tmp_path / "n.nc", run))
     whole, late = evaluate(trajectory), evaluate(trajectory, start=5e-3)
     assert late.start == pytest.approx(5e-3, abs=1e-9)
-    assert late.trajectory.time[0] == pytest.approx(5e-3, abs=1e-9)  # the stencil reaches back before it
-    n = late.budget.error_x.size
-    np.testing.assert_array_equal(late.budget.error_x, whole.budget.error_x[-n:])
+    assert late.record.time[0] == pytest.approx(5e-3, abs=1e-9)  # the stencil reaches back before it
+    n = late.budget.x.error.size
+    np.testing.assert_array_equal(late.budget.x.error, whole.budget.x.error[-n:])
     assert n == run.time.size - 500
 
 

@@ -12,10 +12,8 @@ import h5py
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from synthetic_run import exact_errors, make_run, run_variables, write_result, write_table
-
 from residual.cli import main
+from tests.reference.synthetic_run import exact_errors, make_run, run_variables, write_result, write_table
 
 ROOT = Path(__file__).resolve().parent.parent
 

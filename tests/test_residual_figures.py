@@ -1,19 +1,14 @@
 """Figures that only some runs have: what they tell, and that they are left out elsewhere."""
 
-import sys
-from pathlib import Path
-
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from synthetic_run import make_run, write_result
 
 from lagrange.scene import parse_scene
 from residual.budget_figures import short_time_figure
 from residual.evaluation import evaluate
-from residual.figures import point_contact
+from residual.paper_figures import point_contact
 from residual.report import render_report
 from residual.sources import read_result
+from tests.reference.synthetic_run import make_run, write_result
 
 # the 209 bearing of Harris' examples
 BALLS = {
@@ -36,7 +31,7 @@ def test_figure_4_marks_the_bearings_own_contacts(ball_run, tmp_path):
     assert drawn.png.stat().st_size > 10_000 and drawn.svg.exists()
     for words in ("inner raceway Σρ = 0.2018", "F = 0.9400", "outer raceway Σρ = 0.1378", "F = 0.9121"):
         assert words in drawn.caption
-    assert "9 balls Ø 12.7 mm" in render_report(ball_run, [drawn], None, "0")
+    assert "9 balls Ø 12.7 mm" in render_report(ball_run, {"paper": [drawn]}, None, "0")
 
 
 def test_short_time_spectra_need_two_passages(ball_run, tmp_path):

@@ -1,22 +1,18 @@
 """Laws fitted to a run's own forces: the right numbers, honest intervals, judged on the part held back."""
 
 import json
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from synthetic_run import make_run, run_variables, write_result
-
 from lagrange.laws import PowerLaw, roller_law
 from residual.cli import main
+from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.fitted_laws import CoupledLaw, DampedLaw, law_force, neighbours
 from residual.identification import fit_law, passage_numbers
 from residual.sources import read_result
-from residual.trajectory import InputError
+from tests.reference.synthetic_run import make_run, run_variables, write_result
 
 STIFFNESS, EXPONENT = 1.1e9, 1.09
 
@@ -148,9 +144,9 @@ def test_law_of_a_run_is_fitted_and_its_error_disappears(run, tmp_path):
     harris = roller_law("harris", run.scene.ideal_bearing().roller_length)
     assert evaluation.law.exponent == pytest.approx(10 / 9, rel=1e-7)
     assert evaluation.law.stiffness == pytest.approx(0.95 * harris.stiffness, rel=1e-5)
-    np.testing.assert_allclose(evaluation.budget.terms_y["contact_law"], 0.0, atol=1e-4)
+    np.testing.assert_allclose(evaluation.budget.y.terms["contact_law"], 0.0, atol=1e-4)
     np.testing.assert_allclose(
-        sum(evaluation.budget.terms_y.values()), evaluation.budget.error_y, atol=1e-9 * 2000.0, rtol=0
+        sum(evaluation.budget.y.terms.values()), evaluation.budget.y.error, atol=1e-9 * 2000.0, rtol=0
     )
 
 
@@ -161,8 +157,8 @@ def test_ranking_agrees_with_an_evaluation_under_each_law(law, run, tmp_path):
     late = slice(ranked.identified["fitted"].samples, None)
     alone = evaluate(trajectory, law).budget
     score = ranked.score(law)
-    assert score.error_y.mean == pytest.approx(np.mean(alone.error_y[late]), abs=1e-9)
-    assert score.error_x.rms == pytest.approx(np.sqrt(np.mean(alone.error_x[late] ** 2)), abs=1e-9)
+    assert score.errors[1].mean == pytest.approx(np.mean(alone.y.error[late]), abs=1e-9)
+    assert score.errors[0].rms == pytest.approx(np.sqrt(np.mean(alone.x.error[late] ** 2)), abs=1e-9)
     assert [s.rms for s in ranked.laws] == sorted(s.rms for s in ranked.laws)
 
 
@@ -186,7 +182,7 @@ def test_verdict_on_a_fitted_law_goes_by_the_held_back_part(run, tmp_path):
     variables = run_variables(run)
     evaluation = evaluate(read_result(write_result(tmp_path / "a.nc", run, variables)), "fitted")
     half = evaluation.identification.samples
-    expected = np.sqrt(np.mean(evaluation.budget.error_y[half:] ** 2))
+    expected = np.sqrt(np.mean(evaluation.budget.y.error[half:] ** 2))
     assert evaluation.judged[1].rms == pytest.approx(expected, rel=1e-12)
 
 
@@ -203,6 +199,6 @@ def test_fitted_law_explains_a_simulated_run(coarse_run):
     evaluation = evaluate(read_result(coarse_run), "fitted")
     _, error_y = evaluation.judged
     assert error_y.rms < 10.0 and abs(error_y.mean) < 2.0
-    assert evaluation.score("harris").error_y.rms > 100.0
+    assert evaluation.score("harris").errors[1].rms > 100.0
     damping = evaluation.identified["fitted_coupled_damped"].damping
     assert damping.low < 0.0 < damping.high

@@ -1,20 +1,17 @@
 """Tables from elsewhere: names, units, polar positions, what is missing, uneven sampling."""
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from synthetic_run import exact_errors, make_run, write_result, write_table
-
 from lagrange.scene import SceneError, parse_scene_text
 from residual.cli import main
+from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.table_source import read_table
-from residual.trajectory import InputError
+from tests.reference.synthetic_run import exact_errors, make_run, write_result, write_table
 
 MAPPING = """[table]
 time = "t [ms]"
@@ -64,8 +61,8 @@ def test_polar_table_in_other_units_gives_the_same_error(run, tmp_path, delimite
     np.testing.assert_allclose(trajectory.inner_force, 0.95 * run.law_force, rtol=1e-12)
     exact_x, exact_y = exact_errors(run)
     budget = evaluate(trajectory).budget
-    np.testing.assert_allclose(budget.error_x, exact_x, atol=2e-4)
-    np.testing.assert_allclose(budget.error_y, exact_y, atol=2e-4)
+    np.testing.assert_allclose(budget.x.error, exact_x, atol=2e-4)
+    np.testing.assert_allclose(budget.y.error, exact_y, atol=2e-4)
 
 
 def test_units_apply_to_headers_that_do_not_carry_them(run, tmp_path):
@@ -130,7 +127,7 @@ def test_uneven_sampling_is_refused_unless_resampling_is_asked_for(run, tmp_path
     assert any("resampled to 801 samples" in note for note in trajectory.notes)
     budget = evaluate(trajectory).budget
     # 10 samples at either end belong to the spline's end conditions
-    assert np.std(budget.error_x[10:-10]) == pytest.approx(np.std(exact_errors(run)[0]), rel=0.02)
+    assert np.std(budget.x.error[10:-10]) == pytest.approx(np.std(exact_errors(run)[0]), rel=0.02)
 
 
 def test_even_sampling_is_left_alone(run, tmp_path):

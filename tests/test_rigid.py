@@ -1,21 +1,13 @@
 """Bodies declared rigid: statics against exact series, their motion, balances, what is refused."""
 
-import sys
 from dataclasses import replace
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.linalg import block_diag, eigh
 from scipy.optimize import brentq
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import LENGTH, STEEL, arrays, block, model, operation, own_folder, paper, run
-from line_contact import half_width, squeezed_disc_approach
-
-from benchmarks.random_scenes import random_scene
-from benchmarks.verification.runs import every_step, plan_of, record, without_spin
 from fem.cli import run_main
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.patch import ring_patch_force
@@ -26,6 +18,10 @@ from fem.statics.equilibrium import equilibrium
 from fem.statics.exact_statics import exact_statics
 from lagrange import contact_laws, kinematics
 from lagrange.scene import SceneError, parse_scene, parse_scene_text
+from tests.reference.bearings import LENGTH, STEEL, arrays, block, model, operation, paper, run
+from tests.reference.line_contact import half_width, squeezed_disc_approach
+from tests.stability.random_scenes import random_scene
+from tests.verification.runs import every_step, plan_of, record, without_spin
 
 RIGID = replace(STEEL, rigid=True)
 BODIES = {"rollers": "roller", "inner_ring": "inner_ring", "outer_ring": "outer_ring"}  # scene: Bearing
@@ -141,8 +137,7 @@ def test_between_rigid_rings_every_roller_is_johnsons_squeezed_disc():
 def moving(names, **changes):
     """1 ms of the paper's scene at 2 mm."""
     how = {"numerics__mesh_size_mm": 2.0, "numerics__duration_ms": 1.0} | changes
-    with own_folder():
-        return record(plan_of(**how, **settings(names)))
+    return record(plan_of(**how, **settings(names)))
 
 
 @every_choice
@@ -179,8 +174,7 @@ def test_it_moves_as_with_bodies_a_thousand_times_as_stiff(names):
 
 
 def by_steps(names, slides=False, **changes):
-    with own_folder():
-        plan = plan_of(numerics__mesh_size_mm=2.0, **settings(names), **changes)
+    plan = plan_of(numerics__mesh_size_mm=2.0, **settings(names), **changes)
     plan = without_spin(plan) if slides else plan
     return record(every_step(plan, 300)), plan
 
@@ -235,14 +229,13 @@ def test_rigid_rollers_are_spun_up_by_friction():
 
     Little friction, so that the rings' tangential deformation, which springs back in the end, holds little energy.
     """
-    with own_folder():
-        plan = without_spin(
-            plan_of(
-                numerics__mesh_size_mm=2.0, numerics__duration_ms=0.6, numerics__output_interval_us=1.0,
-                bearing__outer_raceway_diameter_mm=55.99, operation__radial_load_N=0.0, operation__gravity_m_s2=0.0,
-                contact__friction_coefficient=0.02, **settings(["rollers"]),
-            )
-        )  # fmt: skip
+    plan = without_spin(
+        plan_of(
+            numerics__mesh_size_mm=2.0, numerics__duration_ms=0.6, numerics__output_interval_us=1.0,
+            bearing__outer_raceway_diameter_mm=55.99, operation__radial_load_N=0.0, operation__gravity_m_s2=0.0,
+            contact__friction_coefficient=0.02, **settings(["rollers"]),
+        )
+    )  # fmt: skip
     found, ideal = record(plan), kinematics(plan.model.bearing, plan.operation.speed).roller
     inertia = 0.5 * plan.model.bearing.roller_mass * plan.model.bearing.roller_radius**2
     # measured 1.5e-3 below; elastic rollers 2.9e-3
@@ -303,11 +296,10 @@ def test_random_bearings_stay_stable(names):
     tried = 0
     for number in (0, 3, 4, 8, 11):
         tables = random_scene(5, number, 0.3, budget=1e5) | {"bodies": dict.fromkeys(names, "rigid")}
-        with own_folder():
-            try:
-                plan = make_plan(parse_scene(tables, "random"))
-            except ValueError:  # the materials don't bear the scene
-                continue
+        try:
+            plan = make_plan(parse_scene(tables, "random"))
+        except ValueError:  # the materials don't bear the scene
+            continue
         found = record(plan)
         exchanged = found.largest_stored + np.abs(found["work_external"]).max()
         assert np.abs(found.imbalance).max() < 1e-2 * exchanged, tables["name"]

@@ -21,7 +21,7 @@ from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.kinematics import roller_angles
 from lagrange.scene import parse_scene
-from tests.reference.bearings import arrays, copies, loop_arguments, operation, own_folder, soft
+from tests.reference.bearings import arrays, copies, loop_arguments, operation, soft
 
 ON_A_ROLLER = -0.5 * np.pi
 LOAD = 300.0
@@ -34,8 +34,7 @@ def five():
 
 @cache
 def spread_model(mesh_size):
-    with own_folder():
-        return SpreadModel.of_force(five(), mesh_size, LOAD)
+    return SpreadModel.of_force(five(), mesh_size, LOAD)
 
 
 @cache
@@ -87,10 +86,9 @@ def test_pressures_are_hertzs(size):
 
 def test_meshes_choose_the_contact():
     """One patch on meshes more than twice as coarse as the half-width, 0.24 mm; points below."""
-    with own_folder():
-        for size, spreads in ((0.6, False), (0.4, True)):
-            model = model_of(rolling_scene(0.0, size, 1.0))
-            assert isinstance(model, SpreadModel) == spreads
+    for size, spreads in ((0.6, False), (0.4, True)):
+        model = model_of(rolling_scene(0.0, size, 1.0))
+        assert isinstance(model, SpreadModel) == spreads
 
 
 def test_points_in_contact_are_found_as_by_another_method():

@@ -1,20 +1,16 @@
-"""Short form of `python -m benchmarks.stability`: random scenes end well or say why not; the critical step is tight."""
+"""Short form of `python -m tests.stability`: random scenes end well or say why not; the critical step is tight."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent.parent))
-
-from benchmarks.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Outcome, Watch, append_csv, read_csv, try_scene
-from benchmarks.random_scenes import RANGES, random_scene
-from benchmarks.step_limit import SAFE_SIDE, at_ratio, energy_drift
 from fem.solver.samples import Samples
 from fem.solver.simulate import RunFailed, make_plan, run
 from lagrange.scene import SceneError, parse_scene, read_scene
+from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Outcome, Watch, append_csv, read_csv, try_scene
+from tests.stability.random_scenes import RANGES, random_scene
+from tests.stability.step_limit import SAFE_SIDE, at_ratio, energy_drift
 
 SEED = 1
 CHEAP = 4e6  # degrees of freedom times steps of 5 ms

@@ -1,8 +1,6 @@
 """The contact law below the grid: finite elements plus law give the exact approach wherever the contact sits."""
 
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,11 +8,6 @@ from numba import njit
 from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import LENGTH, STEEL, disc, model, paper, ring
-from line_contact import half_width, squeezed_disc_approach
-
-from benchmarks.verification.contact_statics import POSITIONS, law_on_rigid, squeezed
 from fem.contacts.patch import disc_patch_force, patch, ring_patch_force
 from fem.contacts.subgrid import disc_surface_compliance, ring_surface_compliance
 from fem.elastic.bodies import disc_body
@@ -26,6 +19,9 @@ from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import count_from, load, store
 from lagrange import Material
 from meshes import Disc
+from tests.reference.bearings import LENGTH, STEEL, disc, model, paper, ring
+from tests.reference.line_contact import half_width, squeezed_disc_approach
+from tests.verification.contact_statics import POSITIONS, law_on_rigid, squeezed
 
 RADIUS = 0.005
 CALIBRATED_AT = 5e-5  # half-width b, m, as `fem.contacts.subgrid` does for this roller

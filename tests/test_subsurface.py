@@ -1,16 +1,11 @@
 """Analytic fields below a contact: against McEwen's formulas and against Flamant's solution summed up numerically."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from half_plane import cubic_bspline, flamant, mcewen
-
 from fem.pictures.subsurface import AT_DEPTH, LARGEST_SHEAR, SurfaceLoad, hertz_stress, spline_displacement
 from lagrange import Material
+from tests.reference.half_plane import cubic_bspline, flamant, mcewen
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 B = 0.05e-3

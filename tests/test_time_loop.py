@@ -1,30 +1,12 @@
 """The time loop: order in dt, what it conserves, balances of the whole bearing, reproducibility."""
 
-import sys
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import sparse
-from scipy.sparse.linalg import eigsh
-
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import (
-    LENGTH,
-    STEEL,
-    arrays,
-    block,
-    copies,
-    disc,
-    loop_arguments,
-    model,
-    operation,
-    paper,
-    ring,
-    run,
-)
 from scipy.linalg import eigh
+from scipy.sparse.linalg import eigsh
 
 from fem.contacts.critical_step import critical_time_step
 from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
@@ -49,6 +31,20 @@ from fem.kernels.sample_kernels import (
 )
 from fem.kernels.time_loop import NOT_FINITE, advance
 from lagrange import Bearing
+from tests.reference.bearings import (
+    LENGTH,
+    STEEL,
+    arrays,
+    block,
+    copies,
+    disc,
+    loop_arguments,
+    model,
+    operation,
+    paper,
+    ring,
+    run,
+)
 
 
 def observed_order(h, error):

@@ -1,26 +1,21 @@
-"""The fast cases of `python -m benchmarks.verification`; the suite itself notices what fails; its own references."""
+"""The fast cases of `python -m tests.verification`; the suite itself notices what fails; its own references."""
 
-import sys
 from math import inf, nan
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent / "reference"))
-from bearings import STEEL, own_folder
-
-from benchmarks.verification import __main__ as command
-from benchmarks.verification import subjects, table
-from benchmarks.verification.case import Case, Check, Origin, run_case
+from tests.reference.bearings import STEEL
 from tests.reference.disc_impact import LARGEST_ROOT, _far_load, disc_modes, static_compliance, thrown_at_flat
+from tests.verification import __main__ as command
+from tests.verification import subjects, table
+from tests.verification.case import Case, Check, Origin, run_case
 
 
 @pytest.mark.parametrize("case", [case for case in subjects.all_cases() if case.fast], ids=lambda case: case.name)
 def test_case(case):
-    with own_folder():
-        outcome = run_case(case)
+    outcome = run_case(case)
     assert not outcome.trouble
     assert [check for check in outcome.checks if not check.passed] == []
     assert outcome.passed

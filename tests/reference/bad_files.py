@@ -7,12 +7,12 @@ import os
 
 import h5py
 import numpy as np
-from synthetic_run import make_run, write_result, write_table
 
 from fem.cli import run_main
 from fem.render_cli import render_main
 from fem.result.checkpoint import checkpoint_path
 from residual.cli import main as check_main
+from tests.reference.synthetic_run import make_run, write_result, write_table
 
 RUN = make_run(n_times=64)
 FINE = "[operation]\nradial_load_N = 1\n[numerics]\nmesh_size_mm = 0.026\n"  # uniform: contacts are far narrower
@@ -31,7 +31,7 @@ def result(change, *words, options=()):
 
 
 def replaced(name, value, *words):
-    """One variable exchanged; None drops it."""
+    """Exchange one variable; None drops it."""
 
     def change(file):
         old = file[name][:]
@@ -43,7 +43,7 @@ def replaced(name, value, *words):
 
 
 def attribute(name, value, *words):
-    """One attribute exchanged; None drops it."""
+    """Exchange one attribute; None drops it."""
 
     def change(file):
         if value is None:
@@ -74,7 +74,7 @@ def spoilt(change, *words):
 
 
 def content(name, data, *words):
-    """Any file."""
+    """A file with this content."""
 
     def make(folder):
         (folder / name).write_bytes(data if isinstance(data, bytes) else data.encode())
@@ -98,17 +98,17 @@ def table(edit, *words, with_scene=True, scene_text="", options=()):
 
 
 def row(number, change):
-    """One row of a table changed; row 0 is the header."""
+    """Change one row of a table; row 0 is the header."""
     return lambda lines: [*lines[:number], change(lines[number]), *lines[number + 1 :]]
 
 
 def cell(number, text):
-    """The first cell of a row exchanged."""
+    """Exchange the first cell of a row."""
     return row(number, lambda line: text + line[line.index(",") :])
 
 
 def sound(*arguments, say):
-    """A sound result file, unusable options."""
+    """A sound result file with unusable options."""
 
     def make(folder):
         path = write_result(folder / "made.nc", RUN)
@@ -129,7 +129,7 @@ def huge(file):
 
 
 def promised(file):
-    """Sixteen gigabytes of zeros in a few bytes."""
+    """A variable of sixteen gigabytes of zeros in a few bytes."""
     for name in ("time", "inner_x", "inner_y", "roller_x", "roller_y"):
         del file[name]
         shape = (2 * 10**9,) if not name.startswith("roller") else (2 * 10**9, 13)
@@ -301,7 +301,7 @@ def picture(*arguments, say, change=lambda file: None):
 
 
 def resumed(change, *words, settings=()):
-    """--resume of a sound run whose files have been changed."""
+    """Option --resume with a sound run whose files have been changed."""
 
     def make(folder, finished):
         for name in ("run.nc", "run.nc.checkpoint"):
@@ -317,7 +317,7 @@ def resumed(change, *words, settings=()):
 
 
 class Touch:
-    """Would make a file if it were unpickled."""
+    """An object that would make a file if it were unpickled."""
 
     def __reduce__(self):
         return os.mkdir, ("executed",)

@@ -1,10 +1,10 @@
 """States of a bearing whose contacts are pressed at random, and what contacts do to their bodies."""
 
 import numpy as np
-from bearings import arrays, copies, model, operation, paper, resolved_model, soft
 
 from fem.kernels.contact_kernels import contact_forces, push_nodes
 from fem.kernels.ring_kernels import HALO
+from tests.reference.bearings import arrays, copies, model, operation, paper, resolved_model, soft
 
 DT = 1e-7
 PRESSED = 5e-6  # m, typical overlap of the circles

@@ -27,7 +27,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(200)
 
 @dataclass(frozen=True, kw_only=True)
 class Impact:
-    """What an impact is measured by."""
+    """Numbers that describe an impact."""
 
     force: float  # largest, N
     duration: float  # s

@@ -47,7 +47,7 @@ def held_ring_frequencies(n: int, held: float, free: float, high: float, materia
 
 
 def _determinant(condition, n: int, r: float, x: float, material: Material) -> float:
-    """Of an annulus with a condition at radius r and free at radius 1, columns scaled to 1."""
+    """Determinant for an annulus with a condition at radius r, free at radius 1, columns scaled to 1."""
     kinds = ("j", "y")
     matrix = np.concatenate([condition(n, r, x, material, kinds), surface_tractions(n, 1.0, x, material, kinds)])
     return np.linalg.det(matrix / np.abs(matrix).max(axis=0))

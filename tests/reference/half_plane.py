@@ -1,4 +1,4 @@
-"""Stress in a half plane under line contacts, from the textbook: typed in again, and summed up numerically."""
+"""Stress in a half plane under line contacts, from the textbook: the formulas typed in again, and a numerical sum."""
 
 import numpy as np
 

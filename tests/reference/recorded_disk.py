@@ -58,7 +58,7 @@ class RecordedDisk:
                 yield content
 
     def after_power_cuts(self, path, numbers: np.random.Generator, tries: int):
-        """The same, with any of the sectors since the last sync on the disk or not."""
+        """The content of a file after power cuts, any of the sectors since the last sync on the disk or not."""
         there, synced, since = None, None, []
         for kind, *what in self._log:
             if kind == "move" and what[1] == str(path):
@@ -80,7 +80,7 @@ class RecordedDisk:
 
 
 def _sectors(place: int, data: bytes):
-    """A write in pieces that a disk makes whole."""
+    """Cut a write into the pieces that a disk makes whole."""
     borders = [place, *range(place - place % SECTOR + SECTOR, place + len(data), SECTOR), place + len(data)]
     return [(a, data[a - place : b - place]) for a, b in itertools.pairwise(borders)]
 

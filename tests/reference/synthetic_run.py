@@ -35,7 +35,7 @@ def harris_force(depth, length_mm=10.0):
 
 
 def make_run(n_times=6001, interval=INTERVAL, tone=500.0, amplitude=2e-7, scene=None, kept=None):
-    """The inner ring circles at `tone`, Hz; the rollers carry a cos-shaped load zone, moving on."""
+    """Make a run whose inner ring circles at `tone`, Hz; its rollers carry a cos-shaped load zone and move on."""
     scene = Scene() if scene is None else scene
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
     time = interval * np.arange(n_times)
@@ -71,7 +71,7 @@ def exact_errors(run):
 
 
 def write_table(run, path):
-    """As CSV with the header the checker asks for."""
+    """Write the run as CSV with the header that the checker asks for."""
     n = run.roller_x.shape[1]
     names = ["time", "inner_x", "inner_y"] + [f"roller_{j}_{axis}" for j in range(n) for axis in "xy"]
     rollers = np.stack([run.roller_x, run.roller_y], axis=2).reshape(run.time.size, 2 * n)
@@ -112,7 +112,7 @@ def run_variables(run, force_factor=0.95, traction=3.0):
 
 
 def write_result(path, run, variables=None, committed=None, **attributes):
-    """As a result file: HDF5 with dimension scales."""
+    """Write the run as a result file: HDF5 with dimension scales."""
     variables = run_variables(run) if variables is None else variables
     with h5py.File(path, "w") as file:
         for name, value in variables.items():

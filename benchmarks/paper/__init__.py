@@ -1,7 +1,0 @@
-"""The paper's figures against ours: `python -m benchmarks.paper` writes docs/paper.md and its pictures, ten minutes.
-
-variants   what could make the paper's numbers, each as a run; what is measured of it
-supports   the outer ring held at few points: statics
-figures    docs/paper.png, docs/paper-variants.png
-page       docs/paper.md
-"""

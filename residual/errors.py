@@ -1,0 +1,5 @@
+"""What the checker raises for input it can't use."""
+
+
+class InputError(ValueError):
+    """The run can't be used; the message names the file, the value, the limit and what to do."""

@@ -1,0 +1,252 @@
+"""The paper's figures 4 and 6 to 11, in its order and with its axes; its ranges beside runs of its bearing."""
+
+from pathlib import Path
+
+import numpy as np
+
+from lagrange.ball_contact import delta_star, raceway_curvature
+from lagrange.bearing import BallBearing
+from residual import paper
+from residual.budget import load_zones
+from residual.differentiate import derivative
+from residual.evaluation import Direction, Evaluation
+from residual.plotting import (
+    BLUE,
+    GREY,
+    LINE_COLOURS,
+    ORANGE,
+    RED,
+    SKY,
+    SavedFigure,
+    beside_paper,
+    family,
+    legend_above,
+    line_handles,
+    mark_lines,
+    name_slim,
+    panels,
+    panels_beside,
+    save,
+)
+from residual.record import Record
+
+PAPER_BAND = 300.0  # Hz, the frequency axis of figures 10 and 11
+# F, δ*: Harris, Rolling Bearing Analysis, the table of dimensionless contact parameters; the paper's figure 4 plots it
+HARRIS_POINTS = (
+    (0.0, 1.0), (0.1075, 0.9974), (0.3204, 0.9761), (0.5916, 0.9077), (0.7332, 0.8394), (0.87366, 0.7169),
+    (0.93657, 0.6112), (0.9729, 0.4960), (0.990902, 0.3745), (0.9973, 0.2705), (0.9998527, 0.11995),
+)  # fmt: skip
+
+
+def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
+    """The roller that passes through the load zone most often, whole passes first."""
+
+    def merit(j):
+        zones = load_zones(loaded[:, j], bridge)
+        whole = sum(first > 0 and last < loaded.shape[0] - 1 for first, last in zones)
+        return len(zones), whole, int(loaded[:, j].sum())
+
+    return max(range(loaded.shape[1]), key=merit)
+
+
+def _panels(evaluation: Evaluation, n_rows: int, height: float):
+    """Make a figure, its axes, and slim axes for the paper's ranges: None where the run is of another bearing."""
+    if not paper.is_paper(evaluation.record.scene):
+        return *panels(n_rows, height), None
+    figure, axes, slim = panels_beside(n_rows, height)
+    name_slim(slim[0])
+    return figure, axes, slim
+
+
+def point_contact(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw figure 4: δ* of a point contact over the curvature difference, a ball bearing's two contacts marked."""
+    bearing = evaluation.record.bearing
+    # close to F = 1 the curve falls steeply: as many points there as elsewhere
+    difference = 1.0 - np.concatenate([np.linspace(1.0, 1e-2, 150), np.geomspace(1e-2, 1e-6, 60)[1:]])
+    figure, axes = panels(1, 3.8)
+    axes[0].plot(difference, delta_star(difference), color=BLUE, label="δ*(F), by elliptic integrals")
+    caption = "Dimensionless approach of a point contact, equations (4) to (8)"
+    if isinstance(bearing, BallBearing):
+        points = []
+        for side, colour, mark in (("inner", RED, "o"), ("outer", ORANGE, "s")):
+            curvature = raceway_curvature(bearing, side)
+            F, value = curvature.difference, delta_star(curvature.difference)
+            axes[0].plot(F, value, color=colour, marker=mark, linestyle="none", markersize=7, label=f"{side} raceway")
+            points.append(f"{side} raceway Σρ = {1e-3 * curvature.sum:.4g} mm⁻¹, F = {F:.4f}, δ* = {value:.4f}")
+        caption += f": {'; '.join(points)}."
+    else:
+        axes[0].plot(*np.array(HARRIS_POINTS).T, color=ORANGE, marker="o", linestyle="none", label="Harris' table")
+        caption += "; for balls. This bearing's rollers touch along lines, F = 1, and take laws (12), (13) instead."
+    axes[0].set(xlabel="curvature difference F(ρ)", ylabel="δ*", xlim=(0.0, 1.0), ylim=(0.0, 1.02))
+    axes[0].legend(loc="lower left")
+    return save(figure, folder, "fig04", "Fig. 4: approach of a point contact", caption)
+
+
+def inner_ring_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw figure 6: x and y of the inner ring's centre."""
+    t = evaluation.record
+    figure, axes, slim = _panels(evaluation, 2, 4.6)
+    for axis, name, value in ((axes[0], "x", t.inner_x), (axes[1], "y", t.inner_y)):
+        axis.plot(1e3 * t.time, 1e6 * value, color=BLUE)
+        axis.set_ylabel(f"{name} of the inner ring, µm")
+        axis.margins(x=0.0)
+    axes[-1].set_xlabel("time, ms")
+    caption = "Centre of the inner ring."
+    if slim is not None:
+        for axis, read_off, value in zip(slim, (paper.INNER_X, paper.INNER_Y), (t.inner_x, t.inner_y), strict=True):
+            beside_paper(axis, tuple(1e6 * np.array(read_off)), 1e6 * value)
+        caption += " At the right the range of the paper's figure 6: x −80 … +60 µm, y −220 … −80 µm."
+    return save(figure, folder, "fig06", "Fig. 6: motion of the inner ring", caption)
+
+
+def roller_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw figure 7: radial position, velocity and acceleration of one roller, load zones shaded."""
+    t, order = evaluation.record, evaluation.order
+    loaded = evaluation.budget.loaded
+    bridge = evaluation.chatter
+    j = chosen_roller(loaded, bridge)
+    rho, velocity, acceleration = roller_radial(t, j, order)
+    figure, axes, slim = _panels(evaluation, 3, 6.2)
+    values = (rho, velocity, acceleration)
+    for axis, value in zip(axes, values, strict=True):
+        axis.plot(1e3 * t.time, 1e3 * value, color=BLUE)
+    labels = ("ρ, mm", "dρ/dt, mm/s", "d²ρ/dt², mm/s²")
+    zones = load_zones(loaded[:, j], bridge)
+    for axis, label in zip(axes, labels, strict=True):
+        axis.set_ylabel(label)
+        axis.margins(x=0.0)
+        for first, last in zones:
+            axis.axvspan(1e3 * t.time[first], 1e3 * t.time[last], color=ORANGE, alpha=0.18, linewidth=0)
+    span = t.time.size
+    for first, last in zones:
+        if last - first > 0.06 * span:
+            middle = 0.5e3 * (t.time[first] + t.time[last])
+            axes[0].annotate("load zone", (middle, 1.02), xycoords=("data", "axes fraction"), ha="center",
+                             va="bottom", fontsize=9.5, color="#8A5A00")  # fmt: skip
+    axes[-1].set_xlabel("time, ms")
+    caption = (
+        f"Radial position ρ of roller {j} about the outer ring's centre, its velocity and acceleration; shaded: inner "
+        "contact closed (load zone)."
+    )
+    if slim is not None:
+        ranges = (paper.ROLLER_RHO, paper.ROLLER_VELOCITY, paper.ROLLER_ACCELERATION)
+        for axis, read_off, value in zip(slim, ranges, values, strict=True):
+            beside_paper(axis, tuple(1e3 * np.array(read_off)), 1e3 * value)
+        caption += (
+            " At the right the range of the paper's figure 7: ρ 22.98 … 23.08 mm, ±400 mm/s, ±5·10⁶ mm/s²; it marks "
+            "the load zone twice."
+        )
+    return save(figure, folder, "fig07", f"Fig. 7: radial motion of roller {j}", caption)
+
+
+def roller_radial(record: Record, j: int, order: int):
+    """Radial position ρ of one roller, m, its velocity, m/s, and its acceleration, m/s²."""
+    rho = np.hypot(record.roller_x[:, j], record.roller_y[:, j])
+    interval = record.interval
+    return rho, derivative(rho, interval, 1, order), derivative(rho, interval, 2, order)
+
+
+def error_signal(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
+    """Draw figure 8 or 9: the left side of (22), or of (23) with its sign flipped."""
+    t, error = evaluation.record, direction.budget.error
+    load = t.operation.radial_load
+    if direction.name == "x":
+        name, number, value, level = "fig08", "22", error, 0.0
+        label, title = "left side of (22), N", "Fig. 8: error force in x"
+        caption = "Left side of equation (22): 0 N for a perfect model (dashed)."
+    else:
+        name, number, value, level = "fig09", "23", load - error, load
+        label, title = "−(left side of (23)), N", "Fig. 9: error force in y"
+        caption = (
+            f"Left side of equation (23) with its sign flipped: the load W = {load:g} N for a perfect model (dashed)."
+        )
+    figure, axes, slim = _panels(evaluation, 1, 3.4)
+    if slim is not None:
+        beside_paper(slim[0], (level + paper.ERROR_FORCE[0], level + paper.ERROR_FORCE[1]), value)
+        figure_number = name.removeprefix("fig0")
+        caption += f" At the right the range of the paper's figure {figure_number}: ±3000 N around {level:g} N."
+    axes[0].plot(1e3 * t.time, value, color=BLUE, linewidth=0.9, label=f"equation ({number})")
+    axes[0].axhline(level, color="black", linewidth=1.1, linestyle=(0, (5, 3)), label=f"perfect model: {level:g} N")
+    mean = float(np.mean(value))
+    axes[0].axhline(mean, color=RED, linewidth=1.1, label=f"mean: {mean:.4g} N")
+    axes[0].set(xlabel="time, ms", ylabel=label)
+    axes[0].margins(x=0.0)
+    legend_above(axes[0], 3, columnspacing=1.5)
+    return save(figure, folder, name, title, caption)
+
+
+def spectrum_low(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
+    """Draw figure 10 or 11: power spectral density up to 300 Hz, on linear axes."""
+    spectrum, axis_name = direction.spectrum, direction.name
+    name, equation = ("fig10", "22") if axis_name == "x" else ("fig11", "23")
+    inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= PAPER_BAND + spectrum.resolution)
+    figure, axes = panels(1, 3.6)
+    axis = axes[0]
+    axis.plot(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, marker="o", markersize=3.5)
+    axis.set_xlim(0.0, PAPER_BAND)
+    axis.set_ylim(bottom=0.0)
+    axis.yaxis.get_offset_text().set_x(-0.08)  # clear of the first line's name
+    mark_lines(axis, evaluation.lines, 0.0, PAPER_BAND, labels=True)
+    axis.set(xlabel="frequency, Hz", ylabel=f"PSD of error_{axis_name}, N²/Hz")
+    low = spectrum.resolution
+    caption = (
+        f"One-sided power spectral density of the error force in {axis_name}, equation ({equation}), 0-300 Hz; one dot "
+        f"per frequency bin, Δf = {low:.4g} Hz, Hann window: two lines nearer than {2 * low:.3g} Hz are one peak, and "
+        f"a peak below {2 * low:.3g} Hz can't be told from drift."
+    )
+    if paper.is_paper(evaluation.record.scene):
+        axis.axvspan(paper.PEAK - 2.0, paper.PEAK + 2.0, color=ORANGE, alpha=0.45, linewidth=0, zorder=0)
+        caption += (
+            f" Shaded: the paper's peak near {paper.PEAK:g} Hz, of height "
+            f"{'2.5·10¹⁰' if axis_name == 'x' else '1.5·10⁷'} (unit not given)."
+        )
+    number = name.removeprefix("fig")
+    return save(figure, folder, name, f"Fig. {number}: spectrum of error_{axis_name}, 0-300 Hz", caption)
+
+
+def spectrum_whole(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
+    """Draw figure 10b or 11b: the spectrum up to the Nyquist frequency on logarithmic axes, kinematic lines marked."""
+    spectrum, axis_name = direction.spectrum, direction.name
+    name = "fig10b" if axis_name == "x" else "fig11b"
+    f, psd = spectrum.frequency[1:], spectrum.psd[1:]
+    figure, axes = panels(1, 4.2)
+    axis = axes[0]
+    axis.loglog(f, np.maximum(psd, 1e-300), color=BLUE, linewidth=0.9)
+    axis.set_xlim(f[0], f[-1])
+    top = max(psd.max(), 1e-30)
+    floor = max(np.percentile(psd, 2) / 3.0, 1e-14 * top)
+    axis.set_ylim(floor, 12.0 * top)
+    families = mark_lines(axis, evaluation.lines, f[0], f[-1], labels=False)
+    handles = line_handles(families, evaluation.lines)
+    if 0.0 < evaluation.resonance < f[-1]:
+        handles.append(
+            axis.axvline(evaluation.resonance, color=SKY, linewidth=5.0, alpha=0.4, zorder=0,
+                         label=f"ring on its contacts ≈ {evaluation.resonance / 1e3:.3g} kHz")
+        )  # fmt: skip
+    for peak in direction.peaks:
+        colour = LINE_COLOURS[family(peak.line)] if peak.line else "black"
+        mark = axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour,
+                         markerfacecolor=colour if peak.resolved else "white", linestyle="none")  # fmt: skip
+        mark[0].set_clip_on(False)
+    axis.set(xlabel="frequency, Hz", ylabel=f"PSD of error_{axis_name}, N²/Hz")
+    legend_above(axis, 3, handles=handles, borderaxespad=0.3, columnspacing=1.4)
+    axis.grid(which="minor", visible=False)
+    axis.tick_params(which="minor", color=GREY)
+    caption = (
+        f"The same density up to the Nyquist frequency {f[-1] / 1e3:.4g} kHz. Dashed: kinematic lines; "
+        "dotted: their harmonics. Triangles: peaks that stand out of the background, hollow where zero frequency or "
+        f"another line lies within {2 * spectrum.resolution:.3g} Hz."
+    )
+    number = name.removeprefix("fig")
+    return save(figure, folder, name, f"Fig. {number}: spectrum of error_{axis_name}, whole band", caption)
+
+
+def paper_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
+    """Draw all of the paper's figures, in order."""
+    drawn = [
+        point_contact(evaluation, folder), inner_ring_motion(evaluation, folder), roller_motion(evaluation, folder)
+    ]  # fmt: skip
+    drawn += [error_signal(evaluation, folder, direction) for direction in evaluation.directions]
+    for direction in evaluation.directions:
+        drawn += [spectrum_low(evaluation, folder, direction), spectrum_whole(evaluation, folder, direction)]
+    return drawn

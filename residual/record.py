@@ -1,0 +1,165 @@
+"""`Record`, the sampled motion of a run: the arrays every other module works on, and their checks."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+
+import numpy as np
+
+from lagrange.bearing import Bearing, Operation
+from lagrange.scene import Scene
+from lagrange.scene_columns import per_roller
+from residual.errors import InputError
+
+FEWEST_SAMPLES = 32  # fewer give no statistics and hardly a spectrum
+TIME_JITTER = 1e-3  # of the interval: what rounding times to some decimals may cost
+LARGEST = 1e15  # SI: far above any position, acceleration, force or energy of a bearing
+SHORTEST_INTERVAL = 1e-12  # s
+SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
+
+
+@dataclass(frozen=True, kw_only=True)
+class StatedError:
+    """The solver's own statement of what a quantity of its run may be off by."""
+
+    meaning: str
+    unit: str
+    value: float
+    error: float  # >= 0, in the unit of the value
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """Sampled motion of one run, and its contact forces where the source holds them. SI; time first.
+
+    Optional arrays are None where the source holds none.
+    """
+
+    name: str
+    source: Path
+    scene: Scene
+    time: np.ndarray  # (n_times,), s, equally spaced
+    inner_x: np.ndarray  # (n_times,), m, centre of the inner ring (hub)
+    inner_y: np.ndarray
+    roller_x: np.ndarray  # (n_times, n_rollers), m, centres of mass
+    roller_y: np.ndarray
+    inner_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
+    inner_ay: np.ndarray | None = None
+    inner_force: np.ndarray | None = None  # (n_times, n_rollers), N, normal, >= 0
+    outer_force: np.ndarray | None = None
+    inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ
+    outer_traction: np.ndarray | None = None
+    energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
+    attributes: Mapping[str, object] = field(default_factory=dict)
+    stated_errors: tuple[StatedError, ...] = ()  # of the error of the discretisation
+    notes: tuple[str, ...] = ()  # what a user should know about how the source was read
+    precision: float = float(np.finfo(float).eps)  # relative precision of the stored numbers
+
+    @property
+    def bearing(self) -> Bearing:
+        return self.scene.ideal_bearing()
+
+    @property
+    def operation(self) -> Operation:
+        return self.scene.ideal_operation()
+
+    @property
+    def interval(self) -> float:
+        """Sampling interval, s."""
+        return float((self.time[-1] - self.time[0]) / (self.time.size - 1))
+
+    @property
+    def cage_speed(self) -> float:
+        """Mean angular speed of the rollers' centres about the outer ring's centre, rad/s, signed."""
+        angle = np.unwrap(np.arctan2(self.roller_y, self.roller_x), axis=0)
+        return float(np.mean(angle[-1] - angle[0]) / (self.time[-1] - self.time[0]))
+
+    def samples(self, part: slice) -> "Record":
+        """Restrict the record to some samples."""
+        cut = {}
+        for f in fields(self):
+            value = getattr(self, f.name)
+            if isinstance(value, np.ndarray):
+                cut[f.name] = value[part]
+        return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()})
+
+
+@np.errstate(over="ignore", invalid="ignore")  # what overflows is refused
+def checked(record: Record) -> Record:
+    """Return the record unchanged if it makes sense.
+
+    Errors
+    ------
+    InputError: shapes disagree, values are not finite, time is unsorted or irregular, the number of rollers is not the
+    scene's, rollers are nowhere near the pitch circle, or there are too few samples.
+    """
+    source, time = record.source, record.time
+    n_times, n_rollers = time.size, record.bearing.n_rollers
+    if n_times < FEWEST_SAMPLES:
+        raise InputError(
+            f"{source}: {n_times} usable samples, at least {FEWEST_SAMPLES} are needed; simulate longer or "
+            "store more often"
+        )
+    arrays = {f.name: getattr(record, f.name) for f in fields(record)} | dict(record.energies)
+    for name, value in arrays.items():
+        if isinstance(value, np.ndarray):
+            _check_array(source, name, value, n_times, n_rollers)
+    _check_time(source, time, record.interval)
+    rho = np.hypot(record.roller_x, record.roller_y)
+    pitch = record.bearing.pitch_radius
+    worst = np.unravel_index(np.argmax(np.abs(rho - pitch)), rho.shape)
+    if abs(rho[worst] - pitch) > SAME_RUN * pitch:
+        raise InputError(
+            f"{source}: roller {worst[1]} is {rho[worst]:.4g} m from the centre at sample {worst[0]}, the "
+            f"scene's pitch radius is {pitch:.4g} m; are the positions in metres and the scene the right one?"
+        )
+    hub = np.hypot(record.inner_x, record.inner_y)
+    if hub.max() > SAME_RUN * pitch:
+        i = int(np.argmax(hub))
+        raise InputError(
+            f"{source}: the inner ring's centre (inner_x, inner_y) is {hub[i]:.4g} m off at sample {i}, the scene's "
+            f"pitch radius is {pitch:.4g} m; are the positions in metres?"
+        )
+    return record
+
+
+def _check_array(source: Path, name: str, value: np.ndarray, n_times: int, n_rollers: int) -> None:
+    """Refuse an array of the wrong shape, or with values that are not finite or absurdly large."""
+    wanted = (n_times, n_rollers) if per_roller(name) else (n_times,)
+    if per_roller(name) and value.ndim == 2 and value.shape[1] != n_rollers:
+        raise InputError(f"{source}: {name} holds {value.shape[1]} rollers, its scene says {n_rollers}")
+    if value.shape != wanted:
+        raise InputError(f"{source}: {name} has shape {value.shape}, expected {wanted}; the file is damaged")
+    if value.size and np.abs(value[np.isfinite(value)]).max(initial=0.0) > LARGEST:
+        raise InputError(f"{source}: {name} exceeds {LARGEST:g} in SI units; are the units right?")
+    bad = ~np.isfinite(value)
+    if bad.any():
+        where = np.unravel_index(np.argmax(bad), value.shape)
+        raise InputError(
+            f"{source}: {name} is {value[where]} at sample {where[0]}"
+            + (f", roller {where[1]}" if len(where) > 1 else "")
+            + f" ({np.count_nonzero(bad)} such values); the run broke down there, leave those samples out"
+        )
+
+
+def _check_time(source: Path, time: np.ndarray, interval: float) -> None:
+    """Refuse time that does not rise in equal steps."""
+    steps = np.diff(time)
+    if np.any(steps <= 0.0):
+        i = int(np.argmax(steps <= 0.0))
+        raise InputError(
+            f"{source}: time does not rise after sample {i} ({time[i]:.9g} s is followed by "
+            f"{time[i + 1]:.9g} s); sort it"
+        )
+    if interval < SHORTEST_INTERVAL:
+        raise InputError(
+            f"{source}: the sampling interval is {interval:.3g} s, at least {SHORTEST_INTERVAL:g} s is taken; is time "
+            "in seconds?"
+        )
+    uneven = np.abs(steps - interval)
+    i = int(np.argmax(uneven))
+    if uneven[i] > TIME_JITTER * interval:
+        raise InputError(
+            f"{source}: the sampling interval after sample {i} is {steps[i]:.6g} s, the mean one "
+            f"{interval:.6g} s (may differ by {TIME_JITTER:g} of it); --resample brings a table to equal steps"
+        )

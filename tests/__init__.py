@@ -1,0 +1,15 @@
+"""Tests, and the longer checks of correctness; each of those is a command, run from the checkout's root.
+
+test_*         what `python -m pytest` runs, one module per subject
+conftest       what all of them share
+pages          what pages of docs/ written by a command share
+reference      analytic and independent solutions, inputs sound and bad, bearings to try
+
+verification   the solver's pieces against analytic solutions, published values, conservation laws
+accuracy       observed orders of convergence; contacts from below the grid to resolved
+paper          the paper's figures against ours, and the runs that explain the difference
+stability      random scenes from the whole range of bearings: none may end silently wrong
+fuzz           every reader against changed files, guided by coverage
+
+Speed is measured in `benchmarks`.
+"""

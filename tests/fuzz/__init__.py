@@ -1,0 +1,6 @@
+"""Every reader against changed files: `python -m tests.fuzz scene|table|result|checkpoint --seconds 600`.
+
+targets    the readers, each as a function of a file's content, and sound inputs to start from
+mutations  inputs that stay near sound ones
+__main__   the search guided by coverage (Atheris), from the command line
+"""

@@ -1,0 +1,165 @@
+"""Inputs for the fuzzers that stay near sound ones.
+
+A scene's values, a table's cells, a file's bytes, an archive's arrays are changed. Each function takes a file's content
+and a random.Random, and gives another content. Bytes alone would hardly ever get past the parsers.
+"""
+
+import io
+import json
+import zipfile
+from collections.abc import Callable
+from random import Random
+
+NUMBERS = (
+    "", " ", "nan", "-nan", "inf", "-inf", "1e400", "-1e400", "1e308", "-1e308", "1e15", "1e16", "1e-320", "-0", "0",
+    "1", "-1", "0x10", "1_000", "1.", ".5", "1e", "1,5", "1.2.3", "9" * 400, "0." + "0" * 400 + "1", "true", "=1+1",
+    "\u0661",
+)  # fmt: skip
+VALUES = (
+    *NUMBERS, "[1, 2]", "[]", "{}", "{a = 1}", "'text'", '"\\u0000"', '"\\u001b[2J"', "'''", "2007-06-18", "12:00:00",
+    "[[", "'../x'", "'" + "x" * 200 + "'", '"t [ms]"', '"{j}"', '"a ["', '"fem"', '"lagrange"', '"ball"', '"rest"',
+)  # fmt: skip
+INTEGERS = (0, 1, 2**7, 2**8 - 1, 2**15, 2**16 - 1, 2**31 - 1, 2**31, 2**32 - 1, 2**63 - 1, 2**63, 2**64 - 1)
+
+
+def scene(data: bytes, random: Random) -> bytes:
+    """Change, move, drop and double values, keys and tables of a TOML text."""
+    lines = data.decode("utf-8", errors="replace").split("\n")
+    for _ in range(random.choice((1, 1, 1, 2, 4))):
+        at = random.randrange(len(lines))
+        key, equals, value = lines[at].partition("=")
+        kind = random.randrange(8)
+        if kind < 3 and equals:
+            lines[at] = f"{key}= {_number(value.strip(), random) if kind else random.choice(VALUES)}"
+        elif kind == 3:
+            lines[at] = _misspelt(key, random) + equals + value
+        elif kind == 4:
+            lines.insert(random.randrange(len(lines) + 1), lines[at])
+        elif kind == 5 and len(lines) > 1:
+            lines.pop(at)
+        elif kind == 6:
+            lines[at] = random.choice(("[", "[[", "", "a.")) + lines[at] + random.choice(("]", "", "'", " = 1"))
+        else:
+            return damaged("\n".join(lines).encode("utf-8", errors="replace"), random)
+    return "\n".join(lines).encode("utf-8", errors="replace")
+
+
+def table(data: bytes, random: Random) -> bytes:
+    """Change, scale, drop and double cells, columns and rows of a table."""
+    text = data.decode("utf-8", errors="replace")
+    delimiter = "\t" if "\t" in text else ","
+    rows = [line.split(delimiter) for line in text.split("\n")]
+    for _ in range(random.choice((1, 1, 2, 4))):
+        at = random.randrange(len(rows))
+        column = random.randrange(len(rows[0])) if rows[0] else 0
+        kind = random.randrange(9)
+        if kind < 2 and column < len(rows[at]):
+            rows[at][column] = random.choice(NUMBERS) if kind else _number(rows[at][column], random)
+        elif kind < 4:
+            _scale(rows, column, 10.0 ** random.choice((-320, -30, -9, -6, -3, -1, 1, 3, 6, 9, 15, 30, 300)))
+        elif kind == 4 and rows[0]:
+            rows[0][column % len(rows[0])] = _misspelt(rows[0][column % len(rows[0])], random)
+        elif kind == 5 and len(rows) > 1:
+            rows.pop(at)
+        elif kind == 6:
+            rows.insert(random.randrange(len(rows) + 1), list(rows[at]))
+        elif kind == 7:
+            for row in rows:
+                if column < len(row):
+                    row.pop(column)
+        else:
+            return damaged("\n".join(delimiter.join(row) for row in rows).encode("utf-8", errors="replace"), random)
+    return "\n".join(delimiter.join(row) for row in rows).encode("utf-8", errors="replace")
+
+
+def damaged(data: bytes, random: Random) -> bytes:
+    """Change bits, bytes and words, move pieces, cut off the end."""
+    content = bytearray(data)
+    for _ in range(random.choice((1, 1, 1, 2, 4, 16))):
+        if not content:
+            break
+        at, kind = random.randrange(len(content)), random.randrange(8)
+        if kind < 3:
+            content[at] ^= 1 << random.randrange(8)
+        elif kind == 3:
+            content[at] = random.randrange(256)
+        elif kind < 6:
+            width = random.choice((2, 4, 8))
+            content[at : at + width] = (random.choice(INTEGERS) % 2 ** (8 * width)).to_bytes(width, "little")
+        elif kind == 6:
+            start, length = random.randrange(len(content)), random.randrange(64)
+            content[at : at + length] = content[start : start + length]
+        elif random.random() < 0.2:
+            del content[at:]
+    return bytes(content)
+
+
+def archive(data: bytes, random: Random) -> bytes:
+    """Change arrays of a checkpoint, or the words about them, half of the time with checksums that hold."""
+    if random.random() < 0.5:
+        return damaged(data, random)
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as file:
+            members = {name: file.read(name) for name in file.namelist()}
+    except Exception:  # damaged before
+        return damaged(data, random)
+    for _ in range(random.choice((1, 2, 4))):
+        name = random.choice(list(members)) if members else "meta.npy"
+        kind = random.randrange(4)
+        if kind == 0:
+            members.pop(name, None)
+        elif kind == 1 and "meta.npy" in members:
+            members["meta.npy"] = _other_meta(members["meta.npy"], random)
+        else:
+            members[name] = damaged(members.get(name, b""), random)
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as file:
+        for name, content in members.items():
+            file.writestr(name, content)
+    return out.getvalue()
+
+
+MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
+    "scene": scene,
+    "table": table,
+    "result": damaged,
+    "checkpoint": archive,
+}
+
+
+def _number(text: str, random: Random) -> str:
+    """Exchange a number for one near or far from it."""
+    try:
+        value = float(text)
+    except ValueError:
+        return random.choice(VALUES)
+    factor = random.choice((-1.0, 0.0, 0.5, 0.99, 1.01, 2.0, 10.0, 1e3, 1e-3, 1e6, 1e-6, 1e300))
+    return str(round(value * factor)) if random.random() < 0.3 and abs(value * factor) < 1e18 else str(value * factor)
+
+
+def _misspelt(text: str, random: Random) -> str:
+    if not text:
+        return random.choice(("x", '"\\u001b"', "'"))
+    at = random.randrange(len(text))
+    return text[:at] + random.choice(("", "x", text[at] * 2, "\x1b", '"')) + text[at + 1 :]
+
+
+def _scale(rows: list[list[str]], column: int, factor: float) -> None:
+    for row in rows[1:]:
+        try:
+            row[column] = repr(float(row[column]) * factor)
+        except (ValueError, IndexError):
+            continue
+
+
+def _other_meta(data: bytes, random: Random) -> bytes:
+    """Exchange one value in the JSON of a checkpoint; its array's header holds the length."""
+    start = data.find(b"{", data.find(b"\n"))
+    try:
+        meta = json.loads(data[start:])
+        key = random.choice(list(meta))
+    except (ValueError, TypeError, IndexError):
+        return damaged(data, random)
+    meta[key] = random.choice((None, -1, 0, 2**70, 1e400, "", "x" * 50, [], {}, {"x": {}}, [[]] * 3, True))
+    text = json.dumps(meta).encode()
+    return data[:start] + text.ljust(len(data) - start) if len(text) <= len(data) - start else data[:start] + text

@@ -1,0 +1,172 @@
+"""The readers, each as a function of a file's content, and sound inputs to start from.
+
+Readers are imported where they are used: the search loads them anew to count their branches.
+"""
+
+import io
+import json
+import tempfile
+import warnings
+from pathlib import Path
+
+LONGEST_MESSAGE = 10_000  # characters: 21 lines
+DURATION = ["--duration", "0.4"]
+FEW_ROLLERS = """[bearing]
+rollers = 3
+inner_raceway_diameter_mm = 36.0
+"""
+
+
+class Targets:
+    """The readers, each as a function of a file's content."""
+
+    def __init__(self, folder: Path):
+        self._folder = folder
+        warnings.simplefilter("error", RuntimeWarning)  # an overflow that nobody looked for
+
+    def scene(self, data: bytes) -> bool:
+        """Read a scene file; what is taken must come back from its own text. Whether it was taken."""
+        from lagrange.scene import SceneError, parse_scene_text, read_scene
+
+        path = self._file("fuzzed.toml", data)
+        try:
+            scene = read_scene(path)
+        except SceneError as error:
+            return _refused(error)
+        assert parse_scene_text(scene.to_toml(), "again") == scene
+        return True
+
+    def table(self, data: bytes) -> bool:
+        """Read a trajectory table, and evaluate it where it is taken."""
+        from lagrange.scene import parse_scene_text
+        from residual.errors import InputError
+        from residual.table_source import read_table
+
+        path = self._file("fuzzed.csv", data)
+        try:
+            trajectory = read_table(path, parse_scene_text(FEW_ROLLERS, "few"))
+            _evaluated(trajectory)
+        except InputError as error:
+            return _refused(error)
+        return True
+
+    def result(self, data: bytes) -> bool:
+        """Read a result file first in a child, as always; then here, so that the search sees which way it took."""
+        from residual import sources
+        from residual.errors import InputError
+
+        sources.READ_SECONDS = 0.2  # of an input that sends HDF5 round in circles
+        path = self._file("fuzzed.nc", data)
+        try:
+            sources.read_result(path)
+        except InputError as error:
+            if "reading it" in str(error):
+                return _refused(error)
+        try:
+            sources._read(path)
+        except InputError as error:
+            return _refused(error)
+        return True
+
+    def checkpoint(self, data: bytes) -> bool:
+        """Read the state of a run."""
+        from fem.errors import UsageError
+        from fem.result.checkpoint import load_checkpoint
+
+        self._file("fuzzed.nc.checkpoint", data)
+        try:
+            load_checkpoint(self._folder / "fuzzed.nc", _plan())
+        except UsageError as error:
+            return _refused(error)
+        return True
+
+    def _file(self, name: str, data: bytes) -> Path:
+        path = self._folder / name
+        path.write_bytes(data)
+        return path
+
+
+NAMES = ("scene", "table", "result", "checkpoint")
+
+
+def _refused(error: Exception) -> bool:
+    """Check that the message is fit for a terminal."""
+    text = str(error)
+    assert 0 < len(text) <= LONGEST_MESSAGE and all(c.isprintable() or c == "\n" for c in text), repr(text)
+    return False
+
+
+def _evaluated(trajectory) -> None:
+    """Check that what the reader takes can be evaluated, and the numbers be written."""
+    from residual.evaluation import evaluate
+    from residual.summary import summarise
+
+    json.dumps(summarise(evaluate(trajectory), None, "0"), allow_nan=False)
+
+
+_PLANS: list = []
+
+
+def _plan():
+    from fem.solver.simulate import make_plan
+    from lagrange.scene import read_scene
+
+    if not _PLANS:
+        _PLANS.append(make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.4"))))
+    return _PLANS[0]
+
+
+def seeds(name: str) -> list[bytes]:
+    """Make small sound inputs to start from."""
+    from lagrange.scene import Scene
+
+    if name == "scene":
+        ball = '[bearing]\ntype = "ball"\n[material.roller]\ndensity_kg_m3 = 3200\n[operation]\nspeed_rpm = -3e3\n'
+        mapped = '[table]\ntime = "t [ms]"\nroller_x = "x_{j} [um]"\ndecimal = ","\n'
+        return [Scene().to_toml().encode(), ball.encode(), mapped.encode(), b"name = 'x'\n"]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "seed.nc"
+        if name == "checkpoint":
+            _run(["--mesh-size", "2", *DURATION, "--output", str(path)])
+            return [path.with_name("seed.nc.checkpoint").read_bytes()]
+        scene = Path(folder) / "few.toml"
+        scene.write_text(FEW_ROLLERS)
+        _run([str(scene), "--model", "lagrange", *DURATION, "--output", str(path)])
+        if name == "table":
+            return [_table(path, ","), _table(path, "\t")]
+        return [path.read_bytes(), _unchecked(path)]
+
+
+def _run(arguments: list[str]) -> None:
+    from fem.cli import run_main
+
+    if run_main([*arguments, "--quiet"]) != 0:
+        raise RuntimeError("the run that makes the first input failed")
+
+
+def _unchecked(path: Path) -> bytes:
+    """Read a result file without its checksums, which would stop most changes."""
+    import h5py
+
+    from lagrange.stored import CHECKSUM, SCENE_CHECKSUM
+
+    with h5py.File(path, "r+") as file:
+        for variable in file.values():
+            variable.attrs.pop(CHECKSUM, None)
+        file.attrs.pop(SCENE_CHECKSUM)
+    return path.read_bytes()
+
+
+def _table(path: Path, delimiter: str) -> bytes:
+    """Write a result file's motion as a table."""
+    import h5py
+    import numpy as np
+
+    with h5py.File(path) as file:
+        columns = {name: file[name][:] for name in ("time", "inner_x", "inner_y")}
+        for axis in "xy":
+            columns |= {f"roller_{j}_{axis}": column for j, column in enumerate(file[f"roller_{axis}"][:].T)}
+    text = io.StringIO()
+    np.savetxt(text, np.column_stack(list(columns.values())), "%.9g", delimiter,
+               header=delimiter.join(columns), comments="")  # fmt: skip
+    return text.getvalue().encode()

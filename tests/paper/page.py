@@ -1,0 +1,191 @@
+"""docs/paper.md: the paper's figures against ours in a table, and what was tried to make the paper's."""
+
+from math import pi, sqrt
+from pathlib import Path
+
+import numpy as np
+
+from lagrange import contact_laws
+from lagrange.ball_contact import delta_star
+from lagrange.scene import read_scene
+from residual import paper
+from residual.paper_figures import HARRIS_POINTS
+from tests.pages import markdown_table
+from tests.paper.supports import HALF_SUPPORT, Held
+from tests.paper.variants import COARSE, Measured, Range, Variant
+
+TEMPLATE = Path(__file__).with_name("page.md")
+NEAREST, SIDEWAYS = "soft-rest", "soft-facets-1"  # the runs drawn beside ours
+POLYGONS = "less-soft-facets-1"
+ROLLER = ("ρ′, mm/s", "ρ″, m/s²")
+SIDES = ("(22) Harris, N", "(23) Harris, N", "(22) fitted, N", "(23) fitted, N", "y moves at, Hz")
+MINUS = "−"
+SINK = 0.5 * abs(sum(paper.INNER_Y))  # m, middle of the paper's y
+
+
+def text(value: float, digits: int = 3) -> str:
+    """Write a number with a true minus sign, plain from 0.001 to 99 999."""
+    shown = f"{value + 0.0:.{digits}g}"
+    if "e" in shown and 1e-3 <= abs(value) < 1e5:
+        shown = f"{value:.0f}"
+    mantissa, _, exponent = shown.partition("e")
+    return (f"{mantissa}e{int(exponent)}" if exponent else mantissa).replace("-", MINUS)
+
+
+def span(ends: Range, scale: float = 1.0, zero: float = 0.0, digits: int = 3) -> str:
+    """Write a range."""
+    return f"{text(scale * (ends[0] - zero), digits)} … {text(scale * (ends[1] - zero), digits)}"
+
+
+def sinking_frequency() -> float:
+    """Frequency of the hub on springs that let it sink by SINK under the load, Hz."""
+    scene = read_scene().operation
+    return sqrt(scene.radial_load_N / (scene.inner_ring_and_shaft_kg * SINK)) / (2.0 * pi)
+
+
+def harris_force() -> float:
+    """Force of the lowest roller by Harris' law if the hub's SINK is shared by its two contacts, N."""
+    return float(contact_laws("harris", read_scene().ideal_bearing()).inner.force(np.array(0.5 * SINK)))
+
+
+def rattle() -> float:
+    """Frequency at which the paper's velocity and acceleration of figure 7 belong together, Hz."""
+    return paper.ROLLER_ACCELERATION[1] / paper.ROLLER_VELOCITY[1] / (2.0 * pi)
+
+
+def delta_star_error() -> float:
+    """Largest deviation of δ* from Harris' table, which the paper's figure 4 plots, relative."""
+    F, wanted = np.array(HARRIS_POINTS).T
+    return float(np.max(np.abs(delta_star(F[1:-1]) / wanted[1:-1] - 1.0)))
+
+
+def variant_rows(measured: list[tuple[Variant, Measured]]) -> list[list[str]]:
+    """Rows of the table, one for each run."""
+    rows = []
+    for variant, m in measured:
+        few, many = m.loaded
+        rows.append([
+            variant.title, span(m.x, 1e6), span(m.y, 1e6), span(m.rho, 1e6, 23e-3), span(m.velocity, 1e3),
+            span(m.acceleration, 1.0, digits=2), f"{few}–{many}, {m.usual}",
+            *(span(side, 1.0, digits=3) for side in m.harris), *(span(side, 1.0, digits=3) for side in m.fitted),
+            text(m.frequency, 4), f"{100 * m.imbalance:.2g} %" if m.imbalance > 1e-5 else "below 0.001 %",
+        ])  # fmt: skip
+    low = [
+        "*the paper*", "−80 … 60", "−220 … −80", "−20 … 80", "−400 … 400", "−5000 … 5000", "6–7",
+        "−3000 … 3000", "−1000 … 5000", "−3000 … 3000", "−1000 … 5000", f"{text(rattle(), 4)} (fig. 7)", "",
+    ]  # fmt: skip
+    return [low, *rows]
+
+
+def settings_rows(variants: list[Variant]) -> list[list[str]]:
+    return [[v.title, " ".join(f"`--set {s}`" for s in v.settings) or "none"] for v in variants]
+
+
+def support_rows(cases: list[Held]) -> list[list[str]]:
+    return [
+        [f"{c.outside_mm:g}", c.supports, span(c.x), span(c.y), f"{c.loaded[0]}–{c.loaded[1]}", text(c.widest)]
+        for c in cases
+    ]
+
+
+def coarse_rows(pairs: list[tuple[str, Measured, Measured]]) -> list[list[str]]:
+    rows = []
+    for title, fine, coarse in pairs:
+        for interval, m in (("10 µs", fine), (f"{10 * COARSE} µs", coarse)):
+            rows.append([
+                title, interval, span(m.velocity, 1e3), span(m.acceleration, 1.0), *(span(s) for s in m.harris),
+                *(span(s) for s in m.fitted), text(m.frequency, 4),
+            ])  # fmt: skip
+    return rows
+
+
+def page(
+    measured: list[tuple[Variant, Measured]], cases: list[Held], pairs: list[tuple[str, Measured, Measured]]
+) -> str:
+    """Write the whole page."""
+    by = {variant.name: m for variant, m in measured}
+    names = {variant.name: variant.title for variant, _ in measured}
+    seldom, coarse = (next(last for title, _, last in pairs if title == names[name]) for name in (NEAREST, SIDEWAYS))
+    ours, soft, facets, polygon = by["ours"], by[NEAREST], by[SIDEWAYS], by[POLYGONS]
+    hanging = next(c for c in cases if c.supports == "top" and c.outside_mm == min(c.outside_mm for c in cases))
+    alone = next(c for c in cases if c.supports == "top" and c.outside_mm == max(c.outside_mm for c in cases))
+    figures = markdown_table(
+        ["figure", "quantity", "paper", "ours", "what makes such numbers, and the run that shows it"],
+        [
+            ["4", "δ* over F of a point contact", "Harris' curve",
+             f"the same within {text(100 * delta_star_error(), 2)} %", "no difference"],
+            ["6", "y of the inner ring, µm", "−220 … −80", span(ours.y, 1e6),
+             f"contacts forty times too soft. *{names[NEAREST]}*: {span(soft.y, 1e6)}, {soft.usual} rollers loaded"],
+            ["6", "x of the inner ring, µm", "−80 … 60", span(ours.x, 1e6),
+             f"polygons. *{names[SIDEWAYS]}*: {span(facets.x, 1e6)}; the soft penalty without them "
+             f"{span(soft.x, 1e6)}"],
+            ["7", "ρ of one roller, mm", "22.98 … 23.08", span(ours.rho, 1e3, digits=6),
+             f"it takes half the hub's way. *{names['soft']}*: {span(by['soft'].rho, 1e3, digits=5)}; with the load "
+             f"ramped up {span(soft.rho, 1e3, digits=5)}, as nothing damps rollers outside the load zone"],
+            ["7", "ρ′, mm/s", "−400 … 400", span(ours.velocity, 1e3),
+             f"the hub swings on soft contacts. *{names[NEAREST]}*: {span(soft.velocity, 1e3)}, "
+             f"at {text(soft.frequency, 4)} Hz, and about the paper's in its first load zone (picture)"],
+            ["7", "ρ″, m/s²", "−5000 … 5000", span(ours.acceleration),
+             f"as ρ′: the paper's two ranges belong together at {text(rattle(), 3)} Hz. The same run: "
+             f"{span(soft.acceleration, digits=2)}, of rollers that hit the rings; with a sample every "
+             f"{10 * COARSE} µs only {span(seldom.acceleration, digits=2)}"],
+            ["text", "rollers loaded", "6–7", f"{ours.loaded[0]}–{ours.loaded[1]}",
+             "no difference; it rules out clearance, and a ring held at one point"],
+            ["8", "left side of (22), N", "−3000 … 3000", span(ours.harris[0]),
+             f"not for certain. With Harris' law *{names['soft']}* has {span(by['soft'].harris[0])}, but its (23) is "
+             f"wrong; with the law fitted to the run's forces *{names[SIDEWAYS]}*, stored every {10 * COARSE} µs, has "
+             f"{span(coarse.fitted[0])}, *{names[POLYGONS]}* {span(polygon.fitted[0])}"],
+            ["9", "left side of (23), N", "−1000 … 5000", span(ours.harris[1]),
+             f"as figure 8: the fitted law gives {span(coarse.fitted[1])} and {span(polygon.fitted[1])}; "
+             "Harris' law tens of kN in every run that "
+             "fits figure 6 without clearance (below)"],
+            ["10, 11", "peak below 300 Hz", "22 Hz",
+             f"{text(ours.peaks[0], 3)} and {text(ours.peaks[1], 3)} Hz, the first bins",
+             "bins are 16.7 Hz apart: drift and the cage's 29.3 Hz are one hump there ([spectra](spectra.md)). No "
+             f"variant has a line of its own at 22 Hz; nearest: {text(soft.peaks[0], 3)} and "
+             f"{text(soft.peaks[1], 3)} Hz, bins too"],
+        ],
+    )  # fmt: skip
+    return TEMPLATE.read_text(encoding="utf-8").format(
+        every=COARSE,
+        figures=figures,
+        sink=text(1e6 * SINK),
+        frequency=text(sinking_frequency(), 4),
+        rattle=text(rattle(), 4),
+        harris=text(1e-3 * harris_force()),
+        soft_frequency=text(soft.frequency, 4),
+        soft_y=span(soft.y, 1e6),
+        variants=markdown_table(
+            ["run", "x, µm", "y, µm", "ρ − 23 mm, µm", *ROLLER, "loaded, usually", *SIDES, "energy error"],
+            variant_rows(measured),
+        ),
+        settings=markdown_table(["run", "options of run-fem"], settings_rows([variant for variant, _ in measured])),
+        supports=markdown_table(
+            ["outside diameter, mm", "held", "x, µm", "y, µm", "rollers loaded", "raceway moves, µm"],
+            support_rows(cases),
+        ),
+        half=text(2e3 * HALF_SUPPORT),
+        alone=span(alone.y),
+        hanging=span(hanging.y),
+        hanging_loaded=f"{hanging.loaded[0]}–{hanging.loaded[1]}",
+        clearance=span(by["clearance"].y, 1e6),
+        clearance_loaded=f"{by['clearance'].loaded[0]}–{by['clearance'].loaded[1]}",
+        facets_2=span(by["facets-2"].y, 1e6),
+        facets_2_cage=text(by["facets-2"].cage, 2),
+        facets_2_loaded=by["facets-2"].usual,
+        facets_half=span(by["facets-0.5"].y, 1e6),
+        facets_half_x=span(by["facets-0.5"].x, 1e6),
+        facets_1=span(by["facets-1"].y, 1e6),
+        facets_1_x=span(by["facets-1"].x, 1e6),
+        soft_half_x=span(by["soft-facets-0.5"].x, 1e6),
+        soft_half_y=span(by["soft-facets-0.5"].y, 1e6),
+        facets_x=span(facets.x, 1e6),
+        facets_y=span(facets.y, 1e6),
+        facets_frequency=text(facets.frequency, 4),
+        smooth_x=span(soft.x, 1e6),
+        facets_rho=span(facets.rho, 1e3, digits=5),
+        coarse=markdown_table(
+            ["run", "stored every", *ROLLER, *SIDES],
+            coarse_rows(pairs),
+        ),
+    )

@@ -1,0 +1,149 @@
+"""What could make the paper's numbers, each as a run of its scene, and what is read off a run."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fem.cli import run_main
+from residual import Record, evaluate, read_result
+from residual.differentiate import derivative
+from residual.evaluation import Evaluation
+from residual.paper_figures import chosen_roller
+
+SOFT = 8.3e6  # N/m, of each contact: the hub sinks by the paper's 0.15 mm
+SKIPPED = 1e-3  # s: left out of every range
+COARSE = 20  # samples: 0.2 ms, three hundred in the paper's record
+BAND = 300.0  # Hz, of figures 10 and 11
+
+
+@dataclass(frozen=True, kw_only=True)
+class Variant:
+    """One run of the paper's scene."""
+
+    name: str
+    title: str
+    settings: tuple[str, ...] = ()
+
+
+def _faceted(size_mm: float, *more: str) -> tuple[str, ...]:
+    return "contact.model=faceted", f"numerics.mesh_size_mm={size_mm}", *more
+
+
+_PENALTY = "contact.model=penalty"
+_SOFT = f"contact.penalty_stiffness_N_per_m={SOFT}"
+_REST = ("numerics.start=rest", "numerics.load_ramp_ms=0.4")
+_SMALL_STEPS = "numerics.time_step_safety=0.4"  # rattling facets of 1 mm and more need them for their energy balance
+
+VARIANTS = (
+    Variant(name="ours", title="this program's default"),
+    Variant(name="rest", title="the same, load ramped up in 0.4 ms", settings=_REST),
+    Variant(name="clearance", title="0.28 mm of clearance", settings=("bearing.outer_raceway_diameter_mm=56.28",)),
+    Variant(name="penalty", title="stiff penalty, 1e9 N/m", settings=(_PENALTY,)),
+    Variant(name="soft", title="soft penalty, 8.3e6 N/m", settings=(_PENALTY, _SOFT)),
+    Variant(name="soft-rest", title="soft penalty, load ramped up in 0.4 ms", settings=(_PENALTY, _SOFT, *_REST)),
+    Variant(name="facets-0.5", title="facets of 0.5 mm, 1e9 N/m", settings=_faceted(0.5)),
+    Variant(name="facets-1", title="facets of 1 mm, 1e9 N/m", settings=_faceted(1.0, _SMALL_STEPS)),
+    Variant(name="facets-2", title="facets of 2 mm, 1e9 N/m", settings=_faceted(2.0, _SMALL_STEPS)),
+    Variant(name="soft-facets-0.5", title="facets of 0.5 mm, 8.3e6 N/m", settings=_faceted(0.5, _SOFT)),
+    Variant(
+        name="soft-facets-1", title="facets of 1 mm, 1.2e7 N/m",
+        settings=_faceted(1.0, "contact.penalty_stiffness_N_per_m=1.2e7"),
+    ),
+    Variant(
+        name="less-soft-facets-1", title="facets of 1 mm, 2e7 N/m",
+        settings=_faceted(1.0, "contact.penalty_stiffness_N_per_m=2e7"),
+    ),
+)  # fmt: skip
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """Ranges of a run, smallest and largest; SI."""
+
+    x: Range
+    y: Range
+    rho: Range  # of one roller
+    velocity: Range
+    acceleration: Range
+    loaded: tuple[int, int]
+    usual: int  # number loaded, median
+    harris: tuple[Range, Range]  # left sides of (22), and of (23) with its sign turned, with Harris' law
+    fitted: tuple[Range, Range]  # with the law fitted to the run's own forces
+    frequency: float  # Hz, the strongest of the hub's y
+    peaks: tuple[float, float]  # Hz, the strongest below BAND of the left sides
+    cage: float  # Hz
+    imbalance: float  # largest error of the energy balance over the largest energy stored
+
+
+def record_of(variant: Variant, folder: Path) -> Record:
+    """The record of a variant's run, from its file if that is there."""
+    path = folder / f"{variant.name}.nc"
+    if not path.exists():
+        words = [word for setting in variant.settings for word in ("--set", setting)]
+        code = run_main([*words, "--output", str(path), "--quiet"])
+        if code != 0:
+            raise RuntimeError(f"{variant.title}: run-fem ended with {code}")
+    return read_result(path)
+
+
+def radial(found: Record, roller: int, order: int) -> np.ndarray:
+    """A roller's radial position or one of its derivatives."""
+    rho = np.hypot(found.roller_x[:, roller], found.roller_y[:, roller])
+    return derivative(rho, found.interval, order) if order else rho
+
+
+def left_sides(checked: Evaluation) -> tuple[np.ndarray, np.ndarray]:
+    """Left sides of (22) and, with its sign turned, of (23), N, as the paper plots them."""
+    return checked.x.budget.error, checked.record.operation.radial_load - checked.y.budget.error
+
+
+def imbalance(found: Record) -> float:
+    """Largest error of the energy balance over the largest energy that bodies and contacts store."""
+    kinetic, elastic, contact, work, dissipated = (
+        found.energies[f"{name}"]
+        for name in ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")
+    )
+    kept = kinetic + elastic + contact - work + dissipated
+    return float(np.abs(kept - kept[0]).max() / (elastic + contact).max())
+
+
+def measure(found: Record, every: int = 1) -> Measured:
+    """Ranges of a run of which only each so many samples are kept."""
+    kept = found.samples(slice(None, None, every))
+    first = int(np.searchsorted(kept.time, SKIPPED))
+    by_harris, by_fit = (evaluate(kept, law=law, start=SKIPPED) for law in ("harris", "fitted"))
+    roller = chosen_roller(by_harris.budget.loaded, 1)
+    rho, velocity, acceleration = (_range(radial(kept, roller, order)[first:]) for order in range(3))
+    harris_x, harris_y = left_sides(by_harris)
+    fitted_x, fitted_y = left_sides(by_fit)
+    loaded = np.count_nonzero(kept.inner_force[first:] > 0.0, axis=1)
+    return Measured(
+        x=_range(kept.inner_x[first:]),
+        y=_range(kept.inner_y[first:]),
+        rho=rho,
+        velocity=velocity,
+        acceleration=acceleration,
+        loaded=(int(loaded.min()), int(loaded.max())),
+        usual=int(np.median(loaded)),
+        harris=(_range(harris_x), _range(harris_y)),
+        fitted=(_range(fitted_x), _range(fitted_y)),
+        frequency=strongest(kept.inner_y[first:], kept.interval),
+        peaks=tuple(strongest(side, kept.interval, BAND) for side in (harris_x, harris_y)),
+        cage=abs(kept.cage_speed) / (2.0 * np.pi),
+        imbalance=imbalance(kept),
+    )
+
+
+def strongest(record: np.ndarray, interval: float, below: float = np.inf) -> float:
+    """Frequency of a signal's largest line, Hz: Hann window, mean removed."""
+    amplitude = np.abs(np.fft.rfft((record - record.mean()) * np.hanning(record.size)))
+    frequency = np.fft.rfftfreq(record.size, interval)
+    inside = (frequency > 0.0) & (frequency <= below)
+    return float(frequency[inside][np.argmax(amplitude[inside])])
+
+
+def _range(values: np.ndarray) -> Range:
+    return float(values.min()), float(values.max())

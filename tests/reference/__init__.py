@@ -1,0 +1,19 @@
+"""What tests and verification hold the program against.
+
+bearings            bearings, bodies, loads, states of the time loop
+contact_states      states of contacts in all regimes
+line_contact        Hertz, Johnson, Carter: line contacts, impact on a rigid flat
+half_plane          stress below pressures on a half-plane
+free_vibration      frequencies of free discs and held rings
+disc_impact         a disc thrown at a flat, by its modes
+resolved_roller     a squeezed disc on a refined quadratic mesh
+resolved_bearing    the paper's bearing at rest, computed independently
+load_distribution   Stribeck's and Sjövall's numbers
+lagrange_equations  equations of motion derived by sympy
+
+synthetic_run       trajectories with known errors, written as result files and tables
+bad_scenes          scenes that must be refused
+bad_files           files that must be refused
+unchecked           copies of result files without checksums
+recorded_disk       a disk that fails or is cut off at any write
+"""

@@ -1,0 +1,129 @@
+"""Random scenes from the whole range of bearings, reproducible one by one: (seed, number) names a scene."""
+
+from math import pi, sin, sqrt
+from typing import Any
+
+import numpy as np
+
+RANGES = {
+    "speed_rpm": (-60_000.0, 60_000.0),
+    "radial_load_N": (0.0, 20_000.0),
+    "clearance_um": (-10.0, 200.0),  # diametral
+    "rollers": (3, 60),
+    "roller_diameter_mm": (3.0, 50.0),
+    "friction_coefficient": (0.0, 0.5),
+    "youngs_modulus_GPa": (1.0, 400.0),
+    "mesh_size_mm": (0.5, 3.0),  # for a roller of 10 mm, in proportion for others
+    "time_step_safety": (0.3, 0.99),
+}
+UNTAMED = 0.15  # share of scenes whose speed and load are drawn from their whole range whatever the material bears
+HERTZ, STRAIN = 0.1, 0.01  # what the program accepts: contact half-width over roller radius; centrifugal strain
+BUDGET = 1.2e9  # degrees of freedom times steps of 5 ms: about a second
+MOST_FREEDOM = 30_000.0
+
+
+def random_scene(seed: int, number: int, duration_ms: float, budget: float = BUDGET) -> dict[str, Any]:
+    """Tables of scene `number` of a seed, as `lagrange.scene.parse_scene` takes them.
+
+    Geometry and materials come from the whole ranges; speed and load too, but for all scenes except the untamed share
+    they are cut down to a share of what the materials bear, up to all of it. The mesh is coarsened until the run costs
+    no more than `budget`, degrees of freedom times steps of 5 ms.
+    """
+    rng = np.random.default_rng([seed, number])
+
+    def uniform(low, high):
+        return float(rng.uniform(low, high))
+
+    def spread(low, high):  # evenly over the decades
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    def chance(share):
+        return bool(rng.uniform() < share)
+
+    untamed = chance(UNTAMED)
+    n = int(rng.integers(RANGES["rollers"][0], RANGES["rollers"][1] + 1))
+    d = spread(*RANGES["roller_diameter_mm"])
+    clearance = 0.0 if chance(0.05) else 1e-3 * uniform(*RANGES["clearance_um"])
+    pitch = max(d / sin(pi / n) * spread(1.002, 1.5), d * spread(1.5, 3.0))
+    inner = pitch - d - 0.5 * clearance
+    outer = inner + 2.0 * d + clearance
+    length = d * spread(0.5, 3.0)
+    bore, outside = inner * uniform(0.4, 0.85), outer * uniform(1.1, 1.5)
+
+    E = spread(*RANGES["youngs_modulus_GPa"])
+    density = spread(1500.0, 15_000.0)
+    same = chance(0.4)
+    moduli = [E if same else float(np.clip(E * spread(0.3, 3.0), 1.0, 400.0)) for _ in range(3)]
+    densities = [density if same else float(np.clip(density * spread(0.4, 2.5), 1000.0, 20_000.0)) for _ in range(3)]
+    poisson = [0.3 if same else uniform(0.0, 0.45) for _ in range(3)]
+
+    ring_mass = densities[1] * pi * (inner**2 - bore**2) / 4.0 * length * 1e-9
+    speed = uniform(*RANGES["speed_rpm"])
+    load = 0.0 if chance(0.04) else RANGES["radial_load_N"][1] * uniform(0.0, 1.0) ** 3
+    if chance(0.04):
+        speed = 0.0
+    if not untamed:
+        speed, load = _bearable(speed, load, uniform(0.0, 1.0), n, d, inner, length, moduli, densities)
+
+    finest, coarsest = d / 350.0, 0.999 * pi * d / 14.0
+    mesh = float(np.clip(spread(*RANGES["mesh_size_mm"]) * d / 10.0, finest, coarsest))
+    safety = uniform(*RANGES["time_step_safety"])
+    areas = n * d**2 / 0.87 + inner**2 - bore**2 + outside**2 - outer**2
+    fastest = max(sqrt(1e9 * E / density) for E, density in zip(moduli, densities, strict=True))
+    while mesh < coarsest and _too_dear(mesh, areas, fastest, safety, budget):
+        mesh = min(1.1 * mesh, coarsest)
+
+    rest = chance(0.5)
+    return {
+        "name": f"seed {seed} number {number}",
+        "bearing": {
+            "rollers": n,
+            "roller_diameter_mm": d,
+            "roller_length_mm": length,
+            "inner_raceway_diameter_mm": inner,
+            "outer_raceway_diameter_mm": outer,
+            "bore_diameter_mm": bore,
+            "outside_diameter_mm": outside,
+        },
+        "material": {
+            body: {"youngs_modulus_GPa": moduli[i], "density_kg_m3": densities[i], "poisson_ratio": poisson[i]}
+            for i, body in enumerate(("roller", "inner_ring", "outer_ring"))
+        },
+        "operation": {
+            "speed_rpm": speed,
+            "radial_load_N": load,
+            "inner_ring_and_shaft_kg": ring_mass * spread(1.05, 5.0),
+            "gravity_m_s2": 0.0 if chance(0.1) else 9.81,
+            "first_roller_deg": uniform(-180.0, 180.0),
+        },
+        "contact": {"friction_coefficient": 0.0 if chance(0.2) else uniform(*RANGES["friction_coefficient"])},
+        "numerics": {
+            "duration_ms": duration_ms,
+            "start": "rest" if rest else "equilibrium",
+            "load_ramp_ms": uniform(0.1, 2.0) if chance(0.5) else 0.0,
+            "mesh_size_mm": mesh,
+            "time_step_safety": safety,
+        },
+    }
+
+
+def _bearable(speed, load, share, n, d, inner, length, moduli, densities):
+    """Bring speed and load below a share of what strain and contact width allow."""
+    surface = 0.5e-3 * inner * pi / 30.0 * abs(speed)  # m/s, of the inner raceway and so of the rollers
+    strain = max(densities[0] / moduli[0], densities[1] / moduli[1]) * 1e-9 * surface**2
+    speed *= min(1.0, sqrt(share * STRAIN / max(strain, 1e-30)))
+    stiffness = 1e9 / (1.0 / moduli[0] + max(1.0 / moduli[1], 1.0 / moduli[2]))
+    half_width = HERTZ * 0.5e-3 * d
+    curvature = 1.0 / (0.5e-3 * d) + 1.0 / (0.5e-3 * inner)
+    most = pi * half_width**2 * stiffness * curvature / 4.0 * 1e-3 * length  # N on a roller
+    orbit = 0.5 * inner / (inner + d) * pi / 30.0 * speed
+    pull = densities[0] * pi / 4.0 * d**2 * length * 1e-9 * orbit**2 * 0.5e-3 * (inner + d)
+    speed *= min(1.0, sqrt(share * most / max(pull, 1e-30)))
+    return speed, min(load, share * most * n / 5.0)
+
+
+def _too_dear(mesh, areas, fastest, safety, budget) -> bool:
+    """Whether a mesh, mm, makes too many degrees of freedom, or too many times steps of 5 ms."""
+    freedom = 2.0 * pi / 4.0 * areas / mesh**2
+    steps = 5e-3 * fastest / (0.6e-3 * mesh * safety)
+    return freedom > MOST_FREEDOM or freedom * steps > budget

@@ -1,0 +1,111 @@
+"""Two rollers thrown at each other: the kernels of the time loop on two free elastic bodies."""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from fem.contacts.critical_step import critical_time_step
+from fem.kernels import sample_kernels, time_loop
+from fem.kernels.state import ROLLER
+from fem.solver.arrays import Arrays, make_arrays
+from fem.solver.start import rest_start
+from lagrange import Bearing, Operation
+from tests.reference.bearings import LENGTH, STEEL_ON_STEEL, model
+
+# wide enough that rollers never reach a raceway
+WIDE = Bearing(
+    n_rollers=3, roller_radius=0.005, roller_length=LENGTH, inner_raceway_radius=0.018, outer_raceway_radius=0.029,
+    bore_radius=0.0125, outside_radius=0.0325, **STEEL_ON_STEEL,
+)  # fmt: skip
+# the third roller stays far from the other two
+NOTHING_ACTS = Operation(speed=0.0, radial_load=0.0, inner_mass=0.1, gravity=0.0, first_roller_angle=-0.5 * pi)
+GAP = 1e-8  # m, before the first touch
+LARGEST_FORCE = 2000.0  # N, about what 1 m/s makes
+MAX_STEPS = 5000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Collision:
+    """History of a collision, one row a step; SI."""
+
+    time_step: float
+    force: np.ndarray  # (n,)
+    traction: np.ndarray
+    energy: np.ndarray  # (n, 3): kinetic, elastic, contact
+    dissipated: np.ndarray  # in each step
+    momentum: np.ndarray  # (n, 2), of all rollers
+    angular_momentum: np.ndarray  # about the origin
+    velocity: np.ndarray  # (n, 2, 2), of the two centres of mass
+
+    @property
+    def duration(self) -> float:
+        """From first to last touch, s."""
+        touching = np.flatnonzero(self.force > 0.0)
+        return float((touching[-1] - touching[0] + 1) * self.time_step)
+
+
+def collide(velocities, mesh_size=1e-3, friction=0.0, spins=(0.0, 0.0), courant=0.5, n_after=200) -> Collision:
+    """Throw two undeformed rollers at each other along x, and follow them for some steps after they part.
+
+    Parameters
+    ----------
+    velocities : (2, 2), m/s, of the left and the right roller; spins : rad/s
+    mesh_size : m; courant : time step over the critical one
+    """
+    whole = model(WIDE, mesh_size)
+    dt = courant * critical_time_step(whole, LARGEST_FORCE)
+    state = make_arrays(whole, NOTHING_ACTS, rest_start(whole, NOTHING_ACTS), dt, friction, 0.0, LARGEST_FORCE, 1)
+    rollers = state.rollers
+    field = rollers.w.reshape(rollers.mass.size, 2, rollers.columns)
+    points = rollers.points.reshape(-1, 2)
+    for j, side in enumerate((-1.0, 1.0)):
+        rollers.centre[:, j] = side * (rollers.radius + 0.5 * GAP), -0.0229
+        rollers.velocity[:, j] = velocities[j]
+        rollers.spin[j], rollers.increment[j] = spins[j], spins[j] * dt
+        field[:, 0, j], field[:, 1, j] = -spins[j] * points[:, 1], spins[j] * points[:, 0]
+    rows, since, touched = [], 0, False
+    while since < n_after:
+        if len(rows) == MAX_STEPS:
+            raise RuntimeError(f"the rollers have not parted after {MAX_STEPS} steps")
+        rows.append(_step(state))
+        touched = touched or rows[-1][0] > 0.0
+        since = since + 1 if touched and rows[-1][0] == 0.0 else 0
+    force, traction, *energy, dissipated, px, py, angular, v0x, v0y, v1x, v1y = np.array(rows).T
+    return Collision(
+        time_step=dt,
+        force=force,
+        traction=traction,
+        energy=np.stack(energy, axis=1),
+        dissipated=dissipated,
+        momentum=np.stack([px, py], axis=1),
+        angular_momentum=angular,
+        velocity=np.stack([v0x, v0y, v1x, v1y], axis=1).reshape(-1, 2, 2),
+    )
+
+
+def _step(state: Arrays) -> list[float]:
+    """Advance by one step; the quantities at its kick."""
+    rollers, drive, scratch = state.rollers, state.drive, state.scratch
+    bodies = (rollers, state.inner, state.outer, drive, scratch)
+    sample_kernels.remember(*bodies)
+    _, _, lost = time_loop.kick(rollers, state.inner, state.outer, state.contacts, drive, 0.0, scratch)
+    kinetic, elastic = sample_kernels.kinetic_energy(*bodies), sample_kernels.elastic_energy(*bodies)
+    contact = sample_kernels.contacts_energy(state.contacts, rollers.n, state.contacts.resolved)
+    shape = (rollers.mass.size, 2, rollers.columns)
+    mass = rollers.mass[:, None]
+    position = rollers.points.reshape(-1, 2, 1) + rollers.u.reshape(shape)
+    w = rollers.w.reshape(shape)
+    n = rollers.n
+    own = np.sum(mass * (position[:, 0] * w[:, 1] - position[:, 1] * w[:, 0]))
+    own += rollers.inertia * rollers.turn_kick[:n].sum()  # as `drift` does
+    velocity = (rollers.velocity[:, :n] + rollers.impulse[:, :n] / rollers.total_mass).T
+    centre = rollers.centre[:, :n].T
+    orbital = rollers.total_mass * np.sum(centre[:, 0] * velocity[:, 1] - centre[:, 1] * velocity[:, 0])
+    momentum = rollers.total_mass * velocity.sum(axis=0)
+    found = [
+        state.contacts.force[ROLLER, 0], state.contacts.traction[ROLLER, 0], kinetic, elastic, contact, lost,
+        *momentum, own + orbital, *velocity[:2].ravel(),
+    ]  # fmt: skip
+    time_loop.drift(*bodies)
+    return found

@@ -1,0 +1,154 @@
+"""Friction: Carter's creep, rollers spun up by sliding, rolling without slip."""
+
+from math import pi
+
+import numpy as np
+from scipy.optimize import brentq
+
+from fem.kernels.contact_kernels import normal_contacts, push_contacts
+from fem.kernels.friction_kernels import friction_contacts, grips, slips
+from fem.kernels.state import INNER
+from fem.solver.simulate import Plan
+from lagrange import kinematics
+from tests.reference.line_contact import carter_creep, half_width
+from tests.verification.case import Case, Check, Origin
+from tests.verification.runs import plan_of, record, without_spin
+
+FRICTION = 0.1
+KINEMATICS = "rolling without slip (Harris, chapter 8)"
+
+
+def _creep(plan: Plan, sliding: float) -> tuple[float, float, float]:
+    """Roller 0 pushed along the inner raceway at `sliding`, m/s: its creep, traction over μQ, and Q, N."""
+    state = plan.arrays()
+    bodies = (state.rollers, state.inner, state.outer, state.contacts, state.drive)
+    normal_contacts(*bodies, state.scratch.slope)
+    push_contacts(*bodies)
+    across = state.contacts.normal[INNER, :, 0] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+    state.rollers.velocity[:, 0] += sliding * across
+    grips(*bodies[:5])
+    slips(*bodies[:5], state.rollers.turn_kick, state.contacts.slip)
+    friction_contacts(*bodies, state.scratch.slip)
+    left = np.zeros_like(state.contacts.slip)
+    slips(*bodies[:5], state.rollers.turn_kick, left)
+    ideal = plan.start.kinematics
+    orbit = ideal.cage + sliding / plan.model.bearing.pitch_radius
+    rolling = abs(ideal.roller - orbit) * plan.model.bearing.roller_radius
+    force = float(state.contacts.force[INNER, 0])
+    share = -float(state.contacts.traction[INNER, 0]) / (FRICTION * force)
+    return float(left[INNER, 0]) / rolling, share, force
+
+
+def carter_creep_curve():
+    """Creep of the paper's most loaded inner contact at shares of the limiting traction: the friction kernel.
+
+    The roller is pushed along the raceway until the traction has that share; the slip left after the step counts.
+    """
+    plan = plan_of(numerics__mesh_size_mm=2.0, contact__friction_coefficient=FRICTION)
+    bearing = plan.model.bearing
+    radius = 1.0 / (1.0 / bearing.roller_radius + 1.0 / bearing.inner_raceway_radius)
+    modulus = 0.5 * bearing.roller.plane_strain_modulus
+    for wanted in (0.25, 0.5, 0.9, 0.999):
+        sliding = brentq(lambda v, share=wanted: _creep(plan, v)[1] - share, 0.0, 10.0, xtol=1e-12)
+        found, share, force = _creep(plan, sliding)
+        b = half_width(force / bearing.roller_length, radius, modulus)
+        yield Check(
+            quantity=f"creep at {share:.3g} of the limit", unit="‰", computed=1e3 * found,
+            reference=1e3 * carter_creep(share, FRICTION, b, radius), tolerance=1e-3,
+            origin=Origin.ANALYTIC, source="ξ = (μb/R)(1 − √(1 − T/μQ)) (Carter 1926; Johnson 1985, 8.3)",
+        )  # fmt: skip
+    _, share, _ = _creep(plan, 10.0)
+    yield Check(
+        quantity="traction in full slip over μQ", computed=share, reference=1.0, tolerance=1e-9,
+        origin=Origin.ANALYTIC, source="Coulomb",
+    )  # fmt: skip
+
+
+def spin_up():
+    """Rollers that do not turn at first, in a bearing with preload, mesh 1 mm: friction and the whole time loop.
+
+    All slide alike, so each loses ½ I Ω² until it rolls, whatever the friction coefficient; the reference is the solid
+    cylinder's inertia. Without friction they never turn.
+    """
+    plan = without_spin(
+        plan_of(
+            numerics__mesh_size_mm=1.0, numerics__duration_ms=0.5, numerics__output_interval_us=1.0,
+            bearing__outer_raceway_diameter_mm=55.99, operation__radial_load_N=0.0, operation__gravity_m_s2=0.0,
+            contact__friction_coefficient=FRICTION,
+        )
+    )  # fmt: skip
+    bearing = plan.model.bearing
+    ideal = kinematics(bearing, plan.operation.speed)
+    inertia = 0.5 * bearing.roller_mass * bearing.roller_radius**2
+    found = record(plan)
+    sliding = slice(5, 20)
+    push = FRICTION * np.mean(found["inner_force"][sliding] + found["outer_force"][sliding])
+    gained = np.polyfit(found["time"][sliding], found["roller_spin"][sliding].mean(axis=1), 1)[0]
+    yield Check(
+        quantity="angular acceleration while sliding", unit="rad/s²", computed=float(gained),
+        reference=float(np.sign(ideal.roller) * push * bearing.roller_radius / inertia), tolerance=1e-3,
+        origin=Origin.ANALYTIC, source="μ (Q_in + Q_out) r / ½mr²",
+    )  # fmt: skip
+    yield Check(
+        quantity="energy lost by sliding", unit="J", computed=float(found["work_dissipated"][-1]),
+        reference=0.5 * inertia * ideal.roller**2 * bearing.n_rollers, tolerance=4e-3,
+        origin=Origin.ANALYTIC, source="½IΩ² a roller: sliding loses what it gives",
+    )  # fmt: skip
+    yield Check(
+        quantity="spin once rolling", unit="rad/s", computed=float(found["roller_spin"][-100:].mean()),
+        reference=ideal.roller, tolerance=5e-4, origin=Origin.ANALYTIC, source=KINEMATICS,
+    )  # fmt: skip
+    smooth = record(
+        without_spin(
+            plan_of(
+                numerics__mesh_size_mm=2.0, numerics__duration_ms=0.5, operation__radial_load_N=2000.0,
+                contact__friction_coefficient=0.0,
+            )
+        )
+    )  # fmt: skip
+    yield Check(
+        quantity="spin without friction", unit="rad/s", computed=float(np.abs(smooth["roller_spin"]).max()),
+        reference=0.0, scale=ideal.roller, tolerance=1e-6, origin=Origin.CONSERVATION, source="no moment acts",
+    )  # fmt: skip
+
+
+def rolling_without_slip():
+    """The paper's bearing without gravity for 20 ms, mesh 2 mm: cage and rollers of the whole time loop."""
+    found = record(plan_of(numerics__mesh_size_mm=2.0, numerics__duration_ms=20.0, operation__gravity_m_s2=0.0))
+    ideal = found.plan.start.kinematics
+    turned = found["roller_theta"][-1] - found["roller_theta"][0]
+    cage = float(np.mean(turned)) / float(found["time"][-1])
+    for quantity, unit, computed, reference in (
+        ("cage speed", "Hz", cage / (2.0 * pi), ideal.cage / (2.0 * pi)),
+        ("spin of the rollers", "Hz", float(found["roller_spin"].mean()) / (2.0 * pi), ideal.roller / (2.0 * pi)),
+    ):
+        yield Check(
+            quantity=quantity, unit=unit, computed=computed, reference=reference, tolerance=2e-4,
+            origin=Origin.ANALYTIC, source=KINEMATICS,
+        )  # fmt: skip
+
+
+def climbing_roller():
+    """A roller of the paper's bearing that nothing drives, from 26° to the top, mesh 1 mm: friction, weight, inertia.
+
+    Off the inner raceway it rolls on the outer one and loses speed as it climbs: ¾ m Δv² = −m g Δy. There is no cage.
+    """
+    found = record(plan_of(numerics__mesh_size_mm=1.0, numerics__duration_ms=7.0))
+    free, half_window = 4, 25  # samples of 10 µs
+    at = np.array([half_window, len(found["time"]) - 1 - half_window])
+    if np.any(found["inner_force"][at[0] : at[1], free] > 0.0):
+        raise RuntimeError("the roller touches the inner raceway")
+    speed = []
+    for middle in at:
+        window = slice(middle - half_window, middle + half_window + 1)
+        rate = np.polyfit(found["time"][window], found["roller_theta"][window, free], 1)[0]
+        speed.append(rate * found["roller_rho"][window, free].mean())
+    climbed = np.diff(found["roller_y"][at, free])[0]
+    yield Check(
+        quantity="change of speed", unit="mm/s", computed=1e3 * float(speed[1] - speed[0]),
+        reference=1e3 * float(np.sqrt(speed[0] ** 2 - 4.0 / 3.0 * 9.81 * climbed) - speed[0]), tolerance=2e-3,
+        origin=Origin.ANALYTIC, source="energy of a rolling cylinder, ¾mv² + mgy",
+    )  # fmt: skip
+
+
+CASES = tuple(Case(checks=case) for case in (carter_creep_curve, spin_up, rolling_without_slip, climbing_roller))

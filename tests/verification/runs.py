@@ -1,0 +1,52 @@
+"""Runs of whole bearings, kept in memory."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fem.solver.samples import Samples
+from fem.solver.simulate import Plan, make_plan, run
+from lagrange.scene import read_scene
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunSamples:
+    """All samples of a run, by the result file's names; SI."""
+
+    plan: Plan
+    values: dict[str, np.ndarray]  # time first
+    imbalance: np.ndarray  # J
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.values[name]
+
+    @property
+    def largest_stored(self) -> float:
+        """Elastic and contact energy, J."""
+        return float(np.max(self["energy_elastic"] + self["energy_contact"]))
+
+
+def plan_of(**settings: float | str) -> Plan:
+    """The paper's scene but for these keys: `operation__speed_rpm=900`."""
+    return make_plan(read_scene(None, tuple(f"{key.replace('__', '.')}={value}" for key, value in settings.items())))
+
+
+def record(plan: Plan) -> RunSamples:
+    """Run a plan to its end."""
+    kept: list[Samples] = []
+    run(plan, kept.append)
+    return RunSamples(
+        plan=plan,
+        values={name: np.concatenate([block[name] for block in kept]) for name in kept[0].values},
+        imbalance=np.concatenate([block.imbalance for block in kept]),
+    )
+
+
+def every_step(plan: Plan, n_steps: int) -> Plan:
+    """The plan with a sample at each of its first steps."""
+    return replace(plan, stride=1, n_samples=n_steps + 1)
+
+
+def without_spin(plan: Plan) -> Plan:
+    """The plan with rollers that go round with the cage and do not turn."""
+    return replace(plan, start=replace(plan.start, kinematics=replace(plan.start.kinematics, roller=0.0)))

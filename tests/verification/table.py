@@ -1,0 +1,95 @@
+"""Outcomes as tables."""
+
+from itertools import groupby
+from pathlib import Path
+
+from rich.table import Table
+
+from tests.verification.case import Check, Outcome
+
+BEGIN = "<!-- made by python -m tests.verification --markdown -->"
+END = "<!-- end of what is made -->"
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+HEADINGS = ("quantity", "computed", "reference", "error", "tolerance", "the reference's origin")
+
+
+def screen(outcome: Outcome) -> Table:
+    """Table of one case for the terminal."""
+    verdict = "passed" if outcome.passed else "FAILED"
+    table = Table(title=f"{outcome.case.name}: {verdict}, {outcome.seconds:.1f} s", title_justify="left")
+    for i, heading in enumerate(HEADINGS):
+        table.add_column(heading, justify="left" if i in (0, 5) else "right", overflow="fold")
+    for check in outcome.checks:
+        table.add_row(*cells(check), style=None if check.passed else "bold red")
+    if outcome.trouble:
+        table.caption = outcome.trouble
+    return table
+
+
+def verdict(outcomes: list[Outcome]) -> str:
+    """State the outcome of all cases in a line."""
+    checks = sum(len(outcome.checks) for outcome in outcomes)
+    seconds = sum(outcome.seconds for outcome in outcomes)
+    failed = ", ".join(outcome.case.name for outcome in outcomes if not outcome.passed)
+    return f"{len(outcomes)} cases, {checks} checks, {seconds:.0f} s: {f'FAILED: {failed}' if failed else 'all passed'}"
+
+
+def cells(check: Check) -> list[str]:
+    """Cells of a check's row."""
+    unit = f" {check.unit}" if check.unit else ""
+    return [
+        check.quantity,
+        _powers(f"{check.computed:.5g}") + unit,
+        _powers(f"{check.reference:.5g}") + unit,
+        _percent(check.error) + ("" if check.passed else " FAILS"),
+        _percent(check.tolerance, sign=False),
+        f"{check.origin}: {check.source}",
+    ]
+
+
+def _percent(share: float, sign: bool = True) -> str:
+    """Write a share in per cent with two digits, as a power of ten where it is tiny."""
+    value = 100.0 * share
+    text = f"{value:+.2g}" if sign and value else f"{value:.2g}"
+    if 0.0 < abs(value) < 1e-3:
+        text = f"{value:+.1e}" if sign else f"{value:.0e}"
+    return f"{_powers(text)} %"
+
+
+def _powers(number: str) -> str:
+    """Write 1.2e-07 as 1.2·10⁻⁷."""
+    digits, e, power = number.partition("e")
+    return f"{digits}·10{str(int(power)).translate(SUPERSCRIPT)}" if e else digits
+
+
+def markdown(outcomes: list[Outcome]) -> str:
+    """Write all cases by subject: what each does, and its checks."""
+    lines = []
+    for subject, group in groupby(outcomes, key=lambda outcome: outcome.case.subject):
+        lines += [f"### {subject.capitalize()}", ""]
+        group = list(group)
+        lines += [f"* `{outcome.case.name}`: {outcome.case.description}" for outcome in group]
+        lines += ["", "| case | " + " | ".join(HEADINGS) + " |", "|" + "---|" * (len(HEADINGS) + 1)]
+        for outcome in group:
+            name = f"`{outcome.case.name}`"
+            for check in outcome.checks:
+                lines.append(f"| {name} | {' | '.join(cells(check))} |")
+                name = ""
+            if outcome.trouble:
+                lines.append(f"| {name} | FAILED: {outcome.trouble} | | | | | |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+def write_into(page: Path, text: str) -> None:
+    """Put the text between the page's two marks.
+
+    Errors
+    ------
+    ValueError: the page has no marks.
+    """
+    before, begin, rest = page.read_text().partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise ValueError(f"{page}: the marks {BEGIN!r} and {END!r} are missing")
+    page.write_text(f"{before}{BEGIN}\n\n{text}\n{END}{after}")

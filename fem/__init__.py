@@ -6,7 +6,8 @@ pictures                  off-screen pictures, films, fields for other programs
 result                    the result file and checkpoints
 solver                    what every solver answers; the finite elements and the Lagrangian model as solvers
 statics                   bearings at rest, with a mesh and without
-elastic                   discs, rings, contacts: meshes made into matrices and calibrated laws
+contacts                  contact models: how a mesh carries contacts, and what is added that it can't see
+elastic                   discs and rings: meshes made into matrices, exact series
 kernels                   the time loop
 
 A package knows those below it; import-linter keeps it so.

@@ -8,7 +8,7 @@ from lagrange.bearing import Bearing, Operation
 from lagrange.energy import contact_energy, kinetic_energy, rotation_energy
 from lagrange.integrate import Record
 from lagrange.load_ramp import load_share
-from lagrange.motion import accelerations, contacts
+from lagrange.motion import accelerations, contact_state
 from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
 
@@ -87,7 +87,7 @@ class Completion:
         state = self._system.unpack(record, time)
         if not self._system.holds_angles:
             state = replace(state, theta=self._unwrapped(state.theta))
-        touch = contacts(bearing, laws, state, problem.damping)
+        touch = contact_state(bearing, laws, state, problem.damping)
         share = load_share(time, problem.load_ramp)
         ax, ay, _, _ = accelerations(bearing, replace(operation, radial_load=0.0), state, touch)
         ay = ay - share * operation.radial_load / operation.inner_mass

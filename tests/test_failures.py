@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
-from fem.elastic.critical_step import critical_time_step
+from fem.contacts.critical_step import critical_time_step
 from fem.errors import RunFailed
 from fem.kernels.ring_kernels import HALO
 from fem.solver.finite_elements import LONGEST_UNWATCHED

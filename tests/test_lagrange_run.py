@@ -193,7 +193,7 @@ def test_neither_meshes_nor_compiled_kernels_are_loaded(tmp_path):
     code = (
         "import sys; from fem.cli import run_main; "
         f"assert run_main(['--model', 'lagrange', '--duration', '0', '--output', {str(tmp_path / 'a.nc')!r}]) == 0; "
-        "names = 'numba gmsh skfem meshes pyvista fem.elastic.model fem.kernels.time_loop'.split(); "
+        "names = 'numba gmsh skfem meshes pyvista fem.contacts.model fem.kernels.time_loop'.split(); "
         "print([m for m in names if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(ROOT)},

@@ -8,7 +8,7 @@ from scipy.integrate import simpson
 
 from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.integrate import DRIFTS, KICKS
-from lagrange.motion import State, angular_equations, contacts
+from lagrange.motion import State, angular_equations, contact_state
 from lagrange.raceway_laws import contact_laws
 from lagrange.scene import Scene
 from lagrange.simulate import simulate
@@ -74,7 +74,7 @@ def test_rattle_of_a_start_from_rest_keeps_energy_too():
 def test_work_of_the_cage_is_that_of_the_moment_it_gives():
     run = simulate(PAPER, RUNNING, HARRIS, 2e-3, 1e-6)
     state = state_of(run)
-    moment = angular_equations(PAPER, RUNNING, state, contacts(PAPER, HARRIS, state), 0.0)
+    moment = angular_equations(PAPER, RUNNING, state, contact_state(PAPER, HARRIS, state), 0.0)
     power = np.sum(moment * state.theta_rate, axis=1)
     assert run.work_cage[-1] == pytest.approx(simpson(power, x=run.time), rel=1e-6)
     assert run.work_load[-1] == pytest.approx(-2000.0 * (run.inner_y[-1] - run.inner_y[0]), rel=1e-12)

@@ -4,21 +4,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
-from fem.elastic.model import Model
-from fem.elastic.points import points, stretch_for
 from fem.elastic.rigid import RigidRing
 from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.patches import N_NODES, ONE
+from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH
-from fem.kernels.state import INNER, OUTER, ROLLER, Contacts, Drive, Ring, Rollers, Scratch
+from fem.kernels.state import Contacts, Drive, Ring, Rollers, Scratch
 from fem.solver.start import Start
 from lagrange import Operation, kinematics
 
 REACH = 0.01  # of a roller's radius
 CACHE_LINE = 64  # bytes, as long as one register of eight
-NEIGHBOURLY = 3.5  # nodes; two patches so far apart share 1.5e-3 of what each has of itself (a B-spline of degree 11)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -220,27 +218,16 @@ def _reach(model: Model, operation: Operation) -> float:
 
 def _contacts(model: Model, operation: Operation, start: Start, largest_force: float, columns: int) -> Contacts:
     n = model.bearing.n_rollers
-    laws = (model.inner_law, model.outer_law, model.roller_law)
     force = np.zeros((3, columns))
     force[0, :n], force[1, :n] = start.equilibrium.inner_force, start.equilibrium.outer_force
-    surface_nodes = (model.inner_ring.n_sectors, model.outer_ring.n_sectors, model.roller.shape.surface_nodes)
-    resolved, stretch, none = None, ONE, np.zeros(0)
-    if model.is_resolved:
-        resolved = points({INNER: laws[INNER], OUTER: laws[OUTER], ROLLER: laws[ROLLER]}, largest_force, n)
-        stretch = stretch_for(resolved, surface_nodes)
-    width = N_NODES * len(stretch)
-    on_raceways, on_rollers = _crowded(model, width if model.is_resolved else NEIGHBOURLY * len(stretch))
-    below = None if model.is_resolved else model
+    data, pairs = model.kernel_data(largest_force), [law.pair for law in model.laws]
+    width = N_NODES * len(data.entries["stretch"])
+    on_raceways, on_rollers = _crowded(model, data.neighbourly)
     return Contacts(
-        A=np.array([law.A for law in laws]) if below else none,
-        B=np.array([law.B for law in laws]) if below else none,
-        Q_line=np.array([law.Q_line for law in laws]) if below else none,
-        reach=_reach(model, operation) + (float(np.abs(resolved.sagitta).sum(axis=1).max()) if resolved else 0.0),
-        half_width_factor=np.array([law.half_width_factor for law in laws]),
-        curvature=np.array([1.0 / law.relative_radius for law in laws]),
-        roller_ripple=below.roller_surface.ripple if below else none,
-        inner_ripple=below.inner_surface.ripple if below else none,
-        outer_ripple=below.outer_surface.ripple if below else none,
+        **data.entries,
+        reach=_reach(model, operation) + data.facet_depth,
+        half_width_factor=np.array([pair.half_width_factor for pair in pairs]),
+        curvature=np.array([1.0 / pair.relative_radius for pair in pairs]),
         force=force,
         approach=np.full((3, columns), np.nan),
         push=np.zeros((3, columns)),
@@ -252,7 +239,6 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         slip=np.zeros((3, columns)),
         crowded=on_raceways,
         crowded_rollers=on_rollers,
-        stretch=stretch,
         start=np.zeros((6, columns), dtype=np.int64),
         weight=np.zeros((6, width, columns)),
         outward=np.zeros((6, 2, columns)),
@@ -261,7 +247,6 @@ def _contacts(model: Model, operation: Operation, start: Start, largest_force: f
         scale=np.zeros((6, columns)),
         lean=np.zeros((6, columns)),
         mobility=np.zeros((3, columns)),
-        resolved=resolved,
     )
 
 

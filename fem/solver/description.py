@@ -4,9 +4,8 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from fem.elastic.model import peak_pressure
 from fem.solver.arrays import Arrays
-from fem.statics.solve import static_error
+from fem.statics.static_error import static_error
 from meshes import Mesh, quality
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
         "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
         "expected time": f"about {seconds:.2g} s",
         "largest static contact force": f"{force:.1f} N, "
-        f"{1e-6 * peak_pressure(model.inner_law, force, model.bearing.roller_length):.0f} MPa at the inner raceway",
+        f"{1e-6 * model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
     }
     if plan.operation.radial_load > 0.0:
         error = static_error(model, plan.operation)

@@ -7,15 +7,15 @@ from math import ceil
 
 import numba
 
-from fem.elastic.critical_step import critical_time_step
-from fem.elastic.model import Model
+from fem.contacts.critical_step import critical_time_step
+from fem.contacts.model import Model
 from fem.kernels.jit import cache_folder, is_compiled
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
 from fem.solver.description import mesh_table, plan_rows
-from fem.solver.discretise import check_widths, largest_force, model_of
+from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
-from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads
+from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads, check_widths
 from fem.solver.solver import Plan, sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
 from fem.statics.contact_balance import NotFound
@@ -110,14 +110,15 @@ def make_plan(scene: Scene) -> ElementPlan:
     numerics = scene.numerics
     operation = scene.ideal_operation()
     check_threads(numerics.threads)
-    model = model_of(scene)
+    forces = expected_forces(scene)
+    model = model_of(scene, forces)
     check_meshes(model)
     check_speed(model, kinematics(model.bearing, operation.speed))
     try:
         loaded = equilibrium_start(model, operation)
     except NotFound:
-        if model.is_resolved:  # contacts wider than all pressure points have none: better say so
-            check_widths(model.bearing, largest_force(model.bearing, operation))
+        if model.is_sized_by_forces:  # contacts wider than all pressure points have none: better say so
+            check_widths(model.bearing, forces.largest)
         raise
     check_contacts(model, loaded.equilibrium)
     start = rest_start(model, operation) if numerics.start == "rest" else loaded

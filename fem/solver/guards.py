@@ -32,10 +32,8 @@ def n_balanced(samples: Samples) -> int:
 
 def n_in_place(plan: "ElementPlan", samples: Samples) -> int:
     """How many samples from the first have rollers between the raceways and the hub between the rollers."""
-    bearing, law = plan.model.bearing, plan.model.inner_law
-    give = ASTRAY * bearing.roller_radius
-    if plan.model.is_resolved and law.is_one_point:  # a soft penalty spring gives way as steel does not
-        give += 2.0 * plan.operation.radial_load / law.point_stiffness
+    bearing = plan.model.bearing
+    give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.radial_load)
     hub_x, hub_y = samples["inner_x"], samples["inner_y"]
     from_hub = np.hypot(samples["roller_x"] - hub_x[:, None], samples["roller_y"] - hub_y[:, None]).min(axis=1)
     astray = from_hub < bearing.inner_raceway_radius + bearing.roller_radius - give
@@ -70,9 +68,5 @@ def energy_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
 def velocity_trouble(plan: "ElementPlan", step: int, body: int) -> str:
     """What to say of a velocity that is no number: of a roller, or of the hub (below 0)."""
     name = "the hub" if body < 0 else f"roller {body}"
-    hint = "lower numerics.time_step_safety or check the load"
-    law = plan.model.inner_law
-    if plan.model.is_resolved and not law.is_one_point:
-        wide = "pressure points reach as far as static loads need, and an impact may have made a contact wider"
-        hint = f"{wide}: a coarser numerics.mesh_size_mm has no such limit; or {hint}"
+    hint = f"{plan.model.failure_hint}lower numerics.time_step_safety or check the load"
     return f"the velocity of {name} is not finite at step {step}, t = {1e3 * step * plan.time_step:.5g} ms; {hint}"

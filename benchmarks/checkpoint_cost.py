@@ -14,10 +14,11 @@ from pathlib import Path
 from cyclopts import App
 
 from benchmarks.measuring import in_turns, paper_plan, spread
+from fem.outcome import Outcome
 from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
-from fem.runner import Checkpoints, simulate
-from fem.solver.simulate import Plan, compile_kernels
+from fem.runner import Checkpoints, RunOptions, simulate
+from fem.solver.finite_elements import ElementPlan
 
 NEVER = float("inf")
 
@@ -40,11 +41,12 @@ class Watched:
         setattr(owner, name, timed)
 
 
-def one_run(plan: Plan, folder: Path, every: float | None, watched: dict[str, Watched]) -> dict[str, float]:
+def one_run(plan: ElementPlan, folder: Path, every: float | None, watched: dict[str, Watched]) -> dict[str, float]:
     """Run once; wall time, processor time and those of the watched methods, s, with their calls."""
     before = {name: (watch.seconds, watch.calls) for name, watch in watched.items()}
     wall, cpu = time.perf_counter(), time.process_time()
-    if simulate(plan, 0.0, folder / "run.nc", resume=False, quiet=True, every=every) != 0:
+    options = RunOptions(quiet=True, checkpoint_seconds=every)
+    if simulate(plan, 0.0, folder / "run.nc", options) is not Outcome.COMPLETE:
         raise RuntimeError("the run failed")
     found = {"wall": time.perf_counter() - wall, "cpu": time.process_time() - cpu}
     for name, watch in watched.items():
@@ -69,7 +71,7 @@ def main(*, pairs: int = 5, duration: float = 300.0, folder: Path | None = None)
         on the disk to be measured; default: the system's temporary one
     """
     plan = paper_plan(1.0, f"numerics.duration_ms={duration}")
-    compile_kernels(plan)
+    plan.prepare()
     watched = {"commits": Watched(ResultFile, "commit"), "checkpoints": Watched(Checkpoints, "save")}
     found = []
     with tempfile.TemporaryDirectory(dir=folder) as place:

@@ -13,10 +13,10 @@ from benchmarks.measuring import processor_seconds
 PEAK = """
 import sys
 from pathlib import Path
-from fem.solver.simulate import compile_kernels, make_plan, run
+from fem.solver.simulate import make_plan, run
 from lagrange.scene import read_scene
 plan = make_plan(read_scene(None, (f"numerics.mesh_size_mm={sys.argv[1]}", "numerics.duration_ms=0.02")))
-compile_kernels(plan)
+plan.prepare()
 run(plan, lambda samples: None)
 peak = next(line for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmHWM"))
 print(plan.model.degrees_of_freedom, 1024 * int(peak.split()[1]))  # getrusage would know the parent's, too

@@ -8,14 +8,15 @@ from typing import TypeVar
 
 from rich.table import Table
 
-from fem.solver.simulate import Plan, make_plan
+from fem.solver.finite_elements import ElementPlan
+from fem.solver.simulate import make_plan
 from lagrange.scene import read_scene
 
 Key = TypeVar("Key", bound=Hashable)
 Value = TypeVar("Value")
 
 
-def paper_plan(size_mm: float, *settings: str) -> Plan:
+def paper_plan(size_mm: float, *settings: str) -> ElementPlan:
     """Plan of the paper's scene on a mesh, with further keys as run-fem's --set takes them."""
     return make_plan(read_scene(None, (f"numerics.mesh_size_mm={size_mm!r}", *settings)))
 

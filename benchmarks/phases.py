@@ -13,7 +13,7 @@ from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.kernels.contact_kernels import press_patches, push_patches
 from fem.kernels.friction_kernels import friction_contacts, slips_before
 from fem.solver.arrays import Arrays
-from fem.solver.simulate import Plan
+from fem.solver.finite_elements import ElementPlan
 
 TARGET_SECONDS = 0.02  # of one measurement
 # arithmetic instructions (multiply-add, or add) per node at least
@@ -101,7 +101,7 @@ def _seconds(function: Callable, *arguments) -> float:
     return median_seconds(loop, count, *arguments) / count
 
 
-def time_phases(plan: Plan) -> dict[str, float]:
+def time_phases(plan: ElementPlan) -> dict[str, float]:
     """Time that a step spends in each phase, s, contacts and friction at the static loads."""
     a: Arrays = plan.arrays()
     r = a.bodies.rollers
@@ -149,7 +149,7 @@ def time_phases(plan: Plan) -> dict[str, float]:
     return out
 
 
-def step_seconds(plan: Plan, repeats: int = 3) -> float:
+def step_seconds(plan: ElementPlan, repeats: int = 3) -> float:
     """Time of one whole step of the running bearing, s, samples included."""
     a = plan.arrays()
     width = sample_kernels.N_SCALARS + len(sample_kernels.BLOCKS) * a.bodies.rollers.n
@@ -181,7 +181,7 @@ class Work:
         return (arithmetic, "arithmetic") if arithmetic > traffic else (traffic, level)
 
 
-def least_work(plan: Plan) -> Work:
+def least_work(plan: ElementPlan) -> Work:
     """Count the operations and bytes of one step of a bearing."""
     a, n = plan.arrays(), plan.model.bearing.n_rollers
     disc = a.bodies.disc.mass.size * n
@@ -200,6 +200,6 @@ def least_work(plan: Plan) -> Work:
     )
 
 
-def state_bytes(plan: Plan) -> int:
+def state_bytes(plan: ElementPlan) -> int:
     """Size of all arrays of the time loop, bytes."""
     return sum(array.nbytes for array in plan.arrays().named().values())

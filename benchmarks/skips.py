@@ -14,7 +14,8 @@ import numpy as np
 from rich.table import Table
 
 from benchmarks.measuring import in_turns, new_table, paper_plan, spread, timed
-from fem.solver.simulate import Plan, compile_kernels, run
+from fem.solver.finite_elements import ElementPlan
+from fem.solver.simulate import run
 from lagrange import contact_laws, simulate
 from lagrange.scene import read_scene
 
@@ -77,11 +78,11 @@ def skip_table(size_mm: float, pairs: int) -> Table:
 
 
 def _compared(
-    short: Plan, whole: Plan, pairs: int, forced: Callable[[], AbstractContextManager] = nullcontext
+    short: ElementPlan, whole: ElementPlan, pairs: int, forced: Callable[[], AbstractContextManager] = nullcontext
 ) -> tuple[str, str, str]:
     """Cells of a row: median and spread of the ratios of the two plans' times, largest difference of their results."""
-    compile_kernels(whole)
-    compile_kernels(short)
+    whole.prepare()
+    short.prepare()
 
     def run_whole() -> tuple[float, Samples]:
         with forced():
@@ -95,7 +96,7 @@ def _compared(
     return f"{statistics.median(ratios):.3f}", spread(ratios), f"{difference:.0e}" if difference else "0"
 
 
-def _run(plan: Plan) -> tuple[float, Samples]:
+def _run(plan: ElementPlan) -> tuple[float, Samples]:
     """Processor time of the time loop, s, and its samples."""
     blocks = []
     taken, _ = timed(run, plan, blocks.append)
@@ -108,7 +109,7 @@ def _difference(found: Samples, wanted: Samples, names: tuple[str, ...]) -> floa
     return float(max(np.abs(found[name] - wanted[name]).max() for name in names) / largest)
 
 
-def _against_lagrange(elastic: Plan) -> tuple[str, str, str]:
+def _against_lagrange(elastic: ElementPlan) -> tuple[str, str, str]:
     """Cells of the Lagrangian model's row: time over the elastic bodies', relative error of the hub's mean height."""
     scene = read_scene()
     bearing = scene.ideal_bearing()

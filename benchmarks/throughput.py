@@ -16,7 +16,7 @@ from rich.table import Table
 from benchmarks import footprint, machine, phases
 from benchmarks.measuring import new_table, paper_plan, timed
 from benchmarks.skips import skip_table
-from fem.solver.simulate import Plan, compile_kernels
+from fem.solver.finite_elements import ElementPlan
 
 SIZES_MM = (2.0, 1.0, 0.5, 0.25)
 FULL_S = 0.06
@@ -28,7 +28,7 @@ class Mesh:
     """Measurements on one mesh."""
 
     size_mm: float
-    plan: Plan
+    plan: ElementPlan
     setup: float  # s
     phases: dict[str, float]  # s per step
     step: float  # s
@@ -48,7 +48,7 @@ class Mesh:
 def measure(size_mm: float) -> Mesh:
     """Time one mesh of the paper's scene."""
     setup, plan = timed(paper_plan, size_mm, clock=time.perf_counter)
-    compile_kernels(plan)
+    plan.prepare()
     return Mesh(
         size_mm=size_mm,
         plan=plan,

@@ -20,7 +20,7 @@ from benchmarks.measuring import markdown_table, new_table, paper_plan, timed
 from fem.solver.simulate import make_plan, run
 from fem.statics.exact_statics import exact_statics
 from fem.statics.quantities import moving_quantities
-from fem.statics.solve import static_error
+from fem.statics.static_error import static_error
 from lagrange import contact_laws, simulate, static_equilibrium
 from lagrange.scene import read_scene
 

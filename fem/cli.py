@@ -9,9 +9,10 @@ from typing import Annotated, Literal
 from cyclopts import App, Parameter
 
 from fem.errors import UsageError
+from fem.outcome import Outcome
+from fem.solver.simulate import SOLVERS
 
 RUNS = Path("runs")
-OK, UNUSABLE, INTERRUPTED = 0, 2, 130
 
 
 def _version() -> str:
@@ -58,9 +59,7 @@ def _run(
     /,
     *,
     output: Annotated[Path | None, Parameter(help="result file; default: runs/<scene name>.nc")] = None,
-    model: Annotated[
-        Literal["fem", "lagrange"] | None, Parameter(help="finite elements or Lagrangian model; default: the scene's")
-    ] = None,
+    model: Annotated[Literal[tuple(SOLVERS)] | None, Parameter(help="what solves it; default: the scene's")] = None,
     mesh_size: Annotated[float | None, Parameter(help="surface node distance, mm")] = None,
     duration: Annotated[float | None, Parameter(help="simulated time, ms; 0: static equilibrium only")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
@@ -89,76 +88,12 @@ def _run(
         raise UsageError(f"--output {path}: is a folder; name a file in it")
     if checkpoint is not None and not checkpoint >= 0.0:
         raise UsageError(f"--checkpoint {checkpoint:g}: must be a number of seconds >= 0")
-    if chosen.model == "lagrange":
-        if resume or estimate_error:
-            told = "--resume: the Lagrangian model takes seconds and keeps no checkpoint; start it again"
-            raise UsageError(told if resume else "--estimate-error: the Lagrangian model has no mesh; leave it out")
-        return _lagrange(chosen, path, dry_run, quiet)
+    from fem.runner import RunOptions, run_scene, show_plan
+
     if dry_run:
-        return _dry_run(chosen)
-    if not estimate_error:
-        return _simulate(chosen, path, quiet, resume, checkpoint)
-    from fem.solver.error_estimate import coarser_scene
-
-    coarse, _ = _plan(coarser_scene(chosen), compiled=False)
-    code = _simulate(chosen, path, quiet, resume, checkpoint)
-    return code if code != OK else _estimate(chosen, coarse, path, quiet)
-
-
-def _lagrange(scene, path: Path, dry_run: bool, quiet: bool) -> int:
-    from fem.lagrange_run import make_plan, print_plan, run_command
-
-    gc.enable()
-    if dry_run:
-        print_plan(make_plan(scene))
-        return OK
-    return run_command(scene, path, quiet)
-
-
-def _plan(scene, compiled: bool, quiet: bool = False):
-    """The plan and the seconds it took; failures here are the scene's, not the run's."""
-    import time
-
-    began = time.perf_counter()
-    from fem.solver.simulate import make_plan
-
-    try:
-        plan = make_plan(scene)
-    except RuntimeError as error:
-        raise UsageError(str(error)) from None
-    if compiled:
-        from fem.kernels.jit import is_compiled
-        from fem.solver.simulate import compile_kernels
-
-        if not (quiet or is_compiled()):
-            print("compiling the kernels, once, about half a minute", file=sys.stderr, flush=True)
-        compile_kernels(plan)
-    gc.enable()
-    return plan, time.perf_counter() - began
-
-
-def _dry_run(scene) -> int:
-    from fem.summary import print_plan
-
-    plan, _ = _plan(scene, compiled=False)
-    print_plan(plan)
-    return OK
-
-
-def _simulate(scene, path: Path, quiet: bool, resume: bool, checkpoint: float | None) -> int:
-    from fem.runner import simulate
-
-    plan, setup_seconds = _plan(scene, compiled=True, quiet=quiet)
-    for sentence in () if quiet else plan.cautions:
-        print(f"warning: {sentence}", file=sys.stderr, flush=True)
-    return simulate(plan, setup_seconds, path, resume=resume, quiet=quiet, every=checkpoint)
-
-
-def _estimate(scene, coarse, path: Path, quiet: bool) -> int:
-    from fem.runner import estimate
-
-    plan, _ = _plan(scene, compiled=False)
-    return estimate(plan, coarse, path, quiet=quiet)
+        return show_plan(chosen).code
+    options = RunOptions(resume=resume, quiet=quiet, estimate_error=estimate_error, checkpoint_seconds=checkpoint)
+    return run_scene(chosen, path, options).code
 
 
 def run_app_main(app: App, arguments: list[str] | None) -> int:
@@ -167,18 +102,17 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
         sys.stderr = open(os.devnull, "w")
     try:
         result = app(arguments)
-        return result if isinstance(result, int) else OK
+        return result if isinstance(result, int) else Outcome.COMPLETE.code
     except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return INTERRUPTED
+        ended, reason = Outcome.ENDED, None
     except OSError as error:
-        print(f"error: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
-        return UNUSABLE
+        ended, reason = Outcome.UNUSABLE, f"{error.filename or 'output'}: {error.strerror or error}"
     except ValueError as error:
         if type(error).__name__ not in ("UsageError", "SceneError"):
             raise
-        print(f"error: {error}", file=sys.stderr)
-        return UNUSABLE
+        ended, reason = Outcome.UNUSABLE, error
+    print(ended.told(reason=reason), file=sys.stderr)
+    return ended.code
 
 
 def run_main(arguments: list[str] | None = None) -> int:

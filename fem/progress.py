@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable
 from contextlib import contextmanager
 
-from fem.solver.simulate import Plan, Progress
+from fem.solver.solver import Plan, Progress
 
 PLAIN_SECONDS = 10.0
 
@@ -43,7 +43,7 @@ def _bar(plan: Plan):
                 task,
                 completed=progress.samples,
                 simulated=f"{1e3 * progress.simulated:.2f} ms",
-                speed=f"{_speed(progress):,.0f}",
+                speed=f"{progress.speed:,.0f}",
                 imbalance=f"{progress.imbalance:+.1e}",
             )
 
@@ -93,16 +93,12 @@ def _plain_lines(plan: Plan) -> Callable[[Progress], None]:
         if time.monotonic() - last < PLAIN_SECONDS:
             return
         last = time.monotonic()
-        left = (plan.steps - progress.steps) / max(_speed(progress), 1e-9)
+        left = progress.steps_left / max(progress.speed, 1e-9)
         print(
-            f"{1e3 * progress.simulated:.2f} of {1e3 * total:.2f} ms, {_speed(progress):,.0f} steps/s, {left:.0f} s "
+            f"{1e3 * progress.simulated:.2f} of {1e3 * total:.2f} ms, {progress.speed:,.0f} steps/s, {left:.0f} s "
             f"left, energy imbalance {progress.imbalance:+.1e}",
             file=sys.stderr,
             flush=True,
         )
 
     return show
-
-
-def _speed(progress: Progress) -> float:
-    return progress.steps / progress.wall if progress.wall > 0.0 else 0.0

@@ -7,8 +7,9 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from fem.cli import OK, RUNS, new_app, run_app_main
+from fem.cli import RUNS, new_app, run_app_main
 from fem.errors import UsageError
+from fem.outcome import Outcome
 
 FRAMES, FRAMES_PER_SECOND = 120, 25.0
 WIDTH, FILM_WIDTH = 1600, 960
@@ -158,7 +159,7 @@ def _picture(stored, target: Path, request, sample: int) -> int:
 
     draw(stored, target, request, sample)
     print(f"Picture: {target}")
-    return OK
+    return Outcome.COMPLETE.code
 
 
 def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> int:
@@ -183,7 +184,7 @@ def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: 
 
         write_film(target, images(), fps, renderer.palette)
     print(f"Film: {target} ({len(samples)} frames)")
-    return OK
+    return Outcome.COMPLETE.code
 
 
 def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
@@ -196,7 +197,7 @@ def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
         else:
             write_instant(stored, target, samples[0])
     print(f"Fields: {target}")
-    return OK
+    return Outcome.COMPLETE.code
 
 
 def render_main(arguments: list[str] | None = None) -> int:

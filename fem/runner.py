@@ -1,30 +1,139 @@
-"""A run from a scene to a result file: checkpoints as it goes, signals that end it, how it went."""
+"""A run from a scene to a result file, whichever solver it asks for: checkpoints, signals that end it, how it went."""
 
+import gc
 import signal
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from fem.errors import RunFailed, UsageError
+from fem.outcome import Outcome
 from fem.progress import progress_display
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, refuse_no_place, save_checkpoint
 from fem.result.estimate_columns import read_columns, write_estimates
-from fem.result.store import ResultFile, WriteFailed
-from fem.solver.error_estimate import NEEDED, estimate_error
-from fem.solver.simulate import Plan, RunFailed, RunState, first_state, progress_of, run
-from fem.summary import print_estimates, print_run
+from fem.result.store import NOTHING, ResultFile, Stored, WriteFailed
+from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Plan, Progress, RunState
+from fem.summary import print_estimates, print_plan, print_run
+from lagrange.scene import Scene
 
-OK, FAILED, INTERRUPTED, TERMINATED = 0, 1, 130, 143
+if TYPE_CHECKING:
+    from fem.solver.error_estimate import ErrorEstimate
+
 CHECKPOINT_SECONDS = 10.0  # of wall time, unless told otherwise
 CHECKPOINT_SHARE = 0.005  # of the wall time at most, unless told otherwise: a slow disk gets checkpoints less often
 GO_ON = "the same command with --resume goes on"
 
 
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """How a scene is to be run."""
+
+    resume: bool = False
+    quiet: bool = False
+    estimate_error: bool = False
+    checkpoint_seconds: float | None = None  # between checkpoints; None: CHECKPOINT_SECONDS, more on slow disks
+
+
+def show_plan(scene: Scene) -> Outcome:
+    """Plan a scene and print the plan.
+
+    Errors
+    ------
+    UsageError: a solver can't take the scene.
+    """
+    try:
+        print_plan(_planned(scene))
+    except RunFailed as error:
+        return _ended(Outcome.FAILED_AT_START, reason=error)
+    return Outcome.COMPLETE
+
+
+def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
+    """Plan a scene, run it into a result file, and estimate its error where that is wished.
+
+    Errors
+    ------
+    UsageError: a solver can't take the scene or estimate its error; see also `simulate`.
+    """
+    began = time.perf_counter()
+    plan = _planned(scene)
+    estimate = plan.error_estimate() if options.estimate_error else None
+    plan.prepare(None if options.quiet else _say)
+    for sentence in (*plan.remarks, *(() if options.quiet else plan.cautions)):
+        _say(f"warning: {sentence}")
+    outcome = simulate(plan, time.perf_counter() - began, path, options)
+    if estimate is None or outcome is not Outcome.COMPLETE:
+        return outcome
+    return _estimate(estimate, path, options.quiet)
+
+
+def _planned(scene: Scene) -> Plan:
+    try:
+        plan = make_plan(scene)
+    except RuntimeError as error:
+        raise UsageError(str(error)) from None
+    gc.enable()  # the command stops it while it imports
+    return plan
+
+
+def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) -> Outcome:
+    """Run a plan into a result file, with a checkpoint each so many seconds (see `Checkpoints`).
+
+    Errors
+    ------
+    UsageError: there is nothing to resume, or not by this plan; the file is in use. OSError: it can't be written.
+    """
+    refuse_no_place(path)
+    try:
+        state, stored = load_checkpoint(path, plan) if options.resume else (plan.first_state(), None)
+    except RunFailed as error:
+        return _ended(Outcome.FAILED_AT_START, reason=error)
+    met = state.outcome_attributes
+    with _signals() as stopped, ResultFile(path, plan, setup_seconds, stored, **met) as store, _explained(path, store):
+        if not options.resume:
+            checkpoint_path(path).unlink(missing_ok=True)
+        checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)
+        outcome, reason = Outcome.COMPLETE, None
+
+        def begin_again(reason: str) -> None:
+            if not options.quiet:
+                _say(reason)
+            checkpoints.begin_again()
+            store.begin_again(**state.outcome_attributes)
+
+        try:
+            with progress_display(plan, options.quiet) as show:
+
+                def watch(progress: Progress) -> None:
+                    with suppress(OSError):  # a terminal that has gone is no reason to stop
+                        show(progress)
+                    checkpoints.save_if_due()
+
+                run(plan, store.append, watch, lambda: bool(stopped), state, store.keep, begin_again)
+            checkpoints.save()
+            if stopped and state.done < plan.n_samples:
+                outcome = Outcome.TERMINATED if stopped[0] == signal.SIGTERM else Outcome.INTERRUPTED
+        except RunFailed as error:
+            outcome, reason = Outcome.FAILED, error
+        store.finish(outcome.status(reason), **state.outcome_attributes)
+    for sentence in state.remarks:
+        _say(f"warning: {sentence}")
+    seen = state.progress
+    if outcome is Outcome.COMPLETE and not options.quiet:
+        print_run(plan, seen, read_columns(path, ("inner_x", "inner_y", "inner_force"), samples=1), path)
+    return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store))
+
+
 class Checkpoints:
     """Saves the state of a run every so many seconds; None: every CHECKPOINT_SECONDS, less often on slow disks."""
 
-    def __init__(self, path: Path, plan: Plan, state: RunState, store: ResultFile, every: float | None):
-        self._path, self._plan, self._state, self._store, self._every = path, plan, state, store, every
+    def __init__(self, path: Path, state: RunState, store: ResultFile, every: float | None):
+        self._path, self._state, self._store, self._every = path, state, store, every
         self._saved, self._cost = time.monotonic(), 0.0
 
     def save_if_due(self) -> None:
@@ -38,81 +147,46 @@ class Checkpoints:
         began = time.monotonic()
         self._store.commit()
         try:
-            save_checkpoint(self._path, self._plan, self._state, self._store.stored)
-            return True
-        except OSError as error:
-            _say(f"warning: {error.filename}: {error.strerror}; no checkpoint was saved, the run goes on")
-            return False
+            return self._write(self._store.stored)
         finally:
             self._saved = time.monotonic()
             self._cost = self._saved - began
 
+    def begin_again(self) -> None:
+        """Save the state of a run that begins again, before its file does; what can't be gone on from is removed."""
+        if not self._write(NOTHING):
+            checkpoint_path(self._path).unlink(missing_ok=True)
 
-def simulate(
-    plan: Plan, setup_seconds: float, path: Path, *, resume: bool, quiet: bool, every: float | None = None
-) -> int:
-    """Run a plan into a result file, with a checkpoint each so many seconds (see `Checkpoints`); the exit code.
-
-    Errors
-    ------
-    UsageError: there is nothing to resume, or not by this plan; the file is in use. OSError: it can't be written.
-    """
-    refuse_no_place(path)
-    state, stored = load_checkpoint(path, plan) if resume else (first_state(plan), None)
-    stopped: list[int] = []
-    _on_signals(stopped.append)
-    with ResultFile(path, plan, setup_seconds, stored) as store, _explained(path, store):
-        if not resume:
-            checkpoint_path(path).unlink(missing_ok=True)
-        checkpoints = Checkpoints(path, plan, state, store, every)
-        status, code = "complete", OK
+    def _write(self, stored: Stored) -> bool:
         try:
-            with progress_display(plan, quiet) as show:
+            save_checkpoint(self._path, self._state, stored)
+            return True
+        except OSError as error:
+            _say(f"warning: {error.filename}: {error.strerror}; no checkpoint was saved, the run goes on")
+            return False
 
-                def watch(progress) -> None:
-                    with suppress(OSError):  # a terminal that has gone is no reason to stop
-                        show(progress)
-                    checkpoints.save_if_due()
 
-                seen = run(plan, store.append, watch, lambda: bool(stopped), state, store.keep)
-            checkpoints.save()
-            if stopped and state.done < plan.n_samples:
-                status = "interrupted"
-                code = TERMINATED if stopped[0] == signal.SIGTERM else INTERRUPTED
+def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
+    """Run the coarser plan beside a finished run and write what its result may be off by."""
+    from fem.solver.error_estimate import NEEDED
+
+    with _signals() as stopped:
+        try:
+            with progress_display(estimate.coarse, quiet) as show:
+                found = estimate.find(read_columns(path, NEEDED), show, lambda: bool(stopped))
         except RunFailed as error:
-            status, code, seen = f"failed: {error}", FAILED, progress_of(plan, state)
-        store.finish(status, seen.steps, seen.wall)
-    if code == FAILED:
-        _say(f"error: {status}\nsamples up to then are in {path}")
-    elif code != OK:
-        _say(f"{status} at {1e3 * seen.simulated:.3f} ms; {_left(path, store)}")
-    elif not quiet:
-        print_run(plan, seen, path)
-    return code
-
-
-def estimate(plan: Plan, coarse: Plan, path: Path, *, quiet: bool) -> int:
-    """Run the coarser plan beside a finished run and write what its result may be off by; the exit code."""
-    stopped: list[int] = []
-    _on_signals(stopped.append)
-    try:
-        with progress_display(coarse, quiet) as show:
-            found = estimate_error(plan, coarse, read_columns(path, NEEDED), show, lambda: bool(stopped))
-    except RunFailed as error:
-        _say(f"error: the run on the coarser mesh failed: {error}\n{path} is complete, without an estimate")
-        return FAILED
+            return _ended(Outcome.ESTIMATE_FAILED, reason=error, path=path)
     if stopped:
-        _say(f"interrupted; {path} is complete, without an estimate")
-        return TERMINATED if stopped[0] == signal.SIGTERM else INTERRUPTED
-    size = 1e-3 * coarse.scene.numerics.mesh_size_mm
-    write_estimates(path, found, size)
+        terminated = stopped[0] == signal.SIGTERM
+        return _ended(Outcome.ESTIMATE_TERMINATED if terminated else Outcome.ESTIMATE_INTERRUPTED, path=path)
+    write_estimates(path, found, estimate.mesh_size)
     if not quiet:
-        print_estimates(found, size)
-    return OK
+        print_estimates(found, estimate.mesh_size)
+    return Outcome.COMPLETE
 
 
 @contextmanager
-def _explained(path: Path, store: ResultFile):
+def _explained(path: Path, store: ResultFile) -> Iterator[None]:
     """Tell what is left when the disk fails."""
     try:
         yield
@@ -126,17 +200,29 @@ def _left(path: Path, store: ResultFile) -> str:
     return f"{store.committed} samples are in {path}; {how}"
 
 
+def _ended(outcome: Outcome, **facts: object) -> Outcome:
+    if text := outcome.told(**facts):
+        _say(text)
+    return outcome
+
+
 def _say(text: str) -> None:
     with suppress(OSError):
         print(text, file=sys.stderr, flush=True)
 
 
-def _on_signals(stop) -> None:
-    """Ctrl-C and SIGTERM end the run after the block of samples in work; a second one ends it at once."""
+@contextmanager
+def _signals() -> Iterator[list[int]]:
+    """Ctrl-C and SIGTERM, listed as they come, end the run after the block in work; a second one ends it at once."""
+    stopped: list[int] = []
 
     def handle(number, frame):
-        stop(number)
+        stopped.append(number)
         signal.signal(number, signal.SIG_DFL)
 
-    signal.signal(signal.SIGINT, handle)
-    signal.signal(signal.SIGTERM, handle)
+    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stopped
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -5,13 +5,17 @@ kinematics    rolling without slip: shaft, cage, roller spin, ball-pass frequenc
 laws          line-contact laws Q(δ) that need the roller's length alone: harris, palmgren, iso16281, braendlein
 ball_contact  Hertz point contact (4)-(11): curvatures, δ*(F), K of a ball on a raceway
 raceway_laws  laws that know the raceways: johnson (= tripp), houpert, teutsch_sauer; `contact_laws(name, bearing)`
-equations     geometry (19), (26), (27) and the hub's equations (22), (23) over a record in Cartesian coordinates
+pair          two circles in line contact: Hertz's half-width and pressure
+overlap       geometry (19), (26), (27): how deep rollers lie in the raceways, and its derivatives
+equations     the hub's equations (22), (23) over a record in Cartesian coordinates
 energy        T and V: (2), (3), (14)-(17)
 motion        the N_b + 2 equations (21)-(23), the θ equation, damping, accelerations; (21) as printed
 statics       equilibrium of hub and rolling elements
 load_ramp     a load that grows by half a cosine
+problem       what is solved, with the model's choices, and its first state; `step_size`: how long steps may be
+systems       accelerations of hub and elements, with kinematic angles and with free ones
 integrate     time stepping: Blanes and Moan's fourth-order scheme, leapfrog with damping
-simulate      forward solution: start, step, samples
+simulate      forward solution, at once or in parts that can be kept and gone on with; its refinement
 trajectory    its result: motion, forces, energies, works
 scene         the TOML scene file: validated, in the bearing engineer's units; gives the objects above in SI
 scene_columns columns of tables made elsewhere; `scene_faults`: what is wrong with a scene, all at once

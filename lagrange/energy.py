@@ -9,7 +9,7 @@ import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.kinematics import kinematics
-from lagrange.motion import Contacts, State
+from lagrange.motion import ContactState, State
 from lagrange.raceway_laws import ContactLaws
 
 
@@ -33,7 +33,7 @@ def rotation_energy(bearing: Bearing, operation: Operation) -> float:
     return 0.5 * ((ring + shaft) * turning.shaft**2 + bearing.n_rollers * element * turning.roller**2)
 
 
-def contact_energy(laws: ContactLaws, contacts: Contacts) -> np.ndarray:
+def contact_energy(laws: ContactLaws, contacts: ContactState) -> np.ndarray:
     """V_contact, J, (...,): ∫ Q dδ of every contact, K δ^(n+1)/(n+1) of a power law. Source: (17)."""
     return np.sum(laws.inner.potential(contacts.inner) + laws.outer.potential(contacts.outer), axis=-1)
 
@@ -45,7 +45,7 @@ def gravity_energy(bearing: Bearing, operation: Operation, state: State) -> np.n
 
 
 def potential_energy(
-    bearing: Bearing, operation: Operation, laws: ContactLaws, state: State, contacts: Contacts
+    bearing: Bearing, operation: Operation, laws: ContactLaws, state: State, contacts: ContactState
 ) -> np.ndarray:
     """V, J, (...,): contacts and weights; the load W is a generalised force, not part of it. Source: (3)."""
     return contact_energy(laws, contacts) + gravity_energy(bearing, operation, state)

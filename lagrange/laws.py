@@ -43,9 +43,9 @@ class PowerLaw:
         return self.stiffness * np.maximum(approach, 0.0) ** (n + 1.0) / (n + 1.0)
 
 
-def _from_millimetres(stiffness: float, exponent: float) -> float:
-    """N/mm^n to N/m^n."""
-    return stiffness * 1e3**exponent
+def _steel_law(name: str, in_mm: float, exponent: float, source: str) -> PowerLaw:
+    """A law of steel bearings whose stiffness is in N/mm^n."""
+    return PowerLaw(name=name, stiffness=in_mm * 1e3**exponent, exponent=exponent, source=source, range=STEEL_RANGE)
 
 
 def harris(roller_length: float) -> PowerLaw:
@@ -55,13 +55,7 @@ def harris(roller_length: float) -> PowerLaw:
     """
     exponent = 10.0 / 9.0
     in_mm = 7.86e4 * (1e3 * roller_length) ** STEEL_LENGTH_EXPONENT
-    return PowerLaw(
-        name="harris",
-        stiffness=_from_millimetres(in_mm, exponent),
-        exponent=exponent,
-        source="Harris, Rolling Bearing Analysis, Q = 7.86e4 L^(8/9) δ^(10/9)",
-        range=STEEL_RANGE,
-    )
+    return _steel_law("harris", in_mm, exponent, "Harris, Rolling Bearing Analysis, Q = 7.86e4 L^(8/9) δ^(10/9)")
 
 
 def palmgren(roller_length: float) -> PowerLaw:
@@ -71,13 +65,7 @@ def palmgren(roller_length: float) -> PowerLaw:
     """
     exponent = 1.0 / 0.9
     in_mm = ((1e3 * roller_length) ** 0.8 / 3.84e-5) ** exponent
-    return PowerLaw(
-        name="palmgren",
-        stiffness=_from_millimetres(in_mm, exponent),
-        exponent=exponent,
-        source="Palmgren 1959, δ = 3.84e-5 Q^0.9 / L^0.8",
-        range=STEEL_RANGE,
-    )
+    return _steel_law("palmgren", in_mm, exponent, "Palmgren 1959, δ = 3.84e-5 Q^0.9 / L^0.8")
 
 
 def iso16281(roller_length: float) -> PowerLaw:
@@ -87,13 +75,8 @@ def iso16281(roller_length: float) -> PowerLaw:
     """
     exponent = 10.0 / 9.0
     in_mm = 35948.0 * 2.0**exponent * (1e3 * roller_length) ** STEEL_LENGTH_EXPONENT
-    return PowerLaw(
-        name="iso16281",
-        stiffness=_from_millimetres(in_mm, exponent),
-        exponent=exponent,
-        source="ISO/TS 16281, Q = 35948 L^(8/9) δ^(10/9) for both contacts together",
-        range=STEEL_RANGE,
-    )
+    source = "ISO/TS 16281, Q = 35948 L^(8/9) δ^(10/9) for both contacts together"
+    return _steel_law("iso16281", in_mm, exponent, source)
 
 
 def braendlein(roller_length: float) -> PowerLaw:
@@ -104,13 +87,8 @@ def braendlein(roller_length: float) -> PowerLaw:
     """
     exponent = 1.08
     in_mm = 26200.0 * 2.0**exponent * (1e3 * roller_length) ** 0.92
-    return PowerLaw(
-        name="braendlein",
-        stiffness=_from_millimetres(in_mm, exponent),
-        exponent=exponent,
-        source="Brändlein et al. 1995 (second hand), Q = 26200 L^0.92 δ^1.08 for both contacts together",
-        range=STEEL_RANGE,
-    )
+    source = "Brändlein et al. 1995 (second hand), Q = 26200 L^0.92 δ^1.08 for both contacts together"
+    return _steel_law("braendlein", in_mm, exponent, source)
 
 
 LAWS = {"harris": harris, "palmgren": palmgren, "iso16281": iso16281, "braendlein": braendlein}

@@ -14,7 +14,7 @@ def load_share(time, ramp: float):
 
 
 def load_share_rate(time, ramp: float):
-    """Its rate, 1/s."""
+    """Rate of `load_share`, 1/s."""
     time = np.asarray(time, dtype=float)
     if ramp <= 0.0:
         return np.zeros_like(time)

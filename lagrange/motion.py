@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+from lagrange.overlap import PolarOverlaps, polar_overlaps
 from lagrange.raceway_laws import ContactLaws
 
 
@@ -28,21 +29,16 @@ class State:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contacts:
-    """The contacts of a state, each (..., n_rollers)."""
+class ContactState(PolarOverlaps):
+    """Geometry and forces of the contacts in a state, each (..., n_rollers); overlaps are δ_in (26) and δ_out (27)."""
 
-    distance: np.ndarray  # χ, m: (19)
-    radial: np.ndarray  # ∂χ/∂ρ = (ρ − x cos θ − y sin θ)/χ
-    tangential: np.ndarray  # ∂χ/(ρ ∂θ) = (x sin θ − y cos θ)/χ
     along_x: np.ndarray  # ∂χ/∂x
     along_y: np.ndarray  # ∂χ/∂y
-    inner: np.ndarray  # δ_in, m: (26)
-    outer: np.ndarray  # δ_out, m: (27)
     inner_force: np.ndarray  # N, >= 0, 0 outside the load zone: (24), (25)
     outer_force: np.ndarray
 
 
-def contacts(bearing: Bearing, laws: ContactLaws, state: State, damping: float = 0.0) -> Contacts:
+def contact_state(bearing: Bearing, laws: ContactLaws, state: State, damping: float = 0.0) -> ContactState:
     """Geometry and forces of every contact.
 
     Parameters
@@ -57,25 +53,17 @@ def contacts(bearing: Bearing, laws: ContactLaws, state: State, damping: float =
     """
     cos, sin = np.cos(state.theta), np.sin(state.theta)
     x, y = np.asarray(state.x)[..., None], np.asarray(state.y)[..., None]
-    reach = bearing.inner_raceway_radius + bearing.roller_radius
-    # nearly equal lengths are subtracted first, which is exact, so that the small approach keeps all its digits
-    beyond = (state.rho - bearing.inner_raceway_radius) - bearing.roller_radius - (x * cos + y * sin)
-    across = x * sin - y * cos
-    distance = np.hypot(reach + beyond, across)
-    inner = -(beyond * (beyond + 2.0 * reach) + across**2) / (distance + reach)  # reach − χ
-    outer = (state.rho - bearing.outer_raceway_radius) + bearing.roller_radius
-    radial, tangential = (reach + beyond) / distance, across / distance
+    found = polar_overlaps(bearing, state.rho, x * cos + y * sin, y * cos - x * sin)
+    radial, tangential = found.radial, found.tangential
     along_x, along_y = tangential * sin - radial * cos, -tangential * cos - radial * sin
-    inner_force, outer_force = laws.inner.force(inner), laws.outer.force(outer)
+    inner_force, outer_force = laws.inner.force(found.inner), laws.outer.force(found.outer)
     if damping > 0.0:
         vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]
         closing = -(radial * state.rho_rate + tangential * state.rho * state.theta_rate + along_x * vx + along_y * vy)
         inner_force = damped(inner_force, closing, damping)
         outer_force = damped(outer_force, state.rho_rate, damping)
-    return Contacts(
-        distance=distance, radial=radial, tangential=tangential, along_x=along_x, along_y=along_y,
-        inner=inner, outer=outer, inner_force=inner_force, outer_force=outer_force,
-    )  # fmt: skip
+    forces = {"inner_force": inner_force, "outer_force": outer_force}
+    return ContactState(**vars(found), along_x=along_x, along_y=along_y, **forces)
 
 
 def damped(force, closing_speed, damping: float):
@@ -84,7 +72,7 @@ def damped(force, closing_speed, damping: float):
 
 
 def radial_equations(
-    bearing: Bearing, operation: Operation, state: State, contacts: Contacts, rho_acceleration
+    bearing: Bearing, operation: Operation, state: State, contacts: ContactState, rho_acceleration
 ) -> np.ndarray:
     """Left sides of (21), N, (..., n_rollers): m ρ̈ − m ρ θ̇² + m g sin θ − Q_in ∂χ/∂ρ + Q_out."""
     m = bearing.roller_mass
@@ -93,7 +81,7 @@ def radial_equations(
 
 
 def printed_radial_equations(
-    bearing: Bearing, operation: Operation, laws: ContactLaws, state: State, contacts: Contacts, rho_acceleration
+    bearing: Bearing, operation: Operation, laws: ContactLaws, state: State, contacts: ContactState, rho_acceleration
 ) -> np.ndarray:
     """Left sides of (21) as the paper prints it, N, for comparison only: not Lagrange's equation of this V.
 
@@ -110,7 +98,7 @@ def printed_radial_equations(
 
 
 def angular_equations(
-    bearing: Bearing, operation: Operation, state: State, contacts: Contacts, theta_acceleration
+    bearing: Bearing, operation: Operation, state: State, contacts: ContactState, theta_acceleration
 ) -> np.ndarray:
     """Left sides of the θ equations, N m, (..., n_rollers): the moment a cage must give; 0 for a free element.
 
@@ -122,7 +110,7 @@ def angular_equations(
     return rho * (m * (inertia + weight) - contacts.inner_force * contacts.tangential)
 
 
-def hub_equations(operation: Operation, contacts: Contacts, x_acceleration, y_acceleration):
+def hub_equations(operation: Operation, contacts: ContactState, x_acceleration, y_acceleration):
     """Left sides of (22) and of (23) with the load moved over, N, each (...,); 0 in a motion of the model."""
     mass = operation.inner_mass
     push_x = np.sum(contacts.inner_force * contacts.along_x, axis=-1)
@@ -133,7 +121,7 @@ def hub_equations(operation: Operation, contacts: Contacts, x_acceleration, y_ac
     )
 
 
-def accelerations(bearing: Bearing, operation: Operation, state: State, contacts: Contacts):
+def accelerations(bearing: Bearing, operation: Operation, state: State, contacts: ContactState):
     """ẍ, ÿ, (...,), m/s²; ρ̈, m/s², and θ̈ of free elements, rad/s², (..., n_rollers).
 
     The equations are linear in the accelerations, and each holds one of them. With angles from kinematics (20) leave

@@ -11,6 +11,7 @@ import numpy as np
 from lagrange.ball_contact import ball_law
 from lagrange.bearing import BallBearing, Bearing, Material
 from lagrange.laws import LAWS, PowerLaw
+from lagrange.pair import contact_pairs
 
 Side = Literal["inner", "outer"]
 NEWTON_STEPS = 4  # from u = L + ln L, error 0.2 at most: 1e-2, 1e-5, 1e-11, round-off
@@ -108,15 +109,15 @@ def johnson(bearing: Bearing, side: Side) -> LogarithmicLaw:
     R1, length = bearing.roller_radius, bearing.roller_length
     ring = bearing.inner_ring if side == "inner" else bearing.outer_ring
     c1, c2 = _compliance(bearing.roller), _compliance(ring)
+    inner_pair, outer_pair, _ = contact_pairs(bearing)
     if side == "inner":
-        R2 = bearing.inner_raceway_radius
-        curvature, ring_term = 1.0 / R1 + 1.0 / R2, log(4.0 * R2) - 0.5
+        b_squared = inner_pair.half_width_factor  # of 1 N
+        ring_term = log(4.0 * bearing.inner_raceway_radius) - 0.5
     else:
-        curvature = 1.0 / R1 - 1.0 / bearing.outer_raceway_radius
+        b_squared = outer_pair.half_width_factor
         thickness, nu = bearing.outside_radius - bearing.outer_raceway_radius, ring.poisson_ratio
         ring_term = log(2.0 * thickness) - 0.5 * nu / (1.0 - nu)
     compliance = (c1 + c2) / (pi * length)
-    b_squared = 4.0 * (c1 + c2) / (pi * length * curvature)  # of 1 N
     level = 2.0 * (c1 * (log(4.0 * R1) - 0.5) + c2 * ring_term) / (c1 + c2) - log(b_squared)
     return LogarithmicLaw(
         name="johnson",

@@ -27,7 +27,7 @@ class Table(BaseModel):
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        """What is written, and defaults that depend on it."""
+        """The table as written, with defaults that depend on it."""
         return data
 
     @model_validator(mode="before")
@@ -55,7 +55,7 @@ def all_faults(error: ValidationError, model: type[Table], data: dict[str, Any])
 
 
 def printable(text: str) -> str:
-    """Without characters that would move a terminal's cursor or hide."""
+    """The text without characters that would move a terminal's cursor or hide."""
     return "".join(c if c.isprintable() else "?" for c in text)
 
 
@@ -109,7 +109,7 @@ def _meant(fault: dict[str, Any], model: type[Table]) -> Place:
 
 
 def _is_of_one_value(fault: dict[str, Any], model: type[Table]) -> bool:
-    """Or of a table's values together."""
+    """Whether a fault is of one value, not of a table's values together."""
     place = fault["loc"]
     return bool(place) and place[-1] not in _tables(_table_at(place[:-1], model))
 

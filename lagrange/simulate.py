@@ -2,38 +2,177 @@
 
 Without damping a composition of fourth order that is symplectic, so the energy doesn't drift: Blanes and Moan's
 Runge-Kutta-Nyström scheme of six stages (J. Comput. Appl. Math. 142, 2002). With damping the second-order leapfrog, the
-damper's own flow in the middle of the step. The hub is one complex number x + iy; see `integrate` for the kernels.
+damper's own flow in the middle of the step. The hub is one complex number x + iy; see `systems` for the kernels.
 """
 
 import warnings
-from dataclasses import replace
-from math import ceil, pi
+from enum import Enum
+from math import pi
 from typing import Literal
 
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.energy import contact_energy, kinetic_energy, rotation_energy
-from lagrange.integrate import FreeAngles, KinematicAngles, integrate
-from lagrange.kinematics import kinematics, roller_angles
-from lagrange.load_ramp import load_share
-from lagrange.motion import State, accelerations, contacts
+from lagrange.integrate import Integration
+from lagrange.kinematics import kinematics
+from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
-from lagrange.statics import static_equilibrium
-from lagrange.trajectory import Trajectory
+from lagrange.step_size import DAMPED_STABLE, STABLE, STEP, critical_time_step, fastest_mode, steps_per_sample
+from lagrange.systems import FreeAngles, KinematicAngles
+from lagrange.trajectory import Completion, Trajectory
 
-STEP = 2.0  # of 1/ω of the stiffest mode: its frequency then is 0.05 % off, the hub's 1e-6
-DAMPED_STEP = 0.3
-OVERLOAD = 2.0  # the stiffest mode is estimated at this many times the largest static force
-LIMIT, DAMPED_LIMIT = 3.05, 2.0  # ω·step at which the six-stage scheme and the leapfrog become unstable
-STABLE, DAMPED_STABLE = 2.8, 1.0  # ω·step that they may reach
-LARGEST_DAMPING = 0.5  # of a step times the rate of the damper on an element
-SMALLEST_FORCE = 1e-3  # N, for the frequency of an unloaded element
-DIFFERENCE = 1e-6  # s, for the velocities of the moving equilibrium
-NO_MOVE = 1e-9  # m within that time, below which a jump doesn't matter
 ENERGY_TOLERANCE = 1e-2  # where contacts rattle, each impact lasting a few steps; else errors are 1e-5 of it
 REFINEMENTS = 3  # halvings of the step before a warning instead
 ROUND_OFF = 1e-13  # of the kinetic energy
+
+
+class Verdict(Enum):
+    """How a step has resolved a motion from its start to its end, and what to say of it."""
+
+    RESOLVED = ""
+    TOO_FAST = (
+        "the forces met make a mode of {frequency:.3g} Hz, too fast for the step of {step:.3g} s; "
+        "set time_step = {stable_step:.2g} or less"
+    )
+    RATTLING = (
+        "contacts rattle: the step of {step:.3g} s changes the energy by {percent:.2g} % of what the contacts pass on; "
+        "set time_step = {quarter_step:.2g} or less, or add damping"
+    )
+
+
+class Simulation:
+    """A forward solution that advances sample by sample, from its start; its state can be kept and taken back.
+
+    How it is cut into parts changes no bit of it. At its end ask for the `verdict`: where the step was too long for
+    what it met, `refine` begins the whole motion again with half of it.
+
+    Parameters
+    ----------
+    interval : s, between samples
+    time_step : s, at most; default from the stiffest mode, and then it may be refined
+
+    Errors
+    ------
+    RuntimeError: no equilibrium to start from.
+    """
+
+    def __init__(self, problem: Problem, interval: float, time_step: float | None = None):
+        self.problem, self.interval = problem, interval
+        self.refinements = 0
+        self._least = steps_per_sample(problem, interval, time_step)
+        self._most_refinements = REFINEMENTS if time_step is None else 0
+        self._start = problem.first_state()
+        self._begin()
+
+    def _begin(self) -> None:
+        problem = self.problem
+        system = (KinematicAngles if problem.angles == "kinematic" else FreeAngles)(problem)
+        start = system.pack(self._start)
+        self._integration = Integration(system, start, self.time_step, self.steps_per_sample, problem.damping)
+        self._completion = Completion(problem, system)
+        self.trouble: str | None = None  # why it can't go on
+
+    @property
+    def steps_per_sample(self) -> int:
+        return self._least * 2**self.refinements
+
+    @property
+    def time_step(self) -> float:
+        return self.interval / self.steps_per_sample
+
+    @property
+    def critical_time_step(self) -> float:
+        """Step, s, at which the scheme becomes unstable under the forces met so far; before any, those expected."""
+        return critical_time_step(self.problem, *(self._largest_forces if self.done else ()))
+
+    @property
+    def _largest_forces(self) -> tuple[float, float]:
+        met = self._completion.met
+        return float(met["inner_force"]), float(met["outer_force"])
+
+    @property
+    def done(self) -> int:
+        """Samples from the start, which is the first."""
+        return self._integration.done
+
+    @property
+    def first_kinetic_energy(self) -> float:
+        """Of the first sample, J."""
+        return float(self._completion.first["kinetic"])
+
+    def advance(self, count: int) -> Trajectory | None:
+        """The next samples, at most so many; None, or fewer and `trouble`, where numbers overflow."""
+        first = self.done
+        record = self._integration.advance(count)
+        found = len(record.z)
+        if found < count:
+            self.trouble = (
+                f"the motion overflowed by t = {(first + found) * self.steps_per_sample * self.time_step:.4g} s; "
+                "lower time_step"
+            )
+        if not found:
+            return None
+        part = self._completion.read(record, self.interval * np.arange(first, first + found))
+        problem = self.problem
+        return Trajectory(
+            **part, bearing=problem.bearing, operation=problem.operation, laws=problem.laws,
+            roller_spin=kinematics(problem.bearing, problem.operation.speed).roller,
+            time_step=self.time_step, critical_time_step=self.critical_time_step,
+            steps=self.steps_per_sample * (self.done - 1),
+        )  # fmt: skip
+
+    @property
+    def verdict(self) -> Verdict:
+        """How the step has resolved the motion so far; its last word is at the end."""
+        stable = STABLE if self.problem.damping == 0.0 else DAMPED_STABLE
+        if not fastest_mode(self.problem, *self._largest_forces) * self.time_step < stable:
+            return Verdict.TOO_FAST
+        return Verdict.RESOLVED if self._energy_share() <= ENERGY_TOLERANCE else Verdict.RATTLING
+
+    @property
+    def sentence(self) -> str:
+        """The verdict with its numbers."""
+        omega, step = fastest_mode(self.problem, *self._largest_forces), self.time_step
+        return self.verdict.value.format(
+            frequency=omega / (2 * pi), step=step, stable_step=0.5 * STEP / omega, percent=100 * self._energy_share(),
+            quarter_step=step / 4,
+        )  # fmt: skip
+
+    @property
+    def can_be_refined(self) -> bool:
+        return self.refinements < self._most_refinements
+
+    def refine(self) -> None:
+        """Begin again with half the step."""
+        self.refinements += 1
+        self._begin()
+
+    def _energy_share(self) -> float:
+        """Largest energy error, of the energy that contacts and dampers took and motion gained or lost."""
+        met = self._completion.met
+        if met["energy_error"] <= ROUND_OFF * self.first_kinetic_energy:
+            return 0.0
+        moved = met["energy_contact"] + (met["largest_kinetic"] - met["least_kinetic"]) + met["dissipated"]
+        return float(met["energy_error"] / moved)
+
+    def to_keep(self) -> dict[str, np.ndarray]:
+        """All that the rest of the motion needs beside `done` and `refinements`, as arrays."""
+        return self._integration.memory | self._completion.memory
+
+    def take_back(self, arrays: dict[str, np.ndarray], done: int, refinements: int) -> None:
+        """Go on where another simulation of the same problem stopped.
+
+        Errors
+        ------
+        ValueError, KeyError: not what `to_keep` gives.
+        """
+        if not 0 <= refinements <= self._most_refinements:
+            raise ValueError(f"{refinements} refinements")
+        self.refinements = refinements
+        self._begin()
+        self._integration.done = done
+        for name, memory in self.to_keep().items():
+            memory[...] = arrays[name]
 
 
 def simulate(
@@ -75,146 +214,23 @@ def simulate(
     they pass on; UserWarning if that isn't enough, or at once for a step of your own.
     ValueError: impossible arguments. RuntimeError: no equilibrium to start from; the step is too long for the forces.
     """
-    if not (duration >= 0.0 and interval > 0.0 and damping >= 0.0 and load_ramp >= 0.0):
-        raise ValueError(
-            f"duration = {duration}, interval = {interval}, damping = {damping}, load_ramp = {load_ramp}: "
-            "interval must be positive, the others at least 0"
-        )
-    if start not in ("equilibrium", "rest") or angles not in ("kinematic", "free"):
-        raise ValueError(f"start = {start!r}, angles = {angles!r}: equilibrium or rest, kinematic or free")
-    n_samples = int(duration / interval + 1e-9) + 1
-    per_sample = steps_per_sample(bearing, operation, laws, interval, damping, time_step)
-    system_type = KinematicAngles if angles == "kinematic" else FreeAngles
-    state = _start(bearing, operation, laws, start, load_ramp)
-    time = interval * np.arange(n_samples)
-    for refinement in range(REFINEMENTS + 1):
-        step = interval / per_sample
-        system = system_type(bearing, operation, laws, load_ramp)
-        record = integrate(system, system.pack(state), step, per_sample, n_samples, damping)
-        trajectory = _complete(bearing, operation, laws, time, system.unpack(record, time), record, damping, load_ramp)
-        omega = _fastest(bearing, laws, trajectory.inner_force.max(), trajectory.outer_force.max())
-        trajectory = replace(
-            trajectory,
-            time_step=step,
-            critical_time_step=(LIMIT if damping == 0.0 else DAMPED_LIMIT) / omega,
-            steps=per_sample * (n_samples - 1),
-        )
-        resolved = omega * step < (STABLE if damping == 0.0 else DAMPED_STABLE)
-        share = _energy_share(trajectory)
-        if resolved and share <= ENERGY_TOLERANCE:
+    if not (duration >= 0.0 and interval > 0.0):
+        raise ValueError(f"duration = {duration}, interval = {interval}: at least 0, and positive")
+    problem = Problem(
+        bearing=bearing, operation=operation, laws=laws, start=start, angles=angles, damping=damping,
+        load_ramp=load_ramp,
+    )  # fmt: skip
+    simulation = Simulation(problem, interval, time_step)
+    while True:
+        trajectory = simulation.advance(int(duration / interval + 1e-9) + 1)
+        if simulation.trouble:
+            raise RuntimeError(simulation.trouble)
+        if simulation.verdict is Verdict.RESOLVED:
             return trajectory
-        if time_step is not None or refinement == REFINEMENTS:
+        if not simulation.can_be_refined:
             break
-        per_sample *= 2
-    if not resolved:
-        raise RuntimeError(
-            f"the forces met make a mode of {omega / (2 * pi):.3g} Hz, too fast for the step of {step:.3g} s; "
-            f"set time_step = {0.5 * STEP / omega:.2g} or less"
-        )
-    warnings.warn(
-        f"contacts rattle: the step of {step:.3g} s changes the energy by {100 * share:.2g} % of what the contacts "
-        f"pass on; set time_step = {step / 4:.2g} or less, or add damping",
-        stacklevel=2,
-    )
+        simulation.refine()
+    if simulation.verdict is Verdict.TOO_FAST:
+        raise RuntimeError(simulation.sentence)
+    warnings.warn(simulation.sentence, stacklevel=2)
     return trajectory
-
-
-def steps_per_sample(
-    bearing: Bearing,
-    operation: Operation,
-    laws: ContactLaws,
-    interval: float,
-    damping: float = 0.0,
-    time_step: float | None = None,
-) -> int:
-    """Equal steps that `simulate` takes from sample to sample, before any refinement; arguments as there."""
-    longest = _longest_step(bearing, operation, laws, damping)
-    if time_step is not None:
-        longest = min(longest, time_step)
-    return max(1, ceil(interval / longest * (1.0 - 1e-12)))
-
-
-def _energy_share(trajectory: Trajectory) -> float:
-    """Largest energy error, of the energy that contacts and dampers took and motion gained or lost."""
-    error = float(np.max(np.abs(trajectory.energy_error)))
-    if error <= ROUND_OFF * trajectory.energy_kinetic[0]:
-        return 0.0
-    moved = np.max(trajectory.energy_contact) + np.ptp(trajectory.energy_kinetic) + trajectory.work_dissipated[-1]
-    return error / float(moved)
-
-
-def _fastest(bearing: Bearing, laws: ContactLaws, inner_force: float, outer_force: float) -> float:
-    """Angular frequency of an element between its contacts, rad/s."""
-    stiffness = sum(
-        float(law.slope(law.approach(max(force, SMALLEST_FORCE))))
-        for law, force in zip(laws, (inner_force, outer_force), strict=True)
-    )
-    return (stiffness / bearing.roller_mass) ** 0.5
-
-
-def _longest_step(bearing: Bearing, operation: Operation, laws: ContactLaws, damping: float) -> float:
-    """Time step from the stiffest mode: an element under the largest force that can be expected."""
-    weight = operation.radial_load + operation.inner_mass * operation.gravity
-    spin = bearing.roller_mass * bearing.pitch_radius * kinematics(bearing, operation.speed).cage ** 2
-    squeeze = float(laws.inner.force(max(-0.5 * bearing.radial_clearance, 0.0)))  # of preload
-    force = OVERLOAD * (squeeze + spin + bearing.roller_mass * operation.gravity + 5.0 * weight / bearing.n_rollers)
-    omega = _fastest(bearing, laws, force, force)
-    if damping == 0.0:
-        return STEP / omega
-    return min(DAMPED_STEP / omega, LARGEST_DAMPING * bearing.roller_mass / (2.0 * damping))
-
-
-def _start(bearing: Bearing, operation: Operation, laws: ContactLaws, start: str, load_ramp: float) -> State:
-    """State at t = 0."""
-    theta = roller_angles(bearing, operation.first_roller_angle)
-    cage = kinematics(bearing, operation.speed).cage
-    zero = np.zeros(bearing.n_rollers)
-    if start == "rest":
-        return State(
-            x=0.0, y=0.0, rho=zero + bearing.pitch_radius, theta=theta,
-            x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + cage,
-        )  # fmt: skip
-    if load_ramp > 0.0:
-        operation = replace(operation, radial_load=0.0)
-    now = static_equilibrium(bearing, operation, laws, angles=theta)
-    before, after = (
-        static_equilibrium(bearing, operation, laws, angles=theta + cage * shift, start=(now.x, now.y))
-        for shift in (-DIFFERENCE, DIFFERENCE)
-    )
-    earlier, middle, later = (np.array([s.x, s.y, *s.rho]) for s in (before, now, after))
-    rates = (later - earlier) / (2.0 * DIFFERENCE)
-    bend, move = np.abs(later + earlier - 2.0 * middle), np.abs(later - earlier)
-    if np.any((bend > 0.5 * move) & (np.maximum(bend, move) > NO_MOVE)):
-        rates[:] = 0.0  # the equilibrium jumps here: a ring in clearance that tips from roller to roller
-    return State(
-        x=now.x, y=now.y, rho=now.rho, theta=theta,
-        x_rate=rates[0], y_rate=rates[1], rho_rate=rates[2:], theta_rate=zero + cage,
-    )  # fmt: skip
-
-
-def _complete(bearing, operation, laws, time, state: State, record, damping: float, load_ramp: float) -> Trajectory:
-    """Forces, accelerations, energies and works of the stored states."""
-    touch = contacts(bearing, laws, state, damping)
-    share = load_share(time, load_ramp)
-    ax, ay, _, _ = accelerations(bearing, replace(operation, radial_load=0.0), state, touch)
-    ay = ay - share * operation.radial_load / operation.inner_mass
-    lift = operation.inner_mass * state.y + bearing.roller_mass * np.sum(state.rho * np.sin(state.theta), axis=1)
-    pull = share * operation.radial_load * state.y
-    # 2 m ρ̇ ω of the held elements does m ω² Δ(ρ²); their contacts and weights do the rest
-    swing = bearing.roller_mass * np.sum((state.rho * state.theta_rate) ** 2, axis=1)
-    held = record.cage_work is not None
-    return Trajectory(
-        bearing=bearing, operation=operation, laws=laws, time=time,
-        inner_x=state.x, inner_y=state.y, inner_vx=state.x_rate, inner_vy=state.y_rate, inner_ax=ax, inner_ay=ay,
-        roller_rho=state.rho, roller_theta=state.theta,
-        roller_rho_rate=state.rho_rate, roller_theta_rate=state.theta_rate,
-        roller_spin=kinematics(bearing, operation.speed).roller,
-        inner_force=touch.inner_force, outer_force=touch.outer_force,
-        energy_kinetic=kinetic_energy(bearing, operation, state) + rotation_energy(bearing, operation),
-        energy_contact=contact_energy(laws, touch),
-        work_load=record.ramp_work - (pull - pull[0]),
-        work_gravity=-operation.gravity * (lift - lift[0]),
-        work_cage=record.cage_work + swing - swing[0] if held else np.zeros_like(time),
-        work_dissipated=record.dissipated,
-        time_step=0.0, critical_time_step=0.0, steps=0,
-    )  # fmt: skip

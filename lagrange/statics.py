@@ -10,6 +10,7 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.kinematics import kinematics, roller_angles
+from lagrange.overlap import touching_distances
 from lagrange.raceway_laws import ContactLaws
 
 BALANCE = 1e-10  # of load and contact forces: what Newton's method must reach
@@ -100,8 +101,7 @@ class _System:
     def __init__(self, bearing, operation, laws, theta, mass):
         self.laws = laws
         self.cos, self.sin = np.cos(theta), np.sin(theta)
-        self.reach = bearing.inner_raceway_radius + bearing.roller_radius
-        self.track = bearing.outer_raceway_radius - bearing.roller_radius  # ρ that touches the outer raceway
+        self.reach, self.track = touching_distances(bearing)
         cage = kinematics(bearing, operation.speed).cage
         self.spin = mass * cage**2
         self.weight = mass * operation.gravity * self.sin
@@ -114,11 +114,8 @@ class _System:
         s = hub[0] * self.cos + hub[1] * self.sin  # hub's offset along and across each element's radius
         t = hub[1] * self.cos - hub[0] * self.sin
         rho = self._balance(s, t)
-        along = rho - s
-        chi = np.hypot(along, t)
-        depth_in, depth_out = self.reach - chi, rho - self.track
+        chi, c, d, depth_in, depth_out = self._overlaps(rho, s, t)
         inner, outer = self.laws.inner.force(depth_in), self.laws.outer.force(depth_out)
-        c, d = along / chi, t / chi
         radial, across = -inner * c, inner * d  # on the hub, along s and t
         unbalance = -np.array(
             [
@@ -147,15 +144,19 @@ class _System:
             stiffness=np.array([[xx, xy], [xy, yy]]), potential=float(potential) + load * hub[1],
         )  # fmt: skip
 
-    def _radial(self, rho, s, t):
-        """Force on the elements along +ρ, N, and minus its derivative."""
+    def _overlaps(self, rho, s, t):
+        """χ, the cosine and sine of its direction against the radius, and both overlaps, m."""
         along = rho - s
         chi = np.hypot(along, t)
-        depth_in, depth_out = self.reach - chi, rho - self.track
+        return chi, along / chi, t / chi, self.reach - chi, rho - self.track
+
+    def _radial(self, rho, s, t):
+        """Force on the elements along +ρ, N, and minus its derivative."""
+        _, c, _, depth_in, depth_out = self._overlaps(rho, s, t)
         inner, outer = self.laws.inner.force(depth_in), self.laws.outer.force(depth_out)
-        force = inner * along / chi - outer + self.spin * rho - self.weight
+        force = inner * c - outer + self.spin * rho - self.weight
         slope_in, slope_out = self.laws.inner.slope(depth_in), self.laws.outer.slope(depth_out)
-        return force, slope_in * (along / chi) ** 2 + slope_out - self.spin
+        return force, slope_in * c**2 + slope_out - self.spin
 
     def _balance(self, s, t):
         """ρ of every element in radial balance: Newton's method kept inside a bracket."""

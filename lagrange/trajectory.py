@@ -1,16 +1,27 @@
 """What a forward solution gives: motion, forces, energies and works at the stored samples."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+from lagrange.energy import contact_energy, kinetic_energy, rotation_energy
+from lagrange.integrate import Record
+from lagrange.load_ramp import load_share
+from lagrange.motion import accelerations, contact_state
+from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
+
+TURN = 2.0 * np.pi
+# of the first sample, see `Completion.read`; of all samples so far: the largest, or what the name says; J and N
+FIRST = np.dtype([(name, float) for name in ("lift", "pull", "swing", "kinetic", "energy")])
+MET = np.dtype([(name, float) for name in ("inner_force", "outer_force", "energy_contact", "energy_error",
+                                           "least_kinetic", "largest_kinetic", "dissipated")])  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class Trajectory:
-    """A forward solution. SI; (n_times,) unless said, (n_times, n_rollers) for the rolling elements."""
+    """A forward solution or a part of it. SI; (n_times,) unless said, (n_times, n_rollers) for the rolling elements."""
 
     bearing: Bearing
     operation: Operation
@@ -31,11 +42,12 @@ class Trajectory:
     outer_force: np.ndarray
     energy_kinetic: np.ndarray  # J, translations and the constant rotation
     energy_contact: np.ndarray
+    energy_error: np.ndarray  # J, that the integration has made since the start: 0 in an exact solution
     work_load: np.ndarray  # J, since the start
     work_gravity: np.ndarray
     work_cage: np.ndarray  # of what keeps the angles to the kinematics; 0 with free angles
     work_dissipated: np.ndarray  # by the contacts' dampers
-    time_step: float
+    time_step: float  # s
     critical_time_step: float  # s, stability limit of the stiffest mode met
     steps: int
 
@@ -52,8 +64,78 @@ class Trajectory:
         """Of load, weights and cage since the start, J."""
         return self.work_load + self.work_gravity + self.work_cage
 
-    @property
-    def energy_error(self) -> np.ndarray:
-        """Energy that the integration has made since the start, J: 0 in an exact solution."""
-        energy = self.energy_kinetic + self.energy_contact
-        return energy - energy[0] - self.work_external + self.work_dissipated
+
+class Completion:
+    """Adds forces, accelerations, energies and works to stored samples, which come in order and in parts.
+
+    How they are cut into parts changes no bit. `memory` is all that runs on from part to part: what the first sample
+    had, the extremes `met` so far, and of free angles the last sample's before they were unwrapped, their turns since
+    the first one, and the shift of all, rad.
+    """
+
+    def __init__(self, problem: Problem, system):
+        self._problem, self._system = problem, system
+        self.first, self.met = np.full((), np.nan, dtype=FIRST), np.zeros((), dtype=MET)
+        self.met["least_kinetic"], self.met["largest_kinetic"] = np.inf, -np.inf
+        angles = np.zeros((3, problem.bearing.n_rollers))
+        self.memory = {"first": self.first, "met": self.met, "angles": angles}
+
+    def read(self, record: Record, time: np.ndarray) -> dict[str, np.ndarray]:
+        """Quantities of the next samples, at least one, by the trajectory's names; `time` in s."""
+        problem = self._problem
+        bearing, operation, laws = problem.bearing, problem.operation, problem.laws
+        state = self._system.unpack(record, time)
+        if not self._system.holds_angles:
+            state = replace(state, theta=self._unwrapped(state.theta))
+        touch = contact_state(bearing, laws, state, problem.damping)
+        share = load_share(time, problem.load_ramp)
+        ax, ay, _, _ = accelerations(bearing, replace(operation, radial_load=0.0), state, touch)
+        ay = ay - share * operation.radial_load / operation.inner_mass
+        lift = operation.inner_mass * state.y + bearing.roller_mass * np.sum(state.rho * np.sin(state.theta), axis=1)
+        pull = share * operation.radial_load * state.y
+        # 2 m ρ̇ ω of the held elements does m ω² Δ(ρ²); their contacts and weights do the rest
+        swing = bearing.roller_mass * np.sum((state.rho * state.theta_rate) ** 2, axis=1)
+        kinetic = kinetic_energy(bearing, operation, state) + rotation_energy(bearing, operation)
+        contact = contact_energy(laws, touch)
+        energy = kinetic + contact
+        first = self.first
+        if np.isnan(first["energy"]):
+            first[()] = lift[0], pull[0], swing[0], kinetic[0], energy[0]
+        held = self._system.holds_angles
+        part = dict(
+            time=time,
+            inner_x=state.x, inner_y=state.y, inner_vx=state.x_rate, inner_vy=state.y_rate, inner_ax=ax, inner_ay=ay,
+            roller_rho=state.rho, roller_theta=state.theta,
+            roller_rho_rate=state.rho_rate, roller_theta_rate=state.theta_rate,
+            inner_force=touch.inner_force, outer_force=touch.outer_force,
+            energy_kinetic=kinetic, energy_contact=contact,
+            work_load=record.ramp_work - (pull - first["pull"]),
+            work_gravity=-operation.gravity * (lift - first["lift"]),
+            work_cage=record.held_work + swing - first["swing"] if held else np.zeros_like(time),
+            work_dissipated=record.dissipated,
+        )  # fmt: skip
+        external = part["work_load"] + part["work_gravity"] + part["work_cage"]
+        part["energy_error"] = energy - first["energy"] - external + record.dissipated
+        self._meet(part)
+        return part
+
+    def _meet(self, part: dict[str, np.ndarray]) -> None:
+        """Take further samples into account in what has been met."""
+        met, kinetic = self.met, part["energy_kinetic"]
+        for name in ("inner_force", "outer_force", "energy_contact", "energy_error"):
+            met[name] = np.maximum(met[name], np.abs(part[name]).max())
+        met["least_kinetic"] = np.minimum(met["least_kinetic"], kinetic.min())
+        met["largest_kinetic"] = np.maximum(met["largest_kinetic"], kinetic.max())
+        met["dissipated"] = part["work_dissipated"][-1]
+
+    def _unwrapped(self, angles: np.ndarray) -> np.ndarray:
+        """Angles in (−π, π] as they run on, rad, (n_times, n_rollers); the first sample's are the operation's."""
+        last, turns, shift = self.memory["angles"]
+        if np.isnan(self.first["energy"]):
+            last, wanted = angles[0], self._system.first + self._system.spacing
+            shift = TURN * np.round((wanted - last) / TURN)
+        change = np.diff(np.concatenate([last[None], angles]), axis=0)
+        jumps = np.where(np.abs(change) < np.pi, 0.0, np.mod(change + np.pi, TURN) - np.pi - change)
+        turned = np.concatenate([turns[None], jumps]).cumsum(axis=0)[1:]
+        self.memory["angles"][:] = angles[-1], turned[-1], shift
+        return angles + turned + shift

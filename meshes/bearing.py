@@ -40,18 +40,14 @@ def graded_shapes(bearing: Bearing, mesh_size: float) -> BearingShapes:
     return BearingShapes(
         roller=graded_disc(bearing.roller_radius, mesh_size),
         inner_ring=GradedAnnulus(
-            inner_radius=bearing.bore_radius,
-            outer_radius=inner,
-            sectors=_sectors(inner, mesh_size),
+            inner_radius=bearing.bore_radius, outer_radius=inner, sectors=_sectors(inner, mesh_size),
             raceway_outside=True,
         ),
         outer_ring=GradedAnnulus(
-            inner_radius=outer,
-            outer_radius=bearing.outside_radius,
-            sectors=_sectors(outer, mesh_size),
+            inner_radius=outer, outer_radius=bearing.outside_radius, sectors=_sectors(outer, mesh_size),
             raceway_outside=False,
         ),
-    )
+    )  # fmt: skip
 
 
 def _sectors(raceway: float, mesh_size: float) -> int:

@@ -93,6 +93,6 @@ def _read(path: Path, shape: Shape) -> Mesh | None:
 
 
 def _areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Of every cell, m²; positive where its corners run counter-clockwise."""
+    """Area of every cell, m²; positive where its corners run counter-clockwise."""
     x, y = points[cells, 0], points[cells, 1]
     return 0.5 * np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1)

@@ -77,7 +77,7 @@ class GradedAnnulus:
 
     @cached_property
     def radii(self) -> np.ndarray:
-        """Of the rows of nodes, m, the innermost first."""
+        """Radii of the rows of nodes, m, the innermost first."""
         raceway = self.outer_radius if self.raceway_outside else self.inner_radius
         thickness = self.outer_radius - self.inner_radius
         spacing = 2.0 * pi * raceway / self.sectors

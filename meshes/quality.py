@@ -1,4 +1,4 @@
-"""What a mesh is like: sizes and angles."""
+"""Sizes and angles of a mesh."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from meshes.shapes import Mesh
 
 @dataclass(frozen=True, kw_only=True)
 class Quality:
-    """Of one mesh: counts, edge lengths in m, angles in degrees."""
+    """Quality of one mesh: counts, edge lengths in m, angles in degrees."""
 
     nodes: int
     cells: int

@@ -33,7 +33,7 @@ class Spot:
 
     @property
     def growth(self) -> float:
-        """Of the mesh size per distance."""
+        """Growth of the mesh size per distance."""
         return (1.0 - FINEST) / self.per_half_width
 
     @cached_property

@@ -69,7 +69,7 @@ class Annulus:
 
     @property
     def radii(self) -> np.ndarray:
-        """Of the rows of nodes, m, the innermost first."""
+        """Radii of the rows of nodes, m, the innermost first."""
         return np.linspace(self.inner_radius, self.outer_radius, self.layers + 1)
 
 

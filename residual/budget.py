@@ -17,9 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lagrange.equations import Approaches, approaches, contact_resultant, error_forces
+from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.kinematics import kinematics
 from lagrange.load_ramp import load_share
+from lagrange.overlap import Overlaps
 from residual.fitted_laws import Law, law_force
 from residual.record import Record
 
@@ -45,7 +46,7 @@ class Budget:
     x: DirectionBudget
     y: DirectionBudget
     law_force: np.ndarray  # (n_times, n_rollers), N, the law's
-    contacts: Approaches
+    contacts: Overlaps
     closing_speed: np.ndarray  # (n_times, n_rollers), m/s, of the inner contacts
     loaded: np.ndarray  # (n_times, n_rollers), bool, inner contact closed
 
@@ -55,7 +56,7 @@ class Budget:
         return [name for name, x in self.x.terms.items() if np.any(x) or np.any(self.y.terms[name])]
 
 
-def traction_resultant(contacts: Approaches, traction) -> tuple[np.ndarray, np.ndarray]:
+def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.ndarray]:
     """Sum the tangential forces on the inner ring: x and y components, N, each (n_times,).
 
     `traction`, (n_times, n_rollers), N, acts on the roller along t = (−n_y, n_x), n pointing from the inner

@@ -1,7 +1,5 @@
 """A run that stops goes on bit for bit, or says why it can't."""
 
-import re
-
 import h5py
 import numpy as np
 import pytest
@@ -11,23 +9,12 @@ from fem.errors import UsageError
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
 from fem.result.layout import VARIABLES
 from fem.result.store import ResultFile
-from fem.solver.simulate import first_state, make_plan, run
+from fem.solver.simulate import make_plan, run
 from lagrange.scene import read_scene
-from tests.test_run_fem import _start_run
+from tests.test_runner import start_run
 
 SETTINGS = ("numerics.mesh_size_mm=2", "numerics.duration_ms=2")
 OPTIONS = ["--mesh-size", "2", "--quiet"]
-
-
-def stop_after(plan, path, samples):
-    """A run stopped by hand once it has at least that many samples, with its checkpoint."""
-    state = first_state(plan)
-    with ResultFile(path, plan, 0.0) as store:
-        run(plan, store.append, stop=lambda: state.done >= samples, state=state)
-        store.commit()
-        save_checkpoint(path, plan, state, store.stored)
-        store.finish("interrupted", 0, 0.0)
-    return state.done
 
 
 def same_data(left, right):
@@ -42,42 +29,15 @@ def whole(tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize("samples", [0, 1, 17, 60])
-def test_a_resumed_run_is_the_uninterrupted_one(samples, whole, tmp_path):
-    path = tmp_path / "stopped.nc"
-    done = stop_after(make_plan(read_scene(None, SETTINGS)), path, samples)
-    assert samples <= done < 201
-    assert run_main([*OPTIONS, "--duration", "2", "--output", str(path), "--resume"]) == 0
-    assert same_data(path, whole)
-    with h5py.File(path) as file:
-        assert file.attrs["status"] == "complete" and file.attrs["committed_samples"] == 201
-
-
-def test_a_complete_run_can_be_extended(whole, tmp_path):
-    path = tmp_path / "short.nc"
-    assert run_main([*OPTIONS, "--duration", "0.7", "--output", str(path)]) == 0
-    assert run_main([*OPTIONS, "--duration", "2", "--output", str(path), "--resume"]) == 0
-    assert same_data(path, whole)
-
-
-def test_a_complete_run_that_is_resumed_tells_its_energy_balance_again(tmp_path, capsys):
-    arguments = ["--mesh-size", "2", "--duration", "0.7", "--output", str(tmp_path / "run.nc")]
-    told = []
-    for options in ([], ["--resume"]):
-        assert run_main([*arguments, *options]) == 0
-        told.append(re.search(r"energy imbalance (\S+) of", capsys.readouterr().out)[1])
-    assert told[0] == told[1] and float(told[0]) != 0.0
-
-
 def test_samples_beyond_the_checkpoint_are_written_again(whole, tmp_path):
     """What a kill between flush and checkpoint leaves."""
     path = tmp_path / "killed.nc"
     plan = make_plan(read_scene(None, SETTINGS))
-    state = first_state(plan)
+    state = plan.first_state()
     with ResultFile(path, plan, 0.0) as store:
         run(plan, store.append, stop=lambda: state.done >= 20, state=state)
         store.commit()
-        save_checkpoint(path, plan, state, store.stored)
+        save_checkpoint(path, state, store.stored)
         run(plan, store.append, stop=lambda: state.done >= 60, state=state)
         store.commit()
     assert run_main([*OPTIONS, "--duration", "2", "--output", str(path), "--resume"]) == 0
@@ -86,7 +46,7 @@ def test_samples_beyond_the_checkpoint_are_written_again(whole, tmp_path):
 
 def test_killed_before_the_first_checkpoint_there_is_nothing_to_resume_but_the_samples_stay(tmp_path, capsys):
     path = tmp_path / "killed.nc"
-    process = _start_run(path)
+    process = start_run(path)
     process.kill()
     process.communicate(timeout=60)
     assert not checkpoint_path(path).exists()
@@ -100,12 +60,6 @@ def refused(arguments, capsys):
     error = capsys.readouterr().err
     assert "Traceback" not in error
     return error
-
-
-def test_another_scene_is_refused_by_its_difference(whole, capsys):
-    arguments = [*OPTIONS, "--duration", "2", "--output", str(whole), "--resume"]
-    error = refused([*arguments, "--set", "operation.speed_rpm=4000"], capsys)
-    assert "operation.speed_rpm was 4500.0, now 4000.0" in error
 
 
 def test_missing_damaged_and_foreign_checkpoints_are_refused(whole, tmp_path, capsys):
@@ -126,7 +80,7 @@ def test_another_version_is_refused(whole, monkeypatch):
     from pathlib import Path
 
     plan = make_plan(read_scene(None, SETTINGS))
-    monkeypatch.setattr("fem.result.checkpoint.cache_folder", lambda: Path("kernels/other"))
+    monkeypatch.setattr("fem.solver.finite_elements.cache_folder", lambda: Path("kernels/other"))
     with pytest.raises(UsageError, match=r"another version of the program \(kernels was '\w+', now 'other'\)"):
         load_checkpoint(whole, plan)
 
@@ -147,7 +101,7 @@ def test_a_checkpoint_changes_nothing_of_the_plan_it_is_read_for(whole, tmp_path
 
 def test_a_second_run_on_the_same_file_is_refused_and_harms_nothing(tmp_path, capsys):
     path = tmp_path / "shared.nc"
-    process = _start_run(path)
+    process = start_run(path)
     try:
         with h5py.File(path) as file:  # anyone may look on
             assert file.attrs["status"] == "running"

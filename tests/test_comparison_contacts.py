@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
-from fem.elastic.critical_step import critical_time_step
-from fem.elastic.model import build_penalty_model
+from fem.contacts import FacetedModel, PenaltyModel
+from fem.contacts.critical_step import critical_time_step
+from fem.contacts.reduction import standing
 from fem.kernels.facet_kernels import CORNER, chord
 from fem.solver.simulate import make_plan, run
-from fem.statics.equilibrium import standing
-from fem.statics.solve import equilibrium
+from fem.statics.equilibrium import equilibrium
 from lagrange.scene import STIFF_PENALTY, Scene, parse_scene, parse_scene_text
 from tests.reference.bearings import arrays, copies, operation, paper
 from tests.reference.compiled import press_contacts
@@ -20,7 +20,7 @@ ON_A_ROLLER = -0.5 * np.pi
 
 
 def model(stiffness, faceted, mesh_mm=MESH_MM):
-    return build_penalty_model(paper(), 1e-3 * mesh_mm, stiffness, faceted)
+    return (FacetedModel if faceted else PenaltyModel).of_stiffness(paper(), 1e-3 * mesh_mm, stiffness)
 
 
 def hub(a_model):

@@ -10,12 +10,12 @@ from fem.elastic import continuum
 from fem.elastic.continuum import (
     CUBIC_BSPLINE_LOG_MOMENT,
     cubic_bspline_patch,
-    disc_compliance,
+    disc_harmonic_compliance,
     disc_hertz_approach,
     flat_patch_difference,
     hertz_patch,
     patch_displacement,
-    ring_compliance,
+    ring_harmonic_compliance,
     ring_hertz_approach,
 )
 from lagrange.bearing import Material
@@ -108,7 +108,7 @@ def collocated_disc(n, radius, material):
 @MATERIALS
 def test_axisymmetric_ring_and_disc_are_lames(material):
     E, nu = material.youngs_modulus, material.poisson_ratio
-    assert disc_compliance(np.array([0]), ROLLER, material)[0] == pytest.approx(
+    assert disc_harmonic_compliance(np.array([0]), ROLLER, material)[0] == pytest.approx(
         ROLLER * (1 + nu) * (1 - 2 * nu) / E, rel=1e-13
     )
     for loaded, held in (INNER, OUTER):
@@ -117,7 +117,7 @@ def test_axisymmetric_ring_and_disc_are_lames(material):
         A, B = np.linalg.solve(stress, [-1.0, 0.0])
         u = (1 + nu) / E * ((1 - 2 * nu) * A * loaded + B / loaded)
         push = np.sign(held - loaded)
-        assert ring_compliance(np.array([0]), loaded, held, material)[0] == pytest.approx(push * u, rel=1e-12)
+        assert ring_harmonic_compliance(np.array([0]), loaded, held, material)[0] == pytest.approx(push * u, rel=1e-12)
 
 
 @MATERIALS
@@ -125,14 +125,14 @@ def test_axisymmetric_ring_and_disc_are_lames(material):
 def test_ring_agrees_with_collocated_navier_equations(ring, material):
     n = np.array([0, 1, 2, 3, 5, 8, 13, 20])
     expected = [collocated_ring(k, *ring, material) for k in n]
-    np.testing.assert_allclose(ring_compliance(n, *ring, material), expected, rtol=1e-8)
+    np.testing.assert_allclose(ring_harmonic_compliance(n, *ring, material), expected, rtol=1e-8)
 
 
 @MATERIALS
 def test_disc_agrees_with_collocated_navier_equations_and_inertia_relief(material):
     n = np.array([0, 1, 2, 3, 4, 7, 12])
     expected = [collocated_disc(k, ROLLER, material) for k in n]
-    np.testing.assert_allclose(disc_compliance(n, ROLLER, material), expected, rtol=1e-8)
+    np.testing.assert_allclose(disc_harmonic_compliance(n, ROLLER, material), expected, rtol=1e-8)
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 17])
@@ -183,15 +183,15 @@ def test_decoupled_harmonics_equal_the_coupled_solution(ring):
     surface = continuum._annulus_modes(n, 1.0, t, kappa(STEEL))[:, 0]
     radial = np.sum(surface * continuum._ring_coefficients(n, t, kappa(STEEL)), axis=1)
     coupled = np.sign(t - 1.0) * radial * ring[0] / (2.0 * STEEL.lame_mu)
-    np.testing.assert_allclose(ring_compliance(n, *ring, STEEL), coupled, rtol=1e-13)
+    np.testing.assert_allclose(ring_harmonic_compliance(n, *ring, STEEL), coupled, rtol=1e-13)
 
 
 @RINGS
 def test_compliance_tends_to_the_half_planes(ring):
     n = np.array([500, 2000, 20_000])
     for radius, compliance in (
-        (ring[0], ring_compliance(n, *ring, STEEL)),
-        (ROLLER, disc_compliance(n, ROLLER, STEEL)),
+        (ring[0], ring_harmonic_compliance(n, *ring, STEEL)),
+        (ROLLER, disc_harmonic_compliance(n, ROLLER, STEEL)),
     ):
         half_plane = 2.0 * radius / (STEEL.plane_strain_modulus * n)
         assert np.all(np.abs(compliance / half_plane - 1.0) < 0.3 / n)  # (κ−1)/(κ+1) = 0.286 at ν = 0.3
@@ -207,7 +207,7 @@ def test_thin_ring_is_a_layer_bonded_to_a_rigid_base(sign, material):
     # Bentall and Johnson (1968): bonded layer against the half plane
     ratio = (2 * k * np.sinh(2 * alpha) - 4 * alpha) / (2 * k * np.cosh(2 * alpha) + 1 + k**2 + 4 * alpha**2)
     expected = 2.0 / (material.plane_strain_modulus * n) * ratio
-    np.testing.assert_allclose(ring_compliance(n, 1.0, 1.0 + sign * depth, material), expected, rtol=2e-5)
+    np.testing.assert_allclose(ring_harmonic_compliance(n, 1.0, 1.0 + sign * depth, material), expected, rtol=2e-5)
 
 
 @pytest.mark.parametrize("half_width", [1e-6, 5e-5, 2e-4])
@@ -258,9 +258,9 @@ def test_closed_form_tail_agrees_with_a_million_terms(half_width):
     n = np.arange(1_000_001)
     for ring in (INNER, OUTER):
         transform = hertz_patch(n, half_width, ring[0])
-        brute = patch_displacement(ring_compliance(n, *ring, STEEL), transform, 1.0, ring[0])
+        brute = patch_displacement(ring_harmonic_compliance(n, *ring, STEEL), transform, 1.0, ring[0])
         assert ring_hertz_approach(*ring, STEEL, half_width) == pytest.approx(brute, rel=1e-6)
-    compliance, transform = disc_compliance(n, ROLLER, STEEL), hertz_patch(n, half_width, ROLLER)
+    compliance, transform = disc_harmonic_compliance(n, ROLLER, STEEL), hertz_patch(n, half_width, ROLLER)
     near, far = (patch_displacement(compliance, transform, 1.0, ROLLER, angle) for angle in (0.0, pi))
     assert disc_hertz_approach(ROLLER, STEEL, half_width) == pytest.approx(near + far, rel=1e-6)
     assert disc_hertz_approach(ROLLER, STEEL, half_width, n_patches=1) == pytest.approx(near, rel=1e-6)
@@ -277,11 +277,12 @@ def test_advised_number_of_harmonics_suffices_and_fewer_are_refused():
     def spline_mean(n_harmonics, a=1e-3, radius=0.018):
         n = np.arange(n_harmonics)
         w = cubic_bspline_patch(n, a, radius)
-        return patch_displacement(ring_compliance(n, 0.018, 0.0125, STEEL), w, w, radius)
+        return patch_displacement(ring_harmonic_compliance(n, 0.018, 0.0125, STEEL), w, w, radius)
 
     def hertz_centre(n_harmonics, b=5e-5, radius=0.018):
         n = np.arange(n_harmonics)
-        return patch_displacement(ring_compliance(n, 0.018, 0.0125, STEEL), hertz_patch(n, b, radius), 1.0, radius)
+        series = ring_harmonic_compliance(n, 0.018, 0.0125, STEEL)
+        return patch_displacement(series, hertz_patch(n, b, radius), 1.0, radius)
 
     assert spline_mean(15 * 18) == pytest.approx(spline_mean(10_000), rel=1e-5)
     assert hertz_centre(150 * 360) == pytest.approx(ring_hertz_approach(*INNER, STEEL, 5e-5), rel=1e-5)
@@ -295,7 +296,7 @@ def test_advised_number_of_harmonics_suffices_and_fewer_are_refused():
 def test_hertz_and_spline_patches_differ_as_on_the_half_plane_when_small(ring, a):
     n, b = np.arange(20_000), 5e-5
     w = cubic_bspline_patch(n, a, ring[0])
-    spline = patch_displacement(ring_compliance(n, *ring, STEEL), w, w, ring[0])
+    spline = patch_displacement(ring_harmonic_compliance(n, *ring, STEEL), w, w, ring[0])
     scale = 2.0 / (pi * STEEL.plane_strain_modulus)
     excess = (ring_hertz_approach(*ring, STEEL, b) - spline - flat_patch_difference(a, b, STEEL)) / scale
     # first order in a/R: kink γ π|θ|/2 on a convex surface, −γ π|θ|/2 on a concave one, averaged
@@ -310,8 +311,8 @@ def test_hertz_and_spline_patches_differ_as_on_the_half_plane_when_small(ring, a
 
 def test_bad_input_is_refused():
     with pytest.raises(ValueError, match="differ"):
-        ring_compliance(np.array([1]), 0.018, 0.018, STEEL)
+        ring_harmonic_compliance(np.array([1]), 0.018, 0.018, STEEL)
     with pytest.raises(ValueError, match="integers"):
-        disc_compliance(np.array([0.5]), ROLLER, STEEL)
+        disc_harmonic_compliance(np.array([0.5]), ROLLER, STEEL)
     with pytest.raises(ValueError, match="half-width"):
         disc_hertz_approach(ROLLER, STEEL, 0.004)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from fem.contacts.critical_step import LANCZOS_TOLERANCE, LOAD_MARGIN, critical_time_step
+from fem.contacts.patch import disc_patch_force, ring_patch_force
 from fem.elastic.assembly import assemble
-from fem.elastic.critical_step import LANCZOS_TOLERANCE, LOAD_MARGIN, critical_time_step
-from fem.elastic.subgrid import disc_patch_force, ring_patch_force
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
 from meshes import Mesh

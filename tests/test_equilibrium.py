@@ -5,8 +5,9 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
+from fem.contacts.reduction import Motion
 from fem.statics.contact_balance import LOOSE_SPRING
-from fem.statics.equilibrium import Motion, static_equilibrium
+from fem.statics.equilibrium import equilibrium
 from lagrange import Bearing
 from lagrange.kinematics import roller_angles
 from tests.reference.bearings import (
@@ -40,7 +41,7 @@ def motion(bearing, first, turn=0.0, cage_speed=0.0, roller_speed=0.0, ring_spee
 @lru_cache
 def solve(bearing, mesh_size, first, load=LOAD, turn=0.0, weight=0.0, gravity=0.0, **speeds):
     how = motion(bearing, first, turn, **speeds)
-    return static_equilibrium(model(bearing, mesh_size), how, load, weight, gravity)
+    return equilibrium(model(bearing, mesh_size), how, load, weight, gravity)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.1, 0.37])
@@ -272,7 +273,7 @@ def test_the_rolling_start_passes_through_its_neighbouring_equilibria(load):
             ring_speed=how.speed,
         )
         weight = how.inner_mass * how.gravity
-        return static_equilibrium(whole, moved, load, weight, how.gravity, start.equilibrium)
+        return equilibrium(whole, moved, load, weight, how.gravity, start.equilibrium)
 
     before, after = at(-ahead), at(ahead)
     velocity = (after.hub - before.hub) / (2.0 * ahead)

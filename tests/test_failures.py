@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
-from fem.elastic.critical_step import critical_time_step
+from fem.contacts.critical_step import critical_time_step
+from fem.errors import RunFailed
 from fem.kernels.ring_kernels import HALO
+from fem.solver.finite_elements import LONGEST_UNWATCHED
 from fem.solver.samples import SampleReader
-from fem.solver.simulate import LONGEST_UNWATCHED, RunFailed, _advance, _row_width, first_state, make_plan, run
+from fem.solver.simulate import make_plan, run
 from lagrange.scene import read_scene
 
 SELDOM = ("numerics.mesh_size_mm=2", "numerics.duration_ms=40", "numerics.output_interval_us=2000")
@@ -35,9 +37,7 @@ def test_a_step_beyond_the_limit_is_noticed_within_100_steps(plan):
     """The first step whose energy is out by 5 % is found by looking at every step."""
     wild = replace(plan, time_step=1.05 * plan.critical_time_step)
     every_step = replace(wild, stride=1)
-    rows = np.zeros((4000, _row_width(plan)))
-    state = first_state(every_step)
-    _advance(every_step, state.arrays, 0, rows)
+    rows, *_ = every_step.first_state().take_steps(4000)
     good = np.flatnonzero(~np.isfinite(rows).all(axis=1))
     samples = SampleReader(every_step).read(rows[: good[0] if good.size else None])
     stored = samples["energy_elastic"] + samples["energy_contact"]
@@ -49,7 +49,7 @@ def test_a_step_beyond_the_limit_is_noticed_within_100_steps(plan):
 
 @pytest.mark.parametrize("body", ["hub", "roller", "inner ring", "outer ring"])
 def test_a_value_that_is_not_a_number_is_noticed_within_100_steps(body, plan):
-    state = first_state(plan)
+    state = plan.first_state()
     arrays = state.arrays
     if body == "hub":
         arrays.drive.velocity[0] = np.nan
@@ -63,7 +63,9 @@ def test_a_value_that_is_not_a_number_is_noticed_within_100_steps(body, plan):
 
 def test_a_failed_run_keeps_its_good_samples_and_says_what_to_do(tmp_path, monkeypatch, capsys):
     path = tmp_path / "run.nc"
-    monkeypatch.setattr("fem.solver.simulate.critical_time_step", lambda *given: 1.3 * critical_time_step(*given))
+    monkeypatch.setattr(
+        "fem.solver.finite_elements.critical_time_step", lambda *given: 1.3 * critical_time_step(*given)
+    )
     options = ["--mesh-size", "2", "--duration", "5", "--output", str(path), "--checkpoint", "0"]
     assert run_main(options) == 1
     error = capsys.readouterr().err
@@ -82,8 +84,7 @@ def test_how_samples_are_cut_into_blocks_changes_no_bit_of_them():
     """Blocks are cut by the wall clock; angles wrap and sums run on across them."""
     plan = make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=1", "operation.speed_rpm=60000",
                                        "operation.first_roller_deg=91")))  # fmt: skip
-    rows = np.zeros((plan.looks * 101, _row_width(plan)))
-    _advance(plan, first_state(plan).arrays, 0, rows)
+    rows, *_ = plan.first_state().take_steps(plan.looks * 101)
     whole = SampleReader(plan).read(rows)
     assert np.ptp(whole["roller_theta"][:, 0]) > 2.0  # over ±π on the way
     for cuts in ([1, 5, 37, 90], list(range(1, 101))):

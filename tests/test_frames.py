@@ -14,7 +14,7 @@ from fem.pictures.recover import StoredRun, read_instant
 from fem.result.fields import GROUP
 from fem.result.store import ResultFile
 from fem.solver.frames import frame_of
-from fem.solver.simulate import first_state, make_plan, run
+from fem.solver.simulate import make_plan, run
 from lagrange.scene import SceneError, read_scene
 from tests.reference.unchecked import unchecked_copy
 
@@ -105,7 +105,7 @@ def _resumed(folder, stop_at):
     """A run stopped after some samples and gone on with."""
     plan = make_plan(read_scene(None, ("numerics.mesh_size_mm=2.0", "numerics.duration_ms=1.0",
                                        "output.fields_every_ms=0.25")))  # fmt: skip
-    path, state = folder / f"{stop_at}.nc", first_state(plan)
+    path, state = folder / f"{stop_at}.nc", plan.first_state()
     short = replace(plan, n_samples=stop_at)
     with ResultFile(path, short, 0.0) as store:
         run(short, store.append, state=state, keep=store.keep)
@@ -114,7 +114,7 @@ def _resumed(folder, stop_at):
         stored = store.stored
     with ResultFile(path, plan, 0.0, stored) as store:
         run(plan, store.append, state=state, keep=store.keep)
-        store.finish("complete", plan.steps, 0.0)
+        store.finish("complete", steps=plan.steps)
     return path
 
 

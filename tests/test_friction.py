@@ -26,7 +26,7 @@ from tests.reference.line_contact import carter_creep
 def test_creep_follows_carter():
     """ξ = (μ b/R)(1 − sqrt(1 − T/(μP))); inner contact, μ = 0.1, 628 N: 3.897e-4 at T/(μP) = ½, 1.331e-3 at 1."""
     law, force, mu = model(paper(), 2e-3).inner_law, 628.0, 0.1
-    b, R = law.half_width(force), law.relative_radius
+    b, R = law.pair.half_width(force), law.pair.relative_radius
     assert carter_creep(0.5, mu, b, R) == pytest.approx(3.897e-4, abs=3e-7)
     assert carter_creep(1.0, mu, b, R) == pytest.approx(1.331e-3, abs=1e-6)
     speed, rigid = 5.0, 1e-12  # a heavy patch: what slips before the step slips after it

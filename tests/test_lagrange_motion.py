@@ -12,7 +12,7 @@ from lagrange.motion import (
     State,
     accelerations,
     angular_equations,
-    contacts,
+    contact_state,
     hub_equations,
     printed_radial_equations,
     radial_equations,
@@ -82,7 +82,7 @@ def test_equations_are_those_that_computer_algebra_derives(exponent, damping):
                 [ax, ay, *rho_acc, *theta_acc],
             )
         )
-        touch = contacts(BEARING, pair, state, damping)
+        touch = contact_state(BEARING, pair, state, damping)
         assert np.all((touch.inner_force > 0.0) == (touch.inner > 0.0))  # no damper pulled: D knows no such limit
         found = np.concatenate([
             hub_equations(OPERATION, touch, ax, ay),
@@ -100,7 +100,7 @@ def test_equations_are_those_that_computer_algebra_derives(exponent, damping):
 
 def test_accelerations_fulfil_all_equations():
     state = random_state(np.random.default_rng(8), (20,))
-    touch = contacts(BEARING, laws(10 / 9), state)
+    touch = contact_state(BEARING, laws(10 / 9), state)
     ax, ay, rho_acc, theta_acc = accelerations(BEARING, OPERATION, state, touch)
     force = np.max(touch.inner_force)
     assert np.max(np.abs(hub_equations(OPERATION, touch, ax, ay))) < 1e-12 * force
@@ -111,7 +111,7 @@ def test_accelerations_fulfil_all_equations():
 @pytest.mark.parametrize(("exponent", "excess"), [(10 / 9, 1 / 18), (1.5, 0.25)])
 def test_printed_form_makes_the_radial_force_too_large(exponent, excess):
     pair, state = laws(exponent), random_state(np.random.default_rng(9), (20,))
-    touch = contacts(BEARING, pair, state)
+    touch = contact_state(BEARING, pair, state)
     clean = radial_equations(BEARING, OPERATION, state, touch, 0.0)
     printed = printed_radial_equations(BEARING, OPERATION, pair, state, touch, 0.0)
     force = touch.outer_force - touch.inner_force * touch.radial
@@ -121,8 +121,8 @@ def test_printed_form_makes_the_radial_force_too_large(exponent, excess):
 def test_damped_contacts_lose_power_and_never_pull():
     rng = np.random.default_rng(10)
     pair, state = laws(1.5), random_state(rng, (500,))
-    plain = contacts(BEARING, pair, state)
-    touch = contacts(BEARING, pair, state, damping=500.0)
+    plain = contact_state(BEARING, pair, state)
+    touch = contact_state(BEARING, pair, state, damping=500.0)
     assert np.all(touch.inner_force >= 0.0) and np.all(touch.outer_force >= 0.0)
     assert np.all(touch.inner_force[plain.inner <= 0.0] == 0.0)
     # rates of the approaches by moving the state a little
@@ -134,7 +134,7 @@ def test_damped_contacts_lose_power_and_never_pull():
         rho=state.rho + step * state.rho_rate,
         theta=state.theta + step * state.theta_rate,
     )
-    later = contacts(BEARING, pair, moved)
+    later = contact_state(BEARING, pair, moved)
     for side in ("inner", "outer"):
         rate = (getattr(later, side) - getattr(plain, side)) / step
         extra = getattr(touch, f"{side}_force") - getattr(plain, f"{side}_force")
@@ -162,7 +162,7 @@ def test_energies_of_a_state_done_by_hand():
         theta=np.array([0.0, np.pi / 2, np.pi]),
         x_rate=3.0, y_rate=4.0, rho_rate=zero + 1.0, theta_rate=zero + 100.0,
     )  # fmt: skip
-    touch = contacts(BEARING, pair, state)
+    touch = contact_state(BEARING, pair, state)
     m, M, g = BEARING.roller_mass, OPERATION.inner_mass, OPERATION.gravity
     rho = state.rho[0]
     expected = 12.5 * M + 1.5 * m * (1.0 + (100.0 * rho) ** 2)

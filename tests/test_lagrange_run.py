@@ -193,7 +193,7 @@ def test_neither_meshes_nor_compiled_kernels_are_loaded(tmp_path):
     code = (
         "import sys; from fem.cli import run_main; "
         f"assert run_main(['--model', 'lagrange', '--duration', '0', '--output', {str(tmp_path / 'a.nc')!r}]) == 0; "
-        "names = 'numba gmsh skfem meshes pyvista fem.elastic.model fem.kernels.time_loop'.split(); "
+        "names = 'numba gmsh skfem meshes pyvista fem.contacts.model fem.kernels.time_loop'.split(); "
         "print([m for m in names if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(ROOT)},
@@ -213,9 +213,8 @@ def test_dry_run_shows_the_plan_and_writes_nothing(tmp_path, monkeypatch, capsys
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--resume"], ["--resume", "start it again"]),
+        (["--resume"], ["a.nc.checkpoint", "nothing to resume"]),
         (["--estimate-error"], ["--estimate-error", "no mesh"]),
-        (["--duration", "1e6"], ["numerics.duration_ms", "GiB", "output_interval_us"]),
         (["lagrange.law=hertz"], ["lagrange.law = 'hertz'", "harris"]),
         (["lagrange.damping_N_s_m=-1"], ["damping_N_s_m", "0"]),
         (["lagrange.angles=caged"], ["lagrange.angles", "kinematic"]),
@@ -238,19 +237,3 @@ def test_a_law_measured_on_steel_is_warned_of_on_other_materials(tmp_path, capsy
     assert not any("310 GPa" in note for note in evaluate(read_result(path), "johnson").notes)
     assert run(path, "--duration", "1", "--quiet", ceramic, "lagrange.law=johnson") == 0
     assert capsys.readouterr().err == ""
-
-
-def test_a_solution_that_fails_or_is_interrupted_writes_nothing(tmp_path, monkeypatch, capsys):
-    def fail(error):
-        def solve(plan):
-            raise error
-
-        return solve
-
-    path = tmp_path / "a.nc"
-    monkeypatch.setattr("fem.lagrange_run.solve", fail(RuntimeError("no static equilibrium after 200 steps")))
-    assert run(path) == 1
-    assert "no static equilibrium" in capsys.readouterr().err
-    monkeypatch.setattr("fem.lagrange_run.solve", fail(KeyboardInterrupt()))
-    assert run(path) == 130
-    assert not path.exists()

@@ -1,6 +1,5 @@
 """Forward solution: balances, order, statics it settles on, its own residual."""
 
-import importlib
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +8,12 @@ from scipy.integrate import simpson
 
 from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.integrate import DRIFTS, KICKS
-from lagrange.motion import State, angular_equations, contacts
+from lagrange.motion import State, angular_equations, contact_state
 from lagrange.raceway_laws import contact_laws
 from lagrange.scene import Scene
-from lagrange.simulate import STABLE, simulate
+from lagrange.simulate import simulate
 from lagrange.statics import static_equilibrium
+from lagrange.step_size import STABLE
 from tests.test_lagrange_ball_contact import DGBB_209
 
 PAPER = Scene().ideal_bearing()
@@ -74,7 +74,7 @@ def test_rattle_of_a_start_from_rest_keeps_energy_too():
 def test_work_of_the_cage_is_that_of_the_moment_it_gives():
     run = simulate(PAPER, RUNNING, HARRIS, 2e-3, 1e-6)
     state = state_of(run)
-    moment = angular_equations(PAPER, RUNNING, state, contacts(PAPER, HARRIS, state), 0.0)
+    moment = angular_equations(PAPER, RUNNING, state, contact_state(PAPER, HARRIS, state), 0.0)
     power = np.sum(moment * state.theta_rate, axis=1)
     assert run.work_cage[-1] == pytest.approx(simpson(power, x=run.time), rel=1e-6)
     assert run.work_load[-1] == pytest.approx(-2000.0 * (run.inner_y[-1] - run.inner_y[0]), rel=1e-12)
@@ -196,8 +196,7 @@ def test_impossible_arguments_are_refused(wrong):
 
 
 def test_a_step_too_long_for_the_forces_met_is_halved_or_told(monkeypatch):
-    module = importlib.import_module("lagrange.simulate")  # the package's `simulate` is the function
-    monkeypatch.setattr(module, "STEP", 12.0)
+    monkeypatch.setattr("lagrange.step_size.STEP", 12.0)
     run = simulate(PAPER, RUNNING, HARRIS, 1e-3, 2e-5)
     assert run.time_step == pytest.approx(5e-6) and run.steps == 200
     assert np.max(np.abs(run.energy_error)) < ENERGY * run.energy_contact.mean()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lagrange.laws import PowerLaw
-from lagrange.motion import State, contacts, hub_equations, radial_equations
+from lagrange.motion import State, contact_state, hub_equations, radial_equations
 from lagrange.raceway_laws import ContactLaws, contact_laws
 from lagrange.scene import Scene
 from lagrange.statics import static_equilibrium
@@ -26,7 +26,7 @@ def unbalance(bearing, operation, laws, found, cage):
         x=found.x, y=found.y, rho=found.rho, theta=found.theta,
         x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + cage,
     )  # fmt: skip
-    touch = contacts(bearing, laws, state)
+    touch = contact_state(bearing, laws, state)
     radial = radial_equations(bearing, operation, state, touch, zero)
     return max(np.max(np.abs(hub_equations(operation, touch, 0.0, 0.0))), np.max(np.abs(radial)))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.elastic.subgrid import ring_patch_force
+from fem.contacts.patch import ring_patch_force
 from lagrange.scene import read_scene
 from tests.paper import supports
 from tests.paper.page import harris_force, rattle, sinking_frequency, span, text

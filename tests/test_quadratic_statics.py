@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem.elastic.quadratic import contact_nodes, disc_compliance, ring_compliance
+from fem.elastic.quadratic import contact_nodes, disc_spot_compliance, ring_spot_compliance
 from fem.statics.contact_balance import NotFound
 from fem.statics.quadratic_statics import quadratic_statics
 from meshes import RefinedDisc, RefinedSector, Spot, quality, refined_mesh
@@ -55,7 +55,7 @@ def test_node_lengths_integrate_quadratics():
 
 
 def test_a_squeezed_disc_gives_way_as_johnson_says():
-    own, other = disc_compliance(RefinedDisc(radius=0.005, spot=SPOT), STEEL, LENGTH)
+    own, other = disc_spot_compliance(RefinedDisc(radius=0.005, spot=SPOT), STEEL, LENGTH)
     np.testing.assert_allclose(own, own.T, atol=1e-10 * own.max())
     share, along = pressed_by_hertz(SPOT), contact_nodes(SPOT)[0]
     width = 2.0 * np.sqrt(share @ along**2)  # of the pressure as the nodes have it: 0.8 % off B
@@ -68,8 +68,8 @@ def test_a_squeezed_disc_gives_way_as_johnson_says():
 
 def test_a_ring_is_the_same_cut_into_other_sectors():
     shape = {"raceway_radius": 0.018, "held_radius": 0.0125}
-    of_four = ring_compliance(RefinedSector(sectors=4, spot=SPOT, **shape), STEEL, LENGTH)
-    of_eight = ring_compliance(RefinedSector(sectors=8, spot=OTHER, **shape), STEEL, LENGTH)
+    of_four = ring_spot_compliance(RefinedSector(sectors=4, spot=SPOT, **shape), STEEL, LENGTH)
+    of_eight = ring_spot_compliance(RefinedSector(sectors=8, spot=OTHER, **shape), STEEL, LENGTH)
     four = pressed_by_hertz(SPOT) @ of_four @ pressed_by_hertz(SPOT)
     eight = pressed_by_hertz(OTHER) @ of_eight @ pressed_by_hertz(OTHER)
     np.testing.assert_allclose(four, eight[::2], atol=2e-3 * four[0])

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
-from fem.elastic.subgrid import patch
+from fem.contacts.patch import patch
 from fem.errors import UsageError
 from fem.kernels.law import ripple_at
 from fem.pictures.recover import StoredRun, read_instant
 from fem.solver.frames import rotated
 from fem.solver.start import rolling_motion
-from fem.statics.equilibrium import static_equilibrium
+from fem.statics.equilibrium import equilibrium
 from lagrange.scene import SceneError
 from tests.reference.unchecked import unchecked_copy
 
@@ -46,7 +46,7 @@ def test_fields_are_those_of_the_equilibrium_the_run_started_from(static, field)
     operation = static.operation
     motion, _ = rolling_motion(static.model, operation, 0.0)
     wanted = getattr(
-        static_equilibrium(
+        equilibrium(
             static.model,
             motion,
             operation.radial_load,

@@ -5,15 +5,14 @@ import itertools
 import numpy as np
 import pytest
 
-from fem.elastic.critical_step import critical_time_step
+from fem.contacts.critical_step import critical_time_step
+from fem.contacts.reduction import standing
 from fem.kernels.sample_kernels import BLOCKS, HUB_AX, HUB_AY, N_SCALARS
 from fem.kernels.time_loop import advance
 from fem.solver.limits import check_meshes
 from fem.solver.simulate import make_plan, run
-from fem.statics.equilibrium import standing
+from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_statics
-from fem.statics.resolved_statics import contact_pressures
-from fem.statics.solve import equilibrium
 from lagrange.scene import parse_scene
 from meshes import GradedAnnulus, GradedDisc, quality
 from meshes.graded import graded_disc
@@ -86,9 +85,9 @@ def test_pressures_are_hertzs():
     model = resolved_model(five(), 6e-5)
     found = contact_pressures(model, standing(five(), ON_A_ROLLER), LOAD)[0]
     law = model.inner_law
-    force = found.pressure.sum() * law.spacing * law.thickness
-    b = law.half_width(force)
-    peak = 2.0 * force / (np.pi * b * law.thickness)
+    force = found.pressure.sum() * law.spacing * law.pair.length
+    b = law.pair.half_width(force)
+    peak = 2.0 * force / (np.pi * b * law.pair.length)
     nodal = np.convolve(found.pressure, np.full(4, 0.25), mode="same")  # four points to a node
     assert nodal.max() == pytest.approx(peak, rel=0.04)
     width = 2.0 * np.sqrt(np.sum(found.pressure * found.across**2) / found.pressure.sum())

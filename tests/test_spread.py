@@ -7,19 +7,18 @@ import pytest
 from scipy.linalg import toeplitz
 from scipy.optimize import nnls
 
-from fem.elastic.critical_step import critical_time_step
-from fem.elastic.model import build_spread_model
-from fem.elastic.points import points
+from fem.contacts import SpreadModel
+from fem.contacts.critical_step import critical_time_step
+from fem.contacts.points import points
+from fem.contacts.reduction import standing
 from fem.kernels.jit import kernel
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.spread_kernels import spread_forces
 from fem.kernels.time_loop import advance
 from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan, run
-from fem.statics.equilibrium import standing
+from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
-from fem.statics.resolved_statics import contact_pressures
-from fem.statics.solve import equilibrium
 from lagrange.kinematics import roller_angles
 from lagrange.scene import parse_scene
 from tests.reference.bearings import arrays, copies, loop_arguments, operation, soft
@@ -36,7 +35,7 @@ def five():
 
 @cache
 def spread_model(mesh_size):
-    return build_spread_model(five(), mesh_size, LOAD)
+    return SpreadModel.of_force(five(), mesh_size, LOAD)
 
 
 @cache
@@ -49,7 +48,7 @@ def fade():
         model = spread_model(1e-3 * size)
         rest = equilibrium(model, standing(five(), ON_A_ROLLER), LOAD, 0.0, 0.0)
         pressed = contact_pressures(model, standing(five(), ON_A_ROLLER), LOAD)[int(rest.inner_force.argmax())]
-        force = pressed.pressure * model.inner_law.spacing * model.inner_law.thickness
+        force = pressed.pressure * model.inner_law.spacing * model.inner_law.pair.length
         below = force @ model.inner_law.local_compliance(force.size) @ force / force.sum()
         found[size] = (
             abs(rest.hub[1] / exact.hub[1] - 1.0),
@@ -78,10 +77,10 @@ def test_pressures_are_hertzs(size):
     model = spread_model(1e-3 * size)
     law = model.inner_law
     found = contact_pressures(model, standing(five(), ON_A_ROLLER), LOAD)[0]
-    force = found.pressure.sum() * law.spacing * law.thickness
-    b = law.half_width(force)
+    force = found.pressure.sum() * law.spacing * law.pair.length
+    b = law.pair.half_width(force)
     inside = np.abs(found.across) < 0.9 * b
-    hertz = 2.0 * force / (np.pi * b * law.thickness) * np.sqrt(1.0 - (found.across[inside] / b) ** 2)
+    hertz = 2.0 * force / (np.pi * b * law.pair.length) * np.sqrt(1.0 - (found.across[inside] / b) ** 2)
     np.testing.assert_allclose(found.pressure[inside], hertz, rtol=0.03)
     assert 2.0 * np.sqrt(np.sum(found.pressure * found.across**2) / found.pressure.sum()) == pytest.approx(b, rel=0.01)
 
@@ -90,8 +89,7 @@ def test_meshes_choose_the_contact():
     """One patch on meshes more than twice as coarse as the half-width, 0.24 mm; points below."""
     for size, spreads in ((0.6, False), (0.4, True)):
         model = model_of(rolling_scene(0.0, size, 1.0))
-        assert model.is_resolved == spreads
-        assert not spreads or model.inner_law.spreads
+        assert isinstance(model, SpreadModel) == spreads
 
 
 @kernel
@@ -101,12 +99,10 @@ def _spread_forces(points, spread, row, j):
 
 def test_points_in_contact_are_found_as_by_another_method():
     """Against non-negative least squares of the factored problem (Lawson and Hanson), also where a wave parts them."""
-    laws = dict(
-        enumerate((spread_model(2.5e-4).inner_law, spread_model(2.5e-4).outer_law, spread_model(2.5e-4).roller_law))
-    )
+    laws = spread_model(2.5e-4).laws
     some = points(laws, LOAD, 5)
     x = np.linspace(-1.0, 1.0, some.closing.size)
-    full = toeplitz(laws[0].lack)
+    full = toeplitz(laws[0].missing_compliance)
     root = np.linalg.cholesky(full)
     for shape in (0.1 - x**2, 0.05 - x**2 + 0.02 * x, 0.25 * np.cos(12.0 * x) - 2.0 * x**2, -1.0 - x**2):
         some.closing[:] = 1e-6 * shape
@@ -117,7 +113,7 @@ def test_points_in_contact_are_found_as_by_another_method():
 
 
 def test_a_contact_wider_than_its_points_is_not_a_number():
-    laws = dict(enumerate([spread_model(2.5e-4).inner_law] * 3))
+    laws = (spread_model(2.5e-4).inner_law,) * 3
     some = points(laws, LOAD, 5)
     some.closing[:] = 1e-5
     _spread_forces(some, some.spread, 0, 0)

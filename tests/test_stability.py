@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.errors import RunFailed
 from fem.kernels.friction_kernels import ALWAYS
-from fem.solver.samples import Samples
-from fem.solver.simulate import RunFailed, make_plan, run
+from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Samples
 from lagrange.scene import SceneError, parse_scene, read_scene
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Outcome, Watch, append_csv, read_csv, try_scene
 from tests.stability.random_scenes import RANGES, random_scene

@@ -8,10 +8,10 @@ from numba import njit
 from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
+from fem.contacts.patch import disc_patch_force, patch, ring_patch_force
+from fem.contacts.subgrid import disc_surface_compliance, ring_surface_compliance
 from fem.elastic.bodies import disc_body
 from fem.elastic.continuum import ring_hertz_approach
-from fem.elastic.model import peak_pressure
-from fem.elastic.subgrid import contact_law, disc_compliance, disc_patch_force, patch, ring_compliance, ring_patch_force
 from fem.kernels.jit import OPTIONS
 from fem.kernels.law import STEEPEST, contact_energy, contact_force, kick_force, ripple_at
 from fem.kernels.patches import N_NODES, ONE, weight_slopes, weights
@@ -23,10 +23,10 @@ from lagrange import Material
 from meshes import Disc
 from tests.reference.bearings import LENGTH, STEEL, disc, model, paper, ring
 from tests.reference.line_contact import half_width, squeezed_disc_approach
-from tests.verification.contact_statics import POSITIONS, RIGID, squeezed
+from tests.verification.contact_statics import POSITIONS, law_on_rigid, squeezed
 
 RADIUS = 0.005
-CALIBRATED_AT = 5e-5  # half-width b, m, as `fem.elastic.model` does for this roller
+CALIBRATED_AT = 5e-5  # half-width b, m, as `fem.contacts.subgrid` does for this roller
 FORCES = np.array([100.0, 200.0, 400.0, 628.0, 800.0, 1000.0])
 MODULUS = 210e9 / (1.0 - 0.3**2)
 
@@ -34,14 +34,14 @@ MODULUS = 210e9 / (1.0 - 0.3**2)
 @pytest.mark.parametrize("layers", [3, 5, 10])
 def test_a_squeezed_disc_has_johnsons_approach_at_every_position(layers):
     body = disc(RADIUS, layers)
-    surface = disc_compliance(body, LENGTH, CALIBRATED_AT)
-    law = contact_law(surface, RIGID, RADIUS)
+    surface = disc_surface_compliance(body, LENGTH, CALIBRATED_AT)
+    law = law_on_rigid(surface, RADIUS)
     positions = np.array(POSITIONS) * layers / 5.0
     grid = np.array([squeezed(body, surface, position) for position in positions])
     for force in FORCES:
         q = force / LENGTH
         b = half_width(q, RADIUS, MODULUS)
-        assert law.half_width(force) == pytest.approx(b, rel=1e-12)
+        assert law.pair.half_width(force) == pytest.approx(b, rel=1e-12)
         found = grid * force + law.approach(force)
         # Johnson's formula is the limit b << R; its next term is O(b/R) of a bracket of about 14, 0.05 % at b/R = 0.013
         np.testing.assert_allclose(found, squeezed_disc_approach(q, RADIUS, b, MODULUS), rtol=1e-3)
@@ -53,7 +53,9 @@ def test_a_squeezed_disc_has_johnsons_approach_at_every_position(layers):
 
 def test_the_calibration_holds_for_other_half_widths():
     body = disc(RADIUS, 5)
-    laws = [contact_law(disc_compliance(body, LENGTH, b), RIGID, RADIUS) for b in (CALIBRATED_AT, CALIBRATED_AT / 10.0)]
+    laws = [
+        law_on_rigid(disc_surface_compliance(body, LENGTH, b), RADIUS) for b in (CALIBRATED_AT, CALIBRATED_AT / 10.0)
+    ]
     # the O(b/R) that is left out, 0.3 b/R of a bracket of about 2
     assert laws[0].B == pytest.approx(laws[1].B, abs=0.01)
     assert laws[0].A == laws[1].A == pytest.approx(2.0 / (np.pi * MODULUS * LENGTH), rel=1e-14)
@@ -67,14 +69,14 @@ def test_a_held_ring_has_the_exact_approach_at_every_position(held_inside, scale
         if held_inside
         else ring(0.028, 0.0325, 88 * scale, 2 * scale, False)
     )
-    surface = ring_compliance(body, LENGTH, CALIBRATED_AT)
+    surface = ring_surface_compliance(body, LENGTH, CALIBRATED_AT)
     loaded, held = (0.018, 0.0125) if held_inside else (0.028, 0.0325)
-    law = contact_law(surface, RIGID, loaded)
+    law = law_on_rigid(surface, loaded)
     force = 500.0
     for position in (0.0, 0.19, 0.5, 7.7, body.n_sectors - 0.4):
         load = ring_patch_force(body, 2.0 * np.pi * position / body.n_sectors)
         grid = np.vdot(load, body.held(load)) + ripple_at(np.mod(position, 1.0), surface.ripple)[0]
-        exact = ring_hertz_approach(loaded, held, STEEL, law.half_width(force)) / LENGTH
+        exact = ring_hertz_approach(loaded, held, STEEL, law.pair.half_width(force)) / LENGTH
         # b differs fourfold from the calibration's; O(b/R)
         assert grid * force + law.approach(force) == pytest.approx(exact * force, rel=1e-3)
 
@@ -82,13 +84,15 @@ def test_a_held_ring_has_the_exact_approach_at_every_position(held_inside, scale
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_the_law_scales_with_modulus_and_length(factor):
     body = disc(RADIUS, 3)
-    surface = disc_compliance(body, LENGTH, CALIBRATED_AT)
+    surface = disc_surface_compliance(body, LENGTH, CALIBRATED_AT)
     soft = replace(STEEL, youngs_modulus=factor * 210e9)
-    other = disc_compliance(replace(body, material=soft, stiffness=factor * body.stiffness), LENGTH, CALIBRATED_AT)
+    other = disc_surface_compliance(
+        replace(body, material=soft, stiffness=factor * body.stiffness), LENGTH, CALIBRATED_AT
+    )
     assert other.missing == pytest.approx(surface.missing / factor, rel=1e-9)
     assert other.unit == pytest.approx(surface.unit / factor, rel=1e-14)
-    assert contact_law(other, RIGID, RADIUS).half_width_factor * factor == pytest.approx(
-        contact_law(surface, RIGID, RADIUS).half_width_factor, rel=1e-12
+    assert law_on_rigid(other, RADIUS, soft).pair.half_width_factor * factor == pytest.approx(
+        law_on_rigid(surface, RADIUS).pair.half_width_factor, rel=1e-12
     )
 
 
@@ -96,7 +100,7 @@ def test_similar_rollers_have_similar_laws():
     """Twice the size at the same length: the same compliance, half-widths larger by the square root of two."""
     small, large = disc(RADIUS, 4), disc_body(Disc(radius=2.0 * RADIUS, layers=4), STEEL, LENGTH)
     laws = [
-        contact_law(disc_compliance(body, LENGTH, 0.01 * body.shape.radius), RIGID, body.shape.radius)
+        law_on_rigid(disc_surface_compliance(body, LENGTH, 0.01 * body.shape.radius), body.shape.radius)
         for body in (small, large)
     ]
     assert laws[1].A == laws[0].A
@@ -107,8 +111,8 @@ def test_similar_rollers_have_similar_laws():
 def test_poissons_ratio_matters_only_through_the_plane_strain_modulus_in_johnsons_formula():
     material = Material(youngs_modulus=100e9, poisson_ratio=0.2, density=3000.0)
     body = disc(RADIUS, 5, material)
-    surface = disc_compliance(body, LENGTH, CALIBRATED_AT)
-    law, force = contact_law(surface, RIGID, RADIUS), 300.0
+    surface = disc_surface_compliance(body, LENGTH, CALIBRATED_AT)
+    law, force = law_on_rigid(surface, RADIUS, material), 300.0
     modulus = 100e9 / (1.0 - 0.04)
     b = half_width(force / LENGTH, RADIUS, modulus)
     wanted = squeezed_disc_approach(force / LENGTH, RADIUS, b, modulus)
@@ -255,10 +259,10 @@ def test_the_line_lies_far_above_the_papers_loads_at_its_mesh():
 def test_hertz_pressure_of_the_papers_inner_contact():
     """Q = 628 N: b = 52.1 µm and p₀ = 768 MPa inside, 65 µm outside (Johnson 1985, section 4.2)."""
     whole = model(paper(), 2e-3)
-    assert 1e6 * whole.inner_law.half_width(628.0) == pytest.approx(52.1, abs=0.05)
-    assert 1e6 * whole.outer_law.half_width(628.0) == pytest.approx(65.0, abs=0.5)
-    assert 1e-6 * peak_pressure(whole.inner_law, 628.0, LENGTH) == pytest.approx(768.0, abs=0.5)
-    assert peak_pressure(whole.inner_law, 0.0, LENGTH) == 0.0
+    assert 1e6 * whole.inner_law.pair.half_width(628.0) == pytest.approx(52.1, abs=0.05)
+    assert 1e6 * whole.outer_law.pair.half_width(628.0) == pytest.approx(65.0, abs=0.5)
+    assert 1e-6 * whole.inner_law.pair.peak_pressure(628.0) == pytest.approx(768.0, abs=0.5)
+    assert whole.inner_law.pair.peak_pressure(0.0) == 0.0
 
 
 # the patch ------------------------------------------------------------------------------------------------------
@@ -412,7 +416,7 @@ def test_kernels_and_matrices_use_the_same_ring_patches():
 
 
 def test_the_ripple_goes_through_its_samples_and_is_smooth():
-    surface = disc_compliance(disc(RADIUS, 3), LENGTH, CALIBRATED_AT)
+    surface = disc_surface_compliance(disc(RADIUS, 3), LENGTH, CALIBRATED_AT)
     period = surface.ripple.size / 8.0
     assert period == 3.0
     value = np.array([ripple_at(x, surface.ripple) for x in np.linspace(0.0, 18.0, 18 * 40 + 1)])

@@ -8,7 +8,7 @@ from scipy import sparse
 from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh
 
-from fem.elastic.critical_step import critical_time_step
+from fem.contacts.critical_step import critical_time_step
 from fem.kernels import disc_kernels, ring_kernels, time_loop
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.sample_kernels import (

@@ -216,7 +216,7 @@ class RingBody:
         return np.stack([radial * c - around * s, radial * s + around * c], axis=-1).reshape(-1, 2)
 
     def polar(self, vectors: np.ndarray, turn: float = 0.0) -> np.ndarray:
-        """What `cartesian` makes, taken back."""
+        """The inverse of `cartesian`."""
         c, s = np.cos(self.angles + turn), np.sin(self.angles + turn)
         x, y = np.moveaxis(vectors.reshape(self.n_rows, self.n_sectors, 2), -1, 0)
         return np.stack([x * c + y * s, y * c - x * s], axis=1)

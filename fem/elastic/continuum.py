@@ -2,7 +2,7 @@
 
 The yardstick for a coarse mesh's contact compliance: what an infinitely fine mesh would give, without one.
 
-- `ring_compliance`, `disc_compliance`: surface displacement per unit pressure cos nθ.
+- `ring_harmonic_compliance`, `disc_harmonic_compliance`: surface displacement per unit pressure cos nθ.
 - `hertz_patch`, `cubic_bspline_patch`: Fourier transform of a unit line load spread over a patch.
 - `patch_displacement`: the two combined, displacement per unit line load (N per m of roller length).
 - `ring_hertz_approach`, `disc_hertz_approach`: centre displacement under Hertz pressure, slow tails summed
@@ -35,7 +35,7 @@ DECOUPLED = 1e-18
 SUM_TOLERANCE = 1e-5
 
 
-def ring_compliance(n: np.ndarray, loaded_radius: float, held_radius: float, material: Material) -> np.ndarray:
+def ring_harmonic_compliance(n: np.ndarray, loaded_radius: float, held_radius: float, material: Material) -> np.ndarray:
     """Surface displacement of an annulus, fixed on one circle, per unit normal pressure cos nθ on the other.
 
     Parameters
@@ -77,7 +77,7 @@ def ring_compliance(n: np.ndarray, loaded_radius: float, held_radius: float, mat
     return loaded_radius * compliance
 
 
-def disc_compliance(n: np.ndarray, radius: float, material: Material) -> np.ndarray:
+def disc_harmonic_compliance(n: np.ndarray, radius: float, material: Material) -> np.ndarray:
     """Surface displacement of a free solid disc per unit normal pressure cos nθ, its mean motion being zero.
 
     Neither the area's mean displacement nor its mean rotation is counted. For n = 1 the pressure has a
@@ -164,7 +164,7 @@ def ring_hertz_approach(loaded_radius: float, held_radius: float, material: Mate
     """
 
     def compliance(n):
-        return ring_compliance(n, loaded_radius, held_radius, material)
+        return ring_harmonic_compliance(n, loaded_radius, held_radius, material)
 
     convexity = 1.0 if loaded_radius > held_radius else -1.0
     return _hertz_centre(compliance, loaded_radius, material, half_width, 1, convexity)
@@ -178,7 +178,7 @@ def disc_hertz_approach(radius: float, material: Material, half_width: float, n_
     """
 
     def compliance(n):
-        return disc_compliance(n, radius, material)
+        return disc_harmonic_compliance(n, radius, material)
 
     return _hertz_centre(compliance, radius, material, half_width, n_patches, 1.0)
 

@@ -51,7 +51,8 @@ def _read(path: Path) -> dict[str, np.ndarray] | None:
 def _program() -> str:
     """Digest of the program's text, as far as results depend on it, and the libraries' versions."""
     elastic = Path(__file__).parent
-    folders = (elastic, elastic.with_name("kernels"), *(Path(module.__file__).parent for module in (lagrange, meshes)))
+    siblings = (elastic.with_name(name) for name in ("contacts", "kernels"))
+    folders = (elastic, *siblings, *(Path(module.__file__).parent for module in (lagrange, meshes)))
     texts = [path.read_text() for folder in folders for path in sorted(folder.glob("*.py"))]
     return _digest(*texts, *(version(name) for name in ("numpy", "scipy", "scikit-fem")))
 

@@ -34,7 +34,7 @@ def contact_nodes(spot: Spot) -> tuple[np.ndarray, np.ndarray]:
     return along, length
 
 
-def disc_compliance(disc: RefinedDisc, material: Material, thickness: float) -> tuple[np.ndarray, np.ndarray]:
+def disc_spot_compliance(disc: RefinedDisc, material: Material, thickness: float) -> tuple[np.ndarray, np.ndarray]:
     """Compliance of a free disc between the nodes of one spot, and from the other spot to this, (m, m) each, m/N.
 
     The disc accelerates freely under its forces (inertia relief); displacements are relative to its centre of mass.
@@ -54,7 +54,7 @@ def disc_compliance(disc: RefinedDisc, material: Material, thickness: float) -> 
     return -found[pushed[0]], found[pushed[1]]
 
 
-def ring_compliance(ring: RefinedSector, material: Material, thickness: float) -> np.ndarray:
+def ring_spot_compliance(ring: RefinedSector, material: Material, thickness: float) -> np.ndarray:
     """Compliance of a ring held on its other circle, (n_sectors, m, m), m/N.
 
     Entry [k] is the displacement of a spot by forces on the spot k sectors behind it (clockwise).

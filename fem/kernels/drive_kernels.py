@@ -18,18 +18,17 @@ def radial_load_at(drive, time):
 def kick_hub(inner, drive, radial_load, scratch):
     """The hub's kick by contacts, the reaction of the ring's held row, load and weight.
 
-    Returns the load's work, J, and the moment about the origin of contacts and load on the hub, N m s.
+    Returns the moment about the origin of contacts and load on the hub, N m s.
     """
     dt, hub, velocity, impulse = drive.dt, drive.hub, drive.velocity, drive.impulse
     ring_kernels.row_force(inner.table, inner.u, inner.held, scratch.bore)
     x, y = ring_kernels.resultant(scratch.bore, inner.cosines, inner.sines)
     c, s = drive.frame[1], drive.frame[2]
     node_mass = inner.row_mass[inner.held]
-    before_y = velocity[1]
     moment = hub[0] * (impulse[1] - radial_load * dt) - hub[1] * impulse[0]
     velocity[0] += (node_mass * (c * x - s * y) + impulse[0]) / drive.mass
     velocity[1] += (node_mass * (s * x + c * y) + impulse[1] - radial_load * dt) / drive.mass - drive.gravity * dt
-    return -radial_load * dt * 0.5 * (before_y + velocity[1]), moment
+    return moment
 
 
 @part

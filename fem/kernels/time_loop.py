@@ -51,7 +51,8 @@ def kick(bodies, groups, contacts, drive, time, scratch):
         slips_before(groups, rollers, surface, contacts, scratch.still)
     push_surfaces(groups, bodies, contacts, drive, contacts.points)
     _kick_rollers(rollers, drive)
-    work_load, moment = kick_hub(bodies.inner, drive, radial_load_at(drive, time), scratch)
+    before, radial_load = drive.velocity[1], radial_load_at(drive, time)
+    moment = kick_hub(bodies.inner, drive, radial_load, scratch)
     kick_bodies(bodies, drive, scratch, scratch.team)
     _take_back_torque(rollers, scratch)
     if contacts.friction.coefficient > 0.0:
@@ -59,6 +60,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
         dissipated = friction_contacts(
             groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole
         )
+    work_load = -radial_load * drive.dt * 0.5 * (before + drive.velocity[1])  # friction may have moved a rigid hub
     return work_load, moment + drive.moment[1] - drive.moment[0] * drive.dt, dissipated
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
-from fem.elastic.model import Model
 from fem.elastic.stress import turned
 from fem.pictures.recover import Instant
 from fem.pictures.subsurface import SurfaceLoad, hertz_stress, spline_displacement
@@ -29,9 +29,13 @@ class BodyLoad:
     roller: int  # j of the contact
     load: SurfaceLoad
     radius: float  # m, of the surface, > 0 convex
-    spacing: float  # m, a quarter of the patch that the mesh carries the force as
-    is_resolved: bool  # the mesh carries the true pressure: there is nothing to exchange
+    spacing: float | None  # m, a quarter of the patch that the mesh carries the force as; None: the true pressure
     is_rigid: bool  # the body has no stress
+
+    @property
+    def is_resolved(self) -> bool:
+        """Whether the mesh carries the true pressure: there is nothing to exchange."""
+        return self.spacing is None
 
     def share(self, points: np.ndarray) -> np.ndarray:
         """How far the exchange is made at points (n, 2) from the body's centre: 1 at the contact, 0 far away."""
@@ -48,7 +52,7 @@ def contact_loads(instant: Instant) -> list[BodyLoad]:
     """All contact forces on all bodies, two for each contact."""
     model, length = instant.model, instant.model.bearing.roller_length
     disc, inner, outer = model.roller, model.inner_ring, model.outer_ring
-    n, spreads = model.bearing.n_rollers, model.is_resolved and model.inner_law.spreads
+    n = model.bearing.n_rollers
     loads = []
 
     def add(contact, body, shape, angle, force, half_width):
@@ -59,9 +63,6 @@ def contact_loads(instant: Instant) -> list[BodyLoad]:
             point=radius * outward, inward=-convex * outward, force=force / length, half_width=half_width
         )
         kind, roller = contact
-        spacing = 2.0 * np.pi * radius / nodes
-        if spreads:  # the pressure smeared out by a patch: about one with the sum of the variances, (2h)²/12 and b²/4
-            spacing = 0.5 * float(np.hypot(2.0 * spacing, np.sqrt(3.0) * half_width))
         loads.append(
             BodyLoad(
                 body=body,
@@ -69,8 +70,7 @@ def contact_loads(instant: Instant) -> list[BodyLoad]:
                 roller=roller,
                 load=load,
                 radius=convex * radius,
-                spacing=spacing,
-                is_resolved=model.is_resolved and not spreads,
+                spacing=model.smeared(2.0 * np.pi * radius / nodes, half_width),
                 is_rigid=shape.material.rigid,
             )
         )
@@ -81,11 +81,11 @@ def contact_loads(instant: Instant) -> list[BodyLoad]:
         for j in np.flatnonzero(forces > 0.0):
             c, s = np.cos(angles[j]), np.sin(angles[j])
             push = sign * forces[j] * np.array([c, s]) + tractions[j] * np.array([-s, c])  # on the roller
-            b = law.half_width(forces[j])
+            b = law.pair.half_width(forces[j])
             add((kind, j), body, ring, angles[j], -push, b)
             add((kind, j), FIRST_ROLLER + j, disc, angles[j] + (np.pi if sign > 0.0 else 0.0), push, b)
     for j in np.flatnonzero(instant.roller_force > 0.0):
-        angle, b = instant.next_angle[j], model.roller_law.half_width(instant.roller_force[j])
+        angle, b = instant.next_angle[j], model.roller_law.pair.half_width(instant.roller_force[j])
         push = instant.roller_force[j] * np.array([np.cos(angle), np.sin(angle)])
         add(("next", j), FIRST_ROLLER + j, disc, angle, -push, b)
         add(("next", j), FIRST_ROLLER + (j + 1) % n, disc, angle + np.pi, push, b)

@@ -14,11 +14,10 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from fem.contacts.model import Model
 from fem.elastic.bodies import RingBody
-from fem.elastic.model import Model
-from fem.elastic.points import hertz_patch
-from fem.elastic.subgrid import patch
 from fem.errors import UsageError
+from fem.kernels.state import INNER, OUTER, ROLLER
 from fem.result.fields import read_frame, stored_samples
 from fem.solver.discretise import model_of
 from fem.solver.frames import Frame
@@ -306,37 +305,29 @@ def _roller_fields(model: Model, hub, centres, turns, values) -> np.ndarray:
     for j in range(n):
         i = (j + 1) % n
         push = values["roller_roller_force"][j]
-        _push_disc(model, model.inner_law, load[j], inner[j], -values["inner_force"][j], -values["inner_traction"][j])
-        _push_disc(model, model.outer_law, load[j], outer[j], -values["outer_force"][j], values["outer_traction"][j])
-        _push_disc(model, model.roller_law, load[j], ahead[j] - turns[j], -push, 0.0)
-        _push_disc(model, model.roller_law, load[i], ahead[j] + pi - turns[i], -push, 0.0)
+        _push_disc(model, INNER, load[j], inner[j], -values["inner_force"][j], -values["inner_traction"][j])
+        _push_disc(model, OUTER, load[j], outer[j], -values["outer_force"][j], values["outer_traction"][j])
+        _push_disc(model, ROLLER, load[j], ahead[j] - turns[j], -push, 0.0)
+        _push_disc(model, ROLLER, load[i], ahead[j] + pi - turns[i], -push, 0.0)
     return disc.relaxed(load.reshape(n, -1).T).T.reshape(load.shape)
 
 
 def _push_ring(model: Model, ring: RingBody, load: np.ndarray, angle: float, outward: float, along: float) -> None:
     """Add a contact force, N, outward and counter-clockwise at `angle`, to polar nodal loads."""
-    law = model.inner_law if ring is model.inner_ring else model.outer_law
-    nodes, weight, offset = _patch(model, law, ring.raceway_radius, ring.n_sectors, angle, outward)
+    kind = INNER if ring is model.inner_ring else OUTER
+    nodes, weight, offset = model.carried(kind, ring.n_sectors, angle, ring.raceway_radius, outward)
     cosine, sine = weight * np.cos(offset), weight * np.sin(offset)
     np.add.at(load, (ring.raceway_row, 0, nodes), outward * cosine - along * sine)
     np.add.at(load, (ring.raceway_row, 1, nodes), outward * sine + along * cosine)
 
 
-def _push_disc(model: Model, law, load: np.ndarray, angle: float, outward: float, along: float) -> None:
+def _push_disc(model: Model, kind: int, load: np.ndarray, angle: float, outward: float, along: float) -> None:
     """Add a contact force, N, outward and counter-clockwise at `angle`, to (n_nodes, 2) loads."""
     disc = model.roller
-    nodes, weight, _ = _patch(model, law, disc.shape.radius, disc.shape.surface_nodes, angle, outward)
+    nodes, weight, _ = model.carried(kind, disc.shape.surface_nodes, angle, disc.shape.radius, outward)
     cosine, sine = np.cos(angle), np.sin(angle)
     force = np.array([outward * cosine - along * sine, outward * sine + along * cosine])
     np.add.at(load, disc.first_surface_node + nodes, np.outer(weight, force))
-
-
-def _patch(model: Model, law, radius: float, n_surface: int, angle: float, force: float):
-    """Nodes that carry a contact force, their shares, and the contact's angle less theirs."""
-    if not model.is_resolved:
-        return patch(n_surface, angle)
-    half_width = 0.0 if law.is_one_point else law.half_width(abs(force))
-    return hertz_patch(n_surface, angle, half_width / radius, law.spreads)
 
 
 def _angle(vectors: np.ndarray) -> np.ndarray:

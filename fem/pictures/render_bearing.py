@@ -126,7 +126,7 @@ def _forces(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look) -> N
 
 
 def contact_forces(instant: Instant) -> list[tuple[np.ndarray, np.ndarray]]:
-    """By kind of contact: where it acts on the rollers, m from the centre, and the force with traction, N."""
+    """Where each kind of contact acts on the rollers, m from the centre, and the force with traction, N."""
     radius = instant.model.bearing.roller_radius
     inner, outer = _directions(instant.inner_angle), _directions(instant.outer_angle)
     ahead, _ = _directions(instant.next_angle)

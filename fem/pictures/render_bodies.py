@@ -13,8 +13,9 @@ from math import pi
 import numpy as np
 from scipy.spatial import cKDTree
 
+from fem.contacts.patch import patch
 from fem.elastic.bodies import DiscBody, RingBody
-from fem.elastic.subgrid import patch
+from fem.kernels.state import INNER, OUTER
 from fem.pictures.near_contacts import (
     FIRST_ROLLER,
     INNER_RING,
@@ -27,6 +28,7 @@ from fem.pictures.near_contacts import (
 from fem.pictures.recover import Instant
 from fem.pictures.refine import refined
 from fem.solver.frames import rotated
+from lagrange.overlap import touching_distances
 
 LARGEST_WEIGHT = 0.55  # of a patch: the quintic B-spline's peak, 66/120
 
@@ -99,14 +101,14 @@ class DrawnBearing:
         return self.data[:, _STRESS]
 
     def stress(self) -> np.ndarray:
-        """With what lies below the grid, (n_nodes, 3), Pa."""
+        """Nodal stress with what lies below the grid, (n_nodes, 3), Pa."""
         stress = self.smooth_stress.copy()
         add_hertz(stress, self.local, self.body, self.loads)
         return stress
 
     @property
     def contact_points(self) -> np.ndarray:
-        """Of all loads, in the reference, (n_loads, 2), m."""
+        """Points of contact of all loads, in the reference, (n_loads, 2), m."""
         centres = np.concatenate([np.zeros((2, 2)), self.roller_reference])
         return np.array([item.load.point + centres[item.body] for item in self.loads]).reshape(-1, 2)
 
@@ -145,7 +147,7 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
     model, bearing = instant.model, instant.model.bearing
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
     n = bearing.n_rollers
-    touching = bearing.inner_raceway_radius + bearing.roller_radius
+    touching, _ = touching_distances(bearing)
     radial = np.column_stack([np.cos(instant.outer_angle), np.sin(instant.outer_angle)])
     reference = touching * radial
     shift = instant.centres - reference
@@ -207,12 +209,9 @@ def _halves(cells: np.ndarray) -> np.ndarray:
 def _dents(instant: Instant) -> list[np.ndarray]:
     """Indentation below the grid as it is drawn, (n_nodes, 2) of every body, m."""
     model, disc = instant.model, instant.model.roller
-    if model.is_resolved:
-        n = model.bearing.n_rollers
-        return [np.zeros_like(body.points) for body in (model.inner_ring, model.outer_ring, *n * (disc,))]
     inner, outer = model.inner_ring, model.outer_ring
-    inner_dent = model.inner_law.approach(instant.inner_force) * (instant.inner_force > 0.0)
-    outer_dent = model.outer_law.approach(instant.outer_force) * (instant.outer_force > 0.0)
+    inner_dent = model.indentation(INNER, instant.inner_force)
+    outer_dent = model.indentation(OUTER, instant.outer_force)
     on_inner, on_outer = (_share(ring, disc) for ring in (inner, outer))
     dents = [
         inner.cartesian(

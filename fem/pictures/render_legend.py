@@ -4,7 +4,6 @@ from math import cos, pi
 
 import numpy as np
 
-from fem.elastic.model import peak_pressure
 from fem.pictures.recover import Instant
 from fem.pictures.render_canvas import INK, Canvas, Panel, View
 from fem.pictures.render_look import Look
@@ -104,11 +103,8 @@ def scale_notes(instant: Instant, scale: Scale) -> list[str]:
     if scale.field == "photoelastic":
         constant = 1e-3 * scale.unit * instant.model.bearing.roller_length
         return [f"{1e-6 * scale.unit:g} MPa of σ₁ − σ₂ a fringe", f"(f = {constant:g} N/mm), dark field"]
-    law = instant.model.inner_law
-    if instant.model.is_resolved and not law.spreads:
-        carried = "forces on two nodes" if law.is_one_point else "contacts resolved"
-        return [f"of the mesh, {carried},", hertz(instant)]
-    return ["with Hertz's stress below the grid,", hertz(instant)]
+    note = instant.model.stress_note
+    return [f"of the mesh, {note}," if note else "with Hertz's stress below the grid,", hertz(instant)]
 
 
 def signed(value: float) -> str:
@@ -118,15 +114,13 @@ def signed(value: float) -> str:
 
 def hertz(instant: Instant) -> str:
     """The largest Hertz pressure of all contacts and where it is."""
-    model, thickness = instant.model, instant.model.bearing.roller_length
-    found = [
-        (peak_pressure(law, float(force.max()), thickness), int(force.argmax()), kind)
-        for law, force, kind in (
-            (model.inner_law, instant.inner_force, "inner"),
-            (model.outer_law, instant.outer_force, "outer"),
-            (model.roller_law, instant.roller_force, "next"),
-        )
-    ]
+    forces = zip(
+        instant.model.laws,
+        (instant.inner_force, instant.outer_force, instant.roller_force),
+        ("inner", "outer", "next"),
+        strict=True,
+    )
+    found = [(law.pair.peak_pressure(float(force.max())), int(force.argmax()), kind) for law, force, kind in forces]
     pressure, roller, kind = max(found, key=lambda item: item[0])
     place = f" (roller {roller}, {kind})" if pressure > 0.0 else ""
     return f"p₀ = {1e-6 * pressure:.0f} MPa{place}"

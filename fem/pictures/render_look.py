@@ -7,7 +7,6 @@ from typing import Literal
 
 import numpy as np
 
-from fem.elastic.model import peak_pressure
 from fem.errors import UsageError
 from fem.pictures.recover import StoredRun
 from fem.pictures.render_bodies import drawn_bearing
@@ -76,7 +75,7 @@ def chosen_look(
         float(np.hypot(*drawn_bearing(run.instant(samples[k])).motion.T).max()) for k in some
     )  # fmt: skip
     model = run.model
-    half_width = max(law.half_width(max(largest, 1e-3)) for law in (model.inner_law, model.outer_law))
+    half_width = max(law.pair.half_width(max(largest, 1e-3)) for law in (model.inner_law, model.outer_law))
     scale, contact_scale = _scales(request, run, largest, displacement, pixel, contact_pixel * half_width)
     magnification = request.magnification
     if magnification is None:
@@ -109,7 +108,7 @@ def _roller(request: Request, forces: np.ndarray) -> int:
 def _scales(
     request: Request, run: StoredRun, force: float, displacement: float, pixel: float, contact_pixel: float
 ) -> tuple[Scale, Scale]:
-    """Of the picture, and of a close-up's contacts; pixels in m, but `pixel` as in `chosen_look`."""
+    """Scales of the picture and of a close-up's contacts; pixels in m, but `pixel` as in `chosen_look`."""
     field = request.field or ("max-shear" if request.view == "close-up" else "von-mises")
     bearing = run.model.bearing
     if field == "displacement":
@@ -117,7 +116,7 @@ def _scales(
     length, radius = bearing.roller_length, bearing.roller_radius
     load = max(force, 1e-3) / length
     laws = (run.model.inner_law, run.model.outer_law)
-    pressure = max(peak_pressure(law, load * length, length) for law in laws)
+    pressure = max(law.pair.peak_pressure(load * length) for law in laws)
     if field != "photoelastic":
         share = LARGEST_MISES if field == "von-mises" else LARGEST_SHEAR
         return logarithmic_scale(field, share * pressure), linear_scale(field, share * pressure)

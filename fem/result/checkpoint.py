@@ -1,25 +1,22 @@
-"""The solver's whole state on disk: a run goes on from it bit for bit.
+"""A run's whole state on disk: it goes on from there bit for bit.
 
 One file beside the result, written whole and moved into place, after the samples it counts have reached the disk.
-Plain arrays and a line of JSON; nothing in it is ever executed.
+Plain arrays and a line of JSON, which the solver's state gives and takes back; nothing in it is ever executed.
 """
 
 import json
 import os
 import zipfile
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 from numpy.lib import format as npy
 
 from fem.errors import UsageError
-from fem.kernels.jit import cache_folder
 from fem.result.durable import move_into_place, real_path
 from fem.result.layout import VARIABLES
 from fem.result.store import Stored, program_version
-from fem.solver.samples import SampleReader
-from fem.solver.simulate import Plan, RunState
+from fem.solver.solver import Plan, RunState
 from lagrange.scene import Scene, SceneError, parse_scene_text
 
 FORMAT = 4
@@ -44,27 +41,30 @@ def refuse_no_place(result: Path) -> None:
         raise UsageError(f"{path}: is not a plain file, and the run's state is to be kept there; name another --output")
 
 
-def save_checkpoint(result: Path, plan: Plan, state: RunState, stored: Stored) -> None:
+def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
     """Write the state after its last sample, atomically; `stored`, those samples, must be on the disk.
 
     Errors
     ------
     OSError: it can't be written; an earlier checkpoint stays.
     """
-    path = checkpoint_path(result)
+    path, plan = checkpoint_path(result), state.plan
+    arrays, numbers = state.to_keep()
     meta = {
         "format": FORMAT,
-        "versions": _versions(),
+        "versions": _versions(plan),
         "samples": stored.samples,
         "checksums": stored.checksums,
         "wall_seconds": state.wall,
+        "void_steps": state.void_steps,
         "imbalance": state.imbalance,
+        "numbers": numbers,
         "scene": plan.scene.to_toml(),
     }
     temporary = path.with_name(path.name + ".part")
     try:
         with open(temporary, "wb") as file:
-            arrays = {name: np.asarray(value, order="C") for name, value in _arrays(state).items()}
+            arrays = {name: np.asarray(value, order="C") for name, value in arrays.items()}
             np.savez(file, meta=np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8), **arrays)
             file.flush()
             os.fsync(file.fileno())
@@ -75,14 +75,9 @@ def save_checkpoint(result: Path, plan: Plan, state: RunState, stored: Stored) -
         temporary.unlink(missing_ok=True)
 
 
-def _arrays(state: RunState) -> dict[str, np.ndarray]:
-    """Every array of a state by its name in the file."""
-    return state.arrays.named() | {f"reader.{name}": value for name, value in state.reader.carried().items()}
-
-
-def _versions() -> dict[str, str]:
+def _versions(plan: Plan) -> dict[str, str]:
     """Of everything that decides the bits of a run on one machine."""
-    return {"program": program_version(), "kernels": cache_folder().name, "numba": version("numba")}
+    return {"program": program_version(), **plan.versions()}
 
 
 def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
@@ -96,19 +91,21 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     path = checkpoint_path(result)
     if not path.is_file():
         raise UsageError(f"{path}: not found; there is nothing to resume, start again without --resume")
-    state = RunState(arrays=plan.arrays(), reader=SampleReader(plan))
-    arrays = _arrays(state)
+    state = plan.first_state()
+    expected, _ = state.to_keep()
     try:
         with zipfile.ZipFile(path) as archive:
             meta = json.loads(_read(archive, "meta", np.uint8, None).tobytes())
-            _check(path, meta, plan.scene)
-            loaded = {name: _read(archive, name, value.dtype, value.shape) for name, value in arrays.items()}
+            _check(path, meta, plan)
+            arrays = {name: _read(archive, name, value.dtype, value.shape) for name, value in expected.items()}
         stored = Stored(
             samples=int(meta["samples"]), checksums={name: int(meta["checksums"][name]) for name in VARIABLES}
         )
         if stored.samples < 0:
             raise ValueError("no number of samples")
+        state.done, state.void_steps = stored.samples, int(meta["void_steps"])
         state.wall, state.imbalance = float(meta["wall_seconds"]), float(meta["imbalance"])
+        state.take_back(arrays, meta["numbers"])
     except UsageError:
         raise
     except Exception as error:  # an archive can be damaged in more ways than there are errors to name here
@@ -118,10 +115,6 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
             f"numerics.duration_ms = {plan.scene.numerics.duration_ms:g}: the run has reached "
             f"{1e3 * (stored.samples - 1) * plan.interval:.6g} ms already; --resume takes at least that"
         )
-    for name, own in state.arrays.named().items():
-        own[...] = loaded[name]
-    state.reader.carry_on({name: loaded[f"reader.{name}"] for name in state.reader.carried()})
-    state.done = stored.samples
     return state, stored
 
 
@@ -147,31 +140,35 @@ def _read(archive: zipfile.ZipFile, name: str, dtype: np.dtype, shape: tuple | N
     return (np.frombuffer(data, dtype=kind) if data else np.empty(0, kind)).reshape(found).copy()
 
 
-def _check(path: Path, meta: dict, scene: Scene) -> None:
+def _check(path: Path, meta: dict, plan: Plan) -> None:
     """Refuse a state that would not go on as it began. Another duration is welcome."""
     if meta["format"] != FORMAT:
         raise UsageError(f"{path}: of format {meta['format']!r}, this program has {FORMAT}; start again")
-    found = {str(key): value for key, value in meta["versions"].items()}
-    if changed := _differences(found, _versions()):
+    try:
+        before = parse_scene_text(meta["scene"], str(path))
+    except SceneError:
+        before = None
+    if before and (changed := _differences(*(_without_duration(scene) for scene in (before, plan.scene)))):
+        raise UsageError(f"{path}: the scene has changed ({'; '.join(changed)}); give the same scene or start again")
+    if changed := _differences({str(key): value for key, value in meta["versions"].items()}, _versions(plan)):
         raise UsageError(
             f"{path}: written by another version of the program ({'; '.join(changed)}); go on with that one, or start "
             "again without --resume"
         )
-    try:
-        before = parse_scene_text(meta["scene"], str(path))
-    except SceneError:
-        raise UsageError(f"{path}: its scene can't be read; start again without --resume") from None
-    old, new = (_flat(s.model_dump()) for s in (before, scene))
-    for tables in (old, new):
-        del tables["numerics.duration_ms"]
-    if changed := _differences(old, new):
-        raise UsageError(f"{path}: the scene has changed ({'; '.join(changed)}); give the same scene or start again")
+    if before is None:
+        raise UsageError(f"{path}: its scene can't be read; start again without --resume")
 
 
 def _differences(old: dict, new: dict) -> list[str]:
     return [
         f"{key} was {old.get(key)!r}, now {new.get(key)!r}" for key in sorted(old | new) if old.get(key) != new.get(key)
     ]
+
+
+def _without_duration(scene: Scene) -> dict:
+    flat = _flat(scene.model_dump())
+    del flat["numerics.duration_ms"]
+    return flat
 
 
 def _flat(tables: dict, prefix: str = "") -> dict:

@@ -3,12 +3,15 @@
 import os
 import shutil
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
 
 from fem.result.durable import alone_in, move_into_place, real_path
-from fem.solver.error_estimate import Estimate
+
+if TYPE_CHECKING:
+    from fem.solver.error_estimate import Estimate
 
 ESTIMATE = {
     "quantity": "name of a quantity of interest",
@@ -20,7 +23,7 @@ ESTIMATE = {
 }
 
 
-def write_estimates(path: Path, found: list[Estimate], coarse_mesh_size: float) -> None:
+def write_estimates(path: Path, found: "list[Estimate]", coarse_mesh_size: float) -> None:
     """Add error estimates to a finished result file, which is exchanged for one that has them.
 
     Parameters
@@ -45,7 +48,7 @@ def write_estimates(path: Path, found: list[Estimate], coarse_mesh_size: float) 
         part.unlink(missing_ok=True)
 
 
-def _add(file: h5py.File, found: list[Estimate], coarse_mesh_size: float) -> None:
+def _add(file: h5py.File, found: "list[Estimate]", coarse_mesh_size: float) -> None:
     columns = {
         "quantity": [each.quantity.name for each in found],
         "quantity_unit": [each.quantity.unit for each in found],
@@ -67,8 +70,8 @@ def _add(file: h5py.File, found: list[Estimate], coarse_mesh_size: float) -> Non
     file.attrs["coarse_mesh_size"] = coarse_mesh_size
 
 
-def read_columns(path: Path, names: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """Committed samples of some variables."""
+def read_columns(path: Path, names: tuple[str, ...], samples: int | None = None) -> dict[str, np.ndarray]:
+    """The first so many committed samples of some variables, or all."""
     with h5py.File(path, "r") as file:
-        count = int(file.attrs["committed_samples"])
+        count = int(file.attrs["committed_samples"]) if samples is None else samples
         return {name: file[name][:count] for name in names}

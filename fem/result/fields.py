@@ -10,7 +10,7 @@ import zlib
 import h5py
 import numpy as np
 
-from fem.elastic.model import Model
+from fem.contacts.model import Model
 from fem.result.layout import new_block
 from fem.solver.frames import Frame, global_fields, rotated
 from lagrange.stored import CHECKSUM, Damaged, check_array, has

@@ -12,7 +12,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import h5py
 import numpy as np
@@ -21,28 +21,15 @@ from fem.errors import UsageError
 from fem.result.durable import alone_in, move_into_place, open_locked, real_path, write_at
 from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
 from fem.result.layout import FORMAT_VERSION, VARIABLES, Places, create
-from lagrange.scene import Scene
 from lagrange.stored import checksum, text_checksum
 
 if TYPE_CHECKING:
     from fem.solver.frames import Frame
+    from fem.solver.solver import Plan
 
 COMMIT_SECONDS = 0.5  # of wall time between two commits
 COMMIT_SHARE = 0.005  # of the wall time at most: a slow disk is asked less often
 BLOCK = 4096  # samples copied at once
-
-
-class Planned(Protocol):
-    """What the file says of a run, whichever model it is of."""
-
-    scene: Scene
-    n_samples: int
-    mesh_nodes: int
-    degrees_of_freedom: int
-    time_step: float  # s
-    critical_time_step: float
-    cautions: tuple[str, ...]
-    frame_stride: int  # samples between stored fields; 0: none
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +38,9 @@ class Stored:
 
     samples: int
     checksums: dict[str, int]  # of each variable's first `samples`
+
+
+NOTHING = Stored(samples=0, checksums=dict.fromkeys(VARIABLES, 0))
 
 
 class WriteFailed(OSError):
@@ -74,17 +64,22 @@ class ResultFile:
     or an earlier file that can't be written; an earlier file stays as it was. WriteFailed, later: the disk fails.
     """
 
-    def __init__(self, path: Path, plan: Planned, setup_seconds: float, resume: Stored | None = None):
-        """A new file in the place of any earlier one, or one that goes on after what was stored."""
+    def __init__(
+        self, path: Path, plan: "Plan", setup_seconds: float, resume: Stored | None = None, **attributes: float
+    ):
+        """A new file in the place of any earlier one, or one that goes on after what was stored.
+
+        `attributes` are those that the run has found out, in place of the plan's.
+        """
         self._path = real_path(path)
-        self._attributes = _attributes(plan, setup_seconds)
+        self._attributes = _attributes(plan, setup_seconds) | attributes
         self._plan = plan
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with alone_in(self._path.parent):
             refuse_if_in_use(self._path)
             if resume is None:
                 refuse_foreign(self._path)
-                self._begin(plan.n_samples, Stored(samples=0, checksums=dict.fromkeys(VARIABLES, 0)))
+                self._begin(plan.n_samples, NOTHING)
             else:
                 frames = frames_of(resume.samples, plan.frame_stride)
                 check_earlier(self._path, tuple(VARIABLES), resume.samples, frames)
@@ -183,16 +178,24 @@ class ResultFile:
         self._in_force, self._committed, self._committed_at = spare, self._count, time.monotonic()
         self._commit_cost = self._committed_at - began
 
-    def finish(self, status: str, steps: int, wall_seconds: float) -> None:
+    def begin_again(self, **attributes: float) -> None:
+        """Put an empty file with these attributes in this one's place; the samples so far are void."""
+        self._attributes |= attributes
+        self._replace(self._plan.n_samples, NOTHING)
+
+    def _replace(self, capacity: int, stored: Stored) -> None:
+        working = self._handle
+        with alone_in(self._path.parent):
+            self._begin(capacity, stored)
+        os.close(working)
+
+    def finish(self, status: str, **attributes: float) -> None:
         """Write the outcome, in a new file without unused room that takes this one's place."""
         self.commit()
-        outcome = dict(steps=steps, wall_seconds=wall_seconds, status=status)
+        outcome = dict(attributes, status=status)
         self._attributes |= outcome
-        working = self._handle
         try:
-            with alone_in(self._path.parent):
-                self._begin(self._count, self.stored)
-            os.close(working)
+            self._replace(self._count, self.stored)
         except WriteFailed:  # no room for two of them
             with self._named(), h5py.File(self._path, "r+", locking=False) as file:
                 for name, value in outcome.items():
@@ -230,7 +233,7 @@ def _integers(*values: int) -> bytes:
     return np.array(values, dtype="<i8").tobytes()
 
 
-def _attributes(plan: Planned, setup_seconds: float) -> dict[str, object]:
+def _attributes(plan: "Plan", setup_seconds: float) -> dict[str, object]:
     scene = plan.scene.to_toml()
     return dict(
         format_version=FORMAT_VERSION,

@@ -4,13 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.contacts.model import KernelData, Model
 from fem.elastic.bodies import DiscBody, RingBody
-from fem.elastic.model import Model
-from fem.elastic.points import points, stretch_for
 from fem.elastic.rigid import RigidRing
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.friction_kernels import ALWAYS, WHERE_ROLLERS_TOUCH
-from fem.kernels.patches import N_NODES, ONE
+from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH
 from fem.kernels.state import (
@@ -26,7 +25,6 @@ from fem.kernels.state import (
     Friction,
     Ground,
     Hub,
-    Law,
     Neighbours,
     Patches,
     Raceway,
@@ -41,7 +39,6 @@ from lagrange import Operation, kinematics
 
 REACH = 0.01  # of a roller's radius
 CACHE_LINE = 64  # bytes, as long as one register of eight
-NEIGHBOURLY = 3.5  # nodes; two patches so far apart share 1.5e-3 of what each has of itself (a B-spline of degree 11)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +83,8 @@ def make_arrays(
     rollers = _rollers(model.roller, model.bearing.n_rollers)
     disc = _disc(model.roller, dt, rollers.columns)
     drive = _drive(model, operation, start, dt, ramp)
-    contacts = _contacts(model, operation, start, largest_force, friction, rollers.columns)
+    data = model.kernel_data(largest_force)
+    contacts = _contacts(model, operation, start, data, friction, rollers.columns)
     if not model.inner_ring.material.rigid:
         _place_inner(model.inner_ring, inner, start, operation.speed, dt)
     if not model.outer_ring.material.rigid:
@@ -94,10 +92,10 @@ def make_arrays(
         _fill(outer.w, start.outer_rate)
     _place_rollers(model.roller, rollers, disc, start, dt)
     rollers, disc, inner, outer = (_lined_up(group) for group in (rollers, disc, inner, outer))
-    surface = _disc_surface(model, rollers, disc)
+    surface = _disc_surface(model, rollers, disc, data)
     return Arrays(
         bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer),
-        groups=_groups(model, inner, outer, drive),
+        groups=_groups(model, inner, outer, drive, data),
         contacts=_lined_up(contacts),
         drive=drive,
         scratch=_lined_up(_scratch(rollers, disc, inner, outer, threads)),
@@ -162,7 +160,7 @@ def _disc(disc: DiscBody, dt: float, columns: int) -> Disc:
     )
 
 
-def _disc_surface(model: Model, rollers: Rollers, disc: Disc) -> DiscSurface | RigidDisc:
+def _disc_surface(model: Model, rollers: Rollers, disc: Disc, data: KernelData) -> DiscSurface | RigidDisc:
     """What contacts see of rollers."""
     if model.roller.material.rigid:
         return RigidDisc(
@@ -180,7 +178,7 @@ def _disc_surface(model: Model, rollers: Rollers, disc: Disc) -> DiscSurface | R
         points=disc.points,
         lightness=_at_line(1.0 / disc.mass),
         impulse=rollers.node_impulse,
-        ripple=_ripple(model.roller_surface),
+        ripple=_at_line(data.ripples[ROLLER]),
         first=model.roller.first_surface_node,
         n_nodes=model.roller.shape.surface_nodes,
         columns=rollers.columns,
@@ -188,19 +186,14 @@ def _disc_surface(model: Model, rollers: Rollers, disc: Disc) -> DiscSurface | R
     )
 
 
-def _ripple(surface) -> np.ndarray:
-    """Of a law below the grid; nothing without one."""
-    return np.zeros(0) if surface is None else _at_line(surface.ripple)
-
-
-def _ring_surface(body: RingBody, ring: Ring, compliance) -> RingSurface:
+def _ring_surface(body: RingBody, ring: Ring, ripple: np.ndarray) -> RingSurface:
     """What contacts see of an elastic ring."""
     return RingSurface(
         u=ring.u,
         w=ring.w,
         cosines=ring.cosines,
         sines=ring.sines,
-        ripple=_ripple(compliance),
+        ripple=_at_line(ripple),
         row=ring.raceway,
         n_nodes=ring.n_sectors,
         node_mass=float(ring.row_mass[ring.raceway]),
@@ -208,7 +201,7 @@ def _ring_surface(body: RingBody, ring: Ring, compliance) -> RingSurface:
     )
 
 
-def _groups(model: Model, inner: Ring, outer: Ring, drive: Drive) -> tuple:
+def _groups(model: Model, inner: Ring, outer: Ring, drive: Drive, data: KernelData) -> tuple:
     """All pairs of bodies that may touch, in groups of one type."""
     bearing, (hub, ground) = model.bearing, (model.inner_ring, model.outer_ring)
     nowhere = np.zeros(2)
@@ -222,17 +215,17 @@ def _groups(model: Model, inner: Ring, outer: Ring, drive: Drive) -> tuple:
         radius=hub.raceway_radius,
     )
     if not hub.material.rigid:
-        inner_surface = _ring_surface(hub, inner, model.inner_surface)
+        inner_surface = _ring_surface(hub, inner, data.ripples[INNER])
     outer_surface = Ground(radius=ground.raceway_radius)
     if not ground.material.rigid:
-        outer_surface = _ring_surface(ground, outer, model.outer_surface)
+        outer_surface = _ring_surface(ground, outer, data.ripples[OUTER])
     orbit = ground.raceway_radius - model.roller.shape.radius
     on_inner = Raceway(
         row=INNER,
         sign=1.0,
         radius=hub.raceway_radius,
         orbit=orbit,
-        law=_law(model, model.inner_law),
+        law=data.laws[INNER],
         surface=inner_surface,
         centre=drive.hub,
         counted_from=nowhere if hub.material.rigid else drive.hub,
@@ -245,7 +238,7 @@ def _groups(model: Model, inner: Ring, outer: Ring, drive: Drive) -> tuple:
         sign=-1.0,
         radius=ground.raceway_radius,
         orbit=orbit,
-        law=_law(model, model.outer_law),
+        law=data.laws[OUTER],
         surface=outer_surface,
         centre=nowhere,
         counted_from=nowhere,
@@ -253,20 +246,10 @@ def _groups(model: Model, inner: Ring, outer: Ring, drive: Drive) -> tuple:
         impulse=np.zeros(2),  # the ground's, which nobody reads
         moment=np.zeros(2),
     )
-    between = Neighbours(row=ROLLER, law=_law(model, model.roller_law))
+    between = Neighbours(row=ROLLER, law=data.laws[ROLLER])
     if type(inner_surface) is type(outer_surface):
         return (on_inner, on_outer), (between,)
     return (on_inner,), (on_outer,), (between,)
-
-
-def _law(model: Model, law) -> Law:
-    return Law(
-        A=0.0 if model.is_resolved else law.A,
-        B=0.0 if model.is_resolved else law.B,
-        Q_line=0.0 if model.is_resolved else law.Q_line,
-        half_width_factor=law.half_width_factor,
-        curvature=1.0 / law.relative_radius,
-    )
 
 
 def _ring(ring: RingBody, dt: float) -> Ring:
@@ -363,18 +346,13 @@ def _reach(model: Model, operation: Operation) -> float:
 
 
 def _contacts(
-    model: Model, operation: Operation, start: Start, largest_force: float, friction: float, columns: int
+    model: Model, operation: Operation, start: Start, data: KernelData, friction: float, columns: int
 ) -> Contacts:
     n = model.bearing.n_rollers
     pairs = 3
     force = np.zeros((pairs, columns))
     force[INNER, :n], force[OUTER, :n] = start.equilibrium.inner_force, start.equilibrium.outer_force
-    surface_nodes = (model.inner_ring.n_sectors, model.outer_ring.n_sectors, model.roller.shape.surface_nodes)
-    found, units = None, ONE
-    if model.is_resolved:
-        found = points({INNER: model.inner_law, OUTER: model.outer_law, ROLLER: model.roller_law}, largest_force, n)
-        units = stretch_for(found, surface_nodes)
-    width = N_NODES * len(units)
+    width = N_NODES * len(data.units)
     return Contacts(
         forces=Forces(
             force=force,
@@ -394,7 +372,7 @@ def _contacts(
             slope=np.zeros((2 * pairs, columns)),
             weight_slope=np.zeros((N_NODES, WIDTH)),
             columns=columns,
-            units=units,
+            units=data.units,
         ),
         friction=Friction(
             traction=np.zeros((pairs, columns)),
@@ -403,11 +381,11 @@ def _contacts(
             slip_left=np.zeros((pairs, columns)),
             mobility=np.zeros((pairs, columns)),
             coefficient=float(friction),
-            overlapping=_overlapping(model, width if model.is_resolved else NEIGHBOURLY * len(units)),
+            overlapping=_overlapping(model, data.neighbourly),
             whole=True if model.roller.material.rigid or model.inner_ring.material.rigid else None,
         ),
-        points=found,
-        reach=_reach(model, operation) + (float(np.abs(found.sagitta).sum(axis=1).max()) if found else 0.0),
+        points=data.points,
+        reach=_reach(model, operation) + data.facet_depth,
     )
 
 

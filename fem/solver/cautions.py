@@ -4,9 +4,10 @@ from math import pi, sqrt
 
 import numpy as np
 
-from fem.elastic.model import Model, peak_pressure
+from fem.contacts.model import Model
 from fem.statics.equilibrium import Equilibrium
 from lagrange import Operation, contact_laws
+from lagrange.kinematics import roller_angles
 
 # Static load rating of roller bearings (ISO 76): at this Hertz pressure steel keeps a dent of 1e-4 of the diameter
 ISO_76_PRESSURE = 4e9  # Pa
@@ -20,13 +21,9 @@ def cautions(model: Model, operation: Operation, equilibrium: Equilibrium, inter
 
 def _yield(model: Model, equilibrium: Equilibrium) -> str | None:
     """The model is elastic at any pressure; steel is not."""
-    length = model.bearing.roller_length
     worst, name, force = max(
-        (peak_pressure(law, float(forces.max()), length), name, float(forces.max()))
-        for name, law, forces in (
-            ("inner", model.inner_law, equilibrium.inner_force),
-            ("outer", model.outer_law, equilibrium.outer_force),
-        )
+        (law.pair.peak_pressure(float(forces.max())), law.pair.kind, float(forces.max()))
+        for law, forces in ((model.inner_law, equilibrium.inner_force), (model.outer_law, equilibrium.outer_force))
     )
     if worst <= ISO_76_PRESSURE:
         return None
@@ -48,7 +45,7 @@ def _sampling(model: Model, operation: Operation, equilibrium: Equilibrium, inte
     )
     loaded = (inner > 0.0) & (outer > 0.0)
     in_series = np.where(loaded, inner * outer / np.where(loaded, inner + outer, 1.0), 0.0)
-    angle = operation.first_roller_angle + 2.0 * pi * np.arange(bearing.n_rollers) / bearing.n_rollers
+    angle = roller_angles(bearing, operation.first_roller_angle)
     resonance = sqrt(float(np.sum(in_series * np.sin(angle) ** 2)) / operation.inner_mass) / (2.0 * pi)
     if 2.0 * resonance * interval < 1.0:
         return None

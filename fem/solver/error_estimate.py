@@ -7,7 +7,9 @@ from math import pi
 import numpy as np
 
 from fem.errors import UsageError
-from fem.solver.simulate import Plan, Progress, run
+from fem.solver.finite_elements import ElementPlan, make_plan
+from fem.solver.simulate import run
+from fem.solver.solver import Progress
 from fem.statics.quantities import Quantity, moving_quantities, static_quantities
 from lagrange.scene import COMPARISONS, Scene
 
@@ -67,25 +69,45 @@ def estimates(fine: list[Quantity], coarse: list[Quantity], ratio: float) -> lis
     return found
 
 
-def estimate_error(
-    plan: Plan,
-    coarse: Plan,
-    samples: dict[str, np.ndarray],
-    report: Callable[[Progress], None] = lambda progress: None,
-    stop: Callable[[], bool] = lambda: False,
-) -> list[Estimate]:
-    """Run the coarser mesh and compare; `samples` of the finished run, by the result file's names (NEEDED).
+@dataclass(frozen=True, kw_only=True)
+class ErrorEstimate:
+    """A plan and the same scene on a coarser mesh, to be run beside it."""
 
-    Errors
-    ------
-    RunFailed: the coarser run went wrong. NotFound: no equilibrium at rest.
-    """
-    fine, other = (static_quantities(each.model, each.operation) for each in (plan, coarse))
-    if plan.n_samples > 1:
-        blocks = []
-        run(coarse, blocks.append, report, stop)
-        record = {name: np.concatenate([block[name] for block in blocks]) for name in NEEDED}
-        fine += moving_quantities(samples)
-        other += moving_quantities(record)
-    ratio = coarse.model.roller.shape.surface_spacing / plan.model.roller.shape.surface_spacing
-    return estimates(fine, other, ratio)
+    fine: ElementPlan
+    coarse: ElementPlan
+
+    @property
+    def mesh_size(self) -> float:
+        """Of the coarse plan, m."""
+        return 1e-3 * self.coarse.scene.numerics.mesh_size_mm
+
+    def find(
+        self,
+        samples: dict[str, np.ndarray],
+        report: Callable[[Progress], None] = lambda progress: None,
+        stop: Callable[[], bool] = lambda: False,
+    ) -> list[Estimate]:
+        """Run the coarse plan and compare, unless it is stopped; `samples` of the finished run, by the result file's
+        names (NEEDED).
+
+        Errors
+        ------
+        RunFailed: the coarse run went wrong. NotFound: no equilibrium at rest.
+        """
+        plans = self.fine, self.coarse
+        fine, coarse = (static_quantities(plan.model, plan.operation) for plan in plans)
+        if self.fine.n_samples > 1:
+            blocks = []
+            run(self.coarse, blocks.append, report, stop)
+            if stop():
+                return []
+            record = {name: np.concatenate([block[name] for block in blocks]) for name in NEEDED}
+            fine += moving_quantities(samples)
+            coarse += moving_quantities(record)
+        spacing, wide = (plan.model.roller.shape.surface_spacing for plan in plans)
+        return estimates(fine, coarse, wide / spacing)
+
+
+def error_estimate(plan: ElementPlan) -> ErrorEstimate:
+    """What to run beside a plan. UsageError: see `coarser_scene`."""
+    return ErrorEstimate(fine=plan, coarse=make_plan(coarser_scene(plan.scene)))

@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from fem.elastic.model import Model
+from fem.contacts.model import Model
 from fem.elastic.stress import turned
 from fem.kernels.ring_kernels import HALO
 from fem.solver.arrays import Arrays

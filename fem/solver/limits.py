@@ -1,18 +1,27 @@
-"""Scenes the model can't bear although each of their values is fine: too fast, too soft, too heavily loaded."""
+"""Scenes the model can't bear although each of their values is fine: too fast, too soft, too heavily loaded.
 
-from math import pi, sqrt
+In the order in which a plan meets them: what is to be meshed, the contact model, meshes, speed, contacts at rest.
+"""
+
+from collections.abc import Callable
+from math import inf, pi, sqrt
 
 import numba
 
-from fem.elastic.model import Model
+from fem.contacts.model import Model
 from fem.errors import UsageError
 from fem.statics.equilibrium import Equilibrium
+from fem.statics.expected_forces import ExpectedForces
 from lagrange import Bearing, Kinematics
-from meshes import Mesh, quality
+from lagrange.pair import Pair, contact_pairs
+from lagrange.scene import Scene
+from meshes import Mesh, bearing_shapes, quality
 
 LEAST_ANGLE = 30.0  # degrees
 LONGEST_EDGE = 40.0  # over the shortest of the same mesh
 LARGEST_STRAIN = 0.01  # linear elasticity errs by about the strain itself
+MOST_NODES = 1_000_000  # take about 3 GB to mesh and assemble
+HOPELESS = 2.0  # a contact so many times too wide, by a force that may be a bound, is refused before it is meshed
 WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
 
 
@@ -22,6 +31,71 @@ def check_threads(threads: int) -> None:
     if threads > most:
         raise UsageError(
             f"numerics.threads = {threads}: this machine, or NUMBA_NUM_THREADS, has {most}; at most {most}"
+        )
+
+
+def check_rollers(scene: Scene) -> None:
+    """Refuse balls, which no plane section describes."""
+    if scene.bearing.type == "ball":
+        raise UsageError(
+            'bearing.type = "ball": finite elements and pictures are of plane sections of cylindrical rollers; '
+            "run-fem --model lagrange takes balls"
+        )
+
+
+def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable = bearing_shapes) -> None:
+    """Refuse a mesh before anything is allocated for it. `mesh_size` in m; `shapes_of`: a contact model's.
+
+    Errors
+    ------
+    UsageError: elements thicker than a ring, or too many nodes.
+    """
+    for name, thickness in (
+        ("inner ring", bearing.inner_raceway_radius - bearing.bore_radius),
+        ("outer ring", bearing.outside_radius - bearing.outer_raceway_radius),
+    ):
+        if mesh_size > thickness:
+            raise UsageError(
+                f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: the {name} is only {1e3 * thickness:.3g} mm thick; at "
+                f"most {1e3 * thickness:.3g}"
+            )
+    shapes = shapes_of(bearing, mesh_size)
+    nodes = bearing.n_rollers * sum(row.nodes for row in shapes.roller.rows)
+    nodes += sum(ring.sectors * len(ring.radii) for ring in (shapes.inner_ring, shapes.outer_ring))
+    if nodes > MOST_NODES:
+        raise UsageError(
+            f"numerics.mesh_size_mm = {1e3 * mesh_size:g}: makes {nodes:,} nodes, at most {MOST_NODES:,} are taken; at "
+            f"least about {1e3 * mesh_size * (nodes / MOST_NODES) ** 0.5:.2g}"
+        )
+
+
+def check_contact_model(kind: type[Model], scene: Scene, expected: ExpectedForces) -> None:
+    """Refuse what a contact model is not made for, before it is built.
+
+    Errors
+    ------
+    UsageError: a mesh too coarse for it; where it is made for a force, contacts far too wide, and rigid bodies.
+    """
+    if kind.coarsest == inf:
+        return
+    bearing, mesh_size, force = expected.bearing, 1e-3 * scene.numerics.mesh_size_mm, expected.largest
+    widths = [pair.half_width(force) for pair in contact_pairs(bearing)[:2]]
+    if not kind.is_made_for_a_force:
+        coarsest = kind.coarsest * min(widths)
+        if mesh_size > coarsest:
+            raise UsageError(
+                f"contact.model = '{scene.contact.model}': the narrowest of the most loaded contacts is "
+                f"{1e3 * min(widths):.3g} mm wide on either side, the mesh {1e3 * mesh_size:.3g} mm; "
+                f"numerics.mesh_size_mm at most {1e3 * coarsest:.3g}, or take contact.model = 'subgrid'"
+            )
+        return
+    if max(widths) > HOPELESS * WIDEST_CONTACT * bearing.roller_radius:
+        check_widths(bearing, force)
+    if scene.bodies.rigid:
+        raise UsageError(
+            f'bodies.{scene.bodies.rigid[0]} = "rigid": numerics.mesh_size_mm = {1e3 * mesh_size:g} is so fine that '
+            f"contacts are spread over nodes, and a rigid body has none; at least "
+            f'{1e3 * kind.coarsest * max(widths):.3g}, or every body "elastic"'
         )
 
 
@@ -59,12 +133,17 @@ def check_speed(model: Model, ideal: Kinematics) -> None:
             )
 
 
-def check_width(raceway: str, force: float, half_width: float, bearing: Bearing) -> None:
-    """Refuse a contact too wide for Hertz's theory; N, m."""
-    widest = WIDEST_CONTACT * bearing.roller_radius
+def check_widths(bearing: Bearing, force: float) -> None:
+    """Refuse a force, N, that makes contacts too wide for Hertz's theory."""
+    for pair in contact_pairs(bearing)[:2]:
+        _check_width(pair, force, bearing)
+
+
+def _check_width(pair: Pair, force: float, bearing: Bearing) -> None:
+    half_width, widest = pair.half_width(force), WIDEST_CONTACT * bearing.roller_radius
     if half_width > widest:
         raise UsageError(
-            f"the largest static force, {force:.4g} N on the {raceway} raceway, makes a contact of half-width "
+            f"the largest static force, {force:.4g} N on the {pair.kind} raceway, makes a contact of half-width "
             f"{1e3 * half_width:.3g} mm, beyond Hertz's theory (at most {1e3 * widest:.3g} mm here); lower "
             "operation.radial_load_N or operation.speed_rpm, or take a stiffer material"
         )
@@ -72,17 +151,16 @@ def check_width(raceway: str, force: float, half_width: float, bearing: Bearing)
 
 def check_contacts(model: Model, equilibrium: Equilibrium) -> None:
     """Refuse contacts too wide for Hertz's theory, or wider than a mesh this fine leaves to the sub-grid law."""
-    raceways = (
-        ("inner", model.inner_law, model.inner_ring, equilibrium.inner_force.max()),
-        ("outer", model.outer_law, model.outer_ring, equilibrium.outer_force.max()),
-    )
-    for name, law, ring, force in raceways:
-        half_width = law.half_width(float(force))
-        check_width(name, float(force), half_width, model.bearing)
-        if not model.is_resolved and force > law.Q_line:
-            spacing = 2.0 * pi * ring.raceway_radius / ring.n_sectors
-            enough = 1.2e3 * spacing * half_width / law.half_width(law.Q_line)
+    for law, ring, forces in (
+        (model.inner_law, model.inner_ring, equilibrium.inner_force),
+        (model.outer_law, model.outer_ring, equilibrium.outer_force),
+    ):
+        pair, force = law.pair, float(forces.max())
+        _check_width(pair, force, model.bearing)
+        if force > law.Q_line:
+            half_width, spacing = pair.half_width(force), 2.0 * pi * ring.raceway_radius / ring.n_sectors
+            enough = 1.2e3 * spacing * half_width / pair.half_width(law.Q_line)
             raise UsageError(
-                f"numerics.mesh_size_mm: the mesh is finer than the contact on the {name} raceway (half-width "
+                f"numerics.mesh_size_mm: the mesh is finer than the contact on the {pair.kind} raceway (half-width "
                 f"{1e3 * half_width:.3g} mm), which the sub-grid law can't describe; at least {enough:.3g}"
             )

@@ -1,43 +1,11 @@
 """Rows of the time loop turned into the result file's quantities."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from fem.kernels import sample_kernels as row
+from fem.solver.solver import Samples
 
 TURN = 2.0 * np.pi
-
-
-@dataclass(frozen=True, kw_only=True)
-class Samples:
-    """A block of samples: arrays by the result file's names, time first; SI."""
-
-    values: dict[str, np.ndarray]
-    imbalance: np.ndarray  # (n,), J: stored energy less what came in
-    exchanged: np.ndarray  # (n,), J, the most so far of elastic and contact energy, or of the kinetic energy's change
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        return self.values[name]
-
-    def __len__(self) -> int:
-        return len(self.imbalance)
-
-    def first(self, count: int) -> "Samples":
-        """The first samples of the block."""
-        return Samples(
-            values={name: array[:count] for name, array in self.values.items()},
-            imbalance=self.imbalance[:count],
-            exchanged=self.exchanged[:count],
-        )
-
-    def every(self, looks: int) -> "Samples":
-        """The first of each so many."""
-        return Samples(
-            values={name: array[::looks] for name, array in self.values.items()},
-            imbalance=self.imbalance[::looks],
-            exchanged=self.exchanged[::looks],
-        )
 
 
 class SampleReader:
@@ -55,8 +23,8 @@ class SampleReader:
         self._base = None
         self._exchanged = 0.0
 
-    def carried(self) -> dict[str, np.ndarray]:
-        """What runs on, as arrays; `carry_on` takes it back."""
+    def to_keep(self) -> dict[str, np.ndarray]:
+        """What runs on, as arrays; `take_back` takes it back."""
         base = (np.nan,) * 4 if self._base is None else self._base
         return {
             "count": np.array(self._count),
@@ -64,11 +32,11 @@ class SampleReader:
             "sums": np.array([*base, self._exchanged]),
         }
 
-    def carry_on(self, carried: dict[str, np.ndarray]) -> None:
+    def take_back(self, kept: dict[str, np.ndarray]) -> None:
         """Go on where another reader of the same plan stopped."""
-        self._count = int(carried["count"])
-        self._angle = carried["angle"]
-        *base, self._exchanged = (float(value) for value in carried["sums"])
+        self._count = int(kept["count"])
+        self._angle = kept["angle"]
+        *base, self._exchanged = (float(value) for value in kept["sums"])
         self._base = None if np.isnan(base[0]) else tuple(base)
 
     def read(self, rows: np.ndarray) -> Samples:

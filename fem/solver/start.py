@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.elastic.model import Model
+from fem.contacts.model import Model
+from fem.contacts.reduction import Motion
 from fem.statics.contact_balance import NotFound
-from fem.statics.equilibrium import Equilibrium, Motion
-from fem.statics.solve import equilibrium
+from fem.statics.equilibrium import Equilibrium, equilibrium
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles
 
@@ -75,13 +75,12 @@ def equilibrium_start(model: Model, operation: Operation) -> Start:
     def rate(name):
         return (getattr(after, name) - getattr(before, name)) / (2.0 * ahead)
 
-    radial, around = _directions(motion.roller_angle)
     return Start(
         equilibrium=middle,
         kinematics=ideal,
         angle=motion.roller_angle,
         hub_velocity=rate("hub"),
-        roller_velocity=rate("rho")[:, None] * radial + (ideal.cage * middle.rho)[:, None] * around,
+        roller_velocity=rate("rho")[:, None] * motion.radial + (ideal.cage * middle.rho)[:, None] * motion.around,
         roller_rate=rate("rollers"),
         inner_rate=rate("inner_ring"),
         outer_rate=rate("outer_ring"),
@@ -108,18 +107,13 @@ def rest_start(model: Model, operation: Operation) -> Start:
 
 def _still(model: Model, equilibrium: Equilibrium, ideal: Kinematics, motion: Motion) -> Start:
     """A start whose deformation does not change in the bodies' frames."""
-    _, around = _directions(motion.roller_angle)
     return Start(
         equilibrium=equilibrium,
         kinematics=ideal,
         angle=motion.roller_angle,
         hub_velocity=np.zeros(2),
-        roller_velocity=(ideal.cage * equilibrium.rho)[:, None] * around,
+        roller_velocity=(ideal.cage * equilibrium.rho)[:, None] * motion.around,
         roller_rate=np.zeros_like(equilibrium.rollers),
         inner_rate=np.zeros_like(equilibrium.inner_ring),
         outer_rate=np.zeros_like(equilibrium.outer_ring),
     )
-
-
-def _directions(angle):
-    return np.column_stack([np.cos(angle), np.sin(angle)]), np.column_stack([-np.sin(angle), np.cos(angle)])

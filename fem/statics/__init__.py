@@ -1,10 +1,10 @@
 """Bearings at rest.
 
 contact_balance   hub and rollers on elastic contacts
-equilibrium       of the finite elements with the law below the grid; resolved_statics: of resolved contacts
 pressure_balance  hub and rollers on contacts of many points that push or stand open
-exact_statics     the whole bearing without a mesh, a yardstick
+equilibrium       of a model, by either of the two
+exact_statics     the whole bearing without a mesh, a yardstick; `static_error` of a model against it
 quadratic_statics the whole bearing on refined quadratic elements, another
-solve             the one that belongs to a scene, and how far it is from the exact one
+expected_forces   the largest contact force of a scene, before anything is meshed
 quantities        what a researcher reads off a run
 """

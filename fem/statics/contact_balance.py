@@ -9,9 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.elastic.subgrid import ContactLaw
+from fem.contacts.contact_law import ContactLaw, NoLaw
 from fem.errors import UsageError
 from lagrange import Bearing
+from lagrange.overlap import overlaps
 
 LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clearance); 1e-6 N per µm
 FAINTEST = 1e-6  # N; a smaller force is what the barrier left
@@ -42,10 +43,10 @@ class Condensed:
 
     bearing: Bearing
     radial: np.ndarray  # (n_rollers, 2), unit, from the outer ring's centre to the rollers
-    inner_law: "ContactLaw | type[NoLaw]"  # of the approach that `compliance` leaves out
-    outer_law: "ContactLaw | type[NoLaw]"
+    inner_law: ContactLaw | NoLaw  # of the approach that `compliance` leaves out
+    outer_law: ContactLaw | NoLaw
     compliance: np.ndarray  # (2 n_rollers, 2 n_rollers), m/N
-    growth: np.ndarray  # (2 n_rollers,), closing of each contact by other loads, m
+    closing: np.ndarray  # (2 n_rollers,), m, of each contact by other loads: beside the circles' overlap
 
 
 def first_guess(bearing: Bearing, radial, load) -> np.ndarray:
@@ -98,7 +99,7 @@ def _convex(contacts: Condensed, loads: Loads, position) -> tuple[np.ndarray, np
     """
     bearing, n = contacts.bearing, contacts.bearing.n_rollers
     overlap, directions = geometry(bearing, contacts.radial, position)
-    closing = overlap + contacts.growth
+    overlap = overlap + contacts.closing
     applied = np.concatenate(
         [
             [0.0, -loads.hub],
@@ -109,11 +110,11 @@ def _convex(contacts: Condensed, loads: Loads, position) -> tuple[np.ndarray, np
     middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
     size = max(float(np.abs(applied).max()), FAINTEST)
     moved, force = position.copy(), np.full(2 * n, size)
-    gap = FIRST_GAP * bearing.roller_radius + np.maximum(-closing, 0.0)
+    gap = FIRST_GAP * bearing.roller_radius + np.maximum(-overlap, 0.0)
     for _ in range(MAX_STEPS):
         approach, softness = _law(contacts, force)
         unbalanced = applied - LOOSE_SPRING * (moved - middle) - directions.T @ force
-        apart = closing + directions @ (moved - position) - contacts.compliance @ force - approach + gap
+        apart = overlap + directions @ (moved - position) - contacts.compliance @ force - approach + gap
         product = float(force @ gap) / (2 * n)
         scale = max(size, float(force.max()))
         if (
@@ -145,31 +146,14 @@ def _room(value, step) -> float:
 
 def geometry(bearing: Bearing, radial, position) -> tuple[np.ndarray, np.ndarray]:
     """Overlap of undeformed bodies at every contact, (2 n,), m, and its derivatives by hub and radii, (2 n, n + 2)."""
-    n = bearing.n_rollers
-    to_roller = radial * position[2:, None] - position[:2]
-    distance = np.hypot(to_roller[:, 0], to_roller[:, 1])
-    normal = to_roller / distance[:, None]
-    overlap = np.concatenate(
-        [
-            bearing.inner_raceway_radius + bearing.roller_radius - distance,
-            position[2:] + bearing.roller_radius - bearing.outer_raceway_radius,
-        ]
-    )
-    directions, j = np.zeros((2 * n, n + 2)), np.arange(n)
+    n, j = bearing.n_rollers, np.arange(bearing.n_rollers)
+    found = overlaps(bearing, position[0], position[1], *(radial * position[2:, None]).T, position[2:])
+    normal = -np.column_stack([found.direction_x, found.direction_y])
+    directions = np.zeros((2 * n, n + 2))
     directions[:n, :2] = normal
     directions[j, 2 + j] = -np.sum(normal * radial, axis=1)
     directions[n + j, 2 + j] = 1.0
-    return overlap, directions
-
-
-class NoLaw:
-    """The law of a contact whose every compliance is in the matrix."""
-
-    @staticmethod
-    def approach(force):
-        return np.zeros_like(force)
-
-    softness = approach
+    return np.concatenate([found.inner, found.outer]), directions
 
 
 def _law(contacts: Condensed, force) -> tuple[np.ndarray, np.ndarray]:

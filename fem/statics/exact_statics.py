@@ -4,22 +4,22 @@ The yardstick for the finite-element model: any bearing, frictionless, standing,
 """
 
 from dataclasses import dataclass
-from math import exp, log, pi
+from math import log
 
 import numpy as np
 
+from fem.contacts.contact_law import ContactLaw
 from fem.elastic.continuum import (
     disc_hertz_approach,
     hertz_patch,
     patch_displacement,
-    ring_compliance,
+    ring_harmonic_compliance,
     ring_hertz_approach,
 )
-from fem.elastic.subgrid import ContactLaw
-from fem.kernels.law import STEEPEST
 from fem.statics.contact_balance import Condensed, Loads, balance, closed_forces, first_guess
 from lagrange import Bearing, Material
 from lagrange.kinematics import roller_angles
+from lagrange.pair import Pair, contact_pairs
 
 HALF_WIDTH = 0.01  # of a roller's radius; the logarithm of the true half-width is in the law
 N_HARMONICS_PER_WIDTH = 200.0  # harmonics times b/R: point values under Hertz pressures converge slowly
@@ -66,21 +66,21 @@ def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
     compliance[:n, :n] = _ring_coupling(*inner, half_width, angle)
     compliance[n:, n:] = _ring_coupling(*outer, half_width, angle)
     compliance[j, n + j] = compliance[n + j, j] = squeezed - single
-    curvature = 1.0 / bearing.roller_radius
+    inner_pair, outer_pair, _ = contact_pairs(bearing)
     return Condensed(
         bearing=bearing,
         radial=radial,
-        inner_law=_law(bearing, inner, single, half_width, curvature + 1.0 / bearing.inner_raceway_radius),
-        outer_law=_law(bearing, outer, single, half_width, curvature - 1.0 / bearing.outer_raceway_radius),
+        inner_law=_law(inner, single, half_width, inner_pair),
+        outer_law=_law(outer, single, half_width, outer_pair),
         compliance=compliance / bearing.roller_length,
-        growth=np.zeros(2 * n),
+        closing=np.zeros(2 * n),
     )
 
 
 def _ring_coupling(radius: float, held: float, material: Material, half_width: float, angle) -> np.ndarray:
     """Displacement of each contact by a unit load, N/m, on each other; zero on the diagonal."""
     harmonics = np.arange(int(N_HARMONICS_PER_WIDTH * radius / half_width))
-    series = ring_compliance(harmonics, radius, held, material)
+    series = ring_harmonic_compliance(harmonics, radius, held, material)
     pressure = hertz_patch(harmonics, half_width, radius)
     coupling = np.zeros((len(angle), len(angle)))
     for shift in range(1, len(angle)):  # equally spaced: one value per distance
@@ -90,18 +90,8 @@ def _ring_coupling(radius: float, held: float, material: Material, half_width: f
     return coupling
 
 
-def _law(bearing: Bearing, ring, roller_approach: float, half_width: float, curvature: float) -> ContactLaw:
+def _law(ring, roller_approach: float, half_width: float, pair: Pair) -> ContactLaw:
     """The whole approach of one contact, both bodies, as a law δ = A Q (B − ½ ln Q)."""
-    radius, held, material = ring
-    length = bearing.roller_length
-    A = sum(2.0 / (pi * m.plane_strain_modulus * length) for m in (bearing.roller, material))
-    factor = 2.0 * A / curvature
-    total = (ring_hertz_approach(radius, held, material, half_width) + roller_approach) / length
-    B = total / A + log(half_width) - 0.5 * log(factor)
-    return ContactLaw(
-        A=A,
-        B=B,
-        Q_line=exp(2.0 * (B - 0.5 - STEEPEST)),
-        relative_radius=1.0 / curvature,
-        half_width_factor=factor,
-    )
+    A = pair.line_compliance
+    total = (ring_hertz_approach(*ring, half_width) + roller_approach) / pair.length
+    return ContactLaw.of_level(A, total / A + log(half_width) - 0.5 * log(pair.half_width_factor), pair)

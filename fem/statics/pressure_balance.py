@@ -4,26 +4,17 @@ Points push or stand open, never both. As in `contact_balance` the bodies are co
 where that comes from is not known here.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
+from fem.contacts.reduction import PressurePoints
 from fem.statics.contact_balance import LOOSE_SPRING, NotFound, geometry
 from lagrange import Bearing
+from lagrange.overlap import overlaps
 
 MAX_NEWTON = 40
 MAX_CLOSING = 100
 ENOUGH = 1e-9  # of the load
-
-
-@dataclass(frozen=True, kw_only=True)
-class PressurePoints:
-    """Points of all contacts: those of inner ones first, then of outer ones."""
-
-    contact: np.ndarray  # (n_points,), whose point it is
-    closing: np.ndarray  # (n_points,), m, by other loads, less how far the surfaces lie apart when the contact touches
-    compliance: np.ndarray  # (n_points, n_points), m/N
 
 
 def balance_pressures(
@@ -51,7 +42,7 @@ def balance_pressures(
         total = np.bincount(points.contact, force, minlength=2 * n)
         residual = applied - directions.T @ total - LOOSE_SPRING * (place - middle)
         jacobian = -directions.T @ slopes @ directions - LOOSE_SPRING * np.eye(2 + n)
-        return residual, jacobian + _turning(radial, place, total[:n]), force, active
+        return residual, jacobian + _turning(bearing, radial, place, total[:n]), force, active
 
     place = start
     residual, jacobian, force, active = system(place, active)
@@ -75,14 +66,13 @@ def balance_pressures(
     return place, force
 
 
-def _turning(radial, place, inner_force) -> np.ndarray:
+def _turning(bearing: Bearing, radial, place, inner_force) -> np.ndarray:
     """Change of the balance as the inner contacts' normals turn, (n_rollers + 2, n_rollers + 2), N/m."""
-    to_roller = radial * place[2:, None] - place[:2]
-    distance = np.hypot(to_roller[:, 0], to_roller[:, 1])
-    normal = to_roller / distance[:, None]
+    at = overlaps(bearing, place[0], place[1], *(radial * place[2:, None]).T, place[2:])
+    direction = np.column_stack([at.direction_x, at.direction_y])
     found = np.zeros((2 + len(radial), 2 + len(radial)))
     for k in range(len(radial)):
-        turn = (np.eye(2) - np.outer(normal[k], normal[k])) * (inner_force[k] / distance[k])
+        turn = (np.eye(2) - np.outer(direction[k], direction[k])) * (inner_force[k] / at.distance[k])
         found[:2, :2] += turn
         found[:2, 2 + k] -= turn @ radial[k]
         found[2 + k, :2] -= turn @ radial[k]
@@ -92,15 +82,14 @@ def _turning(radial, place, inner_force) -> np.ndarray:
 
 def _pressed(points: PressurePoints, overlap: np.ndarray, active: np.ndarray):
     """Forces of all points, N, their derivative to the contacts' overlaps summed by contact, and the active points."""
-    closing = overlap[points.contact] + points.closing
-    count = overlap.size
+    count, overlap = overlap.size, overlap[points.contact] + points.closing
     for _ in range(MAX_CLOSING):
         i = np.flatnonzero(active)
-        force = np.zeros(closing.size)
+        force = np.zeros(overlap.size)
         factor = lu_factor(points.compliance[np.ix_(i, i)]) if i.size else None
         if i.size:
-            force[i] = lu_solve(factor, closing[i])
-        left = closing - points.compliance @ force
+            force[i] = lu_solve(factor, overlap[i])
+        left = overlap - points.compliance @ force
         found = np.where(active, force > 0.0, left > 0.0)
         if np.array_equal(found, active):
             break

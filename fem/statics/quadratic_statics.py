@@ -5,15 +5,17 @@ stand open (Signorini). Undeformed gaps are those of exact circles.
 """
 
 from dataclasses import dataclass
-from math import pi, sqrt
 
 import numpy as np
 
-from fem.elastic.quadratic import contact_nodes, disc_compliance, ring_compliance
-from fem.statics.contact_balance import Condensed, Loads, NoLaw, NotFound, balance, first_guess, geometry
-from fem.statics.pressure_balance import PressurePoints, balance_pressures
+from fem.contacts.contact_law import NoLaw
+from fem.contacts.reduction import PressurePoints
+from fem.elastic.quadratic import contact_nodes, disc_spot_compliance, ring_spot_compliance
+from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, first_guess, geometry
+from fem.statics.pressure_balance import balance_pressures
 from lagrange import Bearing
 from lagrange.kinematics import roller_angles
+from lagrange.pair import contact_pairs
 from meshes import RefinedDisc, RefinedSector, Spot
 
 STRIBECK = 5.0  # largest roller load times the number of rollers over the bearing's load, about (Stribeck 1907)
@@ -53,7 +55,7 @@ def quadratic_statics(
     n = bearing.n_rollers
     angle = roller_angles(bearing, first_roller_angle)
     radial = np.column_stack([np.cos(angle), np.sin(angle)])
-    half_width = _half_width(bearing, STRIBECK * radial_load / n)
+    half_width = contact_pairs(bearing)[0].half_width(STRIBECK * radial_load / n)  # it only scales the mesh
     spot = Spot(half_width=half_width, per_half_width=per_half_width)
     along, length = contact_nodes(spot)
     area = length * bearing.roller_length
@@ -82,13 +84,6 @@ def quadratic_statics(
     )
 
 
-def _half_width(bearing: Bearing, force: float) -> float:
-    """Hertz's b at an inner contact, m (Johnson, Contact Mechanics, 1985, chapter 4); it only scales the mesh."""
-    modulus = 1.0 / sum(1.0 / material.plane_strain_modulus for material in (bearing.roller, bearing.inner_ring))
-    radius = 1.0 / (1.0 / bearing.roller_radius + 1.0 / bearing.inner_raceway_radius)
-    return sqrt(4.0 * force * radius / (pi * modulus * bearing.roller_length))
-
-
 def _falls(bearing: Bearing, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """How far inner and outer circles fall apart beside the line of centres, m."""
 
@@ -109,12 +104,12 @@ def _compliance(bearing: Bearing, spot: Spot) -> np.ndarray:
             (bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring),
         )
     ):
-        ring = ring_compliance(
+        ring = ring_spot_compliance(
             RefinedSector(raceway_radius=raceway, held_radius=held, sectors=n, spot=spot), material, length
         )
         for j in range(n):
             found[kind, np.arange(n), :, kind, j] = ring[(np.arange(n) - j) % n]
-    own, other = disc_compliance(RefinedDisc(radius=bearing.roller_radius, spot=spot), bearing.roller, length)
+    own, other = disc_spot_compliance(RefinedDisc(radius=bearing.roller_radius, spot=spot), bearing.roller, length)
     j = np.arange(n)
     # the roller counts its nodes as the outer raceway does, and against the inner one
     found[1, j, :, 1, j] += own
@@ -131,9 +126,9 @@ def _start(bearing: Bearing, radial, points: PressurePoints, shape: np.ndarray, 
     contacts = Condensed(
         bearing=bearing,
         radial=radial,
-        inner_law=NoLaw,
-        outer_law=NoLaw,
+        inner_law=NoLaw(),
+        outer_law=NoLaw(),
         compliance=weights.T @ points.compliance @ weights,
-        growth=weights.T @ points.closing,
+        closing=weights.T @ points.closing,
     )
     return balance(contacts, Loads(load, 0.0, 0.0), first_guess(bearing, radial, load))[0]

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.elastic.model import Model
-from fem.statics.equilibrium import standing
-from fem.statics.solve import equilibrium
+from fem.contacts.model import Model
+from fem.contacts.reduction import standing
+from fem.statics.equilibrium import equilibrium
 from lagrange import Operation
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Quantity:
     """One number of interest."""
 
@@ -22,7 +22,7 @@ class Quantity:
 
 
 def static_quantities(model: Model, operation: Operation) -> list[Quantity]:
-    """Of the bearing at rest under load and weight, rollers where the scene puts them.
+    """Quantities of the bearing at rest under load and weight, rollers where the scene puts them.
 
     Errors
     ------
@@ -33,23 +33,17 @@ def static_quantities(model: Model, operation: Operation) -> list[Quantity]:
     found = equilibrium(model, still, operation.radial_load, weight, operation.gravity)
     total = float(found.inner_force.sum())
     share = float(found.inner_force.max()) / total if total > 0.0 else 0.0
+    force = float(found.inner_force.max())
     return [
-        Quantity(name="static_hub_x", unit="m", meaning="hub at rest, x", value=float(found.hub[0])),
-        Quantity(name="static_hub_y", unit="m", meaning="hub at rest, y", value=float(found.hub[1])),
-        Quantity(
-            name="static_largest_force",
-            unit="N",
-            meaning="largest force on the inner raceway, at rest",
-            value=float(found.inner_force.max()),
-        ),
-        Quantity(
-            name="static_largest_share", unit="1", meaning="its share of all forces on the inner raceway", value=share
-        ),
+        Quantity("static_hub_x", "m", "hub at rest, x", float(found.hub[0])),
+        Quantity("static_hub_y", "m", "hub at rest, y", float(found.hub[1])),
+        Quantity("static_largest_force", "N", "largest force on the inner raceway, at rest", force),
+        Quantity("static_largest_share", "1", "its share of all forces on the inner raceway", share),
     ]
 
 
 def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
-    """Of a record, by the result file's names; at least two samples. Means are over time.
+    """Quantities of a record, by the result file's names; at least two samples. Means are over time.
 
     The varying compliance is the standard deviation of the hub's path; the cage speed is the slope of the straight line
     through the rollers' mean angle.
@@ -63,28 +57,13 @@ def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
     for axis in "xy":
         path = samples[f"inner_{axis}"]
         middle = mean(path)
-        found += [
-            Quantity(name=f"hub_mean_{axis}", unit="m", meaning=f"mean position of the hub, {axis}", value=middle),
-            Quantity(
-                name=f"hub_std_{axis}",
-                unit="m",
-                meaning=f"standard deviation of the hub's path, {axis}",
-                value=mean((path - middle) ** 2) ** 0.5,
-            ),
-        ]
-    angle = samples["roller_theta"].mean(axis=1)
+        spread = mean((path - middle) ** 2) ** 0.5
+        found.append(Quantity(f"hub_mean_{axis}", "m", f"mean position of the hub, {axis}", middle))
+        found.append(Quantity(f"hub_std_{axis}", "m", f"standard deviation of the hub's path, {axis}", spread))
+    cage_speed = float(np.polyfit(time, samples["roller_theta"].mean(axis=1), 1)[0])
     return [
         *found,
-        Quantity(
-            name="largest_force", unit="N", meaning="largest force on the inner raceway", value=float(force.max())
-        ),
-        Quantity(
-            name="mean_largest_force",
-            unit="N",
-            meaning="force of the most loaded roller, mean",
-            value=mean(force.max(axis=1)),
-        ),
-        Quantity(
-            name="cage_speed", unit="rad/s", meaning="speed of the cage", value=float(np.polyfit(time, angle, 1)[0])
-        ),
+        Quantity("largest_force", "N", "largest force on the inner raceway", float(force.max())),
+        Quantity("mean_largest_force", "N", "force of the most loaded roller, mean", mean(force.max(axis=1))),
+        Quantity("cage_speed", "rad/s", "speed of the cage", cage_speed),
     ]

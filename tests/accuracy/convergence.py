@@ -86,7 +86,7 @@ def measure(chosen: Scene, folder: Path, statics: bool) -> dict[str, tuple[float
     path = folder / "run.nc"
     with ResultFile(path, plan, 0.0) as store:
         seen = run(plan, store.append)
-        store.finish("complete", seen.steps, seen.wall)
+        store.finish("complete", steps=seen.steps, wall_seconds=seen.wall)
     with h5py.File(path) as file:
         record = {name: file[name][:] for name in NEEDED}
     quantities = moving_quantities(record)

@@ -11,14 +11,12 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem.elastic.model import Model, build_model, build_resolved_model, build_spread_model
-from fem.elastic.spread import ONE_PATCH
-from fem.solver.discretise import half_widths
-from fem.statics.equilibrium import Motion, standing
+from fem.contacts import Model, ResolvedModel, SpreadModel, SubgridModel
+from fem.contacts.reduction import Motion, standing
+from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
-from fem.statics.resolved_statics import contact_pressures
-from fem.statics.solve import equilibrium
 from lagrange.kinematics import roller_angles
+from lagrange.pair import contact_pairs
 from lagrange.scene import read_scene
 from tests.pages import DOCS, commit, markdown_table
 
@@ -48,12 +46,13 @@ def measure(kind: str, size_mm: float) -> Point:
     size = 1e-3 * size_mm
     exact = exact_statics(bearing, how.radial_load, how.first_roller_angle)
     force = float(exact.inner_force.max())
+    widths = [pair.half_width(force) for pair in contact_pairs(bearing)[:2]]
     if kind == "resolved":
-        model = build_resolved_model(bearing, size)
-    elif size < ONE_PATCH * max(half_widths(bearing, force)):
-        model = build_spread_model(bearing, size, force)
+        model = ResolvedModel.build(bearing, size)
+    elif size < SpreadModel.coarsest * max(widths):
+        model = SpreadModel.of_force(bearing, size, force)
     else:
-        model = build_model(bearing, size)
+        model = SubgridModel.build(bearing, size)
     still = standing(bearing, how.first_roller_angle)
     found = equilibrium(model, still, how.radial_load, 0.0, 0.0)
     angles = roller_angles(bearing, how.first_roller_angle)
@@ -61,7 +60,7 @@ def measure(kind: str, size_mm: float) -> Point:
     return Point(
         model=kind,
         size_mm=size_mm,
-        per_half_width=size / half_widths(bearing, force)[0],
+        per_half_width=size / widths[0],
         degrees_of_freedom=model.degrees_of_freedom,
         hub_error=float(found.hub[1] / exact.hub[1] - 1.0),
         force_error=float(np.abs(found.inner_force - exact.inner_force).max() / force),
@@ -72,13 +71,11 @@ def measure(kind: str, size_mm: float) -> Point:
 
 def _below(model: Model, still: Motion, load: float, force: float) -> float:
     """Approach that the term below the grid adds to the most loaded inner contact, m."""
-    if not model.is_resolved:
+    if not isinstance(model, SpreadModel):
         return float(model.inner_law.approach(force))
-    if not model.inner_law.spreads:
-        return 0.0
     law = model.inner_law
     found = max(contact_pressures(model, still, load)[: model.bearing.n_rollers], key=lambda p: p.pressure.sum())
-    forces = found.pressure * law.spacing * law.thickness
+    forces = found.pressure * law.spacing * law.pair.length
     return float(forces @ law.local_compliance(forces.size) @ forces / forces.sum())
 
 
@@ -128,10 +125,10 @@ def plot(points: list[Point], path: Path) -> None:
         axes.axvline(1.0, color="0.6", linestyle="--")
         axes.grid(True, color="0.9")
     upper.annotate("mesh = half-width", (1.0, upper.get_ylim()[0]), rotation=90, color="0.4", ha="right", va="bottom")
-    upper.axvline(ONE_PATCH, color="0.6", linestyle=":")
+    upper.axvline(SpreadModel.coarsest, color="0.6", linestyle=":")
     upper.annotate(
         "one patch a contact, uniform mesh →\n← pressure points, mesh coarser inside",
-        (ONE_PATCH, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 2), textcoords="offset points",
+        (SpreadModel.coarsest, 1.0), xycoords=("data", "axes fraction"), xytext=(0, 2), textcoords="offset points",
         color="0.4", fontsize=8, ha="center", va="bottom",
     )  # fmt: skip
     upper.set(ylabel="static hub displacement,\nerror against exact series, %")

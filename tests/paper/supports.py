@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import splu
 
+from fem.contacts import Model, SubgridModel
+from fem.contacts.patch import ring_patch_force
+from fem.contacts.reduction import standing
 from fem.elastic.assembly import assemble
-from fem.elastic.model import Model, build_model
-from fem.elastic.subgrid import ring_patch_force
 from fem.statics.contact_balance import Condensed, Loads, balance, closed_forces, first_guess
-from fem.statics.equilibrium import patch_responses, standing
 from lagrange.scene import read_scene
 from meshes import mesh_of
 
@@ -47,7 +47,7 @@ def held_cases() -> list[Held]:
 def held(outside_mm: float, name: str) -> Held:
     """Solve one ring with one of SUPPORTS."""
     scene = read_scene(None, (f"bearing.outside_diameter_mm={outside_mm}",))
-    model = build_model(scene.ideal_bearing(), MESH)
+    model = SubgridModel.build(scene.ideal_bearing(), MESH)
     solve = supported(model, SUPPORTS[name])
     load = scene.operation.radial_load_N
     pitch = 2.0 * np.pi / model.bearing.n_rollers
@@ -96,7 +96,7 @@ def _balance(model: Model, motion, load: float, solve):
     """Solve for the hub, m, the inner forces, N, and the raceway's largest displacement, m."""
     ring, n = model.outer_ring, model.bearing.n_rollers
     radial = np.column_stack([np.cos(motion.roller_angle), np.sin(motion.roller_angle)])
-    patches = patch_responses(model, motion, 0.0, radial, np.zeros(2), np.full(n, model.bearing.pitch_radius))
+    patches = model.reduced(motion, 0.0, np.concatenate([np.zeros(2), np.full(n, model.bearing.pitch_radius)]))
     loads = np.stack([ring_patch_force(ring, a) for a in motion.roller_angle], axis=-1)
     response = solve(loads)
     compliance = patches.compliance.copy()
@@ -105,7 +105,7 @@ def _balance(model: Model, motion, load: float, solve):
     )
     contacts = Condensed(
         bearing=model.bearing, radial=radial, inner_law=model.inner_law, outer_law=model.outer_law,
-        compliance=compliance, growth=patches.growth,
+        compliance=compliance, closing=patches.closing,
     )  # fmt: skip
     position, forces = balance(contacts, Loads(load, 0.0, 0.0), first_guess(model.bearing, radial, load))
     forces = closed_forces(forces)

@@ -7,8 +7,8 @@ from math import pi
 
 import numpy as np
 
+from fem.contacts import Model, ResolvedModel, SubgridModel
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
-from fem.elastic.model import Model, build_model, build_resolved_model
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.time_loop import advance
 from fem.solver.arrays import Arrays, make_arrays
@@ -63,7 +63,7 @@ def fair_load(bearing: Bearing) -> float:
 
 @cache
 def model(bearing: Bearing, mesh_size: float) -> Model:
-    return build_model(bearing, mesh_size)
+    return SubgridModel.build(bearing, mesh_size)
 
 
 @cache
@@ -90,7 +90,7 @@ def soft(**changes) -> Bearing:
 
 @cache
 def resolved_model(bearing: Bearing, mesh_size: float) -> Model:
-    return build_resolved_model(bearing, mesh_size)
+    return ResolvedModel.build(bearing, mesh_size)
 
 
 def operation(**changes) -> Operation:

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from fem.errors import UsageError
-from fem.solver.samples import Samples
-from fem.solver.simulate import Plan, RunFailed, make_plan, run
+from fem.errors import RunFailed, UsageError
+from fem.solver.finite_elements import ElementPlan
+from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Samples
 from lagrange.scene import SceneError, parse_scene
 
 COMPLETE, REFUSED, STOPPED, FAILED = "complete", "refused", "stopped", "FAILED"
@@ -42,7 +43,7 @@ class Outcome:
 class Watch:
     """Looks at the samples of a run as they come."""
 
-    def __init__(self, plan: Plan):
+    def __init__(self, plan: ElementPlan):
         self._plan = plan
         self.count = 0
         self.faults: list[str] = []

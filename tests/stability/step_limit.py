@@ -8,8 +8,10 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem.solver.samples import Samples
-from fem.solver.simulate import Plan, RunFailed, make_plan, run
+from fem.errors import RunFailed
+from fem.solver.finite_elements import ElementPlan
+from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Samples
 from lagrange.scene import Scene, parse_scene
 from tests.stability.random_scenes import random_scene
 
@@ -61,12 +63,12 @@ def scenes() -> dict[str, Scene]:
     }
 
 
-def at_ratio(plan: Plan, ratio: float, steps: int) -> Plan:
+def at_ratio(plan: ElementPlan, ratio: float, steps: int) -> ElementPlan:
     """The plan with its time step a ratio of the critical one, so many steps long."""
     return replace(plan, time_step=ratio * plan.critical_time_step, stride=STRIDE, n_samples=1 + steps // STRIDE)
 
 
-def energy_drift(plan: Plan) -> float:
+def energy_drift(plan: ElementPlan) -> float:
     """Largest energy imbalance over the largest stored energy; NaN if the run stopped itself."""
     largest = [0.0, 1e-300]
 

@@ -7,15 +7,18 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
+from fem.contacts.contact_law import ContactLaw
 from fem.elastic.assembly import assemble
-from fem.elastic.subgrid import ContactLaw
 from fem.kernels import disc_kernels
 from fem.kernels.law import contact_energy
 from lagrange import Material
+from lagrange.pair import Pair
 from meshes import Mesh
 
 # Doyen, Ern and Piperno 2011, section 5: a unit cross-section, any consistent units
 LENGTH, MODULUS, DENSITY, GRAVITY, DROP = 10.0, 900.0, 1.0, 10.0, 5.0
+ELASTIC = Material(youngs_modulus=MODULUS, poisson_ratio=0.0, density=DENSITY)
+FLAT = Pair(kind="flat", radii=(np.inf, np.inf), materials=(ELASTIC, ELASTIC), length=1.0)  # no half-width is asked for
 LEVEL = 50.0  # B of the contact law: its logarithm then bends the stiffness by 6 % at most
 
 
@@ -48,10 +51,8 @@ def fall(n_elements: int, duration: float, safety: float = 0.9) -> Fall:
     """
     mesh = strip(n_elements)
     side = LENGTH / n_elements
-    bar = assemble(mesh, Material(youngs_modulus=MODULUS, poisson_ratio=0.0, density=DENSITY), 1.0 / side)
-    law = ContactLaw(
-        A=side / (MODULUS * LEVEL), B=LEVEL, Q_line=np.inf, relative_radius=np.inf, half_width_factor=np.inf
-    )
+    bar = assemble(mesh, ELASTIC, 1.0 / side)
+    law = ContactLaw(A=side / (MODULUS * LEVEL), B=LEVEL, Q_line=np.inf, pair=FLAT)
     stiffest = law.stiffness(1e3)
     dt = safety * 2.0 / sqrt(_largest_square(bar, stiffest))
     blocks = bar.stiffness.tobsr((2, 2))

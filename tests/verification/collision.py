@@ -5,7 +5,7 @@ from math import pi
 
 import numpy as np
 
-from fem.elastic.critical_step import critical_time_step
+from fem.contacts.critical_step import critical_time_step
 from fem.kernels.state import ROLLER
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.start import rest_start

@@ -1,17 +1,21 @@
 """Contacts and whole bearings at rest: line contact, and statics of bearings of many shapes."""
 
+from dataclasses import replace
 from functools import cache
-from math import pi
+from math import inf, pi
 
 import numpy as np
 
+from fem.contacts.contact_law import ContactLaw
+from fem.contacts.patch import disc_patch_force
+from fem.contacts.reduction import standing
+from fem.contacts.subgrid import REFERENCE_HALF_WIDTH, SurfaceCompliance, contact_law, disc_surface_compliance
 from fem.elastic.bodies import DiscBody
-from fem.elastic.model import REFERENCE_HALF_WIDTH
-from fem.elastic.subgrid import SurfaceCompliance, contact_law, disc_compliance, disc_patch_force
 from fem.kernels.law import ripple_at
-from fem.statics.equilibrium import Equilibrium, standing, static_equilibrium
+from fem.statics.equilibrium import Equilibrium, equilibrium
 from fem.statics.exact_statics import ExactStatics, exact_statics
-from lagrange import Bearing
+from lagrange import Bearing, Material
+from lagrange.pair import Pair
 from tests.reference.bearings import (
     HALF_PITCH,
     LENGTH,
@@ -37,6 +41,12 @@ ONE_MM, TWO_MM = ("1 mm", 0.2), ("2 mm", 0.4)
 SERIES = "our own exact series, no mesh (fem.statics.exact_statics)"
 
 
+def law_on_rigid(surface: SurfaceCompliance, radius: float, material: Material = STEEL) -> ContactLaw:
+    """Law of a calibrated surface, a circle of a radius, m, against a rigid flat one."""
+    materials = (material, replace(material, rigid=True))
+    return contact_law(surface, RIGID, Pair(kind="flat", radii=(radius, inf), materials=materials, length=LENGTH))
+
+
 def squeezed(body: DiscBody, surface: SurfaceCompliance, position: float) -> float:
     """Compliance of a disc's mesh under one of two opposite unit forces, ripple included, m/N."""
     angle = 2.0 * pi * position / body.shape.surface_nodes
@@ -47,7 +57,7 @@ def squeezed(body: DiscBody, surface: SurfaceCompliance, position: float) -> flo
 @cache
 def at_rest(bearing: Bearing, mesh_size: float, first: float, load: float) -> Equilibrium:
     """Static equilibrium of the finite elements, weightless; `first` is the first roller's angle, rad."""
-    return static_equilibrium(model(bearing, mesh_size), standing(bearing, first), load, 0.0, 0.0)
+    return equilibrium(model(bearing, mesh_size), standing(bearing, first), load, 0.0, 0.0)
 
 
 @cache
@@ -77,8 +87,8 @@ def compared(what: str, pairs: list, tolerance: float, source: str):
 def squeezed_disc():
     """A roller of 10 mm squeezed by two line loads, mesh 1 mm: mesh, patches and sub-grid law together."""
     body = disc(0.005, 5)
-    surface = disc_compliance(body, LENGTH, REFERENCE_HALF_WIDTH * 0.005)
-    law = contact_law(surface, RIGID, 0.005)
+    surface = disc_surface_compliance(body, LENGTH, REFERENCE_HALF_WIDTH * 0.005)
+    law = law_on_rigid(surface, 0.005)
     grid = np.array([squeezed(body, surface, position) for position in POSITIONS])
     modulus = STEEL.plane_strain_modulus
     for force in (100.0, 628.0, 1000.0):
@@ -101,9 +111,10 @@ def squeezed_disc():
 def roller_on_disc():
     """A roller of 10 mm on a solid disc of 36 mm, mesh 1 mm: the contact law of two calibrated bodies."""
     bodies = (disc(0.005, 5), disc(0.018, 19))
-    surfaces = [disc_compliance(body, LENGTH, REFERENCE_HALF_WIDTH * 0.005) for body in bodies]
+    surfaces = [disc_surface_compliance(body, LENGTH, REFERENCE_HALF_WIDTH * 0.005) for body in bodies]
+    pair = Pair(kind="inner", radii=(0.018, 0.005), materials=(STEEL, STEEL), length=LENGTH)
     radius = 1.0 / (1.0 / 0.005 + 1.0 / 0.018)
-    law = contact_law(*surfaces, radius)
+    law = contact_law(*surfaces, pair)
     grid = sum(squeezed(body, surface, 0.3) for body, surface in zip(bodies, surfaces, strict=True))
     modulus = STEEL.plane_strain_modulus
     for force in (100.0, 628.0, 1000.0):

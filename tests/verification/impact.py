@@ -5,8 +5,10 @@ from math import gamma, pi, sqrt
 import numpy as np
 
 from lagrange import BallBearing, Operation, contact_laws
-from lagrange.integrate import FreeAngles, integrate
+from lagrange.integrate import Integration
 from lagrange.motion import State
+from lagrange.problem import Problem
+from lagrange.systems import FreeAngles
 from tests.reference.bearings import STEEL, STEEL_ON_STEEL
 from tests.reference.disc_impact import thrown_at_flat
 from tests.reference.line_contact import impact_on_rigid_flat
@@ -109,15 +111,16 @@ def ball_impact():
     )  # fmt: skip
     alone = Operation(speed=0.0, radial_load=0.0, inner_mass=1.0, gravity=0.0, first_roller_angle=0.0)
     track, zero = far - radius, np.zeros(1)
-    system = FreeAngles(bearing, alone, contact_laws("hertz", bearing), 0.0)
+    laws = contact_laws("hertz", bearing)
+    system = FreeAngles(Problem(bearing=bearing, operation=alone, laws=laws, angles="free"))
     start = State(
         x=0.0, y=0.0, rho=zero + track - 1e-7, theta=zero,
         x_rate=0.0, y_rate=0.0, rho_rate=zero + speed, theta_rate=zero,
     )  # fmt: skip
     step = 2e-8
-    record = integrate(system, system.pack(start), step, 1, 2000, 0.0)
+    record = Integration(system, system.pack(start), step, 1, 0.0).advance(2000)
     depth = np.abs(record.q[:, 0]) - track
-    law = contact_laws("hertz", bearing).outer
+    law = laws.outer
     touching = np.flatnonzero(depth > 0.0)
     in_at, out_at = touching[0], touching[-1]
     early = depth[in_at] / (depth[in_at] - depth[in_at - 1])

@@ -4,10 +4,10 @@ from math import pi, radians, sqrt
 
 import numpy as np
 
-from fem.elastic.model import build_resolved_model
-from fem.elastic.resolved import POINTS_PER_NODE
-from fem.statics.equilibrium import standing
-from fem.statics.resolved_statics import Pressures, contact_pressures
+from fem.contacts import ResolvedModel
+from fem.contacts.points import POINTS_PER_NODE
+from fem.contacts.reduction import standing
+from fem.statics.equilibrium import Pressures, contact_pressures
 from lagrange import Bearing, Material, kinematics
 from tests.reference.line_contact import half_width
 from tests.verification.case import Case, Check, Origin
@@ -38,7 +38,7 @@ def cylinder_on_a_block():
         roller=STEEL, inner_ring=ALUMINIUM, outer_ring=ALUMINIUM,
     )  # fmt: skip
     relative = 1.0 / (1.0 / CYLINDER + 1.0 / RACEWAY)
-    model = build_resolved_model(bearing, PUBLISHED_HALF_WIDTH / 5.0)
+    model = ResolvedModel.build(bearing, PUBLISHED_HALF_WIDTH / 5.0)
     peak, width = peak_and_width(contact_pressures(model, standing(bearing, -0.5 * pi), LOAD)[0])
     scale = sqrt(relative / CYLINDER)
     yield Check(

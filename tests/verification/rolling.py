@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fem.kernels.state import INNER
-from fem.solver.simulate import Plan
+from fem.solver.finite_elements import ElementPlan
 from lagrange import kinematics
 from tests.reference.compiled import find_slips, press_contacts, push_surfaces, rub_contacts
 from tests.reference.line_contact import carter_creep, half_width
@@ -17,7 +17,7 @@ FRICTION = 0.1
 KINEMATICS = "rolling without slip (Harris, chapter 8)"
 
 
-def _creep(plan: Plan, sliding: float) -> tuple[float, float, float]:
+def _creep(plan: ElementPlan, sliding: float) -> tuple[float, float, float]:
     """Roller 0 pushed along the inner raceway at `sliding`, m/s: its creep, traction over μQ, and Q, N."""
     state = plan.arrays()
     press_contacts(state)

@@ -4,8 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.solver.samples import Samples
-from fem.solver.simulate import Plan, make_plan, run
+from fem.solver.finite_elements import ElementPlan
+from fem.solver.simulate import make_plan, run
+from fem.solver.solver import Samples
 from lagrange.scene import read_scene
 
 
@@ -13,7 +14,7 @@ from lagrange.scene import read_scene
 class RunSamples:
     """All samples of a run, by the result file's names; SI."""
 
-    plan: Plan
+    plan: ElementPlan
     values: dict[str, np.ndarray]  # time first
     imbalance: np.ndarray  # J
 
@@ -26,12 +27,12 @@ class RunSamples:
         return float(np.max(self["energy_elastic"] + self["energy_contact"]))
 
 
-def plan_of(**settings: float | str) -> Plan:
+def plan_of(**settings: float | str) -> ElementPlan:
     """The paper's scene but for these keys: `operation__speed_rpm=900`."""
     return make_plan(read_scene(None, tuple(f"{key.replace('__', '.')}={value}" for key, value in settings.items())))
 
 
-def record(plan: Plan) -> RunSamples:
+def record(plan: ElementPlan) -> RunSamples:
     """Run a plan to its end."""
     kept: list[Samples] = []
     run(plan, kept.append)
@@ -42,11 +43,11 @@ def record(plan: Plan) -> RunSamples:
     )
 
 
-def every_step(plan: Plan, n_steps: int) -> Plan:
+def every_step(plan: ElementPlan, n_steps: int) -> ElementPlan:
     """The plan with a sample at each of its first steps."""
     return replace(plan, stride=1, n_samples=n_steps + 1)
 
 
-def without_spin(plan: Plan) -> Plan:
+def without_spin(plan: ElementPlan) -> ElementPlan:
     """The plan with rollers that go round with the cage and do not turn."""
     return replace(plan, start=replace(plan.start, kinematics=replace(plan.start.kinematics, roller=0.0)))

@@ -7,11 +7,9 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
+from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.kept import kept
-from fem.elastic.model import Model
-from fem.elastic.points import point_springs
-from fem.elastic.subgrid import disc_patch_force, ring_patch_force
 
 LOAD_MARGIN = 10.0  # contacts are as stiff as at this many times the largest static force
 # what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
@@ -30,16 +28,14 @@ def critical_time_step(model: Model, largest_force: float) -> float:
     ------
     Lanczos approaches ω_max² from below; its tolerance is added.
     """
-    if model.is_resolved:
-        return _found(model, largest_force)
-    shapes = [body.shape for body in (model.roller, model.inner_ring, model.outer_ring)]
-    key = repr((model.bearing, shapes, model.inner_law, model.outer_law, model.roller_law, largest_force))
+    bodies = [(body.shape, body.material) for body in (model.roller, model.inner_ring, model.outer_ring)]
+    key = repr((type(model).__name__, model.bearing, bodies, model.laws, largest_force))
     return float(kept("step", key, lambda: {"critical": np.array(_found(model, largest_force))})["critical"])
 
 
 def _found(model: Model, largest_force: float) -> float:
     force = LOAD_MARGIN * max(largest_force, 1.0)
-    springs = point_springs(model) if model.is_resolved else _patch_springs(model, force)
+    springs = model.springs(force)
     limits = {"roller": _disc_limit, "inner_ring": _ring_limit, "outer_ring": _ring_limit}
     elastic = [name for name in limits if not getattr(model, name).material.rigid]
     found = [limits[name](getattr(model, name), springs[name]) for name in elastic]
@@ -48,43 +44,13 @@ def _found(model: Model, largest_force: float) -> float:
     return 2.0 / sqrt(max(found) * (1.0 + LANCZOS_TOLERANCE))
 
 
-def _stiffnesses(model: Model, force: float) -> list[float]:
-    """Of an inner, an outer and a roller's contact, N/m, at a force, N."""
-    return [law.stiffness(min(force, law.Q_line)) for law in (model.inner_law, model.outer_law, model.roller_law)]
-
-
-def _patch_springs(model: Model, force: float) -> dict[str, sparse.csc_matrix]:
-    """Columns √(2k)·load of the springs on each kind of body; a roller has one of each kind, apart from each other."""
-    ends = [
-        EVENLY if not (model.roller.material.rigid or ring.material.rigid) else LIGHT
-        for ring in (model.inner_ring, model.outer_ring)
-    ]
-    inner, outer, between = (
-        sqrt(share * k) for share, k in zip((*ends, EVENLY), _stiffnesses(model, force), strict=True)
-    )
-    angles = 2.0 * np.pi * np.arange(3) / 3.0
-    on_roller = [
-        size * disc_patch_force(model.roller, angle)
-        for size, angle in zip((inner, outer, between), angles, strict=True)
-    ]
-    return {
-        "roller": sparse.csc_matrix(np.stack(on_roller, axis=1)),
-        "inner_ring": _column(inner * ring_patch_force(model.inner_ring, 0.0)),
-        "outer_ring": _column(outer * ring_patch_force(model.outer_ring, 0.0)),
-    }
-
-
 def _rigid_limits(model: Model, force: float) -> Iterator[float]:
     """Largest ω², 1/s², or more, of the bodies that move as a whole; the inner ring's without the shaft's mass."""
-    inner, outer, between = _stiffnesses(model, force)
+    inner, outer, between = model.stiffnesses(force)
     if model.roller.material.rigid:
         yield (HEAVY * (inner + outer) + 2.0 * EVENLY * between) / model.roller.total_mass
     if model.inner_ring.material.rigid:
         yield model.bearing.n_rollers * HEAVY * inner / model.inner_ring.total_mass
-
-
-def _column(load: np.ndarray) -> sparse.csc_matrix:
-    return sparse.csc_matrix(load.reshape(-1, 1))
 
 
 def _disc_limit(disc: DiscBody, springs: sparse.csc_matrix) -> float:

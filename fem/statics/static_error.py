@@ -1,22 +1,14 @@
-"""The static equilibrium of a model by its contacts' kind, and how far it is from exact elasticity."""
+"""How far a model's static equilibrium is from exact elasticity."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from fem.elastic.model import Model
-from fem.statics.equilibrium import Equilibrium, Motion, standing, static_equilibrium
+from fem.contacts.model import Model
+from fem.contacts.reduction import standing
+from fem.statics.equilibrium import equilibrium
 from fem.statics.exact_statics import exact_statics
-from fem.statics.resolved_statics import resolved_equilibrium
 from lagrange import Operation
-
-
-def equilibrium(
-    model: Model, motion: Motion, radial_load: float, weight: float, gravity: float, start: Equilibrium | None = None
-) -> Equilibrium:
-    """Equilibrium under a load, N, and the weight, N, of hub and inner ring; `start`: one that is near."""
-    solve = resolved_equilibrium if model.is_resolved else static_equilibrium
-    return solve(model, motion, radial_load, weight, gravity, start)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,16 +13,23 @@ mesh is refined.
 """
 
 from dataclasses import dataclass
-from math import log, pi, sqrt
+from math import log, pi
+from typing import ClassVar
 
 import numpy as np
 from scipy.linalg import toeplitz
 
+from fem.contacts.model import Model, assembled_bodies, named
+from fem.contacts.patch import disc_patch_force, patch, patches, ring_patch_force
+from fem.contacts.points import PointLaw, PointModel
+from fem.contacts.resolved import WIDE
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
-from fem.elastic.subgrid import disc_patch_force, patch, ring_patch_force
-from fem.kernels.state import INNER, OUTER, ROLLER
+from fem.kernels.patches import N_NODES
+from fem.kernels.state import Spread
 from lagrange import Bearing
+from lagrange.pair import contact_pairs, line_compliance
+from meshes import graded_shapes
 
 POINTS_PER_HALF_WIDTH = 10  # at the largest static force
 ONE_PATCH = 2.0  # least surface spacing over a contact's half-width at which one patch is far wider than the contact
@@ -35,70 +42,81 @@ MEAN_BELOW_CENTRE = 0.25  # of A: by how much the pressure's mean displacement i
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpreadLaw:
-    """A pair of surfaces pressed together at points."""
+class SpreadLaw(PointLaw):
+    """A pair of surfaces with the compliance that the mesh lacks between points."""
 
-    relative_radius: float  # R, m
-    half_width_factor: float  # b²/Q = 4R/(π E* L), m²/N (Johnson, Contact Mechanics, 1985, ch. 4)
-    spacing: float  # of the points, m
-    radii: tuple[float, float]  # of side 0 and side 1, m; a bore's is negative
-    thickness: float  # m
-    lack: np.ndarray  # (n_points,), m/N, G by the distance in spacings
+    missing_compliance: np.ndarray  # (n_points,), m/N, G by the distance in spacings
 
-    is_one_point = False
-    sagitta = None
-    spreads = True
+    def most(self, largest_force: float) -> int:
+        """See `PointLaw.most`: all there are."""
+        return self.missing_compliance.size // 2
 
-    def half_width(self, force: float) -> float:
-        """Hertz half-width b, m."""
-        return sqrt(self.half_width_factor * force)
+    def places(self, half_count: int) -> np.ndarray:
+        """See `PointLaw.places`: no more than compliances are known for."""
+        return super().places(min(half_count, self.missing_compliance.size // 2))
 
-    @property
-    def most_points(self) -> int:
-        """Points of a contact."""
-        return self.lack.size
+    def local_compliance(self, n_points: int) -> np.ndarray:
+        """See `PointLaw.local_compliance`: what the mesh lacks."""
+        return toeplitz(self.missing_compliance[:n_points])
 
     def inverses(self) -> np.ndarray:
         """Inverses of G for 1, 2, ... neighbouring points, each by rows, one after the other; N/m."""
-        return np.concatenate([np.linalg.inv(toeplitz(self.lack[:n])).ravel() for n in range(1, self.most_points + 1)])
+        counts = range(1, self.missing_compliance.size + 1)
+        return np.concatenate([np.linalg.inv(self.local_compliance(n)).ravel() for n in counts])
 
-    def local_compliance(self, n_points: int) -> np.ndarray:
-        """What the mesh lacks between neighbouring points, (n_points, n_points), m/N."""
-        return toeplitz(self.lack[:n_points])
-
-
-def spread_laws(
-    bearing: Bearing, roller: DiscBody, inner: RingBody, outer: RingBody, largest_force: float
-) -> dict[int, SpreadLaw]:
-    """Laws by kind of contact; the largest static force in N. Points stand as dense as the narrowest one needs."""
-    length, r = bearing.roller_length, bearing.roller_radius
-    radii = {INNER: (bearing.inner_raceway_radius, r), OUTER: (-bearing.outer_raceway_radius, r), ROLLER: (r, r)}
-    sides = {INNER: (inner, roller), OUTER: (outer, roller), ROLLER: (roller, roller)}
-    found = {}
-    for kind in radii:
-        unit = sum(_unit(body, length) for body in sides[kind])
-        relative = 1.0 / sum(1.0 / radius for radius in radii[kind])
-        spacing = sqrt(2.0 * relative * unit * largest_force) / POINTS_PER_HALF_WIDTH
-        apart = spacing * np.arange(2 * SPAN * POINTS_PER_HALF_WIDTH)
-        found[kind] = SpreadLaw(
-            relative_radius=relative,
-            half_width_factor=2.0 * relative * unit,
-            spacing=spacing,
-            radii=radii[kind],
-            thickness=length,
-            lack=sum(_lack(body, length, apart) for body in sides[kind]),
+    @staticmethod
+    def spread(laws: tuple, n_points: int, n_rollers: int) -> Spread:
+        """See `PointLaw.spread`."""
+        return Spread(
+            missing=np.stack([law.missing_compliance for law in laws]),
+            inverse=np.stack([law.inverses() for law in laws]),
+            closed=np.zeros((3, n_rollers, 2), dtype=np.int64),
+            share=np.zeros(2 * n_points * N_NODES),
+            slope=np.zeros(2 * N_NODES),
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpreadModel(PointModel):
+    """Contacts whose points push patches of nodes, and what the mesh lacks between them."""
+
+    shapes: ClassVar = staticmethod(graded_shapes)
+    shares: ClassVar = staticmethod(patches)
+    nodes_beyond: ClassVar[float] = 3.0 + N_NODES
+    coarsest: ClassVar[float] = ONE_PATCH
+    is_made_for_a_force: ClassVar[bool] = True
+    failure_hint: ClassVar[str] = f"{WIDE}: a coarser numerics.mesh_size_mm has no such limit; or "
+
+    @classmethod
+    def build(cls, bearing: Bearing, mesh_size: float, expected, contact=None) -> Model:
+        """See `Model.build`; the points are made for the expected force."""
+        return cls.of_force(bearing, mesh_size, expected.largest)
+
+    @classmethod
+    def of_force(cls, bearing: Bearing, mesh_size: float, largest_force: float) -> Model:
+        """Mesh and assemble a bearing at a surface spacing, m; the largest static force of a contact in N."""
+        bodies = assembled_bodies(bearing, graded_shapes(bearing, mesh_size))
+        return cls(bearing=bearing, **bodies, **named(spread_laws(bearing, bodies, largest_force)))
+
+    def smeared(self, spacing: float, half_width: float) -> float:
+        """See `Model.smeared`: pressure smeared out by a patch is about a patch with the sum of the variances."""
+        return 0.5 * float(np.hypot(2.0 * spacing, np.sqrt(3.0) * half_width))  # (2h)²/12 and b²/4
+
+
+def spread_laws(bearing: Bearing, bodies: dict[str, DiscBody | RingBody], largest_force: float) -> list[SpreadLaw]:
+    """Laws by kind of contact; the largest static force in N. Points stand as dense as each one's width needs."""
+    found = []
+    for pair, name in zip(contact_pairs(bearing), ("inner_ring", "outer_ring", "roller"), strict=True):
+        spacing = pair.half_width(largest_force) / POINTS_PER_HALF_WIDTH
+        apart = spacing * np.arange(2 * SPAN * POINTS_PER_HALF_WIDTH)
+        missing = sum(_missing_compliance(bodies[body], pair.length, apart) for body in (name, "roller"))
+        found.append(SpreadLaw(pair=pair, spacing=spacing, missing_compliance=missing))
     return found
 
 
-def _unit(body: DiscBody | RingBody, thickness: float) -> float:
-    """A = 2/(π E' L) of one body, m/N."""
-    return 2.0 / (pi * body.material.plane_strain_modulus * thickness)
-
-
-def _lack(body: DiscBody | RingBody, thickness: float, apart: np.ndarray) -> np.ndarray:
-    """G of one body at distances, m/N."""
-    unit = _unit(body, thickness)
+def _missing_compliance(body: DiscBody | RingBody, thickness: float, apart: np.ndarray) -> np.ndarray:
+    """G of one body at distances `apart`, m/N."""
+    unit = line_compliance(body.material, thickness)
     if isinstance(body, DiscBody):
         width = 0.01 * body.shape.radius  # any narrow one
         exact = disc_hertz_approach(body.shape.radius, body.material, width) / thickness

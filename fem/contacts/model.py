@@ -1,0 +1,136 @@
+"""A bearing made discrete: three kinds of body and their contacts; what every contact model answers."""
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from scipy import sparse
+
+from fem.contacts.reduction import Motion, Reduced
+from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
+from fem.elastic.rigid import rigid_body
+from fem.kernels.state import Law, Points
+from lagrange import Bearing
+from meshes import BearingShapes, bearing_shapes
+
+
+class KernelData(NamedTuple):
+    """What the time loop is told of a contact model; laws and ripples by kind of contact."""
+
+    laws: tuple[Law, ...]
+    ripples: tuple[np.ndarray, ...]  # of the raceways and the rollers; empty without a law below the grid
+    units: tuple[int, ...]  # of `fem.kernels.state.Patches`
+    points: Points | None
+    neighbourly: float  # surface nodes; contacts as near as that push nodes of each other's
+    facet_depth: float  # m, by which both surfaces of a contact may lie below their circles
+
+
+@dataclass(frozen=True, kw_only=True)
+class Model:
+    """Everything about a bearing that its mesh and its contact model decide. A contact model is a class of its own.
+
+    `kind` of contact is INNER, OUTER or ROLLER, the place of its law in `laws`.
+    """
+
+    bearing: Bearing
+    roller: DiscBody
+    inner_ring: RingBody
+    outer_ring: RingBody
+    inner_law: Any  # of inner raceway and roller; has a `pair`, `approach` and `softness`
+    outer_law: Any  # of outer raceway and roller
+    roller_law: Any  # of two rollers
+
+    shapes: ClassVar = staticmethod(bearing_shapes)  # of the bodies at a surface spacing, m
+    coarsest: ClassVar[float] = inf  # surface spacing over a half-width at which the model is still good
+    is_made_for_a_force: ClassVar[bool] = False  # points stand where the largest static force needs them
+    is_sized_by_forces: ClassVar[bool] = False  # statics need to know about how wide contacts are
+    static_passes: ClassVar[int] = 3  # contacts sit along the lines of centres, which the solution moves
+    failure_hint: ClassVar[str] = ""  # what else to try where velocities are lost
+    stress_note: ClassVar[str | None] = None  # how the mesh carries contacts, where pictures add nothing to its stress
+
+    @classmethod
+    def build(cls, bearing: Bearing, mesh_size: float, expected, contact) -> "Model":
+        """Mesh and assemble a bearing at a surface spacing, m.
+
+        Parameters
+        ----------
+        expected : has `largest`, the largest static force of a contact, N; contact : the scene's [contact]
+        """
+        raise NotImplementedError
+
+    def reduced(self, motion: Motion, gravity: float, place: np.ndarray, forces: np.ndarray | None) -> Reduced:
+        """The bearing reduced to its contacts with hub and radii at `place`, (n_rollers + 2,), m.
+
+        `forces` : (2 n_rollers,), N, expected, of inner contacts and then of outer ones; not asked for by all models
+        """
+        raise NotImplementedError
+
+    def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
+        """Closed contacts on each kind of body at a force, N: columns that make `column @ column.T` a stiffness, N/m.
+
+        A roller has one contact of each kind, apart from each other.
+        """
+        raise NotImplementedError
+
+    def stiffnesses(self, force: float) -> list[float]:
+        """Stiffnesses of an inner, an outer and a roller's contact, N/m, at a force, N, where bodies may be rigid."""
+        raise NotImplementedError
+
+    def kernel_data(self, largest_force: float) -> KernelData:
+        """What the time loop needs; with room for contacts wider than the largest static force, N, makes them."""
+        raise NotImplementedError
+
+    def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
+        """Nodes of a surface that carry a contact force, N, at an angle, their shares, and the angle less theirs."""
+        raise NotImplementedError
+
+    def smeared(self, spacing: float, half_width: float) -> float | None:
+        """Node spacing, m, of the patch that pictures exchange for Hertz's pressure; None: the mesh has that."""
+        return None
+
+    def indentation(self, kind: int, force: np.ndarray) -> np.ndarray:
+        """Part of the approach, m, under forces, N, that no node shows."""
+        return np.zeros_like(force)
+
+    def give(self, load: float) -> float:
+        """How far a sound contact may give way under the load at the hub, N, beyond what elastic bodies do, m."""
+        return 0.0
+
+    @property
+    def laws(self) -> tuple[Any, Any, Any]:
+        """Laws by kind of contact."""
+        return self.inner_law, self.outer_law, self.roller_law
+
+    @property
+    def n_nodes(self) -> int:
+        """Number of nodes of all elastic bodies."""
+        rings = sum(ring.n_rows * ring.n_sectors for ring in self._elastic_rings)
+        return self.bearing.n_rollers * (0 if self.roller.material.rigid else self.roller.n_nodes) + rings
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Number of free ones: two per node off the held circles, two of the hub, three of a rigid roller."""
+        rings = sum((ring.n_rows - 1) * ring.n_sectors for ring in self._elastic_rings)
+        of_a_roller = 3 if self.roller.material.rigid else 2 * self.roller.n_nodes
+        return self.bearing.n_rollers * of_a_roller + 2 * rings + 2
+
+    @property
+    def _elastic_rings(self) -> list[RingBody]:
+        return [ring for ring in (self.inner_ring, self.outer_ring) if not ring.material.rigid]
+
+
+def named(laws) -> dict[str, Any]:
+    """Laws by kind as the entries of a `Model`."""
+    return dict(zip(("inner_law", "outer_law", "roller_law"), laws, strict=True))
+
+
+def assembled_bodies(bearing: Bearing, shapes: BearingShapes) -> dict[str, DiscBody | RingBody]:
+    """Bodies as the entries of a `Model`."""
+    thickness = bearing.roller_length
+    bodies = {
+        "roller": disc_body(shapes.roller, bearing.roller.elastic, thickness),
+        "inner_ring": ring_body(shapes.inner_ring, bearing.inner_ring.elastic, thickness, held_inside=True),
+        "outer_ring": ring_body(shapes.outer_ring, bearing.outer_ring.elastic, thickness, held_inside=False),
+    }
+    return {name: rigid_body(body) if getattr(bearing, name).rigid else body for name, body in bodies.items()}

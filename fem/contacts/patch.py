@@ -1,0 +1,86 @@
+"""Which surface nodes carry a force: a patch of six around it, or the two beside it; pressures over many of either."""
+
+from collections.abc import Callable
+from math import pi
+
+import numpy as np
+
+from fem.elastic.bodies import DiscBody, RingBody
+from fem.kernels.patches import N_NODES, first_node, weights
+
+HERTZ_POINTS = 64
+Shares = Callable[[np.ndarray, int], tuple[np.ndarray, np.ndarray]]  # `hats` or `patches`
+
+
+def patch(n_surface: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Nodes, weights and angular offsets (contact minus node, rad) of the patch at an angle; each (6,)."""
+    position = angle * n_surface / (2.0 * pi)
+    base = int(np.floor(position))
+    weight = np.empty(N_NODES)
+    weights(position - base, weight, 0, 1)
+    nodes = first_node(base) + np.arange(N_NODES)
+    return nodes % n_surface, weight, (position - nodes) * (2.0 * pi / n_surface)
+
+
+def ring_patch_force(ring: RingBody, angle: float) -> np.ndarray:
+    """Nodal forces (n_rows, 2, n_sectors) of a unit force along the outward radius at `angle` of the raceway."""
+    nodes, weight, offset = patch(ring.n_sectors, angle)
+    force = np.zeros((ring.n_rows, 2, ring.n_sectors))
+    np.add.at(force, (ring.raceway_row, 0, nodes), weight * np.cos(offset))
+    np.add.at(force, (ring.raceway_row, 1, nodes), weight * np.sin(offset))
+    return force
+
+
+def disc_patch_force(disc: DiscBody, angle: float) -> np.ndarray:
+    """Nodal forces (2 n_nodes,) of a unit force along the outward radius at `angle` of the surface."""
+    nodes, weight, _ = patch(disc.shape.surface_nodes, angle)
+    force = np.zeros((disc.n_nodes, 2))
+    np.add.at(force, disc.first_surface_node + nodes, np.outer(weight, [np.cos(angle), np.sin(angle)]))
+    return force.ravel()
+
+
+def patches(angle: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes of the patches around points at angles, (m,), and each node's share of each point, (m, n_angles)."""
+    found = [patch(n_nodes, a) for a in angle]
+    nodes, where = np.unique(np.concatenate([nodes for nodes, _, _ in found]), return_inverse=True)
+    share = np.zeros((nodes.size, angle.size))
+    np.add.at(share, (where, np.repeat(np.arange(angle.size), N_NODES)), np.concatenate([w for _, w, _ in found]))
+    return nodes, share
+
+
+def hats(angle: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:
+    """The two nodes beside each of some points instead; as `patches`."""
+    position = angle * n_nodes / (2.0 * pi)
+    base = np.floor(position).astype(int)
+    beyond = position - base
+    nodes = np.unique(np.concatenate([base, base + 1]) % n_nodes)
+    share = np.zeros((nodes.size, angle.size))
+    column = np.arange(angle.size)
+    np.add.at(share, (np.searchsorted(nodes, base % n_nodes), column), 1.0 - beyond)
+    np.add.at(share, (np.searchsorted(nodes, (base + 1) % n_nodes), column), beyond)
+    return nodes, share
+
+
+def ring_push(ring: RingBody, angle: np.ndarray, size: np.ndarray, shares: Shares) -> tuple[np.ndarray, np.ndarray]:
+    """Raceway nodes and their polar forces under forces along the radius at angles: (m,), (2 m, n_angles)."""
+    nodes, share = shares(angle, ring.n_sectors)
+    off = angle[None, :] - (2.0 * pi / ring.n_sectors) * nodes[:, None]
+    push = np.stack([share * np.cos(off), share * np.sin(off)], axis=1) * size
+    return nodes, push.reshape(2 * nodes.size, -1)
+
+
+def disc_push(disc: DiscBody, angle: np.ndarray, size: np.ndarray, shares: Shares) -> tuple[np.ndarray, np.ndarray]:
+    """Surface nodes and their forces under forces along the outward radius at angles: (m,), (2 m, n_angles)."""
+    nodes, share = shares(angle, disc.shape.surface_nodes)
+    push = np.stack([share * np.cos(angle), share * np.sin(angle)], axis=1) * size
+    return nodes, push.reshape(2 * nodes.size, -1)
+
+
+def hertz_patch(
+    n_surface: int, angle: float, half_width: float, shares: Shares
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A Hertz pressure of a half-width in rad as nodal forces: nodes, shares, and the contact's angle less theirs."""
+    place = pi * np.arange(1, HERTZ_POINTS + 1) / (HERTZ_POINTS + 1)  # Gauss-Chebyshev points of the second kind
+    nodes, share = shares(angle + half_width * np.cos(place), n_surface)
+    offset = np.mod(angle - (2.0 * pi / n_surface) * nodes + pi, 2.0 * pi) - pi
+    return nodes, share @ (2.0 / (HERTZ_POINTS + 1) * np.sin(place) ** 2), offset

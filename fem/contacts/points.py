@@ -1,0 +1,247 @@
+"""Contacts of pressure points: where they are, which nodes they push, what they add to the step's stiffness.
+
+Contacts that the mesh resolves, those whose points are spread over patches, and the one point of a penalty spring have
+this in common; `PointLaw` and `PointModel` are what differs.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import ceil, log2, pi
+from typing import Any, ClassVar
+
+import numpy as np
+from scipy import sparse
+
+from fem.contacts.contact_law import NoLaw
+from fem.contacts.critical_step import EVENLY
+from fem.contacts.model import KernelData, Model
+from fem.contacts.patch import Shares, disc_push, hertz_patch, ring_push
+from fem.contacts.reduction import Motion, Reduced, unloaded
+from fem.elastic.bodies import DiscBody, RingBody
+from fem.kernels.facet_kernels import chord
+from fem.kernels.patches import N_NODES
+from fem.kernels.state import INNER, OUTER, Law, Points, Spread
+from lagrange.pair import Pair
+
+POINTS_PER_NODE = 4  # of resolved contacts
+CLOSED_NODES = 12  # of a contact closed over so many, the middle knows no end
+SPAN = 3.0  # half-range of the time loop's points over the half-width at the largest static force
+REACH = 2.0  # and of those of statics, over that at the expected force
+FAINT = 0.05  # of the largest force: contacts expected to carry less get the points of this one
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointLaw(NoLaw):
+    """A pair of surfaces pressed together at points."""
+
+    pair: Pair
+    spacing: float  # of the points, m
+
+    point_stiffness: ClassVar[float] = 0.0  # force per penetration of one point, N/m
+    sagitta: ClassVar[tuple[float, float]] = (0.0, 0.0)  # of both sides' facets, m, negative in a bore
+
+    def half_count(self, force: float, span: float) -> int:
+        """Points on either side of the line of centres, up to `span` half-widths at a force, N."""
+        return ceil(span * self.pair.half_width(force) / self.spacing)
+
+    def most(self, largest_force: float) -> int:
+        """Points on either side that the time loop needs at the largest static force, N."""
+        return self.half_count(largest_force, SPAN)
+
+    def places(self, half_count: int) -> np.ndarray:
+        """Points along the tangent, m, from the line of centres, (2 half_count,), or as many as there may be."""
+        return (np.arange(-half_count, half_count) + 0.5) * self.spacing
+
+    def local_compliance(self, n_points: int) -> np.ndarray:
+        """Compliance between neighbouring points beside the mesh's, (n_points, n_points), m/N."""
+        raise NotImplementedError
+
+    @staticmethod
+    def spread(laws: tuple, n_points: int, n_rollers: int) -> Spread | None:
+        """What the time loop needs of points whose forces are spread over patches; None where a layer resists."""
+        return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointModel(Model):
+    """A bearing whose contacts are carried by points, without a law of the contact as a whole."""
+
+    is_sized_by_forces: ClassVar[bool] = True
+    static_passes: ClassVar[int] = 2
+    shares: ClassVar[Shares]  # of points among nodes
+    nodes_beyond: ClassVar[float] = 3.0  # that the outermost points push beside those under them
+
+    def reduced(self, motion: Motion, gravity: float, place: np.ndarray, forces: np.ndarray) -> "PointResponses":
+        """See `Model.reduced`: the bodies' answer to forces on the points."""
+        n, disc, rings, laws = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring), self.laws[:2]
+        line, faintest = motion.lines_of_centres(place), FAINT * forces.max()
+        each = [
+            laws[c // n].places(max(2, laws[c // n].half_count(max(force, faintest), REACH)))
+            for c, force in enumerate(forces)
+        ]
+        across, contact = np.concatenate(each), np.repeat(np.arange(2 * n), [places.size for places in each])
+        kind, j = contact // n, contact % n
+        rise, angles = np.zeros(across.size), np.zeros((2, across.size))
+        for side in (0, 1):
+            radius = np.array([law.pair.radii[side] for law in laws])[kind]
+            angles[side] = np.arcsin(across / np.abs(radius))
+            rise += radius * (1.0 - np.cos(angles[side]))
+        on_ring = line[contact] + angles[0]
+        on_roller = np.where(kind == INNER, line[contact] + pi - angles[1], line[contact] + angles[1])
+        on_roller = on_roller - motion.roller_turn[j]
+        rise += _chords(laws, kind, 1, on_roller, disc.shape.surface_nodes)
+        for k, (ring, turn) in enumerate(zip(rings, (motion.ring_turn, 0.0), strict=True)):
+            mine = kind == k
+            rise[mine] += _chords(laws, kind[mine], 0, on_ring[mine] - turn, ring.n_sectors)
+
+        compliance = np.zeros((across.size, across.size))
+        for c in range(2 * n):
+            mine = np.flatnonzero(contact == c)
+            compliance[np.ix_(mine, mine)] = laws[c // n].local_compliance(mine.size)
+        growth, loads = np.zeros(across.size), []
+        free = unloaded(self, motion, gravity)
+        for k, (ring, field) in enumerate(zip(rings, (free["inner_growth"], free["outer_sag"]), strict=True)):
+            mine = np.flatnonzero(kind == k)
+            turn, outward = (motion.ring_turn, 1.0) if k == INNER else (0.0, -1.0)
+            nodes, push = ring_push(ring, on_ring[mine] - turn, outward / np.cos(angles[0, mine]), self.shares)
+            compliance[np.ix_(mine, mine)] += push.T @ ring.surface_influence(nodes) @ push
+            growth[mine] += push.T @ field[ring.raceway_row][:, nodes].T.ravel()
+            loads.append((mine, nodes, push))
+        swelling = free["roller_growth"].reshape(-1, 2)
+        for roller in range(n):
+            mine = np.flatnonzero(j == roller)
+            nodes, push = disc_push(disc, on_roller[mine], 1.0 / np.cos(angles[1, mine]), self.shares)
+            compliance[np.ix_(mine, mine)] += push.T @ disc.surface_influence(nodes) @ push
+            growth[mine] += push.T @ swelling[disc.first_surface_node + nodes].ravel()
+            loads.append((mine, nodes, push))
+        return PointResponses(
+            contact=contact,
+            closing=growth - rise,
+            compliance=compliance,
+            across=across,
+            bodies=(disc, *rings),
+            loads=loads,
+            **free,
+        )
+
+    def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
+        """See `Model.springs`: the points' own stiffness over as many as lie over CLOSED_NODES nodes, at any force."""
+        disc, half = self.roller, POINTS_PER_NODE * CLOSED_NODES // 2
+        on_roller = []
+        for kind, law in enumerate(self.laws):
+            angle = law.places(half) / disc.shape.radius + 2.0 * pi * kind / 3.0
+            nodes, push = disc_push(disc, angle, 1.0, self.shares)
+            on_roller.append(_embedded(push, 2 * (disc.first_surface_node + nodes), 1, 2 * disc.n_nodes, law))
+        found = {"roller": sparse.hstack(on_roller).tocsc()}
+        for name, ring, law in (
+            ("inner_ring", self.inner_ring, self.inner_law),
+            ("outer_ring", self.outer_ring, self.outer_law),
+        ):
+            nodes, push = ring_push(ring, law.places(half) / ring.raceway_radius, 1.0, self.shares)
+            first = ring.raceway_row * 2 * ring.n_sectors + nodes
+            found[name] = _embedded(push, first, ring.n_sectors, 2 * ring.n_rows * ring.n_sectors, law)
+        return found
+
+    def kernel_data(self, largest_force: float) -> KernelData:
+        """See `Model.kernel_data`: the points, and room for patches that hold every node under them."""
+        found = points(self.laws, largest_force, self.bearing.n_rollers)
+        units, pairs = self._patch_units(found), [law.pair for law in self.laws]
+        return KernelData(
+            laws=tuple(Law(0.0, 0.0, 0.0, pair.half_width_factor, 1.0 / pair.relative_radius) for pair in pairs),
+            ripples=(np.zeros(0),) * 3,
+            units=units,
+            points=found,
+            neighbourly=N_NODES * len(units),
+            facet_depth=float(np.abs(found.sagitta).sum(axis=1).max()),
+        )
+
+    def _patch_units(self, found: Points) -> tuple[int, ...]:
+        """As many entries as patches need units of six nodes: a power of two, as each is compiled for itself."""
+        nodes = self.inner_ring.n_sectors, self.outer_ring.n_sectors, self.roller.shape.surface_nodes
+        widest = max(
+            2.0 * np.abs(found.shift[kind, side]).max() * count / (2.0 * pi)
+            for (kind, side), count in zip(((INNER, 0), (OUTER, 0), (INNER, 1)), nodes, strict=True)
+        )
+        return (0,) * 2 ** max(0, ceil(log2((widest + self.nodes_beyond) / N_NODES)))
+
+    def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
+        """See `Model.carried`: Hertz's pressure over the points' nodes."""
+        half_width = self.laws[kind].pair.half_width(abs(force))
+        return hertz_patch(n_surface, angle, half_width / radius, self.shares)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointResponses(Reduced):
+    """Points, and the nodes that they push."""
+
+    across: np.ndarray  # (n_points,), m, from the line of centres along the tangent
+    bodies: tuple[DiscBody, RingBody, RingBody]  # roller, inner and outer ring
+    loads: list  # per ring and roller: (points, nodes, (2 nodes, points) nodal forces of unit forces)
+
+    def fields(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """See `Reduced.fields`: solved once under all of the forces."""
+        disc, *rings = self.bodies
+        fields = []
+        for ring, growth, (mine, nodes, push) in zip(
+            rings, (self.inner_growth, self.outer_sag), self.loads[:2], strict=True
+        ):
+            nodal = np.zeros((ring.n_rows, 2, ring.n_sectors))
+            nodal[ring.raceway_row][:, nodes] = -(push @ forces[mine]).reshape(-1, 2).T
+            fields.append(growth + ring.held(nodal))
+        n = len(self.loads) - 2
+        nodal = np.zeros((disc.n_nodes, 2, n))
+        for roller, (mine, nodes, push) in enumerate(self.loads[2:]):
+            nodal[disc.first_surface_node + nodes, :, roller] = -(push @ forces[mine]).reshape(-1, 2)
+        rollers = disc.relaxed(nodal.reshape(-1, n)) + self.roller_growth[:, None]
+        return *fields, rollers.T.reshape(n, -1, 2).copy()
+
+
+def points(laws: tuple[PointLaw, PointLaw, PointLaw], largest_force: float, n_rollers: int) -> Points:
+    """The time loop's points, up to SPAN half-widths at the largest static force, N."""
+    half = max(law.most(largest_force) for law in laws)
+    n = laws[INNER].places(half).size
+    shift, tangent, rise = np.zeros((3, 2, n)), np.zeros((3, 2, n)), np.zeros((3, n))
+    for kind, law in enumerate(laws):
+        for side, radius in enumerate(law.pair.radii):
+            angle = np.arcsin(law.places(half) / abs(radius))
+            # along t the points of a roller that faces side 0 lie clockwise about its own centre
+            shift[kind, side] = -angle if side == 1 and kind != OUTER else angle
+            tangent[kind, side] = np.sign(radius) * np.tan(angle)
+            rise[kind] += radius * (1.0 - np.cos(angle))
+    return Points(
+        shift=shift,
+        tangent=tangent,
+        rise=rise,
+        sagitta=np.array([law.sagitta for law in laws]),
+        stiffness=np.array([law.point_stiffness for law in laws]),
+        energy=np.zeros((3, n_rollers)),
+        before=np.full((3, n_rollers, 3, n), np.nan),
+        residual=np.zeros((3, n_rollers)),
+        closing=np.zeros(n),
+        force=np.zeros(n),
+        turning=np.zeros((3, n)),
+        spread=laws[INNER].spread(laws, n, n_rollers),
+    )
+
+
+def surface_spacings(bodies: dict[str, Any]) -> dict[str, float]:
+    """Distance of surface nodes of each body, m."""
+    rings = {name: bodies[name] for name in ("inner_ring", "outer_ring")}
+    return {
+        "roller": bodies["roller"].shape.surface_spacing,
+        **{name: 2.0 * pi * ring.raceway_radius / ring.n_sectors for name, ring in rings.items()},
+    }
+
+
+def _chords(laws: Iterable[PointLaw], kind, side: int, angle, n_nodes: int) -> np.ndarray:
+    """How far facets lie below the circle at angles of a surface, (n_points,), m."""
+    sagitta = np.array([law.sagitta[side] for law in laws])[kind]
+    return sagitta * np.array([chord(x)[0] for x in np.mod(angle * n_nodes / (2.0 * pi), 1.0)])
+
+
+def _embedded(push: np.ndarray, first: np.ndarray, apart: int, size: int, law: PointLaw) -> sparse.csc_matrix:
+    """Two components per node, `apart` from each other, put to their places among all degrees of freedom."""
+    rows = np.stack([first, first + apart], axis=1).ravel()
+    place = sparse.csc_matrix((np.ones(rows.size), (rows, np.arange(rows.size))), shape=(size, rows.size))
+    own = np.linalg.inv(law.local_compliance(push.shape[1]))
+    return place @ sparse.csc_matrix(push @ np.linalg.cholesky(EVENLY * own))

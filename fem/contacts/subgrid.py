@@ -1,0 +1,253 @@
+"""What the mesh can't see of a contact: the sub-grid Hertz compliance, calibrated to each body's mesh.
+
+The finite elements carry the contact force as a smooth patch two to four nodes wide. The true Hertz pressure of
+half-width b is far narrower; its extra approach, per body,
+
+    δ_i = A_i Q (B_i − ½ ln Q),    A_i = 2 / (π E'_i L),
+
+has the half-plane's dependence on b, and a B_i fixed so that finite elements plus sub-grid term give the exact
+continuum answer for that body: a free disc squeezed by two Hertz pressures, a ring held on its other circle. A mesh
+is softer at some places of its surface than at others (0.1 % between node and mid-edge, 1 % along a sextant of the
+disc), so B_i is a periodic function of the contact's position: a mean and a ripple, a spline over one period.
+"""
+
+from dataclasses import dataclass
+from math import log, pi, sqrt
+
+import numpy as np
+from scipy import sparse
+
+from fem.contacts.contact_law import ContactLaw
+from fem.contacts.critical_step import EVENLY, LIGHT
+from fem.contacts.model import KernelData, Model, assembled_bodies, named
+from fem.contacts.patch import disc_patch_force, patch, ring_patch_force
+from fem.contacts.reduction import Motion, Reduced, unloaded
+from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
+from fem.kernels.law import KNOTS_PER_NODE, ripple_at
+from fem.kernels.patches import ONE
+from fem.kernels.state import INNER, OUTER, Law
+from lagrange import Bearing, Material
+from lagrange.pair import Pair, contact_pairs, line_compliance
+from meshes import bearing_shapes
+
+REFERENCE_HALF_WIDTH = 0.01  # of a roller's radius: calibrated there, the constants hold for any narrow contact
+NEIGHBOURLY = 3.5  # nodes; two patches so far apart share 1.5e-3 of what each has of itself (a B-spline of degree 11)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceCompliance:
+    """Approach of one body's surface under unit load: exact continuum minus finite elements."""
+
+    missing: float  # m/N, at half_width, mean over positions
+    half_width: float  # b at which the continuum was evaluated, m
+    unit: float  # A_i = 2/(π E'_i L), m/N
+    ripple: np.ndarray  # (period · KNOTS_PER_NODE,), coefficients of A_i·B_i minus its mean, cubic B-spline, m/N
+    spread: float  # peak to peak of what the ripple takes away, relative to the exact approach
+
+
+@dataclass(frozen=True, kw_only=True)
+class SubgridModel(Model):
+    """Contacts of one patch each, with what the mesh can't see of them as a law."""
+
+    roller_surface: SurfaceCompliance
+    inner_surface: SurfaceCompliance
+    outer_surface: SurfaceCompliance
+
+    @classmethod
+    def build(cls, bearing: Bearing, mesh_size: float, expected=None, contact=None) -> "SubgridModel":
+        """See `Model.build`; nothing but the mesh size is asked for."""
+        bodies = assembled_bodies(bearing, bearing_shapes(bearing, mesh_size))
+        thickness = bearing.roller_length
+        half_width = REFERENCE_HALF_WIDTH * bearing.roller_radius
+        roller = disc_surface_compliance(bodies["roller"], thickness, half_width)
+        inner = ring_surface_compliance(bodies["inner_ring"], thickness, half_width)
+        outer = ring_surface_compliance(bodies["outer_ring"], thickness, half_width)
+        between = roller
+        if bearing.roller.rigid:  # two of them need a compliance to meet with: their material's own
+            between = unmeshed_disc(bearing.roller_radius, bearing.roller.elastic, thickness, half_width)
+        sides = (inner, roller), (outer, roller), (between, between)
+        return cls(
+            bearing=bearing,
+            **bodies,
+            **named(contact_law(*side, pair) for side, pair in zip(sides, contact_pairs(bearing), strict=True)),
+            roller_surface=roller,
+            inner_surface=inner,
+            outer_surface=outer,
+        )
+
+    def reduced(self, motion: Motion, gravity: float, place: np.ndarray, forces=None) -> "PatchResponses":
+        """See `Model.reduced`: a point for each contact, which stands for a patch."""
+        n, inner, outer, disc = self.bearing.n_rollers, self.inner_ring, self.outer_ring, self.roller
+        inner_angle, outer_angle = motion.lines_of_centres(place).reshape(2, n)
+        inner_load = np.stack([ring_patch_force(inner, a - motion.ring_turn) for a in inner_angle], axis=-1)
+        outer_load = np.stack([ring_patch_force(outer, a) for a in outer_angle], axis=-1)
+        near = np.stack([disc_patch_force(disc, a) for a in inner_angle + pi - motion.roller_turn], axis=-1)
+        far = np.stack([disc_patch_force(disc, a) for a in outer_angle - motion.roller_turn], axis=-1)
+        inner_response, outer_response = inner.held(inner_load), outer.held(outer_load)
+        responses = disc.relaxed(near), disc.relaxed(far)
+
+        compliance = np.zeros((2 * n, 2 * n))
+        compliance[:n, :n] = np.einsum("rcki,rckj->ij", inner_load, inner_response)
+        compliance[n:, n:] = np.einsum("rcki,rckj->ij", outer_load, outer_response)
+        j, nodes = np.arange(n), disc.shape.surface_nodes
+        for row, load in enumerate((near, far)):
+            for column, response in enumerate(responses):
+                compliance[row * n + j, column * n + j] += np.einsum("di,di->i", load, response)
+        compliance[j, j] += _ripples(self.inner_surface, inner_angle - motion.ring_turn, inner.n_sectors)
+        compliance[j, j] += _ripples(self.roller_surface, inner_angle + pi - motion.roller_turn, nodes)
+        compliance[n + j, n + j] += _ripples(self.outer_surface, outer_angle, outer.n_sectors)
+        compliance[n + j, n + j] += _ripples(self.roller_surface, outer_angle - motion.roller_turn, nodes)
+
+        free = unloaded(self, motion, gravity)
+        closing = np.concatenate(
+            [
+                np.einsum("rcki,rck->i", inner_load, free["inner_growth"]) + near.T @ free["roller_growth"],
+                far.T @ free["roller_growth"] - np.einsum("rcki,rck->i", outer_load, free["outer_sag"]),
+            ]
+        )
+        return PatchResponses(
+            contact=np.arange(2 * n),
+            closing=closing,
+            compliance=compliance,
+            inner_response=inner_response,
+            outer_response=outer_response,
+            roller_response=responses,
+            **free,
+        )
+
+    def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
+        """See `Model.springs`: one on each patch, stiffer the larger the force."""
+        ends = [
+            EVENLY if not (self.roller.material.rigid or ring.material.rigid) else LIGHT
+            for ring in (self.inner_ring, self.outer_ring)
+        ]
+        sizes = [sqrt(share * k) for share, k in zip((*ends, EVENLY), self.stiffnesses(force), strict=True)]
+        angles = 2.0 * np.pi * np.arange(3) / 3.0
+        on_roller = [size * disc_patch_force(self.roller, a) for size, a in zip(sizes, angles, strict=True)]
+        return {
+            "roller": sparse.csc_matrix(np.stack(on_roller, axis=1)),
+            "inner_ring": _column(sizes[INNER] * ring_patch_force(self.inner_ring, 0.0)),
+            "outer_ring": _column(sizes[OUTER] * ring_patch_force(self.outer_ring, 0.0)),
+        }
+
+    def stiffnesses(self, force: float) -> list[float]:
+        return [law.stiffness(min(force, law.Q_line)) for law in self.laws]
+
+    def kernel_data(self, largest_force: float) -> KernelData:
+        """See `Model.kernel_data`: the laws and their ripples."""
+        return KernelData(
+            laws=tuple(
+                Law(law.A, law.B, law.Q_line, law.pair.half_width_factor, 1.0 / law.pair.relative_radius)
+                for law in self.laws
+            ),
+            ripples=tuple(each.ripple for each in (self.inner_surface, self.outer_surface, self.roller_surface)),
+            units=ONE,
+            points=None,
+            neighbourly=NEIGHBOURLY,
+            facet_depth=0.0,
+        )
+
+    def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
+        """See `Model.carried`: a patch, whatever the force."""
+        return patch(n_surface, angle)
+
+    def smeared(self, spacing: float, half_width: float) -> float:
+        """See `Model.smeared`: the patch is one of the mesh's nodes."""
+        return spacing
+
+    def indentation(self, kind: int, force: np.ndarray) -> np.ndarray:
+        """See `Model.indentation`: what the law below the grid gives."""
+        return self.laws[kind].approach(force) * (force > 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PatchResponses(Reduced):
+    """Elastic responses to a unit force at every contact."""
+
+    inner_response: np.ndarray  # (n_rows, 2, n_sectors, n_rollers)
+    outer_response: np.ndarray
+    roller_response: tuple[np.ndarray, np.ndarray]  # inner, outer contact; each (2 n_nodes, n_rollers)
+
+    def fields(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """See `Reduced.fields`: sums of the responses."""
+        inner_force, outer_force = forces.reshape(2, -1)
+        inner_ring = self.inner_growth - np.einsum("rckn,n->rck", self.inner_response, inner_force)
+        outer_ring = self.outer_sag + np.einsum("rckn,n->rck", self.outer_response, outer_force)
+        near, far = self.roller_response
+        rollers = self.roller_growth[None, :] - (inner_force[:, None] * near.T + outer_force[:, None] * far.T)
+        return inner_ring, outer_ring, rollers.reshape(inner_force.size, -1, 2)
+
+
+def contact_law(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair) -> ContactLaw:
+    """Law of two calibrated surfaces, ripples apart."""
+    A = first.unit + second.unit
+    wide = 0.5 * log(pair.half_width_factor)
+    AB = sum(s.missing + s.unit * (log(s.half_width) - wide) for s in (first, second))
+    return ContactLaw.of_level(A, AB / A, pair)
+
+
+def ring_surface_compliance(ring: RingBody, thickness: float, half_width: float) -> SurfaceCompliance:
+    """Calibrate a held ring against the exact annulus under one Hertz pressure."""
+    if ring.material.rigid:
+        return rigid_surface(half_width)
+    angles = np.arange(KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / ring.n_sectors)
+    loads = np.stack([ring_patch_force(ring, angle) for angle in angles], axis=-1)
+    found = np.einsum("rcsp,rcsp->p", loads, ring.held(loads))
+    held = float(ring.radii[ring.held_row])
+    exact = ring_hertz_approach(ring.raceway_radius, held, ring.material, half_width) / thickness
+    return _missing(exact, found, half_width, ring.material, thickness)
+
+
+def disc_surface_compliance(disc: DiscBody, thickness: float, half_width: float) -> SurfaceCompliance:
+    """Calibrate a free disc against the exact disc squeezed by two opposite Hertz pressures."""
+    if disc.material.rigid:
+        return rigid_surface(half_width)
+    nodes = disc.shape.surface_nodes
+    angles = np.arange(nodes // disc.shape.repeats * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / nodes)
+    found = np.concatenate([_squeezed(disc, some) for some in np.array_split(angles, 1 + angles.size // 512)])
+    exact = disc_hertz_approach(disc.shape.radius, disc.material, half_width) / thickness
+    return _missing(exact, found, half_width, disc.material, thickness)
+
+
+def _squeezed(disc: DiscBody, angles: np.ndarray) -> np.ndarray:
+    """Approach of the mesh's surface at one of two opposite unit forces, (n_angles,), m/N."""
+    near = np.stack([disc_patch_force(disc, angle) for angle in angles], axis=-1)
+    far = np.stack([disc_patch_force(disc, angle + pi) for angle in angles], axis=-1)
+    return np.einsum("np,np->p", near, disc.relaxed(near + far))
+
+
+def rigid_surface(half_width: float) -> SurfaceCompliance:
+    """The compliance of a body that does not give way."""
+    return SurfaceCompliance(missing=0.0, half_width=half_width, unit=0.0, ripple=np.zeros(KNOTS_PER_NODE), spread=0.0)
+
+
+def unmeshed_disc(radius: float, material: Material, thickness: float, half_width: float) -> SurfaceCompliance:
+    """The compliance of a disc without finite elements: all of the exact disc's under two opposite Hertz pressures."""
+    exact = disc_hertz_approach(radius, material, half_width) / thickness
+    return _missing(exact, np.zeros(KNOTS_PER_NODE), half_width, material, thickness)
+
+
+def _missing(exact: float, found: np.ndarray, half_width: float, material: Material, thickness: float):
+    return SurfaceCompliance(
+        missing=float(exact - found.mean()),
+        half_width=half_width,
+        unit=line_compliance(material, thickness),
+        ripple=_spline_coefficients(found.mean() - found),
+        spread=float(np.ptp(found) / exact),
+    )
+
+
+def _spline_coefficients(samples: np.ndarray) -> np.ndarray:
+    """Coefficients of the periodic cubic B-spline through equally spaced samples."""
+    wave = 2.0 * np.pi * np.fft.rfftfreq(samples.size)
+    return np.fft.irfft(np.fft.rfft(samples) * 3.0 / (2.0 + np.cos(wave)), n=samples.size)
+
+
+def _ripples(surface: SurfaceCompliance, angles, nodes: int) -> np.ndarray:
+    positions = np.mod(angles * nodes / (2.0 * pi), nodes)
+    return np.array([ripple_at(position, surface.ripple)[0] for position in positions])
+
+
+def _column(load: np.ndarray) -> sparse.csc_matrix:
+    return sparse.csc_matrix(load.reshape(-1, 1))

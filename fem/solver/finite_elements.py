@@ -1,0 +1,147 @@
+"""The finite elements as a solver: everything decided before the first step."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+from math import ceil
+
+import numba
+
+from fem.contacts.critical_step import critical_time_step
+from fem.contacts.model import Model
+from fem.kernels.jit import cache_folder, is_compiled
+from fem.solver.arrays import Arrays, make_arrays
+from fem.solver.cautions import cautions
+from fem.solver.description import mesh_table, plan_rows
+from fem.solver.discretise import expected_forces, model_of
+from fem.solver.element_state import ElementState
+from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads, check_widths
+from fem.solver.solver import Plan, sample_count
+from fem.solver.start import Start, equilibrium_start, rest_start
+from fem.statics.contact_balance import NotFound
+from lagrange import Operation, kinematics
+from lagrange.scene import Scene
+
+LONGEST_UNWATCHED = 100  # steps between two looks at the energy
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElementPlan(Plan):
+    """A discrete model, its start and its time steps."""
+
+    scene: Scene
+    model: Model
+    operation: Operation
+    start: Start
+    critical_time_step: float  # s
+    time_step: float  # s
+    stride: int  # steps between samples
+    n_samples: int
+    largest_force: float  # N, static, of any contact
+    frame_stride: int  # samples between stored fields; 0: none
+    cautions: tuple[str, ...] = ()
+
+    model_name = "finite elements"
+    table, rows = mesh_table, plan_rows
+
+    @property
+    def interval(self) -> float:
+        """Between samples, s."""
+        return self.stride * self.time_step
+
+    @property
+    def looks(self) -> int:
+        """At the energy per sample: as few as leave at most LONGEST_UNWATCHED steps between two."""
+        fewest = ceil(self.stride / LONGEST_UNWATCHED)
+        return next(looks for looks in range(fewest, self.stride + 1) if self.stride % looks == 0)
+
+    @property
+    def steps(self) -> int:
+        return (self.n_samples - 1) * self.stride
+
+    @property
+    def mesh_nodes(self) -> int:
+        return self.model.n_nodes
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        return self.model.degrees_of_freedom
+
+    def arrays(self) -> Arrays:
+        """Fresh arrays at the start."""
+        numerics = self.scene.numerics
+        ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
+        friction = self.scene.contact.friction_coefficient
+        return make_arrays(
+            self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force, numerics.threads
+        )
+
+    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
+        """Compile the time loop, or load it compiled, without taking a step."""
+        if tell is not None and not is_compiled():
+            tell("compiling the kernels, once, about half a minute")
+        if self.scene.numerics.threads > 1:
+            numba.set_num_threads(self.scene.numerics.threads)
+        self.first_state().take_steps(0)
+
+    def first_state(self) -> ElementState:
+        return ElementState(self)
+
+    def versions(self) -> dict[str, str]:
+        return {"kernels": cache_folder().name, "numba": version("numba")}
+
+    def error_estimate(self):
+        from fem.solver.error_estimate import error_estimate
+
+        return error_estimate(self)
+
+
+def make_plan(scene: Scene) -> ElementPlan:
+    """Mesh, assemble, calibrate, solve the start, find the critical step.
+
+    The time step is the largest below safety · critical that divides the output interval, and the interval between two
+    looks at the energy.
+
+    Errors
+    ------
+    RuntimeError: gmsh is needed and missing.
+    UsageError: the model can't bear the speed or the load.
+    """
+    numerics = scene.numerics
+    operation = scene.ideal_operation()
+    check_threads(numerics.threads)
+    forces = expected_forces(scene)
+    model = model_of(scene, forces)
+    check_meshes(model)
+    check_speed(model, kinematics(model.bearing, operation.speed))
+    try:
+        loaded = equilibrium_start(model, operation)
+    except NotFound:
+        if model.is_sized_by_forces:  # contacts wider than all pressure points have none: better say so
+            check_widths(model.bearing, forces.largest)
+        raise
+    check_contacts(model, loaded.equilibrium)
+    start = rest_start(model, operation) if numerics.start == "rest" else loaded
+    expected = max(
+        float(loaded.equilibrium.inner_force.max()),
+        float(loaded.equilibrium.outer_force.max()),
+        5.0 * operation.radial_load / model.bearing.n_rollers,
+    )
+    critical = critical_time_step(model, expected)
+    interval = 1e-6 * numerics.output_interval_us
+    steps = max(1, ceil(interval / (numerics.time_step_safety * critical)))
+    looks = ceil(steps / LONGEST_UNWATCHED)
+    stride = looks * ceil(steps / looks)  # `ElementPlan.looks` shall divide it
+    return ElementPlan(
+        scene=scene,
+        model=model,
+        operation=operation,
+        start=start,
+        critical_time_step=critical,
+        time_step=interval / stride,
+        stride=stride,
+        largest_force=expected,
+        cautions=cautions(model, operation, loaded.equilibrium, interval),
+        n_samples=sample_count(scene),
+        frame_stride=round(1e-3 * scene.output.fields_every_ms / interval),
+    )

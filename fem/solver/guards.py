@@ -1,0 +1,72 @@
+"""Looks at the samples of a run of finite elements: what no sound one shows, and what to say of it."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.solver.solver import Samples
+
+if TYPE_CHECKING:
+    from fem.solver.finite_elements import ElementPlan
+
+IMBALANCE_LIMIT = 0.05  # of the exchanged energy; a sound run stays far below 1e-2
+# Modes that grow balance too: leapfrog's kinetic energy ½ v(t − dt/2)·M·v(t + dt/2) goes to minus the stored one. In a
+# mode of frequency ω it is −(ω dt/2)² of it at least, −0.98 at 0.99 of the critical step.
+NEGATIVE_LIMIT = 0.98
+ASTRAY = 0.05  # of a roller's radius, beyond the raceways: no elastic body gives way so far
+
+
+def good_rows(rows: np.ndarray) -> int:
+    """How many rows from the first are finite and were filled."""
+    good = np.all(np.isfinite(rows), axis=1) & np.any(rows != 0.0, axis=1)
+    return len(rows) if good.all() else int(np.argmin(good))
+
+
+def n_balanced(samples: Samples) -> int:
+    """How many samples from the first have an energy that balances."""
+    stored = samples["energy_elastic"] + samples["energy_contact"]
+    growing = (samples["energy_kinetic"] < -NEGATIVE_LIMIT * stored) & (stored > 0.5 * samples.exchanged)
+    bad = ~(np.abs(samples.relative_imbalance()) <= IMBALANCE_LIMIT) | growing
+    return int(np.argmax(bad)) if bad.any() else len(bad)
+
+
+def n_in_place(plan: "ElementPlan", samples: Samples) -> int:
+    """How many samples from the first have rollers between the raceways and the hub between the rollers."""
+    bearing = plan.model.bearing
+    give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.radial_load)
+    hub_x, hub_y = samples["inner_x"], samples["inner_y"]
+    from_hub = np.hypot(samples["roller_x"] - hub_x[:, None], samples["roller_y"] - hub_y[:, None]).min(axis=1)
+    astray = from_hub < bearing.inner_raceway_radius + bearing.roller_radius - give
+    astray |= samples["roller_rho"].max(axis=1) > bearing.outer_raceway_radius - bearing.roller_radius + give
+    astray |= np.hypot(hub_x, hub_y) > 2.0 * (abs(bearing.radial_clearance) + give)
+    return int(np.argmax(astray)) if astray.any() else len(astray)
+
+
+def place_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
+    """What to say of a sample whose bodies are out of place."""
+    step = round(samples["time"][at] / plan.time_step)
+    return (
+        f"the bearing has come apart at step {step}, t = {1e3 * samples['time'][at]:.5g} ms: the hub is "
+        f"{1e3 * np.hypot(samples['inner_x'][at], samples['inner_y'][at]):.3g} mm from the middle; without a cage "
+        "few rollers gather on one side: take more rollers or contact.friction_coefficient above 0"
+    )
+
+
+def energy_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
+    """What to say of a sample whose energy doesn't balance, or only grows."""
+    step, imbalance = round(samples["time"][at] / plan.time_step), samples.relative_imbalance()[at]
+    fastest = int(np.argmax(np.abs(samples["roller_spin"][at] - plan.start.kinematics.roller)))
+    where = f"at step {step}, t = {1e3 * samples['time'][at]:.5g} ms (roller {fastest} strays furthest)"
+    if abs(imbalance) <= IMBALANCE_LIMIT:
+        return f"vibrations grow without end {where}: the time step is too long; lower numerics.time_step_safety"
+    return (
+        f"energy imbalance {100 * imbalance:.3g} % of the exchanged energy exceeds {100 * IMBALANCE_LIMIT:.0f} % "
+        f"{where}; lower numerics.time_step_safety or numerics.mesh_size_mm"
+    )
+
+
+def velocity_trouble(plan: "ElementPlan", step: int, body: int) -> str:
+    """What to say of a velocity that is no number: of a roller, or of the hub (below 0)."""
+    name = "the hub" if body < 0 else f"roller {body}"
+    hint = f"{plan.model.failure_hint}lower numerics.time_step_safety or check the load"
+    return f"the velocity of {name} is not finite at step {step}, t = {1e3 * step * plan.time_step:.5g} ms; {hint}"

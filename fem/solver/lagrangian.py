@@ -1,0 +1,176 @@
+"""The Lagrangian model as a solver: the ideal bearing's own solution in the form of the finite elements'.
+
+Rigid bodies on contact springs: tractions and mesh energy are 0, the springs' energy is `energy_contact`. Friction,
+mesh and time step safety of the scene play no part. No mesh, no compiled kernels.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.errors import RunFailed
+from fem.solver.simulate import LARGEST_BLOCK
+from fem.solver.solver import Block, Numbers, Plan, RunState, Samples, sample_count
+from lagrange import Trajectory, contact_laws, static_equilibrium
+from lagrange.laws import PowerLaw
+from lagrange.problem import Problem
+from lagrange.raceway_laws import caution
+from lagrange.scene import Scene
+from lagrange.simulate import Simulation, Verdict
+from lagrange.step_size import critical_time_step, steps_per_sample
+
+ARRAYS = 30  # per roller and sample of a block, at the most at a time
+# one thread of a 2024 server core; only a guide
+SECONDS_PER_STEP = {True: 65e-6, False: 160e-6}  # power law, other
+SAME = ("time", "inner_x", "inner_y", "inner_vx", "inner_vy", "inner_ax", "inner_ay", "roller_x", "roller_y",
+        "roller_rho", "roller_theta", "inner_force", "outer_force", "energy_kinetic", "energy_contact",
+        "work_external", "work_dissipated")  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class LagrangianPlan(Plan):
+    """A problem and its time steps, before any refinement."""
+
+    scene: Scene
+    problem: Problem
+    interval: float  # s, between samples
+    n_samples: int
+    steps_per_sample: int
+    remarks: tuple[str, ...]  # on law and material, which concern this run alone
+    model_name = "Lagrangian model"
+
+    @property
+    def time_step(self) -> float:
+        return self.interval / self.steps_per_sample
+
+    @property
+    def critical_time_step(self) -> float:
+        """Under the largest forces that can be expected, s."""
+        return critical_time_step(self.problem)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """N_b + 2, or 2 N_b + 2 where the angles are free."""
+        return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2
+
+    def first_state(self) -> "LagrangianState":
+        return LagrangianState(self)
+
+    def versions(self) -> dict[str, str]:
+        return {"numpy": np.__version__}
+
+    def rows(self) -> dict[str, str]:
+        options, problem = self.scene.lagrange, self.problem
+        try:
+            statics = static_equilibrium(problem.bearing, problem.operation, problem.laws)
+        except RuntimeError as error:
+            raise RunFailed(str(error)) from None
+        steps = self.steps_per_sample * (self.n_samples - 1)
+        seconds = steps * SECONDS_PER_STEP[isinstance(problem.laws.inner, PowerLaw)]
+        memory = 8e-6 * ARRAYS * (problem.bearing.n_rollers + 1) * min(self.n_samples, LARGEST_BLOCK)
+        return {
+            "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",
+            "contact law": f"{options.law}, {problem.laws.inner.range}",
+            "damping of a contact": f"{options.damping_N_s_m:g} N s/m",
+            "time step": f"{1e6 * self.time_step:.3g} µs, halved where contacts rattle "
+            f"({self.time_step / self.critical_time_step:.2f} of the critical {1e6 * self.critical_time_step:.3g} µs)",
+            "steps": f"{steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
+            "samples": f"{self.n_samples}, one each {self.steps_per_sample} steps",
+            "memory of a block of samples": f"{memory:.1f} MB",
+            "expected time": f"about {seconds:.2g} s",
+            "largest static contact force": f"{max(statics.inner_force.max(), statics.outer_force.max()):.1f} N",
+        }
+
+
+def make_plan(scene: Scene) -> LagrangianPlan:
+    """Samples and steps of a scene."""
+    options, numerics, bearing = scene.lagrange, scene.numerics, scene.ideal_bearing()
+    interval, remark = 1e-6 * numerics.output_interval_us, caution(options.law, bearing)
+    problem = Problem(
+        bearing=bearing,
+        operation=scene.ideal_operation(),
+        laws=contact_laws(options.law, bearing),
+        start=numerics.start,
+        angles=options.angles,
+        damping=options.damping_N_s_m,
+        load_ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
+    )
+    return LagrangianPlan(
+        scene=scene,
+        problem=problem,
+        interval=interval,
+        n_samples=sample_count(scene),
+        steps_per_sample=steps_per_sample(problem, interval),
+        remarks=() if remark is None else (remark,),
+    )
+
+
+class LagrangianState(RunState):
+    """A simulation under way. At its end it begins again with half the step where contacts have rattled."""
+
+    def __init__(self, plan: LagrangianPlan):
+        super().__init__(plan)
+        try:
+            self._simulation = Simulation(plan.problem, plan.interval)
+        except RuntimeError as error:
+            raise RunFailed(str(error)) from None
+        self._exchanged = 0.0  # J, the most so far
+
+    @property
+    def steps_per_sample(self) -> int:
+        return self._simulation.steps_per_sample
+
+    def advance(self, most: int) -> Block:
+        simulation = self._simulation
+        began = time.perf_counter()
+        part = simulation.advance(most)
+        samples = None if part is None else self._samples(part)
+        self.wall += time.perf_counter() - began
+        self.done = simulation.done
+        if samples is not None:
+            self.imbalance = float(samples.relative_imbalance()[-1])
+        if simulation.trouble is not None or self.done < self.plan.n_samples or simulation.verdict is Verdict.RESOLVED:
+            return Block(samples=samples, trouble=simulation.trouble)
+        if not simulation.can_be_refined:  # still worth having where contacts only rattle: see `remarks`
+            too_fast = simulation.verdict is Verdict.TOO_FAST
+            return Block(samples=samples, trouble=simulation.sentence if too_fast else None)
+        reason = simulation.sentence.partition(";")[0]
+        self.void_steps += self.progress.steps
+        self.done, self.imbalance, self._exchanged = 0, 0.0, 0.0
+        simulation.refine()
+        return Block(samples=samples, begins_again=f"{reason}; the run begins again with half of it")
+
+    def _samples(self, part: Trajectory) -> Samples:
+        """A part of the solution by the result file's names."""
+        gained = np.abs(part.energy_kinetic - self._simulation.first_kinetic_energy)
+        exchanged = np.fmax.accumulate(np.fmax(np.fmax(part.energy_contact, gained), self._exchanged))
+        self._exchanged = float(exchanged[-1])
+        per_time, per_roller = np.zeros(part.time.shape), np.zeros(part.roller_rho.shape)
+        absent = {name: per_roller for name in ("inner_traction", "outer_traction", "roller_roller_force")}
+        return Samples(
+            values={name: getattr(part, name) for name in SAME}
+            | absent
+            | {"roller_spin": per_roller + part.roller_spin, "energy_elastic": per_time},
+            imbalance=part.energy_error,
+            exchanged=exchanged,
+        )
+
+    @property
+    def outcome_attributes(self) -> dict[str, float]:
+        step, critical = self._simulation.time_step, self._simulation.critical_time_step
+        return super().outcome_attributes | {"time_step": step, "critical_time_step": critical}
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        simulation = self._simulation
+        at_end = 0 < self.done == self.plan.n_samples
+        return (simulation.sentence,) if at_end and simulation.verdict is Verdict.RATTLING else ()
+
+    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
+        numbers = {"refinements": self._simulation.refinements, "exchanged": self._exchanged}
+        return self._simulation.to_keep(), numbers
+
+    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+        self._simulation.take_back(arrays, self.done, int(numbers["refinements"]))
+        self._exchanged = float(numbers["exchanged"])

@@ -1,0 +1,180 @@
+"""What every solver answers: a plan, its first state, samples block by block, and what a checkpoint keeps.
+
+A solver is a module with `make_plan(scene)` that gives a `Plan`; `simulate.SOLVERS` names it. The runner, the result
+file, checkpoints and the command know solvers by nothing else.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.errors import UsageError
+from lagrange.scene import Scene
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from fem.solver.error_estimate import ErrorEstimate
+    from fem.solver.frames import Frame
+
+Numbers = dict[str, object]  # what a line of JSON holds
+
+
+@dataclass(frozen=True, kw_only=True)
+class Samples:
+    """A block of samples: arrays by the result file's names, time first; SI."""
+
+    values: dict[str, np.ndarray]
+    imbalance: np.ndarray  # (n,), J: stored energy less what came in
+    exchanged: np.ndarray  # (n,), J, the most so far of elastic and contact energy, or of the kinetic energy's change
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.values[name]
+
+    def __len__(self) -> int:
+        return len(self.imbalance)
+
+    def first(self, count: int) -> "Samples":
+        """The first samples of the block."""
+        return self._at(slice(count))
+
+    def every(self, looks: int) -> "Samples":
+        """The first of each so many."""
+        return self._at(slice(None, None, looks))
+
+    def _at(self, which: slice) -> "Samples":
+        return Samples(
+            values={name: array[which] for name, array in self.values.items()},
+            imbalance=self.imbalance[which],
+            exchanged=self.exchanged[which],
+        )
+
+    def relative_imbalance(self) -> np.ndarray:
+        """Imbalance over the energy exchanged, (n,)."""
+        # a bearing without load exchanges next to nothing: round-off of the kinetic energy is not an imbalance
+        return self.imbalance / np.fmax(self.exchanged, 1e-9 * np.abs(self["energy_kinetic"]) + 1e-30)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Block:
+    """What an advance gives."""
+
+    samples: Samples | None = None
+    frame: "Frame | None" = None  # the fields of the first of the samples, where the scene asks for them
+    trouble: str | None = None  # why the run can't go on after these samples
+    begins_again: str | None = None  # why all samples so far are void and the run goes on from its start
+
+
+@dataclass(frozen=True, kw_only=True)
+class Progress:
+    """Where a run stands."""
+
+    samples: int
+    steps: int  # up to the last sample
+    steps_left: int
+    simulated: float  # s
+    wall: float  # s, time loop only
+    speed: float  # steps per second of wall time
+    imbalance: float  # energy imbalance over the exchanged energy: see `Samples`
+
+
+class RunState(ABC):
+    """A run after its last sample. A solver's own adds what its next steps need."""
+
+    steps_per_sample: int
+
+    def __init__(self, plan: "Plan"):
+        self.plan = plan
+        self.done = 0  # samples
+        self.wall = 0.0  # s, time loop only
+        self.imbalance = 0.0  # of the last sample, over the exchanged energy
+        self.void_steps = 0  # of what was begun again
+
+    @abstractmethod
+    def advance(self, most: int) -> Block:
+        """The next samples, at most so many and at least one; keeps `done`, `wall` and `imbalance` up to date."""
+
+    @abstractmethod
+    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
+        """What a checkpoint stores: all arrays that the next steps need, whose names, types and shapes don't change
+        as the run goes on, and whatever JSON can hold."""
+
+    @abstractmethod
+    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+        """Go on where another state of the same plan was kept, which had come to `done`.
+
+        Errors
+        ------
+        Any: not what `to_keep` gives.
+        """
+
+    @property
+    def outcome_attributes(self) -> dict[str, float]:
+        """Attributes of the result file that the run finds out."""
+        return {"steps": self.progress.steps, "wall_seconds": self.wall}
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences on what the run has found, told at its end even to those who want quiet."""
+        return ()
+
+    @property
+    def progress(self) -> Progress:
+        """Where the run stands after its last sample."""
+        last, per_sample = max(0, self.done - 1), self.steps_per_sample
+        return Progress(
+            samples=self.done,
+            steps=last * per_sample,
+            steps_left=(self.plan.n_samples - 1 - last) * per_sample,
+            simulated=last * self.plan.interval,
+            wall=self.wall,
+            speed=(self.void_steps + last * per_sample) / self.wall if self.wall > 0.0 else 0.0,
+            imbalance=self.imbalance,
+        )
+
+
+class Plan(ABC):
+    """Everything decided before the first step, and what the result file says of it."""
+
+    scene: Scene
+    n_samples: int
+    interval: float  # s, between samples
+    time_step: float  # s
+    critical_time_step: float  # s, at which the scheme becomes unstable
+    degrees_of_freedom: int
+    mesh_nodes: int = 0  # of elastic bodies
+    frame_stride: int = 0  # samples between stored fields; 0: none
+    cautions: tuple[str, ...] = ()  # told at the start, kept in the result file
+    remarks: tuple[str, ...] = ()  # told at the start even to those who want quiet, since the file does not keep them
+    model_name: str  # "finite elements"
+
+    def prepare(self, tell: Callable[[str], None] | None = None) -> None:  # noqa: B027 (most need nothing)
+        """Load or compile what the steps need; `tell` gets a sentence if that takes long."""
+
+    @abstractmethod
+    def first_state(self) -> RunState:
+        """The state of a run that has not begun. RunFailed: there is none."""
+
+    @abstractmethod
+    def versions(self) -> dict[str, str]:
+        """Of everything beside the program that decides the bits of a run on one machine."""
+
+    @abstractmethod
+    def rows(self) -> dict[str, str]:
+        """What --dry-run shows, name and value. RunFailed: there is no equilibrium to tell of."""
+
+    def table(self) -> "Table | None":
+        """What --dry-run shows above that."""
+        return None
+
+    def error_estimate(self) -> "ErrorEstimate":
+        """What --estimate-error runs. UsageError: the model, or the scene's mesh, has none."""
+        raise UsageError(f"--estimate-error: the {self.model_name} has no mesh; leave it out")
+
+
+def sample_count(scene: Scene) -> int:
+    """Samples of a scene, of which the start is the first."""
+    return 1 + int(1e-3 * scene.numerics.duration_ms / (1e-6 * scene.numerics.output_interval_us) * (1.0 + 1e-12))

@@ -1,0 +1,82 @@
+"""Overlap of undeformed circles, a roller and the raceways, and its derivatives: the geometry (19), (26), (27).
+
+An overlap is >= 0 where the circles touch and < 0 where a gap is left. Each form is here once. `overlaps` takes
+positions in x and y: records, and finite elements that add their own displacements. `polar_overlaps` keeps all digits
+of an overlap of nanometres, where `overlaps` is off by 1e-17 m: forces then are exact to 1e-14. `touching_distances`
+are the constants of the shortest form, reach − χ and ρ − track, for loops in which each array operation counts.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lagrange.bearing import Bearing
+
+
+@dataclass(frozen=True, kw_only=True)
+class Overlaps:
+    """Where the rollers are and how deep they lie in the raceways; arrays of any one shape."""
+
+    distance: np.ndarray  # χ, centre of the inner ring to the roller's, m
+    direction_x: np.ndarray  # unit vector from the roller to the inner ring's centre, (∂χ/∂x, ∂χ/∂y)
+    direction_y: np.ndarray
+    inner: np.ndarray  # with the inner raceway, m
+    outer: np.ndarray  # with the outer one, m
+
+
+@dataclass(frozen=True, kw_only=True)
+class PolarOverlaps:
+    """The same in each roller's own radial and tangential directions."""
+
+    distance: np.ndarray  # χ, m
+    radial: np.ndarray  # ∂χ/∂ρ
+    tangential: np.ndarray  # ∂χ/(ρ ∂θ)
+    inner: np.ndarray  # m
+    outer: np.ndarray
+
+
+def overlaps(bearing: Bearing, inner_x, inner_y, roller_x, roller_y, rho) -> Overlaps:
+    """Overlaps at positions from the outer ring's centre, m, all of shapes that go together; `rho` the rollers' radius.
+
+    Errors
+    ------
+    Round-off: about 4 eps·χ (1e-17 m for a bearing of 50 mm), 4 orders below a contact's nanometre.
+
+    Source: (19), (26), (27). Cartesian differences give the same χ as (19) with less cancellation.
+    """
+    to_inner_x, to_inner_y = inner_x - roller_x, inner_y - roller_y
+    distance = np.hypot(to_inner_x, to_inner_y)
+    return Overlaps(
+        distance=distance,
+        direction_x=to_inner_x / distance,
+        direction_y=to_inner_y / distance,
+        inner=bearing.inner_raceway_radius + bearing.roller_radius - distance,
+        outer=rho + bearing.roller_radius - bearing.outer_raceway_radius,
+    )
+
+
+def polar_overlaps(bearing: Bearing, rho, along, across) -> PolarOverlaps:
+    """Overlaps of rollers at radii `rho`, the inner ring's centre off by `along` and `across` their radius, m.
+
+    Errors
+    ------
+    None but of the coordinates' own last digits. Nearly equal lengths are subtracted first, which is exact.
+    """
+    reach, _ = touching_distances(bearing)
+    beyond = (rho - bearing.inner_raceway_radius) - bearing.roller_radius - along
+    distance = np.hypot(reach + beyond, across)
+    return PolarOverlaps(
+        distance=distance,
+        radial=(reach + beyond) / distance,
+        tangential=-across / distance,
+        inner=-(beyond * (beyond + 2.0 * reach) + across**2) / (distance + reach),  # reach − χ
+        outer=(rho - bearing.outer_raceway_radius) + bearing.roller_radius,
+    )
+
+
+def touching_distances(bearing: Bearing) -> tuple[float, float]:
+    """Distance, m, of a roller's centre that touches the inner ring from its centre (reach), and the outer (track)."""
+    return (
+        bearing.inner_raceway_radius + bearing.roller_radius,
+        bearing.outer_raceway_radius - bearing.roller_radius,
+    )

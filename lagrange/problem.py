@@ -1,0 +1,74 @@
+"""What is solved: a bearing at an operating point under contact laws, the model's choices, and where it starts."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from lagrange.bearing import Bearing, Operation
+from lagrange.kinematics import kinematics, roller_angles
+from lagrange.motion import State
+from lagrange.raceway_laws import ContactLaws
+from lagrange.statics import static_equilibrium
+
+DIFFERENCE = 1e-6  # s, for the velocities of the moving equilibrium
+NO_MOVE = 1e-9  # m within that time, below which a jump doesn't matter
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """One motion to be found; the parameters are those of `lagrange.simulate`.
+
+    Errors
+    ------
+    ValueError: impossible choices.
+    """
+
+    bearing: Bearing
+    operation: Operation
+    laws: ContactLaws
+    start: Literal["equilibrium", "rest"] = "equilibrium"
+    angles: Literal["kinematic", "free"] = "kinematic"
+    damping: float = 0.0  # N s/m, of every closed contact
+    load_ramp: float = 0.0  # s
+
+    def __post_init__(self):
+        if not (self.damping >= 0.0 and self.load_ramp >= 0.0):
+            raise ValueError(f"damping = {self.damping}, load_ramp = {self.load_ramp}: both must be at least 0")
+        if self.start not in ("equilibrium", "rest") or self.angles not in ("kinematic", "free"):
+            raise ValueError(
+                f"start = {self.start!r}, angles = {self.angles!r}: equilibrium or rest, kinematic or free"
+            )
+
+    def first_state(self) -> State:
+        """The state at t = 0.
+
+        Errors
+        ------
+        RuntimeError: no equilibrium to start from.
+        """
+        bearing, operation = self.bearing, self.operation
+        theta = roller_angles(bearing, operation.first_roller_angle)
+        cage = kinematics(bearing, operation.speed).cage
+        zero = np.zeros(bearing.n_rollers)
+        if self.start == "rest":
+            return State(
+                x=0.0, y=0.0, rho=zero + bearing.pitch_radius, theta=theta,
+                x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + cage,
+            )  # fmt: skip
+        if self.load_ramp > 0.0:
+            operation = replace(operation, radial_load=0.0)
+        now = static_equilibrium(bearing, operation, self.laws, angles=theta)
+        before, after = (
+            static_equilibrium(bearing, operation, self.laws, angles=theta + cage * shift, start=(now.x, now.y))
+            for shift in (-DIFFERENCE, DIFFERENCE)
+        )
+        earlier, middle, later = (np.array([s.x, s.y, *s.rho]) for s in (before, now, after))
+        rates = (later - earlier) / (2.0 * DIFFERENCE)
+        bend, move = np.abs(later + earlier - 2.0 * middle), np.abs(later - earlier)
+        if np.any((bend > 0.5 * move) & (np.maximum(bend, move) > NO_MOVE)):
+            rates[:] = 0.0  # the equilibrium jumps here: a ring in clearance that tips from roller to roller
+        return State(
+            x=now.x, y=now.y, rho=now.rho, theta=theta,
+            x_rate=rates[0], y_rate=rates[1], rho_rate=rates[2:], theta_rate=zero + cage,
+        )  # fmt: skip

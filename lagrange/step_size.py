@@ -1,0 +1,54 @@
+"""How long a time step may be: from the stiffest mode, an element between its contacts."""
+
+from math import ceil
+
+from lagrange.kinematics import kinematics
+from lagrange.problem import Problem
+
+STEP = 2.0  # of 1/ω of the stiffest mode: its frequency then is 0.05 % off, the hub's 1e-6
+DAMPED_STEP = 0.3
+OVERLOAD = 2.0  # the stiffest mode is estimated at this many times the largest static force
+LIMIT, DAMPED_LIMIT = 3.05, 2.0  # ω·step at which the six-stage scheme and the leapfrog become unstable
+STABLE, DAMPED_STABLE = 2.8, 1.0  # ω·step that they may reach
+LARGEST_DAMPING = 0.5  # of a step times the rate of the damper on an element
+SMALLEST_FORCE = 1e-3  # N, for the frequency of an unloaded element
+
+
+def steps_per_sample(problem: Problem, interval: float, time_step: float | None = None) -> int:
+    """Equal steps from sample to sample, `interval` s, before any refinement; `time_step`: s, at most."""
+    longest = _longest_step(problem)
+    if time_step is not None:
+        longest = min(longest, time_step)
+    return max(1, ceil(interval / longest * (1.0 - 1e-12)))
+
+
+def fastest_mode(problem: Problem, inner_force: float, outer_force: float) -> float:
+    """Angular frequency, rad/s, of an element between contacts that carry these forces, N."""
+    stiffness = sum(
+        float(law.slope(law.approach(max(force, SMALLEST_FORCE))))
+        for law, force in zip(problem.laws, (inner_force, outer_force), strict=True)
+    )
+    return (stiffness / problem.bearing.roller_mass) ** 0.5
+
+
+def critical_time_step(problem: Problem, *largest: float) -> float:
+    """Step, s, at which the scheme becomes unstable under the largest inner and outer force, N; default: expected."""
+    limit = LIMIT if problem.damping == 0.0 else DAMPED_LIMIT
+    return limit / fastest_mode(problem, *(largest or 2 * [_expected_force(problem)]))
+
+
+def _expected_force(problem: Problem) -> float:
+    """The largest contact force to be expected, N."""
+    bearing, operation = problem.bearing, problem.operation
+    weight = operation.radial_load + operation.inner_mass * operation.gravity
+    spin = bearing.roller_mass * bearing.pitch_radius * kinematics(bearing, operation.speed).cage ** 2
+    squeeze = float(problem.laws.inner.force(max(-0.5 * bearing.radial_clearance, 0.0)))  # of preload
+    return OVERLOAD * (squeeze + spin + bearing.roller_mass * operation.gravity + 5.0 * weight / bearing.n_rollers)
+
+
+def _longest_step(problem: Problem) -> float:
+    force = _expected_force(problem)
+    omega = fastest_mode(problem, force, force)
+    if problem.damping == 0.0:
+        return STEP / omega
+    return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / (2.0 * problem.damping))

@@ -1,0 +1,212 @@
+"""What moves: the accelerations of hub and elements, in plain numpy, kept lean: a run makes some 1e5 evaluations.
+
+A system holds positions q and velocities v as arrays and gives the accelerations at frozen positions. With kinematic
+angles q = (ρ_1 … ρ_N), real, beside the hub z = x + iy; with free angles the elements are complex too, in Cartesian
+coordinates, so that no force depends on a velocity and the scheme stays explicit.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from lagrange.kinematics import kinematics
+from lagrange.laws import PowerLaw
+from lagrange.load_ramp import load_share, load_share_rate
+from lagrange.motion import State
+from lagrange.problem import Problem
+
+
+class Packed(NamedTuple):
+    """Hub z, ż, complex; elements q, q̇, (n_rollers,)."""
+
+    z: complex
+    z_rate: complex
+    q: np.ndarray
+    q_rate: np.ndarray
+
+
+class _System:
+    """What both kinds of angles share."""
+
+    def __init__(self, problem: Problem):
+        bearing, operation, laws = problem.bearing, problem.operation, problem.laws
+        self.mass, self.inner_mass = bearing.roller_mass, operation.inner_mass
+        self.gravity, self.load, self.ramp = operation.gravity, operation.radial_load, problem.load_ramp
+        self.cage = kinematics(bearing, operation.speed).cage
+        self.n = bearing.n_rollers
+        # constants as whole arrays: numpy takes 0.4 µs to bring a number into an operation, as long as the operation
+        self.reach = np.full(self.n, bearing.inner_raceway_radius + bearing.roller_radius)
+        self.track = np.full(self.n, bearing.outer_raceway_radius - bearing.roller_radius)
+        self.zeros = np.zeros((2, self.n))
+        self.first = operation.first_roller_angle
+        self.spacing = 2.0 * np.pi * np.arange(self.n) / self.n
+        self.depth, self.force = np.empty((2, self.n)), np.empty((2, self.n))
+        self.depth_inner, self.depth_outer = self.depth
+        self.force_inner, self.force_outer = self.force
+        self.laws = laws
+        self.stacked = _stacked(laws)
+        self.power = None
+        if isinstance(self.stacked, PowerLaw):
+            self.power, self.constants = self.stacked.exponent, self.stacked.stiffness + self.zeros
+
+    def law_forces(self):
+        """Forces of the depths, N; both stay in buffers, row 0 inner, row 1 outer."""
+        if self.power is not None:
+            np.maximum(self.depth, self.zeros, out=self.depth)
+            np.power(self.depth, self.power, out=self.force)
+            np.multiply(self.force, self.constants, out=self.force)
+        elif self.stacked is not None:
+            self.force[:] = self.stacked.force(self.depth)
+        else:
+            self.force_inner[:] = self.laws.inner.force(self.depth_inner)
+            self.force_outer[:] = self.laws.outer.force(self.depth_outer)
+
+    def hub_pull(self, time: float) -> float:
+        """Acceleration of the hub by load and weight along −y, m/s²."""
+        share = 1.0 if time >= self.ramp else float(load_share(time, self.ramp))
+        return self.gravity + share * self.load / self.inner_mass
+
+    def ramp_power(self, time: float, y: float) -> float:
+        """Ẇ y, W."""
+        return self.load * float(load_share_rate(time, self.ramp)) * y if time < self.ramp else 0.0
+
+
+class KinematicAngles(_System):
+    """Elements on rays that turn with the cage; q = ρ."""
+
+    holds_angles = True
+    dtype = float
+
+    def __init__(self, problem: Problem):
+        super().__init__(problem)
+        self.cage_squared = np.full(self.n, self.cage**2)
+        self.per_mass = np.full(self.n, 1.0 / self.mass)
+        self.fall = np.full(self.n, self.gravity)
+        self.cage_weight = self.cage * self.mass * self.gravity
+
+    def directions(self, times):
+        """exp(−iθ), (n_times, n_rollers)."""
+        return np.exp(-1j * (self.first + self.spacing + self.cage * times[:, None]))
+
+    def pack(self, state: State) -> Packed:
+        return Packed(complex(state.x, state.y), complex(state.x_rate, state.y_rate), state.rho, state.rho_rate)
+
+    def unpack(self, record, time) -> State:
+        """Stored samples of an `integrate.Record` at their times, s, as generalised coordinates."""
+        theta = self.first + self.spacing + self.cage * time[:, None]
+        return State(
+            x=record.z.real, y=record.z.imag, rho=record.q, theta=theta,
+            x_rate=record.z_rate.real, y_rate=record.z_rate.imag,
+            rho_rate=record.q_rate, theta_rate=np.full_like(theta, self.cage),
+        )  # fmt: skip
+
+    def accelerations(self, time, z, q, turn):
+        """Of hub and elements, and the power that the held angles take up, W; `turn` is exp(−iθ)."""
+        line = q - z * turn  # from hub to element, in the element's own frame
+        distance = np.abs(line)
+        np.subtract(self.reach, distance, out=self.depth_inner)
+        np.subtract(q, self.track, out=self.depth_outer)
+        self.law_forces()
+        self.line, self.distance = line, distance
+        push = self.force_inner / distance * line
+        on_hub = -complex(np.vdot(turn, push))  # vdot conjugates: back to the fixed frame
+        q_acc = push.real - self.force_outer
+        q_acc *= self.per_mass
+        q_acc += self.cage_squared * q
+        power = self.held_power(z, on_hub)
+        if self.gravity > 0.0:
+            q_acc += self.fall * turn.imag
+            power += self.cage_weight * float(q.dot(turn.real))
+        return on_hub / self.inner_mass - 1j * self.hub_pull(time), q_acc, power
+
+    def held_power(self, z: complex, on_hub: complex) -> float:
+        """Power that held angles take up from forces on the hub, W: their moment times the cage's speed."""
+        return self.cage * (z.real * on_hub.imag - z.imag * on_hub.real)
+
+    def damper(self, z_rate, q_rate, q, z, turn, damping):
+        """Accelerations of hub and elements by the dampers, the loss and the power held angles take up, W.
+
+        At the positions last seen by `accelerations`.
+        """
+        # the line's rate in the turning frame; the frame's own turn moves only the hub in it
+        rate = q_rate - (z_rate - 1j * self.cage * z) * turn
+        unit = self.line / self.distance
+        closing = -(rate * unit.conj()).real
+        inner = _no_pull(damping * closing, self.force_inner)
+        outer = _no_pull(damping * q_rate, self.force_outer)
+        push = inner * unit
+        on_hub = -complex(np.vdot(turn, push))
+        loss = np.dot(inner, closing) + np.dot(outer, q_rate)
+        return on_hub / self.inner_mass, (push.real - outer) / self.mass, loss, self.held_power(z, on_hub)
+
+
+class FreeAngles(_System):
+    """Elements free to move along the raceways; q = x + iy of their centres."""
+
+    holds_angles = False
+    dtype = complex
+
+    def directions(self, times):
+        """Nothing to tabulate."""
+        return np.zeros(times.size)
+
+    def pack(self, state: State) -> Packed:
+        turn = np.exp(1j * state.theta)
+        rate = (state.rho_rate + 1j * state.rho * state.theta_rate) * turn
+        return Packed(complex(state.x, state.y), complex(state.x_rate, state.y_rate), state.rho * turn, rate)
+
+    def unpack(self, record, time) -> State:
+        """Stored samples of an `integrate.Record` as generalised coordinates; angles in (−π, π]."""
+        rho, theta = np.abs(record.q), np.angle(record.q)
+        along = record.q_rate * record.q.conj() / rho
+        return State(
+            x=record.z.real, y=record.z.imag, rho=rho, theta=theta,
+            x_rate=record.z_rate.real, y_rate=record.z_rate.imag, rho_rate=along.real, theta_rate=along.imag / rho,
+        )  # fmt: skip
+
+    def accelerations(self, time, z, q, turn):
+        """Of hub and elements; no power is taken up by anything that holds angles."""
+        line = q - z
+        distance, rho = np.abs(line), np.abs(q)
+        np.subtract(self.reach, distance, out=self.depth_inner)
+        np.subtract(rho, self.track, out=self.depth_outer)
+        self.law_forces()
+        self.line, self.distance, self.rho = line, distance, rho
+        push = self.force_inner / distance * line
+        q_acc = (push - self.force_outer / rho * q) / self.mass - 1j * self.gravity
+        return -complex(push.sum()) / self.inner_mass - 1j * self.hub_pull(time), q_acc, 0.0
+
+    def damper(self, z_rate, q_rate, q, z, turn, damping):
+        """Accelerations of hub and elements by the dampers, the loss and the power held angles take up, W.
+
+        At the positions last seen by `accelerations`.
+        """
+        unit, out = self.line / self.distance, q / self.rho
+        closing = -((q_rate - z_rate) * unit.conj()).real
+        opening = (q_rate * out.conj()).real
+        inner = _no_pull(damping * closing, self.force_inner)
+        outer = _no_pull(damping * opening, self.force_outer)
+        push = inner * unit
+        loss = np.dot(inner, closing) + np.dot(outer, opening)
+        # Python's own complex number, as in the other accelerations: a stored state goes on with the same arithmetic
+        return complex(-push.sum() / self.inner_mass), (push - outer * out) / self.mass, loss, 0.0
+
+
+def _stacked(laws):
+    """One law for both rows of depths, constants as columns, where the two are of one kind; else None."""
+    inner, outer = laws
+    if type(inner) is not type(outer):
+        return None
+    if isinstance(inner, PowerLaw):
+        if inner.exponent != outer.exponent:
+            return None
+        names = ("stiffness",)
+    else:
+        names = ("compliance", "level", "largest_force")
+    return replace(inner, **{name: np.array([[getattr(law, name)] for law in laws]) for name in names})
+
+
+def _no_pull(damper_force, spring_force):
+    """The damper's force where spring and damper together push, else what takes the spring's away."""
+    return np.where(spring_force > 0.0, np.maximum(damper_force, -spring_force), 0.0)

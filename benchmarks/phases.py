@@ -11,7 +11,7 @@ from benchmarks.machine import Machine
 from benchmarks.measuring import median_seconds
 from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.kernels.contact_kernels import press_patches, push_patches
-from fem.kernels.friction_kernels import friction_contacts, slips_before
+from fem.kernels.friction_solution import friction_contacts, slips_before
 from fem.solver.arrays import Arrays
 from fem.solver.finite_elements import ElementPlan
 

@@ -36,7 +36,7 @@ class Skip:
     reach: float | None = None
 
     def forced(self) -> AbstractContextManager:
-        return mock.patch("fem.solver.arrays.REACH", self.reach) if self.reach else nullcontext()
+        return mock.patch("fem.solver.contact_arrays.REACH", self.reach) if self.reach else nullcontext()
 
 
 def _with(key: str, value: float) -> tuple[str, ...]:

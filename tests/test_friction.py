@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.kernels.friction_kernels import ALWAYS, WHERE_ROLLERS_TOUCH, creep_traction
+from fem.kernels.friction_kernels import creep_traction
+from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import INNER, OUTER, ROLLER
 from tests.reference.bearings import copies, model, paper

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.errors import RunFailed
-from fem.kernels.friction_kernels import ALWAYS
+from fem.kernels.friction_solution import ALWAYS
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.scene import SceneError, parse_scene, read_scene

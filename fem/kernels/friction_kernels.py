@@ -1,11 +1,11 @@
-"""Friction between rolling surfaces: Coulomb's limit, Carter's creep below it, solved implicitly.
+"""Friction of a pair: Coulomb's limit, Carter's creep below it, solved implicitly; `friction_solution`: of all pairs.
 
 A traction T acts along t = Jn, spread over the nodes of both patches. The slip is the velocity conjugate to it, so that
 what T dissipates is exactly what it takes from the bodies.
 """
 
 from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers
-from fem.kernels.jit import every, kernel, part, verb
+from fem.kernels.jit import kernel, part, verb
 from fem.kernels.lane_functions import larger
 from fem.kernels.simd import (
     WIDTH,
@@ -19,16 +19,14 @@ from fem.kernels.simd import (
     select,
     splat,
     store,
-    total,
     whole,
     with_sign,
 )
-from fem.kernels.state import ROLLER, Neighbours, Raceway
-from fem.kernels.surfaces import body_mobility, body_motion, grip, push_along, push_body, sideways
+from fem.kernels.state import Neighbours, Raceway
+from fem.kernels.surfaces import body_mobility, grip, push_along, push_body, sideways
 
 SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
 EVEN, ODD, ALL = 0, 1, 2  # contacts of a pair that are solved for at once
-WHERE_ROLLERS_TOUCH, ALWAYS = 0, 1  # when patches of neighbouring contacts overlap
 
 
 @kernel(forceinline=True)
@@ -62,7 +60,7 @@ def _closed(contacts, row):
 
 
 @part
-def _normal(contacts, pair, group):
+def normals(contacts, pair, group):
     """Normals of eight contacts, x and y."""
     columns = contacts.patches.columns
     at = 2 * pair.row * columns + group
@@ -94,7 +92,7 @@ def _slip_raceway(raceway, rollers, disc, contacts, turn_kick, out):
     for group in range(0, rollers.n, WIDTH):
         row = raceway.row * columns + group
         if _closed(contacts, row):
-            nx, ny = _normal(contacts, raceway, group)
+            nx, ny = normals(contacts, raceway, group)
             own = load(turn_kick, group) * rollers.radius
             own += sideways(disc, contacts.patches, side + 1, group, count_from(group), nx, ny)
             slip = load(velocity, columns + group) * nx - load(velocity, group) * ny
@@ -109,7 +107,7 @@ def _slip_neighbours(pair, rollers, disc, contacts, turn_kick, out):
     for group in range(0, rollers.n, WIDTH):
         row = pair.row * columns + group
         if _closed(contacts, row):
-            nx, ny = _normal(contacts, pair, group)
+            nx, ny = normals(contacts, pair, group)
             i = next_rollers(group, rollers.n)
             own = gather(turn_kick, i) * rollers.radius
             own += sideways(disc, contacts.patches, side + 1, group, i, nx, ny)
@@ -120,162 +118,8 @@ def _slip_neighbours(pair, rollers, disc, contacts, turn_kick, out):
             store(out, row, slip)
 
 
-grip_all = every(grip_pair)
-slip_all = every(slip_pair)
-
-
 @part
-def slips_before(groups, rollers, disc, contacts, still):
-    """Slips before a kick, m/s; `still`, (columns,), is 0: no roller is to gain anything by turning as a whole."""
-    grip_all(groups, rollers, disc, contacts)
-    slip_all(groups, rollers, disc, contacts, still, contacts.friction.slip)
-
-
-@part
-def friction_contacts(groups, rollers, disc, contacts, drive, overlapping, whole):
-    """Tractions of every contact and their impulses; returns the work they dissipate in this step, J.
-
-    Each is implicit in its own patch's velocity. Where patches of neighbours overlap (on coarse meshes), each starts
-    from its last value and every other one is solved for in turn (Gauss and Seidel): without neighbours' part sticking
-    contacts would shake each other. Where they share a rigid body, each knows the others' last values.
-
-    `overlapping`, `whole`: of `Friction`; what is None is not compiled.
-    """
-    if overlapping is None:
-        _solve_at_once(groups, rollers, disc, contacts, drive, whole)
-    elif overlapping == ALWAYS or _rollers_touch(contacts, rollers):
-        _solve_in_turn(groups, rollers, disc, contacts, drive)
-    else:
-        _solve_at_once(groups, rollers, disc, contacts, drive, whole)
-    friction = contacts.friction
-    dissipated = splat(0.0)
-    for at in range(0, friction.traction.size, WIDTH):
-        dissipated -= load(friction.traction, at) * (load(friction.slip, at) + load(friction.slip_left, at))
-    return 0.5 * drive.dt * total(dissipated)
-
-
-@part
-def _solve_at_once(groups, rollers, disc, contacts, drive, whole):
-    """Tractions and impulses of contacts that share no nodes."""
-    if whole is None:
-        slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-        _rub_all(groups, rollers, disc, contacts, drive)
-    else:
-        _solve_on_whole_bodies(groups, rollers, disc, contacts, drive)
-
-
-@part
-def _rollers_touch(contacts, rollers):
-    found = splat(0.0)
-    for group in range(0, rollers.n, WIDTH):
-        found += load(contacts.forces.force, ROLLER * rollers.columns + group)
-    return any_lane(found > 0.0)
-
-
-@part
-def _rub(pair, rollers, disc, contacts, drive):
-    """Tractions of a pair's contacts from slips without any, and their impulses."""
-    _find_tractions(pair, rollers, disc, contacts, drive.dt, ALL, False)
-    drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
-
-
-@part
-def _rub_in_turn(pair, rollers, disc, contacts, drive):
-    """Every other one of a pair's contacts, and then the others, each with all the others' tractions."""
-    for some in range(2):
-        slip_pair(pair, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-        _find_tractions(pair, rollers, disc, contacts, drive.dt, some, True)
-        drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
-
-
-@part
-def _rub_as_before(pair, rollers, disc, contacts, drive):
-    """The last tractions of a pair's contacts that are still closed."""
-    _take_last(pair, rollers, contacts)
-    drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
-
-
-_rub_all, _rub_all_in_turn, _rub_all_as_before = every(_rub), every(_rub_in_turn), every(_rub_as_before)
-
-
-@part(inlined=False)
-def _solve_in_turn(groups, rollers, disc, contacts, drive):
-    """Tractions and impulses of contacts whose patches overlap; seldom needed, so kept out of the time loop."""
-    _rub_all_as_before(groups, rollers, disc, contacts, drive)
-    _rub_all_in_turn(groups, rollers, disc, contacts, drive)
-    slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-
-
-@part
-def _rub_bodies(pair, rollers, disc, contacts, drive):
-    """Give rigid bodies the last tractions of a pair's contacts that are still closed."""
-    _take_last(pair, rollers, contacts)
-    _drag_bodies(pair, rollers, disc, contacts, drive.dt)
-
-
-@part
-def _rub_beside(pair, rollers, disc, contacts, drive):
-    """Tractions of a pair's contacts from slips with all last tractions."""
-    _find_tractions(pair, rollers, disc, contacts, drive.dt, ALL, True)
-
-
-@part
-def _without_bodies(pair, rollers, disc, contacts, drive):
-    """Take out of the slips left what rigid bodies move, and what the change of a contact's own traction will."""
-    friction, mobility = contacts.friction, _whole_mobility(pair, disc) * drive.dt
-    for group in range(0, rollers.n, WIDTH):
-        row = pair.row * rollers.columns + group
-        moved = _whole_slip(pair, rollers, disc, contacts, group)
-        store(friction.slip_left, row, load(friction.slip_left, row) - moved - mobility * load(friction.change, row))
-
-
-@part
-def _with_bodies(pair, rollers, disc, contacts, drive):
-    """Add to the slips left what rigid bodies move."""
-    for group in range(0, rollers.n, WIDTH):
-        row = pair.row * rollers.columns + group
-        moved = _whole_slip(pair, rollers, disc, contacts, group)
-        store(contacts.friction.slip_left, row, load(contacts.friction.slip_left, row) + moved)
-
-
-@part
-def _drag_nodes(pair, rollers, disc, contacts, drive):
-    """The bodies with nodes have been given nothing yet, the rigid ones the last tractions."""
-    drag(pair, rollers, disc, contacts, contacts.friction.traction, drive.dt)
-
-
-_rub_all_bodies, _rub_all_beside = every(_rub_bodies), every(_rub_beside)
-_all_without_bodies, _drag_all_nodes, _all_with_bodies = every(_without_bodies), every(_drag_nodes), every(_with_bodies)
-
-
-@part
-def _solve_on_whole_bodies(groups, rollers, disc, contacts, drive):
-    """Tractions and impulses of contacts that share a rigid body but no nodes.
-
-    The rigid bodies have been given all last tractions when each contact finds its own: a step's tractions differ from
-    the last by so little that what they do to each other's slip is caught up with in the next.
-    """
-    _rub_all_bodies(groups, rollers, disc, contacts, drive)
-    slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-    _rub_all_beside(groups, rollers, disc, contacts, drive)
-    _all_without_bodies(groups, rollers, disc, contacts, drive)
-    _drag_all_nodes(groups, rollers, disc, contacts, drive)
-    _all_with_bodies(groups, rollers, disc, contacts, drive)
-
-
-@part
-def _take_last(pair, rollers, contacts):
-    """Begin with the last tractions of a pair's contacts that are still closed."""
-    friction = contacts.friction
-    for group in range(0, rollers.n, WIDTH):
-        row = pair.row * rollers.columns + group
-        last = select(load(contacts.forces.force, row) > 0.0, load(friction.traction, row), 0.0)
-        store(friction.traction, row, last)
-        store(friction.change, row, last)
-
-
-@part
-def _find_tractions(pair, rollers, disc, contacts, dt, some, again):
+def find_tractions(pair, rollers, disc, contacts, dt, some, again):
     """Tractions of a pair's contacts, EVEN, ODD or ALL, from the slips, which become those that are left.
 
     `again`: the slips are with the last tractions; of ALL contacts with those of the rigid bodies alone. What tractions
@@ -298,7 +142,7 @@ def _find_tractions(pair, rollers, disc, contacts, dt, some, again):
         if again:
             given = load(friction.traction, row)
             if some == ALL:
-                taken = splat(_whole_mobility(pair, disc) * dt)
+                taken = splat(whole_mobility(pair, disc) * dt)
         if some != ALL:
             number = count_from(group + some)
             chosen = chosen & (number - whole(real(number) * 0.5) * 2 == 0)
@@ -317,45 +161,25 @@ def _rolling_speed(pair, rollers, contacts, group):
 
 @_rolling_speed.of(Raceway)
 def _on_raceway(raceway, rollers, contacts, group):
-    nx, ny = _normal(contacts, raceway, group)
+    nx, ny = normals(contacts, raceway, group)
     velocity = rollers.velocity
     turning = (load(velocity, rollers.columns + group) * nx - load(velocity, group) * ny) * (1.0 / raceway.orbit)
     return magnitude(load(rollers.spin, group) - turning) * rollers.radius
 
 
 @verb
-def _whole_mobility(pair, disc):
+def whole_mobility(pair, disc):
     """What rigid bodies add to the mobility of a contact, 1/kg."""
 
 
-@_whole_mobility.of(Raceway)
+@whole_mobility.of(Raceway)
 def _mobility_on_raceway(raceway, disc):
     return body_mobility(disc) + body_mobility(raceway.surface)
 
 
-@_whole_mobility.of(Neighbours)
+@whole_mobility.of(Neighbours)
 def _mobility_of_neighbours(pair, disc):
     return body_mobility(disc) * 2.0
-
-
-@verb
-def _whole_slip(pair, rollers, disc, contacts, group):
-    """What the rigid bodies' motion adds to the slip of eight contacts, m/s."""
-
-
-@_whole_slip.of(Raceway)
-def _whole_slip_on_raceway(raceway, rollers, disc, contacts, group):
-    nx, ny = _normal(contacts, raceway, group)
-    along, around = body_motion(disc, count_from(group), nx, ny)
-    return along - raceway.sign * around - body_motion(raceway.surface, count_from(group), nx, ny)[0]
-
-
-@_whole_slip.of(Neighbours)
-def _whole_slip_of_neighbours(pair, rollers, disc, contacts, group):
-    nx, ny = _normal(contacts, pair, group)
-    along, around = body_motion(disc, count_from(group), nx, ny)
-    along_next, around_next = body_motion(disc, next_rollers(group, rollers.n), nx, ny)
-    return along_next - along - around - around_next
 
 
 @verb
@@ -394,20 +218,20 @@ def _drag_neighbours(pair, rollers, disc, contacts, share, dt):
 
 
 @verb
-def _drag_bodies(pair, rollers, disc, contacts, dt):
+def drag_bodies(pair, rollers, disc, contacts, dt):
     """Give the rigid bodies of a pair the impulses of the changes of its tractions in a step."""
 
 
-@_drag_bodies.of(Raceway)
-def _drag_bodies_on_raceway(raceway, rollers, disc, contacts, dt):
+@drag_bodies.of(Raceway)
+def drag_bodies_on_raceway(raceway, rollers, disc, contacts, dt):
     normal, change, row, moment = contacts.patches.normal, contacts.friction.change, raceway.row, 0.0
     for j in range(rollers.n):
         moment += _drag_ring_and_roller(raceway, disc, j, change[row, j] * dt, normal[row, 0, j], normal[row, 1, j])
     raceway.moment[1] += moment
 
 
-@_drag_bodies.of(Neighbours)
-def _drag_bodies_of_neighbours(pair, rollers, disc, contacts, dt):
+@drag_bodies.of(Neighbours)
+def drag_bodies_of_neighbours(pair, rollers, disc, contacts, dt):
     normal, change, row = contacts.patches.normal, contacts.friction.change, pair.row
     for j in range(rollers.n):
         i = next_roller(j, rollers.n)

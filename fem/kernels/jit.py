@@ -37,11 +37,6 @@ def cache_folder() -> Path:
     return Path(base) / "kernels" / text.hexdigest()[:16]
 
 
-def is_compiled() -> bool:
-    """Whether an earlier start has left compiled kernels of this version."""
-    return any(cache_folder().rglob("*.nbc"))
-
-
 def kernel(function=None, **options):
     """Compile a function of arrays, named tuples of them and scalars for calls from Python and from other kernels."""
     if function is None:

@@ -7,7 +7,7 @@ import fem.kernels.rigid_surfaces
 import fem.kernels.ring_surface  # noqa: F401
 from fem.kernels.contact_kernels import press_patches, push_patches
 from fem.kernels.drive_kernels import kick_hub, move_hub, radial_load_at
-from fem.kernels.friction_kernels import friction_contacts, slips_before
+from fem.kernels.friction_solution import friction_contacts, slips_before
 from fem.kernels.jit import kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.resolved_kernels import press_all_points

@@ -10,7 +10,7 @@ finite_elements    their plan: everything decided before the first step; `descri
 element_state      their state, advanced in blocks; `guards`: looks at the samples that no sound run fails
 discretise         the model of a scene: mesh, contact model, width of the patches
 limits, cautions   what is refused; what is warned of
-start, arrays      the state a run starts from; the time loop's arrays filled with it
+start, arrays      the state a run starts from; the time loop's arrays filled with it, `contact_arrays` the contacts'
 samples, frames    rows of the time loop as quantities; displacements at an instant
 error_estimate     what a scene's results may be off by, from a second mesh
 """

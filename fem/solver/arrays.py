@@ -4,41 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contacts.model import KernelData, Model
+from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.rigid import RigidRing
 from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.friction_kernels import ALWAYS, WHERE_ROLLERS_TOUCH
-from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH
-from fem.kernels.state import (
-    INNER,
-    OUTER,
-    ROLLER,
-    Bodies,
-    Contacts,
-    Disc,
-    DiscSurface,
-    Drive,
-    Forces,
-    Friction,
-    Ground,
-    Hub,
-    Neighbours,
-    Patches,
-    Raceway,
-    RigidDisc,
-    Ring,
-    RingSurface,
-    Rollers,
-    Scratch,
-)
+from fem.kernels.state import Bodies, Contacts, Disc, Drive, Neighbours, Raceway, Ring, Rollers, Scratch
+from fem.solver.cache_lines import lined_up
+from fem.solver.contact_arrays import contact_arrays, disc_surface, pair_groups
 from fem.solver.start import Start
-from lagrange import Operation, kinematics
-
-REACH = 0.01  # of a roller's radius
-CACHE_LINE = 64  # bytes, as long as one register of eight
+from lagrange import Operation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,41 +60,22 @@ def make_arrays(
     disc = _disc(model.roller, dt, rollers.columns)
     drive = _drive(model, operation, start, dt, ramp)
     data = model.kernel_data(largest_force)
-    contacts = _contacts(model, operation, start, data, friction, rollers.columns)
+    contacts = contact_arrays(model, operation, start, data, friction, rollers.columns)
     if not model.inner_ring.material.rigid:
         _place_inner(model.inner_ring, inner, start, operation.speed, dt)
     if not model.outer_ring.material.rigid:
         _fill(outer.u, start.equilibrium.outer_ring)
         _fill(outer.w, start.outer_rate)
     _place_rollers(model.roller, rollers, disc, start, dt)
-    rollers, disc, inner, outer = (_lined_up(group) for group in (rollers, disc, inner, outer))
-    surface = _disc_surface(model, rollers, disc, data)
+    rollers, disc, inner, outer = (lined_up(group) for group in (rollers, disc, inner, outer))
+    surface = disc_surface(model, rollers, disc, data)
     return Arrays(
         bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer),
-        groups=_groups(model, inner, outer, drive, data),
-        contacts=_lined_up(contacts),
+        groups=pair_groups(model, inner, outer, drive, data),
+        contacts=lined_up(contacts),
         drive=drive,
-        scratch=_lined_up(_scratch(rollers, disc, inner, outer, threads)),
+        scratch=lined_up(_scratch(rollers, disc, inner, outer, threads)),
     )
-
-
-def _lined_up(group):
-    """A named tuple whose arrays begin at cache lines: eight lanes that lie across two cost two accesses."""
-    return type(group)(*(_lined_up_entry(entry) for entry in group))
-
-
-def _lined_up_entry(entry):
-    if isinstance(entry, np.ndarray):
-        return _at_line(entry)
-    return _lined_up(entry) if hasattr(entry, "_fields") else entry
-
-
-def _at_line(values: np.ndarray) -> np.ndarray:
-    room = np.zeros(values.nbytes + CACHE_LINE, dtype=np.uint8)
-    first = -room.ctypes.data % CACHE_LINE
-    copy = room[first : first + values.nbytes].view(values.dtype).reshape(values.shape)
-    copy[...] = values
-    return copy
 
 
 def _rollers(disc: DiscBody, n: int) -> Rollers:
@@ -158,98 +115,6 @@ def _disc(disc: DiscBody, dt: float, columns: int) -> Disc:
         u=np.zeros(len(mass) * 2 * columns),
         w=np.zeros(len(mass) * 2 * columns),
     )
-
-
-def _disc_surface(model: Model, rollers: Rollers, disc: Disc, data: KernelData) -> DiscSurface | RigidDisc:
-    """What contacts see of rollers."""
-    if model.roller.material.rigid:
-        return RigidDisc(
-            velocity=rollers.velocity,
-            spin=rollers.spin,
-            turn_kick=rollers.turn_kick,
-            columns=rollers.columns,
-            total_mass=rollers.total_mass,
-            inertia=rollers.inertia,
-            radius=rollers.radius,
-        )
-    return DiscSurface(
-        u=disc.u,
-        w=disc.w,
-        points=disc.points,
-        lightness=_at_line(1.0 / disc.mass),
-        impulse=rollers.node_impulse,
-        ripple=_at_line(data.ripples[ROLLER]),
-        first=model.roller.first_surface_node,
-        n_nodes=model.roller.shape.surface_nodes,
-        columns=rollers.columns,
-        radius=rollers.radius,
-    )
-
-
-def _ring_surface(body: RingBody, ring: Ring, ripple: np.ndarray) -> RingSurface:
-    """What contacts see of an elastic ring."""
-    return RingSurface(
-        u=ring.u,
-        w=ring.w,
-        cosines=ring.cosines,
-        sines=ring.sines,
-        ripple=_at_line(ripple),
-        row=ring.raceway,
-        n_nodes=ring.n_sectors,
-        node_mass=float(ring.row_mass[ring.raceway]),
-        radius=body.raceway_radius,
-    )
-
-
-def _groups(model: Model, inner: Ring, outer: Ring, drive: Drive, data: KernelData) -> tuple:
-    """All pairs of bodies that may touch, in groups of one type."""
-    bearing, (hub, ground) = model.bearing, (model.inner_ring, model.outer_ring)
-    nowhere = np.zeros(2)
-    inner_surface = Hub(
-        place=drive.hub,
-        velocity=drive.velocity,
-        impulse=drive.impulse,
-        n_contacts=bearing.n_rollers,
-        mass=drive.mass,
-        speed=drive.speed,
-        radius=hub.raceway_radius,
-    )
-    if not hub.material.rigid:
-        inner_surface = _ring_surface(hub, inner, data.ripples[INNER])
-    outer_surface = Ground(radius=ground.raceway_radius)
-    if not ground.material.rigid:
-        outer_surface = _ring_surface(ground, outer, data.ripples[OUTER])
-    orbit = ground.raceway_radius - model.roller.shape.radius
-    on_inner = Raceway(
-        row=INNER,
-        sign=1.0,
-        radius=hub.raceway_radius,
-        orbit=orbit,
-        law=data.laws[INNER],
-        surface=inner_surface,
-        centre=drive.hub,
-        counted_from=nowhere if hub.material.rigid else drive.hub,
-        frame=drive.frame,
-        impulse=drive.impulse,
-        moment=drive.moment,
-    )
-    on_outer = Raceway(
-        row=OUTER,
-        sign=-1.0,
-        radius=ground.raceway_radius,
-        orbit=orbit,
-        law=data.laws[OUTER],
-        surface=outer_surface,
-        centre=nowhere,
-        counted_from=nowhere,
-        frame=np.array([0.0, 1.0, 0.0]),
-        impulse=np.zeros(2),  # the ground's, which nobody reads
-        moment=np.zeros(2),
-    )
-    between = Neighbours(row=ROLLER, law=data.laws[ROLLER])
-    if type(inner_surface) is type(outer_surface):
-        return (on_inner, on_outer), (between,)
-    return (on_inner,), (on_outer,), (between,)
 
 
 def _ring(ring: RingBody, dt: float) -> Ring:
@@ -334,74 +199,6 @@ def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, d
     shape = (body.n_nodes, 2, rollers.columns)
     disc.u.reshape(shape)[:, :, :n] = np.moveaxis(start.equilibrium.rollers, 0, -1)
     disc.w.reshape(shape)[:, :, :n] = np.moveaxis(velocity, 0, -1)
-
-
-def _reach(model: Model, operation: Operation) -> float:
-    """A gap that elastic motion can't close: far above any contact's approach, and twice the growth under rotation."""
-    ring, disc = model.inner_ring, model.roller
-    growth = ring.held(ring.body_load(0.0, 0.0, operation.speed))
-    spin = kinematics(model.bearing, operation.speed).roller
-    swelling = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel())
-    return REACH * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max())
-
-
-def _contacts(
-    model: Model, operation: Operation, start: Start, data: KernelData, friction: float, columns: int
-) -> Contacts:
-    n = model.bearing.n_rollers
-    pairs = 3
-    force = np.zeros((pairs, columns))
-    force[INNER, :n], force[OUTER, :n] = start.equilibrium.inner_force, start.equilibrium.outer_force
-    width = N_NODES * len(data.units)
-    return Contacts(
-        forces=Forces(
-            force=force,
-            kick=np.zeros((pairs, columns)),
-            approach=np.full((pairs, columns), np.nan),
-            residual=np.zeros((pairs, columns)),
-            bracket=np.zeros((pairs, columns)),
-        ),
-        patches=Patches(
-            normal=np.zeros((pairs, 2, columns)),
-            start=np.zeros((2 * pairs, columns), dtype=np.int64),
-            weight=np.zeros((2 * pairs, width, columns)),
-            outward=np.zeros((2 * pairs, 2, columns)),
-            along=np.zeros((2 * pairs, width, columns)),
-            across=np.zeros((2 * pairs, width, columns)),
-            scale=np.zeros((2 * pairs, columns)),
-            slope=np.zeros((2 * pairs, columns)),
-            weight_slope=np.zeros((N_NODES, WIDTH)),
-            columns=columns,
-            units=data.units,
-        ),
-        friction=Friction(
-            traction=np.zeros((pairs, columns)),
-            change=np.zeros((pairs, columns)),
-            slip=np.zeros((pairs, columns)),
-            slip_left=np.zeros((pairs, columns)),
-            mobility=np.zeros((pairs, columns)),
-            coefficient=float(friction),
-            overlapping=_overlapping(model, data.neighbourly),
-            whole=True if model.roller.material.rigid or model.inner_ring.material.rigid else None,
-        ),
-        points=data.points,
-        reach=_reach(model, operation) + data.facet_depth,
-    )
-
-
-def _overlapping(model: Model, width: float) -> int | None:
-    """Whether patches can come within `width` nodes, as `Friction.overlapping` says it.
-
-    On a raceway those of rollers that touch, on a roller its own.
-    """
-    bearing = model.bearing
-    apart = 2.0 * np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius))  # of rollers that touch
-    angle = 2.0 * np.pi * width
-    rings = (model.inner_ring, model.outer_ring)
-    if any(ring.n_sectors * apart < angle for ring in rings if not ring.material.rigid):
-        return ALWAYS
-    on_rollers = model.roller.shape.surface_nodes * 0.5 * (np.pi - apart) < angle
-    return WHERE_ROLLERS_TOUCH if on_rollers and not model.roller.material.rigid else None
 
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float) -> Drive:

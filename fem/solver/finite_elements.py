@@ -4,12 +4,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from math import ceil
+from threading import Timer
 
 import numba
 
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
-from fem.kernels.jit import cache_folder, is_compiled
+from fem.kernels.jit import cache_folder
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
 from fem.solver.description import mesh_table, plan_rows
@@ -23,6 +24,8 @@ from lagrange import Operation, kinematics
 from lagrange.scene import Scene
 
 LONGEST_UNWATCHED = 100  # steps between two looks at the energy
+PATIENCE = 3.0  # s, to load the time loop; if it takes longer it is being compiled
+COMPILING = "compiling the time loop, once for such bodies and contacts: half a minute, or one on a slow processor"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,11 +81,15 @@ class ElementPlan(Plan):
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> None:
         """Compile the time loop, or load it compiled, without taking a step."""
-        if tell is not None and not is_compiled():
-            tell("compiling the kernels, once, about half a minute")
         if self.scene.numerics.threads > 1:
             numba.set_num_threads(self.scene.numerics.threads)
-        self.first_state().take_steps(0)
+        telling = Timer(PATIENCE, tell or (lambda sentence: None), (COMPILING,))
+        telling.daemon = True
+        telling.start()
+        try:
+            self.first_state().take_steps(0)
+        finally:
+            telling.cancel()
 
     def first_state(self) -> ElementState:
         return ElementState(self)

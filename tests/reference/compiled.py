@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem.kernels import contact_kernels, friction_kernels, sample_kernels, time_loop
+from fem.kernels import contact_kernels, friction_solution, sample_kernels, time_loop
 from fem.kernels.jit import kernel
 from fem.solver.arrays import Arrays
 
@@ -55,13 +55,13 @@ def _press_groups(groups, rollers, surface, contacts, drive):
 
 @kernel
 def _slips(groups, rollers, surface, contacts, turn_kick, out):
-    friction_kernels.grip_all(groups, rollers, surface, contacts)
-    friction_kernels.slip_all(groups, rollers, surface, contacts, turn_kick, out)
+    friction_solution.grip_all(groups, rollers, surface, contacts)
+    friction_solution.slip_all(groups, rollers, surface, contacts, turn_kick, out)
 
 
 @kernel
 def _rub(groups, rollers, surface, contacts, drive, overlapping, whole):
-    return friction_kernels.friction_contacts(groups, rollers, surface, contacts, drive, overlapping, whole)
+    return friction_solution.friction_contacts(groups, rollers, surface, contacts, drive, overlapping, whole)
 
 
 @kernel

@@ -1,0 +1,195 @@
+"""Contacts for the time loop: the bodies' surfaces, the pairs that may touch, and the arrays of their contacts."""
+
+import numpy as np
+
+from fem.contacts.model import KernelData, Model
+from fem.elastic.bodies import RingBody
+from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
+from fem.kernels.patches import N_NODES
+from fem.kernels.simd import WIDTH
+from fem.kernels.state import (
+    INNER,
+    OUTER,
+    ROLLER,
+    Contacts,
+    Disc,
+    DiscSurface,
+    Drive,
+    Forces,
+    Friction,
+    Ground,
+    Hub,
+    Neighbours,
+    Patches,
+    Raceway,
+    RigidDisc,
+    Ring,
+    RingSurface,
+    Rollers,
+)
+from fem.solver.cache_lines import at_line
+from fem.solver.start import Start
+from lagrange import Operation, kinematics
+
+REACH = 0.01  # of a roller's radius
+
+
+def pair_groups(model: Model, inner: Ring, outer: Ring, drive: Drive, data: KernelData) -> tuple:
+    """All pairs of bodies that may touch, in groups of one type."""
+    bearing, (hub, ground) = model.bearing, (model.inner_ring, model.outer_ring)
+    nowhere = np.zeros(2)
+    inner_surface = Hub(
+        place=drive.hub,
+        velocity=drive.velocity,
+        impulse=drive.impulse,
+        n_contacts=bearing.n_rollers,
+        mass=drive.mass,
+        speed=drive.speed,
+        radius=hub.raceway_radius,
+    )
+    if not hub.material.rigid:
+        inner_surface = _ring_surface(hub, inner, data.ripples[INNER])
+    outer_surface = Ground(radius=ground.raceway_radius)
+    if not ground.material.rigid:
+        outer_surface = _ring_surface(ground, outer, data.ripples[OUTER])
+    orbit = ground.raceway_radius - model.roller.shape.radius
+    on_inner = Raceway(
+        row=INNER,
+        sign=1.0,
+        radius=hub.raceway_radius,
+        orbit=orbit,
+        law=data.laws[INNER],
+        surface=inner_surface,
+        centre=drive.hub,
+        counted_from=nowhere if hub.material.rigid else drive.hub,
+        frame=drive.frame,
+        impulse=drive.impulse,
+        moment=drive.moment,
+    )
+    on_outer = Raceway(
+        row=OUTER,
+        sign=-1.0,
+        radius=ground.raceway_radius,
+        orbit=orbit,
+        law=data.laws[OUTER],
+        surface=outer_surface,
+        centre=nowhere,
+        counted_from=nowhere,
+        frame=np.array([0.0, 1.0, 0.0]),
+        impulse=np.zeros(2),  # the ground's, which nobody reads
+        moment=np.zeros(2),
+    )
+    between = Neighbours(row=ROLLER, law=data.laws[ROLLER])
+    if type(inner_surface) is type(outer_surface):
+        return (on_inner, on_outer), (between,)
+    return (on_inner,), (on_outer,), (between,)
+
+
+def disc_surface(model: Model, rollers: Rollers, disc: Disc, data: KernelData) -> DiscSurface | RigidDisc:
+    """What contacts see of rollers."""
+    if model.roller.material.rigid:
+        return RigidDisc(
+            velocity=rollers.velocity,
+            spin=rollers.spin,
+            turn_kick=rollers.turn_kick,
+            columns=rollers.columns,
+            total_mass=rollers.total_mass,
+            inertia=rollers.inertia,
+            radius=rollers.radius,
+        )
+    return DiscSurface(
+        u=disc.u,
+        w=disc.w,
+        points=disc.points,
+        lightness=at_line(1.0 / disc.mass),
+        impulse=rollers.node_impulse,
+        ripple=at_line(data.ripples[ROLLER]),
+        first=model.roller.first_surface_node,
+        n_nodes=model.roller.shape.surface_nodes,
+        columns=rollers.columns,
+        radius=rollers.radius,
+    )
+
+
+def _ring_surface(body: RingBody, ring: Ring, ripple: np.ndarray) -> RingSurface:
+    """What contacts see of an elastic ring."""
+    return RingSurface(
+        u=ring.u,
+        w=ring.w,
+        cosines=ring.cosines,
+        sines=ring.sines,
+        ripple=at_line(ripple),
+        row=ring.raceway,
+        n_nodes=ring.n_sectors,
+        node_mass=float(ring.row_mass[ring.raceway]),
+        radius=body.raceway_radius,
+    )
+
+
+def contact_arrays(
+    model: Model, operation: Operation, start: Start, data: KernelData, friction: float, columns: int
+) -> Contacts:
+    """Contacts at the start, with its static forces."""
+    n = model.bearing.n_rollers
+    pairs = 3
+    force = np.zeros((pairs, columns))
+    force[INNER, :n], force[OUTER, :n] = start.equilibrium.inner_force, start.equilibrium.outer_force
+    width = N_NODES * len(data.units)
+    return Contacts(
+        forces=Forces(
+            force=force,
+            kick=np.zeros((pairs, columns)),
+            approach=np.full((pairs, columns), np.nan),
+            residual=np.zeros((pairs, columns)),
+            bracket=np.zeros((pairs, columns)),
+        ),
+        patches=Patches(
+            normal=np.zeros((pairs, 2, columns)),
+            start=np.zeros((2 * pairs, columns), dtype=np.int64),
+            weight=np.zeros((2 * pairs, width, columns)),
+            outward=np.zeros((2 * pairs, 2, columns)),
+            along=np.zeros((2 * pairs, width, columns)),
+            across=np.zeros((2 * pairs, width, columns)),
+            scale=np.zeros((2 * pairs, columns)),
+            slope=np.zeros((2 * pairs, columns)),
+            weight_slope=np.zeros((N_NODES, WIDTH)),
+            columns=columns,
+            units=data.units,
+        ),
+        friction=Friction(
+            traction=np.zeros((pairs, columns)),
+            change=np.zeros((pairs, columns)),
+            slip=np.zeros((pairs, columns)),
+            slip_left=np.zeros((pairs, columns)),
+            mobility=np.zeros((pairs, columns)),
+            coefficient=float(friction),
+            overlapping=_overlapping(model, data.neighbourly),
+            whole=True if model.roller.material.rigid or model.inner_ring.material.rigid else None,
+        ),
+        points=data.points,
+        reach=_reach(model, operation) + data.facet_depth,
+    )
+
+
+def _overlapping(model: Model, width: float) -> int | None:
+    """Whether patches can come within `width` nodes, as `Friction.overlapping` says it.
+
+    On a raceway those of rollers that touch, on a roller its own.
+    """
+    bearing = model.bearing
+    apart = 2.0 * np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius))  # of rollers that touch
+    angle = 2.0 * np.pi * width
+    rings = (model.inner_ring, model.outer_ring)
+    if any(ring.n_sectors * apart < angle for ring in rings if not ring.material.rigid):
+        return ALWAYS
+    on_rollers = model.roller.shape.surface_nodes * 0.5 * (np.pi - apart) < angle
+    return WHERE_ROLLERS_TOUCH if on_rollers and not model.roller.material.rigid else None
+
+
+def _reach(model: Model, operation: Operation) -> float:
+    """A gap that elastic motion can't close: far above any contact's approach, and twice the growth under rotation."""
+    ring, disc = model.inner_ring, model.roller
+    growth = ring.held(ring.body_load(0.0, 0.0, operation.speed))
+    spin = kinematics(model.bearing, operation.speed).roller
+    swelling = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel())
+    return REACH * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max())

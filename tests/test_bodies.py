@@ -9,6 +9,7 @@ from fem.elastic.assembly import assemble
 from fem.elastic.bodies import rigid_modes
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
+from fem.solver.arrays import disc_nodes
 from meshes import Mesh
 from tests.reference.bearings import LENGTH, STEEL, disc, ring
 from tests.reference.free_vibration import disc_frequency, ring_frequency
@@ -208,12 +209,10 @@ def column_blocks(body, columns, seed):
 
 def kick_disc(body, u, w, dt):
     """disc_kernels.kick on (n_nodes, 2, columns); returns new w and the torque."""
-    starts, neighbours, blocks = body.blocks()
-    rows = np.repeat(np.arange(body.n_nodes), np.diff(starts))
-    scaled = np.ascontiguousarray(-dt * blocks / body.mass[rows][:, None, None]).ravel()
-    flat_u, flat_w, torque = u.ravel().copy(), w.ravel().copy(), np.zeros(u.shape[2])
-    disc_kernels.kick(starts, neighbours, scaled, body.mass, flat_u, flat_w, u.shape[2], torque, 0, len(body.mass), 0)
-    return flat_w.reshape(u.shape), torque
+    nodes, torque = disc_nodes(body, dt, u.shape[2]), np.zeros(u.shape[2])
+    nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
+    disc_kernels.kick(nodes, nodes.w, u.shape[2], torque, 0, len(body.mass), 0)
+    return nodes.w.reshape(u.shape), torque
 
 
 @pytest.mark.parametrize("columns", [16, 32])
@@ -234,26 +233,12 @@ def test_disc_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     u, w = 1e-6 * column_blocks(body, columns, 8), column_blocks(body, columns, 9)
     shift = np.random.default_rng(10).standard_normal((2, columns))
     turn_kick = np.random.default_rng(7).standard_normal(columns) / RADIUS
-    flat_u, flat_w, moment = u.ravel().copy(), w.ravel().copy(), np.zeros(columns)
+    nodes, moment = disc_nodes(body, dt, columns), np.zeros(columns)
+    nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
     cosine, sine = np.full(columns, np.cos(turn)), np.full(columns, np.sin(turn))
-    points = np.ascontiguousarray(body.points).ravel()
-    disc_kernels.drift(
-        points,
-        body.mass,
-        flat_u,
-        flat_w,
-        columns,
-        dt,
-        turn_kick,
-        cosine,
-        sine,
-        shift[0],
-        shift[1],
-        moment,
-        0,
-        len(body.mass),
-        0,
-    )
+    turns = disc_kernels.Turns(turn_kick, cosine, sine, shift[0], shift[1])
+    disc_kernels.drift(nodes, turns, columns, dt, moment, 0, len(body.mass), 0)
+    flat_u, flat_w = nodes.u, nodes.w
     back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     turned = np.stack([-body.points[:, 1], body.points[:, 0]], axis=1)
     rate = w + turned[:, :, None] * turn_kick - shift[None]

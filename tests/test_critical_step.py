@@ -11,6 +11,7 @@ from fem.contacts.patch import disc_patch_force, ring_patch_force
 from fem.elastic.assembly import assemble
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
+from fem.solver.arrays import disc_nodes
 from meshes import Mesh
 from tests.reference.bearings import LENGTH, STEEL, disc, model, paper, ring
 
@@ -101,19 +102,18 @@ def test_it_shrinks_with_the_mesh():
 
 def leapfrog_disc(body, dt, n_steps):
     """Largest displacement, relative to the first, after free leapfrog steps."""
-    starts, neighbours, blocks = body.blocks()
-    rows = np.repeat(np.arange(body.n_nodes), np.diff(starts))
-    scaled = np.ascontiguousarray(-dt * blocks / body.mass[rows][:, None, None]).ravel()
-    points, columns = np.ascontiguousarray(body.points).ravel(), 16
+    columns = 16
+    nodes = disc_nodes(body, dt, columns)
     u = np.zeros((body.n_nodes, 2, columns))
     u[:, :, 0] = np.random.default_rng(1).standard_normal((body.n_nodes, 2))
-    u, w = u.ravel(), np.zeros(u.size)
-    still, torque, ones = np.zeros(columns), np.zeros(columns), np.ones(columns)
-    first, nodes = np.abs(u).max(), (0, body.n_nodes, 0)
+    nodes.u[:] = u.ravel()
+    still, torque = np.zeros(columns), np.zeros(columns)
+    turns = disc_kernels.Turns(still, np.ones(columns), still, still, still)
+    first, all_of_them = np.abs(u).max(), (0, body.n_nodes, 0)
     for _ in range(n_steps):
-        disc_kernels.kick(starts, neighbours, scaled, body.mass, u, w, columns, torque, *nodes)
-        disc_kernels.drift(points, body.mass, u, w, columns, dt, still, ones, still, still, still, torque, *nodes)
-    return np.abs(u).max() / first
+        disc_kernels.kick(nodes, nodes.w, columns, torque, *all_of_them)
+        disc_kernels.drift(nodes, turns, columns, dt, torque, *all_of_them)
+    return np.abs(nodes.u).max() / first
 
 
 def leapfrog_ring(body, dt, n_steps):

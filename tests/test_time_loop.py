@@ -31,6 +31,7 @@ from fem.kernels.sample_kernels import (
     WORK_LOAD,
 )
 from fem.kernels.time_loop import NOT_FINITE, advance
+from fem.solver.arrays import disc_nodes
 from lagrange import Bearing
 from tests.reference.bearings import (
     LENGTH,
@@ -70,22 +71,20 @@ def disc_mode(body):
 
 def ring_up_disc(body, shape, omega, dt, n_steps):
     """Amplitude of the mode at every step, from rest at the first, with frames that do not turn."""
-    starts, neighbours, blocks = body.blocks()
-    rows = np.repeat(np.arange(body.n_nodes), np.diff(starts))
-    scaled = np.ascontiguousarray(-dt * blocks / body.mass[rows][:, None, None]).ravel()
-    points, columns = np.ascontiguousarray(body.points).ravel(), 16
+    columns = 16
+    nodes = disc_nodes(body, dt, columns)
     u, w = np.zeros((2 * body.n_nodes, columns)), np.zeros((2 * body.n_nodes, columns))
     u[:, 3] = 1e-6 * shape
     w[:, 3] = 0.5 * dt * omega**2 * u[:, 3]  # at −dt/2
     weight = np.repeat(body.mass, 2) * shape
     weight /= weight @ shape * 1e-6
-    u, w = u.ravel(), w.ravel()
-    still, torque, ones, found = np.zeros(columns), np.zeros(columns), np.ones(columns), []
-    nodes = (0, len(body.mass), 0)
+    nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
+    still, torque, found = np.zeros(columns), np.zeros(columns), []
+    turns, all_of_them = disc_kernels.Turns(still, np.ones(columns), still, still, still), (0, len(body.mass), 0)
     for _ in range(n_steps):
-        found.append(weight @ u.reshape(-1, columns)[:, 3])
-        disc_kernels.kick(starts, neighbours, scaled, body.mass, u, w, columns, torque, *nodes)
-        disc_kernels.drift(points, body.mass, u, w, columns, dt, still, ones, still, still, still, torque, *nodes)
+        found.append(weight @ nodes.u.reshape(-1, columns)[:, 3])
+        disc_kernels.kick(nodes, nodes.w, columns, torque, *all_of_them)
+        disc_kernels.drift(nodes, turns, columns, dt, torque, *all_of_them)
     return np.array(found)
 
 

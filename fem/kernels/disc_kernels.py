@@ -5,24 +5,37 @@ State of every roller in its own frame, which turns with it and moves with its c
 columns a multiple of 16; spare columns stay 0.
 """
 
+from typing import NamedTuple
+
+import numpy as np
+
 from fem.kernels.jit import kernel
 from fem.kernels.simd import fma, gather, load, splat, store
 
 COLUMNS = 16  # handled together
 
 
+class Turns(NamedTuple):
+    """How rollers turn and move as a whole in a step, each (columns,)."""
+
+    kick: np.ndarray  # rad/s, gained by turning the undeformed body as a whole
+    cosine: np.ndarray  # of the frame's turn
+    sine: np.ndarray
+    shift_x: np.ndarray  # m/s, gained by the centre of mass through nodal forces, in the frame's axes
+    shift_y: np.ndarray
+
+
 @kernel
-def kick(starts, neighbours, blocks, mass, u, w, columns, torque, first, end, at_sum):
+def kick(disc, w, columns, torque, first, end, at_sum):
     """w += dt·internal acceleration; torque of the internal forces.
 
     Parameters
     ----------
-    starts, neighbours : rows of 2 x 2 blocks, (n_nodes + 1,) and (n_blocks,)
-    blocks : (4 n_blocks,), −dt·M⁻¹K, m/s per m
-    mass : (n_nodes,), kg
+    disc : `state.Disc`; w : its velocities, or others to be changed instead
     torque : filled, from at_sum on, with dt·Σ u x f by column, N m s: second order in u, 0 for exact elasticity
     first, end : the nodes to take
     """
+    starts, neighbours, blocks, mass, u = disc.starts, disc.neighbours, disc.blocks, disc.mass, disc.u
     stride = 2 * columns
     for block in range(0, columns, COLUMNS):
         t0, t1 = splat(0.0), splat(0.0)
@@ -53,21 +66,20 @@ def kick(starts, neighbours, blocks, mass, u, w, columns, torque, first, end, at
 
 
 @kernel
-def drift(points, mass, u, w, columns, dt, turn_kick, cosine, sine, shift_x, shift_y, moment, first, end, at_sum):
+def drift(disc, turns, columns, dt, moment, first, end, at_sum):
     """Add a rigid turn, take out the mean velocity, move, and turn the frame.
 
     Parameters
     ----------
-    turn_kick : (columns,), rad/s, gained by turning the undeformed body as a whole
-    cosine, sine : (columns,), of the frame's turn in this step
-    shift_x, shift_y : (columns,), m/s, gained by the centre of mass through nodal forces, in the frame's axes
+    disc : `state.Disc`
     moment : filled, from at_sum on, with Σ m X x (X + u) by column, kg m²: inertia times the body's lead of its frame
     first, end : the nodes to take
     """
+    points, mass, u, w = disc.points, disc.mass, disc.u, disc.w
     stride = 2 * columns
     for block in range(0, columns, 8):
-        c, s = load(cosine, block), load(sine, block)
-        ax, ay, k = load(shift_x, block), load(shift_y, block), load(turn_kick, block)
+        c, s = load(turns.cosine, block), load(turns.sine, block)
+        ax, ay, k = load(turns.shift_x, block), load(turns.shift_y, block), load(turns.kick, block)
         lead = splat(0.0)
         for i in range(first, end):
             at = i * stride + block

@@ -14,54 +14,27 @@ from fem.kernels.jit import kernel, part
 
 
 class Nodes(NamedTuple):
-    """What a share reads and writes of a body; numba's parallel loops take arrays and numbers only."""
+    """What a share reads and writes of a ring."""
 
-    table: np.ndarray  # −dt·M⁻¹K, of a ring or of the rollers
+    table: np.ndarray  # −dt·M⁻¹K
     u: np.ndarray
     w: np.ndarray
-    radii: np.ndarray  # of a ring's rows; of the rollers' points
+    radii: np.ndarray
     first: int
     end: int
 
 
-class Steps(NamedTuple):
-    """What a share needs of a step; arrays over rollers are (columns,) or a multiple of it."""
+class Turn(NamedTuple):
+    """The inner ring's turn in a step."""
 
-    starts: np.ndarray  # rows of the rollers' matrix
-    neighbours: np.ndarray
-    mass: np.ndarray
-    torque: np.ndarray  # filled by share
-    columns: int
-    dt: float
-
-
-class Turns(NamedTuple):
-    """How bodies turn and move as a whole in a step."""
-
-    kick: np.ndarray  # (columns,), rad/s, of the rollers
-    cosine: np.ndarray  # (columns,), of the rollers' frames' turn
-    sine: np.ndarray
-    shift_x: np.ndarray  # (columns,), m/s, of the rollers' centres of mass, in their frames
-    shift_y: np.ndarray
-    ring_cosine: float  # of the inner ring's turn
-    ring_sine: float
-    turns: bool  # the inner ring
+    cosine: float
+    sine: float
+    turns: bool
 
 
 @part
-def _of_ring(ring):
+def _nodes(ring):
     return Nodes(ring.table, ring.u, ring.w, ring.radii, ring.first_row, ring.last_row)
-
-
-@part
-def _of_disc(disc):
-    return Nodes(disc.blocks, disc.u, disc.w, disc.points, 0, disc.mass.size)
-
-
-@part
-def _steps(bodies, drive, scratch):
-    disc = bodies.disc
-    return Steps(disc.starts, disc.neighbours, disc.mass, scratch.torque, bodies.rollers.columns, drive.dt)
 
 
 @part
@@ -73,31 +46,28 @@ def kick_bodies(bodies, drive, scratch, team):
         c, s = drive.frame[1], drive.frame[2]
         ring_kernels.set_rigid(bore, 0, bodies.inner.cosines, bodies.inner.sines, s * g, c * g)
         ring_kernels.set_rigid(line, 0, bodies.outer.cosines, bodies.outer.sines, 0.0, g)
-    nodes = (_of_disc(bodies.disc), _of_ring(bodies.inner), _of_ring(bodies.outer))
-    steps = _steps(bodies, drive, scratch)
+    disc, inner, outer, columns = bodies.disc, _nodes(bodies.inner), _nodes(bodies.outer), bodies.rollers.columns
     if team is None:
-        _kick_share(nodes[0], nodes[1], nodes[2], steps, (bore, line), weighs, 0, 1)
+        _kick_share((disc, inner, outer), columns, scratch.torque, (bore, line), weighs, 0, 1)
     else:
-        _kick_shares(nodes[0], nodes[1], nodes[2], steps, (bore, line), weighs, team.size)
-        _add_up(scratch.torque, steps.columns, team.size)
+        _kick_shares((disc, inner, outer), columns, scratch.torque, (bore, line), weighs, team.size)
+        _add_up(scratch.torque, columns, team.size)
 
 
 @kernel(parallel=True)
-def _kick_shares(disc, inner, outer, steps, weight, weighs, shares):
+def _kick_shares(nodes, columns, torque, weight, weighs, shares):
     for share in prange(shares):
-        _kick_share(disc, inner, outer, steps, weight, weighs, share, shares)
+        _kick_share(nodes, columns, torque, weight, weighs, share, shares)
 
 
 @part
-def _kick_share(disc, inner, outer, steps, weight, weighs, share, shares):
-    first, end = _part(disc, share, shares)
-    disc_kernels.kick(
-        steps.starts, steps.neighbours, disc.table, steps.mass, disc.u, disc.w, steps.columns, steps.torque, first, end,
-        share * steps.columns,
-    )  # fmt: skip
-    first, end = _part(inner, share, shares)
+def _kick_share(nodes, columns, torque, weight, weighs, share, shares):
+    disc, inner, outer = nodes
+    first, end = _part(0, disc.mass.size, share, shares)
+    disc_kernels.kick(disc, disc.w, columns, torque, first, end, share * columns)
+    first, end = _part(inner.first, inner.end, share, shares)
     _kick_ring(inner, weight[0], weighs, first, end)
-    first, end = _part(outer, share, shares)
+    first, end = _part(outer.first, outer.end, share, shares)
     _kick_ring(outer, weight[1], weighs, first, end)
 
 
@@ -112,46 +82,43 @@ def _kick_ring(ring, weight, weighs, first, end):
 @part
 def drift_bodies(bodies, drive, scratch, cosine, sine, team):
     """Move all nodes by a step; `cosine`, `sine` of the inner ring's turn; the rollers' lead in `scratch.torque`."""
-    nodes = (_of_disc(bodies.disc), _of_ring(bodies.inner), _of_ring(bodies.outer))
-    steps = _steps(bodies, drive, scratch)
-    turns = Turns(
-        bodies.rollers.turn_kick, scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1], cosine, sine,
-        drive.speed != 0.0,
-    )  # fmt: skip
+    disc, inner, outer, columns = bodies.disc, _nodes(bodies.inner), _nodes(bodies.outer), bodies.rollers.columns
+    turns = disc_kernels.Turns(
+        bodies.rollers.turn_kick, scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1]
+    )
+    turn = Turn(cosine, sine, drive.speed != 0.0)
     if team is None:
-        _drift_share(nodes[0], nodes[1], nodes[2], steps, turns, 0, 1)
+        _drift_share((disc, inner, outer), columns, drive.dt, scratch.torque, (turns, turn), 0, 1)
     else:
-        _drift_shares(nodes[0], nodes[1], nodes[2], steps, turns, team.size)
-        _add_up(scratch.torque, steps.columns, team.size)
+        _drift_shares((disc, inner, outer), columns, drive.dt, scratch.torque, turns, turn, team.size)
+        _add_up(scratch.torque, columns, team.size)
 
 
 @kernel(parallel=True)
-def _drift_shares(disc, inner, outer, steps, turns, shares):
+def _drift_shares(nodes, columns, dt, lead, turns, turn, shares):
     for share in prange(shares):
-        _drift_share(disc, inner, outer, steps, turns, share, shares)
+        _drift_share(nodes, columns, dt, lead, (turns, turn), share, shares)
 
 
 @part
-def _drift_share(disc, inner, outer, steps, turns, share, shares):
-    first, end = _part(disc, share, shares)
-    disc_kernels.drift(
-        disc.radii, steps.mass, disc.u, disc.w, steps.columns, steps.dt, turns.kick, turns.cosine, turns.sine,
-        turns.shift_x, turns.shift_y, steps.torque, first, end, share * steps.columns,
-    )  # fmt: skip
-    first, end = _part(outer, share, shares)
-    ring_kernels.drift_still(outer.u, outer.w, steps.dt, first, end)
-    first, end = _part(inner, share, shares)
-    if turns.turns:
-        ring_kernels.drift(inner.u, inner.w, inner.radii, steps.dt, turns.ring_cosine, turns.ring_sine, first, end)
+def _drift_share(nodes, columns, dt, lead, turning, share, shares):
+    (disc, inner, outer), (turns, turn) = nodes, turning
+    first, end = _part(0, disc.mass.size, share, shares)
+    disc_kernels.drift(disc, turns, columns, dt, lead, first, end, share * columns)
+    first, end = _part(outer.first, outer.end, share, shares)
+    ring_kernels.drift_still(outer.u, outer.w, dt, first, end)
+    first, end = _part(inner.first, inner.end, share, shares)
+    if turn.turns:
+        ring_kernels.drift(inner.u, inner.w, inner.radii, dt, turn.cosine, turn.sine, first, end)
     else:
-        ring_kernels.drift_still(inner.u, inner.w, steps.dt, first, end)
+        ring_kernels.drift_still(inner.u, inner.w, dt, first, end)
 
 
 @part
-def _part(body, share, shares):
+def _part(first, end, share, shares):
     """The rows or nodes of a share: the first and the one after the last."""
-    count = body.end - body.first
-    return body.first + count * share // shares, body.first + count * (share + 1) // shares
+    count = end - first
+    return first + count * share // shares, first + count * (share + 1) // shares
 
 
 @part

@@ -57,7 +57,7 @@ def make_arrays(
     inner = _ring(model.inner_ring, dt)
     outer = _ring(model.outer_ring, dt)
     rollers = _rollers(model.roller, model.bearing.n_rollers)
-    disc = _disc(model.roller, dt, rollers.columns)
+    disc = disc_nodes(model.roller, dt, rollers.columns)
     drive = _drive(model, operation, start, dt, ramp)
     data = model.kernel_data(largest_force)
     contacts = contact_arrays(model, operation, start, data, friction, rollers.columns)
@@ -100,7 +100,8 @@ def _rollers(disc: DiscBody, n: int) -> Rollers:
     )
 
 
-def _disc(disc: DiscBody, dt: float, columns: int) -> Disc:
+def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
+    """Nodes at rest of so many rollers, for steps of `dt`, s; none of rigid ones."""
     starts, neighbours, blocks = disc.blocks()
     points, mass = disc.points, disc.mass
     if disc.material.rigid:

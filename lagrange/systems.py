@@ -14,6 +14,7 @@ from lagrange.kinematics import kinematics
 from lagrange.laws import PowerLaw
 from lagrange.load_ramp import load_share, load_share_rate
 from lagrange.motion import State
+from lagrange.overlap import touching_distances
 from lagrange.problem import Problem
 
 
@@ -36,8 +37,7 @@ class _System:
         self.cage = kinematics(bearing, operation.speed).cage
         self.n = bearing.n_rollers
         # constants as whole arrays: numpy takes 0.4 µs to bring a number into an operation, as long as the operation
-        self.reach = np.full(self.n, bearing.inner_raceway_radius + bearing.roller_radius)
-        self.track = np.full(self.n, bearing.outer_raceway_radius - bearing.roller_radius)
+        self.reach, self.track = (np.full(self.n, distance) for distance in touching_distances(bearing))
         self.zeros = np.zeros((2, self.n))
         self.first = operation.first_roller_angle
         self.spacing = 2.0 * np.pi * np.arange(self.n) / self.n

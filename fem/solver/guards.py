@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.solver.solver import Samples
+from lagrange.overlap import touching_distances
 
 if TYPE_CHECKING:
     from fem.solver.finite_elements import ElementPlan
@@ -33,11 +34,12 @@ def n_balanced(samples: Samples) -> int:
 def n_in_place(plan: "ElementPlan", samples: Samples) -> int:
     """How many samples from the first have rollers between the raceways and the hub between the rollers."""
     bearing = plan.model.bearing
+    reach, track = touching_distances(bearing)
     give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.radial_load)
     hub_x, hub_y = samples["inner_x"], samples["inner_y"]
     from_hub = np.hypot(samples["roller_x"] - hub_x[:, None], samples["roller_y"] - hub_y[:, None]).min(axis=1)
-    astray = from_hub < bearing.inner_raceway_radius + bearing.roller_radius - give
-    astray |= samples["roller_rho"].max(axis=1) > bearing.outer_raceway_radius - bearing.roller_radius + give
+    astray = from_hub < reach - give
+    astray |= samples["roller_rho"].max(axis=1) > track + give
     astray |= np.hypot(hub_x, hub_y) > 2.0 * (abs(bearing.radial_clearance) + give)
     return int(np.argmax(astray)) if astray.any() else len(astray)
 

@@ -11,7 +11,8 @@ import operator
 
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic, models, overload, register_model
+from numba.core.typing.templates import AbstractTemplate, infer_global
+from numba.extending import intrinsic, lower_builtin, models, overload, register_model
 
 WIDTH = 8
 _DOUBLE, _LONG, _BIT = ir.DoubleType(), ir.IntType(64), ir.IntType(1)
@@ -281,23 +282,28 @@ def _operands(left, right):
 
 
 def _define(symbol, build, result=None, kinds=(LANES, WHOLE)):
-    """Give an operator to lanes; `build(builder, lanes, left, right)`; `result`: None for the operands' own kind."""
+    """Give an operator to lanes; `build(builder, lanes, left, right)`; `result`: None for the operands' own kind.
 
-    @intrinsic
-    def call(typingctx, left, right):
-        lanes = _operands(left, right)
+    Lowered to its one instruction: a function for each operator and kind takes longer to compile than all the rest.
+    """
 
-        def codegen(context, builder, signature, arguments):
-            pair = [_as(builder, a, t, lanes) for a, t in zip(arguments, signature.args, strict=True)]
-            return build(builder, lanes, *pair)
+    @infer_global(symbol)
+    class _Typing(AbstractTemplate):
+        def generic(self, arguments, keywords):
+            lanes = _operands(*arguments) if len(arguments) == 2 else None
+            if lanes not in kinds:
+                return None
+            return (result or lanes)(*(_like(lanes, argument) for argument in arguments))
 
-        return (result or lanes)(_like(lanes, left), _like(lanes, right)), codegen
+    def lower(context, builder, signature, arguments):
+        lanes = _operands(*signature.args)
+        pair = [_as(builder, a, t, lanes) for a, t in zip(arguments, signature.args, strict=True)]
+        return build(builder, lanes, *pair)
 
-    @overload(symbol)
-    def choose(left, right):
-        if _operands(left, right) in kinds:
-            return lambda left, right: call(left, right)
-        return None
+    for lanes in kinds:
+        scalar = _SCALARS[lanes]
+        for left, right in ((lanes, lanes), (lanes, scalar), (scalar, lanes)):
+            lower_builtin(symbol, left, right)(lower)
 
 
 def _either(of_floats, of_wholes):

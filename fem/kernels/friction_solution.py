@@ -13,13 +13,13 @@ from fem.kernels.friction_kernels import (
 )
 from fem.kernels.jit import every, part, verb
 from fem.kernels.simd import WIDTH, any_lane, count_from, load, select, splat, store, total
-from fem.kernels.state import ROLLER, Neighbours, Raceway
+from fem.kernels.state import CONTACTS, ROLLER, Neighbours, Raceway
 from fem.kernels.surfaces import body_motion
 
 WHERE_ROLLERS_TOUCH, ALWAYS = 0, 1  # when patches of neighbouring contacts overlap
 
-grip_all = every(grip_pair)
-slip_all = every(slip_pair)
+grip_all = every(grip_pair, *CONTACTS)
+slip_all = every(slip_pair, *CONTACTS)
 
 
 @part
@@ -93,7 +93,11 @@ def _rub_as_before(pair, rollers, disc, contacts, drive):
     drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
 
 
-_rub_all, _rub_all_in_turn, _rub_all_as_before = every(_rub), every(_rub_in_turn), every(_rub_as_before)
+_rub_all, _rub_all_in_turn, _rub_all_as_before = (
+    every(_rub, *CONTACTS),
+    every(_rub_in_turn, *CONTACTS),
+    every(_rub_as_before, *CONTACTS),
+)
 
 
 @part(inlined=False)
@@ -142,8 +146,12 @@ def _drag_nodes(pair, rollers, disc, contacts, drive):
     drag(pair, rollers, disc, contacts, contacts.friction.traction, drive.dt)
 
 
-_rub_all_bodies, _rub_all_beside = every(_rub_bodies), every(_rub_beside)
-_all_without_bodies, _drag_all_nodes, _all_with_bodies = every(_without_bodies), every(_drag_nodes), every(_with_bodies)
+_rub_all_bodies, _rub_all_beside = every(_rub_bodies, *CONTACTS), every(_rub_beside, *CONTACTS)
+_all_without_bodies, _drag_all_nodes, _all_with_bodies = (
+    every(_without_bodies, *CONTACTS),
+    every(_drag_nodes, *CONTACTS),
+    every(_with_bodies, *CONTACTS),
+)
 
 
 @part

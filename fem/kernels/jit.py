@@ -78,10 +78,11 @@ def verb(function):
     return function
 
 
-def every(one):
-    """The part that calls `one(pair, *arguments)` for every pair of groups of pairs, in order.
+def every(one, *kinds):
+    """The part that calls `one(pair, *arguments)` for every pair of groups of pairs, in order; of some kinds alone.
 
-    The pairs of a group are of one type and share their code: two copies would crowd the instruction cache.
+    The pairs of a group are of one type and share their code: two copies would crowd the instruction cache. Bodies in
+    groups of one type are called in the same way.
     """
 
     def on_every(groups, *arguments):
@@ -91,9 +92,10 @@ def every(one):
     def choose(groups, *arguments):
         # written out: a function more, or arguments packed into a tuple, would take a second to compile
         names = ", ".join(f"a{i}" for i in range(len(arguments)))
-        loops = [f"    for pair in groups[{i}]:\n        one(pair, {names})\n" for i in range(len(groups))]
+        called = [i for i, group in enumerate(groups) if not kinds or group.dtype.instance_class in kinds]
+        loops = [f"    for pair in groups[{i}]:\n        one(pair, {names})\n" for i in called]
         found = {"one": one}
-        exec(f"def code(groups, {names}):\n" + "".join(loops), found)
+        exec(f"def code(groups, {names}):\n    pass\n" + "".join(loops), found)
         return found["code"]
 
     return on_every

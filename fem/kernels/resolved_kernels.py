@@ -20,14 +20,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.contact_kernels import first_surface, next_roller
+from fem.kernels.contact_kernels import first_surface, next_roller, press
 from fem.kernels.facet_kernels import chord
 from fem.kernels.jit import every, part, verb
 from fem.kernels.law import MOST_REPAID, REPAID
 from fem.kernels.point_kernels import place_point, push_point, read_point, share_out
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.spread_kernels import spread_forces
-from fem.kernels.state import DiscSurface, Neighbours, Raceway, RingSurface
+from fem.kernels.state import CONTACTS, DiscSurface, Neighbours, Raceway, RingSurface
 from fem.kernels.surfaces import place
 
 
@@ -70,9 +70,15 @@ def _meet_neighbours(pair, j, rollers):
     return Meeting(j, i, x, y, overlap, 1.0, rollers.cosine[j], rollers.sine[j], 0.0, 0.0)
 
 
-@part
+@verb
 def press_points(pair, rollers, disc, contacts, drive):
-    """Normal forces of a pair's contacts at the present positions, and their impulses in a step.
+    """Forces of a pair at the present positions, and their impulses in a step; of other pairs than contacts `press`."""
+    press(pair, rollers, disc, contacts, drive)
+
+
+@press_points.of(*CONTACTS)
+def _press_contacts(pair, rollers, disc, contacts, drive):
+    """Normal forces of a pair's contacts.
 
     A contact wider than the points given to it makes its force not a number, which stops the run; a single point stands
     for any width.

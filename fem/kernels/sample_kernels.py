@@ -7,13 +7,15 @@ from math import cos, sin
 
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.drive_kernels import radial_load_at
-from fem.kernels.jit import every, part
+from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.law import contact_energy
+from fem.kernels.other_bodies import add_all_motion
 from fem.kernels.rigid_surfaces import turning_energy
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH, load, splat
 from fem.kernels.simd import total as lane_total
+from fem.kernels.state import CONTACTS
 
 # columns of a sample: the hub, the energies, then blocks of n_rollers
 (
@@ -87,6 +89,7 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     out[ELASTIC] = elastic_energy(bodies, drive, scratch)  # after what needs the velocities before
     out[CONTACT] = 0.0
     add_contact_energy(groups, contacts, rollers.n, contacts.points, out)
+    add_all_motion(bodies.others, drive, out, KINETIC)
     out[WORK_LOAD] = drive.sums[0] - 0.5 * radial_load_at(drive, time) * dt * before[1]
     out[WORK_GRAVITY] = -drive.gravity * weighted_height(bodies, drive)
     rubbed = 0.0
@@ -220,9 +223,14 @@ def _ring_elastic(ring, room, first_row, last_row, dt):
     return total
 
 
-@part
-def _add_energy(pair, contacts, n, points, out):
-    """Add the energy below the grid, or in the layers, of a pair's contacts; the ripples' share is ½·ripple·Q²."""
+@verb
+def add_energy(pair, contacts, n, points, out):
+    """Add the energy that a pair stores."""
+
+
+@add_energy.of(*CONTACTS)
+def _add_contact_energy(pair, contacts, n, points, out):
+    """The energy below the grid, or in the layers, of a pair's contacts; the ripples' share is ½·ripple·Q²."""
     forces, law = contacts.forces, pair.law
     for j in range(n):
         Q = forces.force[pair.row, j]
@@ -232,7 +240,7 @@ def _add_energy(pair, contacts, n, points, out):
             out[CONTACT] += contact_energy(Q, law.A, forces.bracket[pair.row, j], law.Q_line)
 
 
-add_contact_energy = every(_add_energy)
+add_contact_energy = every(add_energy)
 
 
 @part(inlined=False)
@@ -241,11 +249,7 @@ def weighted_height(bodies, drive):
     total, rollers = drive.mass * drive.hub[1], bodies.rollers
     for j in range(rollers.n):
         total += rollers.total_mass * rollers.centre[1, j]
-    return (
-        total
-        + _ring_place(bodies.inner, drive.frame[1], drive.frame[2])[1]
-        + _ring_place(bodies.outer, 1.0, 0.0)[1]
-    )
+    return total + _ring_place(bodies.inner, drive.frame[1], drive.frame[2])[1] + _ring_place(bodies.outer, 1.0, 0.0)[1]
 
 
 @part(inlined=False)

@@ -155,6 +155,9 @@ class Neighbours(NamedTuple):
     law: Law
 
 
+CONTACTS = Raceway, Neighbours  # pairs that touch with surfaces, and have rows
+
+
 class Forces(NamedTuple):
     """Normal forces, by pair and roller."""
 
@@ -257,6 +260,7 @@ class Bodies(NamedTuple):
     surface: DiscSurface | RigidDisc  # of the rollers
     inner: Ring
     outer: Ring
+    others: tuple = ()  # further bodies in groups of one type; see `other_bodies`
 
 
 class Scratch(NamedTuple):

@@ -10,6 +10,7 @@ from fem.kernels.drive_kernels import kick_hub, move_hub, radial_load_at
 from fem.kernels.friction_solution import friction_contacts, slips_before
 from fem.kernels.jit import kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
+from fem.kernels.other_bodies import drift_others, kick_others
 from fem.kernels.resolved_kernels import press_all_points
 from fem.kernels.rigid_surfaces import settle, turn
 from fem.kernels.sample_kernels import remember, write_sample
@@ -54,12 +55,11 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     before, radial_load = drive.velocity[1], radial_load_at(drive, time)
     moment = kick_hub(bodies.inner, drive, radial_load, scratch)
     kick_bodies(bodies, drive, scratch, scratch.team)
+    kick_others(bodies.others, drive)
     _take_back_torque(rollers, scratch)
     if contacts.friction.coefficient > 0.0:
         friction = contacts.friction
-        dissipated = friction_contacts(
-            groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole
-        )
+        dissipated = friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole)
     work_load = -radial_load * drive.dt * 0.5 * (before + drive.velocity[1])  # friction may have moved a rigid hub
     return work_load, moment + drive.moment[1] - drive.moment[0] * drive.dt, dissipated
 
@@ -99,6 +99,7 @@ def drift(bodies, drive, scratch):
     turn(bodies.surface, rollers, dt, scratch.torque)
     _turn_rollers(rollers, dt, scratch)
     move_hub(bodies.inner, drive, step)
+    drift_others(bodies.others, drive)
 
 
 @part

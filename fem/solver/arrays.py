@@ -36,10 +36,10 @@ class Arrays:
 
 
 def _collect(group: tuple, place: str, found: dict[str, np.ndarray]) -> None:
-    for name, entry in zip(group._fields, group, strict=True):
+    for name, entry in zip(getattr(group, "_fields", range(len(group))), group, strict=True):
         if isinstance(entry, np.ndarray):
             found[f"{place}.{name}"] = entry
-        elif hasattr(entry, "_fields"):
+        elif isinstance(entry, tuple):
             _collect(entry, f"{place}.{name}", found)
 
 

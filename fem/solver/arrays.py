@@ -28,7 +28,7 @@ class Arrays:
     scratch: Scratch
 
     def named(self) -> dict[str, np.ndarray]:
-        """Every array that outlives a step, by where it stands; pairs share theirs with bodies and drive."""
+        """Every array that outlives a step, once, by where it stands; surfaces and pairs share those of bodies."""
         found: dict[str, np.ndarray] = {}
         for name in ("bodies", "contacts", "drive"):
             _collect(getattr(self, name), name, found)
@@ -38,7 +38,8 @@ class Arrays:
 def _collect(group: tuple, place: str, found: dict[str, np.ndarray]) -> None:
     for name, entry in zip(getattr(group, "_fields", range(len(group))), group, strict=True):
         if isinstance(entry, np.ndarray):
-            found[f"{place}.{name}"] = entry
+            if not any(entry is other for other in found.values()):
+                found[f"{place}.{name}"] = entry
         elif isinstance(entry, tuple):
             _collect(entry, f"{place}.{name}", found)
 

@@ -1,5 +1,8 @@
 """Contacts for the time loop: the bodies' surfaces, the pairs that may touch, and the arrays of their contacts."""
 
+from itertools import groupby
+
+import numba
 import numpy as np
 
 from fem.contacts.model import KernelData, Model
@@ -80,9 +83,7 @@ def pair_groups(model: Model, inner: Ring, outer: Ring, drive: Drive, data: Kern
         moment=np.zeros(2),
     )
     between = Neighbours(row=ROLLER, law=data.laws[ROLLER])
-    if type(inner_surface) is type(outer_surface):
-        return (on_inner, on_outer), (between,)
-    return (on_inner,), (on_outer,), (between,)
+    return tuple(tuple(group) for _, group in groupby((on_inner, on_outer, between), key=numba.typeof))
 
 
 def disc_surface(model: Model, rollers: Rollers, disc: Disc, data: KernelData) -> DiscSurface | RigidDisc:

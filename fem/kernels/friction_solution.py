@@ -57,7 +57,7 @@ def _solve_at_once(groups, rollers, disc, contacts, drive, whole):
     """Tractions and impulses of contacts that share no nodes."""
     if whole is None:
         slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-        _rub_all(groups, rollers, disc, contacts, drive)
+        _creep_all(groups, rollers, disc, contacts, drive)
     else:
         _solve_on_whole_bodies(groups, rollers, disc, contacts, drive)
 
@@ -71,14 +71,14 @@ def _rollers_touch(contacts, rollers):
 
 
 @part
-def _rub(pair, rollers, disc, contacts, drive):
+def _creep(pair, rollers, disc, contacts, drive):
     """Tractions of a pair's contacts from slips without any, and their impulses."""
     find_tractions(pair, rollers, disc, contacts, drive.dt, ALL, False)
     drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
 
 
 @part
-def _rub_in_turn(pair, rollers, disc, contacts, drive):
+def _creep_in_turn(pair, rollers, disc, contacts, drive):
     """Every other one of a pair's contacts, and then the others, each with all the others' tractions."""
     for some in range(2):
         slip_pair(pair, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
@@ -87,36 +87,36 @@ def _rub_in_turn(pair, rollers, disc, contacts, drive):
 
 
 @part
-def _rub_as_before(pair, rollers, disc, contacts, drive):
+def _drag_as_before(pair, rollers, disc, contacts, drive):
     """The last tractions of a pair's contacts that are still closed."""
     _take_last(pair, rollers, contacts)
     drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
 
 
-_rub_all, _rub_all_in_turn, _rub_all_as_before = (
-    every(_rub, *CONTACTS),
-    every(_rub_in_turn, *CONTACTS),
-    every(_rub_as_before, *CONTACTS),
+_creep_all, _creep_all_in_turn, _drag_all_as_before = (
+    every(_creep, *CONTACTS),
+    every(_creep_in_turn, *CONTACTS),
+    every(_drag_as_before, *CONTACTS),
 )
 
 
 @part(inlined=False)
 def _solve_in_turn(groups, rollers, disc, contacts, drive):
     """Tractions and impulses of contacts whose patches overlap; seldom needed, so kept out of the time loop."""
-    _rub_all_as_before(groups, rollers, disc, contacts, drive)
-    _rub_all_in_turn(groups, rollers, disc, contacts, drive)
+    _drag_all_as_before(groups, rollers, disc, contacts, drive)
+    _creep_all_in_turn(groups, rollers, disc, contacts, drive)
     slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
 
 
 @part
-def _rub_bodies(pair, rollers, disc, contacts, drive):
+def _drag_bodies_as_before(pair, rollers, disc, contacts, drive):
     """Give rigid bodies the last tractions of a pair's contacts that are still closed."""
     _take_last(pair, rollers, contacts)
     drag_bodies(pair, rollers, disc, contacts, drive.dt)
 
 
 @part
-def _rub_beside(pair, rollers, disc, contacts, drive):
+def _creep_beside(pair, rollers, disc, contacts, drive):
     """Tractions of a pair's contacts from slips with all last tractions."""
     find_tractions(pair, rollers, disc, contacts, drive.dt, ALL, True)
 
@@ -146,7 +146,7 @@ def _drag_nodes(pair, rollers, disc, contacts, drive):
     drag(pair, rollers, disc, contacts, contacts.friction.traction, drive.dt)
 
 
-_rub_all_bodies, _rub_all_beside = every(_rub_bodies, *CONTACTS), every(_rub_beside, *CONTACTS)
+_drag_all_bodies, _creep_all_beside = every(_drag_bodies_as_before, *CONTACTS), every(_creep_beside, *CONTACTS)
 _all_without_bodies, _drag_all_nodes, _all_with_bodies = (
     every(_without_bodies, *CONTACTS),
     every(_drag_nodes, *CONTACTS),
@@ -161,9 +161,9 @@ def _solve_on_whole_bodies(groups, rollers, disc, contacts, drive):
     The rigid bodies have been given all last tractions when each contact finds its own: a step's tractions differ from
     the last by so little that what they do to each other's slip is caught up with in the next.
     """
-    _rub_all_bodies(groups, rollers, disc, contacts, drive)
+    _drag_all_bodies(groups, rollers, disc, contacts, drive)
     slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-    _rub_all_beside(groups, rollers, disc, contacts, drive)
+    _creep_all_beside(groups, rollers, disc, contacts, drive)
     _all_without_bodies(groups, rollers, disc, contacts, drive)
     _drag_all_nodes(groups, rollers, disc, contacts, drive)
     _all_with_bodies(groups, rollers, disc, contacts, drive)

@@ -6,7 +6,7 @@ that Python may call has code that takes apart every array of its arguments, whi
 
 Numba's cache looks at the file a function stands in, not at the files of the functions it inlines: after a change to
 one kernel it would go on running the old code inside the others. The cache folder is therefore named after the text of
-all modules that hold kernels.
+all modules beside this one.
 """
 
 import hashlib
@@ -28,13 +28,16 @@ INLINED = {**OPTIONS, "forceinline": True}
 @cache
 def cache_folder() -> Path:
     """Where this version's compiled kernels are kept: in NUMBA_CACHE_DIR, or the user's cache folder."""
-    text = hashlib.sha256()
-    for module in sorted(Path(__file__).parent.glob("*.py")):
-        source = module.read_bytes()
-        if module.name == "jit.py" or b"import kernel" in source or b"numba.extending" in source:
-            text.update(module.name.encode() + source)
     base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("roller-bearing-fem")
-    return Path(base) / "kernels" / text.hexdigest()[:16]
+    return Path(base) / "kernels" / digest(Path(__file__).parent)
+
+
+def digest(folder: Path) -> str:
+    """Of the text of all modules of a folder: any of them may be part of a kernel."""
+    text = hashlib.sha256()
+    for module in sorted(folder.glob("*.py")):
+        text.update(module.name.encode() + module.read_bytes())
+    return text.hexdigest()[:16]
 
 
 def kernel(function=None, **options):

@@ -50,14 +50,14 @@ def kick_bodies(bodies, drive, scratch, team):
     if team is None:
         _kick_share((disc, inner, outer), columns, scratch.torque, (bore, line), weighs, 0, 1)
     else:
-        _kick_shares((disc, inner, outer), columns, scratch.torque, (bore, line), weighs, team.size)
+        _kick_shares(disc, inner, outer, columns, scratch.torque, (bore, line), weighs, team.size)
         _add_up(scratch.torque, columns, team.size)
 
 
 @kernel(parallel=True)
-def _kick_shares(nodes, columns, torque, weight, weighs, shares):
+def _kick_shares(disc, inner, outer, columns, torque, weight, weighs, shares):
     for share in prange(shares):
-        _kick_share(nodes, columns, torque, weight, weighs, share, shares)
+        _kick_share((disc, inner, outer), columns, torque, weight, weighs, share, shares)
 
 
 @part
@@ -90,14 +90,15 @@ def drift_bodies(bodies, drive, scratch, cosine, sine, team):
     if team is None:
         _drift_share((disc, inner, outer), columns, drive.dt, scratch.torque, (turns, turn), 0, 1)
     else:
-        _drift_shares((disc, inner, outer), columns, drive.dt, scratch.torque, turns, turn, team.size)
+        _drift_shares(disc, inner, outer, columns, drive.dt, scratch.torque, turns, turn, team.size)
         _add_up(scratch.torque, columns, team.size)
 
 
 @kernel(parallel=True)
-def _drift_shares(nodes, columns, dt, lead, turns, turn, shares):
+def _drift_shares(disc, inner, outer, columns, dt, lead, turns, turn, shares):
+    # nine arguments: numba's parallel loops take tuples, but none of tuples
     for share in prange(shares):
-        _drift_share(nodes, columns, dt, lead, (turns, turn), share, shares)
+        _drift_share((disc, inner, outer), columns, dt, lead, (turns, turn), share, shares)
 
 
 @part

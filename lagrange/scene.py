@@ -266,9 +266,9 @@ class Scene(Table):
 
     def _fields(self) -> Iterator[str]:
         every = self.output.fields_every_ms
-        if every > 0.0 and self.model == "lagrange":
+        if every > 0.0 and self.model != "fem":
             yield (
-                f"output.fields_every_ms = {every}: the Lagrangian model has no mesh and no fields; leave it out or 0"
+                f"output.fields_every_ms = {every}: model = {self.model!r} has no mesh and no fields; leave it out or 0"
             )
         interval = 1e-3 * self.numerics.output_interval_us
         if 0.0 < every < interval * (1.0 - 1e-9):

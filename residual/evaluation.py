@@ -121,20 +121,9 @@ def evaluate(
     if isinstance(law, str) and law not in FITTED:
         notes += filter(None, [caution(law, record.bearing)])
         law = inner_law(law, record)
-    numerics = record.scene.numerics
-    if start is None:
-        start = 0.0
-        if numerics.start == "rest" and numerics.load_ramp_ms > 0.0:
-            start = numerics.load_ramp_ms * 1e-3
-            notes.append(f"started from rest: the load ramp of {numerics.load_ramp_ms:g} ms is left out")
-    interval, time = record.interval, record.time
-    first = int(np.searchsorted(time, time[0] + start - 0.5 * interval))
-    n_samples = time.size - first
-    if n_samples < FEWEST_SAMPLES:
-        raise InputError(
-            f"{record.source}: starting at {1e3 * start:g} ms leaves {n_samples} samples of the run's "
-            f"{1e3 * (time[-1] - time[0]):g} ms, at least {FEWEST_SAMPLES} are needed; start earlier"
-        )
+    interval = record.interval
+    first, why = _first_sample(record, start)
+    notes += why
     acceleration_x = derivative(record.inner_x, interval, order=order)[first:]
     acceleration_y = derivative(record.inner_y, interval, order=order)[first:]
     approach = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y).inner
@@ -173,6 +162,23 @@ def evaluate(
         watched=watched, ideal_cage=ideal.frequencies["FTF"], resonance=resonance, chatter=chatter,
         identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), notes=tuple(notes),
     )  # fmt: skip
+
+
+def _first_sample(record: Record, start: float | None) -> tuple[int, list[str]]:
+    """The first sample in use, and what to note of those left out; arguments and errors as in `evaluate`."""
+    numerics, notes, time = record.scene.numerics, [], record.time
+    if start is None:
+        start = 0.0
+        if numerics.start == "rest" and numerics.load_ramp_ms > 0.0:
+            start = numerics.load_ramp_ms * 1e-3
+            notes.append(f"started from rest: the load ramp of {numerics.load_ramp_ms:g} ms is left out")
+    first = int(np.searchsorted(time, time[0] + start - 0.5 * record.interval))
+    if time.size - first < FEWEST_SAMPLES:
+        raise InputError(
+            f"{record.source}: starting at {1e3 * start:g} ms leaves {time.size - first} samples of the run's "
+            f"{1e3 * (time[-1] - time[0]):g} ms, at least {FEWEST_SAMPLES} are needed; start earlier"
+        )
+    return first, notes
 
 
 def _observed(ideal: Kinematics, record: Record) -> Kinematics:

@@ -132,7 +132,7 @@ def contact_arrays(
 ) -> Contacts:
     """Contacts at the start, with its static forces."""
     n = model.bearing.n_rollers
-    pairs = 3
+    pairs = len(data.laws)
     force = np.zeros((pairs, columns))
     force[INNER, :n], force[OUTER, :n] = start.equilibrium.inner_force, start.equilibrium.outer_force
     width = N_NODES * len(data.units)

@@ -13,6 +13,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+import scipy.signal  # noqa: F401 (as residual.store below)
 
 import residual.store  # noqa: F401 (loaded before the right to do so is given up)
 from fem.cli import run_main

@@ -11,6 +11,7 @@ from fem.contacts.contact_law import ContactLaw
 from fem.elastic.assembly import assemble
 from fem.kernels import disc_kernels
 from fem.kernels.law import contact_energy
+from fem.kernels.state import Disc
 from lagrange import Material
 from lagrange.pair import Pair
 from meshes import Mesh
@@ -60,12 +61,14 @@ def fall(n_elements: int, duration: float, safety: float = 0.9) -> Fall:
     mass = bar.mass
     rows = np.repeat(np.arange(mass.size), np.diff(blocks.indptr))
     scaled = np.ascontiguousarray(-dt * blocks.data / mass[rows][:, None, None]).ravel()
-    starts, neighbours = blocks.indptr.astype(np.int64), blocks.indices.astype(np.int64)
-
     columns = disc_kernels.COLUMNS
     u, w = np.zeros((mass.size, 2, columns)), np.zeros((mass.size, 2, columns))
-    still, unit, torque = np.zeros(columns), np.ones(columns), np.zeros(columns)
-    points = np.ascontiguousarray(mesh.points).ravel()
+    still, torque = np.zeros(columns), np.zeros(columns)
+    nodes = Disc(
+        starts=blocks.indptr.astype(np.int64), neighbours=blocks.indices.astype(np.int64), blocks=scaled,
+        points=np.ascontiguousarray(mesh.points).ravel(), mass=mass, u=u.reshape(-1), w=w.reshape(-1),
+    )  # fmt: skip
+    turns = disc_kernels.Turns(still, np.ones(columns), still, still, still)
     floor = slice(0, 2)  # the nodes that touch it
     share = mass / mass.sum()
     history = []
@@ -75,30 +78,12 @@ def fall(n_elements: int, duration: float, safety: float = 0.9) -> Fall:
         before = w[:, :, 0].copy()
         w[floor, 1, 0] += 0.5 * force / mass[floor] * dt
         w[:, 1, 0] -= GRAVITY * dt
-        disc_kernels.kick(
-            starts, neighbours, scaled, mass, u.reshape(-1), w.reshape(-1), columns, torque, 0, mass.size, 0
-        )
+        disc_kernels.kick(nodes, nodes.w, columns, torque, 0, mass.size, 0)
         after, place = w[:, :, 0], u[:, :, 0].ravel()
         energy = 0.5 * mass @ np.sum(before * after, axis=1) + 0.5 * place @ (bar.stiffness @ place)
         energy += contact_energy(force, law.A, law.B, law.Q_line) + GRAVITY * (mass @ u[:, 1, 0] + DROP * mass.sum())
         history.append([step * dt, share @ u[:, 1, 0], share @ before[:, 1], force, energy])
-        disc_kernels.drift(
-            points,
-            mass,
-            u.reshape(-1),
-            w.reshape(-1),
-            columns,
-            dt,
-            still,
-            unit,
-            still,
-            still,
-            still,
-            torque,
-            0,
-            mass.size,
-            0,
-        )
+        disc_kernels.drift(nodes, turns, columns, dt, torque, 0, mass.size, 0)
     return Fall(**dict(zip(("time", "height", "velocity", "force", "energy"), np.array(history).T, strict=True)))
 
 

@@ -11,6 +11,7 @@ from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
 from fem.solver.arrays import disc_nodes
 from meshes import Mesh
+from tests.reference import compiled
 from tests.reference.bearings import LENGTH, STEEL, disc, ring
 from tests.reference.free_vibration import disc_frequency, ring_frequency
 from tests.verification.elastic_bodies import (
@@ -185,18 +186,18 @@ def test_ring_kernels_apply_the_stencil(make_ring):
     table = ring_kernels.coefficients(body.stencil)
     for row in range(body.n_rows):
         found = np.full((2, body.n_sectors + 2 * HALO), np.nan)
-        ring_kernels.row_force(table, halo(u), row, found)
+        compiled.row_force(table, halo(u), row, found)
         scale = np.abs(body.stencil).max() * 30
         np.testing.assert_allclose(found[:, HALO:-HALO], wanted[row], rtol=0.0, atol=1e-14 * scale)
     dt = 1e-7
     w = np.random.default_rng(4).standard_normal(u.shape)
     padded = halo(w)
-    ring_kernels.kick(-dt * table / body.row_mass[:, None], halo(u), padded, 1, body.n_rows)
+    compiled.kick_ring(-dt * table / body.row_mass[:, None], halo(u), padded, 1, body.n_rows)
     moved = w.copy()
     moved[1:] -= dt * wanted[1:] / body.row_mass[1:, None, None]
     np.testing.assert_allclose(padded[..., HALO:-HALO], moved, rtol=1e-12, atol=1e-13 * np.abs(moved).max())
     line, weighed = np.random.default_rng(5).standard_normal(padded.shape[1:]), halo(w)
-    ring_kernels.kick_and_add(-dt * table / body.row_mass[:, None], halo(u), weighed, line, 1, body.n_rows)
+    compiled.kick_ring_and_add(-dt * table / body.row_mass[:, None], halo(u), weighed, line, 1, body.n_rows)
     wanted = padded[1:, :, HALO:-HALO] + line[:, HALO:-HALO]
     np.testing.assert_allclose(weighed[1:, :, HALO:-HALO], wanted, rtol=1e-12, atol=1e-13 * np.abs(moved).max())
     np.testing.assert_array_equal(weighed[0], halo(w)[0])
@@ -211,7 +212,7 @@ def kick_disc(body, u, w, dt):
     """disc_kernels.kick on (n_nodes, 2, columns); returns new w and the torque."""
     nodes, torque = disc_nodes(body, dt, u.shape[2]), np.zeros(u.shape[2])
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
-    disc_kernels.kick(nodes, nodes.w, u.shape[2], torque, 0, len(body.mass), 0)
+    compiled.kick_disc(nodes, nodes.w, u.shape[2], torque, 0, len(body.mass), 0)
     return nodes.w.reshape(u.shape), torque
 
 
@@ -237,7 +238,7 @@ def test_disc_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
     cosine, sine = np.full(columns, np.cos(turn)), np.full(columns, np.sin(turn))
     turns = disc_kernels.Turns(turn_kick, cosine, sine, shift[0], shift[1])
-    disc_kernels.drift(nodes, turns, columns, dt, moment, 0, len(body.mass), 0)
+    compiled.drift_disc(nodes, turns, columns, dt, moment, 0, len(body.mass), 0)
     flat_u, flat_w = nodes.u, nodes.w
     back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     turned = np.stack([-body.points[:, 1], body.points[:, 0]], axis=1)
@@ -256,7 +257,7 @@ def test_ring_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     rng = np.random.default_rng(11)
     u, w = 1e-6 * rng.standard_normal((2, body.n_rows, 2, body.n_sectors))
     found_u, found_w = halo(u), halo(w)
-    ring_kernels.drift(found_u, found_w, body.radii, dt, np.cos(turn), np.sin(turn), 1, body.n_rows)
+    compiled.drift_ring(found_u, found_w, body.radii, dt, np.cos(turn), np.sin(turn), 1, body.n_rows)
     back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     own = np.zeros_like(u)
     own[:, 0] = body.radii[:, None]  # in its sector's axes every node lies at (radius, 0)

@@ -13,6 +13,7 @@ from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
 from fem.solver.arrays import disc_nodes
 from meshes import Mesh
+from tests.reference import compiled
 from tests.reference.bearings import LENGTH, STEEL, disc, model, paper, ring
 
 LOAD = 650.0  # N, on the most loaded roller
@@ -111,8 +112,8 @@ def leapfrog_disc(body, dt, n_steps):
     turns = disc_kernels.Turns(still, np.ones(columns), still, still, still)
     first, all_of_them = np.abs(u).max(), (0, body.n_nodes, 0)
     for _ in range(n_steps):
-        disc_kernels.kick(nodes, nodes.w, columns, torque, *all_of_them)
-        disc_kernels.drift(nodes, turns, columns, dt, torque, *all_of_them)
+        compiled.kick_disc(nodes, nodes.w, columns, torque, *all_of_them)
+        compiled.drift_disc(nodes, turns, columns, dt, torque, *all_of_them)
     return np.abs(nodes.u).max() / first
 
 
@@ -123,11 +124,11 @@ def leapfrog_ring(body, dt, n_steps):
     u[first:last, :, HALO:-HALO] = np.random.default_rng(2).standard_normal((last - first, 2, body.n_sectors))
     width = u.shape[2]
     for at in range(0, u.size, width):
-        ring_kernels.wrap(u, at, width)
+        compiled.wrap(u, at, width)
     w, start = np.zeros_like(u), np.abs(u).max()
     for _ in range(n_steps):
-        ring_kernels.kick(table, u, w, first, last)
-        ring_kernels.drift_still(u, w, dt, first, last)
+        compiled.kick_ring(table, u, w, first, last)
+        compiled.drift_still_ring(u, w, dt, first, last)
     return np.abs(u).max() / start
 
 

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.kernels.friction_kernels import creep_traction
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import INNER, OUTER, ROLLER
 from tests.reference.bearings import copies, model, paper
-from tests.reference.compiled import find_slips, press_contacts, push_surfaces, rub_contacts
+from tests.reference.compiled import creep_traction, find_slips, press_contacts, push_surfaces, rub_contacts
 from tests.reference.contact_states import (
     DT,
     cartesian_resultant,

@@ -13,15 +13,16 @@ from fem.contacts.subgrid import disc_surface_compliance, ring_surface_complianc
 from fem.elastic.bodies import disc_body
 from fem.elastic.continuum import ring_hertz_approach
 from fem.kernels.jit import OPTIONS
-from fem.kernels.law import STEEPEST, contact_energy, contact_force, kick_force, ripple_at
-from fem.kernels.patches import N_NODES, ONE, weight_slopes, weights
+from fem.kernels.law import STEEPEST, contact_force, ripple_at
+from fem.kernels.patches import N_NODES, ONE, weights
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import count_from, load, store
 from fem.kernels.state import DiscSurface, Patches, RingSurface
-from fem.kernels.surfaces import place, read
+from fem.kernels.surfaces import read
 from lagrange import Material
 from meshes import Disc
 from tests.reference.bearings import LENGTH, STEEL, disc, model, paper, ring
+from tests.reference.compiled import kick_force, place, stored_energy, weight_slopes
 from tests.reference.line_contact import half_width, squeezed_disc_approach
 from tests.verification.contact_statics import POSITIONS, law_on_rigid, squeezed
 
@@ -143,7 +144,7 @@ def test_contact_never_pulls(name):
     law = laws()[name]
     for approach in (0.0, -1e-20, -1e-6, -1.0):
         assert law.force(approach) == 0.0
-    assert contact_energy(0.0, law.A, law.B, law.Q_line) == 0.0
+    assert stored_energy(0.0, law.A, law.B, law.Q_line) == 0.0
 
 
 @every_law
@@ -153,7 +154,7 @@ def test_contact_energy_is_the_integral_of_the_force(name):
         closing = float(law.approach(top))
         corner = min(closing, float(law.approach(law.Q_line)))
         wanted = quad(law.force, 0.0, corner, epsrel=1e-11)[0] + quad(law.force, corner, closing, epsrel=1e-11)[0]
-        assert contact_energy(top, law.A, law.B, law.Q_line) == pytest.approx(wanted, rel=1e-8)
+        assert stored_energy(top, law.A, law.B, law.Q_line) == pytest.approx(wanted, rel=1e-8)
 
 
 @every_law
@@ -167,7 +168,7 @@ def test_the_law_has_one_potential_wherever_the_contact_sits(name, ripple):
         return contact_force(approach, law.A, level, law.Q_line, 0.0)
 
     def energy(approach, level):
-        return contact_energy(force(approach, level), law.A, level, law.Q_line)
+        return stored_energy(force(approach, level), law.A, level, law.Q_line)
 
     at_line = law.A * law.Q_line * (level - 0.5 * np.log(law.Q_line))
     assert force(at_line * (1.0 - 1e-12), level) == pytest.approx(force(at_line * (1.0 + 1e-12), level), rel=1e-10)
@@ -246,7 +247,7 @@ def test_at_constant_speed_kicks_add_up_to_the_true_impulse(inwards, dt):
         kicks.append(kick_force(*last, approach[i], force[i], law.B, law.A, law.Q_line)[0])
     kicks = np.array(kicks)
     impulse = dt * (0.5 * force[0] + np.sum(kicks) - 0.5 * force[-1])
-    assert impulse == pytest.approx(contact_energy(force.max(), law.A, law.B, law.Q_line) / speed, rel=1e-9)
+    assert impulse == pytest.approx(stored_energy(force.max(), law.A, law.B, law.Q_line) / speed, rel=1e-9)
     assert (kicks.min() < 0.0) != inwards  # the first after an opening takes back what the one before gave too much
     assert np.all(kicks[approach[1:] > 0.0] > 0.0)
 

@@ -33,6 +33,7 @@ from fem.kernels.sample_kernels import (
 from fem.kernels.time_loop import NOT_FINITE, advance
 from fem.solver.arrays import disc_nodes
 from lagrange import Bearing
+from tests.reference import compiled
 from tests.reference.bearings import (
     LENGTH,
     STEEL,
@@ -83,8 +84,8 @@ def ring_up_disc(body, shape, omega, dt, n_steps):
     turns, all_of_them = disc_kernels.Turns(still, np.ones(columns), still, still, still), (0, len(body.mass), 0)
     for _ in range(n_steps):
         found.append(weight @ nodes.u.reshape(-1, columns)[:, 3])
-        disc_kernels.kick(nodes, nodes.w, columns, torque, *all_of_them)
-        disc_kernels.drift(nodes, turns, columns, dt, torque, *all_of_them)
+        compiled.kick_disc(nodes, nodes.w, columns, torque, *all_of_them)
+        compiled.drift_disc(nodes, turns, columns, dt, torque, *all_of_them)
     return np.array(found)
 
 
@@ -123,8 +124,8 @@ def test_a_vibrating_held_ring_is_followed_with_order_two():
         u, w, found = 1e-6 * shape, 0.5e-6 * dt * omega**2 * shape, []
         for _ in range(count + 1):
             found.append(u[at] / (1e-6 * shape[at]))
-            ring_kernels.kick(table, u, w, 1, body.n_rows)
-            ring_kernels.drift_still(u, w, dt, 1, body.n_rows)
+            compiled.kick_ring(table, u, w, 1, body.n_rows)
+            compiled.drift_still_ring(u, w, dt, 1, body.n_rows)
         error.append(np.abs(np.array(found) - np.cos(omega * dt * np.arange(count + 1))).max())
     assert observed_order(end / counts, error) == pytest.approx(2.0, abs=0.03)
     assert error[-1] == pytest.approx(omega * end * (omega * end / counts[-1]) ** 2 / 24.0, rel=0.1)

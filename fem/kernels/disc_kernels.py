@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.jit import kernel
+from fem.kernels.jit import part
 from fem.kernels.simd import fma, gather, load, splat, store
 
 COLUMNS = 16  # handled together
@@ -25,7 +25,7 @@ class Turns(NamedTuple):
     shift_y: np.ndarray
 
 
-@kernel
+@part(inlined=False)
 def kick(disc, w, columns, torque, first, end, at_sum):
     """w += dt·internal acceleration; torque of the internal forces.
 
@@ -65,7 +65,7 @@ def kick(disc, w, columns, torque, first, end, at_sum):
         store(torque, at_sum + block + 8, t1)
 
 
-@kernel
+@part(inlined=False)
 def drift(disc, turns, columns, dt, moment, first, end, at_sum):
     """Add a rigid turn, take out the mean velocity, move, and turn the frame.
 

@@ -5,7 +5,7 @@ what T dissipates is exactly what it takes from the bodies.
 """
 
 from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers
-from fem.kernels.jit import kernel, part, verb
+from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger
 from fem.kernels.simd import (
     WIDTH,
@@ -29,7 +29,7 @@ SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's
 EVEN, ODD, ALL = 0, 1, 2  # contacts of a pair that are solved for at once
 
 
-@kernel(forceinline=True)
+@part
 def creep_traction(slip, limit, full_slip, mobility_dt):
     """Traction, N, that opposes a slip velocity, and the slip it leaves, m/s; scalars or lanes.
 

@@ -5,7 +5,7 @@ Arguments reduced as in Sun's fdlibm (s_atan.c, e_log.c, k_sin.c, k_cos.c, 1993)
 
 from math import log, pi
 
-from fem.kernels.jit import kernel
+from fem.kernels.jit import part
 from fem.kernels.simd import exponent_and_mantissa, magnitude, real, select, whole, with_sign
 
 TAN_EIGHTH = 0.41421356237309503  # tan(π/8)
@@ -15,7 +15,7 @@ ROOT_2 = 1.4142135623730951
 HALF_PI_1, HALF_PI_2, HALF_PI_3 = 1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21
 
 
-@kernel(forceinline=True)
+@part
 def arc_tangent(y, x):
     """Angle of (x, y) in (−π, π], rad."""
     wide, high = magnitude(x), magnitude(y)
@@ -51,7 +51,7 @@ def arc_tangent(y, x):
     return with_sign(select(x < 0.0, pi - angle, angle), y)
 
 
-@kernel(forceinline=True)
+@part
 def logarithm(x):
     """Natural logarithm of positive numbers."""
     power, m = exponent_and_mantissa(x)
@@ -80,7 +80,7 @@ def logarithm(x):
     return power * LN_2 + (f - (half - s * (half + R)))
 
 
-@kernel(forceinline=True)
+@part
 def cosine_and_sine(angle):
     """Of angles of any sign up to some 10⁶ rad."""
     size = magnitude(angle)
@@ -127,13 +127,13 @@ def cosine_and_sine(angle):
     return cosine, select(angle < 0.0, -sine, sine)
 
 
-@kernel(forceinline=True)
+@part
 def smaller(a, b):
     """The smaller of two, lane by lane; the second where one is not a number."""
     return select(a < b, a, b)
 
 
-@kernel(forceinline=True)
+@part
 def larger(a, b):
     """The larger of two, lane by lane; the second where one is not a number."""
     return select(a > b, a, b)

@@ -5,7 +5,7 @@ All but the energy take scalars or eight lanes (contacts).
 
 from math import log
 
-from fem.kernels.jit import kernel
+from fem.kernels.jit import kernel, part
 from fem.kernels.lane_functions import larger, logarithm, smaller
 from fem.kernels.simd import any_lane, gather, magnitude, real, select, whole
 
@@ -48,13 +48,13 @@ def contact_force(approach, A, B, Q_line, guess):
     return select(apart, 0.0, Q + (approach - approach))
 
 
-@kernel(forceinline=True)
+@part
 def _slope_of_line(B, Q_line):
     """dδ/dQ above Q_line over A: STEEPEST but for B's ripple."""
     return B - 0.5 * log(Q_line) - 0.5
 
 
-@kernel(forceinline=True)
+@part
 def kick_force(before, Q_before, B_before, P_before, residual, now, Q, B, A, Q_line):
     """The force a leapfrog kick gives, N, so that the contact stores what its forces take, `Q` + O(dt²).
 
@@ -92,14 +92,14 @@ def kick_force(before, Q_before, B_before, P_before, residual, now, Q, B, A, Q_l
     return P, select(before != before, residual, left)
 
 
-@kernel(forceinline=True)
+@part
 def _stored(Q, approach, A, Q_line):
     """`contact_energy` by way of the approach."""
     q = smaller(Q, Q_line)
     return 0.5 * Q * approach - 0.125 * A * q * (2.0 * Q - q)
 
 
-@kernel(forceinline=True)
+@part
 def contact_energy(Q, A, B, Q_line):
     """Energy stored below the grid, J: ∫ Q dδ."""
     if Q <= 0.0:

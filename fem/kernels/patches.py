@@ -4,7 +4,7 @@ A cubic B-spline pressure of half-width 2h (h = surface spacing) integrated agai
 spaced nodes is the quintic B-spline at the nodes. Four continuous derivatives: nothing happens when a node passes.
 """
 
-from fem.kernels.jit import kernel
+from fem.kernels.jit import kernel, part
 from fem.kernels.simd import store
 
 N_NODES = 6
@@ -38,7 +38,7 @@ def weights(t, out, at, step):
     store(out, at + 3 * step, (66.0 - r2 * (60.0 - r2 * (30.0 - 10.0 * r))) * share)
 
 
-@kernel(forceinline=True)
+@part
 def weight_slopes(t, out, at, step):
     """Derivatives of `weights` with respect to t, i.e. to the position in surface spacings."""
     share = 1.0 / 24.0

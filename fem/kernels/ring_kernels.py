@@ -7,7 +7,7 @@ nearest halo columns repeat the other end so that the stencil needs no wrap.
 
 import numpy as np
 
-from fem.kernels.jit import kernel
+from fem.kernels.jit import part
 from fem.kernels.simd import WIDTH, fma, from_left, from_right, gather, load, splat, store, total
 
 HALO = WIDTH  # one register: keeps the rows aligned
@@ -21,7 +21,7 @@ def coefficients(stencil: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(np.concatenate([radial.reshape(-1, 9), tangential.reshape(-1, 9)], axis=1))
 
 
-@kernel(forceinline=True)
+@part
 def _give(r, at, a, b, c, d, e, f):
     """What eight nodes of three rows give to one component of the middle row: at, left and right of themselves.
 
@@ -34,7 +34,7 @@ def _give(r, at, a, b, c, d, e, f):
     return own, pair + cross, pair - cross
 
 
-@kernel(forceinline=True)
+@part
 def _give_both(r, u, below, row, above, width, k):
     """`_give` of columns k ... k + 7 to the radial and to the tangential component."""
     a, b, c = load(u, below + k), load(u, row + k), load(u, above + k)
@@ -42,7 +42,7 @@ def _give_both(r, u, below, row, above, width, k):
     return _give(r, 0, a, b, c, d, e, f), _give(r, 9, d, e, f, a, b, c)
 
 
-@kernel(forceinline=True)
+@part
 def _row_force(table, u, row, out, at, line, with_line):
     """out += table·u for one row of nodes, radial from index `at` on, tangential a line further.
 
@@ -68,7 +68,7 @@ def _row_force(table, u, row, out, at, line, with_line):
         before_r, radial, before_t, tangential = radial, next_r, tangential, next_t
 
 
-@kernel
+@part(inlined=False)
 def row_force(table, u, row, out):
     """out = table·u for one row of nodes.
 
@@ -81,21 +81,21 @@ def row_force(table, u, row, out):
     _row_force(table, u, row, out, 0, out, False)
 
 
-@kernel
+@part(inlined=False)
 def kick(table, u, w, first_row, last_row):
     """w += dt·internal acceleration for rows first_row ... last_row − 1; table holds −dt·M⁻¹K."""
     for row in range(first_row, last_row):
         _row_force(table, u, row, w, 2 * row * u.shape[2], w, False)
 
 
-@kernel
+@part(inlined=False)
 def kick_and_add(table, u, w, line, first_row, last_row):
     """`kick`, and the velocities of one row, (2, width), m/s, added to every row: gravity."""
     for row in range(first_row, last_row):
         _row_force(table, u, row, w, 2 * row * u.shape[2], line, True)
 
 
-@kernel
+@part(inlined=False)
 def drift(u, w, radii, dt, cosine, sine, first_row, last_row):
     """Move by dt·w and turn the frame by the given angle."""
     width = u.shape[2]
@@ -112,7 +112,7 @@ def drift(u, w, radii, dt, cosine, sine, first_row, last_row):
         wrap(u, at + width, width)
 
 
-@kernel
+@part(inlined=False)
 def drift_still(u, w, dt, first_row, last_row):
     """Move by dt·w; the frame does not turn."""
     width = u.shape[2]
@@ -122,7 +122,7 @@ def drift_still(u, w, dt, first_row, last_row):
         wrap(u, at, width)
 
 
-@kernel
+@part(inlined=False)
 def wrap(u, at, width):
     """Repeat the first and last sector of the line of `width` from index `at` on in its halo."""
     last = at + width - HALO
@@ -130,7 +130,7 @@ def wrap(u, at, width):
     store(u, last, gather(u, at + HALO))
 
 
-@kernel
+@part(inlined=False)
 def set_rigid(out, at, cosines, sines, x, y):
     """Displacement of a circle that moves rigidly by (x, y) in the frame's axes.
 
@@ -145,7 +145,7 @@ def set_rigid(out, at, cosines, sines, x, y):
     wrap(out, at + width, width)
 
 
-@kernel
+@part(inlined=False)
 def resultant(line, cosines, sines):
     """Sum of polar nodal forces of one row, (2, n_sectors + 2 HALO): x, y in the frame's axes."""
     width = cosines.size

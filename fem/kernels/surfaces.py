@@ -14,7 +14,7 @@ part in it. The mobility is the velocity Σ W g·w that a patch gains per unit i
 
 from math import pi
 
-from fem.kernels.jit import kernel, part, verb
+from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import arc_tangent
 from fem.kernels.patches import N_NODES, ONE, first_node, weight_slopes, weights
 from fem.kernels.simd import WIDTH, real, select, splat, store, whole
@@ -79,7 +79,7 @@ def body_motion(surface, column, nx, ny):
     return splat(0.0), splat(0.0)
 
 
-@kernel(forceinline=True)
+@part
 def place(x, y, n_nodes):
     """Position, in node spacings in [0, n_nodes), of a direction in a body's frame; scalars or lanes."""
     position = arc_tangent(y, x) * (n_nodes / (2.0 * pi))
@@ -87,7 +87,7 @@ def place(x, y, n_nodes):
     return select(position >= 1.0 * n_nodes, position - 1.0 * n_nodes, position)
 
 
-@kernel(forceinline=True)
+@part
 def next_node(i, n_nodes):
     """The node after node i of a circle; scalar or lanes."""
     return select(i >= n_nodes - 1, 0, i + 1)

@@ -2,9 +2,29 @@
 
 import numpy as np
 
-from fem.kernels import contact_kernels, friction_solution, sample_kernels, time_loop
+from fem.kernels import (
+    contact_kernels,
+    disc_kernels,
+    friction_kernels,
+    friction_solution,
+    law,
+    patches,
+    ring_kernels,
+    sample_kernels,
+    surfaces,
+    time_loop,
+)
 from fem.kernels.jit import kernel
 from fem.solver.arrays import Arrays
+
+kick_disc, drift_disc = kernel(disc_kernels.kick), kernel(disc_kernels.drift)
+kick_ring, kick_ring_and_add = kernel(ring_kernels.kick), kernel(ring_kernels.kick_and_add)
+drift_ring, drift_still_ring = kernel(ring_kernels.drift), kernel(ring_kernels.drift_still)
+row_force, resultant = kernel(ring_kernels.row_force), kernel(ring_kernels.resultant)
+wrap, set_rigid = kernel(ring_kernels.wrap), kernel(ring_kernels.set_rigid)
+kick_force, stored_energy = kernel(law.kick_force), kernel(law.contact_energy)
+weight_slopes, place = kernel(patches.weight_slopes), kernel(surfaces.place)
+creep_traction = kernel(friction_kernels.creep_traction)
 
 
 @kernel

@@ -213,7 +213,7 @@ class Scene(Table):
     """A whole scene. Defaults are the paper's bearing."""
 
     name: str = Field("paper", min_length=1, max_length=100, pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
-    model: Literal["fem", "lagrange"] = "fem"
+    model: Literal["fem", "reduced", "lagrange"] = "fem"
     bearing: BearingTable = BearingTable()
     material: MaterialTable = MaterialTable()
     bodies: BodiesTable = BodiesTable()

@@ -31,17 +31,18 @@ class Arrays:
         """Every array that outlives a step, once, by where it stands; surfaces and pairs share those of bodies."""
         found: dict[str, np.ndarray] = {}
         for name in ("bodies", "contacts", "drive"):
-            _collect(getattr(self, name), name, found)
+            collect_arrays(getattr(self, name), name, found)
         return found
 
 
-def _collect(group: tuple, place: str, found: dict[str, np.ndarray]) -> None:
+def collect_arrays(group: tuple, place: str, found: dict[str, np.ndarray]) -> None:
+    """Add every array of nested named tuples to `found`, once, by where it stands."""
     for name, entry in zip(getattr(group, "_fields", range(len(group))), group, strict=True):
         if isinstance(entry, np.ndarray):
             if not any(entry is other for other in found.values()):
                 found[f"{place}.{name}"] = entry
         elif isinstance(entry, tuple):
-            _collect(entry, f"{place}.{name}", found)
+            collect_arrays(entry, f"{place}.{name}", found)
 
 
 def make_arrays(

@@ -13,6 +13,7 @@ if TYPE_CHECKING:  # the command asks for the names of models long before anythi
 
 SOLVERS = {  # a scene's `model`: the module whose `make_plan` takes it
     "fem": "fem.solver.finite_elements",
+    "reduced": "fem.solver.reduced",
     "lagrange": "fem.solver.lagrangian",
 }
 BLOCK_SECONDS = 0.2  # wall time between two looks at the samples

@@ -10,7 +10,7 @@ import numba
 
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
-from fem.kernels.jit import cache_folder
+from fem.kernels import jit, kernel_cache
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
 from fem.solver.description import mesh_table, plan_rows
@@ -94,8 +94,12 @@ class ElementPlan(Plan):
     def first_state(self) -> ElementState:
         return ElementState(self)
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return tuple(kernel_cache.remarks)
+
     def versions(self) -> dict[str, str]:
-        return {"kernels": cache_folder().name, "numba": version("numba")}
+        return {"kernels": jit.version(), "numba": version("numba")}
 
     def error_estimate(self):
         from fem.solver.error_estimate import error_estimate

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from fem.errors import UsageError
+from fem.errors import RunFailed, UsageError
 from fem.outcome import Outcome
 from fem.solver.simulate import SOLVERS
 
@@ -107,8 +107,15 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
         ended, reason = Outcome.ENDED, None
     except OSError as error:
         ended, reason = Outcome.UNUSABLE, f"{error.filename or 'output'}: {error.strerror or error}"
+    except RunFailed as error:
+        ended, reason = Outcome.FAILED_AT_START, error
+    except MemoryError:
+        ended, reason = Outcome.UNUSABLE, "not enough memory; a coarser numerics.mesh_size_mm takes less"
     except ValueError as error:
-        if type(error).__name__ not in ("UsageError", "SceneError"):
+        from lagrange.scene import SceneError  # loaded by now, or soon: whatever reads scenes or results needs both
+        from lagrange.stored import Damaged
+
+        if not isinstance(error, UsageError | SceneError | Damaged):
             raise
         ended, reason = Outcome.UNUSABLE, error
     print(ended.told(reason=reason), file=sys.stderr)

@@ -4,11 +4,11 @@ import gc
 import signal
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from fem.errors import RunFailed, UsageError
 from fem.outcome import Outcome
@@ -24,6 +24,7 @@ from lagrange.scene import Scene
 if TYPE_CHECKING:
     from fem.solver.error_estimate import ErrorEstimate
 
+T = TypeVar("T")
 CHECKPOINT_SECONDS = 10.0  # of wall time, unless told otherwise
 CHECKPOINT_SHARE = 0.005  # of the wall time at most, unless told otherwise: a slow disk gets checkpoints less often
 GO_ON = "the same command with --resume goes on"
@@ -62,7 +63,7 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     """
     began = time.perf_counter()
     plan = _planned(scene)
-    estimate = plan.error_estimate() if options.estimate_error else None
+    estimate = _programs_named(plan.error_estimate) if options.estimate_error else None
     plan.prepare(None if options.quiet else _say)
     for sentence in (*plan.remarks, *(() if options.quiet else plan.cautions)):
         _say(f"warning: {sentence}")
@@ -73,12 +74,19 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
 
 
 def _planned(scene: Scene) -> Plan:
-    try:
-        plan = make_plan(scene)
-    except RuntimeError as error:
-        raise UsageError(str(error)) from None
+    plan = _programs_named(lambda: make_plan(scene))
     gc.enable()  # the command stops it while it imports
     return plan
+
+
+def _programs_named(make: Callable[[], T]) -> T:
+    """What `make` gives. UsageError: a program it needs is missing, gmsh for instance; the text names it."""
+    try:
+        return make()
+    except RunFailed:
+        raise
+    except RuntimeError as error:
+        raise UsageError(str(error)) from None
 
 
 def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) -> Outcome:
@@ -174,7 +182,7 @@ def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
         try:
             with progress_display(estimate.coarse, quiet) as show:
                 found = estimate.find(read_columns(path, NEEDED), show, lambda: bool(stopped))
-        except RunFailed as error:
+        except (RunFailed, UsageError) as error:  # UsageError: of a static equilibrium that is not found
             return _ended(Outcome.ESTIMATE_FAILED, reason=error, path=path)
     if stopped:
         terminated = stopped[0] == signal.SIGTERM

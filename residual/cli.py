@@ -196,10 +196,14 @@ def main(arguments: list[str] | None = None) -> int:
     except OSError as error:
         print(f"error: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
         return 2
+    except MemoryError:
+        print("error: not enough memory; check a shorter part of the run (--start)", file=sys.stderr)
+        return 2
     except ValueError as error:
         from lagrange.scene import SceneError  # loaded by whatever raised it
+        from lagrange.stored import Damaged
 
-        if not isinstance(error, InputError | SceneError):
+        if not isinstance(error, InputError | SceneError | Damaged):
             raise
         print(f"error: {error}", file=sys.stderr)
         return 2

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.errors import UsageError
 from fem.kernels import time_loop
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.solver.frames import frame_of
@@ -71,9 +72,16 @@ class ElementState(RunState):
         return Block(samples=samples, frame=frame, trouble=trouble)
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        return self.arrays.named() | {f"reader.{name}": value for name, value in self.reader.to_keep().items()}, {}
+        arrays = self.arrays.named() | {f"reader.{name}": value for name, value in self.reader.to_keep().items()}
+        return arrays, {"model": self.arrays.digest()}
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+        if numbers["model"] != self.arrays.digest():
+            raise UsageError(
+                "its meshes and matrices are not those computed here; go on where it was written, or start again "
+                "without --resume"
+            )
         for name, own in self.arrays.named().items():
             own[...] = arrays[name]
-        self.reader.take_back({name: arrays[f"reader.{name}"] for name in self.reader.to_keep()})
+        self.arrays.check_indices()
+        self.reader.take_back({name: arrays[f"reader.{name}"] for name in self.reader.to_keep()}, self.done)

@@ -17,6 +17,7 @@ from fem.solver.description import mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
 from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads, check_widths
+from fem.solver.processor import processor
 from fem.solver.solver import Plan, sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
 from fem.statics.contact_balance import NotFound
@@ -99,7 +100,7 @@ class ElementPlan(Plan):
         return tuple(kernel_cache.remarks)
 
     def versions(self) -> dict[str, str]:
-        return {"kernels": jit.version(), "numba": version("numba")}
+        return {"kernels": jit.version(), "numba": version("numba"), **processor()}
 
     def error_estimate(self):
         from fem.solver.error_estimate import error_estimate

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.errors import RunFailed
+from fem.solver.processor import processor
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import Block, Numbers, Plan, RunState, Samples, sample_count
 from lagrange import Trajectory, contact_laws, static_equilibrium
@@ -58,7 +59,7 @@ class LagrangianPlan(Plan):
         return LagrangianState(self)
 
     def versions(self) -> dict[str, str]:
-        return {"numpy": np.__version__}
+        return {"numpy": np.__version__, **processor()}
 
     def rows(self) -> dict[str, str]:
         options, problem = self.scene.lagrange, self.problem

@@ -99,8 +99,9 @@ class RunState(ABC):
 
     @abstractmethod
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        """What a checkpoint stores: all arrays that the next steps need, whose names, types and shapes don't change
-        as the run goes on, and whatever JSON can hold."""
+        """What a checkpoint stores: all arrays that the next steps need but for those the plan determines, and
+        whatever JSON can hold. Names, types and shapes don't change as the run goes on; what is a number in the first
+        state is one in all."""
 
     @abstractmethod
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
@@ -108,7 +109,7 @@ class RunState(ABC):
 
         Errors
         ------
-        Any: not what `to_keep` gives.
+        UsageError: of another model. Any other: not what `to_keep` gives.
         """
 
     @property
@@ -160,7 +161,7 @@ class Plan(ABC):
 
     @abstractmethod
     def versions(self) -> dict[str, str]:
-        """Of everything beside the program that decides the bits of a run on one machine."""
+        """Of everything beside the program that decides the bits of a run, the processor included."""
 
     @abstractmethod
     def rows(self) -> dict[str, str]:

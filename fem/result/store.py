@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
+from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -117,8 +118,11 @@ class ResultFile:
                     write_at(handle, _doubles(block), places.data[name] + start * places.width[name])
                     checksums[name] = checksum(block, checksums[name])
             for name, place in places.frames.items():
+                frames, width = earlier[name], places.frame_width[name]
+                if frames.dtype.itemsize * prod(frames.shape[1:]) != width:
+                    raise UsageError(f"{self._path}: damaged: {name} is of another mesh; start again without --resume")
                 for index in range(frames_of(count, self._plan.frame_stride)):
-                    write_at(handle, earlier[name][index].tobytes(), place + index * places.frame_width[name])
+                    write_at(handle, frames[index].tobytes(), place + index * width)
         return checksums
 
     def _fields(self, capacity: int) -> Callable[[h5py.File], list[str]] | None:

@@ -2,7 +2,6 @@
 
 import gc
 import signal
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -19,6 +18,7 @@ from fem.result.store import NOTHING, ResultFile, Stored, WriteFailed
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Plan, Progress, RunState
 from fem.summary import print_estimates, print_plan, print_run
+from lagrange.messages import say, telling
 from lagrange.scene import Scene
 
 if TYPE_CHECKING:
@@ -64,9 +64,9 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     began = time.perf_counter()
     plan = _planned(scene)
     estimate = _programs_named(plan.error_estimate) if options.estimate_error else None
-    plan.prepare(None if options.quiet else _say)
+    plan.prepare(None if options.quiet else say)
     for sentence in (*plan.remarks, *(() if options.quiet else plan.cautions)):
-        _say(f"warning: {sentence}")
+        say(f"warning: {sentence}")
     outcome = simulate(plan, time.perf_counter() - began, path, options)
     if estimate is None or outcome is not Outcome.COMPLETE:
         return outcome
@@ -110,7 +110,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
 
         def begin_again(reason: str) -> None:
             if not options.quiet:
-                _say(reason)
+                say(reason)
             checkpoints.begin_again()
             store.begin_again(**state.outcome_attributes)
 
@@ -130,10 +130,12 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
             outcome, reason = Outcome.FAILED, error
         store.finish(outcome.status(reason), **state.outcome_attributes)
     for sentence in state.remarks:
-        _say(f"warning: {sentence}")
+        say(f"warning: {sentence}")
     seen = state.progress
     if outcome is Outcome.COMPLETE and not options.quiet:
-        print_run(plan, seen, read_columns(path, ("inner_x", "inner_y", "inner_force"), samples=1), path)
+        first = read_columns(path, ("inner_x", "inner_y", "inner_force"), samples=1)
+        with telling():
+            print_run(plan, seen, first, path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store))
 
 
@@ -170,7 +172,7 @@ class Checkpoints:
             save_checkpoint(self._path, self._state, stored)
             return True
         except OSError as error:
-            _say(f"warning: {error.filename}: {error.strerror}; no checkpoint was saved, the run goes on")
+            say(f"warning: {error.filename}: {error.strerror}; no checkpoint was saved, the run goes on")
             return False
 
 
@@ -189,7 +191,8 @@ def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
         return _ended(Outcome.ESTIMATE_TERMINATED if terminated else Outcome.ESTIMATE_INTERRUPTED, path=path)
     write_estimates(path, found, estimate.mesh_size)
     if not quiet:
-        print_estimates(found, estimate.mesh_size)
+        with telling():
+            print_estimates(found, estimate.mesh_size)
     return Outcome.COMPLETE
 
 
@@ -210,13 +213,8 @@ def _left(path: Path, store: ResultFile) -> str:
 
 def _ended(outcome: Outcome, **facts: object) -> Outcome:
     if text := outcome.told(**facts):
-        _say(text)
+        say(text)
     return outcome
-
-
-def _say(text: str) -> None:
-    with suppress(OSError):
-        print(text, file=sys.stderr, flush=True)
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 
 from fem.solver.solver import Plan, Progress
+from lagrange.messages import shown
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 def print_plan(plan: Plan) -> None:
     """What has been decided and what it will cost. RunFailed: there is no equilibrium to tell of."""
     console, table, rows = Console(highlight=False), plan.table(), plan.rows()
-    console.print(f"Plan of {plan.scene.name}, {plan.model_name}", style="italic", markup=False)
+    console.print(f"Plan of {shown(plan.scene.name)}, {plan.model_name}", style="italic", markup=False)
     if table is not None:
         console.print(table)
     for name, value in rows.items():
@@ -42,7 +43,7 @@ def print_run(plan: Plan, progress: Progress, first: dict[str, np.ndarray], path
     for line in lines:
         console.print(line, soft_wrap=True)
     _print_cautions(console, plan.cautions)
-    console.print(f"Result: {path}", soft_wrap=True, markup=False)
+    console.print(f"Result: {shown(path)}", soft_wrap=True, markup=False)
 
 
 def print_estimates(found: "list[Estimate]", coarse_mesh_size: float) -> None:

@@ -2,6 +2,8 @@
 
 import importlib
 import pkgutil
+import shlex
+import subprocess
 
 import pytest
 
@@ -11,7 +13,9 @@ import meshes
 import residual
 from fem.cli import new_app, run_app_main
 from fem.errors import RunFailed
-from tests.reference.commands import command
+from tests.reference.commands import command, environment, started_as
+
+COARSE = ["--mesh-size", "2"]
 
 CROWDED = """
 [bearing]
@@ -73,3 +77,83 @@ def test_every_error_of_the_program_and_what_derives_from_it_ends_in_a_sentence(
 
 def test_the_programs_errors_are_found():
     assert {"fem.errors.UsageError", "fem.statics.contact_balance.NotFound", "lagrange.stored.Damaged"} <= set(OWN)
+
+
+def test_a_reader_that_goes_or_a_full_disk_behind_the_output_is_no_failure_of_a_complete_run(tmp_path):
+    path = tmp_path / "run.nc"
+    for name, arguments in (
+        ("run-fem", [*COARSE, "--duration", "0.5", "--output", path]),
+        ("check-residual", [path, "--output", tmp_path / "report"]),
+        ("render-fem", [path, "--export", tmp_path / "mesh.vtu"]),
+    ):
+        for end in ("| true", "> /dev/full", ">&-") if name == "run-fem" else ("> /dev/full",):
+            done = shell(f"{quoted(name, *arguments)} {end}; exit ${{PIPESTATUS[0]}}")
+            assert done.returncode == 0, (name, end, done.stderr)
+            assert "error" not in done.stderr and "Traceback" not in done.stderr and "Exception" not in done.stderr
+
+
+@pytest.mark.parametrize("option", ["--help", "--version", "--dry-run"])
+def test_what_is_printed_and_nothing_else_must_reach_its_disk_but_not_its_reader(option):
+    done = shell(f"{quoted('run-fem', option)} | true; exit ${{PIPESTATUS[0]}}")
+    assert (done.returncode, done.stderr) == (0, "")
+    done = shell(f"{quoted('run-fem', option)} > /dev/full")
+    assert done.returncode == 2 and done.stderr == "error: output: No space left on device\n"
+
+
+def quoted(name, *arguments):
+    return shlex.join([*started_as(name), *map(str, arguments)])
+
+
+def shell(line):
+    return subprocess.run(["bash", "-c", line], env=environment(), capture_output=True, text=True)
+
+
+UNPRINTABLE = "\x1b[31mred\a\u202e"
+
+
+@pytest.mark.parametrize("name", ["run-fem", "render-fem", "check-residual"])
+@pytest.mark.parametrize("text", [UNPRINTABLE, "\udcff", "x" * 100_000], ids=["escapes", "half a character", "long"])
+def test_names_of_files_are_told_printable_and_not_endless(name, text, tmp_path):
+    for arguments in ([f"{text}.toml"], [f"--{text}"]):
+        done = command(name, *arguments, folder=tmp_path, PYTHONIOENCODING="utf-8:strict")
+        assert done.returncode == 2, done.stderr
+        assert done.stderr.startswith("error: ") and len(done.stderr) < 4000
+        assert all(c.isprintable() or c == "\n" for c in done.stderr) and "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        f'name = "{"x" * 900_000}"',
+        f'[bearing]\nrollers = "{"x" * 900_000}"',
+        f"[bearing]\n{'x' * 900_000} = 1",
+        f'[{"x" * 900_000}]\n"\\u001b[31m" = 1',
+        '[bearing]\nrollers = "\\u001b[31m"',
+        f"[numerics]\nduration_ms = {'9' * 900_000}",
+    ],
+    ids=["name", "value", "key", "table", "escape", "number"],
+)
+def test_values_of_a_scene_are_told_printable_and_not_endless(scene, tmp_path):
+    (tmp_path / "scene.toml").write_text(scene)
+    done = command("run-fem", "scene.toml", folder=tmp_path)
+    assert done.returncode == 2 and 0 < len(done.stderr) < 4000
+    assert all(c.isprintable() or c == "\n" for c in done.stderr) and "Traceback" not in done.stderr
+
+
+def test_half_a_character_in_a_files_name_hinders_no_command(can_draw, tmp_path):
+    name, strict = "\udcff.nc", {"PYTHONIOENCODING": "utf-8:strict"}
+    for called, arguments in (
+        ("run-fem", [*COARSE, "--duration", "1", "--output", name]),
+        ("check-residual", [name]),
+        ("render-fem", [name, "--width", "300"]),
+        ("render-fem", [name, "--export", "\udcff.vtkhdf"]),
+    ):
+        done = command(called, *arguments, folder=tmp_path, **strict)
+        assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("threads", ["0", "-1", "two", "", "99999999999999999999"])
+def test_a_number_of_threads_that_numba_can_not_take_is_refused(threads, tmp_path):
+    done = command("run-fem", *COARSE, "--duration", "0", folder=tmp_path, NUMBA_NUM_THREADS=threads)
+    assert done.returncode == 2 and done.stderr.startswith("error: NUMBA_NUM_THREADS = ")
+    assert done.stderr.count("\n") == 1

@@ -136,7 +136,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
         first = read_columns(path, ("inner_x", "inner_y", "inner_force"), samples=1)
         with telling():
             print_run(plan, seen, first, path)
-    return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store))
+    return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 
 
 class Checkpoints:
@@ -202,11 +202,15 @@ def _explained(path: Path, store: ResultFile) -> Iterator[None]:
     try:
         yield
     except WriteFailed as error:
-        raise OSError(error.errno, f"{error.strerror}; {_left(path, store)}", error.filename) from None
+        raise OSError(
+            error.errno, f"{error.strerror}; {_left(path, store, store.is_in_place)}", error.filename
+        ) from None
 
 
-def _left(path: Path, store: ResultFile) -> str:
+def _left(path: Path, store: ResultFile, in_place: bool) -> str:
     """What a run that ends early leaves."""
+    if not in_place:
+        return f"{store.committed} samples were in {path}, which has been moved or removed; put it back and {GO_ON}"
     how = GO_ON if checkpoint_path(path).is_file() else "it can't be resumed, no checkpoint could be saved"
     return f"{store.committed} samples are in {path}; {how}"
 

@@ -152,6 +152,14 @@ class ResultFile:
         return self._committed
 
     @property
+    def is_in_place(self) -> bool:
+        """Whether the file still stands where it was made: nobody has moved or removed it."""
+        try:
+            return os.path.samestat(os.fstat(self._handle), os.stat(self._path))
+        except OSError:
+            return False
+
+    @property
     def stored(self) -> Stored:
         """What is in the file; on the disk after a `commit`."""
         return Stored(samples=self._count, checksums=dict(self._checksums))
@@ -189,7 +197,7 @@ class ResultFile:
 
     def _replace(self, capacity: int, stored: Stored) -> None:
         working = self._handle
-        with alone_in(self._path.parent):
+        with self._named(), alone_in(self._path.parent):
             self._begin(capacity, stored)
         os.close(working)
 
@@ -201,6 +209,8 @@ class ResultFile:
         try:
             self._replace(self._count, self.stored)
         except WriteFailed:  # no room for two of them
+            if not self.is_in_place:
+                raise
             with self._named(), h5py.File(self._path, "r+", locking=False) as file:
                 for name, value in outcome.items():
                     file.attrs.modify(name, value)

@@ -11,7 +11,7 @@ from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.solver.frames import frame_of
 from fem.solver.guards import energy_trouble, good_rows, n_balanced, n_in_place, place_trouble, velocity_trouble
 from fem.solver.samples import SampleReader
-from fem.solver.simulate import LARGEST_BLOCK
+from fem.solver.simulate import LARGEST_BLOCK, size_of_block
 from fem.solver.solver import Block, Numbers, RunState
 
 if TYPE_CHECKING:
@@ -29,21 +29,45 @@ class ElementState(RunState):
     def steps_per_sample(self) -> int:
         return self.plan.stride
 
-    def take_steps(self, n_rows: int) -> tuple[np.ndarray, int, int, int]:
-        """Advance the arrays by so many rows: them, the kernel's status, and step and body where it is not DONE."""
+    def take_steps(self, n_rows: int, before: int = 0) -> tuple[np.ndarray, int, int, int]:
+        """Advance the arrays by so many rows: them, the kernel's status, and step and body where it is not DONE.
+
+        `before`: rows since the last sample.
+        """
         plan, arrays = self.plan, self.arrays
-        rows = np.zeros((n_rows, N_SCALARS + len(BLOCKS) * plan.model.bearing.n_rollers))
+        rows, stride = np.zeros((n_rows, self._row_width)), plan.stride // plan.looks
         status, step, body = time_loop.advance(
             arrays.bodies,
             arrays.groups,
             arrays.contacts,
             arrays.drive,
             arrays.scratch,
-            self.done * plan.stride,
-            plan.stride // plan.looks,
+            self.done * plan.stride + before * stride,
+            stride,
             rows,
         )
         return rows, status, step, body
+
+    @property
+    def _row_width(self) -> int:
+        return N_SCALARS + len(BLOCKS) * self.plan.model.bearing.n_rollers
+
+    def _take_long_sample(self) -> tuple[np.ndarray, int, int, int] | None:
+        """One sample in parts, between which the run can be stopped: then None, and the arrays are as before."""
+        looks, kept = self.plan.looks, {name: array.copy() for name, array in self.arrays.named().items()}
+        whole, done, size = np.zeros((looks, self._row_width)), 0, 1
+        while True:
+            began = time.perf_counter()
+            rows, status, step, body = self.take_steps(min(size, looks - done), done)
+            whole[done : done + len(rows)] = rows
+            done += len(rows)
+            if status != time_loop.DONE or done == looks:
+                return whole[:done], status, step, body
+            if self.stop():
+                for name, array in self.arrays.named().items():
+                    array[...] = kept[name]
+                return None
+            size = size_of_block(size, len(rows), time.perf_counter() - began)
 
     def advance(self, most: int) -> Block:
         plan, frame = self.plan, None
@@ -54,8 +78,11 @@ class ElementState(RunState):
             if since == 0:
                 frame = frame_of(plan.model, self.arrays, self.done, plan.interval)
         began = time.perf_counter()
-        rows, status, step, body = self.take_steps(plan.looks * most)
+        taken = self._take_long_sample() if most == 1 < plan.looks else self.take_steps(plan.looks * most)
         self.wall += time.perf_counter() - began
+        if taken is None:
+            return Block()
+        rows, status, step, body = taken
         samples, trouble = None, None
         if status != time_loop.DONE:
             rows, trouble = rows[: good_rows(rows)], velocity_trouble(plan, step, body)

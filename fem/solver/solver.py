@@ -92,10 +92,14 @@ class RunState(ABC):
         self.wall = 0.0  # s, time loop only
         self.imbalance = 0.0  # of the last sample, over the exchanged energy
         self.void_steps = 0  # of what was begun again
+        self.stop: Callable[[], bool] = lambda: False  # whether an advance that takes long shall leave off
 
     @abstractmethod
     def advance(self, most: int) -> Block:
-        """The next samples, at most so many and at least one; keeps `done`, `wall` and `imbalance` up to date."""
+        """The next samples, at most so many and at least one; keeps `done`, `wall` and `imbalance` up to date.
+
+        None, and the state of the last sample, where `stop` says so on the way.
+        """
 
     @abstractmethod
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:

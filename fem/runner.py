@@ -135,7 +135,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     if outcome is Outcome.COMPLETE and not options.quiet:
         first = read_columns(path, ("inner_x", "inner_y", "inner_force"), samples=1)
         with telling():
-            print_run(plan, seen, first, path)
+            print_run(state, first, path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 
 

@@ -66,7 +66,7 @@ class ResultFile:
     """
 
     def __init__(
-        self, path: Path, plan: "Plan", setup_seconds: float, resume: Stored | None = None, **attributes: float
+        self, path: Path, plan: "Plan", setup_seconds: float, resume: Stored | None = None, **attributes: float | str
     ):
         """A new file in the place of any earlier one, or one that goes on after what was stored.
 
@@ -190,7 +190,7 @@ class ResultFile:
         self._in_force, self._committed, self._committed_at = spare, self._count, time.monotonic()
         self._commit_cost = self._committed_at - began
 
-    def begin_again(self, **attributes: float) -> None:
+    def begin_again(self, **attributes: float | str) -> None:
         """Put an empty file with these attributes in this one's place; the samples so far are void."""
         self._attributes |= attributes
         self._replace(self._plan.n_samples, NOTHING)
@@ -201,7 +201,7 @@ class ResultFile:
             self._begin(capacity, stored)
         os.close(working)
 
-    def finish(self, status: str, **attributes: float) -> None:
+    def finish(self, status: str, **attributes: float | str) -> None:
         """Write the outcome, in a new file without unused room that takes this one's place."""
         self.commit()
         outcome = dict(attributes, status=status)

@@ -8,6 +8,7 @@ import numpy as np
 from fem.errors import UsageError
 from fem.kernels import time_loop
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
+from fem.solver.cautions import largest_forces, run_cautions
 from fem.solver.frames import frame_of
 from fem.solver.guards import energy_trouble, good_rows, n_balanced, n_in_place, place_trouble, velocity_trouble
 from fem.solver.samples import SampleReader
@@ -24,6 +25,7 @@ class ElementState(RunState):
     def __init__(self, plan: "ElementPlan"):
         super().__init__(plan)
         self.arrays, self.reader = plan.arrays(), SampleReader(plan)
+        self._largest = np.zeros(3)  # N, so far: see `largest_forces`
 
     @property
     def steps_per_sample(self) -> int:
@@ -90,7 +92,9 @@ class ElementState(RunState):
             looked = self.reader.read(rows)
             balanced, in_place = n_balanced(looked), n_in_place(plan, looked)
             self.imbalance = float(looked.relative_imbalance()[min(balanced, len(looked) - 1)])
-            samples = looked.first(min(balanced, in_place)).every(plan.looks)
+            sound = looked.first(min(balanced, in_place))
+            self._largest = np.maximum(self._largest, largest_forces(sound))
+            samples = sound.every(plan.looks)
             self.done += len(samples)
             if in_place < balanced:
                 trouble = place_trouble(plan, looked, in_place)
@@ -98,9 +102,13 @@ class ElementState(RunState):
                 trouble = energy_trouble(plan, looked, balanced)
         return Block(samples=samples, frame=frame, trouble=trouble)
 
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        return run_cautions(self.plan.model.bearing, self._largest)
+
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         arrays = self.arrays.named() | {f"reader.{name}": value for name, value in self.reader.to_keep().items()}
-        return arrays, {"model": self.arrays.digest()}
+        return arrays | {"largest": self._largest}, {"model": self.arrays.digest()}
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
         if numbers["model"] != self.arrays.digest():
@@ -111,4 +119,7 @@ class ElementState(RunState):
         for name, own in self.arrays.named().items():
             own[...] = arrays[name]
         self.arrays.check_indices()
+        if np.any(arrays["largest"] < 0.0):
+            raise ValueError("forces that pull")
+        self._largest = arrays["largest"]
         self.reader.take_back({name: arrays[f"reader.{name}"] for name in self.reader.to_keep()}, self.done)

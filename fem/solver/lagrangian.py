@@ -158,7 +158,7 @@ class LagrangianState(RunState):
         )
 
     @property
-    def outcome_attributes(self) -> dict[str, float]:
+    def outcome_attributes(self) -> dict[str, float | str]:
         step, critical = self._simulation.time_step, self._simulation.critical_time_step
         return super().outcome_attributes | {"time_step": step, "critical_time_step": critical}
 

@@ -117,9 +117,15 @@ class RunState(ABC):
         """
 
     @property
-    def outcome_attributes(self) -> dict[str, float]:
+    def outcome_attributes(self) -> dict[str, float | str]:
         """Attributes of the result file that the run finds out."""
-        return {"steps": self.progress.steps, "wall_seconds": self.wall}
+        warnings = "\n".join((*self.plan.cautions, *self.cautions))
+        return {"steps": self.progress.steps, "wall_seconds": self.wall, "warnings": warnings}
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """Sentences on what the run has found, told at its end and kept in the result file with the plan's."""
+        return ()
 
     @property
     def remarks(self) -> tuple[str, ...]:

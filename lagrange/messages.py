@@ -5,8 +5,9 @@ Stands on the ground floor, as `stored` does: the commands of solver and checker
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from threading import Timer
 
 MOST_LINES, LONGEST_LINE = 60, 1200
 ENDING = 300  # characters of a long line that stay of its end, where the remedy stands
@@ -30,6 +31,21 @@ def say(text: object) -> None:
     """Print to standard error, if anybody listens."""
     with suppress(OSError):
         print(shown(text), file=sys.stderr, flush=True)
+
+
+@contextmanager
+def said_if_long(seconds: float, sentence: str, tell: Callable[[str], None] | None) -> Iterator[None]:
+    """Tell a sentence once what is done here has taken so long; None: nobody."""
+    if tell is None:
+        yield
+        return
+    timer = Timer(seconds, tell, (sentence,))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 @contextmanager

@@ -11,7 +11,7 @@ import fem
 import lagrange
 import meshes
 import residual
-from fem.cli import new_app, run_app_main
+from fem.cli import new_app, run_app_main, run_main
 from fem.errors import RunFailed
 from tests.reference.commands import command, environment, started_as
 
@@ -157,3 +157,12 @@ def test_a_number_of_threads_that_numba_can_not_take_is_refused(threads, tmp_pat
     done = command("run-fem", *COARSE, "--duration", "0", folder=tmp_path, NUMBA_NUM_THREADS=threads)
     assert done.returncode == 2 and done.stderr.startswith("error: NUMBA_NUM_THREADS = ")
     assert done.stderr.count("\n") == 1
+
+
+def test_planning_that_takes_long_says_so(monkeypatch, capsys):
+    """A mesh of a million nodes takes a minute, a dry run of it too: it solves the same static equilibrium."""
+    monkeypatch.setattr("fem.runner.PATIENCE", 0.0)
+    for expected in (1, 0):
+        assert run_main(["--mesh-size", "2", "--dry-run"]) == 0
+        assert capsys.readouterr().err.count("planning: meshes, matrices") == expected
+        monkeypatch.setattr("fem.runner.PATIENCE", 1e6)

@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from math import ceil
-from threading import Timer
 
 import numba
 
@@ -22,6 +21,7 @@ from fem.solver.solver import Plan, sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
 from fem.statics.contact_balance import NotFound
 from lagrange import Operation, kinematics
+from lagrange.messages import said_if_long
 from lagrange.scene import Scene
 
 LONGEST_UNWATCHED = 100  # steps between two looks at the energy
@@ -84,13 +84,8 @@ class ElementPlan(Plan):
         """Compile the time loop, or load it compiled, without taking a step."""
         if self.scene.numerics.threads > 1:
             numba.set_num_threads(self.scene.numerics.threads)
-        telling = Timer(PATIENCE, tell or (lambda sentence: None), (COMPILING,))
-        telling.daemon = True
-        telling.start()
-        try:
+        with said_if_long(PATIENCE, COMPILING, tell):
             self.first_state().take_steps(0)
-        finally:
-            telling.cancel()
 
     def first_state(self) -> ElementState:
         return ElementState(self)

@@ -220,13 +220,14 @@ def test_a_run_whose_energy_does_not_balance_begins_again_with_half_the_step():
 
 @pytest.mark.parametrize(("setting", "word"), [
     ("bodies.inner_ring=rigid", 'bodies.inner_ring = "rigid"'),
-    ("contact.model=resolved", 'contact.model = "resolved"'),
+    ("contact.model=resolved numerics.mesh_size_mm=0.03", 'contact.model = "resolved"'),
     ("bearing.type=ball", 'bearing.type = "ball"'),
+    ("operation.radial_load_N=2e6", "beyond Hertz's theory"),
+    ("operation.speed_rpm=200000 material.youngs_modulus_GPa=20", "centrifugal load"),
 ])  # fmt: skip
 def test_what_it_cannot_do_is_refused_by_name(setting, word):
-    settings = (setting, "numerics.mesh_size_mm=0.03") if "resolved" in setting else (setting,)
     with pytest.raises(UsageError, match=word):
-        plan_of(*settings)
+        plan_of(*setting.split())
 
 
 def test_rows_of_contacts_are_those_of_the_samples():

@@ -197,9 +197,9 @@ def test_checkpoints_of_another_model_or_scene_are_refused_by_the_difference(cas
 def test_the_lagrangian_model_refuses_a_state_of_another_numpy(tmp_path, monkeypatch, capsys):
     case, path = CASES["Lagrangian"], tmp_path / "run.nc"
     assert run(case, path, "--quiet") == 0
-    monkeypatch.setattr("fem.solver.lagrangian.LagrangianPlan.versions", lambda plan: {"numpy": "0.9"})
+    monkeypatch.setattr("fem.solver.lagrangian.np.__version__", "0.9")
     assert run(case, path, "--resume") == 2
-    assert "another version of the program (numpy was " in capsys.readouterr().err
+    assert " (numpy was " in capsys.readouterr().err
 
 
 def test_a_run_that_begins_again_says_so_and_starts_its_file_anew(tmp_path, monkeypatch, capsys):

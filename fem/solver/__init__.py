@@ -15,5 +15,6 @@ discretise         the model of a scene: mesh, contact model, width of the patch
 limits, cautions   what is refused; what is warned of
 start, arrays      the state a run starts from; the time loop's arrays filled with it, `contact_arrays` the contacts'
 frames             displacements at an instant
+processor          what the compiler makes the kernels for
 error_estimate     what a scene's results may be off by, from a second mesh
 """

@@ -22,18 +22,17 @@ class ElementState(RowState):
     def named_arrays(self) -> dict[str, np.ndarray]:
         return self.arrays.named()
 
+    def digest(self) -> str:
+        return self.arrays.digest()
+
+    def check(self) -> None:
+        self.arrays.check_indices()
+
     def frame(self):
         return frame_of(self.plan.model, self.arrays, self.done, self.plan.interval)
 
-    def step_rows(self, rows: np.ndarray) -> tuple[int, int, int]:
-        plan, arrays = self.plan, self.arrays
+    def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
+        arrays = self.arrays
         return time_loop.advance(
-            arrays.bodies,
-            arrays.groups,
-            arrays.contacts,
-            arrays.drive,
-            arrays.scratch,
-            self.done * plan.stride,
-            plan.stride // plan.looks,
-            rows,
+            arrays.bodies, arrays.groups, arrays.contacts, arrays.drive, arrays.scratch, first, stride, rows
         )

@@ -9,7 +9,7 @@ import numba
 
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
-from fem.kernels.jit import cache_folder
+from fem.kernels import jit, kernel_cache
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
 from fem.solver.compiling import load_compiled
@@ -17,6 +17,7 @@ from fem.solver.description import mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
 from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads, check_widths
+from fem.solver.processor import processor
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import Plan, sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
@@ -85,8 +86,12 @@ class ElementPlan(Plan):
     def first_state(self) -> ElementState:
         return ElementState(self)
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return tuple(kernel_cache.remarks)
+
     def versions(self) -> dict[str, str]:
-        return {"kernels": cache_folder().name, "numba": version("numba")}
+        return {"kernels": jit.version(), "numba": version("numba"), **processor()}
 
     def error_estimate(self):
         from fem.solver.error_estimate import error_estimate

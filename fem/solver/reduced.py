@@ -12,10 +12,11 @@ from math import ceil, sqrt
 import numpy as np
 
 from fem.errors import UsageError
-from fem.kernels.jit import cache_folder
+from fem.kernels import jit, kernel_cache
 from fem.solver.cautions import cautions
 from fem.solver.compiling import load_compiled
-from fem.solver.limits import check_rollers
+from fem.solver.limits import check_rollers, check_speed, check_widths
+from fem.solver.processor import processor
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import Plan, sample_count
@@ -68,7 +69,11 @@ class ReducedPlan(Plan):
         return ReducedState(self)
 
     def versions(self) -> dict[str, str]:
-        return {"kernels": cache_folder().name, "numba": version("numba")}
+        return {"kernels": jit.version(), "numba": version("numba"), **processor()}
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return tuple(kernel_cache.remarks)
 
     def rows(self) -> dict[str, str]:
         steps = self.stride * (self.n_samples - 1)
@@ -96,10 +101,14 @@ def make_plan(scene: Scene) -> ReducedPlan:
     """
     _check(scene)
     bearing, operation, numerics = scene.ideal_bearing(), scene.ideal_operation(), scene.numerics
-    model = reduced_bearing(bearing, kinematics(bearing, operation.speed))
+    ideal = kinematics(bearing, operation.speed)
+    model = reduced_bearing(bearing, ideal)
+    check_speed(model, ideal)
     loaded = equilibrium_start(model, operation)
+    static = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()))
+    check_widths(bearing, static)
     load = operation.radial_load + operation.inner_mass * operation.gravity
-    largest = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()), 5.0 * load / bearing.n_rollers, 1.0)
+    largest = max(static, 5.0 * load / bearing.n_rollers, 1.0)
     tangential = tangential_compliance(bearing, largest)
     critical = critical_time_step(model, LOAD_MARGIN * largest, tangential)
     interval = 1e-6 * numerics.output_interval_us

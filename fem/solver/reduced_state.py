@@ -1,5 +1,6 @@
 """The reduced model's state: the arrays of its time loop."""
 
+import hashlib
 from dataclasses import replace
 from math import ceil
 from typing import TYPE_CHECKING
@@ -11,7 +12,6 @@ from fem.kernels.reduced_loop import advance_reduced
 from fem.kernels.reduced_state import INNER, OUTER, Before, Compliance, ReducedDrive, ReducedForces, RigidBodies
 from fem.kernels.simd import WIDTH
 from fem.kernels.state import Law
-from fem.solver.arrays import collect_arrays
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.samples import SampleReader
 from fem.solver.solver import Block, Numbers
@@ -58,9 +58,10 @@ class ReducedState(RowState):
     def advance(self, most: int) -> Block:
         block = super().advance(most)
         samples = block.samples
+        balanced = True
         if samples is not None and len(samples):
             self._worst = max(self._worst, float(np.abs(samples.imbalance).max()))
-        balanced = samples is None or self._worst <= LIMIT * float(samples.exchanged[-1])
+            balanced = self._worst <= LIMIT * float(samples.exchanged[-1])
         at_end = self.done == self.plan.n_samples
         if self._halvings == MOST_HALVINGS or not (block.trouble or (at_end and not balanced)):
             return block
@@ -76,7 +77,8 @@ class ReducedState(RowState):
         return super().outcome_attributes | {"time_step": self.plan.time_step}
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        return super().to_keep()[0], {"halvings": self._halvings, "worst": self._worst}
+        arrays, numbers = super().to_keep()
+        return arrays, numbers | {"halvings": self._halvings, "worst": self._worst}
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
         halvings = int(numbers["halvings"])
@@ -85,26 +87,24 @@ class ReducedState(RowState):
         self._halvings = halvings
         self._begin()
         self._worst = float(numbers["worst"])
-        super().take_back(arrays, {})
+        super().take_back(arrays, numbers)
 
     def named_arrays(self) -> dict[str, np.ndarray]:
         found: dict[str, np.ndarray] = {}
-        for name in ("bodies", "forces", "drive"):
-            collect_arrays(getattr(self, name), name, found)
+        for place, group in (("bodies", self.bodies), ("forces", self.forces), ("drive", self.drive)):
+            arrays = {name: value for name, value in group._asdict().items() if isinstance(value, np.ndarray)}
+            found |= {f"{place}.{name}": array for name, array in arrays.items()}
         return found
 
-    def step_rows(self, rows: np.ndarray) -> tuple[int, int, int]:
-        plan = self.plan
-        return advance_reduced(
-            self.bodies,
-            self.compliance,
-            self.forces,
-            self.drive,
-            self._before,
-            self.done * plan.stride,
-            plan.stride // plan.looks,
-            rows,
-        )
+    def digest(self) -> str:
+        text = hashlib.sha256()
+        for group in (self.compliance.inner, self.compliance.outer, self.compliance.between, self.compliance):
+            for value in group:
+                text.update(np.asarray(value).tobytes() if not isinstance(value, tuple) else b"")
+        return text.hexdigest()
+
+    def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
+        return advance_reduced(self.bodies, self.compliance, self.forces, self.drive, self._before, first, stride, rows)
 
 
 def _bodies(plan: "ReducedPlan") -> RigidBodies:

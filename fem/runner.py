@@ -195,7 +195,7 @@ def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
     write_estimates(path, found, estimate.mesh_size)
     if not quiet:
         with telling():
-            print_estimates(found, estimate.mesh_size)
+            print_estimates(found, estimate.title)
     return Outcome.COMPLETE
 
 

@@ -46,12 +46,10 @@ def print_run(state: RunState, first: dict[str, np.ndarray], path: Path) -> None
     console.print(f"Result: {shown(path)}", soft_wrap=True, markup=False)
 
 
-def print_estimates(found: "list[Estimate]", coarse_mesh_size: float) -> None:
+def print_estimates(found: "list[Estimate]", title: str) -> None:
     """Every quantity with what it may be off by."""
     console = Console(highlight=False)
-    table = Table(
-        title=f"Discretisation error, estimated with a mesh of {1e3 * coarse_mesh_size:g} mm", title_justify="left"
-    )
+    table = Table(title=title, title_justify="left")
     for heading in ("quantity", "value", "may be off by", "relative"):
         table.add_column(heading, justify="left" if heading == "quantity" else "right")
     for each in found:

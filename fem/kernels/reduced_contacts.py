@@ -220,6 +220,7 @@ def _kicked(law, forces, at, ahead, Q, there):
 def _expect(forces, at, row, Q):
     """Guess the next step's forces, in a straight line from the last two; they become the last ones."""
     last = load(forces.force, row)
+    store(forces.fastest, 0, larger(load(forces.fastest, 0), magnitude(Q - last)))
     store(forces.guess, at, select((Q > 0.0) & (last > 0.0), larger(2.0 * Q - last, 0.0), Q))
     store(forces.force, row, Q)
 
@@ -293,6 +294,7 @@ def press_neighbours(bodies, compliance, forces, drive, before, reach):
             slip -= (gather(before.velocity, i) - load(before.velocity, group)) * ny
             slip -= (gather(before.spin, i) + load(before.spin, group)) * bodies.radius
             T = creep(law, compliance, forces, drive, NEXT, at, Q, slip, splat(0.0))
+        store(forces.fastest, 0, larger(load(forces.fastest, 0), magnitude(Q - load(forces.force, at))))
         store(forces.force, at, Q)
         store(forces.approach, at, select(near, approach, np.nan))
         store(forces.kick, at, P)

@@ -75,6 +75,11 @@ class ReducedPlan(Plan):
     def remarks(self) -> tuple[str, ...]:
         return tuple(kernel_cache.remarks)
 
+    def error_estimate(self):
+        from fem.solver.reduced_estimate import reduced_estimate
+
+        return reduced_estimate(self)
+
     def rows(self) -> dict[str, str]:
         steps = self.stride * (self.n_samples - 1)
         seconds = SECONDS_PER_LANES * ceil(self.model.bearing.n_rollers / 8) * steps

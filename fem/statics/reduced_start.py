@@ -4,13 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.statics.contact_balance import Loads, NotFound, balance, closed_forces, first_guess
+from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess, geometry
 from fem.statics.reduced_bearing import ReducedBearing
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles
 
-ROUND_OFF = 1e-12  # of a roller radius: less preload than this is none
+ROUND_OFF = 1e-12  # of a roller radius: less interference than this is none
 JUMP = 0.01  # of the surface speed: no hub moves that fast from one equilibrium to the next
+NEWTON_STEPS = 20
 LOOK_AHEAD = 1e-4  # of a roller's radius: how far contacts roll between the equilibria that give the velocities
 
 
@@ -56,7 +57,10 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
 
 
 def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
-    """Centred and unloaded, in rolling motion; with preload, the equilibrium without load."""
+    """Centred, in rolling motion; with preload, the equilibrium without load.
+
+    Without preload no contact is strained but by what bodies grow as they spin.
+    """
     bearing, n = model.bearing, model.bearing.n_rollers
     if bearing.radial_clearance < -ROUND_OFF * bearing.roller_radius:
         ideal = kinematics(bearing, operation.speed)
@@ -67,7 +71,26 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
         place, forces = _balanced(model, unloaded, ideal, 0.0, 0.0, None)
         return _start(model, operation, place, np.zeros_like(place), forces)
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
-    return _start(model, operation, place, np.zeros_like(place), np.zeros(2 * n), steady=False)
+    angle = roller_angles(bearing, operation.first_roller_angle)
+    contacts = model.at(np.column_stack([np.cos(angle), np.sin(angle)]))
+    forces = _forces_at(contacts, geometry(bearing, contacts.radial, place)[0] + contacts.closing)
+    return _start(model, operation, place, np.zeros_like(place), forces, steady=False)
+
+
+def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
+    """Forces, (2 n_rollers,), N, at overlaps, m: Newton's method on the contacts that are closed."""
+    n, closed = contacts.bearing.n_rollers, np.flatnonzero(overlap > 0.0)
+    laws = [contacts.inner_law if c < n else contacts.outer_law for c in closed]
+    compliance = contacts.compliance[np.ix_(closed, closed)]
+    force = np.array([law.force(overlap[c]) for law, c in zip(laws, closed, strict=True)])
+    for _ in range(NEWTON_STEPS):
+        approach = np.array([float(law.approach(q)) for law, q in zip(laws, force, strict=True)])
+        soft = np.array([float(law.softness(q)) for law, q in zip(laws, force, strict=True)])
+        step = np.linalg.solve(compliance + np.diag(soft), overlap[closed] - compliance @ force - approach)
+        force = np.maximum(force + step, 0.1 * force)
+    found = np.zeros(2 * n)
+    found[closed] = force
+    return found
 
 
 def _balanced(model, operation, ideal, load, time, near) -> tuple[np.ndarray, np.ndarray]:

@@ -41,6 +41,11 @@ def check_rollers(scene: Scene) -> None:
             'bearing.type = "ball": finite elements and pictures are of plane sections of cylindrical rollers; '
             "run-fem --model lagrange takes balls"
         )
+    if scene.ideal_bearing().faults:
+        raise UsageError(
+            "[[spall]], [[waviness]], [[unequal_roller]]: the finite elements do not know them yet; run-fem --model "
+            "lagrange does"
+        )
 
 
 def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable = bearing_shapes) -> None:

@@ -108,6 +108,12 @@ class Profiles:
         return max(0.0, -(min(low[:2]) + min(low[2:])))
 
     @property
+    def deepest(self) -> float:
+        """How far a contact may sink below where the circles touch, m."""
+        high = [0.0 if profile is None else profile.coefficients.max() for profile in vars(self).values()]
+        return max(0.0, max(high[:2]) + max(high[2:]))
+
+    @property
     def shortest(self) -> float:
         """The least distance between knots, m."""
         return min(profile.spacing for profile in vars(self).values() if profile is not None)

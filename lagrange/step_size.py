@@ -12,7 +12,7 @@ OVERLOAD = 2.0  # the stiffest mode is estimated at this many times the largest 
 LIMIT, DAMPED_LIMIT = 3.05, 2.0  # ω·step at which the six-stage scheme and the leapfrog become unstable
 STABLE, DAMPED_STABLE = 2.8, 1.0  # ω·step that they may reach
 LARGEST_DAMPING = 0.5  # of a step times the rate of the damper on an element
-KNOTS_PER_STEP = 0.5  # of a surface's profile under a rolling contact
+KNOTS_PER_STEP = 1.0  # of a surface's profile under a rolling contact
 SMALLEST_FORCE = 1e-3  # N, for the frequency of an unloaded element
 
 

@@ -133,7 +133,7 @@ def test_slopes_are_derivatives():
         Spall(body="inner_ring", roller=None, angle=0.1, width=1e-3, depth=1e-4, edge_radius=0.1e-3),
         Spall(body="roller", roller=0, angle=3.3, width=0.5e-3, depth=1e-4, edge_radius=0.0),
     )
-    surfaces, step = profiles(replace(PAPER, faults=faults)), 1e-6
+    surfaces, step = profiles(replace(PAPER, faults=faults)), 2e-7
     for angle in np.linspace(0.06, 0.2, 301):
         direction = np.full(13, angle)
         before, here, after = (surfaces.inner(direction + s, Turns()) for s in (-step, 0.0, step))

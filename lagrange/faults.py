@@ -4,7 +4,8 @@ Angles of rings are counter-clockwise from +x at t = 0 and turn with the ring; t
 whose axes are the fixed ones at t = 0. `roller` is a roller's number, None on a ring.
 """
 
-from dataclasses import dataclass
+import json
+from dataclasses import asdict, dataclass
 from math import sqrt
 from typing import Literal
 
@@ -54,3 +55,9 @@ class UnequalRoller:
 
 
 Fault = Spall | Waviness | UnequalRoller
+
+
+def labels(faults: tuple[Fault, ...]) -> str:
+    """The faults as JSON, a list of objects: `kind`, and what the class of that name holds, SI."""
+    kinds = {Spall: "spall", Waviness: "waviness", UnequalRoller: "unequal_roller"}
+    return json.dumps([{"kind": kinds[type(fault)]} | asdict(fault) for fault in faults])

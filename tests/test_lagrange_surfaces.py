@@ -9,8 +9,10 @@ from lagrange import contact_laws, simulate, static_equilibrium
 from lagrange.energy import contact_energy
 from lagrange.faults import Spall, UnequalRoller, Waviness
 from lagrange.motion import State, accelerations, contact_state
+from lagrange.problem import Problem
 from lagrange.profile import Turns
 from lagrange.scene import Scene
+from lagrange.simulate import Simulation
 
 PAPER = Scene().ideal_bearing()
 RUNNING = Scene().ideal_operation()
@@ -145,3 +147,17 @@ def test_the_first_state_moves_with_the_equilibrium():
     slow = np.array([at_rest(*sample) for sample in samples])
     assert np.ptp(slow) > 10e-9
     np.testing.assert_allclose(run.inner_y[every], slow, atol=0.5e-9)
+
+
+@pytest.mark.parametrize("angles", ["kinematic", "free"])
+def test_a_run_in_parts_has_the_same_bits(angles):
+    """Cut at any sample, its memory kept and taken back."""
+    bearing = replace(PAPER, faults=(*wavy(), spall("outer_ring", DOWN + 0.02)))
+    problem = Problem(bearing=bearing, operation=RUNNING, laws=HARRIS, angles=angles)
+    whole, first, second = (Simulation(problem, 1e-5, time_step=2e-6) for _ in range(3))
+    expected = whole.advance(20)
+    first.advance(7)
+    second.take_back({name: array.copy() for name, array in first.to_keep().items()}, 7, 0)
+    found = second.advance(13)
+    for name in ("inner_y", "roller_rho", "work_cage", "energy_error"):
+        assert np.array_equal(getattr(found, name), getattr(expected, name)[7:])

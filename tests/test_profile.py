@@ -144,3 +144,18 @@ def test_slopes_are_derivatives():
 
 def test_perfect_bearings_have_no_profiles():
     assert profiles(PAPER) is None
+
+
+@pytest.mark.parametrize(
+    ("body", "curvature"), [("outer_ring", 1.0 / 0.005 - 1.0 / 0.028), ("inner_ring", 1.0 / 0.005 + 1.0 / 0.018)]
+)
+@pytest.mark.parametrize("depth", [1e-4, 20e-6, 5e-6, 1e-6])
+def test_a_roller_meets_the_rising_edge_where_its_bottom_lets_it(depth, body, curvature):
+    """From entry on, at max(½, 1 − x/L) of the width L, x = √(2d/(1/r ∓ 1/R)) of a flat bottom of depth d."""
+    found, width = spalled(body, depth=depth, edge_radius=0.0), 1e-3
+    radius, at = (0.028, outer) if body == "outer_ring" else (0.018, inner)
+    places = np.linspace(-0.5, 0.5, 2001)
+    sunk = at(found, MIDDLE + places * width / radius)
+    expected = max(0.5, 1.0 - np.sqrt(2.0 * depth / curvature) / width)
+    comes_up = 0.5 + places[sunk > sunk.max() - 1e-8][-1]  # by 10 nm, on the edge's arc a hundredth of the width later
+    assert comes_up == pytest.approx(expected, abs=0.02)

@@ -6,7 +6,7 @@ force: all forces stay the gradient of one potential.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import ceil, pi
 
 import numpy as np
@@ -35,12 +35,16 @@ class Profile:
         place = np.asarray(angle) * (n / (2.0 * pi))
         base = np.floor(place)
         t = place - base
-        r = 1.0 - t
-        knot = base.astype(np.int64)
-        c0, c1, c2, c3 = (self.coefficients[self.row, (knot + k) % n] for k in (-1, 0, 1, 2))
-        value = r**3 * c0 + (4.0 - 3.0 * t * t * (2.0 - t)) * c1 + (4.0 - 3.0 * r * r * (2.0 - r)) * c2 + t**3 * c3
-        slope = t * (3.0 * t - 4.0) * c1 - r * r * c0 - r * (3.0 * r - 4.0) * c2 + t * t * c3
-        return value / 6.0, slope * (0.25 * n / pi)
+        piece = self._pieces.take(self.row * n + base.astype(np.int64) % n, axis=0)
+        a, b, c, d = (piece[..., k] for k in range(4))
+        return a + t * (b + t * (c + t * d)), (b + t * (2.0 * c + t * (3.0 * d))) * (0.5 * n / pi)
+
+    @cached_property
+    def _pieces(self) -> np.ndarray:
+        """Polynomials from knot to knot, by powers of the way between them, (n_rows · n_knots, 4), m."""
+        c0, c1, c2, c3 = (np.roll(self.coefficients, -k, axis=1) for k in (-1, 0, 1, 2))
+        powers = c0 + 4.0 * c1 + c2, 3.0 * (c2 - c0), 3.0 * (c0 - 2.0 * c1 + c2), c3 - c0 + 3.0 * (c1 - c2)
+        return np.stack(powers, axis=-1).reshape(-1, 4) / 6.0
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -132,3 +132,48 @@ def test_meshes_whose_contacts_are_points_are_refused():
     scene = read_scene(None, ("spall.0.width_mm=1", "numerics.mesh_size_mm=0.05"))
     with pytest.raises(UsageError, match=r"\[\[spall\]\].*numerics.mesh_size_mm = 0.05.*at least"):
         model_of(scene)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("body", "orders"),
+    [  # of the cage, the shaft and a roller's spin in the cage, in a line: k·BPFO, k·BPFI ± m·shaft, 2 BSF
+        ("outer_ring", [(13, 0, 0), (26, 0, 0), (39, 0, 0)]),
+        ("inner_ring", [(-13, 13, 0), (-13, 12, 0), (-13, 14, 0)]),
+        ("roller", [(1, 0, 0), (0, 0, 2)]),
+    ],
+)
+def test_lines_of_the_envelope_are_where_kinematics_puts_them(body, orders):
+    """Within a bin, of the run's own cage and roller speeds; an outer spall has no sidebands of the shaft."""
+    roller = ("spall.0.roller=0",) if body == "roller" else ()
+    plan = make_plan(
+        read_scene(
+            None,
+            (*COARSE, *ALL_SURFACES, f'spall.0.body="{body}"', *roller, "spall.0.width_mm=0.3",
+             "numerics.output_interval_us=10", "numerics.duration_ms=300"),
+        )
+    )  # fmt: skip
+    state, blocks = plan.first_state(), []
+    while state.done < plan.n_samples:
+        blocks.append(state.advance(plan.n_samples - state.done).samples)
+    names = ("time", "roller_theta", "roller_spin", "inner_ay")
+    samples = {name: np.concatenate([block[name] for block in blocks]) for name in names}
+    time, theta = samples["time"], samples["roller_theta"]
+    cage = (theta[-1] - theta[0]).mean() / (time[-1] - time[0]) / (2.0 * np.pi)
+    speeds = np.array([cage, 75.0, abs(samples["roller_spin"].mean()) / (2.0 * np.pi) + cage])
+    signal = np.abs(samples["inner_ay"])
+    level = np.abs(np.fft.rfft((signal - signal.mean()) * np.hanning(signal.size)))
+    frequency = np.fft.rfftfreq(signal.size, 1e-5)
+
+    def peak(line):
+        near = np.abs(frequency - line) < 13.0
+        return frequency[near][np.argmax(level[near])], level[near].max()
+
+    lines = np.array(orders) @ speeds
+    background = np.median(level[(frequency > 20.0) & (frequency < 2000.0)])
+    for line in lines:
+        at, height = peak(line)
+        assert abs(at - line) <= frequency[1]
+        assert height > 3.0 * background
+    if body == "outer_ring":
+        assert all(peak(lines[0] + side)[1] < 0.3 * peak(lines[0])[1] for side in (-75.0, 75.0))

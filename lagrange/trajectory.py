@@ -112,7 +112,7 @@ class Completion:
             energy_kinetic=kinetic, energy_contact=contact,
             work_load=record.ramp_work - (pull - first["pull"]),
             work_gravity=-operation.gravity * (lift - first["lift"]),
-            work_cage=record.held_work + (swing - first["swing"] if held else 0.0),
+            work_cage=record.held_work + swing - first["swing"] if held else record.held_work,
             work_dissipated=record.dissipated,
         )  # fmt: skip
         external = part["work_load"] + part["work_gravity"] + part["work_cage"]

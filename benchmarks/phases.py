@@ -184,4 +184,4 @@ def least_work(plan: ElementPlan) -> Work:
 
 def state_bytes(plan: ElementPlan) -> int:
     """Size of all arrays of the time loop, bytes."""
-    return sum(array.nbytes for array in plan.arrays().named().values())
+    return plan.arrays().nbytes

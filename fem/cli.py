@@ -6,13 +6,15 @@ import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
-from cyclopts import App, Parameter
+from cyclopts import App, CycloptsError, Parameter
 
-from fem.errors import UsageError
+from fem.errors import RunFailed, UsageError
 from fem.outcome import Outcome
 from fem.solver.simulate import SOLVERS
 
 RUNS = Path("runs")
+BROKEN_PIPE = 1  # the code with which rich leaves where nobody reads its output any more
+MOST_THREADS = 4096
 
 
 def _version() -> str:
@@ -98,21 +100,51 @@ def _run(
 
 def run_app_main(app: App, arguments: list[str] | None) -> int:
     """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback."""
-    if sys.stderr is None:  # closed; its number would go to the next file opened, and complaints of libraries into that
-        sys.stderr = open(os.devnull, "w")
+    for name in ("stdout", "stderr"):  # closed ones' numbers would go to the next file opened, and complaints into that
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w"))
     try:
-        result = app(arguments)
+        _check_environment()
+        result = app(arguments, exit_on_error=False, print_error=False)
+        sys.stdout.flush()
         return result if isinstance(result, int) else Outcome.COMPLETE.code
     except KeyboardInterrupt:
         ended, reason = Outcome.ENDED, None
+    except CycloptsError as error:
+        ended, reason = Outcome.UNUSABLE, error
+    except (BrokenPipeError, SystemExit) as error:  # whoever reads what is only printed has had enough
+        if isinstance(error, SystemExit) and error.code != BROKEN_PIPE:
+            raise
+        from lagrange.messages import close_output
+
+        close_output()
+        return Outcome.COMPLETE.code
     except OSError as error:
         ended, reason = Outcome.UNUSABLE, f"{error.filename or 'output'}: {error.strerror or error}"
+    except RunFailed as error:
+        ended, reason = Outcome.FAILED_AT_START, error
+    except MemoryError:
+        ended, reason = Outcome.UNUSABLE, "not enough memory; a coarser numerics.mesh_size_mm takes less"
     except ValueError as error:
-        if type(error).__name__ not in ("UsageError", "SceneError"):
+        from lagrange.scene import SceneError  # loaded by now, or soon: whatever reads scenes or results needs both
+        from lagrange.stored import Damaged
+
+        if not isinstance(error, UsageError | SceneError | Damaged):
             raise
         ended, reason = Outcome.UNUSABLE, error
-    print(ended.told(reason=reason), file=sys.stderr)
+    from lagrange.messages import say, telling  # with it come libraries that --help does without
+
+    say(ended.told(reason=reason))
+    with telling():
+        pass
     return ended.code
+
+
+def _check_environment() -> None:
+    """Refuse settings of libraries with which they can't even be loaded."""
+    threads = os.environ.get("NUMBA_NUM_THREADS")
+    if threads is not None and not (threads.isascii() and threads.isdigit() and 1 <= int(threads[:9]) <= MOST_THREADS):
+        raise UsageError(f"NUMBA_NUM_THREADS = {threads}: must be a whole number from 1 to {MOST_THREADS}; or unset it")
 
 
 def run_main(arguments: list[str] | None = None) -> int:

@@ -158,7 +158,7 @@ def _picture(stored, target: Path, request, sample: int) -> int:
     from fem.pictures.render import draw
 
     draw(stored, target, request, sample)
-    print(f"Picture: {target}")
+    _tell(f"Picture: {target}")
     return Outcome.COMPLETE.code
 
 
@@ -183,7 +183,7 @@ def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: 
                 count()
 
         write_film(target, images(), fps, renderer.palette)
-    print(f"Film: {target} ({len(samples)} frames)")
+    _tell(f"Film: {target} ({len(samples)} frames)")
     return Outcome.COMPLETE.code
 
 
@@ -196,8 +196,15 @@ def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
             write_series(stored, target, samples, count)
         else:
             write_instant(stored, target, samples[0])
-    print(f"Fields: {target}")
+    _tell(f"Fields: {target}")
     return Outcome.COMPLETE.code
+
+
+def _tell(text: str) -> None:
+    from lagrange.messages import shown, telling
+
+    with telling():
+        print(shown(text))
 
 
 def render_main(arguments: list[str] | None = None) -> int:

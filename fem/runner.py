@@ -2,13 +2,12 @@
 
 import gc
 import signal
-import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from fem.errors import RunFailed, UsageError
 from fem.outcome import Outcome
@@ -19,13 +18,17 @@ from fem.result.store import NOTHING, ResultFile, Stored, WriteFailed
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Plan, Progress, RunState
 from fem.summary import print_estimates, print_plan, print_run
+from lagrange.messages import said_if_long, say, telling
 from lagrange.scene import Scene
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import ErrorEstimate
 
+T = TypeVar("T")
 CHECKPOINT_SECONDS = 10.0  # of wall time, unless told otherwise
 CHECKPOINT_SHARE = 0.005  # of the wall time at most, unless told otherwise: a slow disk gets checkpoints less often
+PATIENCE = 5.0  # s, of planning without a word
+PLANNING = "planning: meshes, matrices, static equilibrium and critical step; of a million nodes in a minute and 1.2 GB"
 GO_ON = "the same command with --resume goes on"
 
 
@@ -47,7 +50,7 @@ def show_plan(scene: Scene) -> Outcome:
     UsageError: a solver can't take the scene.
     """
     try:
-        print_plan(_planned(scene))
+        print_plan(_planned(scene, say))
     except RunFailed as error:
         return _ended(Outcome.FAILED_AT_START, reason=error)
     return Outcome.COMPLETE
@@ -61,24 +64,32 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     UsageError: a solver can't take the scene or estimate its error; see also `simulate`.
     """
     began = time.perf_counter()
-    plan = _planned(scene)
-    estimate = plan.error_estimate() if options.estimate_error else None
-    plan.prepare(None if options.quiet else _say)
+    plan = _planned(scene, None if options.quiet else say)
+    estimate = _programs_named(plan.error_estimate) if options.estimate_error else None
+    plan.prepare(None if options.quiet else say)
     for sentence in (*plan.remarks, *(() if options.quiet else plan.cautions)):
-        _say(f"warning: {sentence}")
+        say(f"warning: {sentence}")
     outcome = simulate(plan, time.perf_counter() - began, path, options)
     if estimate is None or outcome is not Outcome.COMPLETE:
         return outcome
     return _estimate(estimate, path, options.quiet)
 
 
-def _planned(scene: Scene) -> Plan:
-    try:
-        plan = make_plan(scene)
-    except RuntimeError as error:
-        raise UsageError(str(error)) from None
+def _planned(scene: Scene, tell: Callable[[str], None] | None) -> Plan:
+    with said_if_long(PATIENCE, PLANNING, tell):
+        plan = _programs_named(lambda: make_plan(scene))
     gc.enable()  # the command stops it while it imports
     return plan
+
+
+def _programs_named(make: Callable[[], T]) -> T:
+    """What `make` gives. UsageError: a program it needs is missing, gmsh for instance; the text names it."""
+    try:
+        return make()
+    except RunFailed:
+        raise
+    except RuntimeError as error:
+        raise UsageError(str(error)) from None
 
 
 def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) -> Outcome:
@@ -102,7 +113,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
 
         def begin_again(reason: str) -> None:
             if not options.quiet:
-                _say(reason)
+                say(reason)
             checkpoints.begin_again()
             store.begin_again(**state.outcome_attributes)
 
@@ -122,11 +133,13 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
             outcome, reason = Outcome.FAILED, error
         store.finish(outcome.status(reason), **state.outcome_attributes)
     for sentence in state.remarks:
-        _say(f"warning: {sentence}")
+        say(f"warning: {sentence}")
     seen = state.progress
     if outcome is Outcome.COMPLETE and not options.quiet:
-        print_run(plan, seen, read_columns(path, ("inner_x", "inner_y", "inner_force"), samples=1), path)
-    return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store))
+        first = read_columns(path, ("inner_x", "inner_y", "inner_force"), samples=1)
+        with telling():
+            print_run(state, first, path)
+    return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 
 
 class Checkpoints:
@@ -162,7 +175,7 @@ class Checkpoints:
             save_checkpoint(self._path, self._state, stored)
             return True
         except OSError as error:
-            _say(f"warning: {error.filename}: {error.strerror}; no checkpoint was saved, the run goes on")
+            say(f"warning: {error.filename}: {error.strerror}; no checkpoint was saved, the run goes on")
             return False
 
 
@@ -174,14 +187,15 @@ def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
         try:
             with progress_display(estimate.coarse, quiet) as show:
                 found = estimate.find(read_columns(path, NEEDED), show, lambda: bool(stopped))
-        except RunFailed as error:
+        except (RunFailed, UsageError) as error:  # UsageError: of a static equilibrium that is not found
             return _ended(Outcome.ESTIMATE_FAILED, reason=error, path=path)
     if stopped:
         terminated = stopped[0] == signal.SIGTERM
         return _ended(Outcome.ESTIMATE_TERMINATED if terminated else Outcome.ESTIMATE_INTERRUPTED, path=path)
     write_estimates(path, found, estimate.mesh_size)
     if not quiet:
-        print_estimates(found, estimate.mesh_size)
+        with telling():
+            print_estimates(found, estimate.title)
     return Outcome.COMPLETE
 
 
@@ -191,24 +205,23 @@ def _explained(path: Path, store: ResultFile) -> Iterator[None]:
     try:
         yield
     except WriteFailed as error:
-        raise OSError(error.errno, f"{error.strerror}; {_left(path, store)}", error.filename) from None
+        raise OSError(
+            error.errno, f"{error.strerror}; {_left(path, store, store.is_in_place)}", error.filename
+        ) from None
 
 
-def _left(path: Path, store: ResultFile) -> str:
+def _left(path: Path, store: ResultFile, in_place: bool) -> str:
     """What a run that ends early leaves."""
+    if not in_place:
+        return f"{store.committed} samples were in {path}, which has been moved or removed; put it back and {GO_ON}"
     how = GO_ON if checkpoint_path(path).is_file() else "it can't be resumed, no checkpoint could be saved"
     return f"{store.committed} samples are in {path}; {how}"
 
 
 def _ended(outcome: Outcome, **facts: object) -> Outcome:
     if text := outcome.told(**facts):
-        _say(text)
+        say(text)
     return outcome
-
-
-def _say(text: str) -> None:
-    with suppress(OSError):
-        print(text, file=sys.stderr, flush=True)
 
 
 @contextmanager

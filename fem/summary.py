@@ -7,7 +7,8 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem.solver.solver import Plan, Progress
+from fem.solver.solver import Plan, RunState
+from lagrange.messages import shown
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 def print_plan(plan: Plan) -> None:
     """What has been decided and what it will cost. RunFailed: there is no equilibrium to tell of."""
     console, table, rows = Console(highlight=False), plan.table(), plan.rows()
-    console.print(f"Plan of {plan.scene.name}, {plan.model_name}", style="italic", markup=False)
+    console.print(f"Plan of {shown(plan.scene.name)}, {plan.model_name}", style="italic", markup=False)
     if table is not None:
         console.print(table)
     for name, value in rows.items():
@@ -24,9 +25,9 @@ def print_plan(plan: Plan) -> None:
     _print_cautions(console, (*plan.remarks, *plan.cautions))
 
 
-def print_run(plan: Plan, progress: Progress, first: dict[str, np.ndarray], path: Path) -> None:
+def print_run(state: RunState, first: dict[str, np.ndarray], path: Path) -> None:
     """One line about the run and where it is; of a standing bearing the `first` sample, by the file's names."""
-    console = Console(highlight=False)
+    console, plan, progress = Console(highlight=False), state.plan, state.progress
     if plan.n_samples == 1:
         force = first["inner_force"][0]
         forces = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
@@ -41,16 +42,14 @@ def print_run(plan: Plan, progress: Progress, first: dict[str, np.ndarray], path
         ]
     for line in lines:
         console.print(line, soft_wrap=True)
-    _print_cautions(console, plan.cautions)
-    console.print(f"Result: {path}", soft_wrap=True, markup=False)
+    _print_cautions(console, (*plan.cautions, *state.cautions))
+    console.print(f"Result: {shown(path)}", soft_wrap=True, markup=False)
 
 
-def print_estimates(found: "list[Estimate]", coarse_mesh_size: float) -> None:
+def print_estimates(found: "list[Estimate]", title: str) -> None:
     """Every quantity with what it may be off by."""
     console = Console(highlight=False)
-    table = Table(
-        title=f"Discretisation error, estimated with a mesh of {1e3 * coarse_mesh_size:g} mm", title_justify="left"
-    )
+    table = Table(title=title, title_justify="left")
     for heading in ("quantity", "value", "may be off by", "relative"):
         table.add_column(heading, justify="left" if heading == "quantity" else "right")
     for each in found:

@@ -23,6 +23,7 @@ scene         the TOML scene file: validated, in the bearing engineer's units; g
 scene_columns columns of tables made elsewhere; `scene_surfaces`: [[spall]], [[waviness]], [[unequal_roller]]
 scene_faults  what is wrong with a scene, all at once
 stored        numbers out of HDF5 files that may be damaged or hostile
+sealed        files of caches, known when they are damaged; `messages`: what commands print, always printable
 
 Example, 5 ms of the paper's bearing:
 

@@ -224,7 +224,7 @@ class Scene(Table):
     """A whole scene. Defaults are the paper's bearing."""
 
     name: str = Field("paper", min_length=1, max_length=100, pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
-    model: Literal["fem", "lagrange"] = "fem"
+    model: Literal["fem", "reduced", "lagrange"] = "fem"
     bearing: BearingTable = BearingTable()
     material: MaterialTable = MaterialTable()
     bodies: BodiesTable = BodiesTable()
@@ -303,6 +303,8 @@ class Scene(Table):
         given = [f"[[{name}]]" for name in SURFACES if getattr(self, name)]
         if given and self.bearing.type == "ball":
             yield f'{given[0]}: only for rollers, not with bearing.type = "ball"; leave it out'
+        if given and self.model == "reduced":
+            yield f'{given[0]}: not with model = "reduced", whose surfaces are circles; take "fem" or "lagrange"'
         if given and self.model == "fem" and self.contact.model != "subgrid":
             yield (
                 f'{given[0]}: only with contact.model = "subgrid", not with "{self.contact.model}", whose points of '

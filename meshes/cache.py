@@ -1,19 +1,17 @@
 """Meshes on disk: shipped with the package for the built-in scene, made once by gmsh for any other.
 
-An entry is found by a digest of everything the mesh depends on, written beside its place and moved there, and
-rebuilt when it can't be read or is not the mesh asked for.
+An entry is found by a digest of everything the mesh depends on, and rebuilt when it can't be read, is not what was
+written or not the mesh asked for.
 """
 
 import hashlib
-import os
-import tempfile
-from collections.abc import Callable
+import io
 from importlib import resources
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 
+from lagrange.sealed import read_sealed, write_sealed
 from meshes.graded import GradedDisc
 from meshes.shapes import Disc, Mesh, Shape, expected_points, make
 
@@ -58,27 +56,19 @@ def _shipped() -> Path:
 
 
 def write(path: Path, mesh: Mesh) -> None:
-    """Write a mesh's cells, atomically; its points follow from its shape."""
-    write_file(path, lambda file: np.save(file, mesh.cells.astype("<i4"), allow_pickle=False))
-
-
-def write_file(path: Path, save: Callable[[BinaryIO], None]) -> None:
-    """Write a file of the cache beside its place and move it there."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            save(file)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    finally:
-        Path(temporary).unlink(missing_ok=True)
+    """Write a mesh's cells, atomically and sealed; its points follow from its shape."""
+    file = io.BytesIO()
+    np.save(file, mesh.cells.astype("<i4"), allow_pickle=False)
+    write_sealed(path, file.getvalue())
 
 
 def _read(path: Path, shape: Shape) -> Mesh | None:
     """The mesh in a file, or None where there is none or it is not the one asked for."""
     try:
-        found = np.load(path, allow_pickle=False)
+        data = read_sealed(path)
+        if data is None:
+            return None
+        found = np.load(io.BytesIO(data), allow_pickle=False)
     except (OSError, ValueError, EOFError):
         return None
     points = expected_points(shape)

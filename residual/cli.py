@@ -5,11 +5,12 @@ import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
-from cyclopts import App, Parameter
+from cyclopts import App, CycloptsError, Parameter
 
 from residual.errors import InputError
 
 RUNS = Path("runs")
+BROKEN_PIPE = 1  # the code with which rich leaves where nobody reads its output any more
 
 
 def _version() -> str:
@@ -63,6 +64,7 @@ def _command(
     compare_laws: Annotated[bool, Parameter(negative="", help="print every law's error force, ranked")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
 ) -> int:
+    from lagrange.messages import say, telling
     from residual.evaluation import evaluate
     from residual.store import check_replaceable, write_report
 
@@ -75,10 +77,11 @@ def _command(
     check_replaceable(folder)
     evaluation = evaluate(record, law, None if start is None else 1e-3 * start, order, line)
     for note in evaluation.notes:
-        print(f"warning: {path}: {note}", file=sys.stderr)
+        say(f"warning: {path}: {note}")
     write_report(evaluation, folder, tolerance)
     if not quiet:
-        _print_summary(evaluation, folder, tolerance, compare_laws)
+        with telling():
+            _print_summary(evaluation, folder, tolerance, compare_laws)
     return 1 if evaluation.fails(tolerance) else 0
 
 
@@ -133,13 +136,14 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
     from rich.console import Console
     from rich.table import Table
 
+    from lagrange.messages import shown
     from residual.law_tables import fit_sentences
     from residual.line_tables import watched_rows
     from residual.tables import error_rows, verdict
     from residual.words import text
 
     console = Console(highlight=False)
-    table = Table(title=f"Residual of {evaluation.record.name}", title_justify="left")
+    table = Table(title=f"Residual of {shown(evaluation.record.name)}", title_justify="left")
     table.add_column("N")
     for heading in ("mean", "rms", "std", "largest"):
         table.add_column(heading, justify="right")
@@ -162,7 +166,7 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
     if compare_laws:
         _print_laws(console, evaluation)
     console.print(verdict(evaluation, tolerance), soft_wrap=True)
-    console.print(f"Report: {folder / 'report.html'}", soft_wrap=True, markup=False)
+    console.print(f"Report: {shown(folder / 'report.html')}", soft_wrap=True, markup=False)
 
 
 def _print_laws(console, evaluation) -> None:
@@ -188,21 +192,39 @@ def _terminated(number, frame):
 def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code. A user's mistake gives a few lines on stderr, never a traceback."""
     try:
-        result = app(arguments)
+        result = app(arguments, exit_on_error=False, print_error=False)
+        if sys.stdout is not None:
+            sys.stdout.flush()
         return result if isinstance(result, int) else 0
     except KeyboardInterrupt:
         print("interrupted; no report was written", file=sys.stderr)
         return 130
+    except (BrokenPipeError, SystemExit) as error:  # whoever reads what is only printed has had enough
+        if isinstance(error, SystemExit) and error.code != BROKEN_PIPE:
+            raise
+        from lagrange.messages import close_output
+
+        close_output()
+        return 0
     except OSError as error:
-        print(f"error: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
-        return 2
+        reason = f"{error.filename or 'output'}: {error.strerror or error}"
+    except MemoryError:
+        reason = "not enough memory; check a shorter part of the run (--start)"
+    except CycloptsError as error:
+        reason = error
     except ValueError as error:
         from lagrange.scene import SceneError  # loaded by whatever raised it
+        from lagrange.stored import Damaged
 
-        if not isinstance(error, InputError | SceneError):
+        if not isinstance(error, InputError | SceneError | Damaged):
             raise
-        print(f"error: {error}", file=sys.stderr)
-        return 2
+        reason = error
+    from lagrange.messages import say, telling  # with it come libraries that --help does without
+
+    say(f"error: {reason}")
+    with telling():
+        pass
+    return 2
 
 
 def check_residual() -> None:

@@ -7,6 +7,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from lagrange.bearing import BallBearing, Bearing
+from lagrange.messages import shown
 from residual.evaluation import Evaluation
 from residual.interactive import spectra_json
 from residual.law_tables import fit_sentences, ranking_rows, ranking_span
@@ -89,7 +90,7 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
     bearing, operation, scene = t.bearing, t.operation, t.scene
     low, high = evaluation.loaded_range
     facts = [
-        ("Source", t.source.name),
+        ("Source", shown(t.source.name)),
         (
             "Bearing",
             f"{bearing.n_rollers} {_elements(bearing)}, "

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.messages import shown
 from lagrange.scene import Scene, SceneError, parse_scene_text
 from lagrange.stored import SIGNATURE, Damaged, check_array, has, read_numbers, read_scene_text, refusal_in_child
 from residual.errors import InputError
@@ -101,7 +102,7 @@ def _from_file(path: Path, file) -> Record:
     elif file["time"].shape[0] > n:
         notes.append(f"only the first {n} of {file['time'].shape[0]} samples are committed")
     return Record(
-        name=path.stem, source=path, scene=scene, energies=energies, attributes=attributes,
+        name=shown(path.stem), source=path, scene=scene, energies=energies, attributes=attributes,
         stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **arrays,
     )  # fmt: skip
 

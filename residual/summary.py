@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from lagrange.messages import shown
 from residual.comparison import LawScore
 from residual.evaluation import Evaluation
 from residual.identification import CONFIDENCE, Identification
@@ -22,7 +23,7 @@ def summarise(evaluation: Evaluation, tolerance: float | None, version: str) -> 
         "program": PROGRAM,
         "program_version": version,
         "run": t.name,
-        "source": t.source.name,
+        "source": shown(t.source.name),
         "law": evaluation.law.name,
         "samples": int(t.time.size),
         "interval_s": t.interval,

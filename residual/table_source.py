@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.messages import shown
 from lagrange.scene import Scene
 from lagrange.scene_columns import Columns, per_roller
 from residual.errors import InputError
@@ -112,7 +113,7 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
             notes.append("the table tells no accelerations of its own: the budget has no differentiation term")
         if "inner_traction" not in arrays:
             notes.append("the table tells no tangential forces: the budget has no friction term")
-    return checked(Record(name=path.stem, source=path, scene=scene, notes=tuple(notes), **arrays))
+    return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **arrays))
 
 
 def _delimiter(header: str) -> str:

@@ -1,5 +1,7 @@
 """A run that stops goes on bit for bit, or says why it can't."""
 
+import json
+
 import h5py
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from fem.result.layout import VARIABLES
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan, run
 from lagrange.scene import read_scene
+from tests.reference.commands import command
 from tests.test_runner import start_run
 
 SETTINGS = ("numerics.mesh_size_mm=2", "numerics.duration_ms=2")
@@ -77,26 +80,85 @@ def test_missing_damaged_and_foreign_checkpoints_are_refused(whole, tmp_path, ca
 
 
 def test_another_version_is_refused(whole, monkeypatch):
-    from pathlib import Path
-
     plan = make_plan(read_scene(None, SETTINGS))
-    monkeypatch.setattr("fem.solver.finite_elements.cache_folder", lambda: Path("kernels/other"))
-    with pytest.raises(UsageError, match=r"another version of the program \(kernels was '\w+', now 'other'\)"):
+    monkeypatch.setattr("fem.kernels.jit.version", lambda: "other")
+    with pytest.raises(UsageError, match=r"another version of the program.* \(kernels was '\w+', now 'other'\)"):
         load_checkpoint(whole, plan)
 
 
-def test_a_checkpoint_changes_nothing_of_the_plan_it_is_read_for(whole, tmp_path):
-    """Found by fuzzing: some of the solver's arrays are the model's own, and were written over."""
-    plan = make_plan(read_scene(None, SETTINGS))
-    path, points = tmp_path / "copy.nc", plan.model.roller.points.copy()
+def forged(whole, path, change):
+    """A finished run's files, the checkpoint changed by `change(arrays, meta)` and sound in itself."""
     with np.load(checkpoint_path(whole)) as file:
         arrays = dict(file)
-    arrays["bodies.disc.points"] = 2.0 * arrays["bodies.disc.points"]
+    meta = json.loads(arrays.pop("meta").tobytes())
+    change(arrays, meta)
     with open(checkpoint_path(path), "wb") as file:
-        np.savez(file, **arrays)
-    state, _ = load_checkpoint(path, plan)
-    assert np.array_equal(state.arrays.bodies.disc.points, arrays["bodies.disc.points"])
-    assert np.array_equal(plan.model.roller.points, points)
+        np.savez(file, meta=np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8), **arrays)
+    path.write_bytes(whole.read_bytes())
+    return path
+
+
+def poke(name, value):
+    return lambda arrays, meta: arrays[name].__setitem__(..., value)
+
+
+def say(key, value):
+    return lambda arrays, meta: meta.__setitem__(key, value)
+
+
+def on_another_processor(arrays, meta):
+    meta["versions"]["processor"] = "pentium-mmx"
+
+
+def reshaped(arrays, meta):
+    arrays["drive.hub"] = np.zeros(3)
+
+
+def of_another_type(arrays, meta):
+    arrays["drive.hub"] = arrays["drive.hub"].astype(">f8")
+
+
+FORGERIES = {
+    "patches beyond the surface": (poke("contacts.patches.start", 10**12), "damaged"),
+    "patches before the surface": (poke("contacts.patches.start", -(10**12)), "damaged"),
+    "displacements without number": (poke("bodies.disc.u", np.nan), "damaged"),
+    "infinite approaches": (poke("contacts.forces.approach", np.inf), "damaged"),
+    "a hub of three coordinates": (reshaped, "damaged"),
+    "numbers of another order of bytes": (of_another_type, "damaged"),
+    "a reader of other rows": (poke("reader.count", 7), "damaged"),
+    "more samples than it has read": (say("samples", 10**18), "damaged"),
+    "endless seconds": (say("wall_seconds", np.inf), "damaged"),
+    "steps taken back": (say("void_steps", -5), "damaged"),
+    "another model": (say("numbers", {"model": "0" * 64}), "meshes and matrices are not those computed here"),
+    "another processor": (on_another_processor, "processor was 'pentium-mmx'"),
+    "numbers in place of text": (say("scene", 5), "damaged"),
+}
+
+
+@pytest.mark.parametrize("forgery", FORGERIES)
+def test_a_forged_checkpoint_with_sound_checksums_is_refused_in_a_sentence(forgery, whole, tmp_path):
+    change, words = FORGERIES[forgery]
+    path = forged(whole, tmp_path / "run.nc", change)
+    before = path.read_bytes()
+    done = command("run-fem", *OPTIONS, "--duration", "4", "--output", path, "--resume")
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.startswith(f"error: {checkpoint_path(path)}: ") and words in done.stderr
+    assert done.stderr.count("\n") == 1 and path.read_bytes() == before
+
+
+def test_what_the_model_determines_is_not_read_from_a_checkpoint(whole, tmp_path):
+    """Neighbours in the roller's mesh are places in arrays: wrong ones would have the kernels read anywhere."""
+
+    def change(arrays, meta):
+        assert not {"bodies.disc.neighbours", "bodies.disc.starts", "bodies.disc.points"} & set(arrays)
+        arrays["bodies.disc.neighbours"] = np.full(153, 10**12)
+        arrays["bodies.disc.points"] = np.zeros(54)
+
+    path, other = forged(whole, tmp_path / "run.nc", change), tmp_path / "other.nc"
+    for target, resume in ((path, ["--resume"]), (other, [])):
+        done = command("run-fem", *OPTIONS, "--duration", "4", "--output", target, *resume)
+        assert done.returncode == 0, done.stderr
+    assert same_data(path, other)
 
 
 def test_a_second_run_on_the_same_file_is_refused_and_harms_nothing(tmp_path, capsys):

@@ -4,7 +4,7 @@ from math import log, pi
 
 import numpy as np
 import pytest
-from numpy.polynomial import chebyshev, legendre
+from numpy.polynomial import legendre
 
 from fem.elastic import continuum
 from fem.elastic.continuum import (
@@ -19,6 +19,7 @@ from fem.elastic.continuum import (
     ring_hertz_approach,
 )
 from lagrange.bearing import Material
+from tests.reference.polar_navier import PolarNavier
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 RUBBERY = Material(youngs_modulus=3e6, poisson_ratio=0.49, density=1000.0)
@@ -31,54 +32,6 @@ MATERIALS = pytest.mark.parametrize("material", [STEEL, RUBBERY])
 
 def kappa(material):
     return 3.0 - 4.0 * material.poisson_ratio
-
-
-class PolarNavier:
-    """U, V of u_r = U cos nθ, u_θ = V sin nθ as Chebyshev series in r; Navier by divergence and curl."""
-
-    def __init__(self, n, inner, outer, degree, material):
-        self.n, self.outer, self.inner, self.degree = n, outer, inner, degree
-        self.lam, self.mu = material.lame_lambda / material.lame_mu, 1.0
-
-    def series(self, r, derivative):
-        x = (2.0 * r - self.inner - self.outer) / (self.outer - self.inner)
-        basis = (
-            chebyshev.chebder(np.eye(self.degree + 1), derivative, axis=0) if derivative else np.eye(self.degree + 1)
-        )
-        return chebyshev.chebval(x, basis).T * (2.0 / (self.outer - self.inner)) ** derivative
-
-    def blocks(self, r):
-        """Rows (..., 2 (degree+1)) of U, V, σ_rr, σ_rθ and of Navier's equations times r², at radii r."""
-        n, lam, mu = self.n, self.lam, self.mu
-        r = np.atleast_1d(np.asarray(r, dtype=float))
-        f, df, ddf = (self.series(r, k) for k in range(3))
-        c = r[:, None]
-        zero = np.zeros_like(f)
-        U, V = np.hstack((f, zero)), np.hstack((zero, f))
-        dU, dV = np.hstack((df, zero)), np.hstack((zero, df))
-        ddU, ddV = np.hstack((ddf, zero)), np.hstack((zero, ddf))
-        div = dU + (U + n * V) / c
-        ddiv = ddU + (dU + n * dV) / c - (U + n * V) / c**2
-        curl = dV + (V + n * U) / c
-        dcurl = ddV + (dV + n * dU) / c - (V + n * U) / c**2
-        navier_r = (lam + 2 * mu) * ddiv - mu * n / c * curl
-        navier_t = -(lam + 2 * mu) * n / c * div + mu * dcurl
-        s_rr, s_rt = lam * div + 2 * mu * dU, mu * (dV - (V + n * U) / c)
-        return U, V, s_rr, s_rt, c**2 * navier_r, c**2 * navier_t
-
-    def solve(self, conditions, force=(0.0, 0.0)):
-        """Coefficients of div σ + force = 0, collocated, with row @ coefficients = value per condition."""
-        points = (
-            0.5 * (self.inner + self.outer) + 0.5 * (self.outer - self.inner) * legendre.leggauss(self.degree + 1)[0]
-        )
-        *_, navier_r, navier_t = self.blocks(points)
-        rows = np.vstack((navier_r, navier_t, *(row.reshape(1, -1) for row, _ in conditions)))
-        values = np.concatenate((-force[0] * points**2, -force[1] * points**2, [value for _, value in conditions]))
-        scale = np.linalg.norm(rows, axis=1)
-        scale[scale == 0.0] = 1.0
-        coefficients = np.linalg.lstsq(rows / scale[:, None], values / scale, rcond=1e-14)[0]
-        assert np.max(np.abs((rows @ coefficients - values) / scale)) < 1e-9  # converged
-        return coefficients
 
 
 def collocated_ring(n, loaded, held, material, degree=48):
@@ -140,7 +93,7 @@ def test_disc_agrees_with_collocated_navier_equations_and_inertia_relief(materia
 def test_each_annulus_mode_satisfies_navier_and_its_stresses_hooke(n, t):
     problem = PolarNavier(n, min(1.0, t), max(1.0, t), 24, STEEL)
     nodes = 0.5 * (1.0 + t) + 0.5 * abs(1.0 - t) * np.cos(pi * (np.arange(25) + 0.5) / 25)
-    modes = np.array([continuum._annulus_modes(np.array([n]), r, t, kappa(STEEL))[0] for r in nodes])
+    modes = np.array([continuum.annulus_modes(np.array([n]), r, t, kappa(STEEL))[0] for r in nodes])
     interpolate = np.linalg.inv(problem.series(nodes, 0))
     _, _, s_rr, s_rt, *navier = problem.blocks(nodes)
     # second derivatives of a Chebyshev series of degree 24 amplify round-off by degree⁴ over the half width squared
@@ -160,8 +113,8 @@ def test_ring_solution_is_fixed_where_held_and_carries_the_pressure_where_loaded
     t = ring[1] / ring[0]
     n = np.concatenate((np.arange(1, 200), [1000, 20_000]))
     weights = continuum._ring_coefficients(n, t, kappa(STEEL))
-    held = np.einsum("nij,nj->ni", continuum._annulus_modes(n, t, t, kappa(STEEL)), weights)
-    loaded = np.einsum("nij,nj->ni", continuum._annulus_modes(n, 1.0, t, kappa(STEEL)), weights)
+    held = np.einsum("nij,nj->ni", continuum.annulus_modes(n, t, t, kappa(STEEL)), weights)
+    loaded = np.einsum("nij,nj->ni", continuum.annulus_modes(n, 1.0, t, kappa(STEEL)), weights)
     size = np.max(np.abs(loaded[:, :2]), axis=1, keepdims=True)
     assert np.max(np.abs(held[:, :2]) / size) < 1e-11
     np.testing.assert_allclose(loaded[:, 2:], np.tile([-1.0, 0.0], (n.size, 1)), atol=1e-11)
@@ -172,7 +125,7 @@ def test_first_harmonic_resultant_reaches_the_held_circle(ring):
     t = ring[1] / ring[0]
     n = np.array([1])
     weights = continuum._ring_coefficients(n, t, kappa(STEEL))[0]
-    loaded, held = (r * continuum._annulus_modes(n, r, t, kappa(STEEL))[0, 2:] @ weights for r in (1.0, t))
+    loaded, held = (r * continuum.annulus_modes(n, r, t, kappa(STEEL))[0, 2:] @ weights for r in (1.0, t))
     # ∫ (σ_rr cos θ − σ_rθ sin θ) r dθ
     assert held[0] - held[1] == pytest.approx(loaded[0] - loaded[1], rel=1e-11)
 
@@ -180,7 +133,7 @@ def test_first_harmonic_resultant_reaches_the_held_circle(ring):
 @RINGS
 def test_decoupled_harmonics_equal_the_coupled_solution(ring):
     n, t = np.arange(2, 20_001), ring[1] / ring[0]
-    surface = continuum._annulus_modes(n, 1.0, t, kappa(STEEL))[:, 0]
+    surface = continuum.annulus_modes(n, 1.0, t, kappa(STEEL))[:, 0]
     radial = np.sum(surface * continuum._ring_coefficients(n, t, kappa(STEEL)), axis=1)
     coupled = np.sign(t - 1.0) * radial * ring[0] / (2.0 * STEEL.lame_mu)
     np.testing.assert_allclose(ring_harmonic_compliance(n, *ring, STEEL), coupled, rtol=1e-13)

@@ -201,7 +201,7 @@ def test_unusable_files_are_named(coarse_run, tmp_path):
         (lambda file: file.pop("outer_force"), "outer_force"),
         (
             lambda file: file["inner_force"].write_direct(np.full(file["inner_force"].shape, np.nan)),
-            "not finite",
+            "inner_force is nan at 0 ms",
         ),
         (lambda file: file.attrs.update(scene="[bearing]\nrollers = 9\n"), "9 rollers"),
     ],

@@ -99,6 +99,7 @@ def test_overrides_that_miss_are_refused(override, word):
         ("[[waviness]]\namplitude_um = 51.0", ["amplitude_um = 51", "at most 50"]),
         ("[[unequal_roller]]\ndiameter_deviation_um = -51.0", ["= -51", "at most 50"]),
         ('[[spall]]\n[contact]\nmodel = "resolved"', ["[[spall]]", '"resolved"']),
+        ('model = "reduced"\n[[spall]]', ["[[spall]]", 'model = "reduced"', '"lagrange"']),
         ('[[waviness]]\n[contact]\nmodel = "penalty"', ["[[waviness]]", '"penalty"']),
         ('[[spall]]\n[bearing]\ntype = "ball"', ["[[spall]]", "only for rollers"]),
         ("[[spall]]\n" * 201, ["spall = [", "at most 200"]),

@@ -1,7 +1,7 @@
 """The elastic bodies, and the exact solutions that contacts between them are calibrated on and held against.
 
 assembly, bodies, stress  scikit-fem's matrices; a disc as rows of blocks, a ring as one sector's stencil; stresses
-continuum                 exact series of discs and rings
+continuum                 exact series of discs and rings; `tangential`: under tangential tractions, and spinning
 quadratic                 the same bodies on quadratic elements that resolve the contacts
 kept                      matrices and step limits kept on disk between starts
 rigid                     bodies declared rigid

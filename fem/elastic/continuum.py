@@ -57,7 +57,7 @@ def ring_harmonic_compliance(n: np.ndarray, loaded_radius: float, held_radius: f
         )
     n = _harmonics(n)
     t = held_radius / loaded_radius
-    lame_lambda, lame_mu, kappa = material.lame_lambda, material.lame_mu, _kolosov(material)
+    lame_lambda, lame_mu, kappa = material.lame_lambda, material.lame_mu, kolosov(material)
 
     compliance = np.empty(n.shape)
     is_axisymmetric = n == 0
@@ -71,7 +71,7 @@ def ring_harmonic_compliance(n: np.ndarray, loaded_radius: float, held_radius: f
     is_coupled = ~is_axisymmetric & ~is_decoupled
     near = n[is_coupled]
     if near.size:
-        surface = _annulus_modes(near, 1.0, t, kappa)[:, 0, :]
+        surface = annulus_modes(near, 1.0, t, kappa)[:, 0, :]
         radial = np.sum(surface * _ring_coefficients(near, t, kappa), axis=1)
         compliance[is_coupled] = np.sign(t - 1.0) * radial / (2.0 * lame_mu)
     return loaded_radius * compliance
@@ -97,8 +97,8 @@ def disc_harmonic_compliance(n: np.ndarray, radius: float, material: Material) -
     """
     n = _harmonics(n)
     is_one = n == 1
-    compliance = _kolosov(material) / (n + 1) + 1.0 / np.where(is_one, 1, n - 1)
-    compliance[is_one] = 0.5 * (_kolosov(material) - 1.0)
+    compliance = kolosov(material) / (n + 1) + 1.0 / np.where(is_one, 1, n - 1)
+    compliance[is_one] = 0.5 * (kolosov(material) - 1.0)
     return radius / (4.0 * material.lame_mu) * compliance
 
 
@@ -167,7 +167,7 @@ def ring_hertz_approach(loaded_radius: float, held_radius: float, material: Mate
         return ring_harmonic_compliance(n, loaded_radius, held_radius, material)
 
     convexity = 1.0 if loaded_radius > held_radius else -1.0
-    return _hertz_centre(compliance, loaded_radius, material, half_width, 1, convexity)
+    return hertz_centre(compliance, loaded_radius, material, half_width, 1, convexity)
 
 
 def disc_hertz_approach(radius: float, material: Material, half_width: float, n_patches: int = 2) -> float:
@@ -180,7 +180,7 @@ def disc_hertz_approach(radius: float, material: Material, half_width: float, n_
     def compliance(n):
         return disc_harmonic_compliance(n, radius, material)
 
-    return _hertz_centre(compliance, radius, material, half_width, n_patches, 1.0)
+    return hertz_centre(compliance, radius, material, half_width, n_patches, 1.0)
 
 
 def flat_patch_difference(spline_half_width: float, hertz_half_width: float, material: Material) -> float:
@@ -208,7 +208,7 @@ def _cubic_bspline_log_moment() -> float:
 CUBIC_BSPLINE_LOG_MOMENT = _cubic_bspline_log_moment()  # −1.518311
 
 
-def _hertz_centre(
+def hertz_centre(
     compliance: Callable[[np.ndarray], np.ndarray],
     radius: float,
     material: Material,
@@ -230,7 +230,7 @@ def _hertz_centre(
         )
     n = n_patches * np.arange(1, N_HARMONICS + 1)
     flat = 2.0 * radius / material.plane_strain_modulus
-    curvature = -convexity * (_kolosov(material) - 1.0) / (_kolosov(material) + 1.0)
+    curvature = -convexity * (kolosov(material) - 1.0) / (kolosov(material) + 1.0)
     rest = np.sum((compliance(n) - flat / n * (1.0 + curvature / n)) * hertz_patch(n, half_width, radius))
     # next term of the series: 5 β⁶/11 612 160, below 5e-7
     first_sum = log(2.0 / beta) + 0.5 + beta**2 / 96.0 + beta**4 / 23040.0
@@ -242,14 +242,12 @@ def _hertz_centre(
 
 def _ring_coefficients(n: np.ndarray, t: float, kappa: float) -> np.ndarray:
     """Weights (n_n, 4) of the annulus modes for pressure cos nθ on radius 1, n >= 1, with radius t fixed."""
-    conditions = np.concatenate(
-        (_annulus_modes(n, t, t, kappa)[:, :2], _annulus_modes(n, 1.0, t, kappa)[:, 2:]), axis=1
-    )
+    conditions = np.concatenate((annulus_modes(n, t, t, kappa)[:, :2], annulus_modes(n, 1.0, t, kappa)[:, 2:]), axis=1)
     right_side = np.array([0.0, 0.0, -1.0, 0.0]).reshape(1, 4, 1)
     return np.linalg.solve(conditions, right_side)[..., 0]
 
 
-def _annulus_modes(n: np.ndarray, r: float, t: float, kappa: float) -> np.ndarray:
+def annulus_modes(n: np.ndarray, r: float, t: float, kappa: float) -> np.ndarray:
     """Four solutions of Navier's equations between radii 1 and t at radius r, n >= 1.
 
     Rows: 2μU, 2μV, and the amplitudes of σ_rr (cos nθ) and σ_rθ (sin nθ). Columns: φ = z^(n+1) less (n+1)
@@ -297,6 +295,6 @@ def _harmonics(n: np.ndarray) -> np.ndarray:
     return n
 
 
-def _kolosov(material: Material) -> float:
+def kolosov(material: Material) -> float:
     """κ = 3 − 4ν of plane strain."""
     return 3.0 - 4.0 * material.poisson_ratio

@@ -1,12 +1,13 @@
 """Results kept on disk between starts: assembled matrices, critical time steps.
 
 An entry is found by a digest of what it depends on: its key, the text of every module it could come from, and the
-versions of the libraries that made it. It is made anew where it can't be read.
+versions of the libraries that made it. It is made anew where it can't be read or is not what was written.
 """
 
 import hashlib
-import zipfile
+import io
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 
 import lagrange
 import meshes
+from lagrange.sealed import read_sealed, write_sealed
 from meshes import cache as mesh_cache
 
 LARGEST = 20e6  # bytes; what is larger takes its time anyway, and would fill the disk
@@ -32,18 +34,21 @@ def kept(kind: str, key: str, make: Callable[[], dict[str, np.ndarray]]) -> dict
     if found is None:
         found = make()
         if sum(array.nbytes for array in found.values()) <= LARGEST:
-            try:
-                mesh_cache.write_file(path, lambda file: np.savez(file, **found))
-            except OSError:
-                pass  # a read-only home costs the next start what this one took
+            archive = io.BytesIO()
+            np.savez(archive, **found)
+            with suppress(OSError):  # a read-only home costs the next start what this one took
+                write_sealed(path, archive.getvalue())
     return found
 
 
 def _read(path: Path) -> dict[str, np.ndarray] | None:
     try:
-        with np.load(path, allow_pickle=False) as archive:  # zipfile verifies checksums
+        data = read_sealed(path)
+        if data is None:
+            return None
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
             return {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile):
+    except Exception:  # an archive can be damaged in more ways than there are errors to name here
         return None
 
 

@@ -13,6 +13,7 @@ point_kernels, spread_kernels   one point on one surface; forces of points sprea
 facet_kernels                   polygons in place of circles
 friction_kernels                Carter's creep and Coulomb's limit; `friction_solution`: of all contacts together
 sample_kernels                  what a stored sample holds
+reduced_loop                    the reduced model's steps; `reduced_contacts` its forces, `reduced_state` its arrays
 simd, lane_functions            eight lanes as one value, and functions of them
 jit                             @kernel, @part, @verb, every: how all this is compiled
 """

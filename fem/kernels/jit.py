@@ -6,7 +6,7 @@ that Python may call has code that takes apart every array of its arguments, whi
 
 Numba's cache looks at the file a function stands in, not at the files of the functions it inlines: after a change to
 one kernel it would go on running the old code inside the others. The cache folder is therefore named after the text of
-all modules beside this one.
+all modules beside this one (see `kernel_cache`).
 """
 
 import hashlib
@@ -15,8 +15,10 @@ from functools import cache
 from pathlib import Path
 
 import platformdirs
-from numba import config, njit
+from numba import njit
 from numba.extending import overload, register_jitable
+
+from fem.kernels.kernel_cache import keep, private_folder
 
 # Division follows IEEE 754 and raises nothing. Without numba's run-time memory: nothing is allocated (what would
 # allocate does not compile), and arrays that the caller holds anyway are not counted, which would take a tenth of the
@@ -26,10 +28,16 @@ INLINED = {**OPTIONS, "forceinline": True}
 
 
 @cache
-def cache_folder() -> Path:
-    """Where this version's compiled kernels are kept: in NUMBA_CACHE_DIR, or the user's cache folder."""
-    base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("roller-bearing-fem")
-    return Path(base) / "kernels" / digest(Path(__file__).parent)
+def version() -> str:
+    """Of all kernels: two programs of one version compute the same bits on one machine."""
+    return digest(Path(__file__).parent)
+
+
+@cache
+def cache_folder() -> Path | None:
+    """Where this version's compiled kernels are kept: in NUMBA_CACHE_DIR or the user's cache folder; None: nowhere."""
+    bases = os.environ.get("NUMBA_CACHE_DIR"), platformdirs.user_cache_dir("roller-bearing-fem")
+    return private_folder(Path(base).absolute() / "kernels" / version() for base in bases if base)
 
 
 def digest(folder: Path) -> str:
@@ -44,11 +52,7 @@ def kernel(function=None, **options):
     """Compile a function of arrays, named tuples of them and scalars for calls from Python and from other kernels."""
     if function is None:
         return lambda wrapped: kernel(wrapped, **options)
-    before, config.CACHE_DIR = config.CACHE_DIR, str(cache_folder())
-    try:
-        return njit(cache=True, **OPTIONS, **options)(function)
-    finally:
-        config.CACHE_DIR = before
+    return keep(njit(**OPTIONS, **options)(function), cache_folder())
 
 
 def part(function=None, *, inlined: bool = True):

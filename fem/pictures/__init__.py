@@ -1,5 +1,6 @@
 """Pictures, films and fields for other programs, from a result file.
 
+stored_values                          a result's numbers, read guarded
 recover                                displacements and loads of a stored instant
 subsurface, near_contacts, peaks       stress below a contact that the mesh can't see; put into the mesh's; the largest
 refine, render_bodies                  what is drawn

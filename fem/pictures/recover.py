@@ -11,29 +11,19 @@ from functools import cached_property
 from math import pi
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 from fem.contacts.model import Model
 from fem.elastic.bodies import RingBody
 from fem.errors import UsageError
 from fem.kernels.state import INNER, OUTER, ROLLER
-from fem.result.fields import read_frame, stored_samples
+from fem.pictures.stored_values import FORCES, PER_ROLLER, PER_TIME, StoredValues
 from fem.solver.discretise import model_of
 from fem.solver.frames import Frame
 from lagrange import Operation
 from lagrange.scene import Scene, parse_scene_text
-from lagrange.stored import Damaged, read_numbers, read_scene_text, refusal_in_child
 
 ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is open
-FORCES = ("inner_force", "outer_force", "roller_roller_force")
-READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
-READ_MEMORY, READ_COPIES = 2**29, 2  # bytes to read a file: at least, and times its size
-PER_TIME = ("inner_x", "inner_y", "energy_elastic", "energy_contact")
-PER_ROLLER = (
-    "roller_x", "roller_y", "roller_spin", "inner_force", "outer_force", "inner_traction", "outer_traction",
-    "roller_roller_force",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,17 +92,11 @@ class StoredRun:
 
     def __init__(self, path: Path):
         self.path = Path(path)
-        if not self.path.is_file():
-            raise UsageError(f"{path}: no such result file; run run-fem first, or name another")
-        size = self.path.stat().st_size
-        refusal = refusal_in_child(
-            lambda: self._read(_verified), str(path), READ_SECONDS + size / READ_RATE, READ_MEMORY + READ_COPIES * size
-        )
-        if refusal is not None:
-            raise UsageError(refusal)
-        self.times, text, frames = self._read(_verified)
-        self.scene: Scene = parse_scene_text(text, f"{path}: its scene")
-        self._frames = {int(sample): index for index, sample in enumerate(frames)}
+        self._values = StoredValues(self.path)
+        self.times = self._values.times
+        self.scene: Scene = parse_scene_text(self._values.scene_text, f"{path}: its scene")
+        self._values.check(self.scene.ideal_bearing())
+        self._frames = {int(sample): index for index, sample in enumerate(self._values.frames)}
 
     @cached_property
     def model(self) -> Model:
@@ -129,8 +113,7 @@ class StoredRun:
     @cached_property
     def orbit(self) -> np.ndarray:
         """The hub's positions at all samples, (n_times, 2), m."""
-        n = len(self.times)
-        return self._read(lambda file: np.column_stack([file["inner_x"][:n], file["inner_y"][:n]]))
+        return np.column_stack([self._values.column("inner_x"), self._values.column("inner_y")])
 
     @cached_property
     def load_zone(self) -> tuple[float, float] | None:
@@ -138,13 +121,9 @@ class StoredRun:
 
         From the first to the second counter-clockwise; None where no roller ever is.
         """
-        n, least = len(self.times), self._least_force
-
-        def loaded(file):
-            closed = np.minimum(file["inner_force"][:n], file["outer_force"][:n]) > least
-            return np.arctan2(file["roller_y"][:n][closed], file["roller_x"][:n][closed])
-
-        angle = np.sort(np.mod(self._read(loaded), 2.0 * pi))
+        column = self._values.column
+        loaded = np.minimum(column("inner_force"), column("outer_force")) > self._least_force
+        angle = np.sort(np.mod(np.arctan2(column("roller_y")[loaded], column("roller_x")[loaded]), 2.0 * pi))
         if angle.size == 0:
             return None
         gaps = np.diff(angle, append=angle[0] + 2.0 * pi)
@@ -153,14 +132,12 @@ class StoredRun:
 
     def contact_forces(self, samples) -> np.ndarray:
         """Normal forces at some samples, (n_samples, 3, n_rollers), N: inner, outer, roller j on j + 1."""
-        n = len(self.times)
-        found = [self._read(lambda file, name=name: file[name][:n][samples]) for name in FORCES]
+        found = [self._values.column(name)[samples] for name in FORCES]
         return self._closed(np.stack(found, axis=1))
 
     @cached_property
     def _least_force(self) -> float:
-        n = len(self.times)
-        return ROUND_OFF * max(self._read(lambda file, name=name: float(file[name][:n].max())) for name in FORCES)
+        return ROUND_OFF * max(float(self._values.column(name).max()) for name in FORCES)
 
     def _closed(self, force: np.ndarray) -> np.ndarray:
         """Forces, N, without what is round-off of an open contact."""
@@ -169,7 +146,7 @@ class StoredRun:
     @cached_property
     def _turns(self) -> np.ndarray:
         """Spin summed up by the trapezoidal rule, (n_times, n_rollers), rad."""
-        spin = self._read(lambda file: file["roller_spin"][: len(self.times)])
+        spin = self._values.column("roller_spin")
         steps = 0.5 * (spin[1:] + spin[:-1]) * np.diff(self.times)[:, None]
         return np.concatenate([np.zeros((1, spin.shape[1])), np.cumsum(steps, axis=0)])
 
@@ -198,19 +175,13 @@ class StoredRun:
         ------
         UsageError: damaged.
         """
-        values = self._read(lambda file: _row(file, sample))
-        n = self.scene.bearing.rollers
-        if any(values[name].shape != (n,) for name in PER_ROLLER):
-            raise UsageError(f"{self.path}: damaged: its scene has {n} rollers, its arrays {values['roller_x'].shape}")
+        values = {name: self._values.column(name)[sample] for name in (*PER_TIME, *PER_ROLLER)}
         time = float(self.times[sample])
-        for name, value in values.items():
-            if not np.all(np.isfinite(value)):
-                raise UsageError(f"{self.path}: damaged: {name} is not finite at {1e3 * time:.6g} ms")
         values |= {name: self._closed(values[name]) for name in FORCES}
         model = self.model
         if sample in self._frames:
             turn = self.scene.ideal_operation().speed * time
-            frame = self._read(lambda file: read_frame(file, model, self._frames[sample], turn))
+            frame = self._values.frame(self._frames[sample], model, turn)
         else:
             frame = _recovered(self.scene, model, values, sample, time, self._turns[sample])
         return Instant(
@@ -234,36 +205,11 @@ class StoredRun:
             stored_contact_energy=float(values["energy_contact"]),
         )
 
-    def _read(self, what):
-        """Something of the open file; every way it can be unusable becomes a UsageError."""
-        try:
-            with h5py.File(self.path, "r", locking=False) as file:
-                return what(file)
-        except (KeyError, IndexError, TypeError, ValueError) as error:
-            raise UsageError(f"{self.path}: not a result file of run-fem, or damaged: {error}") from None
-        except (OSError, RuntimeError) as error:
-            raise UsageError(f"{self.path}: can't be read as a result file (HDF5): {error}") from None
-
 
 def read_instant(path: Path, time: float | None = None) -> Instant:
     """The sample nearest to a time, s (None: the last one), with its fields; errors as in `StoredRun`."""
     run = StoredRun(path)
     return run.instant(run.nearest(time))
-
-
-def _verified(file) -> tuple[np.ndarray, str, np.ndarray]:
-    """Times, scene and samples with fields of a file all of whose variables are sound."""
-    count = int(file.attrs["committed_samples"])
-    if count < 1:
-        raise Damaged("it holds no sample yet")
-    times = read_numbers(file, "time", count)
-    for name in (*PER_TIME, *PER_ROLLER):
-        read_numbers(file, name, count)
-    return times, read_scene_text(file), stored_samples(file, count)
-
-
-def _row(file, sample: int) -> dict[str, np.ndarray]:
-    return {name: np.asarray(file[name][sample], dtype=float) for name in (*PER_TIME, *PER_ROLLER)}
 
 
 def _centres(values: dict) -> np.ndarray:

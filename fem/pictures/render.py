@@ -19,6 +19,7 @@ from fem.pictures.render_bodies import drawn_bearing
 from fem.pictures.render_canvas import INK, Canvas
 from fem.pictures.render_look import Request, chosen_look
 from fem.pictures.render_scale import TITLES
+from lagrange.messages import shown
 
 ASPECT = 4.0 / 3.0
 SCALE_COLOURS, GREYS = 160, 32  # of a palette
@@ -78,11 +79,11 @@ def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
     """
     with Renderer(run, request, [sample]) as renderer:
         image = renderer.image(sample)
-        shown = "the whole bearing" if request.view == "bearing" else f"roller {renderer.look.roller} in its contacts"
+        seen = "the whole bearing" if request.view == "bearing" else f"roller {renderer.look.roller} in its contacts"
     about = PngInfo()
-    about.add_itxt("Source", run.path.name)
+    about.add_itxt("Source", shown(run.path.name))
     title = TITLES[renderer.look.scale.field][0]
-    about.add_itxt("Description", f"{title}, {shown} at {1e3 * run.times[sample]:.6g} ms.")
+    about.add_itxt("Description", f"{title}, {seen} at {1e3 * run.times[sample]:.6g} ms.")
     target = Path(target)
     target.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(image).save(target, format="PNG", pnginfo=about)

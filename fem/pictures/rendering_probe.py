@@ -26,7 +26,11 @@ def check_rendering() -> None:
     environment = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow", **os.environ}
     try:
         done = subprocess.run(
-            [sys.executable, "-c", PROBE], env=environment, capture_output=True, text=True, timeout=PATIENCE
+            [sys.executable, "-P", "-c", PROBE],  # -P: nothing is imported from the current folder
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
         )
     except subprocess.TimeoutExpired:
         raise UsageError(_trouble(f"a trial picture was not finished in {PATIENCE:.0f} s")) from None

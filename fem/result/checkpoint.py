@@ -7,6 +7,7 @@ Plain arrays and a line of JSON, which the solver's state gives and takes back; 
 import json
 import os
 import zipfile
+from math import inf, isfinite
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from fem.result.store import Stored, program_version
 from fem.solver.solver import Plan, RunState
 from lagrange.scene import Scene, SceneError, parse_scene_text
 
-FORMAT = 4
+FORMAT = 5
 LONGEST_META = 2**20  # bytes
 
 
@@ -76,7 +77,7 @@ def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
 
 
 def _versions(plan: Plan) -> dict[str, str]:
-    """Of everything that decides the bits of a run on one machine."""
+    """Of everything that decides the bits of a run."""
     return {"program": program_version(), **plan.versions()}
 
 
@@ -98,6 +99,8 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
             meta = json.loads(_read(archive, "meta", np.uint8, None).tobytes())
             _check(path, meta, plan)
             arrays = {name: _read(archive, name, value.dtype, value.shape) for name, value in expected.items()}
+        for name, value in arrays.items():
+            _check_numbers(name, value, expected[name])
         stored = Stored(
             samples=int(meta["samples"]), checksums={name: int(meta["checksums"][name]) for name in VARIABLES}
         )
@@ -105,9 +108,12 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
             raise ValueError("no number of samples")
         state.done, state.void_steps = stored.samples, int(meta["void_steps"])
         state.wall, state.imbalance = float(meta["wall_seconds"]), float(meta["imbalance"])
+        if not (0.0 <= state.wall < inf and isfinite(state.imbalance) and state.void_steps >= 0):
+            raise ValueError("no times and numbers of steps")
         state.take_back(arrays, meta["numbers"])
-    except UsageError:
-        raise
+    except UsageError as error:
+        text = str(error)
+        raise UsageError(text if text.startswith(str(path)) else f"{path}: {text}") from None
     except Exception as error:  # an archive can be damaged in more ways than there are errors to name here
         raise UsageError(f"{path}: damaged ({type(error).__name__}); start again without --resume") from None
     if stored.samples > plan.n_samples:
@@ -140,6 +146,17 @@ def _read(archive: zipfile.ZipFile, name: str, dtype: np.dtype, shape: tuple | N
     return (np.frombuffer(data, dtype=kind) if data else np.empty(0, kind)).reshape(found).copy()
 
 
+def _check_numbers(name: str, found: np.ndarray, first: np.ndarray) -> None:
+    """Refuse infinite numbers and what is none, but in arrays that begin with such. ValueError."""
+    if found.dtype.names:
+        for field in found.dtype.names:
+            _check_numbers(f"{name}.{field}", found[field], first[field])
+        return
+    for kind in (np.isnan, np.isinf):
+        if kind(found).any() and not kind(first).any():
+            raise ValueError(f"{name} holds what is not a number, or infinite")
+
+
 def _check(path: Path, meta: dict, plan: Plan) -> None:
     """Refuse a state that would not go on as it began. Another duration is welcome."""
     if meta["format"] != FORMAT:
@@ -152,8 +169,8 @@ def _check(path: Path, meta: dict, plan: Plan) -> None:
         raise UsageError(f"{path}: the scene has changed ({'; '.join(changed)}); give the same scene or start again")
     if changed := _differences({str(key): value for key, value in meta["versions"].items()}, _versions(plan)):
         raise UsageError(
-            f"{path}: written by another version of the program ({'; '.join(changed)}); go on with that one, or start "
-            "again without --resume"
+            f"{path}: written by another version of the program, or on another processor, with which the results would "
+            f"have other bits ({'; '.join(changed)}); go on with that one, or start again without --resume"
         )
     if before is None:
         raise UsageError(f"{path}: its scene can't be read; start again without --resume")

@@ -6,6 +6,7 @@ single precision: 1e-7 of a micrometre's displacement is far below any wave. Roo
 """
 
 import zlib
+from math import prod
 
 import h5py
 import numpy as np
@@ -17,7 +18,20 @@ from lagrange.stored import CHECKSUM, Damaged, check_array, has
 
 GROUP = "fields"
 BODIES = ("roller", "inner_ring", "outer_ring")
-KINDS = ("displacement", "stress")
+COMPONENTS = {"component": 2, "stress_component": 3}
+FRAME = {  # what a frame writes: the dimensions after time
+    "time": (),
+    "sample": (),
+    "roller_turn": ("roller",),
+    CHECKSUM: (),
+    **{
+        f"{body}_{field}": (*(("roller",) if body == "roller" else ()), f"{body}_node", component)
+        for body in BODIES
+        for field, component in (("displacement", "component"), ("stress", "stress_component"))
+    },
+}
+LARGEST = 1e18  # SI: far above any stress and turn; squares are still numbers
+LARGEST_FRAME = 10_000_000  # numbers: more than there are in meshes of a million nodes
 NO_SAMPLE = 2**63 - 1  # of a frame that has not been written
 
 
@@ -106,15 +120,27 @@ def stored_samples(file: h5py.File, committed: int) -> np.ndarray:
     if not has(file, GROUP):
         return np.zeros(0, dtype=int)
     check_array(file, GROUP, None)
-    group = file[GROUP]
-    check_array(group, "sample", 0, kinds="i", dimensions=(1,))
-    samples = group["sample"][:]
+    name = f"{GROUP}/sample"
+    check_array(file, name, 0, kinds="i", dimensions=(1,))
+    most = min(committed, len(file[name]))
+    check_array(file, name, most, kinds="i", dimensions=(1,))
+    samples = file[name][:most]
     there = (samples >= 0) & (samples < committed)
     count = int(np.argmin(there)) if not there.all() else len(there)
-    check_array(group, "roller_turn", count, dimensions=(2,))
-    for name in BODIES:
-        check_array(group, f"{name}_displacement", count, dimensions=(3, 4))
+    if np.any(np.diff(samples[:count]) <= 0):
+        raise Damaged(f"{name} does not rise")
+    for field in FRAME:
+        _check_field(file, field, count, None)
     return samples[:count]
+
+
+def read_values(file: h5py.File, model: Model | None, index: int) -> dict[str, np.ndarray]:
+    """The numbers of a stored frame, by the names in FRAME; `model` as in `_check_field`. Damaged: see there."""
+    found = {}
+    for name in FRAME:
+        _check_field(file, name, index + 1, model)
+        found[name] = np.asarray(file[f"{GROUP}/{name}"][index])
+    return found
 
 
 def read_frame(file: h5py.File, model: Model, index: int, ring_turn: float) -> Frame:
@@ -124,20 +150,47 @@ def read_frame(file: h5py.File, model: Model, index: int, ring_turn: float) -> F
     ------
     Damaged, KeyError, ValueError: the group is damaged or of another mesh.
     """
-    group = file[GROUP]
-    if has(group, CHECKSUM):
-        names = ("time", "sample", "roller_turn", *(f"{name}_{kind}" for name in BODIES for kind in KINDS))
-        values = {name: np.asarray(group[name][index]) for name in names}
-        if int(group[CHECKSUM][index]) != _checksum(values):
-            raise Damaged(f"the fields of sample {values['sample']} are not what was written: their checksum differs")
-    turn = group["roller_turn"][index]
-    vectors = {name: group[f"{name}_displacement"][index].astype(float) for name in BODIES}
+    values = read_values(file, model, index)
+    written, sample = int(values.pop(CHECKSUM)), int(values["sample"])
+    if written != _checksum(values):
+        raise Damaged(f"the fields of sample {sample} are not what was written: their checksum differs")
+    for name, value in values.items():
+        if not np.all(np.abs(value.astype(float)) <= LARGEST):
+            raise Damaged(f"{GROUP}/{name} of sample {sample} holds what is no number, or more than {LARGEST:g}")
+    turn = values["roller_turn"]
+    vectors = {name: values[f"{name}_displacement"].astype(float) for name in BODIES}
+    for name, vector in vectors.items():
+        if np.abs(vector).max(initial=0.0) > model.bearing.outside_radius:
+            raise Damaged(f"{GROUP}/{name}_displacement of sample {sample} is larger than the bearing")
     return Frame(
-        sample=int(group["sample"][index]),
-        time=float(group["time"][index]),
+        sample=sample,
+        time=float(values["time"]),
         roller_turn=turn,
         ring_turn=ring_turn,
         rollers=rotated(vectors["roller"], -turn[:, None]),
         inner_ring=model.inner_ring.polar(vectors["inner_ring"], ring_turn),
         outer_ring=model.outer_ring.polar(vectors["outer_ring"]),
     )
+
+
+def _check_field(file: h5py.File, name: str, count: int, model: Model | None) -> None:
+    """Refuse a variable of a frame before it is read; without a model, of whose mesh it must be, if it is far too big.
+
+    Errors
+    ------
+    Damaged.
+    """
+    path, dimensions = f"{GROUP}/{name}", FRAME[name]
+    kinds = "i" if name in ("sample", CHECKSUM) else "f"
+    check_array(file, path, count, kinds=kinds, dimensions=(1 + len(dimensions),))
+    shape = file[path].shape[1:]
+    if model is None:
+        wanted = tuple(COMPONENTS.get(dimension, size) for dimension, size in zip(dimensions, shape, strict=True))
+        if prod(shape) > LARGEST_FRAME:
+            raise Damaged(f"{path} has shape {file[path].shape}, more than any mesh has nodes")
+    else:
+        sizes = COMPONENTS | {"roller": model.bearing.n_rollers}
+        sizes |= {f"{body}_node": len(getattr(model, body).points) for body in BODIES}
+        wanted = tuple(sizes[dimension] for dimension in dimensions)
+    if shape != wanted:
+        raise Damaged(f"{path} has {shape} numbers in a frame, the mesh of the file's scene has {wanted}")

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
+from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -66,7 +67,7 @@ class ResultFile:
     """
 
     def __init__(
-        self, path: Path, plan: "Plan", setup_seconds: float, resume: Stored | None = None, **attributes: float
+        self, path: Path, plan: "Plan", setup_seconds: float, resume: Stored | None = None, **attributes: float | str
     ):
         """A new file in the place of any earlier one, or one that goes on after what was stored.
 
@@ -118,8 +119,11 @@ class ResultFile:
                     write_at(handle, _doubles(block), places.data[name] + start * places.width[name])
                     checksums[name] = checksum(block, checksums[name])
             for name, place in places.frames.items():
+                frames, width = earlier[name], places.frame_width[name]
+                if frames.dtype.itemsize * prod(frames.shape[1:]) != width:
+                    raise UsageError(f"{self._path}: damaged: {name} is of another mesh; start again without --resume")
                 for index in range(frames_of(count, self._plan.frame_stride)):
-                    write_at(handle, earlier[name][index].tobytes(), place + index * places.frame_width[name])
+                    write_at(handle, frames[index].tobytes(), place + index * width)
         return checksums
 
     def _fields(self, capacity: int) -> Callable[[h5py.File], list[str]] | None:
@@ -147,6 +151,14 @@ class ResultFile:
     def committed(self) -> int:
         """Samples that are on the disk."""
         return self._committed
+
+    @property
+    def is_in_place(self) -> bool:
+        """Whether the file still stands where it was made: nobody has moved or removed it."""
+        try:
+            return os.path.samestat(os.fstat(self._handle), os.stat(self._path))
+        except OSError:
+            return False
 
     @property
     def stored(self) -> Stored:
@@ -179,18 +191,18 @@ class ResultFile:
         self._in_force, self._committed, self._committed_at = spare, self._count, time.monotonic()
         self._commit_cost = self._committed_at - began
 
-    def begin_again(self, **attributes: float) -> None:
+    def begin_again(self, **attributes: float | str) -> None:
         """Put an empty file with these attributes in this one's place; the samples so far are void."""
         self._attributes |= attributes
         self._replace(self._plan.n_samples, NOTHING)
 
     def _replace(self, capacity: int, stored: Stored) -> None:
         working = self._handle
-        with alone_in(self._path.parent):
+        with self._named(), alone_in(self._path.parent):
             self._begin(capacity, stored)
         os.close(working)
 
-    def finish(self, status: str, **attributes: float) -> None:
+    def finish(self, status: str, **attributes: float | str) -> None:
         """Write the outcome, in a new file without unused room that takes this one's place."""
         self.commit()
         outcome = dict(attributes, status=status)
@@ -198,6 +210,8 @@ class ResultFile:
         try:
             self._replace(self._count, self.stored)
         except WriteFailed:  # no room for two of them
+            if not self.is_in_place:
+                raise
             with self._named(), h5py.File(self._path, "r+", locking=False) as file:
                 for name, value in outcome.items():
                     file.attrs.modify(name, value)

@@ -2,15 +2,20 @@
 
 solver             what every solver answers: plan, first state, blocks of samples, what a checkpoint keeps
 simulate           the registry of solvers, and the loop that advances a run of any of them
+row_state          states that a compiled time loop advances; `guards`: looks at the samples that no sound run fails
+samples            rows of a time loop as quantities; `compiling`: what is told while it is compiled
 lagrangian         the Lagrangian model as a solver
+reduced            the reduced model as a solver: its plan; `reduced_state`: its arrays, and runs that begin again;
+                   `reduced_estimate`: how far it is from finite elements
 
 The finite elements:
 
 finite_elements    their plan: everything decided before the first step; `description`: what is shown of it
-element_state      their state, advanced in blocks; `guards`: looks at the samples that no sound run fails
+element_state      their state
 discretise         the model of a scene: mesh, contact model, width of the patches
 limits, cautions   what is refused; what is warned of
 start, arrays      the state a run starts from; the time loop's arrays filled with it, `contact_arrays` the contacts'
-samples, frames    rows of the time loop as quantities; displacements at an instant
+frames             displacements at an instant
+processor          what the compiler makes the kernels for
 error_estimate     what a scene's results may be off by, from a second mesh
 """

@@ -1,5 +1,6 @@
 """Fill the time loop's arrays from a model, a start and a time step."""
 
+import hashlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,21 @@ from fem.elastic.rigid import RigidRing
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH
-from fem.kernels.state import Bodies, Contacts, Disc, Drive, Neighbours, Raceway, Ring, Rollers, Scratch
+from fem.kernels.state import (
+    Bodies,
+    Contacts,
+    Disc,
+    DiscSurface,
+    Drive,
+    Neighbours,
+    Patches,
+    Points,
+    Raceway,
+    Ring,
+    Rollers,
+    Scratch,
+    Spread,
+)
 from fem.solver.cache_lines import lined_up
 from fem.solver.contact_arrays import contact_arrays, disc_surface, pair_groups
 from fem.solver.start import Start
@@ -28,20 +43,72 @@ class Arrays:
     scratch: Scratch
 
     def named(self) -> dict[str, np.ndarray]:
-        """Every array that outlives a step, once, by where it stands; surfaces and pairs share those of bodies."""
-        found: dict[str, np.ndarray] = {}
+        """Every array that a run changes, once, by where it stands; surfaces and pairs share those of bodies."""
+        return {name: array for name, (array, given) in self._all().items() if not given}
+
+    def digest(self) -> str:
+        """Of the arrays that the model determines, which no run changes."""
+        text = hashlib.sha256()
+        for name, (array, given) in self._all().items():
+            if given:
+                text.update(f"{name} {array.dtype} {array.shape} ".encode() + array.tobytes())
+        return text.hexdigest()
+
+    @property
+    def nbytes(self) -> int:
+        """Of all arrays that outlive a step."""
+        return sum(array.nbytes for array, _ in self._all().values())
+
+    def _all(self) -> dict[str, tuple[np.ndarray, bool]]:
+        """Every array that outlives a step, and whether the model determines it."""
+        found: dict[str, tuple[np.ndarray, bool]] = {}
         for name in ("bodies", "contacts", "drive"):
             _collect(getattr(self, name), name, found)
         return found
 
+    def check_indices(self) -> None:
+        """Refuse places in arrays that are outside of them: kernels look there unseen.
 
-def _collect(group: tuple, place: str, found: dict[str, np.ndarray]) -> None:
+        Errors
+        ------
+        ValueError.
+        """
+        patches, points = self.contacts.patches, self.contacts.points
+        for pair in (pair for group in self.groups for pair in group if hasattr(pair, "row")):
+            sides = (pair.surface if isinstance(pair, Raceway) else self.bodies.surface), self.bodies.surface
+            for side, surface in enumerate(sides):
+                _check_between("patches.start", patches.start[2 * pair.row + side], getattr(surface, "n_nodes", 1) - 1)
+        if points is not None and points.spread is not None:
+            closed, most = points.spread.closed, points.closing.size
+            _check_between("closed", closed[..., 0], closed[..., 1])
+            _check_between("closed", closed[..., 1], most)
+
+
+# What the model determines, beside whole numbers, which are places in arrays: all but those in STATE_INDICES.
+GIVEN = {
+    Disc: ("blocks", "points", "mass"),
+    DiscSurface: ("lightness", "ripple"),
+    Ring: ("table", "radii", "row_mass", "cosines", "sines"),
+    Points: ("shift", "tangent", "rise", "sagitta", "stiffness"),
+    Spread: ("missing", "inverse"),
+}
+STATE_INDICES = {Patches: ("start",), Spread: ("closed",)}
+
+
+def _collect(group: tuple, place: str, found: dict[str, tuple[np.ndarray, bool]]) -> None:
+    given, indices = GIVEN.get(type(group), ()), STATE_INDICES.get(type(group), ())
     for name, entry in zip(getattr(group, "_fields", range(len(group))), group, strict=True):
         if isinstance(entry, np.ndarray):
-            if not any(entry is other for other in found.values()):
-                found[f"{place}.{name}"] = entry
+            if not any(entry is other for other, _ in found.values()):
+                determined = name in given or (entry.dtype.kind != "f" and name not in indices)
+                found[f"{place}.{name}"] = entry, determined
         elif isinstance(entry, tuple):
             _collect(entry, f"{place}.{name}", found)
+
+
+def _check_between(name: str, found: np.ndarray, most: np.ndarray | int) -> None:
+    if np.any(found < 0) or np.any(found > most):
+        raise ValueError(f"{name} lies outside of its array")
 
 
 def make_arrays(

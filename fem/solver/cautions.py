@@ -1,4 +1,4 @@
-"""What a plan warns of: the run is sound, but its numbers need care."""
+"""What a plan, and a run at its end, warns of: it is sound, but its numbers need care."""
 
 from dataclasses import replace
 from math import inf, pi, sqrt
@@ -6,10 +6,13 @@ from math import inf, pi, sqrt
 import numpy as np
 
 from fem.contacts.model import Model
+from fem.solver.limits import WIDEST_CONTACT
+from fem.solver.solver import Samples
 from fem.statics.equilibrium import Equilibrium
-from lagrange import Operation, contact_laws, kinematics
+from lagrange import Bearing, Operation, contact_laws, kinematics
 from lagrange.faults import Spall, Waviness
 from lagrange.kinematics import roller_angles
+from lagrange.pair import contact_pairs
 from lagrange.scene_surfaces import own_radius
 
 # Static load rating of roller bearings (ISO 76): at this Hertz pressure steel keeps a dent of 1e-4 of the diameter
@@ -25,6 +28,30 @@ def cautions(model: Model, operation: Operation, equilibrium: Equilibrium, inter
         _passages(model, operation, equilibrium, interval),
     )
     return tuple(sentence for sentence in found if sentence)
+
+
+CONTACT_FORCES = ("inner_force", "outer_force", "roller_roller_force")  # in the order of `contact_pairs`
+
+
+def largest_forces(samples: Samples) -> np.ndarray:
+    """Largest force of any contact of each kind, (3,), N."""
+    return np.array([samples[name].max(initial=0.0) for name in CONTACT_FORCES])
+
+
+def run_cautions(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
+    """Sentences on the largest forces of a run, (3,), N; what holds at rest need not hold in a shock."""
+    pairs = zip(contact_pairs(bearing), largest.tolist(), strict=True)
+    half_width, kind, force = max((pair.half_width(force), pair.kind, force) for pair, force in pairs)
+    widest = WIDEST_CONTACT * bearing.roller_radius
+    if half_width <= widest:
+        return ()
+    where = "between rollers" if kind == "roller" else f"on the {kind} raceway"
+    return (
+        f"the largest force of the run, {force:.4g} N {where}, makes a contact of half-width {1e3 * half_width:.3g} "
+        f"mm, beyond Hertz's theory and small strains (at most {1e3 * widest:.3g} mm here): forces and deformation "
+        "near such contacts are not to be trusted; lower operation.radial_load_N, raise numerics.load_ramp_ms or take "
+        "a stiffer material",
+    )
 
 
 def _yield(model: Model, equilibrium: Equilibrium) -> str | None:

@@ -1,79 +1,38 @@
-"""The finite elements' state: the time loop's arrays, advanced in blocks of samples that are looked at as they come."""
+"""The finite elements' state: nodes, contacts and hub as the time loop's arrays."""
 
-import time
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fem.kernels import time_loop
-from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.solver.frames import frame_of
-from fem.solver.guards import energy_trouble, good_rows, n_balanced, n_in_place, place_trouble, velocity_trouble
-from fem.solver.samples import SampleReader
-from fem.solver.simulate import LARGEST_BLOCK
-from fem.solver.solver import Block, Numbers, RunState
+from fem.solver.row_state import RowState
 
 if TYPE_CHECKING:
     from fem.solver.finite_elements import ElementPlan
 
 
-class ElementState(RunState):
-    """Arrays that the kernels change in place, and the reader of their samples."""
+class ElementState(RowState):
+    """The arrays of all elastic bodies."""
 
     def __init__(self, plan: "ElementPlan"):
         super().__init__(plan)
-        self.arrays, self.reader = plan.arrays(), SampleReader(plan)
+        self.arrays = plan.arrays()
 
-    @property
-    def steps_per_sample(self) -> int:
-        return self.plan.stride
+    def named_arrays(self) -> dict[str, np.ndarray]:
+        return self.arrays.named()
 
-    def take_steps(self, n_rows: int) -> tuple[np.ndarray, int, int, int]:
-        """Advance the arrays by so many rows: them, the kernel's status, and step and body where it is not DONE."""
-        plan, arrays = self.plan, self.arrays
-        rows = np.zeros((n_rows, N_SCALARS + len(BLOCKS) * plan.model.bearing.n_rollers))
-        status, step, body = time_loop.advance(
-            arrays.bodies,
-            arrays.groups,
-            arrays.contacts,
-            arrays.drive,
-            arrays.scratch,
-            self.done * plan.stride,
-            plan.stride // plan.looks,
-            rows,
+    def digest(self) -> str:
+        return self.arrays.digest()
+
+    def check(self) -> None:
+        self.arrays.check_indices()
+
+    def frame(self):
+        return frame_of(self.plan.model, self.arrays, self.done, self.plan.interval)
+
+    def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
+        arrays = self.arrays
+        return time_loop.advance(
+            arrays.bodies, arrays.groups, arrays.contacts, arrays.drive, arrays.scratch, first, stride, rows
         )
-        return rows, status, step, body
-
-    def advance(self, most: int) -> Block:
-        plan, frame = self.plan, None
-        most = min(most, LARGEST_BLOCK // plan.looks or 1)
-        if plan.frame_stride:  # between two samples the state is that of the one to come
-            since = self.done % plan.frame_stride
-            most = min(most, plan.frame_stride - since)
-            if since == 0:
-                frame = frame_of(plan.model, self.arrays, self.done, plan.interval)
-        began = time.perf_counter()
-        rows, status, step, body = self.take_steps(plan.looks * most)
-        self.wall += time.perf_counter() - began
-        samples, trouble = None, None
-        if status != time_loop.DONE:
-            rows, trouble = rows[: good_rows(rows)], velocity_trouble(plan, step, body)
-        if len(rows):
-            looked = self.reader.read(rows)
-            balanced, in_place = n_balanced(looked), n_in_place(plan, looked)
-            self.imbalance = float(looked.relative_imbalance()[min(balanced, len(looked) - 1)])
-            samples = looked.first(min(balanced, in_place)).every(plan.looks)
-            self.done += len(samples)
-            if in_place < balanced:
-                trouble = place_trouble(plan, looked, in_place)
-            elif balanced < len(rows):
-                trouble = energy_trouble(plan, looked, balanced)
-        return Block(samples=samples, frame=frame, trouble=trouble)
-
-    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        return self.arrays.named() | {f"reader.{name}": value for name, value in self.reader.to_keep().items()}, {}
-
-    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
-        for name, own in self.arrays.named().items():
-            own[...] = arrays[name]
-        self.reader.take_back({name: arrays[f"reader.{name}"] for name in self.reader.to_keep()})

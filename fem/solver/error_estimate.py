@@ -81,6 +81,10 @@ class ErrorEstimate:
         """Of the coarse plan, m."""
         return 1e-3 * self.coarse.scene.numerics.mesh_size_mm
 
+    @property
+    def title(self) -> str:
+        return f"Discretisation error, estimated with a mesh of {1e3 * self.mesh_size:g} mm"
+
     def find(
         self,
         samples: dict[str, np.ndarray],

@@ -1,32 +1,29 @@
 """The finite elements as a solver: everything decided before the first step."""
 
-import gc
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
 from math import ceil
-from threading import Timer
 
 import numba
 
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
-from fem.kernels.jit import cache_folder
+from fem.kernels import jit, kernel_cache
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
+from fem.solver.compiling import load_compiled
 from fem.solver.description import mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
 from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads, check_widths
+from fem.solver.processor import processor
+from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import Plan, sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
 from fem.statics.contact_balance import NotFound
 from lagrange import Operation, kinematics
 from lagrange.scene import Scene
-
-LONGEST_UNWATCHED = 100  # steps between two looks at the energy
-PATIENCE = 3.0  # s, to load the time loop; if it takes longer it is being compiled
-COMPILING = "compiling the time loop, once for such bodies and contacts: half a minute, or one on a slow processor"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,23 +81,17 @@ class ElementPlan(Plan):
         """Compile the time loop, or load it compiled, without taking a step."""
         if self.scene.numerics.threads > 1:
             numba.set_num_threads(self.scene.numerics.threads)
-        telling = Timer(PATIENCE, tell or (lambda sentence: None), (COMPILING,))
-        telling.daemon = True
-        telling.start()
-        collecting = gc.isenabled()
-        gc.disable()  # a compiler's many objects are nearly all kept: looking for cycles takes a tenth of its time
-        try:
-            self.first_state().take_steps(0)
-        finally:
-            telling.cancel()
-            if collecting:
-                gc.enable()
+        load_compiled(lambda: self.first_state().take_steps(0), tell)
 
     def first_state(self) -> ElementState:
         return ElementState(self)
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return tuple(kernel_cache.remarks)
+
     def versions(self) -> dict[str, str]:
-        return {"kernels": cache_folder().name, "numba": version("numba")}
+        return {"kernels": jit.version(), "numba": version("numba"), **processor()}
 
     def error_estimate(self):
         from fem.solver.error_estimate import error_estimate

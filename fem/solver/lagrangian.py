@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.errors import RunFailed
+from fem.solver.processor import processor
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import Block, Numbers, Plan, RunState, Samples, sample_count
 from lagrange import Trajectory, contact_laws, static_equilibrium
@@ -59,7 +60,7 @@ class LagrangianPlan(Plan):
         return LagrangianState(self)
 
     def versions(self) -> dict[str, str]:
-        return {"numpy": np.__version__}
+        return {"numpy": np.__version__, **processor()}
 
     def rows(self) -> dict[str, str]:
         options, problem = self.scene.lagrange, self.problem
@@ -159,7 +160,7 @@ class LagrangianState(RunState):
         )
 
     @property
-    def outcome_attributes(self) -> dict[str, float]:
+    def outcome_attributes(self) -> dict[str, float | str]:
         step, critical = self._simulation.time_step, self._simulation.critical_time_step
         return super().outcome_attributes | {"time_step": step, "critical_time_step": critical}
 

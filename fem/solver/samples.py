@@ -32,9 +32,11 @@ class SampleReader:
             "sums": np.array([*base, self._exchanged]),
         }
 
-    def take_back(self, kept: dict[str, np.ndarray]) -> None:
-        """Go on where another reader of the same plan stopped."""
+    def take_back(self, kept: dict[str, np.ndarray], samples: int) -> None:
+        """Go on where another reader of the same plan stopped, after so many samples. ValueError: after others."""
         self._count = int(kept["count"])
+        if self._count != samples * self._looks or (samples and np.isnan(kept["sums"]).any()):
+            raise ValueError(f"rows of {samples} samples were to be read")
         self._angle = kept["angle"]
         *base, self._exchanged = (float(value) for value in kept["sums"])
         self._base = None if np.isnan(base[0]) else tuple(base)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:  # the command asks for the names of models long before anythi
 
 SOLVERS = {  # a scene's `model`: the module whose `make_plan` takes it
     "fem": "fem.solver.finite_elements",
+    "reduced": "fem.solver.reduced",
     "lagrange": "fem.solver.lagrangian",
 }
 BLOCK_SECONDS = 0.2  # wall time between two looks at the samples
@@ -44,6 +45,7 @@ def run(
     ----------
     report : is called after each block
     state : where to go on from; it is kept up to date after each block, before `report`
+    stop : is asked after each block, and within samples that take long; those are then not taken
     keep : gets the fields the scene asks for, each before the sample of its instant
     begin_again : is told why all that was written is void and the run goes on from its start
 
@@ -53,6 +55,7 @@ def run(
     """
     plan.prepare()
     state = plan.first_state() if state is None else state
+    state.stop = stop
     size = 1
     while state.done < plan.n_samples and not stop():
         before = state.wall
@@ -66,8 +69,14 @@ def run(
         if block.begins_again is not None:
             begin_again(block.begins_again)
         report(state.progress)
-        took = state.wall - before
-        size = min(4 * size, LARGEST_BLOCK)
-        if took > 0.0:  # clocks have stood still
-            size = max(1, min(size, int(BLOCK_SECONDS / took * len(block.samples))))
+        if block.samples is not None:
+            size = size_of_block(size, len(block.samples), state.wall - before)
     return state.progress
+
+
+def size_of_block(size: int, found: int, took: float) -> int:
+    """Of the next block, after one of some size in which so many samples were found in so many seconds."""
+    size = min(4 * size, LARGEST_BLOCK)
+    if took > 0.0:  # clocks have stood still
+        size = max(1, min(size, int(BLOCK_SECONDS / took * found)))
+    return size

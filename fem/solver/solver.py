@@ -92,15 +92,20 @@ class RunState(ABC):
         self.wall = 0.0  # s, time loop only
         self.imbalance = 0.0  # of the last sample, over the exchanged energy
         self.void_steps = 0  # of what was begun again
+        self.stop: Callable[[], bool] = lambda: False  # whether an advance that takes long shall leave off
 
     @abstractmethod
     def advance(self, most: int) -> Block:
-        """The next samples, at most so many and at least one; keeps `done`, `wall` and `imbalance` up to date."""
+        """The next samples, at most so many and at least one; keeps `done`, `wall` and `imbalance` up to date.
+
+        None, and the state of the last sample, where `stop` says so on the way.
+        """
 
     @abstractmethod
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
-        """What a checkpoint stores: all arrays that the next steps need, whose names, types and shapes don't change
-        as the run goes on, and whatever JSON can hold."""
+        """What a checkpoint stores: all arrays that the next steps need but for those the plan determines, and
+        whatever JSON can hold. Names, types and shapes don't change as the run goes on; what is a number in the first
+        state is one in all."""
 
     @abstractmethod
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
@@ -108,13 +113,19 @@ class RunState(ABC):
 
         Errors
         ------
-        Any: not what `to_keep` gives.
+        UsageError: of another model. Any other: not what `to_keep` gives.
         """
 
     @property
-    def outcome_attributes(self) -> dict[str, float]:
+    def outcome_attributes(self) -> dict[str, float | str]:
         """Attributes of the result file that the run finds out."""
-        return {"steps": self.progress.steps, "wall_seconds": self.wall}
+        warnings = "\n".join((*self.plan.cautions, *self.cautions))
+        return {"steps": self.progress.steps, "wall_seconds": self.wall, "warnings": warnings}
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """Sentences on what the run has found, told at its end and kept in the result file with the plan's."""
+        return ()
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -160,7 +171,7 @@ class Plan(ABC):
 
     @abstractmethod
     def versions(self) -> dict[str, str]:
-        """Of everything beside the program that decides the bits of a run on one machine."""
+        """Of everything beside the program that decides the bits of a run, the processor included."""
 
     @abstractmethod
     def rows(self) -> dict[str, str]:

@@ -1,0 +1,96 @@
+"""Exact plane-strain series of rings and rollers under tangential tractions, and how far they grow as they spin.
+
+The tangential half of `continuum`, with its conventions: displacement per unit line load, along the push, relative to
+what the body does as a whole.
+"""
+
+from math import log
+
+import numpy as np
+
+from fem.elastic.continuum import DECOUPLED, annulus_modes, hertz_centre, kolosov
+from lagrange.bearing import Material
+
+
+def disc_shear_compliance(n: np.ndarray, radius: float, material: Material) -> np.ndarray:
+    """Tangential displacement of a free solid disc per unit tangential traction sin nθ, less its mean motion.
+
+    Parameters
+    ----------
+    n : ndarray of int, >= 0; for n = 0 a uniform traction, which accelerates the disc's rotation
+
+    Returns
+    -------
+    ndarray, shape of n, m/Pa
+
+    Errors: round-off.
+
+    Source: Muskhelishvili's potentials for n >= 2; for n = 0 and 1 the polynomials r³ and r² cos θ, r² sin θ that
+    balance a uniform angular and linear acceleration.
+    """
+    n = np.asarray(n)
+    mu, lame, kappa = material.lame_mu, material.lame_lambda, kolosov(material)
+    found = (kappa / (n + 1.0) + 1.0 / np.where(n < 2, 1, n - 1)) / (4.0 * mu)
+    found[n == 0] = 1.0 / (6.0 * mu)
+    found[n == 1] = 0.75 / mu - lame / (4.0 * mu * (lame + mu))
+    return radius * found
+
+
+def ring_shear_compliance(n: np.ndarray, loaded_radius: float, held_radius: float, material: Material) -> np.ndarray:
+    """Tangential displacement of an annulus, fixed on one circle, per unit tangential traction sin nθ on the other.
+
+    Parameters and errors as of `continuum.ring_harmonic_compliance`; m/Pa.
+    """
+    n = np.asarray(n)
+    t = held_radius / loaded_radius
+    mu, kappa = material.lame_mu, kolosov(material)
+    found = np.empty(n.shape)
+    found[n == 0] = abs(1.0 / t**2 - 1.0) / (2.0 * mu)
+    far = (n > 1) & (2.0 * np.log(np.maximum(n, 1)) - 2.0 * n * abs(log(t)) < log(DECOUPLED))
+    convexity = 1 if t < 1.0 else -1
+    found[far] = (kappa / (n[far] + convexity) + 1.0 / (n[far] - convexity)) / (4.0 * mu)
+    near = n[(n > 0) & ~far]
+    if near.size:
+        conditions = np.concatenate(
+            (annulus_modes(near, t, t, kappa)[:, :2], annulus_modes(near, 1.0, t, kappa)[:, 2:]), axis=1
+        )
+        weights = np.linalg.solve(conditions, np.array([0.0, 0.0, 0.0, 1.0]).reshape(1, 4, 1))[..., 0]
+        around = np.sum(annulus_modes(near, 1.0, t, kappa)[:, 1, :] * weights, axis=1)
+        found[(n > 0) & ~far] = np.sign(1.0 - t) * around / (2.0 * mu)
+    return loaded_radius * found
+
+
+def disc_shear_approach(radius: float, material: Material, half_width: float) -> float:
+    """Tangential displacement under the centre of a semi-elliptic traction on a free disc, m per N/m."""
+    return hertz_centre(lambda n: disc_shear_compliance(n, radius, material), radius, material, half_width, 1, 1.0)
+
+
+def ring_shear_approach(loaded_radius: float, held_radius: float, material: Material, half_width: float) -> float:
+    """Tangential displacement under the centre of a semi-elliptic traction on a ring held on its other circle."""
+
+    def compliance(n):
+        return ring_shear_compliance(n, loaded_radius, held_radius, material)
+
+    convexity = 1.0 if loaded_radius > held_radius else -1.0
+    return hertz_centre(compliance, loaded_radius, material, half_width, 1, convexity)
+
+
+def spinning_growth(radius: float, held_radius: float, material: Material, speed: float) -> float:
+    """Radial displacement, m, of a free circle of a body that spins at a speed, rad/s.
+
+    `held_radius`, m: a circle that does not give; 0: a solid disc.
+
+    Source: Timoshenko and Goodier, Theory of Elasticity, section 32, in plane strain: u = a r + b/r − ρω² r³/8(λ+2μ).
+    """
+    if material.rigid:
+        return 0.0
+    mu, lame = material.lame_mu, material.lame_lambda
+    cubic = -material.density * speed**2 / (8.0 * (lame + 2.0 * mu))
+    # σ_rr = (λ + 2μ) u' + λ u/r, nothing at `radius`
+    stress = [2.0 * (lame + mu), -2.0 * mu / radius**2, (3.0 * (lame + 2.0 * mu) + lame) * cubic * radius**2]
+    if held_radius == 0.0:
+        a, b = -stress[2] / stress[0], 0.0
+    else:
+        matrix = [stress[:2], [held_radius, 1.0 / held_radius]]
+        a, b = np.linalg.solve(matrix, [-stress[2], -cubic * held_radius**3])
+    return float(a * radius + b / radius + cubic * radius**3)

@@ -1,0 +1,185 @@
+"""The time loop of the reduced model: leapfrog steps of rigid bodies on elastic contacts without mass."""
+
+from fem.kernels.drive_kernels import radial_load_at
+from fem.kernels.jit import kernel, part
+from fem.kernels.law import contact_energy
+from fem.kernels.reduced_contacts import estimate_forces, kick, press_neighbours, set_right
+from fem.kernels.reduced_state import INNER, NEXT, OUTER
+from fem.kernels.sample_kernels import (
+    CONTACT,
+    DISSIPATED,
+    ELASTIC,
+    HUB_AX,
+    HUB_AY,
+    HUB_VX,
+    HUB_VY,
+    HUB_X,
+    HUB_Y,
+    KINETIC,
+    N_SCALARS,
+    TIME,
+    WORK_DRIVE,
+    WORK_GRAVITY,
+    WORK_LOAD,
+)
+from fem.kernels.time_loop import DONE, FASTEST, NOT_FINITE
+
+TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach
+
+
+@kernel(nogil=True)
+def advance_reduced(bodies, compliance, forces, drive, before, first_step, stride, samples):
+    """Fill `samples`, one row each `stride` steps, starting with the state as it is; leaves the state after them.
+
+    Rows are those of the finite elements, `sample_kernels.write_sample`.
+
+    Returns (status, step, body): DONE, or NOT_FINITE with the step and the body (roller j, or −1 the hub).
+    """
+    step = first_step
+    for row in range(samples.shape[0]):
+        for inside in range(stride):
+            time = step * drive.dt
+            _remember(bodies, before)
+            estimate_forces(bodies, compliance, forces)
+            hub_x, hub_y = set_right(bodies, compliance, forces)
+            radial_load = radial_load_at(drive, time)
+            before.hub_acceleration[0] = hub_x / bodies.hub_mass
+            before.hub_acceleration[1] = (hub_y - radial_load) / bodies.hub_mass - drive.gravity
+            given = drive.sums[1]
+            press_neighbours(bodies, compliance, forces, drive, before, 2.0 * bodies.radius * TOUCHING)
+            hub_x, hub_y = kick(bodies, compliance, forces, drive, before)
+            over = drive.dt / bodies.hub_mass
+            bodies.hub_velocity[0] += over * hub_x
+            bodies.hub_velocity[1] += over * (hub_y - radial_load) - drive.gravity * drive.dt
+            if inside == 0:
+                out = samples[row]
+                _write_motion(bodies, forces, drive, before, out, time)
+                _write_energies(bodies, compliance, forces, drive, before, out, radial_load)
+                half = 0.5 * drive.dt * radial_load
+                out[WORK_LOAD] = drive.sums[0] - half * before.hub_velocity[1]
+                out[WORK_DRIVE] = 0.5 * (given + drive.sums[1])
+                out[DISSIPATED] = drive.sums[2]
+            work = before.hub_velocity[1] + bodies.hub_velocity[1]
+            drive.sums[0] -= 0.5 * drive.dt * radial_load * work
+            if time < drive.ramp:  # the potential of forces taken ahead changes with the load
+                grown = radial_load_at(drive, time + drive.dt) - radial_load
+                drive.sums[0] += drive.dt * drive.dt / 12.0 * before.hub_acceleration[1] * grown
+            _drift(bodies, drive.dt)
+            step += 1
+            body = _lost(bodies)
+            if body != -2:
+                return NOT_FINITE, step, body
+    return DONE, step, -2
+
+
+@part
+def _remember(bodies, before):
+    """Keep the velocities before a kick: a sample needs those of both half steps."""
+    for component in range(2):
+        before.hub_velocity[component] = bodies.hub_velocity[component]
+        for j in range(bodies.columns):
+            before.velocity[component, j] = bodies.velocity[component, j]
+    for j in range(bodies.columns):
+        before.spin[j] = bodies.spin[j]
+
+
+@part
+def _drift(bodies, dt):
+    for component in range(2):
+        bodies.hub[component] += dt * bodies.hub_velocity[component]
+        for j in range(bodies.columns):
+            bodies.centre[component, j] += dt * bodies.velocity[component, j]
+    for j in range(bodies.columns):
+        bodies.turn[j] += dt * bodies.spin[j]
+
+
+@part
+def _lost(bodies):
+    """The first body whose velocity is not a number or absurd, or −2."""
+    if not abs(bodies.hub_velocity[0]) + abs(bodies.hub_velocity[1]) < FASTEST:
+        return -1
+    for j in range(bodies.n):
+        if not abs(bodies.velocity[0, j]) + abs(bodies.velocity[1, j]) < FASTEST:
+            return j
+    return -2
+
+
+@part(inlined=False)
+def _write_motion(bodies, forces, drive, before, out, time):
+    out[TIME] = time
+    out[HUB_X], out[HUB_Y] = bodies.hub[0], bodies.hub[1]
+    vx, vy = before.hub_velocity[0], before.hub_velocity[1]
+    out[HUB_VX], out[HUB_VY] = 0.5 * (vx + bodies.hub_velocity[0]), 0.5 * (vy + bodies.hub_velocity[1])
+    out[HUB_AX], out[HUB_AY] = (bodies.hub_velocity[0] - vx) / drive.dt, (bodies.hub_velocity[1] - vy) / drive.dt
+    n = bodies.n
+    for j in range(n):
+        at = N_SCALARS + j
+        out[at] = bodies.centre[0, j]
+        out[at + n] = bodies.centre[1, j]
+        out[at + 2 * n] = bodies.turn[j]
+        out[at + 3 * n] = 0.5 * (before.spin[j] + bodies.spin[j])
+        for row in range(3):
+            out[at + (4 + row) * n] = forces.force[row, j]
+        for row in range(2):
+            out[at + (7 + row) * n] = forces.traction[row, j]
+
+
+@part
+def _curved(bodies, forces, drive, before, row, j):
+    """Part of the energy that steps along a chord conserve, J: the force times half the rise between chord and circle.
+
+    Work at both ends of a step, along normals that turn by v dt/ρ, is the force's times the change of its overlap but
+    for ¼·(v² dt²/ρ)·(the change of the force).
+    """
+    nx, ny = forces.normal[row, 0, j], forces.normal[row, 1, j]
+    x, y = bodies.centre[0, j], bodies.centre[1, j]
+    vx, vy = before.velocity[0, j] + bodies.velocity[0, j], before.velocity[1, j] + bodies.velocity[1, j]
+    if row == INNER:
+        x, y = x - bodies.hub[0], y - bodies.hub[1]
+        vx -= before.hub_velocity[0] + bodies.hub_velocity[0]
+        vy -= before.hub_velocity[1] + bodies.hub_velocity[1]
+    along = 0.5 * drive.dt * (vy * nx - vx * ny)
+    risen = 0.25 * along * along / (x * nx + y * ny) * forces.force[row, j]
+    return -risen if row == INNER else risen
+
+
+@part(inlined=False)
+def _write_energies(bodies, compliance, forces, drive, before, out, radial_load):
+    """Kinetic energy as leapfrog conserves it, ½ v(t − dt/2)·M·v(t + dt/2), and all elastic energy as the contacts'."""
+    hub, mass, n = bodies.hub_velocity, bodies.mass, bodies.n
+    kinetic = bodies.hub_mass * (before.hub_velocity[0] * hub[0] + before.hub_velocity[1] * hub[1])
+    ax, ay = before.hub_acceleration[0], before.hub_acceleration[1]
+    pull = bodies.hub_mass * drive.gravity + radial_load
+    pulled = bodies.hub_mass * (ax * ax + ay * ay) + 2.0 * pull * ay
+    height, stored = bodies.hub_mass * bodies.hub[1], 0.0
+    for j in range(n):
+        for component in range(2):
+            kinetic += mass * before.velocity[component, j] * bodies.velocity[component, j]
+            pulled += mass * before.acceleration[component, j] ** 2
+        pulled += 2.0 * mass * drive.gravity * before.acceleration[1, j]
+        kinetic += bodies.inertia * before.spin[j] * bodies.spin[j]
+        height += mass * bodies.centre[1, j]
+        stored += _stored(compliance.inner, compliance, forces, INNER, j)
+        stored += _stored(compliance.outer, compliance, forces, OUTER, j)
+        stored += _stored(compliance.between, compliance, forces, NEXT, j)
+        stored += compliance.across * forces.force[INNER, j] * forces.force[OUTER, j]
+        stored += _curved(bodies, forces, drive, before, INNER, j) + _curved(bodies, forces, drive, before, OUTER, j)
+        for k in range(compliance.distance.size):
+            i = j + compliance.distance[k]
+            i = i + n if i < 0 else i - n if i >= n else i
+            for row in range(2):
+                stored += 0.5 * compliance.along[row, k] * forces.force[row, j] * forces.force[row, i]
+    out[KINETIC] = 0.5 * kinetic
+    out[ELASTIC] = 0.0
+    # forces f from outside take the contacts ahead as well: what steps conserve holds dt²/24 Σ (m a − 2f)·a more
+    out[CONTACT] = stored + drive.dt * drive.dt / 24.0 * pulled
+    out[WORK_GRAVITY] = -drive.gravity * height
+
+
+@part
+def _stored(law, compliance, forces, row, j):
+    """Energy of one contact's own law, J, and of its traction."""
+    T = forces.traction[row, j]
+    if forces.force[row, j] == 0.0:
+        return 0.0
+    return contact_energy(forces.force[row, j], law.A, law.B, law.Q_line) + 0.5 * compliance.tangential[row] * T * T

@@ -1,0 +1,87 @@
+"""State of the reduced model: rigid bodies, and contacts between bodies whose elasticity has no mass.
+
+Named tuples of arrays, for kernels. Rollers are lanes: `columns` is their number rounded up to WIDTH, entries of spare
+ones mean nothing. SI throughout.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.kernels.state import Law
+
+# rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
+INNER, OUTER, NEXT = 0, 1, 2
+
+
+class RigidBodies(NamedTuple):
+    """The hub with the inner ring, and the rollers."""
+
+    hub: np.ndarray  # (2,), m
+    hub_velocity: np.ndarray  # (2,), m/s, at t − dt/2
+    centre: np.ndarray  # (2, columns), m
+    velocity: np.ndarray  # (2, columns), m/s, at t − dt/2
+    turn: np.ndarray  # (columns,), rad
+    spin: np.ndarray  # (columns,), rad/s, at t − dt/2
+    hub_mass: float  # kg
+    mass: float  # kg, of a roller
+    inertia: float  # kg m²
+    radius: float  # m, of a roller, undeformed
+    n: int
+    columns: int
+
+
+class Compliance(NamedTuple):
+    """How contacts give way, by their own laws and by the forces on other contacts of the same body."""
+
+    inner: Law
+    outer: Law
+    between: Law  # of two rollers
+    reach: float  # m, distance of centres at which a roller, grown by its spin, touches the grown inner ring
+    track: float  # m, and the outer ring
+    across: float  # m/N, approach of a roller's contact by the force on its other one
+    distance: np.ndarray  # (neighbours,), in rollers, of contacts that are felt along a ring: −1, 1, −2 ...
+    along: np.ndarray  # (2, neighbours), m/N
+    tangential: np.ndarray  # (3,), m/N, of contacts that stick
+
+
+class ReducedForces(NamedTuple):
+    """Contacts by row and roller. Arrays with a halo repeat a ring's other end on either side."""
+
+    force: np.ndarray  # (3, columns), N
+    approach: np.ndarray  # (3, columns), m, of the law; NaN: not known
+    kick: np.ndarray  # (3, columns), N, what the last kick gave
+    residual: np.ndarray  # (3, columns), J, stored beyond what kicks have taken: see `law.kick_force`
+    traction: np.ndarray  # (3, columns), N, on the roller along +θ, or on the next roller
+    fastest: np.ndarray  # (WIDTH,), N, by lane, the most that a force has changed in a step
+    guess: np.ndarray  # (2, columns + 2 halo), N, the forces expected of this step
+    gained: np.ndarray  # (2, columns + 2 halo), N, what they turn out beyond that
+    first: np.ndarray  # (2, columns), m, approach by the guess; room
+    estimate: np.ndarray  # (2, columns), N, its force; room
+    stiffness: np.ndarray  # (2, columns), N/m; room
+    normal: np.ndarray  # (2, 2, columns), outward; room
+    halo: int
+
+
+class ReducedDrive(NamedTuple):
+    """What acts from outside, and works so far."""
+
+    sums: np.ndarray  # (3,), J: work of the load, of the drive, dissipated work
+    speed: float  # rad/s
+    gravity: float  # m/s²
+    dt: float
+    radial_load: float  # N
+    ramp: float  # s, 0: full load at once
+    friction: float
+    inner_radius: float  # m, of the raceways
+    outer_radius: float
+
+
+class Before(NamedTuple):
+    """Velocities before a kick, and accelerations by conservative forces in it: what a sample needs of a step."""
+
+    hub_velocity: np.ndarray  # (2,)
+    velocity: np.ndarray  # (2, columns)
+    spin: np.ndarray  # (columns,)
+    acceleration: np.ndarray  # (2, columns), m/s²
+    hub_acceleration: np.ndarray  # (2,)

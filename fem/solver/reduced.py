@@ -1,0 +1,159 @@
+"""The reduced model as a solver: rigid bodies on contacts that give way as whole elastic bodies do, but without mass.
+
+Elasticity comes from the exact series of rings and rollers, so there is no mesh. Steps are some fifteen times those of
+finite elements, which must follow elastic waves, and each takes a small part of one: a run is faster than the bearing.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import version
+from math import ceil, sqrt
+
+import numpy as np
+
+from fem.errors import UsageError
+from fem.kernels import jit, kernel_cache
+from fem.solver.cautions import cautions
+from fem.solver.compiling import load_compiled
+from fem.solver.limits import check_rollers, check_speed, check_widths
+from fem.solver.processor import processor
+from fem.solver.reduced_state import ReducedState
+from fem.solver.row_state import LONGEST_UNWATCHED
+from fem.solver.solver import Plan, sample_count
+from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
+from fem.statics.reduced_start import ReducedStart, equilibrium_start, rest_start
+from lagrange import Operation, kinematics
+from lagrange.scene import Scene
+
+LOAD_MARGIN = 10.0  # contacts are as stiff as at this many times the largest static force
+SHARE = 0.7  # of the critical step, at a safety of 1: beyond, contacts that open and close gain energy
+# one thread of a 2024 server core; only a guide
+SECONDS_PER_LANES = 0.2e-6  # eight rollers
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedPlan(Plan):
+    """A bearing reduced to its contacts, its start and its time steps."""
+
+    scene: Scene
+    model: ReducedBearing
+    operation: Operation
+    tangential: np.ndarray  # (3,), m/N, of contacts that stick under the largest static force
+    start: ReducedStart
+    critical_time_step: float  # s
+    stride: int  # steps between samples
+    looks: int  # at the energy per sample
+    n_samples: int
+    cautions: tuple[str, ...] = ()
+    model_name = "reduced model"
+
+    @property
+    def interval(self) -> float:
+        """Between samples, s."""
+        return 1e-6 * self.scene.numerics.output_interval_us
+
+    @property
+    def time_step(self) -> float:
+        return self.interval / self.stride
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Two of the hub, three of each roller."""
+        return 2 + 3 * self.model.bearing.n_rollers
+
+    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
+        """Compile the time loop, or load it compiled, without taking a step."""
+        load_compiled(lambda: self.first_state().take_steps(0), tell)
+
+    def first_state(self) -> ReducedState:
+        return ReducedState(self)
+
+    def versions(self) -> dict[str, str]:
+        return {"kernels": jit.version(), "numba": version("numba"), **processor()}
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return tuple(kernel_cache.remarks)
+
+    def error_estimate(self):
+        from fem.solver.reduced_estimate import reduced_estimate
+
+        return reduced_estimate(self)
+
+    def rows(self) -> dict[str, str]:
+        steps = self.stride * (self.n_samples - 1)
+        seconds = SECONDS_PER_LANES * ceil(self.model.bearing.n_rollers / 8) * steps
+        start = self.start
+        force = float(max(start.inner_force.max(), start.outer_force.max()))
+        return {
+            "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies without mass",
+            "time step": f"{1e6 * self.time_step:.3g} µs ({self.time_step / self.critical_time_step:.2f} of the "
+            f"critical {1e6 * self.critical_time_step:.3g} µs)",
+            "steps": f"{steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
+            "samples": f"{self.n_samples}, one each {self.stride} steps",
+            "expected time": f"about {seconds:.2g} s",
+            "largest static contact force": f"{force:.1f} N, "
+            f"{1e-6 * self.model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
+        }
+
+
+def make_plan(scene: Scene) -> ReducedPlan:
+    """Reduce a bearing to its contacts, solve the start, find the step.
+
+    Errors
+    ------
+    UsageError: balls, rigid bodies or a contact model that needs a mesh; no equilibrium under the load.
+    """
+    _check(scene)
+    bearing, operation, numerics = scene.ideal_bearing(), scene.ideal_operation(), scene.numerics
+    ideal = kinematics(bearing, operation.speed)
+    model = reduced_bearing(bearing, ideal)
+    check_speed(model, ideal)
+    loaded = equilibrium_start(model, operation)
+    static = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()))
+    check_widths(bearing, static)
+    load = operation.radial_load + operation.inner_mass * operation.gravity
+    largest = max(static, 5.0 * load / bearing.n_rollers, 1.0)
+    tangential = tangential_compliance(bearing, largest)
+    critical = critical_time_step(model, LOAD_MARGIN * largest, tangential)
+    interval = 1e-6 * numerics.output_interval_us
+    steps = max(1, ceil(interval / (SHARE * numerics.time_step_safety * critical) * (1.0 - 1e-12)))
+    looks = ceil(steps / LONGEST_UNWATCHED)
+    return ReducedPlan(
+        scene=scene,
+        model=model,
+        operation=operation,
+        tangential=tangential,
+        start=rest_start(model, operation) if numerics.start == "rest" else loaded,
+        critical_time_step=critical,
+        stride=looks * ceil(steps / looks),
+        looks=looks,
+        n_samples=sample_count(scene),
+        cautions=cautions(model, operation, loaded, interval),
+    )
+
+
+def _check(scene: Scene) -> None:
+    check_rollers(scene)
+    if scene.bodies.rigid:
+        raise UsageError(
+            f'bodies.{scene.bodies.rigid[0]} = "rigid": the reduced model takes elastic bodies alone; leave it out, or '
+            'take model = "fem"'
+        )
+    if scene.contact.model != "subgrid":
+        raise UsageError(
+            f'contact.model = "{scene.contact.model}" is of meshes, and the reduced model has none; leave it out, or '
+            'take model = "fem"'
+        )
+
+
+def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray) -> float:
+    """2/ω_max, s, of a roller with all its contacts closed under a force, N, that stick."""
+    bearing = model.bearing
+    soft = np.array([law.softness(force) for law in (model.inner_law, model.outer_law)])
+    stiff = np.linalg.inv([[soft[0], model.across], [model.across, soft[1]]])
+    pushed = np.array([-1.0, 1.0])
+    radial = float(pushed @ stiff @ pushed) + 2.0 / float(model.between.softness(force))
+    # of a traction the roller's own surface gives way by 3/m, and the other contact's by −1/m
+    rocking = 4.0 / float(tangential.min())
+    return 2.0 / sqrt(max(radial, rocking) / bearing.roller_mass)

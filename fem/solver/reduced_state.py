@@ -1,0 +1,236 @@
+"""The reduced model's state: the arrays of its time loop."""
+
+import hashlib
+from dataclasses import replace
+from math import ceil
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem.contacts.contact_law import ContactLaw
+from fem.kernels.reduced_loop import advance_reduced
+from fem.kernels.reduced_state import INNER, OUTER, Before, Compliance, ReducedDrive, ReducedForces, RigidBodies
+from fem.kernels.simd import WIDTH
+from fem.kernels.state import Law
+from fem.solver.row_state import LONGEST_UNWATCHED, RowState
+from fem.solver.samples import SampleReader
+from fem.solver.solver import Block, Numbers
+from lagrange import Bearing
+from lagrange.overlap import touching_distances
+
+if TYPE_CHECKING:
+    from fem.solver.reduced import ReducedPlan
+
+
+LIMIT = 1e-3  # of the exchanged energy: what a run's balance may be off by
+MOST_HALVINGS = 4  # of the time step
+
+
+# of the largest force in one vibration of the bodies: beyond, forces of random bearings were off by up to 6 %, beyond
+# 1 by up to a factor of 2; below both by 2 % at most
+SHOCK, HARD_SHOCK = 0.15, 1.0
+
+
+class ReducedState(RowState):
+    """Rigid bodies and contacts. A run whose energy does not balance to LIMIT begins again with half the step.
+
+    What opens and closes at once is all that takes such steps: rollers that rattle without friction.
+    """
+
+    def __init__(self, plan: "ReducedPlan"):
+        super().__init__(plan)
+        self._whole = plan
+        self._halvings = 0
+        self._begin()
+
+    def _begin(self) -> None:
+        stride = self._whole.stride * 2**self._halvings
+        looks = ceil(stride / LONGEST_UNWATCHED)
+        self.plan = plan = replace(self._whole, stride=stride, looks=looks)
+        self.reader = SampleReader(plan)
+        self._worst = 0.0  # J, the largest imbalance so far
+        self.bodies, self.compliance = _bodies(plan), _compliance(plan)
+        columns = self.bodies.columns
+        self.forces, self.drive = _forces(plan, columns), _drive(plan)
+        self._before = Before(
+            hub_velocity=np.zeros(2),
+            velocity=np.zeros((2, columns)),
+            spin=np.zeros(columns),
+            acceleration=np.zeros((2, columns)),
+            hub_acceleration=np.zeros(2),
+        )
+
+    def advance(self, most: int) -> Block:
+        block = super().advance(most)
+        samples = block.samples
+        balanced = True
+        if samples is not None and len(samples):
+            self._worst = max(self._worst, float(np.abs(samples.imbalance).max()))
+            balanced = self._worst <= LIMIT * float(samples.exchanged[-1])
+        at_end = self.done == self.plan.n_samples
+        if self._halvings >= MOST_HALVINGS or not (block.trouble or (at_end and not balanced)):
+            return block
+        step, self.void_steps = self.plan.time_step, self.void_steps + self.progress.steps
+        self._halvings += 1
+        self.done, self.imbalance = 0, 0.0
+        self._begin()
+        reason = f"energy does not balance to {LIMIT:g} of what is exchanged with steps of {1e6 * step:.3g} µs"
+        return Block(samples=samples, begins_again=f"{reason}; the run begins again with half of it")
+
+    @property
+    def shock(self) -> float:
+        """The most that a force has changed in a vibration of the bodies' own, over the largest force."""
+        rate = float(self.forces.fastest.max()) / self.plan.time_step
+        return rate * slowest_vibration(self.plan.model.bearing) / max(float(self._largest.max()), 1e-30)
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        found = super().cautions
+        if self.shock < SHOCK:
+            return found
+        off = "tens of per cent" if self.shock > HARD_SHOCK else "several per cent"
+        return (
+            *found,
+            f"contact forces have changed by {self.shock:.2g} times the largest within one vibration of the bodies: "
+            f"elastic waves, which the reduced model lacks, take part, and forces may be off by {off}; where they "
+            'matter take model = "fem"',
+        )
+
+    @property
+    def outcome_attributes(self) -> dict[str, float]:
+        return super().outcome_attributes | {"time_step": self.plan.time_step}
+
+    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
+        arrays, numbers = super().to_keep()
+        return arrays, numbers | {"halvings": self._halvings, "worst": self._worst}
+
+    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+        halvings = int(numbers["halvings"])
+        if not 0 <= halvings <= MOST_HALVINGS:
+            raise ValueError(f"{halvings} halvings of the step")
+        self._halvings = halvings
+        self._begin()
+        self._worst = float(numbers["worst"])
+        super().take_back(arrays, numbers)
+
+    def named_arrays(self) -> dict[str, np.ndarray]:
+        found: dict[str, np.ndarray] = {}
+        for place, group in (("bodies", self.bodies), ("forces", self.forces), ("drive", self.drive)):
+            arrays = {name: value for name, value in group._asdict().items() if isinstance(value, np.ndarray)}
+            found |= {f"{place}.{name}": array for name, array in arrays.items()}
+        return found
+
+    def digest(self) -> str:
+        text = hashlib.sha256()
+        for group in (self.compliance.inner, self.compliance.outer, self.compliance.between, self.compliance):
+            for value in group:
+                text.update(np.asarray(value).tobytes() if not isinstance(value, tuple) else b"")
+        return text.hexdigest()
+
+    def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
+        return advance_reduced(self.bodies, self.compliance, self.forces, self.drive, self._before, first, stride, rows)
+
+
+def slowest_vibration(bearing: Bearing) -> float:
+    """Period, s, of the slowest free vibration of a roller, or of a ring through its thickness.
+
+    A disc's ovalling takes 5.1 diameters of the dilatational wave's way at a Poisson's ratio of 0.3; a layer that is
+    held on one side takes four thicknesses.
+
+    Source: Love, A Treatise on the Mathematical Theory of Elasticity (1927), section 263, for the disc.
+    """
+    ways = (
+        (5.1 * 2.0 * bearing.roller_radius, bearing.roller),
+        (4.0 * (bearing.inner_raceway_radius - bearing.bore_radius), bearing.inner_ring),
+        (4.0 * (bearing.outside_radius - bearing.outer_raceway_radius), bearing.outer_ring),
+    )
+    return max(way / material.dilatational_wave_speed for way, material in ways)
+
+
+def _bodies(plan: "ReducedPlan") -> RigidBodies:
+    """Everything that moves, half a step behind in velocity."""
+    bearing, start, dt = plan.model.bearing, plan.start, plan.time_step
+    n = bearing.n_rollers
+    columns = -(-n // WIDTH) * WIDTH
+    radial = np.array([np.cos(start.angle), np.sin(start.angle)])
+    around = np.array([-radial[1], radial[0]])
+    cage, half = start.kinematics.cage, 0.5 * dt if start.steady else 0.0
+    bodies = RigidBodies(
+        hub=start.hub.copy(),
+        hub_velocity=start.hub_velocity.copy(),
+        centre=np.zeros((2, columns)),
+        velocity=np.zeros((2, columns)),
+        turn=np.zeros(columns),
+        spin=np.zeros(columns),
+        hub_mass=float(plan.operation.inner_mass),
+        mass=float(bearing.roller_mass),
+        inertia=float(0.5 * bearing.roller_mass * bearing.roller_radius**2),
+        radius=float(bearing.roller_radius),
+        n=n,
+        columns=columns,
+    )
+    bodies.centre[:, :n] = start.rho * radial
+    bodies.velocity[:, :n] = start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial
+    bodies.spin[:n] = start.kinematics.roller
+    return bodies
+
+
+def _compliance(plan: "ReducedPlan") -> Compliance:
+    model = plan.model
+    reach, track = touching_distances(model.bearing)
+    return Compliance(
+        inner=_law(model.inner_law),
+        outer=_law(model.outer_law),
+        between=_law(model.between),
+        reach=float(reach + model.inner_growth + model.roller_growth),
+        track=float(track - model.roller_growth),
+        across=model.across,
+        distance=model.distance,
+        along=model.along,
+        tangential=plan.tangential,
+    )
+
+
+def _law(law: ContactLaw) -> Law:
+    return Law(law.A, law.B, law.Q_line, law.pair.half_width_factor, 1.0 / law.pair.relative_radius)
+
+
+def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
+    n, start = plan.model.bearing.n_rollers, plan.start
+    halo = int(np.abs(plan.model.distance).max(initial=0))
+    found = ReducedForces(
+        force=np.zeros((3, columns)),
+        approach=np.full((3, columns), np.nan),
+        kick=np.zeros((3, columns)),
+        residual=np.zeros((3, columns)),
+        traction=np.zeros((3, columns)),
+        fastest=np.zeros(WIDTH),
+        guess=np.zeros((2, columns + 2 * halo)),
+        gained=np.zeros((2, columns + 2 * halo)),
+        first=np.zeros((2, columns)),
+        estimate=np.zeros((2, columns)),
+        stiffness=np.zeros((2, columns)),
+        normal=np.zeros((2, 2, columns)),
+        halo=halo,
+    )
+    for row, force in ((INNER, start.inner_force), (OUTER, start.outer_force)):
+        found.force[row, :n] = force
+        at = np.arange(-halo, n + halo)
+        found.guess[row, : n + 2 * halo] = force[at % n]
+    return found
+
+
+def _drive(plan: "ReducedPlan") -> ReducedDrive:
+    bearing: Bearing = plan.model.bearing
+    numerics, operation = plan.scene.numerics, plan.operation
+    return ReducedDrive(
+        sums=np.zeros(3),
+        speed=float(operation.speed),
+        gravity=float(operation.gravity),
+        dt=float(plan.time_step),
+        radial_load=float(operation.radial_load),
+        ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
+        friction=float(plan.scene.contact.friction_coefficient),
+        inner_radius=float(bearing.inner_raceway_radius),
+        outer_radius=float(bearing.outer_raceway_radius),
+    )

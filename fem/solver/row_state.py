@@ -1,0 +1,136 @@
+"""States that a compiled time loop advances, writing rows that are looked at as they come."""
+
+import time
+from abc import abstractmethod
+
+import numpy as np
+
+from fem.errors import UsageError
+from fem.kernels import time_loop
+from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
+from fem.solver.cautions import largest_forces, run_cautions
+from fem.solver.guards import energy_trouble, good_rows, n_balanced, n_in_place, place_trouble, velocity_trouble
+from fem.solver.samples import SampleReader
+from fem.solver.simulate import LARGEST_BLOCK, size_of_block
+from fem.solver.solver import Block, Numbers, Plan, RunState
+
+LONGEST_UNWATCHED = 100  # steps between two looks at the energy
+
+
+class RowState(RunState):
+    """Arrays that kernels change in place, and the reader of their rows.
+
+    Its plan has `looks` at the energy per sample, `stride` steps between samples, and what `guards` ask of it.
+    """
+
+    def __init__(self, plan: Plan):
+        super().__init__(plan)
+        self.reader = SampleReader(plan)
+        self._largest = np.zeros(3)  # N, so far: see `largest_forces`
+
+    @property
+    def steps_per_sample(self) -> int:
+        return self.plan.stride
+
+    @abstractmethod
+    def named_arrays(self) -> dict[str, np.ndarray]:
+        """All arrays that a run changes and the next steps need, as views."""
+
+    @abstractmethod
+    def digest(self) -> str:
+        """Of all that the steps need and no run changes."""
+
+    @abstractmethod
+    def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
+        """From step `first` on fill rows, one each `stride` steps: the kernel's status, and step and body where it is
+        not DONE."""
+
+    def check(self) -> None:
+        """Refuse arrays that kernels can't take. ValueError."""
+
+    def frame(self):
+        """The fields at the next sample, which the scene asks for."""
+        return None
+
+    def take_steps(self, n_rows: int, before: int = 0) -> tuple[np.ndarray, int, int, int]:
+        """Advance the arrays by so many rows: them, the kernel's status, and step and body where it is not DONE.
+
+        `before`: rows since the last sample.
+        """
+        plan = self.plan
+        rows, stride = np.zeros((n_rows, self._row_width)), plan.stride // plan.looks
+        return rows, *self.step_rows(self.done * plan.stride + before * stride, stride, rows)
+
+    @property
+    def _row_width(self) -> int:
+        return N_SCALARS + len(BLOCKS) * self.plan.model.bearing.n_rollers
+
+    def _take_long_sample(self) -> tuple[np.ndarray, int, int, int] | None:
+        """One sample in parts, between which the run can be stopped: then None, and the arrays are as before."""
+        looks, kept = self.plan.looks, {name: array.copy() for name, array in self.named_arrays().items()}
+        whole, done, size = np.zeros((looks, self._row_width)), 0, 1
+        while True:
+            began = time.perf_counter()
+            rows, status, step, body = self.take_steps(min(size, looks - done), done)
+            whole[done : done + len(rows)] = rows
+            done += len(rows)
+            if status != time_loop.DONE or done == looks:
+                return whole[:done], status, step, body
+            if self.stop():
+                for name, array in self.named_arrays().items():
+                    array[...] = kept[name]
+                return None
+            size = size_of_block(size, len(rows), time.perf_counter() - began)
+
+    def advance(self, most: int) -> Block:
+        plan, frame = self.plan, None
+        most = min(most, LARGEST_BLOCK // plan.looks or 1)
+        if plan.frame_stride:  # between two samples the state is that of the one to come
+            since = self.done % plan.frame_stride
+            most = min(most, plan.frame_stride - since)
+            if since == 0:
+                frame = self.frame()
+        began = time.perf_counter()
+        taken = self._take_long_sample() if most == 1 < plan.looks else self.take_steps(plan.looks * most)
+        self.wall += time.perf_counter() - began
+        if taken is None:
+            return Block()
+        rows, status, step, body = taken
+        samples, trouble = None, None
+        if status != time_loop.DONE:
+            rows, trouble = rows[: good_rows(rows)], velocity_trouble(plan, step, body)
+        if len(rows):
+            looked = self.reader.read(rows)
+            balanced, in_place = n_balanced(looked), n_in_place(plan, looked)
+            self.imbalance = float(looked.relative_imbalance()[min(balanced, len(looked) - 1)])
+            sound = looked.first(min(balanced, in_place))
+            self._largest = np.maximum(self._largest, largest_forces(sound))
+            samples = sound.every(plan.looks)
+            self.done += len(samples)
+            if in_place < balanced:
+                trouble = place_trouble(plan, looked, in_place)
+            elif balanced < len(rows):
+                trouble = energy_trouble(plan, looked, balanced)
+        return Block(samples=samples, frame=frame, trouble=trouble)
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        return run_cautions(self.plan.model.bearing, self._largest)
+
+    def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
+        arrays = self.named_arrays() | {f"reader.{name}": value for name, value in self.reader.to_keep().items()}
+        return arrays | {"largest": self._largest}, {"model": self.digest()}
+
+    def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+        if numbers["model"] != self.digest():
+            raise UsageError(
+                "its meshes and matrices are not those computed here; go on where it was written, or start again "
+                "without --resume"
+            )
+        for name, own in self.named_arrays().items():
+            own[...] = arrays[name]
+        self.check()
+        if np.any(arrays["largest"] < 0.0):
+            raise ValueError("forces that pull")
+        self._largest = arrays["largest"]
+        self.reader.take_back({name: arrays[f"reader.{name}"] for name in self.reader.to_keep()}, self.done)

@@ -1,0 +1,143 @@
+"""A bearing reduced to its contacts for dynamics: exact series for every body, in steady rolling motion."""
+
+from dataclasses import dataclass
+from math import log
+from typing import ClassVar
+
+import numpy as np
+
+from fem.contacts.contact_law import ContactLaw
+from fem.elastic.continuum import disc_hertz_approach
+from fem.elastic.kept import kept
+from fem.elastic.tangential import disc_shear_approach, ring_shear_approach, spinning_growth
+from fem.statics.contact_balance import Condensed
+from fem.statics.exact_statics import HALF_WIDTH, exact_contacts
+from lagrange import Bearing, Kinematics
+from lagrange.kinematics import roller_angles
+from lagrange.pair import Pair, contact_pairs
+
+FAINT = 1e-6  # of a contact's own compliance: a neighbour's force that moves it less is left out
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedBearing:
+    """Compliances of the contacts; rollers at equal angles."""
+
+    contacts: Condensed  # at rest, rollers from angle 0 on; `closing` by the growth of spinning bodies
+    between: ContactLaw  # of two rollers
+    distance: np.ndarray  # (neighbours,), in rollers, whose forces are felt along a ring
+    along: np.ndarray  # (2, neighbours), m/N
+    across: float  # m/N
+    inner_growth: float  # m, of the inner raceway as it spins
+    roller_growth: float
+
+    failure_hint: ClassVar[str] = ""
+
+    @property
+    def bearing(self) -> Bearing:
+        return self.contacts.bearing
+
+    @property
+    def inner_law(self) -> ContactLaw:
+        return self.contacts.inner_law
+
+    @property
+    def outer_law(self) -> ContactLaw:
+        return self.contacts.outer_law
+
+    def give(self, load: float) -> float:
+        """How far a sound contact gives way under the load at the hub, N, beyond what elastic bodies do, m."""
+        return 0.0
+
+    def at(self, radial: np.ndarray) -> Condensed:
+        """The contacts with rollers in directions, (n_rollers, 2)."""
+        old = self.contacts
+        return Condensed(
+            bearing=old.bearing, radial=radial, inner_law=old.inner_law, outer_law=old.outer_law,
+            compliance=old.compliance, closing=old.closing,
+        )  # fmt: skip
+
+
+def reduced_bearing(bearing: Bearing, motion: Kinematics) -> ReducedBearing:
+    """Reduce a bearing that rolls.
+
+    Errors
+    ------
+    As of `exact_statics`. Compliances between contacts are those of rollers at equal angles; the rollers' own growth is
+    that of their rolling speed.
+    """
+    contacts = _kept_contacts(bearing)
+    n, own = bearing.n_rollers, contacts.inner_law.A
+    distance = np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
+    along = np.array([[contacts.compliance[row * n, row * n + d % n] for d in distance] for row in range(2)])
+    felt = np.abs(along).max(axis=0) > FAINT * own
+    pairs = contact_pairs(bearing)
+    inner_growth = spinning_growth(bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring, motion.shaft)
+    roller_growth = spinning_growth(bearing.roller_radius, 0.0, bearing.roller, motion.roller)
+    closing = np.repeat([inner_growth + roller_growth, roller_growth], n)
+    return ReducedBearing(
+        contacts=Condensed(
+            bearing=bearing, radial=contacts.radial, inner_law=contacts.inner_law, outer_law=contacts.outer_law,
+            compliance=contacts.compliance, closing=closing,
+        ),
+        between=_between(bearing, pairs[2]),
+        distance=distance[felt],
+        along=np.ascontiguousarray(along[:, felt]),
+        across=float(contacts.compliance[0, n]),
+        inner_growth=inner_growth,
+        roller_growth=roller_growth,
+    )  # fmt: skip
+
+
+def _kept_contacts(bearing: Bearing) -> Condensed:
+    """`exact_contacts` of rollers from angle 0 on; its series are kept on disk."""
+    angle = roller_angles(bearing, 0.0)
+
+    def make():
+        found = exact_contacts(bearing, angle)
+        laws = [(law.A, law.B, law.Q_line) for law in (found.inner_law, found.outer_law)]
+        return {"compliance": found.compliance, "laws": np.array(laws)}
+
+    arrays = kept("contacts", repr(bearing), make)
+    pairs = contact_pairs(bearing)
+    inner, outer = (
+        ContactLaw(A=float(A), B=float(B), Q_line=float(line), pair=pair)
+        for (A, B, line), pair in zip(arrays["laws"], pairs[:2], strict=True)
+    )
+    return Condensed(
+        bearing=bearing,
+        radial=np.column_stack([np.cos(angle), np.sin(angle)]),
+        inner_law=inner,
+        outer_law=outer,
+        compliance=arrays["compliance"],
+        closing=np.zeros(2 * bearing.n_rollers),
+    )
+
+
+def _between(bearing: Bearing, pair: Pair) -> ContactLaw:
+    """The law of two rollers that meet, each accelerated by the other."""
+    half_width = HALF_WIDTH * bearing.roller_radius
+    approach = 2.0 * disc_hertz_approach(bearing.roller_radius, bearing.roller.elastic, half_width, 1) / pair.length
+    A = pair.line_compliance
+    return ContactLaw.of_level(A, approach / A + log(half_width) - 0.5 * log(pair.half_width_factor), pair)
+
+
+def tangential_compliance(bearing: Bearing, force: float) -> np.ndarray:
+    """Tangential compliance, (3,), m/N, of an inner, outer and roller's contact that sticks under a normal force, N.
+
+    The traction of a contact that sticks rises to its edges, 1/sqrt(b² − x²); under it flat surfaces move by A/2 less
+    than under a semi-ellipse.
+
+    Source: Mindlin, J. Appl. Mech. 16 (1949) 259; Johnson, Contact Mechanics (1985), sections 2.8 and 7.2.
+    """
+    found = []
+    rings = (
+        (bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring),
+        (bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring),
+    )
+    for pair, ring in zip(contact_pairs(bearing), (*rings, None), strict=True):
+        width = min(pair.half_width(force), 0.5 * bearing.roller_radius)
+        roller = disc_shear_approach(bearing.roller_radius, bearing.roller.elastic, width)
+        other = roller if ring is None else ring_shear_approach(*ring, width)
+        found.append((roller + other) / pair.length - 0.5 * pair.line_compliance)
+    return np.array(found)

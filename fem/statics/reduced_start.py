@@ -1,0 +1,116 @@
+"""Where a run of the reduced model begins."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess, geometry
+from fem.statics.reduced_bearing import ReducedBearing
+from lagrange import Kinematics, Operation, kinematics
+from lagrange.kinematics import roller_angles
+
+ROUND_OFF = 1e-12  # of a roller radius: less interference than this is none
+JUMP = 0.01  # of the surface speed: no hub moves that fast from one equilibrium to the next
+NEWTON_STEPS = 20
+LOOK_AHEAD = 1e-4  # of a roller's radius: how far contacts roll between the equilibria that give the velocities
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedStart:
+    """Positions, velocities and contact forces at t = 0; SI."""
+
+    kinematics: Kinematics
+    angle: np.ndarray  # (n_rollers,), rad
+    hub: np.ndarray  # (2,)
+    rho: np.ndarray  # (n_rollers,)
+    hub_velocity: np.ndarray  # (2,)
+    rho_rate: np.ndarray  # (n_rollers,)
+    inner_force: np.ndarray  # (n_rollers,)
+    outer_force: np.ndarray
+    steady: bool  # forces hold every roller on its circle
+
+
+def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
+    """Static equilibrium at t = 0, with the velocities of passing through the equilibria before and after.
+
+    Where these do not follow each other (a hub balanced on one roller in clearance) it starts without velocities.
+
+    Errors
+    ------
+    NotFound: no equilibrium.
+    """
+    bearing = model.bearing
+    ideal = kinematics(bearing, operation.speed)
+    load = operation.radial_load + operation.inner_mass * operation.gravity
+    place, forces = _balanced(model, operation, ideal, load, 0.0, None)
+    speed, rate = abs(operation.speed) * bearing.inner_raceway_radius, np.zeros_like(place)
+    if speed > 0.0:
+        ahead = LOOK_AHEAD * bearing.roller_radius / speed
+        try:
+            before, after = (_balanced(model, operation, ideal, load, t, place)[0] for t in (-ahead, ahead))
+        except NotFound:
+            before = after = place
+        found = (after - before) / (2.0 * ahead)
+        if np.hypot(*found[:2]) <= JUMP * speed:
+            rate = found
+    return _start(model, operation, place, rate, forces)
+
+
+def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
+    """Centred, in rolling motion; with preload, the equilibrium without load.
+
+    Without preload no contact is strained but by what bodies grow as they spin.
+    """
+    bearing, n = model.bearing, model.bearing.n_rollers
+    if bearing.radial_clearance < -ROUND_OFF * bearing.roller_radius:
+        ideal = kinematics(bearing, operation.speed)
+        unloaded = Operation(
+            speed=operation.speed, radial_load=0.0, inner_mass=operation.inner_mass, gravity=0.0,
+            first_roller_angle=operation.first_roller_angle,
+        )  # fmt: skip
+        place, forces = _balanced(model, unloaded, ideal, 0.0, 0.0, None)
+        return _start(model, operation, place, np.zeros_like(place), forces)
+    place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
+    angle = roller_angles(bearing, operation.first_roller_angle)
+    contacts = model.at(np.column_stack([np.cos(angle), np.sin(angle)]))
+    forces = _forces_at(contacts, geometry(bearing, contacts.radial, place)[0] + contacts.closing)
+    return _start(model, operation, place, np.zeros_like(place), forces, steady=False)
+
+
+def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
+    """Forces, (2 n_rollers,), N, at overlaps, m: Newton's method on the contacts that are closed."""
+    n, closed = contacts.bearing.n_rollers, np.flatnonzero(overlap > 0.0)
+    laws = [contacts.inner_law if c < n else contacts.outer_law for c in closed]
+    compliance = contacts.compliance[np.ix_(closed, closed)]
+    force = np.array([law.force(overlap[c]) for law, c in zip(laws, closed, strict=True)])
+    for _ in range(NEWTON_STEPS):
+        approach = np.array([float(law.approach(q)) for law, q in zip(laws, force, strict=True)])
+        soft = np.array([float(law.softness(q)) for law, q in zip(laws, force, strict=True)])
+        step = np.linalg.solve(compliance + np.diag(soft), overlap[closed] - compliance @ force - approach)
+        force = np.maximum(force + step, 0.1 * force)
+    found = np.zeros(2 * n)
+    found[closed] = force
+    return found
+
+
+def _balanced(model, operation, ideal, load, time, near) -> tuple[np.ndarray, np.ndarray]:
+    """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s."""
+    angle = roller_angles(model.bearing, operation.first_roller_angle) + ideal.cage * time
+    contacts = model.at(np.column_stack([np.cos(angle), np.sin(angle)]))
+    start = first_guess(model.bearing, contacts.radial, load) if near is None else near
+    return balance(contacts, Loads(load, operation.gravity, ideal.cage), start)
+
+
+def _start(model, operation, place, rate, forces, steady=True) -> ReducedStart:
+    n, forces = model.bearing.n_rollers, closed_forces(forces)
+    return ReducedStart(
+        kinematics=kinematics(model.bearing, operation.speed),
+        angle=roller_angles(model.bearing, operation.first_roller_angle),
+        hub=place[:2],
+        rho=place[2:],
+        hub_velocity=rate[:2],
+        rho_rate=rate[2:],
+        inner_force=forces[:n],
+        outer_force=forces[n:],
+        steady=steady,
+    )

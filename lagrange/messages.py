@@ -1,0 +1,66 @@
+"""What commands print of files and values that may be anything: printable, not endless, and no reason to fail.
+
+Stands on the ground floor, as `stored` does: the commands of solver and checker share it.
+"""
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from threading import Timer
+
+MOST_LINES, LONGEST_LINE = 60, 1200
+ENDING = 300  # characters of a long line that stay of its end, where the remedy stands
+
+
+def shown(text: object) -> str:
+    """A text with control characters and halves of characters written out, long lines cut in the middle."""
+    lines = str(text).split("\n")
+    if len(lines) > MOST_LINES:
+        lines = [*lines[:MOST_LINES], f"… {len(lines) - MOST_LINES} more lines"]
+    return "\n".join(_line(line) for line in lines)
+
+
+def _line(line: str) -> str:
+    if len(line) > LONGEST_LINE:
+        line = f"{line[: LONGEST_LINE - ENDING]} … {line[-ENDING:]}"
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in line)
+
+
+def say(text: object) -> None:
+    """Print to standard error, if anybody listens."""
+    with suppress(OSError):
+        print(shown(text), file=sys.stderr, flush=True)
+
+
+@contextmanager
+def said_if_long(seconds: float, sentence: str, tell: Callable[[str], None] | None) -> Iterator[None]:
+    """Tell a sentence once what is done here has taken so long; None: nobody."""
+    if tell is None:
+        yield
+        return
+    timer = Timer(seconds, tell, (sentence,))
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
+@contextmanager
+def telling() -> Iterator[None]:
+    """Print what nobody need read: a reader that has gone, or a full disk behind standard output, is no failure."""
+    try:
+        yield
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except (OSError, SystemExit):  # rich leaves by SystemExit where a pipe is broken
+        close_output()
+
+
+def close_output() -> None:
+    """Let what is still to be printed, by Python at its end too, go nowhere."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)

@@ -1,0 +1,41 @@
+"""Files that appear whole or not at all, sealed by a digest: one that is cut, zeroed or has a flipped bit is known.
+
+Stands on the ground floor, as `stored` does: meshes, assembled matrices and compiled kernels are kept in such files.
+"""
+
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+
+_SIZE = hashlib.sha256().digest_size
+
+
+def write_sealed(path: Path, data: bytes) -> None:
+    """Write a file and its seal, behind the data, beside its place and move it there.
+
+    Errors
+    ------
+    OSError: it can't be written; an earlier file stays.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+            file.write(hashlib.sha256(data).digest())
+        os.replace(temporary, path)
+    finally:
+        Path(temporary).unlink(missing_ok=True)
+
+
+def read_sealed(path: Path) -> bytes | None:
+    """The data of a sealed file; None if it is not what was written.
+
+    Errors
+    ------
+    OSError: there is no such file, or it can't be read.
+    """
+    whole = path.read_bytes()
+    data, seal = whole[:-_SIZE], whole[-_SIZE:]
+    return data if len(seal) == _SIZE and hashlib.sha256(data).digest() == seal else None

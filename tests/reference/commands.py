@@ -1,0 +1,38 @@
+"""The commands as a user has them: a process started from any folder, in which nothing of it is imported from there."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+ENTRIES = {
+    "run-fem": "from fem.cli import run_fem as main",
+    "render-fem": "from fem.render_cli import render_fem as main",
+    "check-residual": "from residual.cli import check_residual as main",
+}
+
+
+def started_as(name: str) -> list[str]:
+    """The first words of a command line."""
+    return [sys.executable, "-P", "-c", f"{ENTRIES[name]}\nmain()"]
+
+
+def environment(**more: object) -> dict[str, str]:
+    """This process's, with the program to be found and more variables."""
+    return {**os.environ, "PYTHONPATH": str(ROOT), **{name: str(value) for name, value in more.items()}}
+
+
+def command(
+    name: str, *arguments: object, folder: Path | None = None, prepare=None, seconds=300.0, **variables: object
+):
+    """Run a command to its end in a folder; `prepare` is called in its process before it begins."""
+    return subprocess.run(
+        [*started_as(name), *map(str, arguments)],
+        cwd=folder,
+        env=environment(**variables),
+        preexec_fn=prepare,
+        capture_output=True,
+        text=True,
+        timeout=seconds,
+    )

@@ -1,0 +1,168 @@
+"""How the commands end, as processes: exit codes, sentences, never a traceback."""
+
+import importlib
+import pkgutil
+import shlex
+import subprocess
+
+import pytest
+
+import fem
+import lagrange
+import meshes
+import residual
+from fem.cli import new_app, run_app_main, run_main
+from fem.errors import RunFailed
+from tests.reference.commands import command, environment, started_as
+
+COARSE = ["--mesh-size", "2"]
+
+CROWDED = """
+[bearing]
+rollers = 17
+roller_diameter_mm = 2.81
+roller_length_mm = 7.06
+inner_raceway_diameter_mm = 12.60282667887376
+outer_raceway_diameter_mm = 18.23222086267229
+bore_diameter_mm = 8.156759917707166
+outside_diameter_mm = 21.567794393343753
+[material]
+youngs_modulus_GPa = 430.0
+[operation]
+speed_rpm = 0.0
+radial_load_N = 33066.7
+inner_ring_and_shaft_kg = 0.0631766447236004
+[numerics]
+mesh_size_mm = 0.2
+"""
+
+
+@pytest.mark.parametrize("option", ["--quiet", "--dry-run"])
+def test_a_scene_without_a_static_equilibrium_is_refused_in_a_sentence(option, tmp_path):
+    (tmp_path / "scene.toml").write_text(CROWDED)
+    done = command("run-fem", "scene.toml", option, folder=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: static equilibrium not found") and done.stderr.count("\n") == 1
+
+
+def own_exceptions():
+    """Every kind of error that a module of the program defines, once."""
+    found = {}
+    for package in (fem, lagrange, meshes, residual):
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            if module.name.endswith("__main__"):
+                continue
+            for kind in vars(importlib.import_module(module.name)).values():
+                if isinstance(kind, type) and issubclass(kind, Exception) and kind.__module__ == module.name:
+                    found[f"{kind.__module__}.{kind.__qualname__}"] = kind
+    return found
+
+
+OWN = own_exceptions()
+
+
+@pytest.mark.parametrize("name", [name for name in OWN if not name.startswith("residual.")])
+def test_every_error_of_the_program_and_what_derives_from_it_ends_in_a_sentence(name, capsys):
+    for kind in (OWN[name], type("Derived", (OWN[name],), {})):
+        app = new_app("some", "")
+
+        @app.default
+        def fail(kind=kind):
+            raise kind("some reason")
+
+        assert run_app_main(app, []) == (1 if issubclass(kind, RunFailed) else 2)
+        told = capsys.readouterr().err
+        assert "some reason" in told and told.startswith("error: ") and "Traceback" not in told
+
+
+def test_the_programs_errors_are_found():
+    assert {"fem.errors.UsageError", "fem.statics.contact_balance.NotFound", "lagrange.stored.Damaged"} <= set(OWN)
+
+
+def test_a_reader_that_goes_or_a_full_disk_behind_the_output_is_no_failure_of_a_complete_run(tmp_path):
+    path = tmp_path / "run.nc"
+    for name, arguments in (
+        ("run-fem", [*COARSE, "--duration", "0.5", "--output", path]),
+        ("check-residual", [path, "--output", tmp_path / "report"]),
+        ("render-fem", [path, "--export", tmp_path / "mesh.vtu"]),
+    ):
+        for end in ("| true", "> /dev/full", ">&-") if name == "run-fem" else ("> /dev/full",):
+            done = shell(f"{quoted(name, *arguments)} {end}; exit ${{PIPESTATUS[0]}}")
+            assert done.returncode == 0, (name, end, done.stderr)
+            assert "error" not in done.stderr and "Traceback" not in done.stderr and "Exception" not in done.stderr
+
+
+@pytest.mark.parametrize("option", ["--help", "--version", "--dry-run"])
+def test_what_is_printed_and_nothing_else_must_reach_its_disk_but_not_its_reader(option):
+    done = shell(f"{quoted('run-fem', option)} | true; exit ${{PIPESTATUS[0]}}")
+    assert (done.returncode, done.stderr) == (0, "")
+    done = shell(f"{quoted('run-fem', option)} > /dev/full")
+    assert done.returncode == 2 and done.stderr == "error: output: No space left on device\n"
+
+
+def quoted(name, *arguments):
+    return shlex.join([*started_as(name), *map(str, arguments)])
+
+
+def shell(line):
+    return subprocess.run(["bash", "-c", line], env=environment(), capture_output=True, text=True)
+
+
+UNPRINTABLE = "\x1b[31mred\a\u202e"
+
+
+@pytest.mark.parametrize("name", ["run-fem", "render-fem", "check-residual"])
+@pytest.mark.parametrize("text", [UNPRINTABLE, "\udcff", "x" * 100_000], ids=["escapes", "half a character", "long"])
+def test_names_of_files_are_told_printable_and_not_endless(name, text, tmp_path):
+    for arguments in ([f"{text}.toml"], [f"--{text}"]):
+        done = command(name, *arguments, folder=tmp_path, PYTHONIOENCODING="utf-8:strict")
+        assert done.returncode == 2, done.stderr
+        assert done.stderr.startswith("error: ") and len(done.stderr) < 4000
+        assert all(c.isprintable() or c == "\n" for c in done.stderr) and "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        f'name = "{"x" * 900_000}"',
+        f'[bearing]\nrollers = "{"x" * 900_000}"',
+        f"[bearing]\n{'x' * 900_000} = 1",
+        f'[{"x" * 900_000}]\n"\\u001b[31m" = 1',
+        '[bearing]\nrollers = "\\u001b[31m"',
+        f"[numerics]\nduration_ms = {'9' * 900_000}",
+    ],
+    ids=["name", "value", "key", "table", "escape", "number"],
+)
+def test_values_of_a_scene_are_told_printable_and_not_endless(scene, tmp_path):
+    (tmp_path / "scene.toml").write_text(scene)
+    done = command("run-fem", "scene.toml", folder=tmp_path)
+    assert done.returncode == 2 and 0 < len(done.stderr) < 4000
+    assert all(c.isprintable() or c == "\n" for c in done.stderr) and "Traceback" not in done.stderr
+
+
+def test_half_a_character_in_a_files_name_hinders_no_command(can_draw, tmp_path):
+    name, strict = "\udcff.nc", {"PYTHONIOENCODING": "utf-8:strict"}
+    for called, arguments in (
+        ("run-fem", [*COARSE, "--duration", "1", "--output", name]),
+        ("check-residual", [name]),
+        ("render-fem", [name, "--width", "300"]),
+        ("render-fem", [name, "--export", "\udcff.vtkhdf"]),
+    ):
+        done = command(called, *arguments, folder=tmp_path, **strict)
+        assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("threads", ["0", "-1", "two", "", "99999999999999999999"])
+def test_a_number_of_threads_that_numba_can_not_take_is_refused(threads, tmp_path):
+    done = command("run-fem", *COARSE, "--duration", "0", folder=tmp_path, NUMBA_NUM_THREADS=threads)
+    assert done.returncode == 2 and done.stderr.startswith("error: NUMBA_NUM_THREADS = ")
+    assert done.stderr.count("\n") == 1
+
+
+def test_planning_that_takes_long_says_so(monkeypatch, capsys):
+    """A mesh of a million nodes takes a minute, a dry run of it too: it solves the same static equilibrium."""
+    monkeypatch.setattr("fem.runner.PATIENCE", 0.0)
+    for expected in (1, 0):
+        assert run_main(["--mesh-size", "2", "--dry-run"]) == 0
+        assert capsys.readouterr().err.count("planning: meshes, matrices") == expected
+        monkeypatch.setattr("fem.runner.PATIENCE", 1e6)

@@ -1,0 +1,78 @@
+"""What a run warns of when it is over: contacts that a shock has pressed wider than at rest."""
+
+import h5py
+import numpy as np
+import pytest
+
+from fem.solver.cautions import run_cautions
+from lagrange.pair import contact_pairs
+from lagrange.scene import read_scene
+from tests.reference.commands import command
+
+SOFT = """
+[bearing]
+rollers = 31
+roller_diameter_mm = 13.2
+roller_length_mm = 20.0
+inner_raceway_diameter_mm = 140.0
+outer_raceway_diameter_mm = 166.4
+bore_diameter_mm = 110.0
+outside_diameter_mm = 196.0
+[material]
+youngs_modulus_GPa = 3.6
+[operation]
+speed_rpm = 500.0
+radial_load_N = 7756.0
+inner_ring_and_shaft_kg = 30.0
+gravity_m_s2 = 200.0
+[numerics]
+start = "rest"
+load_ramp_ms = 0.0
+duration_ms = 6.0
+mesh_size_mm = 3.0
+"""
+WORDS = "beyond Hertz's theory and small strains (at most 0.66 mm here)"
+
+
+@pytest.fixture(scope="module")
+def soft(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("soft")
+    (folder / "soft.toml").write_text(SOFT)
+    return folder
+
+
+def test_contacts_too_wide_in_a_shock_are_told_in_the_summary_and_the_result(soft):
+    done = command("run-fem", "soft.toml", "--output", "soft.nc", folder=soft)
+    assert done.returncode == 0 and done.stdout.count(WORDS) == 1
+    with h5py.File(soft / "soft.nc") as file:
+        assert file.attrs["warnings"].count(WORDS) == 1 and file.attrs["status"] == "complete"
+
+
+def test_a_resumed_run_remembers_its_widest_contact(soft):
+    """The second leg, whose duration is the first one's, takes no step of its own."""
+    options = ["soft.toml", "--output", "legs.nc"]
+    assert command("run-fem", *options, folder=soft).returncode == 0
+    done = command("run-fem", *options, "--resume", folder=soft)
+    assert done.returncode == 0 and done.stdout.count(WORDS) == 1
+    with h5py.File(soft / "legs.nc") as file:
+        assert file.attrs["warnings"].count(WORDS) == 1
+
+
+def test_the_same_load_from_equilibrium_is_told_nothing_of(soft):
+    arguments = ["--set", "numerics.start=equilibrium", "--set", "operation.gravity_m_s2=9.81", "--output", "calm.nc"]
+    done = command("run-fem", "soft.toml", *arguments, folder=soft)
+    assert done.returncode == 0 and "Warning" not in done.stdout
+    with h5py.File(soft / "calm.nc") as file:
+        assert file.attrs["warnings"] == ""
+
+
+@pytest.mark.parametrize("which", range(3))
+def test_the_limit_is_a_tenth_of_the_rollers_radius_for_each_kind_of_contact(which):
+    """Hertz: b² = 4QR/(πE*L)."""
+    bearing = read_scene().ideal_bearing()
+    pair = contact_pairs(bearing)[which]
+    force = (0.1 * bearing.roller_radius) ** 2 / pair.half_width_factor
+    forces = [0.0, 0.0, 0.0]
+    for factor, count in ((0.999, 0), (1.001, 1)):
+        forces[which] = factor * force
+        assert len(run_cautions(bearing, np.array(forces))) == count

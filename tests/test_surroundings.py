@@ -1,0 +1,168 @@
+"""Commands started in folders, and with caches, that others have filled or that are damaged, full or closed."""
+
+import os
+import pickle
+import resource
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from fem.kernels.jit import cache_folder, version
+from tests.reference.commands import command, environment
+from tests.test_faults import same_data
+
+OPTIONS = ["--duration", "0.1", "--quiet"]
+COARSE = [*OPTIONS, "--mesh-size", "2"]
+KERNEL = """
+from fem.kernels import kernel_cache
+from fem.kernels.jit import kernel
+
+@kernel
+def twice(x):
+    return 2.0 * x
+
+print(twice(3.0), sum(twice.stats.cache_hits.values()), len(kernel_cache.remarks), *kernel_cache.remarks)
+"""
+
+
+def test_a_module_in_the_current_folder_is_not_run_by_a_picture(can_draw, coarse_run, tmp_path):
+    for name in ("pyvista", "vtkmodules", "imageio_ffmpeg", "numpy"):
+        (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'executed')!r}, 'w')\nraise SystemExit(3)\n")
+    done = command("render-fem", coarse_run, "--output", tmp_path / "picture.png", "--width", 300, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "picture.png").exists() and not (tmp_path / "executed").exists()
+
+
+class Touch:
+    """An object that makes a folder when it is unpickled."""
+
+    def __init__(self, path):
+        self.path = str(path)
+
+    def __reduce__(self):
+        return os.mkdir, (self.path,)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="POSIX rights")
+@pytest.mark.parametrize("rights", ["writable by all", "writable by the group", "a link"])
+def test_kernels_in_a_folder_that_others_can_write_are_not_loaded(rights, coarse_run, tmp_path):
+    """The user's own cache, which is private, serves instead."""
+    foreign, own = (tmp_path / name / "kernels" for name in ("foreign", "own/roller-bearing-fem"))
+    own.mkdir(parents=True)
+    shutil.copytree(cache_folder(), own / version())
+    shutil.copytree(cache_folder(), foreign / version())
+    for path in (foreign / version()).iterdir():
+        path.write_bytes(pickle.dumps(Touch(tmp_path / "executed")))
+    if rights == "a link":
+        (foreign / version()).rename(foreign / "elsewhere")
+        (foreign / version()).symlink_to("elsewhere")
+    else:
+        (foreign / version()).chmod(0o777 if "all" in rights else 0o770)
+    done = command(
+        "run-fem", *COARSE, "--output", tmp_path / "run.nc",
+        NUMBA_CACHE_DIR=foreign.parent, XDG_CACHE_HOME=tmp_path / "own",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert f"warning: {foreign / version()}: the compiled kernels there are not used" in done.stderr
+    assert done.stderr.count("\n") == 1 and not (tmp_path / "executed").exists()
+
+
+DAMAGES = {
+    "empty": lambda data: b"",
+    "cut": lambda data: data[: len(data) // 2],
+    "zeroed": lambda data: bytes(len(data)),
+    "one bit flipped": lambda data: data[:150] + bytes([data[150] ^ 8]) + data[151:],
+}
+
+
+def compiled(folder, prepare=None, **variables):
+    """What a program with a kernel of its own prints, whose caches are in a folder."""
+    (script := folder / "program.py").write_text(KERNEL)
+    variables = {"NUMBA_CACHE_DIR": folder / "cache", "XDG_CACHE_HOME": folder / "home", **variables}
+    done = subprocess.run(
+        [sys.executable, script], env=environment(**variables), preexec_fn=prepare, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    value, hits, remarks, *sentences = done.stdout.split(maxsplit=3)
+    assert float(value) == 6.0
+    return int(hits), int(remarks), "".join(sentences)
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_kernel_is_compiled_anew_and_replaced(damage, tmp_path):
+    assert compiled(tmp_path)[:2] == (0, 0)
+    assert compiled(tmp_path)[:2] == (1, 0)
+    (file,) = (tmp_path / "cache").rglob("*.twice-*.nbc")
+    file.write_bytes(DAMAGES[damage](file.read_bytes()))
+    hits, remarks, sentence = compiled(tmp_path)
+    assert (hits, remarks) == (0, 1) and "damaged and have been compiled anew" in sentence
+    assert compiled(tmp_path)[:2] == (1, 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("damage", ["empty", "cut", "zeroed"])
+def test_a_run_with_a_damaged_time_loop_compiles_it_once_more(damage, coarse_run, tmp_path):
+    folder = tmp_path / "kernels" / version()
+    shutil.copytree(cache_folder(), folder)
+    files = list(folder.glob("fem.kernels.time_loop.advance-*.nbc"))
+    for file in files:
+        file.write_bytes(DAMAGES[damage](file.read_bytes()))
+    arguments = [*COARSE, "--output", tmp_path / "run.nc"]
+    first, second = (command("run-fem", *arguments, NUMBA_CACHE_DIR=tmp_path) for _ in range(2))
+    assert first.returncode == second.returncode == 0, first.stderr
+    assert f"warning: {folder}: compiled kernels there were damaged" in first.stderr and first.stderr.count("\n") == 1
+    assert second.stderr == ""
+
+
+def test_where_nothing_can_be_written_kernels_are_not_kept(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    closed = {"NUMBA_CACHE_DIR": tmp_path / "file", "XDG_CACHE_HOME": tmp_path / "file", "HOME": tmp_path / "file"}
+    assert compiled(tmp_path, **closed)[:2] == (0, 0)
+
+
+def test_a_full_disk_costs_the_next_start_a_compilation_and_nothing_else(tmp_path):
+    def fill():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4000, 4000))
+
+    assert compiled(tmp_path, fill)[:2] == (0, 0)
+    assert not list((tmp_path / "cache").rglob("*.twice-*")), "nor is half a file left"
+    assert compiled(tmp_path)[:2] == (0, 0)
+    assert compiled(tmp_path)[:2] == (1, 0)
+
+
+def shortened(data):
+    """An array that says of itself that it is shorter than it is."""
+    at = data.index(b"'shape': (") + len(b"'shape': (")
+    return data[:at] + b"1" + data[at + 1 :]
+
+
+DAMAGES_OF_ARRAYS = DAMAGES | {
+    "shortened": shortened,
+    "another header": lambda data: data[:30] + b"\xff" * 40 + data[70:],
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES_OF_ARRAYS)
+def test_a_run_makes_damaged_matrices_and_meshes_anew(damage, coarse_run, tmp_path):
+    """At 2.1 mm, whose meshes are not shipped."""
+    folder, arguments = tmp_path / "roller-bearing-fem", [*OPTIONS, "--mesh-size", "2.1"]
+    first = command("run-fem", *arguments, "--output", tmp_path / "1.nc", XDG_CACHE_HOME=tmp_path)
+    assert first.returncode == 0, first.stderr
+    files = {path: path.read_bytes() for name in ("kept", "meshes") for path in (folder / name).iterdir()}
+    assert len(files) >= 4
+    for path, data in files.items():
+        path.write_bytes(DAMAGES_OF_ARRAYS[damage](data))
+    second = command("run-fem", *arguments, "--output", tmp_path / "2.nc", XDG_CACHE_HOME=tmp_path)
+    assert second.returncode == 0 and second.stderr == ""
+    assert {path: path.read_bytes() for path in files} == files
+    assert same_data(tmp_path / "1.nc", tmp_path / "2.nc")
+
+
+@pytest.mark.slow
+def test_a_run_without_a_home_is_complete(tmp_path):
+    (tmp_path / "file").write_text("in the way")
+    closed = {"NUMBA_CACHE_DIR": tmp_path / "file", "XDG_CACHE_HOME": tmp_path / "file", "HOME": tmp_path / "file"}
+    done = command("run-fem", *COARSE, "--output", tmp_path / "run.nc", **closed)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,96 @@
+"""Rings and rollers under tangential tractions, and spinning, against Navier's equations and closed forms."""
+
+from math import log
+
+import numpy as np
+import pytest
+from numpy.polynomial import legendre
+
+from fem.elastic.tangential import (
+    disc_shear_approach,
+    disc_shear_compliance,
+    ring_shear_approach,
+    ring_shear_compliance,
+    spinning_growth,
+)
+from lagrange import Material
+from tests.reference.polar_navier import PolarNavier
+
+STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
+SOFT = Material(youngs_modulus=3e9, poisson_ratio=0.45, density=1200.0)
+RADIUS, INNER, OUTER = 0.005, (0.018, 0.0125), (0.028, 0.0325)
+
+
+def sheared_ring(n, loaded, held, material):
+    t = held / loaded
+    problem = PolarNavier(n, min(1.0, t), max(1.0, t), 48, material)
+    U, V, *_ = problem.blocks(t)
+    _, around, s_rr, s_rt, *_ = problem.blocks(1.0)
+    coefficients = problem.solve([(U, 0.0), (V, 0.0), (s_rr, 0.0), (s_rt, 1.0)])
+    return np.sign(1.0 - t) * (around @ coefficients)[0] * loaded / material.lame_mu
+
+
+def sheared_disc(n, radius, material):
+    """n = 1 has a uniform body force and zero mean displacement."""
+    problem = PolarNavier(n, 0.0, 1.0, 24, material)
+    _, around, s_rr, s_rt, *_ = problem.blocks(1.0)
+    conditions, force = [(s_rr, 0.0), (s_rt, 1.0)], (0.0, 0.0)
+    if n == 1:
+        x, weight = legendre.leggauss(40)
+        r = 0.5 * (1.0 + x)
+        U, V, *_ = problem.blocks(r)
+        conditions.append((((weight * r)[:, None] * (U - V)).sum(axis=0), 0.0))
+        force = (1.0, -1.0)  # along +x, against the traction's resultant −π R τ x̂ on the area π R²
+    coefficients = problem.solve(conditions, force)
+    return (around @ coefficients)[0] * radius / material.lame_mu
+
+
+@pytest.mark.parametrize("material", [STEEL, SOFT])
+@pytest.mark.parametrize("ring", [INNER, OUTER, (0.02, 0.005)])
+def test_a_sheared_ring_agrees_with_navier_equations(ring, material):
+    n = np.array([0, 1, 2, 3, 5, 8, 13, 20])
+    wanted = [sheared_ring(k, *ring, material) for k in n]
+    np.testing.assert_allclose(ring_shear_compliance(n, *ring, material), wanted, rtol=1e-8)
+
+
+@pytest.mark.parametrize("material", [STEEL, SOFT])
+def test_a_sheared_disc_agrees_with_navier_equations_and_inertia_relief(material):
+    n = np.array([1, 2, 3, 4, 7, 12])
+    np.testing.assert_allclose(
+        disc_shear_compliance(n, RADIUS, material), [sheared_disc(k, RADIUS, material) for k in n], rtol=1e-8
+    )
+
+
+def test_a_uniform_traction_twists_a_disc_that_speeds_up():
+    """σ_rθ = μ r d(v/r)/dr grows as r² where the body force does as r; the mean rotation is taken out."""
+    r = np.linspace(0.0, RADIUS, 2001)
+    twist = np.concatenate([[0.0], np.cumsum(0.5 * (r[1:] + r[:-1]) * np.diff(r))]) / (STEEL.lame_mu * RADIUS**2)
+    around = r * twist
+    around -= r * np.trapezoid(around * r**2, r) / np.trapezoid(r**3, r)
+    found = disc_shear_compliance(np.array([0]), RADIUS, STEEL)[0]
+    assert found == pytest.approx(around[-1], rel=1e-5)
+
+
+@pytest.mark.parametrize("make", [
+    lambda b: disc_shear_approach(RADIUS, STEEL, b),
+    lambda b: ring_shear_approach(*INNER, STEEL, b),
+    lambda b: ring_shear_approach(*OUTER, STEEL, b),
+])  # fmt: skip
+def test_narrow_tractions_move_a_surface_as_pressures_do_a_half_plane(make):
+    """Halving the width adds (2/πE′) ln 2 (Johnson, Contact Mechanics, section 2.8)."""
+    added = make(2e-5) - make(4e-5)
+    assert added == pytest.approx(2.0 / (np.pi * STEEL.plane_strain_modulus) * log(2.0), rel=1e-3)
+
+
+def test_a_spinning_disc_and_ring_grow_as_in_timoshenko():
+    """Timoshenko and Goodier, section 32, with E/(1−ν²) and ν/(1−ν) for plane strain."""
+    speed, rho = 2000.0, STEEL.density
+    E, nu = STEEL.youngs_modulus / (1 - 0.3**2), 0.3 / 0.7
+    wanted = (1.0 - nu) / (4.0 * E) * rho * speed**2 * RADIUS**3
+    assert spinning_growth(RADIUS, 0.0, STEEL, speed) == pytest.approx(wanted, rel=1e-12)
+    # a thin hoop carried by a rigid hub of half its radius grows less than one that is free, by ρω²r³/E
+    outer, held = 0.018, 0.0125
+    free = rho * speed**2 * outer**3 / E
+    assert 0.0 < spinning_growth(outer, held, STEEL, speed) < free
+    a = spinning_growth(outer, held, STEEL, speed)
+    assert spinning_growth(outer, held, STEEL, 2.0 * speed) == pytest.approx(4.0 * a, rel=1e-12)

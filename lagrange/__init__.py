@@ -5,6 +5,8 @@ kinematics    rolling without slip: shaft, cage, roller spin, ball-pass frequenc
 laws          line-contact laws Q(δ) that need the roller's length alone: harris, palmgren, iso16281, braendlein
 ball_contact  Hertz point contact (4)-(11): curvatures, δ*(F), K of a ball on a raceway
 raceway_laws  laws that know the raceways: johnson (= tripp), houpert, teutsch_sauer; `contact_laws(name, bearing)`
+faults        spalls, waviness, rollers of another size: facts; `closing`: how far a roller sinks into a spall
+profile       surfaces as contacts meet them: sinkage and its slope, for all that knows the bearing
 pair          two circles in line contact: Hertz's half-width and pressure
 overlap       geometry (19), (26), (27): how deep rollers lie in the raceways, and its derivatives
 equations     the hub's equations (22), (23) over a record in Cartesian coordinates
@@ -18,7 +20,8 @@ integrate     time stepping: Blanes and Moan's fourth-order scheme, leapfrog wit
 simulate      forward solution, at once or in parts that can be kept and gone on with; its refinement
 trajectory    its result: motion, forces, energies, works
 scene         the TOML scene file: validated, in the bearing engineer's units; gives the objects above in SI
-scene_columns columns of tables made elsewhere; `scene_faults`: what is wrong with a scene, all at once
+scene_columns columns of tables made elsewhere; `scene_surfaces`: [[spall]], [[waviness]], [[unequal_roller]]
+scene_faults  what is wrong with a scene, all at once
 stored        numbers out of HDF5 files that may be damaged or hostile
 sealed        files of caches, known when they are damaged; `messages`: what commands print, always printable
 

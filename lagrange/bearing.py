@@ -3,6 +3,8 @@
 from dataclasses import dataclass, replace
 from math import inf, pi
 
+from lagrange.faults import Fault
+
 
 @dataclass(frozen=True, kw_only=True)
 class Material:
@@ -61,6 +63,7 @@ class Bearing:
     roller: Material
     inner_ring: Material
     outer_ring: Material
+    faults: tuple[Fault, ...] = ()  # of surfaces; () are perfect circles
 
     def __post_init__(self):
         if not 0.0 < self.bore_radius < self.inner_raceway_radius:

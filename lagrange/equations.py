@@ -7,19 +7,22 @@ vs. FEM code (IFToMM 2007), with the signs put right: y points up, the load W ac
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.overlap import Overlaps, overlaps
+from lagrange.overlap import Overlaps, overlaps, sunk
+from lagrange.profile import Turns
 
 
-def approaches(bearing: Bearing, inner_x, inner_y, roller_x, roller_y) -> Overlaps:
+def approaches(bearing: Bearing, inner_x, inner_y, roller_x, roller_y, turns: Turns | None = None) -> Overlaps:
     """Overlaps of a record, which are the approaches δ_in, δ_out of rigid bodies; each (n_times, n_rollers).
 
     Parameters
     ----------
     inner_x, inner_y : ndarray, (n_times,), m, centre of the inner ring
     roller_x, roller_y : ndarray, (n_times, n_rollers), m, centres of the rollers
+    turns : of ring and rollers, for the bearing's surfaces as they are; None: for perfect circles
     """
     x, y = np.asarray(inner_x)[:, None], np.asarray(inner_y)[:, None]
-    return overlaps(bearing, x, y, roller_x, roller_y, np.hypot(roller_x, roller_y))
+    found = overlaps(bearing, x, y, roller_x, roller_y, np.hypot(roller_x, roller_y))
+    return found if turns is None else sunk(bearing, found, turns, np.arctan2(roller_y, roller_x))
 
 
 def contact_resultant(state: Overlaps, inner_force) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.overlap import PolarOverlaps, polar_overlaps
+from lagrange.overlap import PolarOverlaps, polar_overlaps, polar_sunk
+from lagrange.profile import UNTURNED, Turns, profiles
 from lagrange.raceway_laws import ContactLaws
 
 
@@ -26,6 +27,7 @@ class State:
     y_rate: np.ndarray
     rho_rate: np.ndarray
     theta_rate: np.ndarray
+    turns: Turns = UNTURNED  # prescribed; matter where surfaces are not perfect
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,14 +56,20 @@ def contact_state(bearing: Bearing, laws: ContactLaws, state: State, damping: fl
     cos, sin = np.cos(state.theta), np.sin(state.theta)
     x, y = np.asarray(state.x)[..., None], np.asarray(state.y)[..., None]
     found = polar_overlaps(bearing, state.rho, x * cos + y * sin, y * cos - x * sin)
+    surfaces, turns, passing_in, passing_out = profiles(bearing), state.turns, 0.0, 0.0
+    if surfaces is not None:
+        found, inner, outer = polar_sunk(surfaces, found, turns, state.rho, state.theta)
+        passing_in = inner.passing(turns.inner_ring_speed, turns.roller_speed)
+        passing_out = outer.passing(0.0, turns.roller_speed)
     radial, tangential = found.radial, found.tangential
     along_x, along_y = tangential * sin - radial * cos, -tangential * cos - radial * sin
     inner_force, outer_force = laws.inner.force(found.inner), laws.outer.force(found.outer)
     if damping > 0.0:
         vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]
         closing = -(radial * state.rho_rate + tangential * state.rho * state.theta_rate + along_x * vx + along_y * vy)
-        inner_force = damped(inner_force, closing, damping)
-        outer_force = damped(outer_force, state.rho_rate, damping)
+        opening = state.rho_rate - found.outer_slope * state.rho * state.theta_rate
+        inner_force = damped(inner_force, closing + passing_in, damping)
+        outer_force = damped(outer_force, opening + passing_out, damping)
     forces = {"inner_force": inner_force, "outer_force": outer_force}
     return ContactState(**vars(found), along_x=along_x, along_y=along_y, **forces)
 
@@ -102,12 +110,13 @@ def angular_equations(
 ) -> np.ndarray:
     """Left sides of the θ equations, N m, (..., n_rollers): the moment a cage must give; 0 for a free element.
 
-    m ρ² θ̈ + 2 m ρ ρ̇ θ̇ + m g ρ cos θ − Q_in ρ (x sin θ − y cos θ)/χ.
+    m ρ² θ̈ + 2 m ρ ρ̇ θ̇ + m g ρ cos θ − Q_in ρ (x sin θ − y cos θ)/χ, on perfect surfaces; else the slopes' parts too.
     """
     m, rho = bearing.roller_mass, state.rho
     inertia = rho * theta_acceleration + 2.0 * state.rho_rate * state.theta_rate
     weight = operation.gravity * np.cos(state.theta)
-    return rho * (m * (inertia + weight) - contacts.inner_force * contacts.tangential)
+    aside = contacts.inner_force * contacts.tangential + contacts.outer_force * contacts.outer_slope
+    return rho * (m * (inertia + weight) - aside)
 
 
 def hub_equations(operation: Operation, contacts: ContactState, x_acceleration, y_acceleration):

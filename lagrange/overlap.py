@@ -4,13 +4,16 @@ An overlap is >= 0 where the circles touch and < 0 where a gap is left. Each for
 positions in x and y: records, and finite elements that add their own displacements. `polar_overlaps` keeps all digits
 of an overlap of nanometres, where `overlaps` is off by 1e-17 m: forces then are exact to 1e-14. `touching_distances`
 are the constants of the shortest form, reach − χ and ρ − track, for loops in which each array operation counts.
+
+Where surfaces are not perfect their sinkage σ comes off the overlaps, and derivatives are those of χ + σ.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lagrange.bearing import Bearing
+from lagrange.profile import Met, Profiles, Turns, profiles
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +36,7 @@ class PolarOverlaps:
     tangential: np.ndarray  # ∂χ/(ρ ∂θ)
     inner: np.ndarray  # m
     outer: np.ndarray
+    outer_slope: np.ndarray | float = 0.0  # ∂σ/(ρ ∂θ) at the outer raceway
 
 
 def overlaps(bearing: Bearing, inner_x, inner_y, roller_x, roller_y, rho) -> Overlaps:
@@ -72,6 +76,39 @@ def polar_overlaps(bearing: Bearing, rho, along, across) -> PolarOverlaps:
         inner=-(beyond * (beyond + 2.0 * reach) + across**2) / (distance + reach),  # reach − χ
         outer=(rho - bearing.outer_raceway_radius) + bearing.roller_radius,
     )
+
+
+def sunk(bearing: Bearing, found: Overlaps, turns: Turns, outer_direction) -> Overlaps:
+    """The overlaps with the bearing's surfaces as they are; `outer_direction` of the rollers' centres, rad."""
+    surfaces = profiles(bearing)
+    if surfaces is None:
+        return found
+    dx, dy = found.direction_x, found.direction_y
+    inner = surfaces.inner(np.arctan2(-dy, -dx), turns)
+    aside = inner.slope / found.distance
+    return Overlaps(
+        distance=found.distance,
+        direction_x=dx - aside * dy,
+        direction_y=dy + aside * dx,
+        inner=found.inner - inner.sinkage,
+        outer=found.outer - surfaces.outer(outer_direction, turns).sinkage,
+    )
+
+
+def polar_sunk(surfaces: Profiles, found: PolarOverlaps, turns: Turns, rho, theta) -> tuple[PolarOverlaps, Met, Met]:
+    """The overlaps with such surfaces, and what the contacts meet there."""
+    inner = surfaces.inner(theta + np.arctan2(found.tangential, found.radial), turns)
+    outer = surfaces.outer(theta, turns)
+    aside = inner.slope / found.distance
+    changed = replace(
+        found,
+        radial=found.radial - aside * found.tangential,
+        tangential=found.tangential + aside * found.radial,
+        inner=found.inner - inner.sinkage,
+        outer=found.outer - outer.sinkage,
+        outer_slope=outer.slope / rho,
+    )
+    return changed, inner, outer
 
 
 def touching_distances(bearing: Bearing) -> tuple[float, float]:

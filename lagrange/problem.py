@@ -8,6 +8,7 @@ import numpy as np
 from lagrange.bearing import Bearing, Operation
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import State
+from lagrange.profile import Turns
 from lagrange.raceway_laws import ContactLaws
 from lagrange.statics import static_equilibrium
 
@@ -49,7 +50,8 @@ class Problem:
         """
         bearing, operation = self.bearing, self.operation
         theta = roller_angles(bearing, operation.first_roller_angle)
-        cage = kinematics(bearing, operation.speed).cage
+        ideal = kinematics(bearing, operation.speed)
+        cage = ideal.cage
         zero = np.zeros(bearing.n_rollers)
         if self.start == "rest":
             return State(
@@ -60,7 +62,14 @@ class Problem:
             operation = replace(operation, radial_load=0.0)
         now = static_equilibrium(bearing, operation, self.laws, angles=theta)
         before, after = (
-            static_equilibrium(bearing, operation, self.laws, angles=theta + cage * shift, start=(now.x, now.y))
+            static_equilibrium(
+                bearing,
+                operation,
+                self.laws,
+                angles=theta + cage * shift,
+                start=(now.x, now.y),
+                turns=Turns.rolling(ideal, shift),
+            )
             for shift in (-DIFFERENCE, DIFFERENCE)
         )
         earlier, middle, later = (np.array([s.x, s.y, *s.rho]) for s in (before, now, after))

@@ -6,6 +6,7 @@ It stands on the ground floor because both the solver and the checker read it, a
 import tomllib
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 from math import asin, pi, radians, sin
 from pathlib import Path
 from typing import Any, Literal
@@ -17,6 +18,14 @@ from lagrange.bearing import BallBearing, Bearing, Material, Operation
 from lagrange.raceway_laws import law_names
 from lagrange.scene_columns import Columns
 from lagrange.scene_faults import Check, Table, all_faults
+from lagrange.scene_surfaces import (
+    SpallTable,
+    UnequalRollerTable,
+    WavinessTable,
+    roller_faults,
+    size_faults,
+    spall_faults,
+)
 
 LONGEST_TEXT = 2**20  # characters of a scene
 MOST_FAULTS = 20  # told at once: a file that is no scene may have thousands
@@ -24,6 +33,8 @@ RPM = 2.0 * pi / 60.0
 MM = 1e-3
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
+SURFACES = ("spall", "waviness", "unequal_roller")  # arrays of tables
+MOST_TABLES = 200  # of one array
 COMPARISONS = ("penalty", "faceted")  # contact models that are only there to be compared with
 STIFF_PENALTY = 1e9  # N/m, three times a contact of the paper's bearing; the mesh's nodes are no stiffer
 # groove radius over ball diameter to which ISO 281 rates deep-groove bearings
@@ -222,6 +233,9 @@ class Scene(Table):
     lagrange: LagrangeTable = LagrangeTable()
     numerics: NumericsTable = NumericsTable()
     output: OutputTable = OutputTable()
+    spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
+    waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
+    unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
     table: Columns = Columns()
 
     @classmethod
@@ -232,7 +246,8 @@ class Scene(Table):
         return data
 
     def checks(self) -> tuple[Check, ...]:
-        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts
+        surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes
+        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, *surfaces
 
     def _law(self) -> Iterator[str]:
         known = law_names(self.ideal_bearing())
@@ -284,8 +299,33 @@ class Scene(Table):
                 f'"{self.contact.model}", whose points of pressure sit on meshes'
             )
 
+    def _surface_models(self) -> Iterator[str]:
+        given = [f"[[{name}]]" for name in SURFACES if getattr(self, name)]
+        if given and self.bearing.type == "ball":
+            yield f'{given[0]}: only for rollers, not with bearing.type = "ball"; leave it out'
+        if given and self.model == "fem" and self.contact.model != "subgrid":
+            yield (
+                f'{given[0]}: only with contact.model = "subgrid", not with "{self.contact.model}", whose points of '
+                "pressure lie on perfect circles; leave one of them out"
+            )
+
+    def _rollers_with_faults(self) -> Iterator[str]:
+        yield from roller_faults(self.bearing.rollers, {name: getattr(self, name) for name in SURFACES})
+
+    def _spalls(self) -> Iterator[str]:
+        if self.spall:
+            yield from spall_faults(self._perfect_bearing(), self.spall)
+
+    def _sizes(self) -> Iterator[str]:
+        if self.waviness or self.unequal_roller:
+            yield from size_faults(self._perfect_bearing(), self.waviness, self.unequal_roller)
+
     def ideal_bearing(self) -> Bearing:
-        """The bearing in SI."""
+        """The bearing in SI, with the faults of its surfaces."""
+        faults = tuple(table.fault() for name in SURFACES for table in getattr(self, name))
+        return replace(self._perfect_bearing(), faults=faults)
+
+    def _perfect_bearing(self) -> Bearing:
         b = self.bearing
         shape = dict(
             n_rollers=b.rollers,
@@ -319,8 +359,14 @@ class Scene(Table):
         )
 
     def to_toml(self) -> str:
-        """The whole scene, defaults spelt out (but for [table]), as TOML that `read_scene` takes back unchanged."""
+        """The whole scene as TOML that `read_scene` takes back unchanged.
+
+        Defaults are spelt out, but for [table]; arrays of tables are there where they are not empty.
+        """
         tables = self.model_dump(exclude_none=True)
+        for name in SURFACES:
+            if not tables[name]:
+                del tables[name]
         if self.table == Columns():
             del tables["table"]
         return tomli_w.dumps(tables)
@@ -392,8 +438,22 @@ def _apply(data: dict[str, Any], override: str) -> None:
         value = {}
     value = value["value"] if set(value) == {"value"} else text.strip()  # more than one: a string with line breaks
     table = data
-    for part in parts[:-1]:
-        table = table.setdefault(part, {})
-        if not isinstance(table, dict):
-            raise SceneError(f"--set {override!r}: {part} is a value, not a table")
+    for part, after in pairwise(parts):
+        table = _entry(table, part, [] if after.isdecimal() else {}, override)
+    if isinstance(table, list):
+        raise SceneError(f"--set {override!r}: {parts[-1]} is a whole table; set one of its keys")
     table[parts[-1]] = value
+
+
+def _entry(table: dict[str, Any] | list, key: str, empty: dict | list, override: str) -> dict[str, Any] | list:
+    """The table, or the array of tables, under a key or a number; made where there is none."""
+    if isinstance(table, dict):
+        found = table.setdefault(key, empty)
+    else:
+        if not key.isdecimal() or int(key[:9]) > len(table):
+            raise SceneError(f"--set {override!r}: {key} is none of {len(table)} tables; numbers go on from 0")
+        table.extend([empty] if int(key) == len(table) else [])
+        found = table[int(key)]
+    if not isinstance(found, dict | list):
+        raise SceneError(f"--set {override!r}: {key} is a value, not a table")
+    return found

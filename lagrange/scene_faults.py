@@ -7,7 +7,7 @@ Contradictions between the values that can be used are therefore looked for once
 import difflib
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from typing import Any
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
@@ -70,8 +70,11 @@ def _explain(fault: dict[str, Any], model: type[Table]) -> list[str]:
     value = fault["input"]
     if fault["type"] == "value_error":
         return [_at(place, reason) for reason in str(fault["ctx"]["error"]).split("\n")]
+    if fault["type"] == "list_type":
+        return [f"{place} = {_short(repr(value))}: must be an array of tables, [[{place}]]"]
     if fault["type"] == "model_type":
-        return [f"{place} = {_short(repr(value))}: must be a table, [{place}]"]
+        header = f"[[{fault['loc'][-2]}]]" if isinstance(fault["loc"][-1], int) else f"[{place}]"
+        return [f"{place} = {_short(repr(value))}: must be a table, {header}"]
     reason = fault["msg"].removeprefix("Input ").replace("should", "must", 1)
     return [f"{place} = {_short(repr(value))}: {reason}"]
 
@@ -92,7 +95,7 @@ def _short(text: str) -> str:
 def _table_at(place: Place, model: type[Table]) -> type[BaseModel]:
     table: Any = model
     for part in place:
-        table = table.model_fields[part].annotation
+        table = get_args(table)[0] if isinstance(part, int) else table.model_fields[part].annotation
     return table
 
 
@@ -111,23 +114,40 @@ def _meant(fault: dict[str, Any], model: type[Table]) -> Place:
 def _is_of_one_value(fault: dict[str, Any], model: type[Table]) -> bool:
     """Whether a fault is of one value, not of a table's values together."""
     place = fault["loc"]
-    return bool(place) and place[-1] not in _tables(_table_at(place[:-1], model))
+    if not place or isinstance(place[-1], int):
+        return False
+    return place[-1] not in _tables(_table_at(place[:-1], model))
 
 
 def _tables(model: type[BaseModel]) -> dict[str, type[Table]]:
     """The tables within a table."""
     kinds = {name: field.annotation for name, field in model.model_fields.items()}
-    return {name: kind for name, kind in kinds.items() if isinstance(kind, type) and issubclass(kind, Table)}
+    return {name: kind for name, kind in kinds.items() if _is_table(kind)}
+
+
+def _arrays(model: type[BaseModel]) -> dict[str, type[Table]]:
+    """The arrays of tables within a table, by the kind of their tables."""
+    kinds = {name: field.annotation for name, field in model.model_fields.items()}
+    return {name: get_args(kind)[0] for name, kind in kinds.items() if get_origin(kind) is list}
+
+
+def _is_table(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, Table)
 
 
 def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], place: Place = ()) -> Table:
     """A table without the values that can't be used: who asks for them meets an AttributeError."""
-    data, inner = model.completed(data), _tables(model)
-    left_out = [name for name in model.model_fields if (*place, name) in unusable]
+    given = place not in unusable  # a table of an array may be no table
+    data, inner, arrays = model.completed(data) if given else {}, _tables(model), _arrays(model)
+    left_out = [name for name in model.model_fields if not given or (*place, name) in unusable]
     values = {name: value for name, value in data.items() if name in model.model_fields and name not in inner}
     for name, kind in inner.items():
         if name not in left_out:
             values[name] = _usable(kind, data.get(name, {}), unusable, (*place, name))
+    for name, kind in arrays.items():
+        if name not in left_out:
+            items = enumerate(data.get(name, []))
+            values[name] = [_usable(kind, item, unusable, (*place, name, i)) for i, item in items]
     table = model.model_construct(**values)
     for name in left_out:
         table.__dict__.pop(name, None)
@@ -139,6 +159,9 @@ def _contradictions(table: Table, place: str = "") -> Iterator[str]:
     for name in _tables(type(table)):
         if name in table.__dict__:
             yield from _contradictions(getattr(table, name), f"{place}.{name}".lstrip("."))
+    for name in _arrays(type(table)):
+        for i, item in enumerate(table.__dict__.get(name, [])):
+            yield from _contradictions(item, f"{place}.{name}.{i}".lstrip("."))
     for check in table.checks():
         # a value left out, or bodies that can't be made of values told of already
         with suppress(AttributeError, ValueError):

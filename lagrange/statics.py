@@ -11,6 +11,7 @@ import numpy as np
 from lagrange.bearing import Bearing, Operation
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.overlap import touching_distances
+from lagrange.profile import UNTURNED, Turns, profiles
 from lagrange.raceway_laws import ContactLaws
 
 BALANCE = 1e-10  # of load and contact forces: what Newton's method must reach
@@ -45,6 +46,7 @@ def static_equilibrium(
     angles: np.ndarray | None = None,
     roller_mass: float | None = None,
     start: tuple[float, float] | None = None,
+    turns: Turns = UNTURNED,
 ) -> Statics:
     """Equilibrium under load, weights and the elements' centrifugal force at cage speed.
 
@@ -53,6 +55,7 @@ def static_equilibrium(
     angles : (n_rollers,), rad; default: equally spaced from the operation's first angle
     roller_mass : kg; default: the bearing's; 0 leaves out the elements' weight and centrifugal force
     start : hub position to begin from, m
+    turns : of ring and rollers, which matter where their surfaces are not perfect
 
     Errors
     ------
@@ -63,12 +66,12 @@ def static_equilibrium(
     theta = roller_angles(bearing, operation.first_roller_angle) if angles is None else np.asarray(angles, dtype=float)
     mass = bearing.roller_mass if roller_mass is None else roller_mass
     weight = operation.radial_load + operation.inner_mass * operation.gravity
-    system = _System(bearing, operation, laws, theta, mass)
+    system = _System(bearing, operation, laws, theta, mass, turns)
     hub = np.zeros(2) if start is None else np.array(start, dtype=float)
     if start is None and weight > 0.0:
         hub = _sink(system, weight)
     here = system.at(hub, weight)
-    finest = ROUND_OFF * system.track * system.typical_stiffness * bearing.n_rollers
+    finest = ROUND_OFF * np.max(system.track) * system.typical_stiffness * bearing.n_rollers
     for _ in range(MAX_NEWTON):
         if np.max(np.abs(here.unbalance)) <= BALANCE * (weight + np.sum(here.inner_force)) + finest:
             return Statics(
@@ -98,10 +101,12 @@ class _Point:
 class _System:
     """Potential of the hub's position."""
 
-    def __init__(self, bearing, operation, laws, theta, mass):
-        self.laws = laws
+    def __init__(self, bearing, operation, laws, theta, mass, turns):
+        self.laws, self.theta, self.turns, self.surfaces = laws, theta, turns, profiles(bearing)
         self.cos, self.sin = np.cos(theta), np.sin(theta)
         self.reach, self.track = touching_distances(bearing)
+        if self.surfaces is not None:
+            self.track = self.track + self.surfaces.outer(theta, turns).sinkage
         cage = kinematics(bearing, operation.speed).cage
         self.spin = mass * cage**2
         self.weight = mass * operation.gravity * self.sin
@@ -145,10 +150,18 @@ class _System:
         )  # fmt: skip
 
     def _overlaps(self, rho, s, t):
-        """χ, the cosine and sine of its direction against the radius, and both overlaps, m."""
+        """χ, the cosine and sine of its direction against the radius, and both overlaps, m.
+
+        Those are the derivatives of χ by ρ and by t; on surfaces that are not perfect, of χ and the sinkage.
+        """
         along = rho - s
         chi = np.hypot(along, t)
-        return chi, along / chi, t / chi, self.reach - chi, rho - self.track
+        c, d = along / chi, t / chi
+        if self.surfaces is None:
+            return chi, c, d, self.reach - chi, rho - self.track
+        inner = self.surfaces.inner(self.theta - np.arctan2(t, along), self.turns)
+        aside = inner.slope / chi
+        return chi, c + aside * d, d - aside * c, self.reach - chi - inner.sinkage, rho - self.track
 
     def _radial(self, rho, s, t):
         """Force on the elements along +ρ, N, and minus its derivative."""
@@ -161,6 +174,8 @@ class _System:
     def _balance(self, s, t):
         """ρ of every element in radial balance: Newton's method kept inside a bracket."""
         touch_in = s + np.sqrt(np.maximum(self.reach**2 - t * t, 0.0))  # ρ that touches the inner raceway
+        if self.surfaces is not None:
+            touch_in -= self.surfaces.inner(self.theta - np.arctan2(t, touch_in - s), self.turns).sinkage
         push = np.abs(self.weight) + 2.0 * self.spin * self.track
         room = np.maximum(self.laws.inner.approach(push), self.laws.outer.approach(push)) * 1.5
         low = np.minimum(touch_in, self.track) - room
@@ -213,7 +228,7 @@ def _descend(system: _System, hub, here: _Point, step, weight: float):
     step = step * min(1.0, longest / size) if size > 0.0 else step
     expected = float(here.unbalance @ step)  # < 0
     forces = weight + np.sum(here.inner_force + here.outer_force)
-    noise = 10.0 * ROUND_OFF * (abs(here.potential) + forces * system.track)
+    noise = 10.0 * ROUND_OFF * (abs(here.potential) + forces * np.max(system.track))
     for _ in range(60):
         there = system.at(hub + step, weight)
         lower = there.potential <= here.potential + 1e-4 * expected

@@ -1,9 +1,10 @@
 """How long a time step may be: from the stiffest mode, an element between its contacts."""
 
-from math import ceil
+from math import ceil, inf
 
 from lagrange.kinematics import kinematics
 from lagrange.problem import Problem
+from lagrange.profile import profiles
 
 STEP = 2.0  # of 1/ω of the stiffest mode: its frequency then is 0.05 % off, the hub's 1e-6
 DAMPED_STEP = 0.3
@@ -11,6 +12,7 @@ OVERLOAD = 2.0  # the stiffest mode is estimated at this many times the largest 
 LIMIT, DAMPED_LIMIT = 3.05, 2.0  # ω·step at which the six-stage scheme and the leapfrog become unstable
 STABLE, DAMPED_STABLE = 2.8, 1.0  # ω·step that they may reach
 LARGEST_DAMPING = 0.5  # of a step times the rate of the damper on an element
+KNOTS_PER_STEP = 1.0  # of a surface's profile under a rolling contact
 SMALLEST_FORCE = 1e-3  # N, for the frequency of an unloaded element
 
 
@@ -49,6 +51,14 @@ def _expected_force(problem: Problem) -> float:
 def _longest_step(problem: Problem) -> float:
     force = _expected_force(problem)
     omega = fastest_mode(problem, force, force)
+    passage = _passage(problem)
     if problem.damping == 0.0:
-        return STEP / omega
-    return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / (2.0 * problem.damping))
+        return min(STEP / omega, passage)
+    return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / (2.0 * problem.damping), passage)
+
+
+def _passage(problem: Problem) -> float:
+    """Time in which contacts roll over as many knots of a profile as a step may, s."""
+    surfaces, ideal = profiles(problem.bearing), kinematics(problem.bearing, problem.operation.speed)
+    speed = abs(ideal.roller - ideal.cage) * problem.bearing.roller_radius
+    return inf if surfaces is None or speed == 0.0 else KNOTS_PER_STEP * surfaces.shortest / speed

@@ -16,6 +16,7 @@ from lagrange.load_ramp import load_share, load_share_rate
 from lagrange.motion import State
 from lagrange.overlap import touching_distances
 from lagrange.problem import Problem
+from lagrange.profile import Turns, profiles
 
 
 class Packed(NamedTuple):
@@ -34,7 +35,9 @@ class _System:
         bearing, operation, laws = problem.bearing, problem.operation, problem.laws
         self.mass, self.inner_mass = bearing.roller_mass, operation.inner_mass
         self.gravity, self.load, self.ramp = operation.gravity, operation.radial_load, problem.load_ramp
-        self.cage = kinematics(bearing, operation.speed).cage
+        self.ideal = kinematics(bearing, operation.speed)
+        self.cage = self.ideal.cage
+        self.surfaces = profiles(bearing)
         self.n = bearing.n_rollers
         # constants as whole arrays: numpy takes 0.4 µs to bring a number into an operation, as long as the operation
         self.reach, self.track = (np.full(self.n, distance) for distance in touching_distances(bearing))
@@ -61,6 +64,24 @@ class _System:
         else:
             self.force_inner[:] = self.laws.inner.force(self.depth_inner)
             self.force_outer[:] = self.laws.outer.force(self.depth_outer)
+
+    def sink(self, time: float, inward, outward, distance) -> None:
+        """Take the sinkages off the depths, at directions of the elements from both rings' centres, rad."""
+        turns = Turns.rolling(self.ideal, time)
+        self.met_inner, self.met_outer = self.surfaces.inner(inward, turns), self.surfaces.outer(outward, turns)
+        self.depth_inner -= self.met_inner.sinkage
+        self.depth_outer -= self.met_outer.sinkage
+        self.aside = 1.0 + 1j * self.met_inner.slope / distance  # turns the line of centres to the inner force
+
+    def passing(self, frame: float):
+        """Rates at which inner and outer contacts close in a frame that turns, rad/s, as surfaces pass them, m/s."""
+        ring, roller = self.ideal.shaft - frame, self.ideal.roller - frame
+        return self.met_inner.passing(ring, roller), self.met_outer.passing(-frame, roller)
+
+    def drive_power(self, frame: float) -> float:
+        """Power that turning bodies under the contacts takes, W."""
+        inner, outer = self.passing(frame)
+        return float(self.force_inner.dot(inner) + self.force_outer.dot(outer))
 
     def hub_pull(self, time: float) -> float:
         """Acceleration of the hub by load and weight along −y, m/s²."""
@@ -99,6 +120,7 @@ class KinematicAngles(_System):
             x=record.z.real, y=record.z.imag, rho=record.q, theta=theta,
             x_rate=record.z_rate.real, y_rate=record.z_rate.imag,
             rho_rate=record.q_rate, theta_rate=np.full_like(theta, self.cage),
+            turns=Turns.rolling(self.ideal, time[:, None]),
         )  # fmt: skip
 
     def accelerations(self, time, z, q, turn):
@@ -107,14 +129,21 @@ class KinematicAngles(_System):
         distance = np.abs(line)
         np.subtract(self.reach, distance, out=self.depth_inner)
         np.subtract(q, self.track, out=self.depth_outer)
+        if self.surfaces is not None:
+            outward = self.first + self.spacing + self.cage * time
+            self.sink(time, outward + np.angle(line), outward, distance)
         self.law_forces()
         self.line, self.distance = line, distance
         push = self.force_inner / distance * line
+        if self.surfaces is not None:
+            push *= self.aside
         on_hub = -complex(np.vdot(turn, push))  # vdot conjugates: back to the fixed frame
         q_acc = push.real - self.force_outer
         q_acc *= self.per_mass
         q_acc += self.cage_squared * q
         power = self.held_power(z, on_hub)
+        if self.surfaces is not None:
+            power += self.drive_power(self.cage)
         if self.gravity > 0.0:
             q_acc += self.fall * turn.imag
             power += self.cage_weight * float(q.dot(turn.real))
@@ -131,14 +160,21 @@ class KinematicAngles(_System):
         """
         # the line's rate in the turning frame; the frame's own turn moves only the hub in it
         rate = q_rate - (z_rate - 1j * self.cage * z) * turn
-        unit = self.line / self.distance
+        unit, opening, driven = self.line / self.distance, q_rate, 0.0
+        if self.surfaces is not None:
+            unit = unit * self.aside
         closing = -(rate * unit.conj()).real
+        if self.surfaces is not None:
+            inner_passing, outer_passing = self.passing(self.cage)
+            closing, opening = closing + inner_passing, opening + outer_passing
         inner = _no_pull(damping * closing, self.force_inner)
-        outer = _no_pull(damping * q_rate, self.force_outer)
+        outer = _no_pull(damping * opening, self.force_outer)
+        if self.surfaces is not None:
+            driven = np.dot(inner, inner_passing) + np.dot(outer, outer_passing)
         push = inner * unit
         on_hub = -complex(np.vdot(turn, push))
-        loss = np.dot(inner, closing) + np.dot(outer, q_rate)
-        return on_hub / self.inner_mass, (push.real - outer) / self.mass, loss, self.held_power(z, on_hub)
+        loss = np.dot(inner, closing) + np.dot(outer, opening)
+        return on_hub / self.inner_mass, (push.real - outer) / self.mass, loss, self.held_power(z, on_hub) + driven
 
 
 class FreeAngles(_System):
@@ -163,34 +199,48 @@ class FreeAngles(_System):
         return State(
             x=record.z.real, y=record.z.imag, rho=rho, theta=theta,
             x_rate=record.z_rate.real, y_rate=record.z_rate.imag, rho_rate=along.real, theta_rate=along.imag / rho,
+            turns=Turns.rolling(self.ideal, time[:, None]),
         )  # fmt: skip
 
     def accelerations(self, time, z, q, turn):
-        """Of hub and elements; no power is taken up by anything that holds angles."""
+        """Of hub and elements, and the power that turning bodies takes where surfaces are not perfect, W."""
         line = q - z
         distance, rho = np.abs(line), np.abs(q)
         np.subtract(self.reach, distance, out=self.depth_inner)
         np.subtract(rho, self.track, out=self.depth_outer)
+        if self.surfaces is not None:
+            self.sink(time, np.angle(line), np.angle(q), distance)
         self.law_forces()
-        self.line, self.distance, self.rho = line, distance, rho
-        push = self.force_inner / distance * line
-        q_acc = (push - self.force_outer / rho * q) / self.mass - 1j * self.gravity
-        return -complex(push.sum()) / self.inner_mass - 1j * self.hub_pull(time), q_acc, 0.0
+        self.line, self.distance, self.out, power = line, distance, q / rho, 0.0
+        push, back = self.force_inner / distance * line, self.force_outer / rho * q
+        if self.surfaces is not None:
+            outer_aside = 1.0 - 1j * self.met_outer.slope / rho
+            self.out *= outer_aside
+            push, back, power = push * self.aside, back * outer_aside, self.drive_power(0.0)
+        q_acc = (push - back) / self.mass - 1j * self.gravity
+        return -complex(push.sum()) / self.inner_mass - 1j * self.hub_pull(time), q_acc, power
 
     def damper(self, z_rate, q_rate, q, z, turn, damping):
         """Accelerations of hub and elements by the dampers, the loss and the power held angles take up, W.
 
         At the positions last seen by `accelerations`.
         """
-        unit, out = self.line / self.distance, q / self.rho
+        unit, out, driven = self.line / self.distance, self.out, 0.0
+        if self.surfaces is not None:
+            unit = unit * self.aside
         closing = -((q_rate - z_rate) * unit.conj()).real
         opening = (q_rate * out.conj()).real
+        if self.surfaces is not None:
+            inner_passing, outer_passing = self.passing(0.0)
+            closing, opening = closing + inner_passing, opening + outer_passing
         inner = _no_pull(damping * closing, self.force_inner)
         outer = _no_pull(damping * opening, self.force_outer)
+        if self.surfaces is not None:
+            driven = float(np.dot(inner, inner_passing) + np.dot(outer, outer_passing))
         push = inner * unit
         loss = np.dot(inner, closing) + np.dot(outer, opening)
         # Python's own complex number, as in the other accelerations: a stored state goes on with the same arithmetic
-        return complex(-push.sum() / self.inner_mass), (push - outer * out) / self.mass, loss, 0.0
+        return complex(-push.sum() / self.inner_mass), (push - outer * out) / self.mass, loss, driven
 
 
 def _stacked(laws):

@@ -45,7 +45,8 @@ class Trajectory:
     energy_error: np.ndarray  # J, that the integration has made since the start: 0 in an exact solution
     work_load: np.ndarray  # J, since the start
     work_gravity: np.ndarray
-    work_cage: np.ndarray  # of what keeps the angles to the kinematics; 0 with free angles
+    # of what keeps the angles to the kinematics and, where surfaces are not perfect, turns the bodies; else 0
+    work_cage: np.ndarray
     work_dissipated: np.ndarray  # by the contacts' dampers
     time_step: float  # s
     critical_time_step: float  # s, stability limit of the stiffest mode met
@@ -111,7 +112,7 @@ class Completion:
             energy_kinetic=kinetic, energy_contact=contact,
             work_load=record.ramp_work - (pull - first["pull"]),
             work_gravity=-operation.gravity * (lift - first["lift"]),
-            work_cage=record.held_work + swing - first["swing"] if held else np.zeros_like(time),
+            work_cage=record.held_work + swing - first["swing"] if held else record.held_work,
             work_dissipated=record.dissipated,
         )  # fmt: skip
         external = part["work_load"] + part["work_gravity"] + part["work_cage"]

@@ -89,7 +89,7 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
     The terms add up to the error to round-off, about 1e-12 of the load.
     """
     operation = record.operation
-    contacts = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
+    contacts = record.contacts
     force = law_force(law, contacts.inner, closing_speed)
     law_push = contact_resultant(contacts, force)
     errors = error_forces(operation, acceleration_x, acceleration_y, *law_push)
@@ -105,7 +105,8 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
                 operation.inner_mass * (acceleration_y - record.inner_ay),
             )
         if record.inner_traction is not None:
-            friction = traction_resultant(contacts, record.inner_traction)
+            circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
+            friction = traction_resultant(circles, record.inner_traction)
         load = np.zeros_like(errors[0]), missing_load(record)
         laws = run_push[0] - law_push[0], run_push[1] - law_push[1]
         x, y = map(_split, errors, differentiation, laws, friction, load)

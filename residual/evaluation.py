@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lagrange.equations import approaches
 from lagrange.kinematics import Kinematics, kinematics
 from lagrange.raceway_laws import caution
 from residual.budget import Budget, DirectionBudget, chatter_gap, error_budget, near_contact_change
@@ -126,7 +125,7 @@ def evaluate(
     notes += why
     acceleration_x = derivative(record.inner_x, interval, order=order)[first:]
     acceleration_y = derivative(record.inner_y, interval, order=order)[first:]
-    approach = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y).inner
+    approach = record.contacts.inner
     closing_speed = derivative(approach, interval, 1, order)[first:]
     used = record.samples(slice(first, None))
     chatter = chatter_gap(used)

@@ -7,6 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+from lagrange.equations import approaches
+from lagrange.kinematics import kinematics
+from lagrange.overlap import Overlaps
+from lagrange.profile import Turns
 from lagrange.scene import Scene
 from lagrange.scene_columns import per_roller
 from residual.errors import InputError
@@ -49,6 +53,7 @@ class Record:
     outer_force: np.ndarray | None = None
     inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ
     outer_traction: np.ndarray | None = None
+    roller_turn: np.ndarray | None = None  # (n_times, n_rollers), rad, of the rollers about themselves
     energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
     attributes: Mapping[str, object] = field(default_factory=dict)
     stated_errors: tuple[StatedError, ...] = ()  # of the error of the discretisation
@@ -73,6 +78,17 @@ class Record:
         """Mean angular speed of the rollers' centres about the outer ring's centre, rad/s, signed."""
         angle = np.unwrap(np.arctan2(self.roller_y, self.roller_x), axis=0)
         return float(np.mean(angle[-1] - angle[0]) / (self.time[-1] - self.time[0]))
+
+    @property
+    def turns(self) -> Turns:
+        """Of the inner ring, and of the rollers: told by the source, or those of rolling without slip."""
+        rolling = Turns.rolling(kinematics(self.bearing, self.operation.speed), self.time[:, None])
+        return rolling if self.roller_turn is None else replace(rolling, rollers=self.roller_turn)
+
+    @property
+    def contacts(self) -> Overlaps:
+        """Overlaps of the scene's surfaces, which are the approaches of rigid bodies."""
+        return approaches(self.bearing, self.inner_x, self.inner_y, self.roller_x, self.roller_y, self.turns)
 
     def samples(self, part: slice) -> "Record":
         """Restrict the record to some samples."""

@@ -69,3 +69,38 @@ def test_a_warning_is_told_wherever_a_user_looks(tmp_path, capsys):
     assert "ISO 76" in capsys.readouterr().err
     summary = json.loads((tmp_path / "report" / "summary.json").read_text(encoding="utf-8"))
     assert any("ISO 76" in note for note in summary["notes"])
+
+
+@pytest.mark.parametrize(("radius_mm", "warned"), [(0.1, True), (0.2, False), (0.0, True)])
+def test_an_edge_that_steel_does_not_bear_is_warned_of(radius_mm, warned):
+    """628 N on a rounded edge against the roller: p0 = sqrt(Q E*/(π R L)), 4.9 GPa at 0.1 mm and 3.5 at 0.2."""
+    found = plan_of("spall.0.angle_deg=14", f"spall.0.edge_radius_mm={radius_mm}").cautions
+    assert bool(found) == warned
+    if radius_mm > 0.0 and warned:
+        radius = 1.0 / (1.0 / 5e-3 + 1e3 / radius_mm)
+        force = plan_of().start.equilibrium.outer_force.max()
+        pressure = sqrt(force * 210e9 / (2.0 * (1.0 - 0.3**2)) / (pi * radius * 10e-3))
+        assert f"{1e-6 * pressure:.0f} MPa" in found[0]
+
+
+@pytest.mark.parametrize(("interval", "warned"), [(10.0, False), (14.0, True)])
+def test_samples_that_miss_a_crossed_edge_are_warned_of(interval, warned):
+    """A half-width of 0.065 mm passes at 5.16 m/s in 12.7 µs."""
+    found = plan_of(
+        "spall.0.angle_deg=14", "spall.0.edge_radius_mm=0.5", f"numerics.output_interval_us={interval}"
+    ).cautions
+    assert bool(found) == warned
+    if warned:
+        assert "at most 12." in found[0] and "[[spall]]" in found[0]
+
+
+def test_samples_that_miss_waves_are_warned_of():
+    """Order 200 on the inner ring: a wave of 0.57 mm passes in 110 µs, seen by two samples of 55 µs."""
+    found = plan_of(
+        "waviness.0.order=200", "waviness.0.amplitude_um=0.01", "numerics.output_interval_us=30",
+    ).cautions  # fmt: skip
+    assert not found
+    found = plan_of(
+        "waviness.0.order=400", "waviness.0.amplitude_um=0.01", "numerics.output_interval_us=30",
+    ).cautions  # fmt: skip
+    assert "[[waviness]]" in found[0] and "at most 27.4" in found[0]

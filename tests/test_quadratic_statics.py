@@ -1,5 +1,6 @@
 """Statics on refined quadratic meshes: meshes, compliances of single bodies, and the whole bearing."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from fem.elastic.quadratic import contact_nodes, disc_spot_compliance, ring_spot_compliance
 from fem.statics.contact_balance import NotFound
 from fem.statics.quadratic_statics import quadratic_statics
+from lagrange.faults import UnequalRoller
 from meshes import RefinedDisc, RefinedSector, Spot, quality, refined_mesh
 from tests.reference.bearings import LENGTH, LOAD, STEEL, paper
 from tests.reference.line_contact import half_width, squeezed_disc_approach
@@ -128,3 +130,9 @@ def test_a_mesh_made_for_other_contacts_is_refused():
         quadratic_statics(paper(), 0.0, 0.0)
     with pytest.raises(NotFound, match="wider than"):  # preload, not the load, makes the contacts
         quadratic_statics(paper(outer_raceway_radius=0.027995), 1.0, 0.0, 2.0)
+
+
+def test_surfaces_that_are_not_circles_are_refused():
+    faulty = replace(paper(), faults=(UnequalRoller(roller=0, diameter_deviation=1e-6),))
+    with pytest.raises(ValueError, match="perfect circles"):
+        quadratic_statics(faulty, LOAD, -np.pi / 2)

@@ -1,6 +1,7 @@
 """The reduced model against exact statics, linear modes, balances of energy and momentum, and what it refuses."""
 
 import dataclasses
+import tomllib
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from fem.solver.reduced import ReducedPlan
 from fem.solver.simulate import make_plan, run
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.kinematics import roller_angles
-from lagrange.scene import read_scene
+from lagrange.scene import parse_scene, read_scene
 
 CLEARANCE = ("bearing.outer_raceway_diameter_mm=56.04", "operation.radial_load_N=200")
 PRELOAD = ("bearing.outer_raceway_diameter_mm=55.99", "operation.radial_load_N=0", "operation.gravity_m_s2=0")
@@ -228,6 +229,41 @@ def test_a_run_whose_energy_does_not_balance_begins_again_with_half_the_step():
 def test_what_it_cannot_do_is_refused_by_name(setting, word):
     with pytest.raises(UsageError, match=word):
         plan_of(*setting.split())
+
+
+def scene_with(tables: str, **numerics) -> ReducedPlan:
+    data = tomllib.loads(tables)
+    return make_plan(parse_scene(data | {"model": "reduced", "numerics": numerics}, "scene"))
+
+
+@pytest.mark.parametrize(("tables", "limit"), [
+    ('[[waviness]]\nbody = "inner_ring"\norder = 12\namplitude_um = 0.5', 1e-5),
+    ('[[waviness]]\nbody = "outer_ring"\norder = 7\namplitude_um = 0.5', 1e-5),
+    ('[[waviness]]\nbody = "roller"\nroller = 3\norder = 6\namplitude_um = 0.5', 1e-5),
+    ("[[unequal_roller]]\nroller = 1\ndiameter_deviation_um = 2.0", 1e-5),
+    ('[[spall]]\nbody = "outer_ring"\nangle_deg = 4.0\nwidth_mm = 1.0\ndepth_um = 100.0', 1e-3),
+])  # fmt: skip
+def test_energy_balances_on_surfaces_that_are_not_perfect(tables, limit):
+    """Slopes of surfaces push rollers, turn them and load the drive: all of it is in the balance, or none fits."""
+    found = samples_of(scene_with(tables, duration_ms=6.0))
+    assert np.abs(found["imbalance"]).max() < limit * found["exchanged"][-1]
+    perfect = samples_of(plan_of("numerics.duration_ms=6"))
+    assert np.abs(found["inner_y"] - perfect["inner_y"]).max() > 1e-8  # and they do something
+
+
+def test_a_wave_of_the_inner_ring_moves_a_preloaded_hub_as_in_finite_elements():
+    tables = (
+        '[bearing]\nouter_raceway_diameter_mm = 55.98\n[operation]\nradial_load_N = 0.0\ngravity_m_s2 = 0.0\n'
+        '[[waviness]]\nbody = "inner_ring"\norder = 12\namplitude_um = 0.5'
+    )  # fmt: skip
+    found = []
+    for model in ("fem", "reduced"):
+        data = tomllib.loads(tables) | {"model": model, "numerics": {"duration_ms": 3.0, "mesh_size_mm": 2.0}}
+        plan, blocks = make_plan(parse_scene(data, "scene")), []
+        run(plan, blocks.append)
+        found.append(np.concatenate([block["inner_x"] for block in blocks]))
+    assert found[0].max() == pytest.approx(0.5e-6, rel=0.1)  # the wave's amplitude, for a rigid hub and many rollers
+    assert np.abs(found[1] - found[0]).max() < 0.01 * found[0].max()
 
 
 def test_rows_of_contacts_are_those_of_the_samples():

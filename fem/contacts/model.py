@@ -45,6 +45,7 @@ class Model:
     coarsest: ClassVar[float] = inf  # surface spacing over a half-width at which the model is still good
     is_made_for_a_force: ClassVar[bool] = False  # points stand where the largest static force needs them
     is_sized_by_forces: ClassVar[bool] = False  # statics need to know about how wide contacts are
+    takes_profiles: ClassVar[bool] = False  # knows surfaces that are not perfect circles
     static_passes: ClassVar[int] = 3  # contacts sit along the lines of centres, which the solution moves
     failure_hint: ClassVar[str] = ""  # what else to try where velocities are lost
     stress_note: ClassVar[str | None] = None  # how the mesh carries contacts, where pictures add nothing to its stress

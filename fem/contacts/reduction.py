@@ -6,6 +6,7 @@ import numpy as np
 
 from lagrange import Bearing
 from lagrange.kinematics import roller_angles
+from lagrange.profile import Turns
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +29,11 @@ class Motion:
     def around(self) -> np.ndarray:
         """Unit vectors along the rollers' path, counter-clockwise, (n_rollers, 2)."""
         return np.column_stack([-np.sin(self.roller_angle), np.cos(self.roller_angle)])
+
+    @property
+    def turns(self) -> Turns:
+        """What surfaces that are not perfect are seen by."""
+        return Turns(inner_ring=self.ring_turn, rollers=self.roller_turn)
 
     def lines_of_centres(self, place: np.ndarray) -> np.ndarray:
         """Directions of inner, then outer contacts, (2 n_rollers,), rad; `place`: hub, radii, (n_rollers + 2,), m."""

@@ -13,6 +13,7 @@ disc), so B_i is a periodic function of the contact's position: a mean and a rip
 
 from dataclasses import dataclass
 from math import log, pi, sqrt
+from typing import ClassVar
 
 import numpy as np
 from scipy import sparse
@@ -53,6 +54,8 @@ class SubgridModel(Model):
     roller_surface: SurfaceCompliance
     inner_surface: SurfaceCompliance
     outer_surface: SurfaceCompliance
+
+    takes_profiles: ClassVar[bool] = True
 
     @classmethod
     def build(cls, bearing: Bearing, mesh_size: float, expected=None, contact=None) -> "SubgridModel":

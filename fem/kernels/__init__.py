@@ -7,6 +7,7 @@ team_kernels                    these two shared out among threads
 surfaces                        what contacts ask of a surface: read, push, grip, sideways, push_along
 disc_surface, ring_surface      the answers of elastic rollers and rings; `rigid_surfaces`: of rigid bodies
 contact_kernels                 normal forces of pairs of bodies; law, patches: the law below the grid, B-spline patches
+profile_kernels                 surfaces that are not perfect circles
 resolved_kernels                contacts as pressures on points, or penalty springs
 point_kernels, spread_kernels   one point on one surface; forces of points spread over patches
 facet_kernels                   polygons in place of circles

@@ -114,8 +114,13 @@ def contact_energy(Q, A, B, Q_line):
 @kernel(forceinline=True)
 def ripple_at(position, coefficients):
     """Ripple of A_i·B_i and its slope per node spacing at a position in node spacings, >= 0."""
-    x = position * (1.0 * KNOTS_PER_NODE)
-    n = coefficients.size
+    value, slope = spline_at(position * (1.0 * KNOTS_PER_NODE), coefficients, 0, coefficients.size)
+    return value, slope * (1.0 * KNOTS_PER_NODE)
+
+
+@part
+def spline_at(x, coefficients, first, n):
+    """A periodic cubic B-spline and its slope per knot at x knots, >= 0; its n coefficients stand from `first` on."""
     base = whole(x)
     t = x - real(base)
     r = 1.0 - t
@@ -124,10 +129,10 @@ def ripple_at(position, coefficients):
     before = select(base < 1, base + (n - 1), base - 1)
     after = select(base >= n - 1, base + (1 - n), base + 1)
     beyond = select(after >= n - 1, after + (1 - n), after + 1)
-    c0, c1 = gather(coefficients, before), gather(coefficients, base)
-    c2, c3 = gather(coefficients, after), gather(coefficients, beyond)
+    c0, c1 = gather(coefficients, before + first), gather(coefficients, base + first)
+    c2, c3 = gather(coefficients, after + first), gather(coefficients, beyond + first)
     value = (
         r * r * r * c0 + (4.0 - 3.0 * t * t * (2.0 - t)) * c1 + (4.0 - 3.0 * r * r * (2.0 - r)) * c2 + t * t * t * c3
     ) * (1.0 / 6.0)
     slope = 0.5 * (t * (3.0 * t - 4.0) * c1 - r * r * c0 - r * (3.0 * r - 4.0) * c2 + t * t * c3)
-    return value, slope * (1.0 * KNOTS_PER_NODE)
+    return value, slope

@@ -8,13 +8,16 @@ Those forces are guessed from the last steps, the law gives force and stiffness,
 what is left is the square of a few hundredths of what the guess was off by.
 """
 
+from math import cos, sin
+
 import numpy as np
 
 from fem.kernels.contact_kernels import next_rollers
 from fem.kernels.friction_kernels import creep_traction
 from fem.kernels.jit import part
-from fem.kernels.lane_functions import larger, logarithm
+from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm
 from fem.kernels.law import STEEPEST, contact_force, kick_force
+from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.simd import (
     WIDTH,
@@ -92,8 +95,11 @@ def _both(inner, outer, by_inner, by_outer, guess_inner, guess_outer):
 
 
 @part
-def estimate_forces(bodies, compliance, forces):
-    """Forces by the guess: their approach, stiffness and normals; and what they gain with a roller's other contact."""
+def estimate_forces(bodies, compliance, forces, turn):
+    """Forces by the guess: their approach, stiffness and normals; and what they gain with a roller's other contact.
+
+    `turn` : rad, of the inner ring.
+    """
     columns, n, halo = bodies.columns, bodies.n, forces.halo
     width, across = columns + 2 * halo, compliance.across
     inner, outer = compliance.inner, compliance.outer
@@ -102,18 +108,19 @@ def estimate_forces(bodies, compliance, forces):
         x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
         out = root(select(there, x * x + y * y, 1.0))
         scale = 1.0 / out
-        store(forces.normal, 2 * columns + group, x * scale)
-        store(forces.normal, 3 * columns + group, y * scale)
+        _store_pair(
+            forces.normal, 2 * columns + group, columns, select(there, x * scale, 1.0), select(there, y * scale, 0.0)
+        )
         x, y = x - bodies.hub[0], y - bodies.hub[1]
         away = root(select(there, x * x + y * y, 1.0))
         scale = 1.0 / away
-        store(forces.normal, group, x * scale)
-        store(forces.normal, columns + group, y * scale)
+        _store_pair(forces.normal, group, columns, select(there, x * scale, 1.0), select(there, y * scale, 0.0))
         at = halo + group
         guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
         guess_i, guess_o = select(there, guess_i, 0.0), select(there, guess_o, 0.0)
         first_i = compliance.reach - away - across * guess_o - _felt(compliance, forces.guess, INNER, at)
         first_o = out - compliance.track - across * guess_i - _felt(compliance, forces.guess, OUTER, width + at)
+        first_i, first_o = _lowered(bodies, compliance, forces, group, turn, first_i, first_o, forces.slope)
         first_i, first_o = select(there, first_i, -1.0), select(there, first_o, -1.0)
         Q_i, stiff_i = _force(inner, first_i, guess_i)
         Q_o, stiff_o = _force(outer, first_o, guess_o)
@@ -124,6 +131,48 @@ def estimate_forces(bodies, compliance, forces):
         _store_pair(forces.gained, at, width, Q_i - guess_i, Q_o - guess_o)
     wrap(forces.gained, INNER, n, halo)
     wrap(forces.gained, OUTER, n, halo)
+
+
+@part
+def _lowered(bodies, compliance, forces, group, turn, inner, outer, slope):
+    """Approaches of eight rollers on surfaces that are not perfect circles; their slopes are kept."""
+    if slope is None:
+        return inner, outer
+    columns = bodies.columns
+    ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
+    ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
+    c, s = cos(turn), sin(turn)
+    none = splat(0.0)
+    out, rate = lowered_ring(compliance.ring_profiles[0], 1.0, none, none, c * ix + s * iy, c * iy - s * ix)
+    out_o, rate_o = lowered_ring(compliance.ring_profiles[1], 1.0, none, none, ox, oy)
+    c, s = cosine_and_sine(load(bodies.turn, group))
+    own, own_rate = lowered_rollers(
+        compliance.roller_profiles[0], group, none, none, -(c * ix + s * iy), s * ix - c * iy
+    )
+    own_o, own_rate_o = lowered_rollers(
+        compliance.roller_profiles[1], group, none, none, c * ox + s * oy, c * oy - s * ox
+    )
+    _store_pair(slope, group, columns, rate + own_rate, own_rate)
+    _store_pair(slope, 2 * columns + group, columns, rate_o + own_rate_o, own_rate_o)
+    return inner + out + own, outer + out_o + own_o
+
+
+@part
+def _aside(bodies, forces, drive, group, P_i, P_o, slope):
+    """What slopes of surfaces make of eight rollers' forces: along +θ in both contacts, N, and moments, N m."""
+    if slope is None:
+        return splat(0.0), splat(0.0), splat(0.0)
+    columns = bodies.columns
+    x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
+    out = x * load(forces.normal, 2 * columns + group) + y * load(forces.normal, 3 * columns + group)
+    x, y = x - bodies.hub[0], y - bodies.hub[1]
+    away = x * load(forces.normal, group) + y * load(forces.normal, columns + group)
+    there = count_from(group) < bodies.n
+    out, away = select(there, out, 1.0), select(there, away, 1.0)
+    both, own = load(slope, group), load(slope, columns + group)
+    both_o, own_o = load(slope, 2 * columns + group), load(slope, 3 * columns + group)
+    drive.sums[1] -= drive.speed * drive.dt * total(P_i * (both - own))
+    return -(P_i * both / away), -(P_o * both_o / out), P_i * own + P_o * own_o
 
 
 @part
@@ -189,6 +238,11 @@ def kick(bodies, compliance, forces, drive, before):
         T_i, T_o = splat(0.0), splat(0.0)
         if drive.friction > 0.0:
             T_i, T_o = _tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)
+        store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
+        S_i, S_o, moment = _aside(bodies, forces, drive, group, P_i, P_o, forces.slope)
+        if forces.slope is not None:
+            store(bodies.spin, group, load(bodies.spin, group) + moment * (dt / bodies.inertia))
+            T_i, T_o = T_i + S_i, T_o + S_o
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         hub_x -= select(there, fx, 0.0)
         hub_y -= select(there, fy, 0.0)
@@ -196,7 +250,6 @@ def kick(bodies, compliance, forces, drive, before):
         store(bodies.velocity, group, load(bodies.velocity, group) + over * fx)
         at = columns + group
         store(bodies.velocity, at, load(bodies.velocity, at) + over * fy - drive.gravity * dt)
-        store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
         _expect(forces, halo + group, group, Q_i)
         _expect(forces, width + halo + group, columns + group, Q_o)
     wrap(forces.guess, INNER, n, halo)

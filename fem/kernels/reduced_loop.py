@@ -40,7 +40,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
         for inside in range(stride):
             time = step * drive.dt
             _remember(bodies, before)
-            estimate_forces(bodies, compliance, forces)
+            estimate_forces(bodies, compliance, forces, drive.speed * time)
             hub_x, hub_y = set_right(bodies, compliance, forces)
             radial_load = radial_load_at(drive, time)
             before.hub_acceleration[0] = hub_x / bodies.hub_mass

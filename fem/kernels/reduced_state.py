@@ -43,6 +43,8 @@ class Compliance(NamedTuple):
     distance: np.ndarray  # (neighbours,), in rollers, of contacts that are felt along a ring: −1, 1, −2 ...
     along: np.ndarray  # (2, neighbours), m/N
     tangential: np.ndarray  # (3,), m/N, of contacts that stick
+    ring_profiles: tuple  # of the inner and the outer raceway, see `profile_kernels`; None: a perfect circle
+    roller_profiles: tuple  # of the rollers in their contacts with them
 
 
 class ReducedForces(NamedTuple):
@@ -60,6 +62,7 @@ class ReducedForces(NamedTuple):
     estimate: np.ndarray  # (2, columns), N, its force; room
     stiffness: np.ndarray  # (2, columns), N/m; room
     normal: np.ndarray  # (2, 2, columns), outward; room
+    slope: np.ndarray | None  # (4, columns), m/rad, of approaches: inner, and the roller's share of it, outer; room
     halo: int
 
 

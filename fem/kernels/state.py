@@ -132,6 +132,13 @@ class Law(NamedTuple):
     curvature: float  # 1/R, 1/m
 
 
+class RollerProfiles(NamedTuple):
+    """Sinkages of the rollers' contacts with one raceway by angle on the roller: periodic cubic B-splines."""
+
+    coefficients: np.ndarray  # (n_rows, n_knots), m
+    first: np.ndarray  # (columns,), place of each roller's row
+
+
 class Raceway(NamedTuple):
     """Rollers on a ring; side 0 is the ring."""
 
@@ -146,6 +153,8 @@ class Raceway(NamedTuple):
     frame: np.ndarray  # (3,), turn, cosine, sine
     impulse: np.ndarray  # (2,), N s, of this step on the ring as a whole
     moment: np.ndarray  # (2,), of this step: on the frame, N m, held by the drive; on nodes about the origin, N m s
+    profile: np.ndarray | None  # (n_knots,), m, sinkage by angle on the ring, a spline; None: a perfect circle
+    roller_profiles: RollerProfiles | None  # None: perfect circles
 
 
 class Neighbours(NamedTuple):

@@ -22,6 +22,7 @@ from fem.errors import UsageError
 from fem.result.durable import alone_in, move_into_place, open_locked, real_path, write_at
 from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
 from fem.result.layout import FORMAT_VERSION, VARIABLES, Places, create
+from lagrange.faults import labels
 from lagrange.stored import checksum, text_checksum
 
 if TYPE_CHECKING:
@@ -248,8 +249,9 @@ def _integers(*values: int) -> bytes:
 
 
 def _attributes(plan: "Plan", setup_seconds: float) -> dict[str, object]:
-    scene = plan.scene.to_toml()
-    return dict(
+    scene, faults = plan.scene.to_toml(), plan.scene.ideal_bearing().faults
+    truth = {"faults": labels(faults)} if faults else {}
+    return truth | dict(
         format_version=FORMAT_VERSION,
         program="run-fem",
         program_version=program_version(),

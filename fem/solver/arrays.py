@@ -139,7 +139,7 @@ def make_arrays(
     surface = disc_surface(model, rollers, disc, data)
     return Arrays(
         bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer),
-        groups=pair_groups(model, inner, outer, drive, data),
+        groups=pair_groups(model, inner, outer, drive, data, rollers.columns),
         contacts=lined_up(contacts),
         drive=drive,
         scratch=lined_up(_scratch(rollers, disc, inner, outer, threads)),

@@ -1,6 +1,7 @@
 """What a plan, and a run at its end, warns of: it is sound, but its numbers need care."""
 
-from math import pi, sqrt
+from dataclasses import replace
+from math import inf, pi, sqrt
 
 import numpy as np
 
@@ -8,9 +9,11 @@ from fem.contacts.model import Model
 from fem.solver.limits import WIDEST_CONTACT
 from fem.solver.solver import Samples
 from fem.statics.equilibrium import Equilibrium
-from lagrange import Bearing, Operation, contact_laws
+from lagrange import Bearing, Operation, contact_laws, kinematics
+from lagrange.faults import Spall, Waviness
 from lagrange.kinematics import roller_angles
 from lagrange.pair import contact_pairs
+from lagrange.scene_surfaces import own_radius
 
 # Static load rating of roller bearings (ISO 76): at this Hertz pressure steel keeps a dent of 1e-4 of the diameter
 ISO_76_PRESSURE = 4e9  # Pa
@@ -18,7 +21,12 @@ ISO_76_PRESSURE = 4e9  # Pa
 
 def cautions(model: Model, operation: Operation, equilibrium: Equilibrium, interval: float) -> tuple[str, ...]:
     """Sentences; none where all is well. `interval` between samples, s."""
-    found = (_yield(model, equilibrium), _sampling(model, operation, equilibrium, interval))
+    found = (
+        _yield(model, equilibrium),
+        _sampling(model, operation, equilibrium, interval),
+        _edges(model, equilibrium),
+        _passages(model, operation, equilibrium, interval),
+    )
     return tuple(sentence for sentence in found if sentence)
 
 
@@ -79,4 +87,43 @@ def _sampling(model: Model, operation: Operation, equilibrium: Equilibrium, inte
     return (
         f"numerics.output_interval_us = {1e6 * interval:g}: too seldom to follow the hub's vibration on its contacts, "
         f"about {1e-3 * resonance:.3g} kHz; check-residual needs less than {0.5e6 / resonance:.3g}"
+    )
+
+
+def _edges(model: Model, equilibrium: Equilibrium) -> str | None:
+    """An edge that carries a contact has a far higher pressure than the raceway; the model stays elastic."""
+    edges = [fault.edge_radius for fault in model.bearing.faults if isinstance(fault, Spall)]
+    if not edges:
+        return None
+    sharpest, roller = min(edges), model.bearing.roller_radius
+    force = float(max(equilibrium.inner_force.max(), equilibrium.outer_force.max()))
+    pair = replace(model.inner_law.pair, radii=(sharpest, roller)) if sharpest > 0.0 else None
+    pressure = inf if pair is None else pair.peak_pressure(force)
+    if force == 0.0 or pressure <= ISO_76_PRESSURE:
+        return None
+    size = "without bound" if pair is None else f"of {1e-6 * pressure:.0f} MPa"
+    return (
+        f"[[spall]] edge_radius_mm = {1e3 * sharpest:g}: where an edge carries the largest static force, {force:.4g} "
+        f"N, the Hertz pressure is one {size}, above the {1e-6 * ISO_76_PRESSURE:.0f} MPa of ISO 76's static load "
+        "rating: steel yields there, the model stays elastic"
+    )
+
+
+def _passages(model: Model, operation: Operation, equilibrium: Equilibrium, interval: float) -> str | None:
+    """Samples must follow contacts over edges, half-width by half-width, and over waves."""
+    bearing, ideal = model.bearing, kinematics(model.bearing, operation.speed)
+    speed = abs(ideal.roller - ideal.cage) * bearing.roller_radius
+    widths = [
+        law.pair.half_width(float(forces.max()))
+        for law, forces in ((model.inner_law, equilibrium.inner_force), (model.outer_law, equilibrium.outer_force))
+    ]
+    edges = [max(widths) for fault in bearing.faults if isinstance(fault, Spall)]
+    waves = [pi * own_radius(bearing, f) / f.order for f in bearing.faults if isinstance(f, Waviness)]
+    shortest = min([*edges, *waves], default=inf)
+    if interval * speed <= shortest or shortest == 0.0:
+        return None
+    what = "[[spall]] crossed edge by edge" if shortest in edges else "[[waviness]] passed"
+    return (
+        f"numerics.output_interval_us = {1e6 * interval:g}: too seldom to show a {what}; at most "
+        f"{1e6 * shortest / speed:.3g}"
     )

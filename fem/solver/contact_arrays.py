@@ -1,6 +1,7 @@
 """Contacts for the time loop: the bodies' surfaces, the pairs that may touch, and the arrays of their contacts."""
 
 from itertools import groupby
+from typing import Any
 
 import numba
 import numpy as np
@@ -28,16 +29,18 @@ from fem.kernels.state import (
     RigidDisc,
     Ring,
     RingSurface,
+    RollerProfiles,
     Rollers,
 )
 from fem.solver.cache_lines import at_line
 from fem.solver.start import Start
-from lagrange import Operation, kinematics
+from lagrange import Bearing, Operation, kinematics
+from lagrange.profile import Profile, profiles
 
 REACH = 0.01  # of a roller's radius
 
 
-def pair_groups(model: Model, inner: Ring, outer: Ring, drive: Drive, data: KernelData) -> tuple:
+def pair_groups(model: Model, inner: Ring, outer: Ring, drive: Drive, data: KernelData, columns: int) -> tuple:
     """All pairs of bodies that may touch, in groups of one type."""
     bearing, (hub, ground) = model.bearing, (model.inner_ring, model.outer_ring)
     nowhere = np.zeros(2)
@@ -56,6 +59,7 @@ def pair_groups(model: Model, inner: Ring, outer: Ring, drive: Drive, data: Kern
     if not ground.material.rigid:
         outer_surface = _ring_surface(ground, outer, data.ripples[OUTER])
     orbit = ground.raceway_radius - model.roller.shape.radius
+    inner_profiles, outer_profiles = raceway_profiles(bearing, columns)
     on_inner = Raceway(
         row=INNER,
         sign=1.0,
@@ -68,6 +72,7 @@ def pair_groups(model: Model, inner: Ring, outer: Ring, drive: Drive, data: Kern
         frame=drive.frame,
         impulse=drive.impulse,
         moment=drive.moment,
+        **inner_profiles,
     )
     on_outer = Raceway(
         row=OUTER,
@@ -81,9 +86,36 @@ def pair_groups(model: Model, inner: Ring, outer: Ring, drive: Drive, data: Kern
         frame=np.array([0.0, 1.0, 0.0]),
         impulse=np.zeros(2),  # the ground's, which nobody reads
         moment=np.zeros(2),
+        **outer_profiles,
     )
     between = Neighbours(row=ROLLER, law=data.laws[ROLLER])
     return tuple(tuple(group) for _, group in groupby((on_inner, on_outer, between), key=numba.typeof))
+
+
+def raceway_profiles(bearing: Bearing, columns: int) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What the inner and the outer `Raceway` know of surfaces that are not perfect.
+
+    Both raceways have a profile where one has, and so one type and one code.
+    """
+    surfaces = profiles(bearing)
+    if surfaces is None:
+        nothing = {"profile": None, "roller_profiles": None}
+        return nothing, nothing
+    rings, rollers = (surfaces.inner_ring, surfaces.outer_ring), (surfaces.rollers_inside, surfaces.rollers_outside)
+    on_rings, on_rollers = (None, None), (None, None)
+    if any(ring is not None for ring in rings):
+        on_rings = tuple(at_line(np.zeros(WIDTH) if ring is None else ring.coefficients[0]) for ring in rings)
+    if all(roller is not None for roller in rollers):
+        on_rollers = tuple(_roller_profiles(roller, columns) for roller in rollers)
+    return tuple(
+        {"profile": ring, "roller_profiles": roller} for ring, roller in zip(on_rings, on_rollers, strict=True)
+    )
+
+
+def _roller_profiles(profile: Profile, columns: int) -> RollerProfiles:
+    first = np.zeros(columns, dtype=np.int64)
+    first[: profile.row.size] = profile.row * profile.coefficients.shape[1]
+    return RollerProfiles(coefficients=at_line(profile.coefficients), first=at_line(first))
 
 
 def disc_surface(model: Model, rollers: Rollers, disc: Disc, data: KernelData) -> DiscSurface | RigidDisc:
@@ -193,4 +225,6 @@ def _reach(model: Model, operation: Operation) -> float:
     growth = ring.held(ring.body_load(0.0, 0.0, operation.speed))
     spin = kinematics(model.bearing, operation.speed).roller
     swelling = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel())
-    return REACH * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max())
+    surfaces = profiles(model.bearing)
+    highest = 0.0 if surfaces is None else surfaces.highest
+    return REACH * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max()) + highest

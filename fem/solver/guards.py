@@ -6,6 +6,7 @@ import numpy as np
 
 from fem.solver.solver import Samples
 from lagrange.overlap import touching_distances
+from lagrange.profile import profiles
 
 if TYPE_CHECKING:
     from fem.solver.finite_elements import ElementPlan
@@ -36,6 +37,8 @@ def n_in_place(plan: "ElementPlan", samples: Samples) -> int:
     bearing = plan.model.bearing
     reach, track = touching_distances(bearing)
     give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.radial_load)
+    surfaces = profiles(bearing)
+    give += 0.0 if surfaces is None else surfaces.deepest
     hub_x, hub_y = samples["inner_x"], samples["inner_y"]
     from_hub = np.hypot(samples["roller_x"] - hub_x[:, None], samples["roller_y"] - hub_y[:, None]).min(axis=1)
     astray = from_hub < reach - give

@@ -24,6 +24,7 @@ from lagrange.step_size import critical_time_step, steps_per_sample
 ARRAYS = 30  # per roller and sample of a block, at the most at a time
 # one thread of a 2024 server core; only a guide
 SECONDS_PER_STEP = {True: 65e-6, False: 160e-6}  # power law, other
+SLOWER_ON_SURFACES = 3.5  # times, where these are not perfect circles
 SAME = ("time", "inner_x", "inner_y", "inner_vx", "inner_vy", "inner_ax", "inner_ay", "roller_x", "roller_y",
         "roller_rho", "roller_theta", "inner_force", "outer_force", "energy_kinetic", "energy_contact",
         "work_external", "work_dissipated")  # fmt: skip
@@ -69,6 +70,7 @@ class LagrangianPlan(Plan):
             raise RunFailed(str(error)) from None
         steps = self.steps_per_sample * (self.n_samples - 1)
         seconds = steps * SECONDS_PER_STEP[isinstance(problem.laws.inner, PowerLaw)]
+        seconds *= SLOWER_ON_SURFACES if problem.bearing.faults else 1.0
         memory = 8e-6 * ARRAYS * (problem.bearing.n_rollers + 1) * min(self.n_samples, LARGEST_BLOCK)
         return {
             "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",

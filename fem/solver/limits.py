@@ -14,7 +14,7 @@ from fem.statics.equilibrium import Equilibrium
 from fem.statics.expected_forces import ExpectedForces
 from lagrange import Bearing, Kinematics
 from lagrange.pair import Pair, contact_pairs
-from lagrange.scene import Scene
+from lagrange.scene import SURFACES, Scene
 from meshes import Mesh, bearing_shapes, quality
 
 LEAST_ANGLE = 30.0  # degrees
@@ -80,6 +80,12 @@ def check_contact_model(kind: type[Model], scene: Scene, expected: ExpectedForce
         return
     bearing, mesh_size, force = expected.bearing, 1e-3 * scene.numerics.mesh_size_mm, expected.largest
     widths = [pair.half_width(force) for pair in contact_pairs(bearing)[:2]]
+    if bearing.faults and not kind.takes_profiles:
+        raise UsageError(
+            f"[[{next(name for name in SURFACES if getattr(scene, name))}]]: numerics.mesh_size_mm = "
+            f"{1e3 * mesh_size:g} is so fine that contacts are spread over points, which lie on perfect circles; at "
+            f"least {1e3 * kind.coarsest * max(widths):.3g}"
+        )
     if not kind.is_made_for_a_force:
         coarsest = kind.coarsest * min(widths)
         if mesh_size > coarsest:

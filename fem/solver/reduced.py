@@ -7,7 +7,7 @@ finite elements, which must follow elastic waves, and each takes a small part of
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.metadata import version
-from math import ceil, sqrt
+from math import ceil, inf, sqrt
 
 import numpy as np
 
@@ -22,11 +22,13 @@ from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import Plan, sample_count
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
 from fem.statics.reduced_start import ReducedStart, equilibrium_start, rest_start
-from lagrange import Operation, kinematics
+from lagrange import Bearing, Kinematics, Operation, kinematics
+from lagrange.profile import profiles
 from lagrange.scene import Scene
 
 LOAD_MARGIN = 10.0  # contacts are as stiff as at this many times the largest static force
 SHARE = 0.7  # of the critical step, at a safety of 1: beyond, contacts that open and close gain energy
+KNOTS_A_STEP = 0.25  # of a profile's spline
 # one thread of a 2024 server core; only a guide
 SECONDS_PER_LANES = 0.2e-6  # eight rollers
 
@@ -117,7 +119,8 @@ def make_plan(scene: Scene) -> ReducedPlan:
     tangential = tangential_compliance(bearing, largest)
     critical = critical_time_step(model, LOAD_MARGIN * largest, tangential)
     interval = 1e-6 * numerics.output_interval_us
-    steps = max(1, ceil(interval / (SHARE * numerics.time_step_safety * critical) * (1.0 - 1e-12)))
+    longest = min(SHARE * critical, _time_along_a_profile(bearing, ideal)) * numerics.time_step_safety
+    steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
     looks = ceil(steps / LONGEST_UNWATCHED)
     return ReducedPlan(
         scene=scene,
@@ -145,6 +148,13 @@ def _check(scene: Scene) -> None:
             f'contact.model = "{scene.contact.model}" is of meshes, and the reduced model has none; leave it out, or '
             'take model = "fem"'
         )
+
+
+def _time_along_a_profile(bearing: Bearing, ideal: Kinematics) -> float:
+    """The longest step, s, that follows what surfaces lack; infinite on perfect circles."""
+    surfaces = profiles(bearing)
+    speed = abs(ideal.cage) * bearing.outer_raceway_radius  # of contacts along every surface, as they roll
+    return inf if surfaces is None or speed == 0.0 else KNOTS_A_STEP * surfaces.shortest / speed
 
 
 def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray) -> float:

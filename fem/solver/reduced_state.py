@@ -12,11 +12,13 @@ from fem.kernels.reduced_loop import advance_reduced
 from fem.kernels.reduced_state import INNER, OUTER, Before, Compliance, ReducedDrive, ReducedForces, RigidBodies
 from fem.kernels.simd import WIDTH
 from fem.kernels.state import Law
+from fem.solver.contact_arrays import raceway_profiles
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.samples import SampleReader
 from fem.solver.solver import Block, Numbers
 from lagrange import Bearing
 from lagrange.overlap import touching_distances
+from lagrange.profile import profiles
 
 if TYPE_CHECKING:
     from fem.solver.reduced import ReducedPlan
@@ -49,8 +51,9 @@ class ReducedState(RowState):
         self.plan = plan = replace(self._whole, stride=stride, looks=looks)
         self.reader = SampleReader(plan)
         self._worst = 0.0  # J, the largest imbalance so far
-        self.bodies, self.compliance = _bodies(plan), _compliance(plan)
+        self.bodies = _bodies(plan)
         columns = self.bodies.columns
+        self.compliance = _compliance(plan, columns)
         self.forces, self.drive = _forces(plan, columns), _drive(plan)
         self._before = Before(
             hub_velocity=np.zeros(2),
@@ -175,9 +178,10 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
     return bodies
 
 
-def _compliance(plan: "ReducedPlan") -> Compliance:
+def _compliance(plan: "ReducedPlan", columns: int) -> Compliance:
     model = plan.model
     reach, track = touching_distances(model.bearing)
+    inner, outer = raceway_profiles(model.bearing, columns)
     return Compliance(
         inner=_law(model.inner_law),
         outer=_law(model.outer_law),
@@ -188,6 +192,8 @@ def _compliance(plan: "ReducedPlan") -> Compliance:
         distance=model.distance,
         along=model.along,
         tangential=plan.tangential,
+        ring_profiles=(inner["profile"], outer["profile"]),
+        roller_profiles=(inner["roller_profiles"], outer["roller_profiles"]),
     )
 
 
@@ -211,6 +217,7 @@ def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         estimate=np.zeros((2, columns)),
         stiffness=np.zeros((2, columns)),
         normal=np.zeros((2, 2, columns)),
+        slope=None if profiles(plan.model.bearing) is None else np.zeros((4, columns)),
         halo=halo,
     )
     for row, force in ((INNER, start.inner_force), (OUTER, start.outer_force)):

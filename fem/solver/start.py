@@ -10,6 +10,7 @@ from fem.statics.contact_balance import NotFound
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles
+from lagrange.profile import profiles
 
 ROUND_OFF = 1e-12  # of a roller radius: less preload than this is none
 JUMP = 0.01  # of the surface speed: no hub moves that fast from one equilibrium to the next
@@ -88,9 +89,11 @@ def equilibrium_start(model: Model, operation: Operation) -> Start:
 
 
 def rest_start(model: Model, operation: Operation) -> Start:
-    """Centred and undeformed, in rolling motion; with preload, the equilibrium without load."""
+    """Centred and undeformed, in rolling motion; with preload, if only on crests, the equilibrium without load."""
     motion, ideal = rolling_motion(model, operation, 0.0)
-    if model.bearing.radial_clearance < -ROUND_OFF * model.bearing.roller_radius:
+    surfaces = profiles(model.bearing)
+    clearance = model.bearing.radial_clearance - (0.0 if surfaces is None else 2.0 * surfaces.highest)
+    if clearance < -ROUND_OFF * model.bearing.roller_radius:
         return _still(model, equilibrium(model, motion, 0.0, 0.0, 0.0), ideal, motion)
     n, inner, outer = model.bearing.n_rollers, model.inner_ring, model.outer_ring
     undeformed = Equilibrium(

@@ -86,7 +86,7 @@ def _solved(
             # one point each: laws of the contact as a whole, and facets which leave load to three rollers
             contacts = Condensed(
                 bearing=bearing, radial=radial, inner_law=model.inner_law, outer_law=model.outer_law,
-                compliance=reduced.compliance, closing=reduced.closing,
+                compliance=reduced.compliance, closing=reduced.closing, turns=motion.turns,
             )  # fmt: skip
             place, pressed = balance(contacts, loads, place)
             pressed = closed_forces(pressed)

@@ -47,11 +47,13 @@ def quadratic_statics(
     Of the mesh: 4e-4 with the default, 1e-4 at 8 elements per half-width. Of the theory: pressures push along the line
     of centres; along each surface's own normal the hub would sink by 3e-4 more (the paper's bearing). Influences are
     those at the rollers' angles, from which lines of centres differ by the hub's displacement over the pitch radius.
-    ValueError: the load is not positive.
+    ValueError: the load is not positive; surfaces that are not perfect circles.
     NotFound: no equilibrium, or contacts several times wider than the load makes one expect.
     """
     if not radial_load > 0.0:
         raise ValueError(f"radial load {radial_load:g} N: the mesh is made for the contacts of a load > 0")
+    if bearing.faults:
+        raise ValueError("bearing.faults: the contacts of these meshes lie on perfect circles; leave the faults out")
     n = bearing.n_rollers
     angle = roller_angles(bearing, first_roller_angle)
     radial = np.column_stack([np.cos(angle), np.sin(angle)])

@@ -1,6 +1,6 @@
 """A bearing reduced to its contacts for dynamics: exact series for every body, in steady rolling motion."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log
 from typing import ClassVar
 
@@ -15,6 +15,7 @@ from fem.statics.exact_statics import HALF_WIDTH, exact_contacts
 from lagrange import Bearing, Kinematics
 from lagrange.kinematics import roller_angles
 from lagrange.pair import Pair, contact_pairs
+from lagrange.profile import Turns
 
 FAINT = 1e-6  # of a contact's own compliance: a neighbour's force that moves it less is left out
 
@@ -49,13 +50,10 @@ class ReducedBearing:
         """How far a sound contact gives way under the load at the hub, N, beyond what elastic bodies do, m."""
         return 0.0
 
-    def at(self, radial: np.ndarray) -> Condensed:
-        """The contacts with rollers in directions, (n_rollers, 2)."""
-        old = self.contacts
-        return Condensed(
-            bearing=old.bearing, radial=radial, inner_law=old.inner_law, outer_law=old.outer_law,
-            compliance=old.compliance, closing=old.closing,
-        )  # fmt: skip
+    def at(self, angle: np.ndarray, turns: Turns) -> Condensed:
+        """The contacts with rollers at angles from +x, (n_rollers,), rad, and bodies turned so far."""
+        radial = np.column_stack([np.cos(angle), np.sin(angle)])
+        return replace(self.contacts, radial=radial, turns=turns)
 
 
 def reduced_bearing(bearing: Bearing, motion: Kinematics) -> ReducedBearing:
@@ -92,13 +90,14 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics) -> ReducedBearing:
 def _kept_contacts(bearing: Bearing) -> Condensed:
     """`exact_contacts` of rollers from angle 0 on; its series are kept on disk."""
     angle = roller_angles(bearing, 0.0)
+    perfect = replace(bearing, faults=())  # what surfaces lack does not change how bodies give way
 
     def make():
-        found = exact_contacts(bearing, angle)
+        found = exact_contacts(perfect, angle)
         laws = [(law.A, law.B, law.Q_line) for law in (found.inner_law, found.outer_law)]
         return {"compliance": found.compliance, "laws": np.array(laws)}
 
-    arrays = kept("contacts", repr(bearing), make)
+    arrays = kept("contacts", repr(perfect), make)
     pairs = contact_pairs(bearing)
     inner, outer = (
         ContactLaw(A=float(A), B=float(B), Q_line=float(line), pair=pair)

@@ -8,6 +8,7 @@ from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, clo
 from fem.statics.reduced_bearing import ReducedBearing
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles
+from lagrange.profile import UNTURNED, Turns
 
 ROUND_OFF = 1e-12  # of a roller radius: less interference than this is none
 JUMP = 0.01  # of the surface speed: no hub moves that fast from one equilibrium to the next
@@ -72,8 +73,8 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
         return _start(model, operation, place, np.zeros_like(place), forces)
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
     angle = roller_angles(bearing, operation.first_roller_angle)
-    contacts = model.at(np.column_stack([np.cos(angle), np.sin(angle)]))
-    forces = _forces_at(contacts, geometry(bearing, contacts.radial, place)[0] + contacts.closing)
+    contacts = model.at(angle, UNTURNED)
+    forces = _forces_at(contacts, geometry(bearing, contacts.radial, place, UNTURNED)[0] + contacts.closing)
     return _start(model, operation, place, np.zeros_like(place), forces, steady=False)
 
 
@@ -96,7 +97,7 @@ def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
 def _balanced(model, operation, ideal, load, time, near) -> tuple[np.ndarray, np.ndarray]:
     """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s."""
     angle = roller_angles(model.bearing, operation.first_roller_angle) + ideal.cage * time
-    contacts = model.at(np.column_stack([np.cos(angle), np.sin(angle)]))
+    contacts = model.at(angle, Turns.rolling(ideal, time))
     start = first_guess(model.bearing, contacts.radial, load) if near is None else near
     return balance(contacts, Loads(load, operation.gravity, ideal.cage), start)
 

@@ -123,7 +123,11 @@ def seeds(name: str) -> list[bytes]:
     if name == "scene":
         ball = '[bearing]\ntype = "ball"\n[material.roller]\ndensity_kg_m3 = 3200\n[operation]\nspeed_rpm = -3e3\n'
         mapped = '[table]\ntime = "t [ms]"\nroller_x = "x_{j} [um]"\ndecimal = ","\n'
-        return [Scene().to_toml().encode(), ball.encode(), mapped.encode(), b"name = 'x'\n"]
+        faulty = (
+            '[[spall]]\nbody = "roller"\nroller = 3\n[[spall]]\nwidth_mm = 2.0\nangle_deg = 90\nedge_radius_mm = 0\n'
+        )
+        faulty += "[[waviness]]\norder = 14\n[[unequal_roller]]\nroller = 5\n"
+        return [text.encode() for text in (Scene().to_toml(), ball, mapped, faulty, "name = 'x'\n")]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "seed.nc"
         if name == "checkpoint":

@@ -31,6 +31,18 @@ BAD_SCENES = {
     # names and types
     "unknown key": scene("[operation]\nspeed_rmp = 4500", "operation.speed_rmp", "did you mean speed_rpm?"),
     "unknown table": scene("[bearings]\nrollers = 3", "bearings", "did you mean bearing?"),
+    "misspelt key of a spall": scene("[[spall]]\nwidht_mm = 2", "spall.0.widht_mm", "did you mean width_mm?"),
+    "a table where many may be": scene("[spall]\nwidth_mm = 2", "spall = {", "array of tables, [[spall]]"),
+    "a spall that is no table": scene("spall = [3]", "spall.0 = 3", "[[spall]]"),
+    "override of a spall that is not there": setting("spall.3.width_mm=2", say="spall.3.width_mm=2 & none of 0 tables"),
+    "spalls that overlap": scene("[[spall]]\n[[spall]]\nangle_deg = 1.0", "spall.0 and spall.1 overlap"),
+    "a spall of a roller that is not there": scene(
+        '[[spall]]\nbody = "roller"\nroller = 13', "spall.0.roller = 13", "from 0 to 12"
+    ),
+    "a spall with resolved contacts": scene('[[spall]]\n[contact]\nmodel = "resolved"', "[[spall]]", '"resolved"'),
+    "a spall on a mesh as fine as contacts": setting(
+        "spall.0.width_mm=1", "numerics.mesh_size_mm=0.05", say="[[spall]] & points & at least"
+    ),
     "unknown key without a likely one": scene(
         "[contact]\nzzz = 1", "contact.zzz", "known here: ", "friction_coefficient"
     ),

@@ -1,0 +1,194 @@
+"""Imperfect surfaces as contacts meet them: how far the centres of two bodies come nearer than perfect circles allow.
+
+This sinkage is a smooth periodic function of where on a body the contact lies: a cubic spline, the same for rigid
+and elastic bodies, equations and checker. It is subtracted from the overlap of the circles, and its slope turns the
+force: all forces stay the gradient of one potential.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import ceil, pi
+
+import numpy as np
+
+from lagrange.bearing import Bearing
+from lagrange.closing import Meeting, sinkage
+from lagrange.faults import Body, Fault, Spall, UnequalRoller, Waviness
+from lagrange.kinematics import Kinematics
+
+KNOTS_PER_SPALL = 200  # along its width; the kink in its middle is rounded within two of them, 0.3 % too low
+KNOTS_PER_WAVE = 64  # the spline misses a wave by 1e-7 of its amplitude
+FEWEST_KNOTS = 8
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Profile:
+    """Sinkages along circles, as periodic cubic B-splines; row 0 of those of rollers is a perfect one's."""
+
+    coefficients: np.ndarray  # (n_rows, n_knots), m; knots equally spaced from angle 0
+    row: np.ndarray  # (n_rollers,), the row that each roller's contact meets
+    spacing: float  # m, between knots along the surface
+
+    def at(self, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Sinkage, m, and its slope, m/rad, at angles of the rollers' contacts, (..., n_rollers), rad."""
+        n = self.coefficients.shape[1]
+        place = np.asarray(angle) * (n / (2.0 * pi))
+        base = np.floor(place)
+        t = place - base
+        piece = self._pieces.take(self.row * n + base.astype(np.int64) % n, axis=0)
+        a, b, c, d = (piece[..., k] for k in range(4))
+        return a + t * (b + t * (c + t * d)), (b + t * (2.0 * c + t * (3.0 * d))) * (0.5 * n / pi)
+
+    @cached_property
+    def _pieces(self) -> np.ndarray:
+        """Polynomials from knot to knot, by powers of the way between them, (n_rows · n_knots, 4), m."""
+        c0, c1, c2, c3 = (np.roll(self.coefficients, -k, axis=1) for k in (-1, 0, 1, 2))
+        powers = c0 + 4.0 * c1 + c2, 3.0 * (c2 - c0), 3.0 * (c0 - 2.0 * c1 + c2), c3 - c0 + 3.0 * (c1 - c2)
+        return np.stack(powers, axis=-1).reshape(-1, 4) / 6.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Turns:
+    """How far bodies have turned since t = 0, rad, and how fast they turn, rad/s, in fixed axes."""
+
+    inner_ring: float | np.ndarray = 0.0
+    rollers: float | np.ndarray = 0.0  # about their own axes
+    inner_ring_speed: float = 0.0
+    roller_speed: float = 0.0
+
+    @classmethod
+    def rolling(cls, ideal: Kinematics, time) -> "Turns":
+        """Of rolling without slip at a time, s."""
+        return cls(
+            inner_ring=ideal.shaft * time,
+            rollers=ideal.roller * time,
+            inner_ring_speed=ideal.shaft,
+            roller_speed=ideal.roller,
+        )
+
+
+UNTURNED = Turns()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Met:
+    """Sinkages of the contacts with one raceway and their slopes, (..., n_rollers); slopes as the angle grows."""
+
+    sinkage: np.ndarray  # m, of ring and roller together
+    ring_slope: np.ndarray  # m/rad
+    roller_slope: np.ndarray
+
+    @property
+    def slope(self) -> np.ndarray:
+        """Of both, m/rad."""
+        return self.ring_slope + self.roller_slope
+
+    def passing(self, ring_speed: float, roller_speed: float) -> np.ndarray:
+        """Rate at which contacts close, m/s, because ring and rollers turn on under them at these speeds, rad/s."""
+        return ring_speed * self.ring_slope + roller_speed * self.roller_slope
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Profiles:
+    """All surfaces of a bearing; None where they are perfect."""
+
+    inner_ring: Profile | None
+    outer_ring: Profile | None
+    rollers_inside: Profile | None  # the rollers', where they meet the inner raceway
+    rollers_outside: Profile | None
+
+    def inner(self, direction, turns: Turns) -> Met:
+        """At the inner raceway; `direction` from the inner ring's centre to the rollers', (..., n_rollers), rad."""
+        return _met(self.inner_ring, direction - turns.inner_ring, self.rollers_inside, direction + pi - turns.rollers)
+
+    def outer(self, direction, turns: Turns) -> Met:
+        """At the outer raceway; `direction` from the outer ring's centre to the rollers', (..., n_rollers), rad."""
+        return _met(self.outer_ring, direction, self.rollers_outside, direction - turns.rollers)
+
+    @property
+    def highest(self) -> float:
+        """How far a contact may close before the circles touch, m."""
+        low = [0.0 if profile is None else profile.coefficients.min() for profile in vars(self).values()]
+        return max(0.0, -(min(low[:2]) + min(low[2:])))
+
+    @property
+    def deepest(self) -> float:
+        """How far a contact may sink below where the circles touch, m."""
+        high = [0.0 if profile is None else profile.coefficients.max() for profile in vars(self).values()]
+        return max(0.0, max(high[:2]) + max(high[2:]))
+
+    @property
+    def shortest(self) -> float:
+        """The least distance between knots, m."""
+        return min(profile.spacing for profile in vars(self).values() if profile is not None)
+
+
+def _met(ring: Profile | None, on_ring, roller: Profile | None, on_roller) -> Met:
+    """Of contacts at angles on the ring and on the rollers, rad."""
+    (ring_sinkage, ring_slope), (roller_sinkage, roller_slope) = (
+        (np.zeros_like(angle), np.zeros_like(angle)) if profile is None else profile.at(angle)
+        for profile, angle in ((ring, on_ring), (roller, on_roller))
+    )
+    return Met(sinkage=ring_sinkage + roller_sinkage, ring_slope=ring_slope, roller_slope=roller_slope)
+
+
+@lru_cache(maxsize=16)
+def profiles(bearing: Bearing) -> Profiles | None:
+    """The surfaces of a bearing; None where all are perfect circles."""
+    if not bearing.faults:
+        return None
+    inner, outer, roller = bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.roller_radius
+    return Profiles(
+        inner_ring=_profile(bearing, "inner_ring", inner, roller, "outside"),
+        outer_ring=_profile(bearing, "outer_ring", outer, roller, "bore"),
+        rollers_inside=_profile(bearing, "roller", roller, inner, "outside"),
+        rollers_outside=_profile(bearing, "roller", roller, outer, "in_bore"),
+    )
+
+
+def _profile(bearing: Bearing, body: Body, own: float, other: float, meeting: Meeting) -> Profile | None:
+    faults = [fault for fault in bearing.faults if fault.body == body]
+    if not faults:
+        return None
+    n = max([FEWEST_KNOTS, *(_knots(fault, own) for fault in faults)])
+    numbers = [None, *sorted({fault.roller for fault in faults})] if body == "roller" else [None]
+    rows = [
+        _sinkages([fault for fault in faults if fault.roller == number], bearing.roller_radius, own, other, meeting, n)
+        for number in numbers
+    ]
+    row = np.zeros(bearing.n_rollers, dtype=np.int64)
+    for k, number in enumerate(numbers[1:], 1):
+        row[number] = k
+    return Profile(coefficients=_spline(np.array(rows)), row=row, spacing=2.0 * pi * own / n)
+
+
+def _knots(fault: Fault, own: float) -> int:
+    """Knots around the circle that a fault needs."""
+    if isinstance(fault, Spall):
+        return ceil(2.0 * pi * own * KNOTS_PER_SPALL / fault.width)
+    return KNOTS_PER_WAVE * fault.order if isinstance(fault, Waviness) else FEWEST_KNOTS
+
+
+def _sinkages(
+    faults: list[Fault], roller_radius: float, own: float, other: float, meeting: Meeting, n: int
+) -> np.ndarray:
+    """At the knots, (n,), m."""
+    angle = 2.0 * pi * np.arange(n) / n
+    found = np.zeros(n)
+    for fault in faults:
+        if isinstance(fault, UnequalRoller):
+            found -= 0.5 * fault.diameter_deviation
+        elif isinstance(fault, Waviness):
+            found -= fault.amplitude * np.cos(fault.order * angle + fault.phase)
+        else:
+            beyond = np.mod(angle - fault.angle + pi, 2.0 * pi) - pi
+            over = np.flatnonzero(np.abs(beyond) < np.arcsin(fault.half_opening(roller_radius) / own))
+            found[over] += sinkage(fault, roller_radius, own, other, meeting, beyond[over])
+    return found
+
+
+def _spline(samples: np.ndarray) -> np.ndarray:
+    """Coefficients of the periodic cubic B-splines through equally spaced samples, along the last axis."""
+    n = samples.shape[-1]
+    wave = 2.0 * pi * np.fft.rfftfreq(n)
+    return np.fft.irfft(np.fft.rfft(samples) * 3.0 / (2.0 + np.cos(wave)), n=n)

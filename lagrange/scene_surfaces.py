@@ -1,0 +1,172 @@
+"""The scene file's [[spall]], [[waviness]] and [[unequal_roller]]: surfaces that are not perfect circles.
+
+Any number of each; spalls, waves and deviations of one surface add up, but spalls must not overlap.
+"""
+
+from collections.abc import Iterator
+from math import asin, degrees, pi, radians
+from typing import Literal
+
+from pydantic import Field
+
+from lagrange.bearing import Bearing
+from lagrange.faults import Fault, Spall, UnequalRoller, Waviness
+from lagrange.scene_faults import Check, Table
+
+MM, UM = 1e-3, 1e-6
+FROM_LOAD = -0.5 * pi  # rad, of the load's direction from +x
+WIDEST = 0.8  # half an opening over the radius of the roller, or of the body it is in
+LARGEST_DEVIATION = 0.005  # of a roller's diameter, as much as its preload may be
+STEEPEST_WAVE = 0.1  # curvature of a wave over that of the contact: circle and surface still touch in one place
+NARROWEST = {"inner_ring": 1e-4, "outer_ring": 1e-4, "roller": 5e-4}  # of the circumference: profiles are tables
+
+
+class SurfaceTable(Table):
+    """What holds for one body."""
+
+    body: Literal["outer_ring", "inner_ring", "roller"] = "outer_ring"
+    roller: int | None = Field(None, ge=0)
+
+    def checks(self) -> tuple[Check, ...]:
+        return (self._which_roller,)
+
+    def _which_roller(self) -> Iterator[str]:
+        if self.body == "roller" and self.roller is None:
+            yield 'body = "roller": which one? add roller = 0 for the first'
+        if self.body != "roller" and self.roller is not None:
+            yield f'roller = {self.roller}: only with body = "roller", not with "{self.body}"; leave it out'
+
+    @property
+    def reference(self) -> float:
+        """Where the body's angles are counted from, rad: rings from the load, rollers in their own frame."""
+        return 0.0 if self.body == "roller" else FROM_LOAD
+
+
+class SpallTable(SurfaceTable):
+    angle_deg: float = Field(0.0, ge=-360.0, le=360.0)
+    width_mm: float = Field(1.0, gt=0.0, le=1000.0)
+    depth_um: float = Field(100.0, gt=0.0, le=1e5)
+    edge_radius_mm: float = Field(0.1, ge=0.0, le=100.0)
+
+    def fault(self) -> Spall:
+        return Spall(
+            body=self.body,
+            roller=self.roller,
+            angle=radians(self.angle_deg) + self.reference,
+            width=MM * self.width_mm,
+            depth=UM * self.depth_um,
+            edge_radius=MM * self.edge_radius_mm,
+        )
+
+
+class WavinessTable(SurfaceTable):
+    body: Literal["outer_ring", "inner_ring", "roller"] = "inner_ring"
+    order: int = Field(12, ge=1, le=10_000)
+    amplitude_um: float = Field(0.5, gt=0.0, le=1e5)
+    phase_deg: float = Field(0.0, ge=-360.0, le=360.0)
+
+    def fault(self) -> Waviness:
+        return Waviness(
+            body=self.body,
+            roller=self.roller,
+            order=self.order,
+            amplitude=UM * self.amplitude_um,
+            phase=radians(self.phase_deg) - self.order * self.reference,
+        )
+
+
+class UnequalRollerTable(Table):
+    roller: int = Field(0, ge=0)
+    diameter_deviation_um: float = Field(1.0, ge=-1e5, le=1e5)
+
+    def fault(self) -> UnequalRoller:
+        return UnequalRoller(roller=self.roller, diameter_deviation=UM * self.diameter_deviation_um)
+
+
+def own_radius(bearing: Bearing, fault: Fault) -> float:
+    """Radius of the circle that a fault is in, m."""
+    radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
+    return radii.get(fault.body, bearing.roller_radius)
+
+
+def roller_faults(n_rollers: int, tables: dict[str, list]) -> Iterator[str]:
+    """Rollers that there are none of, or that are given two sizes; `tables` by their names in the scene."""
+    for name, entries in tables.items():
+        for i, entry in enumerate(entries):
+            if entry.roller is not None and entry.roller >= n_rollers:
+                yield (
+                    f"{name}.{i}.roller = {entry.roller}: there is none; bearing.rollers = {n_rollers} are counted "
+                    f"from 0 to {n_rollers - 1}"
+                )
+    sized = [entry.roller for entry in tables["unequal_roller"]]
+    for number in sorted({number for number in sized if sized.count(number) > 1}):
+        yield f"unequal_roller: roller = {number} is there {sized.count(number)} times; give it one deviation"
+
+
+def spall_faults(bearing: Bearing, tables: list[SpallTable]) -> Iterator[str]:
+    """Spalls that the bodies have no room for, and those that overlap."""
+    edges = []
+    for i, table in enumerate(tables):
+        spall, place = table.fault(), f"spall.{i}"
+        own = own_radius(bearing, spall)
+        opening = spall.half_opening(bearing.roller_radius)
+        widest = WIDEST * min(own, bearing.roller_radius)
+        if opening > widest:
+            yield (
+                f"{place}.width_mm = {table.width_mm:g} with edge_radius_mm = {table.edge_radius_mm:g} is an opening "
+                f"of {2e3 * opening:.4g} mm, too wide for rollers of {2e3 * bearing.roller_radius:g} mm "
+                f"(at most {2e3 * widest:.4g})"
+            )
+            continue
+        narrowest = NARROWEST[spall.body] * 2.0 * pi * own
+        if spall.width < narrowest:
+            yield (
+                f"{place}.width_mm = {table.width_mm:g} is too narrow for a surface of {2e3 * own:g} mm diameter "
+                f"(at least {1e3 * narrowest:.3g})"
+            )
+        deepest = _material(bearing, spall)
+        if spall.depth >= deepest:
+            yield f"{place}.depth_um = {table.depth_um:g} goes through the body; below {1e6 * deepest:.4g}"
+        half = asin(opening / own)
+        for k, other, other_half in edges:
+            apart = abs((spall.angle - other.angle + pi) % (2.0 * pi) - pi)
+            if (other.body, other.roller) == (spall.body, spall.roller) and apart < half + other_half:
+                yield (
+                    f"spall.{k} and {place} overlap: their middles are {degrees(apart):.3g} degrees apart on the same "
+                    f"surface, at least {degrees(half + other_half):.3g}; make one spall of them"
+                )
+        edges.append((i, spall, half))
+
+
+def _material(bearing: Bearing, spall: Spall) -> float:
+    """How thick a body is under its surface, m."""
+    if spall.body == "roller":
+        return bearing.roller_radius
+    if spall.body == "inner_ring":
+        return bearing.inner_raceway_radius - bearing.bore_radius
+    return bearing.outside_radius - bearing.outer_raceway_radius
+
+
+def size_faults(bearing: Bearing, waves: list[WavinessTable], unequal: list[UnequalRollerTable]) -> Iterator[str]:
+    """Waves too high or too short for contacts in one place, and rollers too large."""
+    largest = LARGEST_DEVIATION * 2.0 * bearing.roller_radius
+    for i, table in enumerate(waves):
+        wave = table.fault()
+        if wave.amplitude > largest:
+            yield f"waviness.{i}.amplitude_um = {table.amplitude_um:g} is too high (at most {1e6 * largest:.4g})"
+        if wave.body == "inner_ring":
+            curvature = 1.0 / bearing.roller_radius + 1.0 / bearing.inner_raceway_radius
+        else:
+            curvature = 1.0 / bearing.roller_radius - 1.0 / bearing.outer_raceway_radius
+        highest = STEEPEST_WAVE * curvature * (own_radius(bearing, wave) / wave.order) ** 2
+        if wave.amplitude > highest:
+            yield (
+                f"waviness.{i}.amplitude_um = {table.amplitude_um:g} of order = {wave.order}: its valleys are too "
+                f"narrow for the rollers to follow (at most {1e6 * highest:.3g} at this order)"
+            )
+    for i, table in enumerate(unequal):
+        if abs(UM * table.diameter_deviation_um) > largest:
+            yield (
+                f"unequal_roller.{i}.diameter_deviation_um = {table.diameter_deviation_um:g} is too large "
+                f"(at most {1e6 * largest:.4g} either way)"
+            )

@@ -42,8 +42,9 @@ run_app = new_app(
     "run-fem",
     """Simulate a roller bearing by explicit elastic finite-element contact and write one result file.
 
-Without a scene: the bearing of Rubio et al. (2007) at 4500 rpm under 2000 N, for 60 ms. With --model lagrange: rigid
-bodies on contact springs, the model that check-residual checks, in a file of the same form.
+Without a scene: the bearing of Rubio et al. (2007) at 4500 rpm under 2000 N, for 60 ms. With --model reduced: elastic
+bodies without their mass, faster than the bearing turns. With --model lagrange: rigid bodies on contact springs, the
+model that check-residual checks. All write files of the same form.
 
 Contacts (--set contact.model=...): subgrid, the default; resolved, on meshes finer than the contact; for comparison,
 as on coarse meshes elsewhere: penalty springs, and faceted, polygons instead of circles.

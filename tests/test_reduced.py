@@ -232,3 +232,43 @@ def test_what_it_cannot_do_is_refused_by_name(setting, word):
 
 def test_rows_of_contacts_are_those_of_the_samples():
     assert (INNER, OUTER) == (0, 1)
+
+
+def test_shocks_are_warned_of_and_steady_running_is_not():
+    """Between the two lie two orders of magnitude."""
+    for settings, told in (((), False), (("numerics.start=rest", "numerics.load_ramp_ms=0", *CLEARANCE[:1]), True)):
+        plan = plan_of(*settings, "numerics.duration_ms=10")
+        state = plan.first_state()
+        run(plan, lambda samples: None, state=state)
+        assert (state.shock > 0.5) is told and (state.shock < 0.05) is not told
+        assert any("elastic waves" in sentence for sentence in state.cautions) is told
+
+
+def test_loads_and_hub_of_a_running_bearing_are_those_of_finite_elements():
+    """Two independent discretisations, of other equations: series without mass, and meshes with it (2 mm: 0.2 %)."""
+    found = []
+    for model in ("fem", "reduced"):
+        plan = make_plan(read_scene(None, (f"model={model}", "numerics.mesh_size_mm=2", "numerics.duration_ms=4")))
+        blocks = []
+        run(plan, blocks.append)
+        found.append({name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].values})
+    fine, reduced = found
+    assert np.abs(reduced["inner_y"] - fine["inner_y"]).max() < 3e-3 * np.abs(fine["inner_y"]).max()
+    assert np.abs(reduced["inner_force"] - fine["inner_force"]).max() < 5e-3 * fine["inner_force"].max()
+    np.testing.assert_allclose(reduced["roller_theta"], fine["roller_theta"], rtol=0.0, atol=1e-5)
+    assert np.abs(reduced["roller_spin"] / fine["roller_spin"] - 1.0).max() < 1e-4
+
+
+def test_an_estimate_of_its_error_runs_finite_elements_beside_it():
+    plan = plan_of("numerics.duration_ms=2", "numerics.mesh_size_mm=2")
+    blocks = []
+    run(plan, blocks.append)
+    estimate = plan.error_estimate()
+    assert "finite elements of 2 mm" in estimate.title
+    found = {each.quantity.name: each for each in estimate.find(
+        {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].values}
+    )}  # fmt: skip
+    assert found["hub_mean_y"].relative < 3e-3 and found["largest_force"].relative < 3e-3
+    assert found["cage_speed"].relative < 1e-4
+    with pytest.raises(UsageError, match="exact series itself"):
+        plan_of("numerics.duration_ms=0").error_estimate()

@@ -70,11 +70,13 @@ def _force(law, approach, guess):
     known = guess > 0.0
     Q = select(known, guess, 1.0)
     bracket = law.B - 0.5 * logarithm(Q)
-    stiffness = 1.0 / (law.A * (bracket - 0.5))
-    step = (approach - law.A * Q * bracket) * stiffness
-    bend = 0.5 * law.A * stiffness * step / Q
-    rough = (magnitude(step) >= NEAR * Q) | (Q + step >= law.Q_line)
-    found, stiffness = select(known, Q + step * (1.0 + 0.5 * bend), 0.0), select(known, stiffness * (1.0 + bend), 0.0)
+    relative = 1.0 / (law.A * Q * (bracket - 0.5))  # stiffness over force
+    step = (approach - law.A * Q * bracket) * relative  # of the force, over it
+    stiffness = relative * Q
+    bend = 0.5 * law.A * stiffness * step
+    rough = (magnitude(step) >= NEAR) | (Q + step * Q >= law.Q_line)
+    found = select(known, Q + Q * step * (1.0 + 0.5 * bend), 0.0)
+    stiffness = select(known, stiffness * (1.0 + bend), 0.0)
     if any_lane((known & rough) | ((guess <= 0.0) & (approach > 0.0))):
         found = contact_force(approach, law.A, law.B, law.Q_line, guess)
         stiffness = _stiffness(law, found, approach)
@@ -99,12 +101,14 @@ def estimate_forces(bodies, compliance, forces):
         there = count_from(group) < n
         x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
         out = root(select(there, x * x + y * y, 1.0))
-        store(forces.normal, 2 * columns + group, x / out)
-        store(forces.normal, 3 * columns + group, y / out)
+        scale = 1.0 / out
+        store(forces.normal, 2 * columns + group, x * scale)
+        store(forces.normal, 3 * columns + group, y * scale)
         x, y = x - bodies.hub[0], y - bodies.hub[1]
         away = root(select(there, x * x + y * y, 1.0))
-        store(forces.normal, group, x / away)
-        store(forces.normal, columns + group, y / away)
+        scale = 1.0 / away
+        store(forces.normal, group, x * scale)
+        store(forces.normal, columns + group, y * scale)
         at = halo + group
         guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
         guess_i, guess_o = select(there, guess_i, 0.0), select(there, guess_o, 0.0)

@@ -164,11 +164,12 @@ def _write_energies(bodies, compliance, forces, drive, before, out, radial_load)
         stored += _stored(compliance.between, compliance, forces, NEXT, j)
         stored += compliance.across * forces.force[INNER, j] * forces.force[OUTER, j]
         stored += _curved(bodies, forces, drive, before, INNER, j) + _curved(bodies, forces, drive, before, OUTER, j)
-        for k in range(compliance.distance.size):
-            i = j + compliance.distance[k]
-            i = i + n if i < 0 else i - n if i >= n else i
-            for row in range(2):
-                stored += 0.5 * compliance.along[row, k] * forces.force[row, j] * forces.force[row, i]
+        for row in range(2):
+            if forces.force[row, j] > 0.0:
+                for k in range(compliance.distance.size):
+                    i = j + compliance.distance[k]
+                    i = i + n if i < 0 else i - n if i >= n else i
+                    stored += 0.5 * compliance.along[row, k] * forces.force[row, j] * forces.force[row, i]
     out[KINETIC] = 0.5 * kinetic
     out[ELASTIC] = 0.0
     # forces f from outside take the contacts ahead as well: what steps conserve holds dt²/24 Σ (m a − 2f)·a more

@@ -114,7 +114,7 @@ BAD_SCENES = {
     "no interval": scene("[numerics]\noutput_interval_us = 0", "numerics.output_interval_us = 0", "0.001"),
     "interval below any step": scene("[numerics]\noutput_interval_us = 1e-300", "output_interval_us = 1e-300", "0.001"),
     "negative damping": scene("[lagrange]\ndamping_N_s_m = -1.0", "lagrange.damping_N_s_m = -1.0", "0"),
-    "unknown model": scene('model = "spring"', "model = 'spring'", "'fem' or 'lagrange'"),
+    "unknown model": scene('model = "spring"', "model = 'spring'", "'fem', 'reduced' or 'lagrange'"),
     "unit of no length": scene('[table]\ninner_x = "x [fortnight]"', "table.inner_x", "fortnight"),
     "unit with hidden characters": scene('[table]\ntime = "t [ms\ufeff\\u0001]"', "table.time", "ms??"),
     "column without a number": scene('[table]\nroller_x = "x"', "table.roller_x", "{j}"),

@@ -1,0 +1,72 @@
+"""Speed of the reduced model beside finite elements: `python -m benchmarks.reduced_model`.
+
+Processor time of the time loop for 60 ms, one thread, the lowest of some runs taken in turns; finite elements of 1 mm
+for the first tenth of that. And how the reduced model's step grows with the number of rollers.
+"""
+
+from math import pi, sin
+
+from rich.console import Console
+
+from benchmarks.measuring import in_turns, new_table, timed
+from fem.solver.row_state import RowState
+from fem.solver.simulate import make_plan
+from fem.solver.solver import Plan
+from lagrange.scene import read_scene
+
+TURNS = 15
+ELEMENTS_MS = 6.0
+ROLLERS = (8, 16, 24, 32)
+
+
+def plan_of(model: str, *settings: str) -> Plan:
+    plan = make_plan(read_scene(None, (f"model={model}", *settings)))
+    plan.prepare()
+    return plan
+
+
+def loop_seconds(plan: Plan) -> float:
+    """Processor time of a plan's whole time loop, s."""
+    state: RowState = plan.first_state()
+    return timed(state.take_steps, plan.n_samples * plan.looks)[0]
+
+
+def rollers_of(count: int) -> tuple[str, ...]:
+    """Settings of a bearing with so many rollers of 10 mm and the paper's ring sections."""
+    pitch = 1.1 * 10.0 / sin(pi / count)  # mm, ten per cent of room
+    sizes = {
+        "inner_raceway": pitch - 10.0,
+        "outer_raceway": pitch + 10.0,
+        "bore": pitch - 21.0,
+        "outside": pitch + 19.0,
+    }
+    return (
+        f"bearing.rollers={count}",
+        *(f"bearing.{name}_diameter_mm={size!r}" for name, size in sizes.items()),
+        "operation.inner_ring_and_shaft_kg=5",
+        "operation.speed_rpm=1500",
+    )
+
+
+def main() -> None:
+    console = Console(highlight=False)
+    reduced, elements = plan_of("reduced"), plan_of("fem", f"numerics.duration_ms={ELEMENTS_MS}")
+    calls = {"reduced": lambda: loop_seconds(reduced), "elements": lambda: loop_seconds(elements)}
+    found = [dict(turn) for turn in in_turns(calls, TURNS)]
+    fast = min(turn["reduced"] for turn in found)
+    slow = min(turn["elements"] for turn in found) * (reduced.n_samples - 1) / (elements.n_samples - 1)
+    simulated = (reduced.n_samples - 1) * reduced.interval
+    console.print(
+        f"60 ms: reduced {1e3 * fast:.1f} ms of processor time, {simulated / fast:.2f} times faster than the bearing; "
+        f"finite elements of 1 mm {slow:.2f} s, {slow / fast:.0f} times as much"
+    )
+    table = new_table("A step of the reduced model", ("rollers", "step, µs", "per roller, ns"))
+    for count in ROLLERS:
+        plan = plan_of("reduced", *rollers_of(count))
+        step = min(loop_seconds(plan) for _ in range(TURNS)) / (plan.stride * plan.n_samples)
+        table.add_row(str(count), f"{1e6 * step:.3f}", f"{1e9 * step / count:.1f}")
+    console.print(table)
+
+
+if __name__ == "__main__":
+    main()

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 LIMIT = 1e-3  # of the exchanged energy: what a run's balance may be off by
-MOST_HALVINGS = 4  # of the time step
+MOST_HALVINGS = 6  # of the time step
 
 
 # of the largest force in one vibration of the bodies: beyond, forces of random bearings were off by up to 6 %, beyond

@@ -42,7 +42,8 @@ def test_a_scene_without_a_static_equilibrium_is_refused_in_a_sentence(option, t
     (tmp_path / "scene.toml").write_text(CROWDED)
     done = command("run-fem", "scene.toml", option, folder=tmp_path)
     assert done.returncode == 2
-    assert done.stderr.startswith("error: static equilibrium not found") and done.stderr.count("\n") == 1
+    *slow, told = done.stderr.splitlines()  # on a slow machine a line says first what takes so long
+    assert told.startswith("error: static equilibrium not found") and len(slow) < 2
 
 
 def own_exceptions():

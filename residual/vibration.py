@@ -12,6 +12,7 @@ from residual.spectrum import MAIN_LOBE, Spectrum, power_spectrum
 BANDS = ((0.0, 1e3), (1e3, 5e3), (5e3, 20e3), (20e3, 50e3))  # Hz
 ENVELOPE_FROM = 3.0  # times BPFI: above what rollers do to the hub by passing
 ENVELOPE_TO = 50e3  # Hz, as far as accelerometers go
+NARROWEST = 2.0  # times BPFI: an envelope shows nothing faster than its band's width
 HARMONICS = (("BPFO", 3), ("BPFI", 2))
 SIDES = (("BPFI", "shaft"), ("2×BPFI", "shaft"), ("2×BSF", "FTF"))
 NEIGHBOURS = 8  # cage multiples on either side that a line is compared with
@@ -46,6 +47,11 @@ class Vibration:
     envelope: Envelope | None
     lines: list[FaultLine]  # of the envelope
 
+    @property
+    def tells_lines(self) -> bool:
+        """Whether the record is long enough to tell any fault line from the others."""
+        return any(line.resolved for line in self.lines)
+
 
 def vibration(acceleration, interval: float, lines: dict[str, float]) -> Vibration:
     """Levels and fault lines of one component of the hub's acceleration.
@@ -64,14 +70,16 @@ def vibration(acceleration, interval: float, lines: dict[str, float]) -> Vibrati
     motion = np.asarray(acceleration, dtype=float)
     motion = motion - motion.mean()
     level, peak = rms(motion), float(np.max(np.abs(motion)))
-    cage = lines.get("FTF", 0.0)
-    found = band_envelope(motion, interval, ENVELOPE_FROM * lines["BPFI"], ENVELOPE_TO, cage) if cage > 0.0 else None
+    cage, inner = lines.get("FTF", 0.0), lines.get("BPFI", 0.0)
+    found = band_envelope(motion, interval, ENVELOPE_FROM * inner, ENVELOPE_TO, cage) if cage > 0.0 else None
+    if found is not None and found.high - found.low < NARROWEST * inner:
+        found = None
     moving = level > 0.0
     return Vibration(
         peak=peak, rms=level, crest=peak / level if moving else None,
         kurtosis=float(np.mean((motion / level) ** 4)) if moving else None,
         bands=band_levels(power_spectrum(motion, interval, cage)), envelope=found,
-        lines=[] if found is None else envelope_lines(found.spectrum, lines),
+        lines=[] if found is None else envelope_lines(found, lines),
     )  # fmt: skip
 
 
@@ -97,15 +105,16 @@ def fault_lines(lines: dict[str, float]) -> dict[str, float]:
     return found | first_sidebands(lines | found, SIDES)
 
 
-def envelope_lines(spectrum: Spectrum, lines: dict[str, float]) -> list[FaultLine]:
-    """Amplitudes of the fault lines beside the floor around them, by frequency.
+def envelope_lines(found: Envelope, lines: dict[str, float]) -> list[FaultLine]:
+    """Amplitudes of the fault lines below the band's width beside the floor around them, by frequency.
 
     The floor is the median level at multiples of the cage's frequency from the line, not of all bins between them: a
     run repeats nearly, once a revolution of the cage, so its spectrum is a comb of them even where nothing is wrong.
     """
+    spectrum = found.spectrum
     wanted, cage, step = fault_lines(lines), lines["FTF"], spectrum.resolution
     spacing = cage * np.ceil(2.0 * MAIN_LOBE * step / cage)
-    top, levels = float(spectrum.frequency[-1]), {}
+    top, levels = found.high - found.low, {}
     for name, frequency in wanted.items():
         half = half_band(nearest_line(frequency, wanted)[1], step)
         beside = frequency + spacing * np.array([k for k in range(-NEIGHBOURS, NEIGHBOURS + 1) if k])
@@ -114,15 +123,15 @@ def envelope_lines(spectrum: Spectrum, lines: dict[str, float]) -> list[FaultLin
             amplitude, *others = (np.sqrt(2.0) * spectrum.band_rms(f - half, f + half) for f in (frequency, *beside))
             levels[name] = float(amplitude), float(np.median(others))
     least = SIDE_LOBE * max((amplitude for amplitude, _ in levels.values()), default=0.0)
-    found = []
+    described = []
     for name, (amplitude, floor) in levels.items():
         ratio = amplitude / floor if floor > 0.0 else 0.0
         resolved = nearest_line(wanted[name], wanted)[1] >= MAIN_LOBE * step
         stands_out = resolved and ratio >= STANDS_OUT and amplitude >= least
-        found.append(
+        described.append(
             FaultLine(
                 name=name, frequency=wanted[name], amplitude=amplitude, floor=floor, ratio=ratio, resolved=resolved,
                 stands_out=stands_out,
             )
         )  # fmt: skip
-    return sorted(found, key=lambda line: line.frequency)
+    return sorted(described, key=lambda line: line.frequency)

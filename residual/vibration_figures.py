@@ -28,8 +28,8 @@ HEADROOM = 1.22  # above the highest line, for its name
 
 
 def vibration_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
-    """Draw the figure, if the record has envelopes."""
-    return [] if evaluation.x.vibration.envelope is None else [hub_envelope(evaluation, folder)]
+    """Draw the figure, if the record tells lines of envelopes."""
+    return [hub_envelope(evaluation, folder)] if evaluation.x.vibration.tells_lines else []
 
 
 def hub_envelope(evaluation: Evaluation, folder: Path) -> SavedFigure:

@@ -45,6 +45,8 @@ def vibration_sentences(evaluation: Evaluation) -> list[str]:
     found = evaluation.x.vibration.envelope
     if found is None:
         return [f"{scene} No envelope: the bearing stands, or the record is too short or too coarse for one."]
+    if not evaluation.x.vibration.tells_lines:
+        return [f"{scene} The record is too short to tell fault lines in the envelope from each other."]
     standing = [
         f"{_listed(names)} in {d.name}"
         for d in evaluation.directions

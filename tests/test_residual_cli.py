@@ -72,7 +72,6 @@ def test_report_folder_is_complete(result, tmp_path, capsys):
         "fig11",
         "fig10b",
         "fig11b",
-        "hub_envelope",
         "budget",
         "orbit",
         "load_distribution",
@@ -120,7 +119,7 @@ def test_page_fetches_nothing_and_escapes_names(run, tmp_path):
     page = (tmp_path / "a <b> & c-residual" / "report.html").read_text(encoding="utf-8")
     assert "a &lt;b&gt; &amp; c" in page and "<b> &" not in page
     assert 'src="http' not in page and "<script src" not in page and "@import" not in page
-    assert page.count("data:image/") == 19
+    assert page.count("data:image/") == 18
     assert len(page) < 5_000_000
 
 

@@ -102,6 +102,14 @@ def test_a_short_record_does_not_take_a_line_for_its_neighbour():
     assert not levels["2×BSF+FTF"].resolved and not levels["2×BSF+FTF"].stands_out
 
 
+def test_a_record_too_coarse_or_too_short_tells_no_lines():
+    """At 200 µs the band from 3 BPFI ends within 500 Hz; 10 ms have bins of 100 Hz."""
+    record, lines = noise(1.0), paper_lines()
+    assert vibration(record, 20.0 * STEP, lines).envelope is None
+    assert not vibration(record[:1000], STEP, lines).tells_lines
+    assert vibration(record[:6000], STEP, lines).tells_lines
+
+
 def test_a_standing_or_still_bearing_has_no_lines():
     standing = vibration(noise(1.0), STEP, {})
     assert standing.envelope is None and standing.lines == []

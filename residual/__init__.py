@@ -8,12 +8,13 @@ budget          error forces of equations (22) and (23) and what they are made o
 identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
 fitted_laws     laws with coupling between contacts, with damping
 spectrum        power spectral density, peaks, kinematic lines
-lines           levels of lines and sidebands; `envelope` spectrum around the ring's resonance; `short_time` spectra
+lines           levels of lines and sidebands; `envelope` spectrum of a band; `short_time` spectra
+vibration       the hub's acceleration: levels, fault lines in its envelope
 evaluation      the whole check as one call -> `Evaluation`
-paper_figures   the paper's figures beside its ranges (`paper`); others: `motion_figures`, `budget_figures`;
-                `plotting` gives all one look
+paper_figures   the paper's figures beside its ranges (`paper`); others: `motion_figures`,
+                `vibration_figures`, `budget_figures`; `plotting` gives all one look
 quasistatic     the Lagrangian model's equilibria at every angle; `meaning`: what the numbers say of that model
-tables          rows of the report's and the terminal's tables, with `law_tables` and `line_tables`
+tables          rows of the report's and the terminal's tables, with `law_tables`, `line_tables`, `vibration_tables`
 report          the self-contained HTML page; `interactive`: its spectra's data; `picture`: render-fem's
 store           residual.nc, summary.json (`summary`), the report folder
 cli             the command `check-residual`

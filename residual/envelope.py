@@ -1,7 +1,8 @@
-"""Envelope spectrum, which shows how the vibration at the ring's resonance swells and fades.
+"""Envelope spectrum, which shows how the vibration in a band swells and fades.
 
-Something that strikes once per roller makes the resonance ring each time: its frequency shows in the envelope of
-the band around the resonance, not at low frequency itself.
+Something that strikes once per roller makes a resonance ring each time: its frequency shows in the envelope of a band
+that holds the resonance, not at low frequency itself. Units are the signal's: N of an error force, m/s² of an
+acceleration.
 """
 
 from dataclasses import dataclass
@@ -23,17 +24,25 @@ class Envelope:
 
     low: float  # Hz, the band
     high: float
-    rms: float  # N, of the band itself
-    level: np.ndarray  # (n_times,), N, the envelope
+    rms: float  # of the band itself
+    band: np.ndarray  # (n_times,), the signal in the band
+    level: np.ndarray  # (n_times,), the envelope
     spectrum: Spectrum  # of the envelope, its mean removed
 
 
 def envelope(signal, interval: float, resonance: float, slowest_line: float = 0.0) -> Envelope | None:
-    """Envelope around a resonance, Hz; None where the signal is too coarse or too short for it, or has none.
+    """Envelope around a resonance, Hz; None where the signal is too coarse or too short for it, or has none."""
+    if resonance <= 0.0 or resonance >= TOP_OF_NYQUIST * 0.5 / interval:
+        return None
+    return band_envelope(signal, interval, resonance * BAND[0], resonance * BAND[1], slowest_line)
+
+
+def band_envelope(signal, interval: float, low: float, high: float, slowest_line: float = 0.0) -> Envelope | None:
+    """Envelope of a band, Hz, up to 0.9 of the Nyquist frequency; None where the signal is too coarse or too short.
 
     Parameters
     ----------
-    signal : ndarray, (n_times,), N
+    signal : ndarray, (n_times,)
     interval : float, s
 
     Errors
@@ -43,17 +52,14 @@ def envelope(signal, interval: float, resonance: float, slowest_line: float = 0.
     """
     from scipy.signal import butter, hilbert, sosfiltfilt
 
-    nyquist = 0.5 / interval
-    low, high = resonance * BAND[0], min(resonance * BAND[1], TOP_OF_NYQUIST * nyquist)
-    if resonance <= 0.0 or resonance >= high:
-        return None
     signal = np.asarray(signal, dtype=float)
+    high = min(high, TOP_OF_NYQUIST * 0.5 / interval)
     if (high - low) * signal.size * interval < TRANSIENT:
         return None
     sections = butter(FILTER_ORDER, (low, high), "bandpass", fs=1.0 / interval, output="sos")
     band = sosfiltfilt(sections, signal - signal.mean(), padlen=min(signal.size - 1, 60))
     level = np.abs(hilbert(band))
     return Envelope(
-        low=low, high=high, rms=rms(band), level=level,
+        low=low, high=high, rms=rms(band), band=band, level=level,
         spectrum=power_spectrum(level, interval, slowest_line),
     )  # fmt: skip

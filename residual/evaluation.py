@@ -17,6 +17,7 @@ from residual.lines import LineLevel, line_levels, named_peaks, watched_level
 from residual.moments import Statistics
 from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import Peak, Spectrum, find_peaks, kinematic_lines, power_spectrum
+from residual.vibration import Vibration, vibration
 
 STENCIL_GAIN = 0.95  # below this gain at the ring's resonance the record is too coarse to differentiate
 
@@ -34,6 +35,7 @@ class Direction:
     peaks: list[Peak]
     levels: list[LineLevel]  # of kinematic lines and resolved sidebands
     envelope: Envelope | None
+    vibration: Vibration  # of the hub, by the run's own acceleration where the source tells it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +140,7 @@ def evaluate(
     far = ~near_contact_change(budget.loaded, order // 2)
     resonance = _resonance(used, law, budget)
 
-    def direction(name: str, part: DirectionBudget, motion: np.ndarray) -> Direction:
+    def direction(name: str, part: DirectionBudget, motion: np.ndarray, acceleration: np.ndarray) -> Direction:
         spectrum = power_spectrum(part.error, interval, _slowest(lines))
         return Direction(
             name=name,
@@ -150,9 +152,11 @@ def evaluate(
             peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines),
             levels=line_levels(spectrum, lines),
             envelope=envelope(part.error, interval, resonance, _slowest(lines)),
+            vibration=vibration(acceleration, interval, lines),
         )
 
-    x, y = direction("x", budget.x, used.inner_x), direction("y", budget.y, used.inner_y)
+    x = direction("x", budget.x, used.inner_x, acceleration_x if used.inner_ax is None else used.inner_ax)
+    y = direction("y", budget.y, used.inner_y, acceleration_y if used.inner_ay is None else used.inner_ay)
     watched = [(watched_level(x.spectrum, name, lines), watched_level(y.spectrum, name, lines)) for name in watch]
     notes += [_unresolved_note(level, x.spectrum.resolution) for level, _ in watched if not level.resolved]
     notes += _rate_notes(resonance, interval, order)

@@ -1,4 +1,6 @@
-"""Levels of the bearing's lines: the rms in a band around each kinematic line, harmonic and sideband, N.
+"""Levels of the bearing's lines: the rms in a band around each kinematic line, harmonic and sideband.
+
+In the unit of the signal: N of an error force, m/s² of an acceleration.
 
 A density in N²/Hz is for noise; a line's height in it depends on the record's length. A line is stated as the rms
 of its main lobe, which does not.
@@ -10,24 +12,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from residual.errors import InputError
-from residual.spectrum import MAIN_LOBE, Peak, Spectrum, smooth_background
+from residual.spectrum import MAIN_LOBE, NOISE_BINS, Peak, Spectrum, smooth_background
 
 CARRIERS = ("BPFO", "2×BPFO", "BPFI", "2×BPFI")
 CAGE_HARMONICS = (2, 3)
-MODULATORS = ("shaft", "FTF")
+SIDES = tuple((carrier, modulator) for carrier in CARRIERS for modulator in ("shaft", "FTF"))
 SURE = 0.999  # a line stands out where noise on the background would stay below with this probability
-CORRELATED_BINS = 1.5  # noise bandwidth of the Hann window, bins
 SAME_LINE = 0.01  # relative: a frequency asked for in Hz this near a line is that line
 
 
 @dataclass(frozen=True, kw_only=True)
 class LineLevel:
-    """Level of one line in one error force."""
+    """Level of one line in one signal."""
 
     name: str
     frequency: float  # Hz, from kinematics or as asked for
-    rms: float  # N, in low … high
-    background: float  # N rms that the smooth background alone has in that band
+    rms: float  # in low … high
+    background: float  # rms that the smooth background alone has in that band
     low: float  # Hz
     high: float
     stands_out: bool
@@ -41,14 +42,19 @@ def sidebands(lines: dict[str, float]) -> dict[str, float]:
 
     The sidebands are the first ones of the ball-pass lines, modulated by shaft and cage.
     """
-    found = {f"{k}×FTF": k * lines["FTF"] for k in CAGE_HARMONICS if "FTF" in lines}
-    for carrier in CARRIERS:
-        for modulator in MODULATORS:
-            if carrier in lines and modulator in lines:
-                for sign, symbol in ((-1, "−"), (1, "+")):
-                    frequency = lines[carrier] + sign * lines[modulator]
-                    if frequency > 0.0:
-                        found[f"{carrier}{symbol}{modulator}"] = frequency
+    harmonics = {f"{k}×FTF": k * lines["FTF"] for k in CAGE_HARMONICS if "FTF" in lines}
+    return harmonics | first_sidebands(lines, SIDES)
+
+
+def first_sidebands(lines: dict[str, float], sides: tuple[tuple[str, str], ...]) -> dict[str, float]:
+    """First sidebands above 0 Hz, by name, of pairs of carrier and modulator, where `lines` holds both."""
+    found = {}
+    for carrier, modulator in sides:
+        if carrier in lines and modulator in lines:
+            for sign, symbol in ((-1, "−"), (1, "+")):
+                frequency = lines[carrier] + sign * lines[modulator]
+                if frequency > 0.0:
+                    found[f"{carrier}{symbol}{modulator}"] = frequency
     return found
 
 
@@ -99,13 +105,23 @@ def named_peaks(peaks: list[Peak], spectrum: Spectrum, lines: dict[str, float]) 
     return named
 
 
-def _level(spectrum: Spectrum, name: str, frequency: float, among: dict[str, float]) -> LineLevel:
-    """Level of one line: the rms in its main lobe, cut half-way to the nearest other line."""
-    step = spectrum.resolution
+def nearest_line(frequency: float, among: dict[str, float]) -> tuple[str, float]:
+    """Nearest other line, or "zero frequency", and how far off it is, Hz."""
     others = {key: value for key, value in among.items() if abs(value - frequency) > SAME_LINE * frequency}
     others["zero frequency"] = 0.0
-    obstacle, gap = min(((key, abs(value - frequency)) for key, value in others.items()), key=lambda item: item[1])
-    half = max(min(MAIN_LOBE * step, 0.5 * gap), 0.75 * step)
+    return min(((key, abs(value - frequency)) for key, value in others.items()), key=lambda item: item[1])
+
+
+def half_band(gap: float, resolution: float) -> float:
+    """Half of the band that is a line's own, Hz: its main lobe, less where another line is nearer, `gap` Hz off."""
+    return max(min(MAIN_LOBE * resolution, 0.5 * gap), 0.75 * resolution)
+
+
+def _level(spectrum: Spectrum, name: str, frequency: float, among: dict[str, float]) -> LineLevel:
+    """Level of one line: the rms in its main lobe, cut half-way to the nearest other line of `among`."""
+    step = spectrum.resolution
+    obstacle, gap = nearest_line(frequency, among)
+    half = half_band(gap, step)
     low, high = frequency - half, frequency + half
     inside = (spectrum.frequency >= low) & (spectrum.frequency <= high) & (spectrum.frequency > 0.0)
     background = smooth_background(spectrum)[inside].sum() * step
@@ -121,5 +137,5 @@ def _excess(n_bins: int, segments: int) -> float:
     """Factor by which the power of noise in so many bins may exceed its mean."""
     from scipy.stats import chi2
 
-    freedom = 2.0 * segments * max(1.0, n_bins / CORRELATED_BINS)
+    freedom = 2.0 * segments * max(1.0, n_bins / NOISE_BINS)
     return float(chi2.ppf(SURE, freedom) / freedom)

@@ -25,10 +25,11 @@ from residual.tables import (
     stated_error_rows,
     verdict,
 )
+from residual.vibration_tables import envelope_rows, vibration_rows, vibration_sentences
 from residual.words import text
 
 TEMPLATES = Path(__file__).parent / "templates"
-GROUPS = ("paper", "motion", "budget")  # of figures, each with a place of its own on the page
+GROUPS = ("paper", "motion", "vibration", "budget")  # of figures, each with a place of its own on the page
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 
@@ -65,6 +66,9 @@ def render_report(
         levels=level_rows(evaluation),
         watched=watched_rows(evaluation),
         lines=[(name, text(f)) for name, f in evaluation.lines.items() if "×" not in name],
+        vibration=vibration_rows(evaluation),
+        envelope=envelope_rows(evaluation),
+        vibration_sentences=vibration_sentences(evaluation),
         notes=honest_notes(evaluation),
         meaning=meaning(evaluation, statics),
         stated_errors=stated_error_rows(evaluation),

@@ -102,6 +102,7 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
     from residual.plotting import STYLE
     from residual.quasistatic import quasi_static
     from residual.report import render_report
+    from residual.vibration_figures import vibration_figures
 
     version = package_version()
     statics = quasi_static(evaluation.record, evaluation.law.name)
@@ -109,6 +110,7 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
         figures = {
             "paper": paper_figures(evaluation, folder),
             "motion": motion_figures(evaluation, statics, folder),
+            "vibration": vibration_figures(evaluation, folder),
             "budget": budget_figures(evaluation, folder),
         }
     _write_arrays(evaluation, folder / "residual.nc", version)
@@ -144,6 +146,12 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
         _variable(file, "loaded_rollers", count, "time", "1", "rollers in the load zone")
         for name, (psd, of) in _densities(evaluation).items():
             _variable(file, name, psd, "frequency", "N2 Hz-1", f"one-sided PSD of {of}")
+        for d in evaluation.directions:
+            found = d.vibration.envelope
+            if found is not None:
+                of = f"the envelope of the hub's acceleration in {d.name}, {found.low:.4g} to {found.high:.4g} Hz"
+                name = f"hub_envelope_psd_{d.name}"
+                _variable(file, name, found.spectrum.psd, "frequency", "m2 s-4 Hz-1", f"one-sided PSD of {of}")
         file.attrs.update(
             program=PROGRAM, program_version=version, run=t.name, law=evaluation.law.name,
             order=evaluation.order,

@@ -10,6 +10,7 @@ from residual.lines import LineLevel
 from residual.moments import Statistics, rms
 from residual.spectrum import Peak
 from residual.tables import floor_newtons
+from residual.vibration import Vibration
 
 PROGRAM = "check-residual"
 
@@ -36,6 +37,7 @@ def summarise(evaluation: Evaluation, tolerance: float | None, version: str) -> 
         "cage_Hz": {"observed": evaluation.lines.get("FTF", 0.0), "rolling_without_slip": evaluation.ideal_cage},
         **{f"peaks_{d.name}": [_peak(peak) for peak in d.peaks] for d in directions},
         **{f"lines_{d.name}": [_level(level) for level in d.levels] for d in directions},
+        **{f"vibration_{d.name}": _vibration(d.vibration) for d in directions},
         "watched": [{"x": _level(x), "y": _level(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": {"x": floors[0], "y": floors[1]},
@@ -75,6 +77,30 @@ def _level(level: LineLevel) -> dict:
         "stands_out": level.stands_out,
         "resolved": level.resolved,
         "record_needed_s": level.record_needed,
+    }
+
+
+def _vibration(v: Vibration) -> dict:
+    """Levels of the hub's acceleration and amplitudes of the fault lines in its envelope."""
+    return {
+        "peak_m_s2": v.peak,
+        "rms_m_s2": v.rms,
+        "crest_factor": v.crest,
+        "kurtosis": v.kurtosis,
+        "bands": [{"band_Hz": list(limits), "rms_m_s2": level} for limits, level in v.bands.items()],
+        "envelope_band_Hz": None if v.envelope is None else [v.envelope.low, v.envelope.high],
+        "envelope_lines": [
+            {
+                "line": line.name,
+                "frequency_Hz": line.frequency,
+                "amplitude_m_s2": line.amplitude,
+                "floor_m_s2": line.floor,
+                "ratio": line.ratio,
+                "stands_out": line.stands_out,
+                "resolved": line.resolved,
+            }
+            for line in v.lines
+        ],
     }
 
 

@@ -40,3 +40,4 @@ def plain_report(monkeypatch):
     monkeypatch.setattr("residual.paper_figures.paper_figures", lambda *_: [])
     monkeypatch.setattr("residual.motion_figures.motion_figures", lambda *_: [])
     monkeypatch.setattr("residual.budget_figures.budget_figures", lambda *_: [])
+    monkeypatch.setattr("residual.vibration_figures.vibration_figures", lambda *_: [])

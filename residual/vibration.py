@@ -1,0 +1,137 @@
+"""The hub's vibration as bearing engineers read it: levels of its acceleration, and fault lines in its envelope."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from residual.envelope import Envelope, band_envelope
+from residual.lines import first_sidebands, half_band, nearest_line
+from residual.moments import rms
+from residual.spectrum import MAIN_LOBE, Spectrum, power_spectrum
+
+BANDS = ((0.0, 1e3), (1e3, 5e3), (5e3, 20e3), (20e3, 50e3))  # Hz
+ENVELOPE_FROM = 3.0  # times BPFI: above what rollers do to the hub by passing
+ENVELOPE_TO = 50e3  # Hz, as far as accelerometers go
+NARROWEST = 2.0  # times BPFI: an envelope shows nothing faster than its band's width
+HARMONICS = (("BPFO", 3), ("BPFI", 2))
+SIDES = (("BPFI", "shaft"), ("2×BPFI", "shaft"), ("2×BSF", "FTF"))
+NEIGHBOURS = 8  # cage multiples on either side that a line is compared with
+FEWEST_NEIGHBOURS = 4
+# times its neighbours' median, 12 dB: a perfect bearing's BPFO, of passing rollers, reaches 3.7 (docs/surfaces.md)
+STANDS_OUT = 4.0
+SIDE_LOBE = 0.03  # of the highest line, Hann's first side lobe: less may be that line's leakage
+
+
+@dataclass(frozen=True, kw_only=True)
+class FaultLine:
+    """One line of the envelope's spectrum."""
+
+    name: str
+    frequency: float  # Hz, by the run's own cage speed
+    amplitude: float  # m/s², not rms
+    floor: float  # m/s², median of the amplitudes at cage multiples from the line
+    ratio: float  # amplitude over floor
+    resolved: bool  # no other fault line within the main lobe
+    stands_out: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Vibration:
+    """Acceleration of the hub in one direction, its mean removed."""
+
+    peak: float  # m/s²
+    rms: float  # m/s²
+    kurtosis: float | None  # fourth moment over squared variance: 3 of Gaussian noise; None without any vibration
+    crest: float | None  # peak over rms
+    bands: dict[tuple[float, float], float]  # m/s² rms by the band's limits, Hz
+    envelope: Envelope | None
+    lines: list[FaultLine]  # of the envelope
+
+    @property
+    def tells_lines(self) -> bool:
+        """Whether the record is long enough to tell any fault line from the others."""
+        return any(line.resolved for line in self.lines)
+
+
+def vibration(acceleration, interval: float, lines: dict[str, float]) -> Vibration:
+    """Levels and fault lines of one component of the hub's acceleration.
+
+    Parameters
+    ----------
+    acceleration : ndarray, (n_times,), m/s²
+    interval : float, s
+    lines : kinematic lines, Hz, as `spectrum.kinematic_lines` names them; none for a standing bearing
+
+    Errors
+    ------
+    The record is sampled without a filter: vibration beyond the Nyquist frequency is folded into the bands below it.
+    Band levels are weighted by the spectrum's window, so those of a vibration that dies away are its middle's.
+    """
+    motion = np.asarray(acceleration, dtype=float)
+    motion = motion - motion.mean()
+    level, peak = rms(motion), float(np.max(np.abs(motion)))
+    cage, inner = lines.get("FTF", 0.0), lines.get("BPFI", 0.0)
+    found = band_envelope(motion, interval, ENVELOPE_FROM * inner, ENVELOPE_TO, cage) if cage > 0.0 else None
+    if found is not None and found.high - found.low < NARROWEST * inner:
+        found = None
+    moving = level > 0.0
+    return Vibration(
+        peak=peak, rms=level, crest=peak / level if moving else None,
+        kurtosis=float(np.mean((motion / level) ** 4)) if moving else None,
+        bands=band_levels(power_spectrum(motion, interval, cage)), envelope=found,
+        lines=[] if found is None else envelope_lines(found, lines),
+    )  # fmt: skip
+
+
+def band_levels(spectrum: Spectrum) -> dict[tuple[float, float], float]:
+    """Rms in the bands that engineers use, as far as the spectrum goes, by their limits, Hz."""
+    top = float(spectrum.frequency[-1])
+    limits = [(low, min(high, top)) for low, high in BANDS if low + spectrum.resolution < top]
+    return {(low, high): spectrum.band_rms(low, high) for low, high in limits}
+
+
+def fault_lines(lines: dict[str, float]) -> dict[str, float]:
+    """Lines, Hz, that faults of outer ring, inner ring and rollers leave in an envelope, by name.
+
+    The inner ring's fault goes through the load zone with the shaft, a roller's with the cage; a roller's strikes both
+    raceways in each of its turns.
+    """
+    found = {}
+    for name, count in HARMONICS:
+        if name in lines:
+            found |= {name if k == 1 else f"{k}×{name}": k * lines[name] for k in range(1, count + 1)}
+    if "BSF" in lines:
+        found["2×BSF"] = 2.0 * lines["BSF"]
+    return found | first_sidebands(lines | found, SIDES)
+
+
+def envelope_lines(found: Envelope, lines: dict[str, float]) -> list[FaultLine]:
+    """Amplitudes of the fault lines below the band's width beside the floor around them, by frequency.
+
+    The floor is the median level at multiples of the cage's frequency from the line, not of all bins between them: a
+    run repeats nearly, once a revolution of the cage, so its spectrum is a comb of them even where nothing is wrong.
+    """
+    spectrum = found.spectrum
+    wanted, cage, step = fault_lines(lines), lines["FTF"], spectrum.resolution
+    spacing = cage * np.ceil(2.0 * MAIN_LOBE * step / cage)
+    top, levels = found.high - found.low, {}
+    for name, frequency in wanted.items():
+        half = half_band(nearest_line(frequency, wanted)[1], step)
+        beside = frequency + spacing * np.array([k for k in range(-NEIGHBOURS, NEIGHBOURS + 1) if k])
+        beside = beside[(beside > half + step) & (beside < top - half)]
+        if beside.size >= FEWEST_NEIGHBOURS and frequency + half < top:
+            amplitude, *others = (np.sqrt(2.0) * spectrum.band_rms(f - half, f + half) for f in (frequency, *beside))
+            levels[name] = float(amplitude), float(np.median(others))
+    least = SIDE_LOBE * max((amplitude for amplitude, _ in levels.values()), default=0.0)
+    described = []
+    for name, (amplitude, floor) in levels.items():
+        ratio = amplitude / floor if floor > 0.0 else 0.0
+        resolved = nearest_line(wanted[name], wanted)[1] >= MAIN_LOBE * step
+        stands_out = resolved and ratio >= STANDS_OUT and amplitude >= least
+        described.append(
+            FaultLine(
+                name=name, frequency=wanted[name], amplitude=amplitude, floor=floor, ratio=ratio, resolved=resolved,
+                stands_out=stands_out,
+            )
+        )  # fmt: skip
+    return sorted(described, key=lambda line: line.frequency)

@@ -1,0 +1,86 @@
+"""Rows and sentences about the hub's vibration, for the report."""
+
+from lagrange.faults import Fault, Spall, Waviness
+from residual.evaluation import Evaluation
+from residual.vibration import ENVELOPE_FROM, STANDS_OUT, FaultLine
+from residual.words import text
+
+
+def vibration_rows(evaluation: Evaluation) -> list[list[str]]:
+    """Rows of quantity, x and y: m/s² but for kurtosis and crest factor."""
+    both = [d.vibration for d in evaluation.directions]
+    return [
+        ["peak", *(text(v.peak) for v in both)],
+        ["rms", *(text(v.rms) for v in both)],
+        *(
+            [f"rms, {text(1e-3 * low)}-{text(1e-3 * high)} kHz", *(text(v.bands[low, high]) for v in both)]
+            for low, high in both[0].bands
+        ),
+        ["crest factor", *("-" if v.crest is None else text(v.crest, 3) for v in both)],
+        ["kurtosis", *("-" if v.kurtosis is None else text(v.kurtosis, 3) for v in both)],
+    ]
+
+
+def envelope_rows(evaluation: Evaluation) -> list[list[str]]:
+    """Rows of line, Hz, amplitude and ratio to the floor in x and in y, resolved; lines that stand out are marked."""
+    x, y = (d.vibration.lines for d in evaluation.directions)
+    return [
+        [a.name, text(a.frequency), *_cells(a), *_cells(b), "yes" if a.resolved else "no"]
+        for a, b in zip(x, y, strict=True)
+    ]
+
+
+def _cells(line: FaultLine) -> list[str]:
+    return [text(line.amplitude, 3) + (" *" if line.stands_out else ""), text(line.ratio, 2)]
+
+
+def vibration_sentences(evaluation: Evaluation) -> list[str]:
+    """Say what the scene's surfaces are, which lines stand out, and how the envelope was taken."""
+    faults = evaluation.record.bearing.faults
+    scene = (
+        f"The scene has {_listed([_named(f) for f in faults])}."
+        if faults
+        else "The scene's surfaces are perfect circles."
+    )
+    found = evaluation.x.vibration.envelope
+    if found is None:
+        return [f"{scene} No envelope: the bearing stands, or the record is too short or too coarse for one."]
+    if not evaluation.x.vibration.tells_lines:
+        return [f"{scene} The record is too short to tell fault lines in the envelope from each other."]
+    standing = [
+        f"{_listed(names)} in {d.name}"
+        for d in evaluation.directions
+        if (names := [line.name for line in d.vibration.lines if line.stands_out])
+    ]
+    lines = f"Lines that stand out of the envelope's floor: {'; '.join(standing)}" if standing else "No line stands out"
+    expected = _expected(faults)
+    return [
+        f"{scene} {lines}." + (f" Expected of such faults: {', '.join(expected)}." if expected else ""),
+        f"Envelope (Hilbert) of the hub's acceleration within {text(1e-3 * found.low, 3)} to "
+        f"{text(1e-3 * found.high, 3)} kHz: from {ENVELOPE_FROM:g} BPFI up to 0.9 of the Nyquist frequency, at most "
+        "50 kHz. Amplitudes, not rms. Ratio: to the median at multiples of FTF from the line; * stands out: resolved, "
+        f"ratio at least {STANDS_OUT:g} (12 dB). A perfect bearing has a weak line at BPFO too, because passing "
+        "rollers change its stiffness.",
+    ]
+
+
+def _expected(faults: tuple[Fault, ...]) -> list[str]:
+    """Families of lines that spalls leave in an envelope."""
+    lines = {"outer_ring": "BPFO and multiples", "inner_ring": "BPFI ± shaft", "roller": "2×BSF ± FTF"}
+    bodies = {fault.body for fault in faults if isinstance(fault, Spall)}
+    return [line for body, line in lines.items() if body in bodies]
+
+
+def _named(fault: Fault) -> str:
+    """Name a fault with its place and size."""
+    place = f"the {fault.body.replace('_', ' ')}" if fault.roller is None else f"roller {fault.roller}"
+    if isinstance(fault, Spall):
+        return f"a spall {text(1e3 * fault.width)} mm wide on {place}"
+    if isinstance(fault, Waviness):
+        return f"waves of order {fault.order} and {text(1e6 * fault.amplitude)} µm on {place}"
+    return f"{place} larger by {text(1e6 * fault.diameter_deviation)} µm"
+
+
+def _listed(names: list[str]) -> str:
+    """Join names by commas and "and"."""
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

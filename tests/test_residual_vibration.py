@@ -1,0 +1,183 @@
+"""The hub's vibration: levels and envelope lines of signals whose answer is known, and of a bearing with a spall."""
+
+import json
+
+import numpy as np
+import pytest
+
+from fem.cli import run_main
+from lagrange.kinematics import kinematics
+from lagrange.scene import Scene
+from residual.cli import main
+from residual.evaluation import evaluate
+from residual.sources import read_result
+from residual.spectrum import find_peaks, kinematic_lines
+from residual.vibration import fault_lines, vibration
+from residual.vibration_figures import vibration_figures
+from residual.vibration_tables import vibration_sentences
+
+STEP = 1e-5
+TIME = STEP * np.arange(30_000)
+CARRIER = 12_345.0  # Hz
+
+
+def paper_lines():
+    scene = Scene()
+    return kinematic_lines(kinematics(scene.ideal_bearing(), scene.ideal_operation().speed))
+
+
+def tone(frequency, amplitude=1.0):
+    return amplitude * np.cos(2.0 * np.pi * frequency * TIME + 0.7)
+
+
+def noise(size):
+    return size * np.random.default_rng(3).standard_normal(TIME.size)
+
+
+def by_name(found):
+    return {line.name: line for line in found.lines}
+
+
+def test_a_sine_has_kurtosis_one_and_a_half_and_crest_factor_root_two():
+    found = vibration(tone(CARRIER, 7.0) + 9.81, STEP, paper_lines())
+    assert found.kurtosis == pytest.approx(1.5, rel=1e-3)
+    assert found.crest == pytest.approx(np.sqrt(2.0), rel=1e-3)
+    assert found.peak == pytest.approx(7.0, rel=1e-3) and found.rms == pytest.approx(7.0 / np.sqrt(2.0), rel=1e-3)
+
+
+def test_gaussian_noise_has_kurtosis_three_and_no_line_stands_out():
+    found = vibration(noise(5.0), STEP, paper_lines())
+    assert found.kurtosis == pytest.approx(3.0, abs=4.0 * np.sqrt(24.0 / TIME.size))
+    assert not any(line.stands_out for line in found.lines)
+
+
+def test_bands_hold_the_sines_in_them():
+    """Parseval: the rms of sines in one band add up as squares."""
+    record = sum(tone(f, a) for f, a in ((300, 1.0), (2000, 2.0), (4500, 3.0), (15_000, 4.0), (30_000, 0.5)))
+    bands = vibration(record, STEP, paper_lines()).bands
+    np.testing.assert_allclose(list(bands), [(0.0, 1e3), (1e3, 5e3), (5e3, 20e3), (20e3, 50e3)], rtol=1e-12)
+    expected = np.sqrt(0.5 * np.array([1.0, 13.0, 16.0, 0.25]))
+    np.testing.assert_allclose(list(bands.values()), expected, rtol=2e-3)
+
+
+def test_bands_end_where_the_record_does():
+    bands = vibration(tone(50.0), 4.0 * STEP, paper_lines()).bands
+    np.testing.assert_allclose(list(bands), [(0.0, 1e3), (1e3, 5e3), (5e3, 12.5e3)], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "sides"), [("BPFO", ()), ("BPFI", ("BPFI−shaft", "BPFI+shaft")), ("2×BSF", ("2×BSF−FTF", "2×BSF+FTF"))]
+)
+def test_lines_of_a_modulated_resonance_have_the_modulations_amplitudes(name, sides):
+    """Of A (1 + Σ m cos) cos the envelope is A (1 + Σ m cos): lines of A m, here half of it at sidebands."""
+    lines = paper_lines()
+    wanted = fault_lines(lines)
+    swell = 1.0 + 0.3 * tone(wanted[name]) + sum(0.15 * tone(wanted[side]) for side in sides)
+    found = vibration(40.0 * swell * tone(CARRIER) + noise(0.1), STEP, lines)
+    levels = by_name(found)
+    assert levels[name].amplitude == pytest.approx(12.0, rel=0.01)
+    for side in sides:
+        assert levels[side].amplitude == pytest.approx(6.0, rel=0.01)
+    assert {line.name for line in found.lines if line.stands_out} == {name, *sides}
+    peak = find_peaks(found.envelope.spectrum, wanted)[0]
+    assert peak.line == name
+    assert peak.frequency == pytest.approx(wanted[name], abs=found.envelope.spectrum.resolution)
+
+
+def test_a_comb_of_the_cage_is_floor_and_not_a_fault():
+    """Where everything repeats with the cage's revolution, BPFO is one tooth among others."""
+    lines = paper_lines()
+    comb = 1.0 + sum(0.03 * tone(k * lines["FTF"]) for k in range(1, 45))
+    record = comb * tone(CARRIER) + noise(1e-3)
+    assert not by_name(vibration(record, STEP, lines))["BPFO"].stands_out
+    bpfo = by_name(vibration(record + 0.2 * tone(lines["BPFO"]) * tone(CARRIER), STEP, lines))["BPFO"]
+    assert bpfo.stands_out and bpfo.floor == pytest.approx(0.03, rel=0.05)
+
+
+def test_a_short_record_does_not_take_a_line_for_its_neighbour():
+    """In 60 ms the main lobe of BPFO reaches 2×BSF+FTF, which is 24 Hz below."""
+    lines = paper_lines()
+    record = (1.0 + 0.5 * tone(lines["BPFO"])) * tone(CARRIER) + noise(0.01)
+    levels = by_name(vibration(record[:6000], STEP, lines))
+    assert not levels["2×BSF+FTF"].resolved and not levels["2×BSF+FTF"].stands_out
+
+
+def test_a_record_too_coarse_or_too_short_tells_no_lines():
+    """At 200 µs the band from 3 BPFI ends within 500 Hz; 10 ms have bins of 100 Hz."""
+    record, lines = noise(1.0), paper_lines()
+    assert vibration(record, 20.0 * STEP, lines).envelope is None
+    assert not vibration(record[:1000], STEP, lines).tells_lines
+    assert vibration(record[:6000], STEP, lines).tells_lines
+
+
+def test_a_standing_or_still_bearing_has_no_lines():
+    standing = vibration(noise(1.0), STEP, {})
+    assert standing.envelope is None and standing.lines == []
+    still = vibration(np.zeros(1000), STEP, paper_lines())
+    assert still.kurtosis is None and still.crest is None and still.rms == 0.0
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """Paths of runs of the reduced model, healthy and spalled, longer where the spall strikes less often."""
+    folder = tmp_path_factory.mktemp("vibration")
+    spalls = {
+        "healthy": (),
+        "outer": ("spall.0.width_mm=0.5",),
+        "inner": ("spall.0.width_mm=0.5", "spall.0.body=inner_ring"),
+        "roller": ("spall.0.width_mm=0.5", "spall.0.body=roller", "spall.0.roller=0"),
+    }
+    paths = {}
+    for name, settings in spalls.items():
+        paths[name] = folder / f"{name}.nc"
+        options = [word for each in ("model=reduced", *settings) for word in ("--set", each)]
+        duration = "300" if name in ("inner", "roller") else "150"
+        assert run_main([*options, "--duration", duration, "--output", str(paths[name]), "--quiet"]) == 0
+    return paths
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("healthy", set()), ("outer", {"BPFO", "2×BPFO", "3×BPFO"}), ("inner", {"BPFI−shaft", "BPFI", "BPFI+shaft"}),
+     ("roller", {"2×BSF"})],
+)  # fmt: skip
+def test_a_spall_shows_at_its_own_lines_and_a_perfect_bearing_at_none(runs, name, expected):
+    evaluation = evaluate(read_result(runs[name]))
+    found = {line.name for d in evaluation.directions for line in d.vibration.lines if line.stands_out}
+    families = {"healthy": (), "outer": ("BPFO",), "inner": ("BPFI",), "roller": ("2×BSF",)}[name]
+    assert expected <= found
+    assert all(any(family in line for family in families) for line in found)
+    sentence = vibration_sentences(evaluation)[0]
+    told = {
+        "healthy": "surfaces are perfect circles. No line stands out.",
+        "outer": "a spall 0.5 mm wide on the outer ring",
+        "inner": "Expected of such faults: BPFI ± shaft",
+        "roller": "a spall 0.5 mm wide on roller 0",
+    }
+    assert told[name] in sentence
+
+
+def test_a_spall_raises_bpfo_a_hundredfold(runs):
+    healthy, spalled = (by_name(evaluate(read_result(runs[name])).y.vibration) for name in ("healthy", "outer"))
+    assert spalled["BPFO"].amplitude > 100.0 * healthy["BPFO"].amplitude
+
+
+def test_the_figure_says_which_band_it_shows(runs, tmp_path):
+    """From 3 BPFI at the run's own cage speed, 1.78 kHz, to 0.9 of 50 kHz."""
+    (drawn,) = vibration_figures(evaluate(read_result(runs["outer"])), tmp_path)
+    assert "within 1.78 to 45 kHz: in y over 5 roller passages" in drawn.caption
+    assert drawn.png.stat().st_size > 10_000
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_the_summary_holds_the_numbers_of_the_section(runs):
+    path = runs["outer"]
+    assert main([str(path), "--quiet"]) == 0
+    folder = path.with_name("outer-residual")
+    found = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["vibration_y"]
+    squares = sum(band["rms_m_s2"] ** 2 for band in found["bands"])
+    assert np.sqrt(squares) == pytest.approx(found["rms_m_s2"], rel=0.05)
+    assert found["crest_factor"] == pytest.approx(found["peak_m_s2"] / found["rms_m_s2"], rel=1e-12)
+    assert next(line for line in found["envelope_lines"] if line["line"] == "BPFO")["stands_out"]
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert '<h2 id="vibration">' in page and "a spall 0.5 mm wide on the outer ring" in page

@@ -15,5 +15,6 @@ friction_kernels                Carter's creep and Coulomb's limit; `friction_so
 sample_kernels                  what a stored sample holds
 reduced_loop                    the reduced model's steps; `reduced_contacts` its forces, `reduced_state` its arrays
 simd, lane_functions            eight lanes as one value, and functions of them
+kernel_cache                    compiled kernels on disk, in a folder that is the user's alone
 jit                             @kernel, @part, @verb, every: how all this is compiled
 """

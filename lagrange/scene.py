@@ -28,7 +28,7 @@ from lagrange.scene_surfaces import (
 )
 
 LONGEST_TEXT = 2**20  # characters of a scene
-MOST_FAULTS = 20  # told at once: a file that is no scene may have thousands
+MOST_FAULTS = 15  # told at once: a file that is no scene may have thousands
 RPM = 2.0 * pi / 60.0
 MM = 1e-3
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:

@@ -141,6 +141,7 @@ def test_values_of_a_scene_are_told_printable_and_not_endless(scene, tmp_path):
     assert all(c.isprintable() or c == "\n" for c in done.stderr) and "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_half_a_character_in_a_files_name_hinders_no_command(can_draw, tmp_path):
     name, strict = "\udcff.nc", {"PYTHONIOENCODING": "utf-8:strict"}
     for called, arguments in (

@@ -454,7 +454,7 @@ def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path, monkeypatch)
     assert refused > flips // 5
 
 
-@pytest.mark.parametrize("model", ["fem", "lagrange"])
+@pytest.mark.parametrize("model", ["fem", pytest.param("lagrange", marks=pytest.mark.slow)])
 def test_no_flipped_bit_of_a_checkpoint_goes_unnoticed(model, tmp_path):
     path, scene = tmp_path / "run.nc", ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.4", f"model={model}")
     plan = make_plan(read_scene(None, scene))

@@ -58,6 +58,7 @@ def _add_motion(body, drive, out, kinetic):
     out[kinetic] += 0.5 * body.mass * body.motion[3] * body.motion[1]
 
 
+@pytest.mark.slow
 def test_a_further_body_swings_beside_the_bearing_and_changes_none_of_its_bits():
     """x = a cos ωt with leapfrog's ω, cos ω dt = 1 − k dt²/2m, and an energy that stays."""
     at_rest = arrays(model(paper(), 2e-3), operation(), DT, 0.1)

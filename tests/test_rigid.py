@@ -26,7 +26,11 @@ from tests.verification.runs import every_step, plan_of, record, without_spin
 RIGID = replace(STEEL, rigid=True)
 BODIES = {"rollers": "roller", "inner_ring": "inner_ring", "outer_ring": "outer_ring"}  # scene: Bearing
 ALLOWED = (("rollers",), ("inner_ring",), ("outer_ring",), ("inner_ring", "outer_ring"))
+# each compiles a time loop of its own; one rigid ring is half of what two are
 every_choice = pytest.mark.parametrize("names", ALLOWED, ids=" and ".join)
+every_run = pytest.mark.parametrize("names", [
+    pytest.param(names, marks=pytest.mark.slow if names in ALLOWED[1:3] else (), id=" and ".join(names)) for names in ALLOWED
+])  # fmt: skip
 LOAD, HALF_PITCH = 2000.0, -np.pi / 2.0 + np.pi / 13.0
 
 
@@ -140,7 +144,7 @@ def moving(names, **changes):
     return record(plan_of(**how, **settings(names)))
 
 
-@every_choice
+@every_run
 def test_the_energy_balances(names):
     for start in ("equilibrium", "rest"):
         found = moving(names, numerics__start=start, numerics__load_ramp_ms=0.2)
@@ -148,7 +152,7 @@ def test_the_energy_balances(names):
         assert np.abs(found.imbalance).max() < (1e-6 if start == "equilibrium" else 1e-5) * found.largest_stored
 
 
-@every_choice
+@every_run
 def test_it_rolls_without_slip(names):
     found = moving(names, operation__gravity_m_s2=0.0)
     ideal = found.plan.start.kinematics
@@ -157,7 +161,7 @@ def test_it_rolls_without_slip(names):
     np.testing.assert_allclose(found["roller_spin"], ideal.roller, rtol=1e-3)
 
 
-@every_choice
+@every_run
 def test_it_moves_as_with_bodies_a_thousand_times_as_stiff(names):
     """What the stiff ones keep of their compliance is a thousandth; so are the differences."""
     interval, samples = 5e-6, []
@@ -290,7 +294,7 @@ def test_the_step_limit_holds_for_a_rigid_roller_between_elastic_rings(density):
     assert found < 0.8 * critical_time_step(whole, 650.0)
 
 
-@every_choice
+@every_run
 def test_random_bearings_stay_stable(names):
     """Of random scenes on coarse meshes none fails or loses 1 % of its energy."""
     tried = 0

@@ -27,6 +27,7 @@ def rows(threads):
     return out
 
 
+@pytest.mark.slow
 def test_threads_change_nothing_but_round_off():
     one, two, again = rows(1), rows(2), rows(2)
     assert np.array_equal(two, again), "the same number of threads gives the same bits"

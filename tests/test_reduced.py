@@ -10,10 +10,12 @@ from scipy.linalg import eigh
 from fem.errors import UsageError
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.solver.reduced import ReducedPlan
+from fem.solver.reduced_state import slowest_vibration
 from fem.solver.simulate import make_plan, run
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.kinematics import roller_angles
 from lagrange.scene import parse_scene, read_scene
+from tests.reference.free_vibration import disc_frequency
 
 CLEARANCE = ("bearing.outer_raceway_diameter_mm=56.04", "operation.radial_load_N=200")
 PRELOAD = ("bearing.outer_raceway_diameter_mm=55.99", "operation.radial_load_N=0", "operation.gravity_m_s2=0")
@@ -264,6 +266,24 @@ def test_a_wave_of_the_inner_ring_moves_a_preloaded_hub_as_in_finite_elements():
         found.append(np.concatenate([block["inner_x"] for block in blocks]))
     assert found[0].max() == pytest.approx(0.5e-6, rel=0.1)  # the wave's amplitude, for a rigid hub and many rollers
     assert np.abs(found[1] - found[0]).max() < 0.01 * found[0].max()
+
+
+def test_the_slowest_vibration_is_a_rollers_ovalling():
+    """Love's frequency equation of a free disc, two waves around, in plane strain."""
+    bearing = plan_of().model.bearing
+    root = disc_frequency(2, 2.2, 2.5, bearing.roller)  # ω R/c_T
+    exact = 2.0 * np.pi * bearing.roller_radius / (root * np.sqrt(bearing.roller.lame_mu / bearing.roller.density))
+    assert slowest_vibration(bearing) == pytest.approx(exact, rel=0.03)
+
+
+@pytest.mark.parametrize("damage", ["centre", "turn"])
+def test_a_state_that_kernels_cannot_take_is_refused(damage):
+    plan = scene_with('[[waviness]]\nbody = "roller"\nroller = 3\norder = 6\namplitude_um = 0.5', duration_ms=1.0)
+    arrays, numbers = plan.first_state().to_keep()
+    arrays = {name: array.copy() for name, array in arrays.items()}
+    arrays[f"bodies.{damage}"][..., 3] = 0.0 if damage == "centre" else 1e300
+    with pytest.raises(ValueError, match="no bearing has them"):
+        plan.first_state().take_back(arrays, numbers)
 
 
 def test_rows_of_contacts_are_those_of_the_samples():

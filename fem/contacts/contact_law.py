@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from fem.kernels.law import STEEPEST, contact_force
+from fem.kernels.state import Law
 from lagrange.pair import Pair
 
 
@@ -23,6 +24,11 @@ class ContactLaw:
     def of_level(cls, A: float, B: float, pair: Pair) -> "ContactLaw":
         """The law that goes straight on where its bracket has shrunk to STEEPEST above a half."""
         return cls(A=A, B=B, Q_line=exp(2.0 * (B - 0.5 - STEEPEST)), pair=pair)
+
+    @property
+    def constants(self) -> Law:
+        """The law as kernels take it."""
+        return Law(self.A, self.B, self.Q_line, self.pair.half_width_factor, 1.0 / self.pair.relative_radius)
 
     def approach(self, force):
         """Approach, m, of a force, N, >= 0."""

@@ -27,7 +27,7 @@ from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
 from fem.kernels.law import KNOTS_PER_NODE, ripple_at
 from fem.kernels.patches import ONE
-from fem.kernels.state import INNER, OUTER, Law
+from fem.kernels.state import INNER, OUTER
 from lagrange import Bearing, Material
 from lagrange.pair import Pair, contact_pairs, line_compliance
 from meshes import bearing_shapes
@@ -140,10 +140,7 @@ class SubgridModel(Model):
     def kernel_data(self, largest_force: float) -> KernelData:
         """See `Model.kernel_data`: the laws and their ripples."""
         return KernelData(
-            laws=tuple(
-                Law(law.A, law.B, law.Q_line, law.pair.half_width_factor, 1.0 / law.pair.relative_radius)
-                for law in self.laws
-            ),
+            laws=tuple(law.constants for law in self.laws),
             ripples=tuple(each.ripple for each in (self.inner_surface, self.outer_surface, self.roller_surface)),
             units=ONE,
             points=None,

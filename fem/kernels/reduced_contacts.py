@@ -13,7 +13,7 @@ from math import cos, sin
 import numpy as np
 
 from fem.kernels.contact_kernels import next_rollers
-from fem.kernels.friction_kernels import creep_traction
+from fem.kernels.friction_kernels import SLIP_FLOOR, creep_traction
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm
 from fem.kernels.law import STEEPEST, contact_force, kick_force
@@ -34,7 +34,6 @@ from fem.kernels.simd import (
     total,
 )
 
-SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls
 NEAR = 1e-3  # of a force: a guess no further off needs one step of Newton's
 TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken
 
@@ -158,10 +157,13 @@ def _lowered(bodies, compliance, forces, group, turn, inner, outer, slope):
 
 
 @part
-def _aside(bodies, forces, drive, group, P_i, P_o, slope):
-    """What slopes of surfaces make of eight rollers' forces: along +θ in both contacts, N, and moments, N m."""
+def _with_slopes(bodies, forces, drive, group, P_i, P_o, T_i, T_o, slope):
+    """Forces of eight rollers along +θ in both contacts, N, with what slopes of surfaces add; these turn rollers too.
+
+    Nine arguments: registers of both contacts.
+    """
     if slope is None:
-        return splat(0.0), splat(0.0), splat(0.0)
+        return T_i, T_o
     columns = bodies.columns
     x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
     out = x * load(forces.normal, 2 * columns + group) + y * load(forces.normal, 3 * columns + group)
@@ -172,7 +174,9 @@ def _aside(bodies, forces, drive, group, P_i, P_o, slope):
     both, own = load(slope, group), load(slope, columns + group)
     both_o, own_o = load(slope, 2 * columns + group), load(slope, 3 * columns + group)
     drive.sums[1] -= drive.speed * drive.dt * total(P_i * (both - own))
-    return -(P_i * both / away), -(P_o * both_o / out), P_i * own + P_o * own_o
+    moment = P_i * own + P_o * own_o
+    store(bodies.spin, group, load(bodies.spin, group) + moment * (drive.dt / bodies.inertia))
+    return T_i - P_i * both / away, T_o - P_o * both_o / out
 
 
 @part
@@ -239,10 +243,7 @@ def kick(bodies, compliance, forces, drive, before):
         if drive.friction > 0.0:
             T_i, T_o = _tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)
         store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
-        S_i, S_o, moment = _aside(bodies, forces, drive, group, P_i, P_o, forces.slope)
-        if forces.slope is not None:
-            store(bodies.spin, group, load(bodies.spin, group) + moment * (dt / bodies.inertia))
-            T_i, T_o = T_i + S_i, T_o + S_o
+        T_i, T_o = _with_slopes(bodies, forces, drive, group, P_i, P_o, T_i, T_o, forces.slope)
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         hub_x -= select(there, fx, 0.0)
         hub_y -= select(there, fy, 0.0)

@@ -22,7 +22,7 @@ from fem.kernels.sample_kernels import (
     WORK_GRAVITY,
     WORK_LOAD,
 )
-from fem.kernels.time_loop import DONE, FASTEST, NOT_FINITE
+from fem.kernels.time_loop import DONE, NOT_FINITE, lost
 
 TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach
 
@@ -66,7 +66,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
                 drive.sums[0] += drive.dt * drive.dt / 12.0 * before.hub_acceleration[1] * grown
             _drift(bodies, drive.dt)
             step += 1
-            body = _lost(bodies)
+            body = lost(bodies.hub_velocity, bodies)
             if body != -2:
                 return NOT_FINITE, step, body
     return DONE, step, -2
@@ -91,17 +91,6 @@ def _drift(bodies, dt):
             bodies.centre[component, j] += dt * bodies.velocity[component, j]
     for j in range(bodies.columns):
         bodies.turn[j] += dt * bodies.spin[j]
-
-
-@part
-def _lost(bodies):
-    """The first body whose velocity is not a number or absurd, or −2."""
-    if not abs(bodies.hub_velocity[0]) + abs(bodies.hub_velocity[1]) < FASTEST:
-        return -1
-    for j in range(bodies.n):
-        if not abs(bodies.velocity[0, j]) + abs(bodies.velocity[1, j]) < FASTEST:
-            return j
-    return -2
 
 
 @part(inlined=False)

@@ -76,8 +76,7 @@ class ReducedDrive(NamedTuple):
     radial_load: float  # N
     ramp: float  # s, 0: full load at once
     friction: float
-    inner_radius: float  # m, of the raceways
-    outer_radius: float
+    inner_radius: float  # m, of the raceway
 
 
 class Before(NamedTuple):

@@ -161,16 +161,16 @@ def advance(bodies, groups, contacts, drive, scratch, first_step, stride, sample
             drive.sums[2] += dissipated
             drift(bodies, drive, scratch)
             step += 1
-            body = _lost(bodies.rollers, drive)
+            body = lost(drive.velocity, bodies.rollers)
             if body != -2:
                 return NOT_FINITE, step, body
     return DONE, step, -2
 
 
 @part
-def _lost(rollers, drive):
+def lost(hub_velocity, rollers):
     """The first body whose velocity is not a number or absurd, or −2."""
-    if not abs(drive.velocity[0]) + abs(drive.velocity[1]) < FASTEST:
+    if not abs(hub_velocity[0]) + abs(hub_velocity[1]) < FASTEST:
         return -1
     for j in range(rollers.n):
         if not abs(rollers.velocity[0, j]) + abs(rollers.velocity[1, j]) < FASTEST:

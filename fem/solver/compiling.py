@@ -1,21 +1,35 @@
-"""Loading a compiled time loop, and what to tell while it is being compiled."""
+"""Plans whose time loop is compiled: loading it, what to tell while that takes long, what its bits depend on."""
 
 import gc
 from collections.abc import Callable
+from importlib.metadata import version
 
+from fem.kernels import jit, kernel_cache
+from fem.solver.processor import processor
+from fem.solver.solver import Plan
 from lagrange.messages import said_if_long
 
 PATIENCE = 3.0  # s, to load the time loop; if it takes longer it is being compiled
 COMPILING = "compiling the time loop, once for such bodies and contacts: half a minute, or one on a slow processor"
 
 
-def load_compiled(load: Callable[[], object], tell: Callable[[str], None] | None = None) -> None:
-    """Call a kernel for nothing, so that it is compiled or loaded; `tell` gets a sentence if that takes long."""
-    collecting = gc.isenabled()
-    gc.disable()  # a compiler's many objects are nearly all kept: looking for cycles takes a tenth of its time
-    try:
-        with said_if_long(PATIENCE, COMPILING, tell):
-            load()
-    finally:
-        if collecting:
-            gc.enable()
+class CompiledPlan(Plan):
+    """A plan whose first state is a `row_state.RowState`."""
+
+    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
+        """Compile the time loop, or load it compiled, without taking a step."""
+        collecting = gc.isenabled()
+        gc.disable()  # a compiler's many objects are nearly all kept: looking for cycles takes a tenth of its time
+        try:
+            with said_if_long(PATIENCE, COMPILING, tell):
+                self.first_state().take_steps(0)
+        finally:
+            if collecting:
+                gc.enable()
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        return tuple(kernel_cache.remarks)
+
+    def versions(self) -> dict[str, str]:
+        return {"kernels": jit.version(), "numba": version("numba"), **processor()}

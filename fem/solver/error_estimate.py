@@ -70,16 +70,33 @@ def estimates(fine: list[Quantity], coarse: list[Quantity], ratio: float) -> lis
 
 
 @dataclass(frozen=True, kw_only=True)
-class ErrorEstimate:
-    """A plan and the same scene on a coarser mesh, to be run beside it."""
+class SecondRun:
+    """Finite elements to be run beside a finished run."""
 
-    fine: ElementPlan
     coarse: ElementPlan
 
     @property
     def mesh_size(self) -> float:
-        """Of the coarse plan, m."""
+        """Of the second run, m."""
         return 1e-3 * self.coarse.scene.numerics.mesh_size_mm
+
+    def record(self, report: Callable[[Progress], None], stop: Callable[[], bool]) -> dict[str, np.ndarray] | None:
+        """Samples of the second run by the result file's names (NEEDED); None if it was stopped.
+
+        Errors
+        ------
+        RunFailed.
+        """
+        blocks = []
+        run(self.coarse, blocks.append, report, stop)
+        return None if stop() else {name: np.concatenate([block[name] for block in blocks]) for name in NEEDED}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ErrorEstimate(SecondRun):
+    """A plan and the same scene on a coarser mesh."""
+
+    fine: ElementPlan
 
     @property
     def title(self) -> str:
@@ -101,11 +118,9 @@ class ErrorEstimate:
         plans = self.fine, self.coarse
         fine, coarse = (static_quantities(plan.model, plan.operation) for plan in plans)
         if self.fine.n_samples > 1:
-            blocks = []
-            run(self.coarse, blocks.append, report, stop)
-            if stop():
+            record = self.record(report, stop)
+            if record is None:
                 return []
-            record = {name: np.concatenate([block[name] for block in blocks]) for name in NEEDED}
             fine += moving_quantities(samples)
             coarse += moving_quantities(record)
         spacing, wide = (plan.model.roller.shape.surface_spacing for plan in plans)

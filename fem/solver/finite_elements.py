@@ -2,24 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import version
 from math import ceil
 
 import numba
 
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
-from fem.kernels import jit, kernel_cache
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
-from fem.solver.compiling import load_compiled
+from fem.solver.compiling import CompiledPlan
 from fem.solver.description import mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
 from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads, check_widths
-from fem.solver.processor import processor
 from fem.solver.row_state import LONGEST_UNWATCHED
-from fem.solver.solver import Plan, sample_count
+from fem.solver.solver import sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
 from fem.statics.contact_balance import NotFound
 from lagrange import Operation, kinematics
@@ -27,7 +24,7 @@ from lagrange.scene import Scene
 
 
 @dataclass(frozen=True, kw_only=True)
-class ElementPlan(Plan):
+class ElementPlan(CompiledPlan):
     """A discrete model, its start and its time steps."""
 
     scene: Scene
@@ -81,17 +78,10 @@ class ElementPlan(Plan):
         """Compile the time loop, or load it compiled, without taking a step."""
         if self.scene.numerics.threads > 1:
             numba.set_num_threads(self.scene.numerics.threads)
-        load_compiled(lambda: self.first_state().take_steps(0), tell)
+        super().prepare(tell)
 
     def first_state(self) -> ElementState:
         return ElementState(self)
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        return tuple(kernel_cache.remarks)
-
-    def versions(self) -> dict[str, str]:
-        return {"kernels": jit.version(), "numba": version("numba"), **processor()}
 
     def error_estimate(self):
         from fem.solver.error_estimate import error_estimate

@@ -4,37 +4,34 @@ Elasticity comes from the exact series of rings and rollers, so there is no mesh
 finite elements, which must follow elastic waves, and each takes a small part of one: a run is faster than the bearing.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import version
 from math import ceil, inf, sqrt
 
 import numpy as np
 
+from fem.contacts.critical_step import LOAD_MARGIN
 from fem.errors import UsageError
-from fem.kernels import jit, kernel_cache
+from fem.kernels.simd import WIDTH
 from fem.solver.cautions import cautions
-from fem.solver.compiling import load_compiled
+from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
-from fem.solver.processor import processor
+from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
-from fem.solver.solver import Plan, sample_count
+from fem.solver.solver import sample_count
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
-from fem.statics.reduced_start import ReducedStart, equilibrium_start, rest_start
 from lagrange import Bearing, Kinematics, Operation, kinematics
 from lagrange.profile import profiles
 from lagrange.scene import Scene
 
-LOAD_MARGIN = 10.0  # contacts are as stiff as at this many times the largest static force
 SHARE = 0.7  # of the critical step, at a safety of 1: beyond, contacts that open and close gain energy
 KNOTS_A_STEP = 0.25  # of a profile's spline
 # one thread of a 2024 server core; only a guide
-SECONDS_PER_LANES = 0.2e-6  # eight rollers
+SECONDS_PER_LANES = 0.4e-6
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReducedPlan(Plan):
+class ReducedPlan(CompiledPlan):
     """A bearing reduced to its contacts, its start and its time steps."""
 
     scene: Scene
@@ -63,19 +60,8 @@ class ReducedPlan(Plan):
         """Two of the hub, three of each roller."""
         return 2 + 3 * self.model.bearing.n_rollers
 
-    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
-        """Compile the time loop, or load it compiled, without taking a step."""
-        load_compiled(lambda: self.first_state().take_steps(0), tell)
-
     def first_state(self) -> ReducedState:
         return ReducedState(self)
-
-    def versions(self) -> dict[str, str]:
-        return {"kernels": jit.version(), "numba": version("numba"), **processor()}
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        return tuple(kernel_cache.remarks)
 
     def error_estimate(self):
         from fem.solver.reduced_estimate import reduced_estimate
@@ -84,7 +70,7 @@ class ReducedPlan(Plan):
 
     def rows(self) -> dict[str, str]:
         steps = self.stride * (self.n_samples - 1)
-        seconds = SECONDS_PER_LANES * ceil(self.model.bearing.n_rollers / 8) * steps
+        seconds = SECONDS_PER_LANES * ceil(self.model.bearing.n_rollers / WIDTH) * steps
         start = self.start
         force = float(max(start.inner_force.max(), start.outer_force.max()))
         return {

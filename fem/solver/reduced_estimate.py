@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.errors import UsageError
-from fem.solver.error_estimate import NEEDED, Estimate
-from fem.solver.finite_elements import ElementPlan
+from fem.solver.error_estimate import NEEDED, Estimate, SecondRun
 from fem.solver.finite_elements import make_plan as element_plan
-from fem.solver.simulate import run
 from fem.solver.solver import Plan, Progress
 from fem.statics.quantities import moving_quantities
 
@@ -17,15 +15,8 @@ STRETCH_MS = 10.0  # finite elements of 1 mm take a second for it
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReducedEstimate:
-    """Finite elements to be run beside a run of the reduced model."""
-
-    coarse: ElementPlan
-
-    @property
-    def mesh_size(self) -> float:
-        """Of the finite elements, m."""
-        return 1e-3 * self.coarse.scene.numerics.mesh_size_mm
+class ReducedEstimate(SecondRun):
+    """The same scene's first stretch by finite elements."""
 
     @property
     def title(self) -> str:
@@ -47,11 +38,9 @@ class ReducedEstimate:
         ------
         RunFailed: the finite elements went wrong.
         """
-        blocks = []
-        run(self.coarse, blocks.append, report, stop)
-        if stop():
+        record = self.record(report, stop)
+        if record is None:
             return []
-        record = {name: np.concatenate([block[name] for block in blocks]) for name in NEEDED}
         own = {name: samples[name][: len(record["time"])] for name in NEEDED}
         pairs = zip(moving_quantities(own), moving_quantities(record), strict=True)
         return [

@@ -74,17 +74,14 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics) -> ReducedBearing:
     roller_growth = spinning_growth(bearing.roller_radius, 0.0, bearing.roller, motion.roller)
     closing = np.repeat([inner_growth + roller_growth, roller_growth], n)
     return ReducedBearing(
-        contacts=Condensed(
-            bearing=bearing, radial=contacts.radial, inner_law=contacts.inner_law, outer_law=contacts.outer_law,
-            compliance=contacts.compliance, closing=closing,
-        ),
+        contacts=replace(contacts, closing=closing),
         between=_between(bearing, pairs[2]),
         distance=distance[felt],
         along=np.ascontiguousarray(along[:, felt]),
         across=float(contacts.compliance[0, n]),
         inner_growth=inner_growth,
         roller_growth=roller_growth,
-    )  # fmt: skip
+    )
 
 
 def _kept_contacts(bearing: Bearing) -> Condensed:

@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from rich.console import Console
 
+from fem.contacts.critical_step import LOAD_MARGIN
 from fem.errors import RunFailed
-from fem.solver.reduced import LOAD_MARGIN, SHARE
+from fem.solver.reduced import SHARE
 from fem.solver.reduced_state import LIMIT
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.simulate import make_plan, run

@@ -4,14 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.solver.start import JUMP, ROUND_OFF
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess, geometry
 from fem.statics.reduced_bearing import ReducedBearing
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles
 from lagrange.profile import UNTURNED, Turns
 
-ROUND_OFF = 1e-12  # of a roller radius: less interference than this is none
-JUMP = 0.01  # of the surface speed: no hub moves that fast from one equilibrium to the next
 NEWTON_STEPS = 20
 LOOK_AHEAD = 1e-4  # of a roller's radius: how far contacts roll between the equilibria that give the velocities
 

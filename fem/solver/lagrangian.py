@@ -19,6 +19,7 @@ from lagrange.problem import Problem
 from lagrange.raceway_laws import caution
 from lagrange.scene import Scene
 from lagrange.simulate import Simulation, Verdict
+from lagrange.spall_events import interval_caution
 from lagrange.step_size import critical_time_step, steps_per_sample
 
 ARRAYS = 30  # per roller and sample of a block, at the most at a time
@@ -40,6 +41,7 @@ class LagrangianPlan(Plan):
     n_samples: int
     steps_per_sample: int
     remarks: tuple[str, ...]  # on law and material, which concern this run alone
+    cautions: tuple[str, ...] = ()
     model_name = "Lagrangian model"
 
     @property
@@ -90,6 +92,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
     """Samples and steps of a scene."""
     options, numerics, bearing = scene.lagrange, scene.numerics, scene.ideal_bearing()
     interval, remark = 1e-6 * numerics.output_interval_us, caution(options.law, bearing)
+    too_seldom = interval_caution(bearing, scene.ideal_operation(), interval)
     problem = Problem(
         bearing=bearing,
         operation=scene.ideal_operation(),
@@ -106,6 +109,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         n_samples=sample_count(scene),
         steps_per_sample=steps_per_sample(problem, interval),
         remarks=() if remark is None else (remark,),
+        cautions=() if too_seldom is None else (too_seldom,),
     )
 
 
@@ -154,7 +158,11 @@ class LagrangianState(RunState):
         return Samples(
             values={name: getattr(part, name) for name in SAME}
             | absent
-            | {"roller_spin": per_roller + part.roller_spin, "energy_elastic": per_time},
+            | {
+                "roller_spin": per_roller + part.roller_spin,
+                "roller_turn": per_roller + part.roller_spin * part.time[:, None],
+                "energy_elastic": per_time,
+            },
             imbalance=part.energy_error,
             exchanged=exchanged,
         )

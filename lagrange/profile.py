@@ -12,8 +12,8 @@ from math import ceil, pi
 import numpy as np
 
 from lagrange.bearing import Bearing
-from lagrange.closing import Meeting, sinkage
-from lagrange.faults import Body, Fault, Spall, UnequalRoller, Waviness
+from lagrange.closing import Meeting, measured_sinkage, points_around, sinkage
+from lagrange.faults import Body, Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
 from lagrange.kinematics import Kinematics
 
 KNOTS_PER_SPALL = 200  # along its width; the kink in its middle is rounded within two of them, 0.3 % too low
@@ -150,7 +150,7 @@ def _profile(bearing: Bearing, body: Body, own: float, other: float, meeting: Me
     faults = [fault for fault in bearing.faults if fault.body == body]
     if not faults:
         return None
-    n = max([FEWEST_KNOTS, *(_knots(fault, own) for fault in faults)])
+    n = max([FEWEST_KNOTS, *(_knots(fault, own, other, meeting) for fault in faults)])
     numbers = [None, *sorted({fault.roller for fault in faults})] if body == "roller" else [None]
     rows = [
         _sinkages([fault for fault in faults if fault.roller == number], bearing.roller_radius, own, other, meeting, n)
@@ -162,10 +162,12 @@ def _profile(bearing: Bearing, body: Body, own: float, other: float, meeting: Me
     return Profile(coefficients=_spline(np.array(rows)), row=row, spacing=2.0 * pi * own / n)
 
 
-def _knots(fault: Fault, own: float) -> int:
+def _knots(fault: Fault, own: float, other: float, meeting: Meeting) -> int:
     """Knots around the circle that a fault needs."""
     if isinstance(fault, Spall):
         return ceil(2.0 * pi * own * KNOTS_PER_SPALL / fault.width)
+    if isinstance(fault, MeasuredSurface):
+        return points_around(own, other, meeting)
     return KNOTS_PER_WAVE * fault.order if isinstance(fault, Waviness) else FEWEST_KNOTS
 
 
@@ -180,6 +182,8 @@ def _sinkages(
             found -= 0.5 * fault.diameter_deviation
         elif isinstance(fault, Waviness):
             found -= fault.amplitude * np.cos(fault.order * angle + fault.phase)
+        elif isinstance(fault, MeasuredSurface):
+            found += measured_sinkage(fault, own, other, meeting, n)
         else:
             beyond = np.mod(angle - fault.angle + pi, 2.0 * pi) - pi
             over = np.flatnonzero(np.abs(beyond) < np.arcsin(fault.half_opening(roller_radius) / own))

@@ -6,7 +6,16 @@ import numpy as np
 
 from lagrange.messages import shown
 from lagrange.scene import Scene, SceneError, parse_scene_text
-from lagrange.stored import SIGNATURE, Damaged, check_array, has, read_numbers, read_scene_text, refusal_in_child
+from lagrange.stored import (
+    SIGNATURE,
+    Damaged,
+    check_array,
+    has,
+    read_numbers,
+    read_scene_files,
+    read_scene_text,
+    refusal_in_child,
+)
 from residual.errors import InputError
 from residual.record import FEWEST_SAMPLES, Record, StatedError, checked
 
@@ -78,7 +87,7 @@ def _from_file(path: Path, file) -> Record:
         raise InputError(
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
         )
-    scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene")
+    scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene", read_scene_files(file))
     promised = (*MOTION, *OPTIONAL, *ENERGIES) if attributes.get("program") == SOLVER else MOTION
     missing = [name for name in promised if not has(file, name)]
     if missing:

@@ -22,7 +22,7 @@ from fem.errors import UsageError
 from fem.result.durable import alone_in, move_into_place, open_locked, real_path, write_at
 from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
 from fem.result.layout import FORMAT_VERSION, Places, create, variables_of
-from fem.result.surface_columns import events_of, with_sinkages, write_events
+from fem.result.surface_columns import events_of, with_sinkages, write_events, write_scene_files
 from lagrange.faults import labels
 from lagrange.spall_events import SpallEvent
 from lagrange.stored import checksum, text_checksum
@@ -139,6 +139,7 @@ class ResultFile:
         """What makes room for the frames of so many samples, and writes the events where they are known."""
 
         def further(file: h5py.File) -> list[str]:
+            write_scene_files(file, self._plan.scene)
             if self._events is not None:
                 write_events(file, self._bearing, self._events)
             if not self._plan.frame_stride:

@@ -1,7 +1,7 @@
-"""What a result file holds where surfaces are not perfect: sinkages under the contacts, and the events of spalls.
+"""What a result file holds where surfaces are not perfect: sinkages, events of spalls, files of measured heights.
 
-Both follow from the samples alone, whichever solver they come from: events are found when a run ends, from all samples
-in its file, and so are the same however often it was interrupted and resumed.
+The first two follow from the samples alone, whichever solver they come from: events are found when a run ends, from all
+samples in its file, and so are the same however often it was interrupted and resumed.
 """
 
 import json
@@ -15,7 +15,9 @@ from fem.result.layout import variables_of
 from lagrange.bearing import Bearing
 from lagrange.passages import COLUMNS, find_passages, spalls
 from lagrange.profile import Turns, profiles
+from lagrange.scene import Scene
 from lagrange.spall_events import SpallEvent, spall_events
+from lagrange.stored import SCENE_FILE
 
 EVENTS = "events"
 WORDS = h5py.string_dtype()
@@ -43,6 +45,14 @@ def with_sinkages(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarr
         "outer_sinkage": surfaces.outer(np.arctan2(y, x), turns).sinkage,
     }
     return {name: samples[name] for name in variables_of(bearing) if name not in found} | found
+
+
+def write_scene_files(file: h5py.File, scene: Scene) -> None:
+    """The text of each file that the scene names, so that the result can be read without them."""
+    for number, text in enumerate({table.sha256: table.content for table in scene.profile}.values()):
+        content = np.frombuffer(text.encode(), dtype=np.uint8)
+        variable = file.create_dataset(SCENE_FILE.format(number), data=content)
+        variable.attrs["units"], variable.attrs["long_name"] = "1", "text of a file that the scene names, UTF-8"
 
 
 def events_of(bearing: Bearing, speed: float, file: h5py.File, count: int) -> list[SpallEvent] | None:

@@ -30,7 +30,7 @@ def sinkage(spall: Spall, roller_radius: float, own: float, other: float, meetin
     ------
     The edge's arc is taken at points: below 1e-4 of the sinkage.
     """
-    at, depth = _outline(spall, spall.half_opening(roller_radius))
+    at, depth = outline(spall, spall.half_opening(roller_radius))
     surface = own + depth if meeting == "bore" else own - depth
     beyond = np.asarray(angle)[:, None] - np.arcsin(at / own)
     return np.maximum(_room(surface, beyond, own, other, meeting).min(axis=1), 0.0)
@@ -111,7 +111,7 @@ def deepest(spall: Spall, own: float, other: float, meeting: Meeting) -> float:
     return float(rise(other) + rise(own) if meeting == "outside" else abs(rise(other) - rise(own)))
 
 
-def _outline(spall: Spall, opening: float) -> tuple[np.ndarray, np.ndarray]:
+def outline(spall: Spall, opening: float) -> tuple[np.ndarray, np.ndarray]:
     """Places beside the spall's middle, along the chord, and their depths, m."""
     rounding = min(spall.edge_radius, opening)
     steepest = np.arccos(max(0.0, 1.0 - spall.depth / spall.edge_radius)) if spall.edge_radius > 0.0 else 0.0

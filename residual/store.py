@@ -99,6 +99,7 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
     from residual.budget_figures import budget_figures
     from residual.motion_figures import motion_figures
     from residual.paper_figures import paper_figures
+    from residual.passage_figures import passage_figures
     from residual.plotting import STYLE
     from residual.quasistatic import quasi_static
     from residual.report import render_report
@@ -110,7 +111,7 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
         figures = {
             "paper": paper_figures(evaluation, folder),
             "motion": motion_figures(evaluation, statics, folder),
-            "vibration": vibration_figures(evaluation, folder),
+            "vibration": [*vibration_figures(evaluation, folder), *passage_figures(evaluation, folder)],
             "budget": budget_figures(evaluation, folder),
         }
     _write_arrays(evaluation, folder / "residual.nc", version)

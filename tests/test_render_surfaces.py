@@ -101,7 +101,7 @@ def test_an_unequal_roller_is_named(instant, drawn):
     assert (circle.roller, name) == (5, "Ø −3 µm")
 
 
-@pytest.mark.parametrize("view", ["bearing", "close-up"])
+@pytest.mark.parametrize("view", ["close-up", pytest.param("bearing", marks=pytest.mark.slow)])
 def test_faults_are_seen(can_draw, run, view):
     from fem.pictures.render import Renderer
 

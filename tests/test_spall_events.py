@@ -165,7 +165,7 @@ def _events(scene):
     )  # fmt: skip
 
 
-SHORT = ("model=lagrange", *ONE, "spall.0.angle_deg=2", "numerics.duration_ms=0.6")
+SHORT = ("model=lagrange", *ONE, "spall.0.angle_deg=2", "numerics.duration_ms=0.34")
 
 
 def everything(path):
@@ -190,7 +190,7 @@ def test_a_run_that_was_stopped_and_resumed_has_the_same_events(tmp_path):
     assert everything(broken)["events/kind"] == [b"entry"]
     run_scene(scene, broken, RunOptions(quiet=True, resume=True))
     assert everything(broken) == everything(whole)
-    assert len(everything(whole)["events/time"]) >= 3
+    assert everything(whole)["events/kind"] == [b"entry", b"strike", b"exit"]
 
 
 def test_sinkages_are_those_under_the_contacts(tmp_path):
@@ -208,7 +208,7 @@ def test_sinkages_are_those_under_the_contacts(tmp_path):
         assert outer.max() == pytest.approx(5.14e-6, abs=0.3e-6)  # a gap of 0.5 mm, whose kink samples miss
         on_roller = theta[:, 5] + pi - file["roller_turn"][:, 5]
         np.testing.assert_allclose(inner[:, 5], -0.5e-6 * np.cos(4 * on_roller), atol=2e-9)
-        assert not np.any(np.delete(inner, 5, axis=1)) and time[-1] == pytest.approx(0.6e-3)
+        assert not np.any(np.delete(inner, 5, axis=1)) and time[-1] == pytest.approx(0.34e-3)
 
 
 def test_perfect_scenes_have_none_of_it(tmp_path):

@@ -15,7 +15,7 @@ from lagrange.raceway_laws import contact_laws
 Kind = Literal["entry", "strike", "exit"]
 LARGE = 0.5  # a rise of the force: of the largest in the passage, and of the force on entry
 FROM, UNTIL = -0.1, 2.0  # half-widths from the middle, on the way out: where a strike's force may peak
-SAMPLES = 10.0  # in a vibration of a roller on its contacts: peaks are then found to some per cent (docs/surfaces.md)
+SAMPLES = 9.0  # in a vibration of a roller on its contacts: peaks are then found to some per cent (docs/surfaces.md)
 
 
 @dataclass(frozen=True, kw_only=True)

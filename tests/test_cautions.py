@@ -87,7 +87,7 @@ def test_an_edge_that_steel_does_not_bear_is_warned_of(radius_mm, warned):
 @pytest.mark.parametrize(("interval", "warned"), [(1.5, False), (10.0, True)])
 @pytest.mark.parametrize("model", ["fem", "reduced", "lagrange"])
 def test_samples_that_miss_a_strike_are_warned_of(interval, warned, model):
-    """After a strike forces peak each 20 µs in runs of all three models: ten samples are 2 µs apart."""
+    """After a strike forces peak each 20 µs in runs of all three models: nine samples are 2.2 µs apart."""
     found = plan_of(
         "spall.0.angle_deg=14", "spall.0.edge_radius_mm=0.5", f"numerics.output_interval_us={interval}",
         f"model={model}",

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
+from fem.errors import UsageError
 from fem.pictures.recover import StoredRun
 from fem.runner import RunOptions, run_scene
 from lagrange.profile import Turns, profiles
@@ -190,10 +191,52 @@ def test_the_table_travels_with_the_run_and_another_one_is_not_resumed(tmp_path,
         np.testing.assert_array_equal(a["outer_sinkage"][:], b["outer_sinkage"][:])
 
 
-def test_a_table_changed_in_the_result_is_noticed(tmp_path):
-    path, result = scene_with(tmp_path, table(lambda a: 0.0, count=720)), tmp_path / "run.nc"
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("stored")
+    path, result = scene_with(folder, table(lambda a: 0.0, count=720)), folder / "run.nc"
     assert run_main([str(path), "--model", "lagrange", "--duration", "0.4", "--quiet", "--output", str(result)]) == 0
-    with h5py.File(result, "r+") as file:
-        file["scene_file_0"][-2] = ord("7")
-    with pytest.raises(InputError, match="its text is not here"):
-        read_result(result)
+    return result
+
+
+def changed(file):
+    file["scene_file_0"][-2] = ord("7")
+
+
+def removed(file):
+    del file["scene_file_0"]
+
+
+def of_other_numbers(file):
+    del file["scene_file_0"]
+    file["scene_file_0"] = np.zeros(10)
+
+
+def too_large(file):
+    del file["scene_file_0"]
+    file.create_dataset("scene_file_0", shape=(2**40,), dtype="u1", chunks=(1024,))
+
+
+def elsewhere(file):
+    del file["scene_file_0"]
+    file["scene_file_0"] = h5py.ExternalLink("/etc/passwd", "/")
+
+
+@pytest.mark.parametrize(
+    ("forge", "reason"),
+    [
+        (changed, "its text is not here"),
+        (removed, "its text is not here"),
+        (of_other_numbers, "not an array of bytes"),
+        (too_large, "more than 4194304 bytes"),
+        (elsewhere, "not followed"),
+    ],
+)
+def test_a_forged_table_in_a_result_is_noticed(stored, forge, reason, tmp_path):
+    path = tmp_path / "run.nc"
+    path.write_bytes(stored.read_bytes())
+    with h5py.File(path, "r+") as file:
+        forge(file)
+    for read, refusal in ((read_result, InputError), (StoredRun, (UsageError, SceneError))):
+        with pytest.raises(refusal, match=reason):
+            read(path)

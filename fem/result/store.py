@@ -24,6 +24,7 @@ from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
 from fem.result.layout import FORMAT_VERSION, Places, create, variables_of
 from fem.result.surface_columns import events_of, with_sinkages, write_events, write_scene_files
 from lagrange.faults import labels
+from lagrange.passages import spalls
 from lagrange.spall_events import SpallEvent
 from lagrange.stored import checksum, text_checksum
 
@@ -222,8 +223,9 @@ class ResultFile:
     def finish(self, status: str, **attributes: float | str) -> None:
         """Write the outcome and the events, in a new file without unused room that takes this one's place."""
         self.commit()
-        with self._named(), h5py.File(self._path, "r", locking=False) as file:
-            self._events = events_of(self._bearing, self._speed, file, self._count)
+        if spalls(self._bearing):
+            with self._named(), h5py.File(self._path, "r", locking=False) as file:
+                self._events = events_of(self._bearing, self._speed, file, self._count)
         outcome = dict(attributes, status=status)
         self._attributes |= outcome
         try:

@@ -55,10 +55,8 @@ def write_scene_files(file: h5py.File, scene: Scene) -> None:
         variable.attrs["units"], variable.attrs["long_name"] = "1", "text of a file that the scene names, UTF-8"
 
 
-def events_of(bearing: Bearing, speed: float, file: h5py.File, count: int) -> list[SpallEvent] | None:
-    """Events of the first `count` samples of an open result file; None where the bearing has no spalls."""
-    if not spalls(bearing):
-        return None
+def events_of(bearing: Bearing, speed: float, file: h5py.File, count: int) -> list[SpallEvent]:
+    """Events of the first `count` samples of an open result file."""
     return spall_events(
         find_passages(bearing, speed, lambda start, stop: {name: file[name][start:stop] for name in COLUMNS}, count)
     )

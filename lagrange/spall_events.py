@@ -54,10 +54,10 @@ def interval_caution(bearing: Bearing, operation: Operation, interval: float) ->
 def spall_events(passages: Iterable[Passage]) -> list[SpallEvent]:
     """The events of all passages, by time.
 
-    Entry and exit are where the contact is half the spall's width from its middle. The strike is on the way out, from
-    the middle to half a width beyond the exit: the first peak of the force that rises above the least one since the
-    entry by half of the most that any does. There is none where that is less than half the force on entry, because
-    the roller was not released, and none that is known where the run begins or ends on the way.
+    Entry and exit are where the contact is half the spall's width from its middle. The strike is the first peak of
+    the force on the way out, from the middle to half a width beyond the exit, whose rise above the least force since
+    the entry is at least half of the largest such rise. There is none where that is below half of the force on entry,
+    because then the roller was not released, and none that is known where the run begins or ends on the way.
 
     Errors
     ------
@@ -112,7 +112,8 @@ def _strike(passage: Passage, i: int, following: int, onward, entry: SpallEvent)
     after = slice(i + 1, i + 2 + away[0])
     force = passage.force[after]
     rise = force - np.minimum(np.minimum.accumulate(force), entry.force)
-    rise = np.where(onward[after] >= FROM * passage.half_width, rise, 0.0)
+    grows = np.diff(passage.force)[i : i + 1 + away[0]] > 0.0
+    rise = np.where((onward[after] >= FROM * passage.half_width) & grows, rise, 0.0)
     if rise.max() == 0.0 or rise.max() < LARGE * entry.force:
         return
     k = i + 1 + int(np.argmax(rise >= LARGE * rise.max()))

@@ -59,6 +59,7 @@ def test_no_strike_where_a_roller_is_not_released_or_the_run_ends_before_it_is_k
 
     assert kinds(lambda x: 300.0 + 60.0 * np.sin(0.1 * x)) == ["entry", "exit"]
     assert kinds(lambda x: 0.0) == ["entry", "exit"]
+    assert kinds(lambda x: 300.0 if x < -40.0 else max(0.0, 900.0 - 50.0 * abs(x + 15.0))) == ["entry", "exit"]
     assert kinds(struck_at(30.0), last=1.9) == ["entry", "exit"]
     assert kinds(struck_at(30.0), first=-0.9) == ["exit"]
     assert kinds(struck_at(30.0), last=0.0) == ["entry"]

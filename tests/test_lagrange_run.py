@@ -197,8 +197,7 @@ def test_free_angles_have_their_own_degrees_of_freedom(tmp_path):
 def test_meshes_are_not_loaded_nor_a_compiler_where_no_step_is_taken(tmp_path):
     code = (
         "import sys; from fem.cli import run_main; "
-        f"options = ['--model', 'lagrange', '--output', {str(tmp_path / 'a.nc')!r}]; "
-        "assert run_main([*options, '--dry-run']) == run_main([*options, '--duration', '0']) == 0; "
+        f"assert run_main(['--model', 'lagrange', '--duration', '0', '--output', {str(tmp_path / 'a.nc')!r}]) == 0; "
         "names = 'numba gmsh skfem meshes pyvista fem.contacts.model fem.kernels.time_loop'.split(); "
         "print([m for m in names if m in sys.modules])"
     )

@@ -7,7 +7,7 @@ is loaded.
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
@@ -47,6 +47,7 @@ class LagrangianPlan(CompiledPlan):
     law_caution: str | None  # on law and material, which concern this run alone
     model_name = "Lagrangian model"
     compiling_takes = "some seconds"
+    lacks = "rings that bend, elastic waves"
 
     @property
     def time_step(self) -> float:
@@ -61,6 +62,25 @@ class LagrangianPlan(CompiledPlan):
     def degrees_of_freedom(self) -> int:
         """N_b + 2, or 2 N_b + 2 where the angles are free."""
         return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2
+
+    @property
+    def steps(self) -> int:
+        return self.steps_per_sample * (self.n_samples - 1)
+
+    @property
+    def expected_seconds(self) -> float:
+        """Of all steps, s, unless contacts rattle."""
+        problem = self.problem
+        times = self.steps * ceil(problem.bearing.n_rollers / 8)
+        times *= len(ALL_DRIFTS) if problem.damping == 0.0 else DAMPED
+        times *= ON_SURFACES if problem.bearing.faults else 1.0
+        return times * SECONDS_PER_EIGHT[isinstance(problem.laws.inner, PowerLaw)]
+
+    def static_hub(self) -> np.ndarray:
+        problem = self.problem
+        alone = replace(problem.operation, gravity=0.0)
+        still = static_equilibrium(problem.bearing, alone, problem.laws, roller_mass=0.0)
+        return np.array([still.x, still.y])
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> None:
         if self.n_samples > 1:
@@ -85,22 +105,12 @@ class LagrangianPlan(CompiledPlan):
     def versions(self) -> dict[str, str]:
         return {"numpy": np.__version__, **super().versions()}
 
-    @property
-    def _expected_seconds(self) -> float:
-        """Of all steps, unless contacts rattle."""
-        problem = self.problem
-        times = self.steps_per_sample * (self.n_samples - 1) * ceil(problem.bearing.n_rollers / 8)
-        times *= len(ALL_DRIFTS) if problem.damping == 0.0 else DAMPED
-        times *= ON_SURFACES if problem.bearing.faults else 1.0
-        return times * SECONDS_PER_EIGHT[isinstance(problem.laws.inner, PowerLaw)]
-
     def rows(self) -> dict[str, str]:
         options, problem = self.scene.lagrange, self.problem
         try:
             statics = static_equilibrium(problem.bearing, problem.operation, problem.laws)
         except RuntimeError as error:
             raise RunFailed(str(error)) from None
-        steps = self.steps_per_sample * (self.n_samples - 1)
         memory = 8e-6 * ARRAYS * (problem.bearing.n_rollers + 1) * min(self.n_samples, LARGEST_BLOCK)
         return {
             "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",
@@ -108,10 +118,10 @@ class LagrangianPlan(CompiledPlan):
             "damping of a contact": f"{options.damping_N_s_m:g} N s/m",
             "time step": f"{1e6 * self.time_step:.3g} µs, halved where contacts rattle "
             f"({self.time_step / self.critical_time_step:.2f} of the critical {1e6 * self.critical_time_step:.3g} µs)",
-            "steps": f"{steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
+            "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
             "samples": f"{self.n_samples}, one each {self.steps_per_sample} steps",
             "memory of a block of samples": f"{memory:.1f} MB",
-            "expected time": f"about {self._expected_seconds:.2g} s",
+            "expected time": f"about {self.expected_seconds:.2g} s",
             "largest static contact force": f"{max(statics.inner_force.max(), statics.outer_force.max()):.1f} N",
         }
 

@@ -125,6 +125,17 @@ def test_numpy_s_start_is_gone_on_with():
     assert np.array_equal(rest.advance(N - 1).inner_y, whole.inner_y[1:])
 
 
+def test_an_overflow_keeps_what_came_before_it(monkeypatch):
+    """On surfaces, where a place that is no number must not become one in memory."""
+    monkeypatch.setattr("lagrange.step_size._longest_step", lambda problem: 1e-2)
+    what = problem(replace(PAPER, faults=wavy()), start="rest")
+    simulation = Simulation(what, 1e-2, integration=CompiledIntegration)
+    part = simulation.advance(2000)
+    assert simulation.trouble.startswith(f"the motion overflowed by t = {simulation.done * 1e-2:.4g} s")
+    assert 0 < part.time.size == simulation.done < 2000
+    assert all(np.all(np.isfinite(getattr(part, name))) for name in COMPARED)
+
+
 @pytest.mark.parametrize(("damping", "order"), [(0.0, 4.0), (200.0, 2.0)])
 def test_they_are_of_their_scheme_s_order(damping, order):
     """Every contact closed: the forces are smooth."""

@@ -30,6 +30,7 @@ ARRAYS = 30  # per roller and sample of a block, at the most at a time
 SECONDS_PER_EIGHT = {True: 0.1e-6, False: 0.2e-6}  # power law, other
 DAMPED = 1.5  # times, dampers with them
 ON_SURFACES = 3.0  # times, where these are not perfect circles
+SECONDS_PER_SAMPLE = 0.2e-6  # and element, for energies and works
 SAME = ("time", "inner_x", "inner_y", "inner_vx", "inner_vy", "inner_ax", "inner_ay", "roller_x", "roller_y",
         "roller_rho", "roller_theta", "inner_force", "outer_force", "energy_kinetic", "energy_contact",
         "work_external", "work_dissipated")  # fmt: skip
@@ -69,12 +70,13 @@ class LagrangianPlan(CompiledPlan):
 
     @property
     def expected_seconds(self) -> float:
-        """Of all steps, s, unless contacts rattle."""
+        """Of all steps and samples, s, unless contacts rattle."""
         problem = self.problem
         times = self.steps * ceil(problem.bearing.n_rollers / 8)
         times *= len(ALL_DRIFTS) if problem.damping == 0.0 else DAMPED
         times *= ON_SURFACES if problem.bearing.faults else 1.0
-        return times * SECONDS_PER_EIGHT[isinstance(problem.laws.inner, PowerLaw)]
+        looked_at = SECONDS_PER_SAMPLE * self.n_samples * problem.bearing.n_rollers
+        return times * SECONDS_PER_EIGHT[isinstance(problem.laws.inner, PowerLaw)] + looked_at
 
     def static_hub(self) -> np.ndarray:
         problem = self.problem

@@ -19,6 +19,7 @@ from fem.solver.contact_arrays import raceway_profiles
 from lagrange.integrate import ALL_DRIFTS, ALL_KICKS, Integration
 from lagrange.laws import PowerLaw
 from lagrange.overlap import touching_distances
+from lagrange.raceway_laws import LogarithmicLaw
 from lagrange.systems import Packed
 
 
@@ -75,7 +76,7 @@ def _parts(values: np.ndarray, axes: int) -> np.ndarray:
 
 def _whole(parts: np.ndarray) -> np.ndarray:
     """The numbers again."""
-    return parts[..., 0] if parts.shape[-1] == 1 else parts[..., 0] + 1j * parts[..., 1]
+    return parts[..., 0] if parts.shape[-1] == 1 else np.ascontiguousarray(parts).view(complex)[..., 0]
 
 
 def _bearing(system, columns: int) -> IdealBearing:
@@ -115,14 +116,10 @@ def _constants(law) -> PowerConstants | Law:
     """A law as kernels take it."""
     if isinstance(law, PowerLaw):
         return PowerConstants(stiffness=float(law.stiffness), exponent=float(law.exponent))
-    # S Q (B − ln Q) is A Q (B' − ½ ln Q); widths play no part
-    return Law(
-        A=float(2.0 * law.compliance),
-        B=float(0.5 * law.level),
-        Q_line=float(law.largest_force),
-        half_width_factor=0.0,
-        curvature=0.0,
-    )
+    if isinstance(law, LogarithmicLaw):  # S Q (B − ln Q) is 2S Q (½B − ½ ln Q); widths play no part
+        A, B = float(2.0 * law.compliance), float(0.5 * law.level)
+        return Law(A=A, B=B, Q_line=float(law.largest_force), half_width_factor=0.0, curvature=0.0)
+    raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `lagrangian_forces.spring_force`")
 
 
 def _dampers(damping: float, axes: int, columns: int) -> Dampers:

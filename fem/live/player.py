@@ -94,10 +94,10 @@ class Player:
         """
         done = 0
         while done < count and not (done and give_up()):
-            if self._state.done >= self.plan.n_samples:
+            if self._state.done == self.plan.n_samples:
                 self._begin(self.scene, self._first_roller(), None)
             per_block = max(1, STEPS_PER_BLOCK // self._state.steps_per_sample)
-            block = self._state.advance(min(per_block, count - done))
+            block = self._state.advance(min(per_block, count - done, self.plan.n_samples - self._state.done))
             if block.begins_again is not None:
                 self._begun_again = block.begins_again
                 self._start(_good(self._state.advance(1)))

@@ -8,7 +8,7 @@
   const BLUR = 1; // turns of the rollers a second on the page: from there on 20 frames a second mislead
   const canvas = drawing.over($("bearing")), plots = charts.all();
   const socket = new WebSocket("ws://" + location.host + location.pathname + "live");
-  let bearing = null, frame = null, pace = null, address = null, drawn = [], due = false;
+  let bearing = null, chosen = null, frame = null, pace = null, address = null, drawn = [], due = false;
   const send = (wish) => socket.readyState === WebSocket.OPEN && socket.send(JSON.stringify(wish));
   slowness.max = FACTORS.length - 1;
 
@@ -17,9 +17,7 @@
       bearing = facts;
       canvas.forget();
       plots.forget(bearing);
-      for (const input of document.querySelectorAll("[data-key]")) {
-        if (input !== document.activeElement || input.type === "number") input.value = bearing.values[input.dataset.key];
-      }
+      showValues((input) => input.type === "number" || input !== document.activeElement); // not what is being dragged
       const begins = bearing.start === "rest" ? "from rest" : "in its own steady state";
       $("restarts").textContent = "A change begins a new run, " + begins + ", with the first roller where it is now.";
       $("timestep").textContent = round(bearing.step, 3) + " µs";
@@ -40,7 +38,10 @@
       if (slowness !== document.activeElement) slowness.value = at < 0 ? FACTORS.length - 1 : at;
       tellPace(null);
     },
-    refused: (sentence) => say("refused", sentence && sentence + "\nThe bearing has the values it had before."),
+    refused(sentence) {
+      say("refused", sentence);
+      if (sentence) showValues(() => true);
+    },
     telling: (sentence) => say("telling", sentence),
   };
 
@@ -115,8 +116,14 @@
     return share < 1e-6 ? "< 0.0001 %" : round(100 * share, 2) + " %";
   }
 
+  function showValues(which) {
+    chosen = { ...bearing.values };
+    for (const input of [...document.querySelectorAll("[data-key]")].filter(which)) input.value = chosen[input.dataset.key];
+  }
+
   function change(key, value) {
-    send({ values: { ...bearing.values, [key]: value } });
+    chosen[key] = value;
+    send({ values: chosen });
   }
 
   for (const input of document.querySelectorAll("[data-key]")) {
@@ -132,10 +139,7 @@
   const factor = () => FACTORS[Number(slowness.value)];
   slowness.addEventListener("input", () => send({ pace: { slowness: factor(), playing: pace.playing } }));
   $("play").addEventListener("click", () => send({ pace: { slowness: pace.slowness, playing: !pace.playing } }));
-  $("step").addEventListener("click", () => {
-    if (pace.playing) send({ pace: { slowness: pace.slowness, playing: false } });
-    send({ step: true });
-  });
+  $("step").addEventListener("click", () => send({ pace: { slowness: pace.slowness, playing: false }, step: true }));
   $("reset").addEventListener("click", () => send({ values: bearing.given }));
   window.live = { frames: 0, frame: () => frame, bearing: () => bearing };
 })();

@@ -121,6 +121,14 @@ def test_a_run_that_has_come_to_its_end_begins_again(player, monkeypatch):
     assert player.now["time"] == pytest.approx(0.5e-3)  # a run of 1 ms, another, half a third
 
 
+def test_a_run_whose_energy_does_not_balance_is_warned_of(player, monkeypatch):
+    player.advance(100)
+    assert player.cautions == ()
+    monkeypatch.setattr(player_module, "LIMIT", 1e-12)
+    assert player.cautions == (player_module.UNBALANCED,)
+    assert json.loads(frame_message(player, None).text)["frame"]["balanced"] is False
+
+
 def test_forces_of_a_frame_carry_the_load(player):
     """Over half a passage of the rollers, whose places count from the load on."""
     operation = player.scene.ideal_operation()

@@ -14,7 +14,6 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from fem.errors import UsageError
 from fem.live.controls import Values
 from fem.live.player import FROM_LOAD, Player
-from fem.solver.reduced_state import LIMIT
 from lagrange.faults import Spall
 from lagrange.kinematics import kinematics
 from lagrange.scene_surfaces import own_radius
@@ -125,8 +124,8 @@ def frame_message(player: Player, slowness: float | None) -> Message:
         "frequency": _short(frequency, 1),
         "amplitude": [[float(f"{value:.4g}") for value in axis] for axis in amplitude],
         "record": player.record.length * 1e3,
-        "imbalance": abs(player.imbalance),
-        "balanced": abs(player.imbalance) <= LIMIT,
+        "imbalance": player.imbalance,
+        "balanced": player.is_balanced,
         "cautions": player.cautions,
     }
     return _message("frame", frame)

@@ -8,6 +8,7 @@ import numpy as np
 from fem.errors import RunFailed
 from fem.live.controls import Values
 from fem.live.record import Record
+from fem.solver.reduced_state import LIMIT
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
 from lagrange.scene import Scene
@@ -15,6 +16,11 @@ from lagrange.scene import Scene
 LONGEST_MS = 1e5  # simulated; then the run begins again
 INTERVAL_US = 10.0  # between samples
 STEPS_PER_BLOCK = 5000  # some milliseconds of work: how long an answer may take
+UNBALANCED = (
+    f"energy has not balanced to {100 * LIMIT:g} % of what was exchanged, where run-fem begins again with half the "
+    "step: take what you see as rough"
+)
+NO_ENERGY = 1e-9  # of the kinetic energy: less is not exchanged, it is round-off
 FROM_LOAD = -0.5 * pi  # rad, of the load's direction from +x
 
 
@@ -74,12 +80,16 @@ class Player:
     def _start(self, samples: Samples) -> None:
         self.record = Record(self.plan.interval)
         self.turn = np.zeros(self.bearing.n_rollers)  # rad, of rollers about their own axes
+        self._worst = 0.0  # J
         self._take(samples)
 
     def _take(self, samples: Samples) -> None:
         self.record.add(samples)
         self.turn += samples["roller_spin"].sum(axis=0) * self.plan.interval
         self.now = {name: values[-1] for name, values in samples.values.items()}
+        self._worst = max(self._worst, float(np.abs(samples.imbalance).max()))
+        least = NO_ENERGY * abs(float(samples["energy_kinetic"][-1]))
+        self.imbalance = self._worst / max(float(samples.exchanged[-1]), least, 1e-30)
 
     def _first_roller(self) -> float:
         """Angle of roller 0 from the load, degrees."""
@@ -109,13 +119,15 @@ class Player:
     @property
     def cautions(self) -> tuple[str, ...]:
         """What plan and run warn of so far."""
-        again = () if self._begun_again is None else (self._begun_again,)
-        return (*self.plan.cautions, *again, *self._state.cautions)
+        found = (*self.plan.cautions, *self._state.cautions)
+        if self._begun_again is not None:
+            found = (*found, self._begun_again)
+        return found if self.is_balanced else (*found, UNBALANCED)
 
     @property
-    def imbalance(self) -> float:
-        """Energy imbalance of the last sample over the exchanged energy."""
-        return self._state.imbalance
+    def is_balanced(self) -> bool:
+        """Whether the largest imbalance of the run's energy is small beside what was exchanged."""
+        return self.imbalance <= LIMIT
 
 
 def _good(block) -> Samples:

@@ -37,7 +37,7 @@ class LiveServer:
         self._player, self._token = player, secrets.token_urlsafe(16)
         self._viewers: dict[ServerConnection, bool] = {}  # whether each waits for a frame
         self._last: dict[str, str] = {}
-        self._playing: Playing | None = None
+        self.playing: Playing | None = None
 
     async def run(self, announce: Callable[[str], None]) -> None:
         """Serve; `announce` is given the address. Ends by `end` or cancellation, or with what ends the player."""
@@ -48,7 +48,7 @@ class LiveServer:
         with socket.create_server((LOOPBACK, 0)) as door:
             self._port = door.getsockname()[1]
             self._page = page(self._player.scene, f"ws://{LOOPBACK}:{self._port}")
-            playing = self._playing = Playing(self._player, self._hand_over, self._fail)
+            playing = self.playing = Playing(self._player, self._hand_over, self._fail)
             playing.start()
             try:
                 async with serve(
@@ -115,7 +115,7 @@ class LiveServer:
             del self._viewers[viewer]
 
     def _hear(self, viewer: ServerConnection, text: str | bytes) -> None:
-        playing = self._playing
+        playing = self.playing
         try:
             wish = read_wish(text)
         except UsageError as error:

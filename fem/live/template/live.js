@@ -17,7 +17,7 @@
       bearing = facts;
       canvas.forget();
       plots.forget(bearing);
-      showValues((input) => input.type === "number" || input !== document.activeElement); // not what is being dragged
+      showValues((input) => !input.matches("[type=range]:active")); // not what is being dragged
       const begins = bearing.start === "rest" ? "from rest" : "in its own steady state";
       $("restarts").textContent = "A change begins a new run, " + begins + ", with the first roller where it is now.";
       $("timestep").textContent = round(bearing.step, 3) + " µs";
@@ -35,7 +35,7 @@
       $("play").textContent = pace.playing ? "Pause" : "Play";
       $("play").setAttribute("aria-pressed", String(pace.playing));
       const at = FACTORS.findIndex((value) => value >= pace.slowness);
-      if (slowness !== document.activeElement) slowness.value = at < 0 ? FACTORS.length - 1 : at;
+      if (!slowness.matches(":active")) slowness.value = at < 0 ? FACTORS.length - 1 : at;
       tellPace(null);
     },
     refused(sentence) {
@@ -75,7 +75,7 @@
     $("turned").textContent = ((Math.abs(bearing.values.speed_rpm) / 6e4) * frame.time).toFixed(2) + " times";
     $("off").textContent = Math.hypot(...frame.hub).toFixed(2) + " µm";
     $("largest").textContent = largest.toFixed(0) + " N";
-    $("loaded").textContent = frame.outer.filter((force) => force > 0.01 * largest).length + " of " + bearing.rollers;
+    $("loaded").textContent = frame.outer.filter((force, j) => Math.max(force, frame.inner[j]) > 0.01 * largest).length + " of " + bearing.rollers;
     $("balance").textContent = percent(frame.imbalance);
     $("balance").classList.toggle("bad", !frame.balanced);
     $("rate").textContent = pace.playing ? rate.toFixed(0) : "–";

@@ -8,6 +8,7 @@ import pytest
 
 from fem.errors import UsageError
 from fem.live import player as player_module
+from fem.live import playing as playing_module
 from fem.live.controls import Values, sliders
 from fem.live.messages import Pace, frame_message, read_wish
 from fem.live.player import Player
@@ -208,6 +209,19 @@ def test_frames_are_made_for_those_who_wait_and_no_others(player):
     playing.join(SECONDS)
     left = [messages.get_nowait() for _ in range(messages.qsize())]
     assert not playing.is_alive() and not [message for message in left if message.kind == "frame"]
+
+
+def test_a_run_that_nobody_watches_stands_still(player, monkeypatch):
+    monkeypatch.setattr(playing_module, "PATIENCE", 0.0)
+    messages = Queue()
+    playing = Playing(player, messages.put, messages.put)
+    playing.start()
+    playing.ask_for_frame()
+    while (message := messages.get(timeout=SECONDS)).kind != "frame":
+        pass
+    playing.end()
+    playing.join(SECONDS)
+    assert 1e3 * player.now["time"] == pytest.approx(json.loads(message.text)["frame"]["time"]) and messages.empty()
 
 
 @pytest.mark.parametrize(("setting", "words"), [

@@ -21,7 +21,7 @@ class Page:
     policy: str
 
 
-def page(scene: Scene, connection: str) -> Page:
+def make_page(scene: Scene, connection: str) -> Page:
     """The page of a scene, which connects to an address (ws://host:port)."""
     mark = secrets.token_urlsafe(16)
     text = render_page(

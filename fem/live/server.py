@@ -20,7 +20,7 @@ from websockets.http11 import Request, Response
 
 from fem.errors import UsageError
 from fem.live.messages import Message, read_wish, refusal_message
-from fem.live.page import page
+from fem.live.page import make_page
 from fem.live.player import Player
 from fem.live.playing import Playing
 
@@ -28,6 +28,10 @@ LOOPBACK = "127.0.0.1"
 LONGEST_MESSAGE = 4096  # bytes, of a page
 CLOSING = 1.0  # s, that pages have to say goodbye, and the player to leave off
 LASTING = ("bearing", "pace", "telling", "frame")  # messages that whoever comes later needs too
+
+_silent = logging.getLogger(__name__)  # whoever sends nonsense to the port is no news for the terminal
+_silent.addHandler(logging.NullHandler())
+_silent.propagate = False
 
 
 class LiveServer:
@@ -42,18 +46,15 @@ class LiveServer:
     async def run(self, announce: Callable[[str], None]) -> None:
         """Serve; `announce` is given the address. Ends by `end` or cancellation, or with what ends the player."""
         self._loop, self._ended = asyncio.get_running_loop(), asyncio.get_running_loop().create_future()
-        silent = logging.getLogger(__name__)
-        silent.addHandler(logging.NullHandler())
-        silent.propagate = False  # whoever sends nonsense to the port is no news for the terminal
         with socket.create_server((LOOPBACK, 0)) as door:
             self._port = door.getsockname()[1]
-            self._page = page(self._player.scene, f"ws://{LOOPBACK}:{self._port}")
+            self._page = make_page(self._player.scene, f"ws://{LOOPBACK}:{self._port}")
             playing = self.playing = Playing(self._player, self._hand_over, self._fail)
             playing.start()
             try:
                 async with serve(
                     self._attend, sock=door, process_request=self._answer, compression=None, server_header=None,
-                    max_size=LONGEST_MESSAGE, close_timeout=CLOSING, logger=silent,
+                    max_size=LONGEST_MESSAGE, close_timeout=CLOSING, logger=_silent,
                 ):  # fmt: skip
                     announce(f"http://{LOOPBACK}:{self._port}/{self._token}/")
                     await self._ended
@@ -111,6 +112,8 @@ class LiveServer:
                 self._hear(viewer, text)
         except ConnectionClosed:
             pass
+        except Exception as error:  # a mistake of this program, which the connection alone would hide
+            self._finish(error)
         finally:
             del self._viewers[viewer]
 
@@ -124,10 +127,10 @@ class LiveServer:
         if wish.frame:
             self._viewers[viewer] = True
             playing.ask_for_frame()
-        if wish.step:
-            playing.ask_for_step()
         if wish.pace is not None:
             playing.change_pace(wish.pace)
+        if wish.step:
+            playing.ask_for_step()
         if wish.values is not None:
             playing.change_values(wish.values)
 

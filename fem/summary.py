@@ -13,6 +13,8 @@ from lagrange.messages import shown
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
 
+LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
+
 
 def print_plan(plan: Plan) -> None:
     """What has been decided and what it will cost. RunFailed: there is no equilibrium to tell of."""
@@ -22,7 +24,32 @@ def print_plan(plan: Plan) -> None:
         console.print(table)
     for name, value in rows.items():
         console.print(f"{name + ':':30s} {value}", soft_wrap=True)
+    _print_choices(console, plan)
     _print_cautions(console, (*plan.remarks, *plan.cautions))
+
+
+def _print_choices(console: Console, plan: Plan) -> None:
+    """What each model takes for the scene, what it errs by and leaves out; what to begin with."""
+    from fem.solver.model_choice import model_choices, suggestion  # only a dry run needs what these import
+
+    choices = model_choices(plan)
+    if (begin := suggestion(choices)) is None:
+        return
+    table = Table(title="Models for this scene", title_justify="left")
+    for heading in ("model", "expected time", "static error of hub", "leaves out"):
+        table.add_column(heading, justify="left" if heading in ("model", "leaves out") else "right")
+    for each in choices:
+        seconds = "-" if each.seconds is None else f"{each.seconds:.2g} s"
+        error = _percent(each.hub_error)
+        table.add_row(each.model, seconds, error, shown(each.lacks))
+    console.print(table)
+    console.print(begin, soft_wrap=True, markup=False)
+
+
+def _percent(error: float | None) -> str:
+    if error is None:
+        return "-"
+    return f"{100 * error:.2g} %" if error > LEAST_ERROR else f"below {100 * LEAST_ERROR:g} %"
 
 
 def print_run(state: RunState, first: dict[str, np.ndarray], path: Path) -> None:

@@ -140,6 +140,7 @@ def test_it_can_be_paused_slowed_down_and_taken_step_by_step(page):
     page.locator("#slowness").fill("5")
 
 
+@pytest.mark.slow  # another server and page
 def test_the_page_says_when_the_program_has_ended(browser):
     with served() as running:
         page = browser.new_page()

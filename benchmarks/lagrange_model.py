@@ -1,4 +1,4 @@
-"""The Lagrangian model solved, and the checker on its output: `python -m benchmarks.lagrange_model`, a minute.
+"""The Lagrangian model solved, and the checker on its output: `python -m benchmarks.lagrange_model`, two minutes.
 
 Processor time of 60 ms of the paper's bearing, compiled and by numpy, the reference: how far the two are from each
 other, over what half the step changes; and the energy error. Then what the checker finds in result files of the model:

@@ -367,6 +367,11 @@ class Scene(Table):
             first_roller_angle=radians(o.first_roller_deg - 90.0),
         )
 
+    @property
+    def files(self) -> dict[str, str]:
+        """Texts of the files that it names, by their digests, as far as they are at hand."""
+        return {table.sha256: table.content for table in self.profile if table.content is not None}
+
     def to_toml(self) -> str:
         """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.
 

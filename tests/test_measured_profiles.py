@@ -6,6 +6,7 @@ import pytest
 
 from fem.cli import run_main
 from fem.errors import UsageError
+from fem.live.controls import Values
 from fem.pictures.recover import StoredRun
 from fem.runner import RunOptions, run_scene
 from lagrange.profile import Turns, profiles
@@ -189,6 +190,13 @@ def test_the_table_travels_with_the_run_and_another_one_is_not_resumed(tmp_path,
     )
     with h5py.File(result) as a, h5py.File(whole) as b:
         np.testing.assert_array_equal(a["outer_sinkage"][:], b["outer_sinkage"][:])
+
+
+def test_a_live_scene_keeps_its_table(tmp_path):
+    scene = read_scene(scene_with(tmp_path, table(lambda a: 0.0, count=720)))
+    changed = Values.of(scene).model_copy(update={"speed_rpm": 3000.0}).put_into(scene)
+    assert changed.profile == scene.profile and changed.operation.speed_rpm == 3000.0
+    assert profiles(changed.ideal_bearing()) is not None
 
 
 @pytest.fixture(scope="module")

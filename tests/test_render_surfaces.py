@@ -24,7 +24,7 @@ def run(tmp_path_factory):
     """At rest: no time loop is compiled."""
     path = tmp_path_factory.mktemp("faults") / "run.nc"
     words = [word for each in SETTINGS for word in ("--set", each)]
-    options = ["--model", "reduced", "--mesh-size", "2", "--duration", "0", "--quiet", "--output", str(path)]
+    options = ["--model", "lagrange", "--mesh-size", "2", "--duration", "0", "--quiet", "--output", str(path)]
     assert run_main([*options, *words]) == 0
     return StoredRun(path)
 

@@ -49,7 +49,7 @@ def with_sinkages(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarr
 
 def write_scene_files(file: h5py.File, scene: Scene) -> None:
     """The text of each file that the scene names, so that the result can be read without them."""
-    for number, text in enumerate({table.sha256: table.content for table in scene.profile}.values()):
+    for number, text in enumerate(scene.files.values()):
         content = np.frombuffer(text.encode(), dtype=np.uint8)
         variable = file.create_dataset(SCENE_FILE.format(number), data=content)
         variable.attrs["units"], variable.attrs["long_name"] = "1", "text of a file that the scene names, UTF-8"

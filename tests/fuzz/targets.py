@@ -34,8 +34,7 @@ class Targets:
             scene = read_scene(path)
         except SceneError as error:
             return _refused(error)
-        files = {table.sha256: table.content for table in scene.profile}
-        assert parse_scene_text(scene.to_toml(), "again", files) == scene
+        assert parse_scene_text(scene.to_toml(), "again", scene.files) == scene
         return True
 
     def heights(self, data: bytes) -> bool:

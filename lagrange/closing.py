@@ -28,17 +28,32 @@ def sinkage(spall: Spall, roller_radius: float, own: float, other: float, meetin
     The edge's arc is taken at points: below 1e-4 of the sinkage.
     """
     at, depth = _outline(spall, spall.half_opening(roller_radius))
+    return np.maximum(room(at, depth, own, other, meeting, np.asarray(angle)).min(axis=1), 0.0)
+
+
+def room(at: np.ndarray, depth: np.ndarray, own: float, other: float, meeting: Meeting, angle: np.ndarray):
+    """Way of a circle, along the line of centres, from a perfect surface to points of a profile, m; inf past its side.
+
+    Parameters
+    ----------
+    at, depth : (n_points,), m, along the chord and below the perfect circle
+    angle : (n,), rad, of the line of centres
+
+    Returns
+    -------
+    ndarray, (n, n_points)
+    """
     surface = own + depth if meeting == "bore" else own - depth
-    beyond = np.asarray(angle)[:, None] - np.arcsin(at / own)
+    beyond = angle[:, None] - np.arcsin(at / own)
     along, across = surface * np.cos(beyond), surface * np.sin(beyond)
     reach = np.sqrt(np.maximum(other**2 - across**2, 0.0))
     if meeting == "bore":
-        room = (along - reach) - (own - other)
+        found = (along - reach) - (own - other)
     elif meeting == "in_bore":
-        room = (reach - along) - (other - own)
+        found = (reach - along) - (other - own)
     else:
-        room = (own + other) - (along + reach)
-    return np.maximum(np.where(np.abs(across) < other, room, np.inf).min(axis=1), 0.0)
+        found = (own + other) - (along + reach)
+    return np.where(np.abs(across) < other, found, np.inf)
 
 
 def deepest(spall: Spall, own: float, other: float, meeting: Meeting) -> float:

@@ -1,11 +1,20 @@
 """Where a run of the reduced model begins."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fem.solver.start import JUMP, ROUND_OFF
-from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess, geometry
+from fem.statics.contact_balance import (
+    Condensed,
+    Loads,
+    NotFound,
+    balance,
+    closed_forces,
+    edge_compliances,
+    first_guess,
+    geometry,
+)
 from fem.statics.reduced_bearing import ReducedBearing
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles
@@ -73,6 +82,8 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
     angle = roller_angles(bearing, operation.first_roller_angle)
     contacts = model.at(angle, UNTURNED)
+    edges = np.diag(edge_compliances(bearing, contacts.radial, place))
+    contacts = replace(contacts, compliance=contacts.compliance + edges)
     forces = _forces_at(contacts, geometry(bearing, contacts.radial, place, UNTURNED)[0] + contacts.closing)
     return _start(model, operation, place, np.zeros_like(place), forces, steady=False)
 

@@ -6,6 +6,7 @@ laws          line-contact laws Q(δ) that need the roller's length alone: harri
 ball_contact  Hertz point contact (4)-(11): curvatures, δ*(F), K of a ball on a raceway
 raceway_laws  laws that know the raceways: johnson (= tripp), houpert, teutsch_sauer; `contact_laws(name, bearing)`
 faults        spalls, waviness, rollers of another size: facts; `closing`: how far a roller sinks into a spall
+edges         how much softer contacts are at a spall's edges; `softened`: a law with a compliance in series
 profile       surfaces as contacts meet them: sinkage and its slope, for all that knows the bearing
 pair          two circles in line contact: Hertz's half-width and pressure
 overlap       geometry (19), (26), (27): how deep rollers lie in the raceways, and its derivatives

@@ -65,7 +65,7 @@ def test_an_edge_alone_has_its_own_curvature(body, own, other, meeting, curvatur
 
 @pytest.mark.parametrize(("body", "kind"), [("inner_ring", 0), ("outer_ring", 1)])
 def test_forces_at_edges_are_those_of_half_planes(body, kind):
-    """Measured: within 4 %, where the sinkage alone is off by up to 45 %. In the middle of the spall see below."""
+    """Measured: within 3.1 %, where the sinkage alone is off by up to 46 %."""
     spall = deep(body)
     reference, half, law = yardstick(kind, spall)
     places = half + np.array([60e-6, 20e-6, 0.0, -20e-6, -60e-6, -150e-6, -0.3e-3])
@@ -74,7 +74,7 @@ def test_forces_at_edges_are_those_of_half_planes(body, kind):
     for place, sinkage, soft in zip(places, met.sinkage[:, 0], met.compliance[:, 0], strict=True):
         for approach in (1e-6, 3e-6):
             exact, _ = reference.press(place, sinkage + approach)
-            assert Softened(law=law, compliance=soft).force(approach) == pytest.approx(exact, rel=0.05)
+            assert Softened(law=law, compliance=soft).force(approach) == pytest.approx(exact, rel=0.04)
     exact, _ = reference.press(half - 0.3e-3, met.sinkage[-1, 0] + 2e-6)
     assert law.force(2e-6) > 1.3 * exact
 

@@ -4,8 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.solver.start import JUMP, ROUND_OFF
 from fem.statics.contact_balance import (
+    JUMP,
+    ROUND_OFF,
     Condensed,
     Loads,
     NotFound,

@@ -6,6 +6,7 @@ laws          line-contact laws Q(δ) that need the roller's length alone: harri
 ball_contact  Hertz point contact (4)-(11): curvatures, δ*(F), K of a ball on a raceway
 raceway_laws  laws that know the raceways: johnson (= tripp), houpert, teutsch_sauer; `contact_laws(name, bearing)`
 faults        spalls, waviness, unequal rollers, measured heights: facts; `closing`: how far a roller sinks into them
+edges         how much softer contacts are at a spall's edges; `softened`: a law with a compliance in series
 profile       surfaces as contacts meet them: sinkage and its slope, for all that knows the bearing
 passages      rollers over spalls, sample by sample; `spall_events`: their entry, strike and exit
 pair          two circles in line contact: Hertz's half-width and pressure

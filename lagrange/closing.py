@@ -31,9 +31,23 @@ def sinkage(spall: Spall, roller_radius: float, own: float, other: float, meetin
     The edge's arc is taken at points: below 1e-4 of the sinkage.
     """
     at, depth = outline(spall, spall.half_opening(roller_radius))
+    return np.maximum(room(at, depth, own, other, meeting, np.asarray(angle)).min(axis=1), 0.0)
+
+
+def room(at: np.ndarray, depth: np.ndarray, own: float, other: float, meeting: Meeting, angle: np.ndarray):
+    """Way of a circle, along the line of centres, from a perfect surface to points of a profile, m; inf past its side.
+
+    Parameters
+    ----------
+    at, depth : (n_points,), m, along the chord and below the perfect circle
+    angle : (n,), rad, of the line of centres
+
+    Returns
+    -------
+    ndarray, (n, n_points)
+    """
     surface = own + depth if meeting == "bore" else own - depth
-    beyond = np.asarray(angle)[:, None] - np.arcsin(at / own)
-    return np.maximum(_room(surface, beyond, own, other, meeting).min(axis=1), 0.0)
+    return _room(surface, angle[:, None] - np.arcsin(at / own), own, other, meeting)
 
 
 def measured_sinkage(found: MeasuredSurface, own: float, other: float, meeting: Meeting, n: int) -> np.ndarray:
@@ -58,17 +72,17 @@ def measured_sinkage(found: MeasuredSurface, own: float, other: float, meeting: 
     depth = -PchipInterpolator(angle, height)(at[:-1])
     surface = own + depth if meeting == "bore" else own - depth
 
-    def room(k):
+    def room_at(k):
         return _room(surface[(np.arange(count) + k) % count], turn * k / count, own, other, meeting)
 
     reach = WINDOW * sqrt(2.0 * np.ptp(depth) / _curvature(own, other, meeting)) / own
     steps = min(ceil(reach / turn * count), count // 4)
     least, nearest = np.full(count, np.inf), np.zeros(count, dtype=np.int64)
     for k in range(-steps, steps + 1):
-        found_here = room(k)
+        found_here = room_at(k)
         nearer = found_here < least
         least[nearer], nearest[nearer] = found_here[nearer], k
-    before, after = room(nearest - 1), room(nearest + 1)
+    before, after = room_at(nearest - 1), room_at(nearest + 1)
     bend = before - 2.0 * least + after
     between = np.where(bend > 0.0, (before - after) ** 2 / np.where(bend > 0.0, 8.0 * bend, 1.0), 0.0)
     sunk = least - np.minimum(between, UNSEEN)  # more is of no parabola: an edge
@@ -94,12 +108,12 @@ def _room(surface, beyond, own: float, other: float, meeting: Meeting) -> np.nda
     along, across = surface * np.cos(beyond), surface * np.sin(beyond)
     reach = np.sqrt(np.maximum(other**2 - across**2, 0.0))
     if meeting == "bore":
-        room = (along - reach) - (own - other)
+        found = (along - reach) - (own - other)
     elif meeting == "in_bore":
-        room = (reach - along) - (other - own)
+        found = (reach - along) - (other - own)
     else:
-        room = (own + other) - (along + reach)
-    return np.where(np.abs(across) < other, room, np.inf)
+        found = (own + other) - (along + reach)
+    return np.where(np.abs(across) < other, found, np.inf)
 
 
 def deepest(spall: Spall, own: float, other: float, meeting: Meeting) -> float:

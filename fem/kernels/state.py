@@ -132,10 +132,18 @@ class Law(NamedTuple):
     curvature: float  # 1/R, 1/m
 
 
-class RollerProfiles(NamedTuple):
-    """Sinkages of the rollers' contacts with one raceway by angle on the roller: periodic cubic B-splines."""
+class RingProfile(NamedTuple):
+    """What contacts meet by angle on a ring: periodic cubic B-splines."""
 
-    coefficients: np.ndarray  # (n_rows, n_knots), m
+    sinkage: np.ndarray  # (n_knots,), m
+    compliance: np.ndarray  # (n_knots,), m/N, of edges
+
+
+class RollerProfiles(NamedTuple):
+    """The same of the rollers' contacts with one raceway by angle on the roller."""
+
+    sinkage: np.ndarray  # (n_rows, n_knots), m
+    compliance: np.ndarray  # (n_rows, n_knots), m/N
     first: np.ndarray  # (columns,), place of each roller's row
 
 
@@ -153,7 +161,7 @@ class Raceway(NamedTuple):
     frame: np.ndarray  # (3,), turn, cosine, sine
     impulse: np.ndarray  # (2,), N s, of this step on the ring as a whole
     moment: np.ndarray  # (2,), of this step: on the frame, N m, held by the drive; on nodes about the origin, N m s
-    profile: np.ndarray | None  # (n_knots,), m, sinkage by angle on the ring, a spline; None: a perfect circle
+    profile: RingProfile | None  # None: a perfect circle
     roller_profiles: RollerProfiles | None  # None: perfect circles
 
 

@@ -24,6 +24,7 @@ from fem.kernels.state import (
     Ring,
     Rollers,
     Scratch,
+    Shear,
     Spread,
 )
 from fem.solver.cache_lines import lined_up
@@ -90,6 +91,7 @@ GIVEN = {
     DiscSurface: ("lightness", "ripple"),
     Ring: ("table", "radii", "row_mass", "cosines", "sines"),
     Points: ("shift", "tangent", "rise", "sagitta", "stiffness"),
+    Shear: ("level",),
     Spread: ("missing", "inverse"),
 }
 STATE_INDICES = {Patches: ("start",), Spread: ("closed",)}

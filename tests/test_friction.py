@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.contacts.patch import disc_patch_traction, ring_patch_traction
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH
@@ -260,6 +261,41 @@ def test_a_coarse_rollers_contacts_are_solved_in_turn_only_while_rollers_touch()
     np.testing.assert_array_equal(tractions(True, WHERE_ROLLERS_TOUCH), tractions(True, ALWAYS))
     np.testing.assert_array_equal(tractions(False, WHERE_ROLLERS_TOUCH), tractions(False, None))
     assert np.abs(tractions(True, ALWAYS) - tractions(True, None)).max() > 1e-5  # springs let it be little
+
+
+def test_tractions_push_the_nodes_that_the_springs_are_calibrated_with():
+    state = rubbing_state()
+    rubbed, *_ = rub(state)
+    whole, traction, patches = model(paper(), 1e-3), rubbed.contacts.friction.traction, rubbed.contacts.patches
+    scale = np.abs(traction).sum()
+
+    def gained(name):
+        return getattr(rubbed.bodies, name).w - getattr(state.bodies, name).w
+
+    for body, kind, turn in ((whole.inner_ring, INNER, rubbed.drive.frame[0]), (whole.outer_ring, OUTER, 0.0)):
+        angle = np.arctan2(*patches.normal[kind, ::-1, :13]) - turn
+        wanted = -sum(T * ring_patch_traction(body, a) for T, a in zip(traction[kind, :13], angle, strict=True))
+        name = "inner" if kind == INNER else "outer"
+        found = gained(name)[:, :, HALO:-HALO] * (body.row_mass / DT)[:, None, None]
+        np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-8 * scale)
+    wanted = np.zeros((13, 2 * whole.roller.n_nodes))
+    for kind in (INNER, OUTER, ROLLER):
+        for j in np.flatnonzero(rubbed.contacts.forces.force[kind, :13]):
+            i = (j + 1) % 13 if kind == ROLLER else j
+            around = -traction[kind, j] * (-1.0 if kind == OUTER else 1.0)
+            wanted[i] += around * disc_patch_traction(whole.roller, np.arctan2(*patches.outward[2 * kind + 1, ::-1, j]))
+            if kind == ROLLER:
+                wanted[j] += around * disc_patch_traction(whole.roller, np.arctan2(*patches.outward[4, ::-1, j]))
+    found = roller_field(rubbed, gained("disc")) * rubbed.bodies.disc.mass[:, None, None] / DT
+    np.testing.assert_allclose(np.moveaxis(found, 2, 0).reshape(13, -1), wanted, rtol=0.0, atol=1e-8 * scale)
+
+
+def test_a_spring_without_a_compliance_is_refused():
+    state = rubbing_state()
+    state.check()
+    state.contacts.friction.shear.compliance[OUTER, 2] = 0.0
+    with pytest.raises(ValueError, match="without a compliance"):
+        state.check()
 
 
 def test_friction_is_action_and_reaction_with_the_raceways_arm():

@@ -67,14 +67,14 @@ class Arrays:
             _collect(getattr(self, name), name, found)
         return found
 
-    def check_indices(self) -> None:
-        """Refuse places in arrays that are outside of them: kernels look there unseen.
+    def check(self) -> None:
+        """Refuse places in arrays that are outside of them: kernels look there unseen; springs that push when pulled.
 
         Errors
         ------
         ValueError.
         """
-        patches, points = self.contacts.patches, self.contacts.points
+        patches, points, shear = self.contacts.patches, self.contacts.points, self.contacts.friction.shear
         for pair in (pair for group in self.groups for pair in group if hasattr(pair, "row")):
             sides = (pair.surface if isinstance(pair, Raceway) else self.bodies.surface), self.bodies.surface
             for side, surface in enumerate(sides):
@@ -83,6 +83,8 @@ class Arrays:
             closed, most = points.spread.closed, points.closing.size
             _check_between("closed", closed[..., 0], closed[..., 1])
             _check_between("closed", closed[..., 1], most)
+        if shear is not None and np.any(shear.compliance <= 0.0):
+            raise ValueError("springs without a compliance")
 
 
 # What the model determines, beside whole numbers, which are places in arrays: all but those in STATE_INDICES.

@@ -150,8 +150,9 @@ def find_tractions(pair, rollers, disc, contacts, dt, some, again):
             chosen = chosen & (number - whole(real(number) * 0.5) * 2 == 0)
         free = found - taken * given
         ahead, give = spring_back(friction.shear, contacts, pair, row, dt)
-        T, left = creep_traction(free - ahead, friction.coefficient * Q, full_slip, mobility + give)
-        left = stretch(friction.shear, row, chosen, T, left, free - mobility * T)
+        limit = friction.coefficient * Q
+        T, left = creep_traction(free - ahead, limit, full_slip, mobility + give)
+        left = stretch(friction.shear, row, chosen, T, limit, left, free - mobility * T)
         T = select(chosen, -T, select(Q > 0.0, given, 0.0))  # on side 1, along t
         store(friction.slip_left, row, select(chosen, left, found))
         store(friction.traction, row, T)

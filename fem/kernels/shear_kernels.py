@@ -10,8 +10,9 @@ so T is the mean of the spring's forces half a step before and after: of second 
 
     (e + d₊/2)² / 2C − ½ T d₊,
 
-changes in a step by what tractions do to the spring, exactly. C follows the normal force: where that grows the traction
-stays, where it falls the stretch does, and neither makes energy.
+changes in a step by what tractions do to the spring, exactly. Of a contact that slides, whose traction is given, the
+first equation would make the stretch swing from step to step; there it is T C. C follows the normal force: as that
+grows the traction stays, as it falls the stretch does, and neither makes energy.
 
 Source: Newmark, ASCE J. Eng. Mech. 85 (1959) 67; Elata and Berryman, Mechanics of Materials 24 (1996) 229, on the last.
 """
@@ -19,7 +20,7 @@ Source: Newmark, ASCE J. Eng. Mech. 85 (1959) 67; Elata and Berryman, Mechanics 
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger, smaller
 from fem.kernels.law import STEEPEST
-from fem.kernels.simd import gather, load, select, splat, store
+from fem.kernels.simd import gather, load, magnitude, select, splat, store
 from fem.kernels.state import Shear
 
 
@@ -52,19 +53,20 @@ def _follow(shear, forces, pair, row):
 
 
 @verb
-def stretch(shear, row, chosen, traction, creep, slip):
+def stretch(shear, row, chosen, traction, limit, creep, slip):
     """Stretch the springs of chosen ones of eight contacts by their tractions; the slips left, m/s.
 
-    `traction` : N, against the slip; `creep`, `slip` : m/s, what the contacts creep, and slip with their springs
+    `traction`, `limit` : N, against the slip, and where it slides; `creep`, `slip` : m/s, without and with springs
     """
     return creep
 
 
 @stretch.of(Shear)
-def _stretch(shear, row, chosen, traction, creep, slip):
+def _stretch(shear, row, chosen, traction, limit, creep, slip):
     before, last = load(shear.stretch, row), load(shear.gained, row)
-    gained = 4.0 * (load(shear.compliance, row) * traction - before) + last
-    store(shear.stretch, row, select(chosen, before + gained, before))
+    own, sliding = load(shear.compliance, row) * traction, magnitude(traction) >= limit
+    gained = select(sliding, 0.0, 4.0 * (own - before) + last)
+    store(shear.stretch, row, select(chosen, select(sliding, own, before + gained), before))
     store(shear.gained, row, select(chosen, gained, last))
     return slip
 

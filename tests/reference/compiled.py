@@ -92,9 +92,10 @@ def _energy(groups, contacts, n, points, out):
 
 
 @kernel
-def stretch_spring(shear, traction, creep, slip):
+def stretch_spring(shear, traction, limit, creep, slip):
     """Stretch the first eight springs, all alike; see `fem.kernels.shear_kernels.stretch`."""
-    shear_kernels.stretch(shear, 0, splat(traction) == traction, splat(traction), splat(creep), splat(slip))
+    force = splat(traction)
+    shear_kernels.stretch(shear, 0, force == traction, force, splat(limit), splat(creep), splat(slip))
 
 
 @kernel

@@ -11,7 +11,7 @@ so T is the mean of the spring's forces half a step before and after: of second 
     (e + d₊/2)² / 2C − ½ T d₊,
 
 changes in a step by what tractions do to the spring, exactly. Of a contact that slides, whose traction is given, the
-first equation would make the stretch swing from step to step; there it is T C. C follows the normal force: as that
+first equation would make e swing from step to step; there the stretch is T C. C follows the normal force: as that
 grows the traction stays, as it falls the stretch does, and neither makes energy.
 
 Source: Newmark, ASCE J. Eng. Mech. 85 (1959) 67; Elata and Berryman, Mechanics of Materials 24 (1996) 229, on the last.

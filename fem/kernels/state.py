@@ -201,6 +201,15 @@ class Patches(NamedTuple):
     units: tuple[int, ...]  # m entries: what nodes carry of a contact is kept for 6 m of them
 
 
+class Shear(NamedTuple):
+    """Tangential springs of contacts, by pair and roller: see `shear_kernels`."""
+
+    level: np.ndarray  # (3,), of what the mesh lacks of a contact's compliance over the law's A, less ½ ln Q
+    stretch: np.ndarray  # (3, columns), m, after this step, along the slip
+    gained: np.ndarray  # (3, columns), m, of it in this step
+    compliance: np.ndarray  # (3, columns), m/N, at the last kick
+
+
 class Friction(NamedTuple):
     """Tractions, by pair and roller."""
 
@@ -212,6 +221,7 @@ class Friction(NamedTuple):
     coefficient: float
     overlapping: int | None  # when patches of neighbouring contacts overlap, see `friction_kernels`; None: never
     whole: bool | None  # None: no contacts share rigid bodies
+    shear: Shear | None  # None: surfaces give way tangentially as the mesh does
 
 
 class Spread(NamedTuple):
@@ -260,7 +270,7 @@ class Drive(NamedTuple):
     impulse: np.ndarray  # (2,), N s, of this step, by contacts on the inner ring as a whole
     moment: np.ndarray  # (2,), of this step, by contacts: on the frame, N m; on the nodes about the origin, N m s
     sums: np.ndarray  # (6,), so far: work of the load, J; moment on hub and ring but for drive and gravity, N m s;
-    # dissipated work, J; that of gravity, and what it was at which time
+    # work of tractions, J; that of gravity, and what it was at which time
     mass: float  # hub and held nodes, kg
     speed: float  # rad/s
     gravity: float  # m/s²

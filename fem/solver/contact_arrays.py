@@ -30,6 +30,7 @@ from fem.kernels.state import (
     RingSurface,
     RollerProfiles,
     Rollers,
+    Shear,
 )
 from fem.solver.cache_lines import at_line
 from lagrange import Bearing, Operation, kinematics
@@ -210,10 +211,17 @@ def contact_arrays(
             coefficient=float(friction),
             overlapping=_overlapping(model, data.neighbourly),
             whole=True if model.roller.material.rigid or model.inner_ring.material.rigid else None,
+            shear=None if data.shear_levels is None else _shear(data.shear_levels, columns),
         ),
         points=data.points,
         reach=_reach(model, operation) + data.facet_depth,
     )
+
+
+def _shear(levels: tuple[float, ...], columns: int) -> Shear:
+    """Springs that are not stretched: in statics, and as a bearing begins to roll, there are no tractions."""
+    shape = len(levels), columns
+    return Shear(level=np.array(levels), stretch=np.zeros(shape), gained=np.zeros(shape), compliance=np.ones(shape))
 
 
 def _overlapping(model: "Model", width: float) -> int | None:

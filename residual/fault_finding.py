@@ -1,0 +1,156 @@
+"""Spalls found from trajectories alone: which body, where, how wide, each with an interval; or none.
+
+`sinkage_maps` lay all passages over each other by each body's own angle and name suspects; for each of them a spall is
+matched to the rollers' paths (`passages`), and the suspect that explains most of them is the spall.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from residual.passages import Passages, Response, passages
+from residual.record import Record
+from residual.roller_motion import Place, RollerMotion, roller_motion, stiffness
+from residual.sinkage_maps import SinkageMap, sinkage_maps
+
+STANDS_OUT = 3.0  # times the rest of its map: perfect and wavy bearings reach 2
+MOST_SUSPECTS = 4
+WIDTHS = 1e-3 * np.geomspace(0.25, 3.5, 12)  # m, first tried
+ASIDE = np.linspace(-0.6, 0.6, 7)  # of the width, first tried beside the map's deepest place
+STARTS = 3  # best of these, each made finer
+TRIED, FITTED, JUDGED = 10, 16, 40  # passages
+DEEP = 2e-4  # m, first tried
+DEPTH_RATIOS = (1.8, 1.5, 1.3, 1.2, 1.1)  # from one refinement to the next
+DEPTH_TELLS = 8e-4  # m, width from which a roller may reach a bottom
+FINER, FIRST_STEP = 0.55, 0.16  # of the width
+NARROWEST = 1.5e-4  # m
+RESAMPLED = 200  # sets of passages drawn with replacement
+SIGMAS = 2.0
+MODEL_WIDTH, MODEL_PLACE = 0.03, 1.5e-5  # of the width, and m: scatter on known spalls beyond what passages tell
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FoundSpall:
+    """A spall with the intervals (95 %) of its place and width."""
+
+    place: Place
+    angle: float  # rad, of its middle, as `lagrange.faults` counts it
+    angle_error: float  # rad
+    width: float  # m
+    width_error: float  # m
+    stands_out: float  # times the rest of its map
+    explained: float  # of what rollers depart from their paths on perfect circles
+    response: Response  # the passages it was matched to
+    spall: np.ndarray  # (3,): angle, width, depth
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FaultSearch:
+    """What a search found, and what it has seen."""
+
+    maps: list[SinkageMap]
+    found: FoundSpall | None
+
+
+def find_faults(record: Record) -> FaultSearch:
+    """Search a run's trajectories for a spall.
+
+    Errors
+    ------
+    One spall: the one that shows most. A spall that no roller rests on in the run is not seen; the maps tell which
+    parts of a body are.
+    """
+    motion, law = roller_motion(record), record.scene.lagrange.law
+    maps = sinkage_maps(motion)
+    suspects = sorted((m for m in maps if m.deepest[1] >= STANDS_OUT), key=lambda m: -m.deepest[1])[:MOST_SUSPECTS]
+    spring = stiffness(motion, law)
+    judged = [match for m in suspects if (match := _match(motion, m, spring)) is not None]
+    best = max(judged, key=lambda match: match[0], default=None)
+    return FaultSearch(maps=maps, found=None if best is None else best[1])
+
+
+def _match(motion: RollerMotion, suspect: SinkageMap, spring) -> tuple[float, FoundSpall] | None:
+    """The spall that fits a suspect best, and how much of the misfit of perfect circles it takes away."""
+    place, (angle, ratio) = suspect.place, suspect.deepest
+    best = None
+    for start in _starts(motion, place, angle, spring):
+        spall, grid, misfit, response = _refined(motion, place, start, spring)
+        chosen = passages(motion, place, spall[0], _half(spall[1]), JUDGED)
+        if chosen is None:
+            continue
+        with_it, without = Response(motion, chosen, spring).misfit(np.stack([spall, _none(spall)]))
+        gain = float(np.sum(without - with_it))
+        if best is None or gain > best[0]:
+            best = gain, gain / float(without.sum()), spall, grid, misfit, response
+    if best is None or best[0] <= 0.0:
+        return None
+    gain, explained, spall, grid, misfit, response = best
+    angle_error, width_error = _intervals(place, spall, grid, misfit)
+    return gain, FoundSpall(
+        place=place, angle=float(spall[0]), angle_error=angle_error, width=float(spall[1]), width_error=width_error,
+        stands_out=ratio, explained=explained, response=response, spall=spall,
+    )  # fmt: skip
+
+
+def _none(spall: np.ndarray) -> np.ndarray:
+    """No spall at the same place."""
+    return np.array([spall[0], 0.0, 0.0])
+
+
+def _half(width: float, step: float = 0.0) -> float:
+    """How far beside a spall's middle rollers are followed, m."""
+    return 0.5 * width + max(3.0 * step, 2.5e-4)
+
+
+def _starts(motion: RollerMotion, place: Place, angle: float, spring) -> list[np.ndarray]:
+    """The best of widths and places beside a map's deepest one, by how much misfit they take away."""
+    tried = []
+    for width in WIDTHS:
+        chosen = passages(motion, place, angle, _half(width) + 0.5 * width, TRIED)
+        if chosen is None:
+            continue
+        spalls = np.array([(angle + aside * width / place.radius, width, DEEP) for aside in ASIDE])
+        misfit = Response(motion, chosen, spring).misfit(np.concatenate([spalls, _none(spalls[0])[None]])).sum(axis=1)
+        k = int(np.argmin(misfit[:-1]))
+        tried.append(((misfit[-1] - misfit[k]) / chosen.first.size, spalls[k]))
+    tried.sort(key=lambda each: -each[0])
+    return [spall for _, spall in tried[:STARTS]]
+
+
+def _refined(motion: RollerMotion, place: Place, spall: np.ndarray, spring):
+    """A spall's edges and depth made finer step by step, with the last grid and its misfits by passage."""
+    step = FIRST_STEP * spall[1]
+    for ratio in DEPTH_RATIOS:
+        chosen: Passages | None = passages(motion, place, spall[0], _half(spall[1], step), FITTED)
+        if chosen is None:
+            break
+        response = Response(motion, chosen, spring)
+        grid = _around(spall, step / place.radius, ratio, place.radius)
+        misfit = response.misfit(grid)
+        spall = grid[np.argmin(misfit.sum(axis=1))]
+        step *= FINER
+    return spall, grid, misfit, response
+
+
+def _around(spall: np.ndarray, step: float, ratio: float, radius: float) -> np.ndarray:
+    """Spalls with either edge moved by up to two steps, rad, and other depths, (n_spalls, 3); the given one first."""
+    angle, width, depth = spall
+    moves = np.array([0, -2, -1, 1, 2]) * step
+    low, high = np.meshgrid(moves, moves, indexing="ij")
+    middle = angle + 0.5 * (low + high).ravel()
+    widths = np.maximum(width + radius * (high - low).ravel(), NARROWEST)
+    depths = (depth, depth * ratio, depth / ratio) if width > DEPTH_TELLS else (depth,)
+    return np.concatenate([np.column_stack([middle, widths, np.full(middle.size, d)]) for d in depths])
+
+
+def _intervals(place: Place, spall: np.ndarray, grid: np.ndarray, misfit: np.ndarray) -> tuple[float, float]:
+    """Half intervals (95 %) of angle, rad, and width, m: other draws of the passages, and the model's own scatter."""
+    n = misfit.shape[1]
+    draws = np.random.default_rng(0).multinomial(n, np.full(n, 1.0 / n), size=RESAMPLED)
+    drawn = grid[np.argmin(draws @ misfit.T, axis=1)]
+    angle, width = (np.sqrt(np.mean((drawn[:, k] - spall[k]) ** 2)) for k in (0, 1))
+    aside = np.hypot(MODEL_PLACE, 0.5 * MODEL_WIDTH * spall[1])
+    return (
+        float(SIGMAS * np.hypot(angle, aside / place.radius)),
+        float(SIGMAS * np.sqrt(width**2 + (MODEL_WIDTH * spall[1]) ** 2 + MODEL_PLACE**2)),
+    )

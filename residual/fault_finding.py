@@ -15,14 +15,16 @@ from residual.sinkage_maps import SinkageMap, sinkage_maps
 
 STANDS_OUT = 3.0  # times the rest of its map: perfect and wavy bearings reach 2
 MOST_SUSPECTS = 4
-WIDTHS = 1e-3 * np.geomspace(0.25, 3.5, 12)  # m, first tried
-ASIDE = np.linspace(-0.6, 0.6, 7)  # of the width, first tried beside the map's deepest place
+WIDTHS = 1e-3 * np.geomspace(0.25, 3.5, 14)  # m, first tried
+ASIDE = np.linspace(-0.7, 0.7, 11)  # of the width, first tried beside the map's deepest place
 STARTS = 3  # best of these, each made finer
 TRIED, FITTED, JUDGED = 10, 16, 40  # passages
 DEEP = 2e-4  # m, first tried
 DEPTH_RATIOS = (1.8, 1.5, 1.3, 1.2, 1.1)  # from one refinement to the next
+MOVED = (4, 3, 2, 2, 2)  # steps that either edge is moved by in each refinement
 DEPTH_TELLS = 8e-4  # m, width from which a roller may reach a bottom
 FINER, FIRST_STEP = 0.55, 0.16  # of the width
+BESIDE = 1.2e-4  # m, that rollers are followed beside a spall's edges
 NARROWEST = 1.5e-4  # m
 RESAMPLED = 200  # sets of passages drawn with replacement
 SIGMAS = 2.0
@@ -62,9 +64,12 @@ def find_faults(record: Record) -> FaultSearch:
     """
     motion, law = roller_motion(record), record.scene.lagrange.law
     maps = sinkage_maps(motion)
-    suspects = sorted((m for m in maps if m.deepest[1] >= STANDS_OUT), key=lambda m: -m.deepest[1])[:MOST_SUSPECTS]
+    clearest = {}
+    for each in sorted(maps, key=lambda m: m.deepest[1]):
+        clearest[each.place] = each
+    suspects = sorted((m for m in clearest.values() if m.deepest[1] >= STANDS_OUT), key=lambda m: -m.deepest[1])
     spring = stiffness(motion, law)
-    judged = [match for m in suspects if (match := _match(motion, m, spring)) is not None]
+    judged = [match for m in suspects[:MOST_SUSPECTS] if (match := _match(motion, m, spring)) is not None]
     best = max(judged, key=lambda match: match[0], default=None)
     return FaultSearch(maps=maps, found=None if best is None else best[1])
 
@@ -72,34 +77,34 @@ def find_faults(record: Record) -> FaultSearch:
 def _match(motion: RollerMotion, suspect: SinkageMap, spring) -> tuple[float, FoundSpall] | None:
     """The spall that fits a suspect best, and how much of the misfit of perfect circles it takes away."""
     place, (angle, ratio) = suspect.place, suspect.deepest
-    best = None
-    for start in _starts(motion, place, angle, spring):
-        spall, grid, misfit, response = _refined(motion, place, start, spring)
-        chosen = passages(motion, place, spall[0], _half(spall[1]), JUDGED)
-        if chosen is None:
-            continue
-        with_it, without = Response(motion, chosen, spring).misfit(np.stack([spall, _none(spall)]))
-        gain = float(np.sum(without - with_it))
-        if best is None or gain > best[0]:
-            best = gain, gain / float(without.sum()), spall, grid, misfit, response
-    if best is None or best[0] <= 0.0:
+    fits = [_refined(motion, place, start, spring) for start in _starts(motion, place, angle, spring)]
+    if not fits:
         return None
-    gain, explained, spall, grid, misfit, response = best
-    angle_error, width_error = _intervals(place, spall, grid, misfit)
+    half = max(_half(spall[1]) + place.radius * abs(spall[0] - angle) for spall, *_ in fits)
+    chosen = passages(motion, place, angle, half, JUDGED)
+    if chosen is None:
+        return None
+    misfit = Response(motion, chosen, spring).misfit(np.array([*(fit[0] for fit in fits), _none(angle)])).sum(axis=1)
+    best = int(np.argmin(misfit[:-1]))
+    gain = float(misfit[-1] - misfit[best])
+    if gain <= 0.0:
+        return None
+    spall, grid, apart, response = fits[best]
+    angle_error, width_error = _intervals(place, spall, grid, apart)
     return gain, FoundSpall(
         place=place, angle=float(spall[0]), angle_error=angle_error, width=float(spall[1]), width_error=width_error,
-        stands_out=ratio, explained=explained, response=response, spall=spall,
+        stands_out=ratio, explained=gain / float(misfit[-1]), response=response, spall=spall,
     )  # fmt: skip
 
 
-def _none(spall: np.ndarray) -> np.ndarray:
-    """No spall at the same place."""
-    return np.array([spall[0], 0.0, 0.0])
+def _none(angle: float) -> np.ndarray:
+    """No spall, at an angle, rad."""
+    return np.array([angle, 0.0, 0.0])
 
 
 def _half(width: float, step: float = 0.0) -> float:
     """How far beside a spall's middle rollers are followed, m."""
-    return 0.5 * width + max(3.0 * step, 2.5e-4)
+    return 0.5 * width + max(3.0 * step, BESIDE)
 
 
 def _starts(motion: RollerMotion, place: Place, angle: float, spring) -> list[np.ndarray]:
@@ -110,7 +115,7 @@ def _starts(motion: RollerMotion, place: Place, angle: float, spring) -> list[np
         if chosen is None:
             continue
         spalls = np.array([(angle + aside * width / place.radius, width, DEEP) for aside in ASIDE])
-        misfit = Response(motion, chosen, spring).misfit(np.concatenate([spalls, _none(spalls[0])[None]])).sum(axis=1)
+        misfit = Response(motion, chosen, spring).misfit(np.concatenate([spalls, _none(angle)[None]])).sum(axis=1)
         k = int(np.argmin(misfit[:-1]))
         tried.append(((misfit[-1] - misfit[k]) / chosen.first.size, spalls[k]))
     tried.sort(key=lambda each: -each[0])
@@ -120,22 +125,22 @@ def _starts(motion: RollerMotion, place: Place, angle: float, spring) -> list[np
 def _refined(motion: RollerMotion, place: Place, spall: np.ndarray, spring):
     """A spall's edges and depth made finer step by step, with the last grid and its misfits by passage."""
     step = FIRST_STEP * spall[1]
-    for ratio in DEPTH_RATIOS:
+    for moved, ratio in zip(MOVED, DEPTH_RATIOS, strict=True):
         chosen: Passages | None = passages(motion, place, spall[0], _half(spall[1], step), FITTED)
         if chosen is None:
             break
         response = Response(motion, chosen, spring)
-        grid = _around(spall, step / place.radius, ratio, place.radius)
+        grid = _around(spall, step / place.radius, moved, ratio, place.radius)
         misfit = response.misfit(grid)
         spall = grid[np.argmin(misfit.sum(axis=1))]
         step *= FINER
     return spall, grid, misfit, response
 
 
-def _around(spall: np.ndarray, step: float, ratio: float, radius: float) -> np.ndarray:
-    """Spalls with either edge moved by up to two steps, rad, and other depths, (n_spalls, 3); the given one first."""
+def _around(spall: np.ndarray, step: float, moved: int, ratio: float, radius: float) -> np.ndarray:
+    """Spalls with either edge moved by up to some steps, rad, and other depths, (n_spalls, 3); the given one first."""
     angle, width, depth = spall
-    moves = np.array([0, -2, -1, 1, 2]) * step
+    moves = np.array(sorted(range(-moved, moved + 1), key=abs)) * step
     low, high = np.meshgrid(moves, moves, indexing="ij")
     middle = angle + 0.5 * (low + high).ravel()
     widths = np.maximum(width + radius * (high - low).ravel(), NARROWEST)

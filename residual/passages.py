@@ -86,7 +86,7 @@ class Response:
         theta = motion.outer_angle[at]
         x, y = motion.inner_x[at[0]], motion.inner_y[at[0]]
         along = x * np.cos(theta) + y * np.sin(theta)
-        shorter = (x**2 + y**2 - along**2) / (2.0 * b.pitch_radius)  # of the distance of two centres off each other's line
+        shorter = (x**2 + y**2 - along**2) / (2.0 * b.pitch_radius)  # of the distance, off the line
         reach = b.inner_raceway_radius + b.roller_radius - b.pitch_radius
         self.inside = self._between(reach + along - shorter)  # path at which the inner contact opens
         self.outside = b.outer_raceway_radius - b.roller_radius - b.pitch_radius

@@ -1,14 +1,15 @@
 """Maps of what rollers sink by around each body: median of all passages by the body's own angle.
 
 A spall is deep in every passage at its own angle of its own body; seen by the angle of any other body its passages lie
-scattered, and the median does not show them. Waves have no single deepest place.
+scattered, and the median does not show them. Waves have no single deepest place. A second map of each body takes only
+rollers that were at rest just before: what a spall does to rollers goes on for long where nothing damps it.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import median
+from scipy.ndimage import maximum_filter1d, median
 
 from residual.roller_motion import Place, RollerMotion
 
@@ -21,6 +22,8 @@ LEAST = 3e-7
 BESIDE = 0.03, 2e-3  # of the circumference, and m: as far from the deepest place the rest of a map begins
 REST = 0.99  # quantile of the rest of a map that its deepest place is compared with
 FEWEST_REST = 20  # bins
+AT_REST = 4e-7  # m, most that a roller at rest sinks by or rises
+REST_SAMPLES, REST_BEFORE = 12, 3e-4  # that a roller must have been at rest for; and m, of its way since then
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,6 +32,7 @@ class SinkageMap:
 
     place: Place
     height: np.ndarray  # (n_bins,), m, NaN where not seen; bins begin at angle 0
+    rested: bool  # of rollers that were at rest just before
 
     @property
     def angle(self) -> np.ndarray:
@@ -42,9 +46,7 @@ class SinkageMap:
 
     @cached_property
     def deepest(self) -> tuple[float, float]:
-        """Angle of the deepest place, rad, and how much it stands out of the rest of the map; 0 if too little is seen.
-
-        """
+        """Angle of the deepest place, rad, and how much it stands out of the rest of the map; 0 if too little is seen."""
         if not self.seen:
             return 0.0, 0.0
         n, k = self.height.size, int(np.nanargmax(self.height))
@@ -57,24 +59,43 @@ class SinkageMap:
 
 
 def sinkage_maps(motion: RollerMotion) -> list[SinkageMap]:
-    """A map of every body: rings, then rollers."""
+    """Two maps of every body: rings, then rollers."""
     sunk = {side: motion.sunk(side) for side in ("outer", "inner")}
-    held = {"outer": motion.outer > -OFF_RACEWAY, "inner": motion.inner + motion.outer > 0.0}
+    loaded = motion.inner + motion.outer > 0.0
     maps = []
     for place in motion.places():
-        angles, depths = [], []
-        for side in place.sides:
-            use = held["inner" if place.roller is not None else side][:, place.rollers]
-            angles.append(motion.angles(place, side))
-            depths.append(np.where(use, sunk[side][:, place.rollers], np.nan))
-        maps.append(_map(place, np.concatenate(angles), np.concatenate(depths)))
+        angles = [motion.angles(place, side) for side in place.sides]
+        travel = float(np.median(np.abs(np.diff(angles[0], axis=0)))) * place.radius
+        if travel == 0.0:
+            continue
+        angle = np.concatenate(angles)
+        for rested in (False, True):
+            depths = []
+            for side in place.sides:
+                depth = sunk[side][:, place.rollers]
+                if rested:
+                    use = _rested(depth, travel)
+                else:
+                    use = motion.outer > -OFF_RACEWAY if place.body == "outer_ring" else loaded
+                    use = use[:, place.rollers]
+                depths.append(np.where(use, depth, np.nan))
+            height = _height(angle, np.concatenate(depths), 2.0 * np.pi * place.radius / max(BIN, travel))
+            maps.append(SinkageMap(place=place, height=height, rested=rested))
     return maps
 
 
-def _map(place: Place, angle: np.ndarray, depth: np.ndarray) -> SinkageMap:
-    """Median by bins that every passage leaves a sample in; samples that are NaN do not count."""
-    travel = float(np.median(np.abs(np.diff(angle[: len(angle) // len(place.sides)], axis=0)))) * place.radius
-    n = max(1, int(2.0 * np.pi * place.radius / max(BIN, travel)))
+def _rested(depth: np.ndarray, travel: float) -> np.ndarray:
+    """Samples shortly before which a roller was at rest, (n_times, n_rollers), bool."""
+    since = max(3, int(np.ceil(REST_BEFORE / travel)))
+    moved = maximum_filter1d(np.abs(depth), REST_SAMPLES, axis=0, origin=(REST_SAMPLES - 1) // 2, mode="nearest")
+    rested = np.zeros(depth.shape, dtype=bool)
+    rested[since:] = moved[:-since] < AT_REST
+    return rested
+
+
+def _height(angle: np.ndarray, depth: np.ndarray, bins: float) -> np.ndarray:
+    """Smoothed median by bins around the circumference; samples that are NaN do not count."""
+    n = max(SMOOTHED, int(bins))
     used = np.isfinite(depth)
     label = np.minimum((np.mod(angle[used], 2.0 * np.pi) * (n / (2.0 * np.pi))).astype(np.int64), n - 1)
     height = np.full(n, np.nan)
@@ -84,4 +105,4 @@ def _map(place: Place, angle: np.ndarray, depth: np.ndarray) -> SinkageMap:
     around = np.stack([np.roll(height, k - SMOOTHED // 2) for k in range(SMOOTHED)])
     known = np.isfinite(around).any(axis=0)
     height[known] = np.nanmedian(around[:, known], axis=0)
-    return SinkageMap(place=place, height=height)
+    return height

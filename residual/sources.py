@@ -16,7 +16,7 @@ READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at lea
 READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times its size
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
-SPIN = "roller_spin"  # of rollers with faults, whose place at a time it tells
+SPIN = "roller_spin"  # tells how far rollers have turned
 MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
 ATTRIBUTES = (
     "scene", "committed_samples", "format_version", "program", "program_version", "status", "warnings", "mesh_nodes",
@@ -91,7 +91,8 @@ def _from_file(path: Path, file) -> Record:
     names = [name for name in (*MOTION, *OPTIONAL, *ENERGIES) if has(file, name)]
     _check_size(path, file, names, n, scene)
     arrays = {name: read_numbers(file, name, n) for name in names}
-    if any(fault.body == "roller" for fault in scene.ideal_bearing().faults) and has(file, SPIN):
+    if has(file, SPIN):
+        _check_size(path, file, [SPIN], n, scene)
         arrays["roller_turn"] = _turned(arrays["time"], read_numbers(file, SPIN, n))
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
     energies = {name: arrays.pop(name) for name in ENERGIES if name in arrays}

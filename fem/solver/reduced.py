@@ -15,7 +15,7 @@ from fem.kernels.simd import WIDTH
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
-from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start
+from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start, standing_hub
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import sample_count
@@ -45,6 +45,7 @@ class ReducedPlan(CompiledPlan):
     n_samples: int
     cautions: tuple[str, ...] = ()
     model_name = "reduced model"
+    lacks = "elastic waves; it warns where shocks excite them"
 
     @property
     def interval(self) -> float:
@@ -60,6 +61,17 @@ class ReducedPlan(CompiledPlan):
         """Two of the hub, three of each roller."""
         return 2 + 3 * self.model.bearing.n_rollers
 
+    @property
+    def steps(self) -> int:
+        return self.stride * (self.n_samples - 1)
+
+    @property
+    def expected_seconds(self) -> float:
+        return SECONDS_PER_LANES * ceil(self.model.bearing.n_rollers / WIDTH) * self.steps
+
+    def static_hub(self) -> np.ndarray:
+        return standing_hub(self.model, self.operation)
+
     def first_state(self) -> ReducedState:
         return ReducedState(self)
 
@@ -69,17 +81,15 @@ class ReducedPlan(CompiledPlan):
         return reduced_estimate(self)
 
     def rows(self) -> dict[str, str]:
-        steps = self.stride * (self.n_samples - 1)
-        seconds = SECONDS_PER_LANES * ceil(self.model.bearing.n_rollers / WIDTH) * steps
         start = self.start
         force = float(max(start.inner_force.max(), start.outer_force.max()))
         return {
             "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies without mass",
             "time step": f"{1e6 * self.time_step:.3g} µs ({self.time_step / self.critical_time_step:.2f} of the "
             f"critical {1e6 * self.critical_time_step:.3g} µs)",
-            "steps": f"{steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
+            "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
             "samples": f"{self.n_samples}, one each {self.stride} steps",
-            "expected time": f"about {seconds:.2g} s",
+            "expected time": f"about {self.expected_seconds:.2g} s",
             "largest static contact force": f"{force:.1f} N, "
             f"{1e-6 * self.model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
         }

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from residual.errors import InputError
 from residual.passages import Passages, Response, passages
 from residual.record import Record
 from residual.roller_motion import Place, RollerMotion, roller_motion, stiffness
@@ -25,6 +26,7 @@ MOVED = (4, 3, 2, 2, 2)  # steps that either edge is moved by in each refinement
 DEPTH_TELLS = 8e-4  # m, width from which a roller may reach a bottom
 FINER, FIRST_STEP = 0.55, 0.16  # of the width
 BESIDE = 1.2e-4  # m, that rollers are followed beside a spall's edges
+FARTHEST = 3e-4  # m from sample to sample
 NARROWEST = 1.5e-4  # m
 RESAMPLED = 200  # sets of passages drawn with replacement
 SIGMAS = 2.0
@@ -59,10 +61,12 @@ def find_faults(record: Record) -> FaultSearch:
 
     Errors
     ------
+    InputError: the bearing stands, or turns so far from sample to sample that the narrowest spall would not be met.
     One spall: the one that shows most. A spall that no roller rests on in the run is not seen; the maps tell which
     parts of a body are.
     """
     motion, law = roller_motion(record), record.scene.lagrange.law
+    _check_sampling(record, motion)
     maps = sinkage_maps(motion)
     clearest = {}
     for each in sorted(maps, key=lambda m: m.deepest[1]):
@@ -72,6 +76,19 @@ def find_faults(record: Record) -> FaultSearch:
     judged = [match for m in suspects[:MOST_SUSPECTS] if (match := _match(motion, m, spring)) is not None]
     best = max(judged, key=lambda match: match[0], default=None)
     return FaultSearch(maps=maps, found=None if best is None else best[1])
+
+
+def _check_sampling(record: Record, motion: RollerMotion) -> None:
+    """Refuse a record whose contacts do not move, or leap over spalls."""
+    ring = motion.places()[1]
+    travel = float(np.median(np.abs(np.diff(motion.angles(ring, "inner"), axis=0)))) * ring.radius
+    if motion.operation.speed == 0.0 or travel == 0.0:
+        raise InputError(f"{record.source}: --find-faults: the bearing stands, so rollers pass over nothing")
+    if travel > FARTHEST:
+        raise InputError(
+            f"{record.source}: --find-faults: contacts move {1e3 * travel:.3g} mm from sample to sample, at most "
+            f"{1e3 * FARTHEST:g} mm is told from a spall; store more often (numerics.output_interval_us)"
+        )
 
 
 def _match(motion: RollerMotion, suspect: SinkageMap, spring) -> tuple[float, FoundSpall] | None:

@@ -17,6 +17,7 @@ PHASE_STEP = 0.6  # of the roller's vibration between its contacts, rad: leapfro
 CLOSEST = 1e-7  # m, trajectories and contact law are trusted to
 LEAST_OVERLAP = 5e-8  # m, at which the stiffness of an unloaded contact is taken
 UNLOADED = 0.15  # weight of a passage without load, in choosing
+LONGEST = 6000  # samples: spalls of a bearing that hardly turns are not matched
 AT_ONCE = 3_000_000  # numbers held of one array
 
 
@@ -58,7 +59,7 @@ def passages(motion: RollerMotion, place: Place, angle: float, half: float, most
     length = int(max(2 * n for *_, n in found)) + QUIET + AFTER
     kept = [(j, outside, i - n - QUIET) for j, outside, i, n in found]
     kept = [each for each in kept if each[2] >= 0 and each[2] + length <= len(motion.rho)]
-    if not kept:
+    if not kept or length > LONGEST:
         return None
     roller, outside, first = (np.array(column) for column in zip(*kept, strict=True))
     ahead = first[:, None] + np.arange(QUIET), roller[:, None]

@@ -46,7 +46,7 @@ class SinkageMap:
 
     @cached_property
     def deepest(self) -> tuple[float, float]:
-        """Angle of the deepest place, rad, and how much it stands out of the rest of the map; 0 if too little is seen."""
+        """Angle of the deepest place, rad, and its depth over the rest's; 0 if too little is seen."""
         if not self.seen:
             return 0.0, 0.0
         n, k = self.height.size, int(np.nanargmax(self.height))

@@ -5,7 +5,9 @@ were set on other runs; these are drawn by their own seed and searched once.
 """
 
 import tempfile
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from multiprocessing import get_context
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,6 +25,7 @@ from residual.sources import read_result
 from tests.pages import DOCS, commit, markdown_table
 
 SEED = 4711
+PROCESSES = 4
 SPALLED, PERFECT, WAVY = 70, 10, 20
 BODIES = ("outer_ring", "inner_ring", "roller")
 TURNS, SHORTEST = 2.5, 0.08  # of the cage; s
@@ -30,18 +33,29 @@ NOISE = 10e-9  # m
 ANGLE, WIDTH = 1.0, 0.1  # degrees; of the width
 
 
+class Told(NamedTuple):
+    """What a search told of a spall, SI."""
+
+    body: str
+    roller: int | None
+    angle: float
+    angle_error: float
+    width: float
+    width_error: float
+
+
 class Case(NamedTuple):
     """What a search told of one run."""
 
     number: int
     truth: Spall | None
-    found: FoundSpall | None
+    found: Told | None
     scene: str  # in words
     rested: int  # passages over the true place that begin at rest
 
     @property
     def right_body(self) -> bool:
-        told = None if self.found is None else (self.found.place.body, self.found.place.roller)
+        told = None if self.found is None else (self.found.body, self.found.roller)
         return told == (None if self.truth is None else (self.truth.body, self.truth.roller))
 
     @property
@@ -131,25 +145,42 @@ def case(number: int, record: Record) -> Case:
         place = next(p for p in motion.places() if (p.body, p.roller) == (truth.body, truth.roller))
         over = passages(motion, place, truth.angle, 0.5 * truth.width, 10_000)
         rested = 0 if over is None else int(np.sum(over.rest < AT_REST))
-    return Case(number, truth, find_faults(record).found, words, rested)
+    return Case(number, truth, told(find_faults(record).found), words, rested)
 
 
-def campaign(folder: Path) -> tuple[list[Case], list[Case]]:
-    """All runs as they are, and with noise."""
-    kinds = ["spalled"] * SPALLED + ["perfect"] * PERFECT + ["wavy"] * WAVY
-    clean, shaken = [], []
-    for number, kind in enumerate(kinds):
-        rng = np.random.default_rng((SEED, number))
-        path = folder / f"{number}.nc"
-        options = [word for each in settings(rng, kind) for word in ("--set", each)]
+def told(found: FoundSpall | None) -> Told | None:
+    if found is None:
+        return None
+    place = found.place
+    return Told(place.body, place.roller, found.angle, found.angle_error, found.width, found.width_error)
+
+
+def searched(number: int) -> tuple[Case, Case]:
+    """One run as it is, and with noise."""
+    kind = (["spalled"] * SPALLED + ["perfect"] * PERFECT + ["wavy"] * WAVY)[number]
+    rng = np.random.default_rng((SEED, number))
+    options = [word for each in settings(rng, kind) for word in ("--set", each)]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.nc"
         if run_main([*options, "--output", str(path), "--quiet"]) != 0:
             raise RuntimeError(f"run {number} failed")
         record = read_result(path)
-        path.unlink()
-        clean.append(case(number, record))
-        shaken.append(case(number, noisy(record, rng)))
-        Console().print(" | ".join([*_row(clean[-1]), *_row(shaken[-1])[2:5]]), soft_wrap=True)
+    return case(number, record), case(number, noisy(record, rng))
+
+
+def campaign() -> tuple[list[Case], list[Case]]:
+    """All runs as they are, and with noise."""
+    clean, shaken = [], []
+    with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
+        for pair in pool.map(searched, range(SPALLED + PERFECT + WAVY)):
+            clean.append(pair[0])
+            shaken.append(pair[1])
+            _print(*pair)
     return clean, shaken
+
+
+def _print(clean: Case, shaken: Case) -> None:
+    Console().print(" | ".join([*_row(clean), *_row(shaken)[2:5]]), soft_wrap=True)
 
 
 def _named(body: str, roller: int | None) -> str:
@@ -158,7 +189,7 @@ def _named(body: str, roller: int | None) -> str:
 
 def _row(c: Case) -> list[str]:
     truth = "none" if c.truth is None else f"{_named(c.truth.body, c.truth.roller)}, {1e3 * c.truth.width:.2f} mm"
-    told = "none" if c.found is None else _named(c.found.place.body, c.found.place.roller)
+    told = "none" if c.found is None else _named(c.found.body, c.found.roller)
     errors = ["", ""]
     if c.truth is not None and c.found is not None and c.right_body:
         errors = [f"{c.angle:+.2f}°", f"{100 * c.width:+.1f} %"]
@@ -204,8 +235,7 @@ def misses(clean: list[Case], shaken: list[Case]) -> str:
 
 
 def main() -> None:
-    with tempfile.TemporaryDirectory() as folder:
-        clean, shaken = campaign(Path(folder))
+    clean, shaken = campaign()
     page = DOCS / "fault_finding.md"
     words = page.read_text(encoding="utf-8").partition("## Measured")[0]
     page.write_text(

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from residual.errors import InputError
-from residual.passages import Passages, Response, passages
+from residual.passages import Response, passages
 from residual.record import Record
 from residual.roller_motion import Place, RollerMotion, roller_motion, stiffness
 from residual.sinkage_maps import SinkageMap, sinkage_maps
@@ -38,14 +38,22 @@ class FoundSpall:
     """A spall with the intervals (95 %) of its place and width."""
 
     place: Place
-    angle: float  # rad, of its middle, as `lagrange.faults` counts it
+    spall: np.ndarray  # (3,): angle of its middle, rad, as `lagrange.faults` counts it; width, m; depth, m
     angle_error: float  # rad
-    width: float  # m
     width_error: float  # m
     stands_out: float  # times the rest of its map
     explained: float  # of what rollers depart from their paths on perfect circles
     response: Response  # the passages it was matched to
-    spall: np.ndarray  # (3,): angle, width, depth
+
+    @property
+    def angle(self) -> float:
+        """Of its middle, rad."""
+        return float(self.spall[0])
+
+    @property
+    def width(self) -> float:
+        """From edge to edge, m."""
+        return float(self.spall[1])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -94,7 +102,8 @@ def _check_sampling(record: Record, motion: RollerMotion) -> None:
 def _match(motion: RollerMotion, suspect: SinkageMap, spring) -> tuple[float, FoundSpall] | None:
     """The spall that fits a suspect best, and how much of the misfit of perfect circles it takes away."""
     place, (angle, ratio) = suspect.place, suspect.deepest
-    fits = [_refined(motion, place, start, spring) for start in _starts(motion, place, angle, spring)]
+    starts = _starts(motion, place, angle, spring)
+    fits = [fit for start in starts if (fit := _refined(motion, place, start, spring)) is not None]
     if not fits:
         return None
     half = max(_half(spall[1]) + place.radius * abs(spall[0] - angle) for spall, *_ in fits)
@@ -109,8 +118,8 @@ def _match(motion: RollerMotion, suspect: SinkageMap, spring) -> tuple[float, Fo
     spall, grid, apart, response = fits[best]
     angle_error, width_error = _intervals(place, spall, grid, apart)
     return gain, FoundSpall(
-        place=place, angle=float(spall[0]), angle_error=angle_error, width=float(spall[1]), width_error=width_error,
-        stands_out=ratio, explained=gain / float(misfit[-1]), response=response, spall=spall,
+        place=place, spall=spall, angle_error=angle_error, width_error=width_error, stands_out=ratio,
+        explained=gain / float(misfit[-1]), response=response,
     )  # fmt: skip
 
 
@@ -140,18 +149,22 @@ def _starts(motion: RollerMotion, place: Place, angle: float, spring) -> list[np
 
 
 def _refined(motion: RollerMotion, place: Place, spall: np.ndarray, spring):
-    """A spall's edges and depth made finer step by step, with the last grid and its misfits by passage."""
-    step = FIRST_STEP * spall[1]
+    """A spall's edges and depth made finer step by step; with the last grid, its misfits by passage, and the passages.
+
+    None where no passage lies wholly in the record.
+    """
+    step, fit = FIRST_STEP * spall[1], None
     for moved, ratio in zip(MOVED, DEPTH_RATIOS, strict=True):
-        chosen: Passages | None = passages(motion, place, spall[0], _half(spall[1], step), FITTED)
+        chosen = passages(motion, place, spall[0], _half(spall[1], step), FITTED)
         if chosen is None:
             break
         response = Response(motion, chosen, spring)
         grid = _around(spall, step / place.radius, moved, ratio, place.radius)
         misfit = response.misfit(grid)
         spall = grid[np.argmin(misfit.sum(axis=1))]
+        fit = spall, grid, misfit, response
         step *= FINER
-    return spall, grid, misfit, response
+    return fit
 
 
 def _around(spall: np.ndarray, step: float, moved: int, ratio: float, radius: float) -> np.ndarray:

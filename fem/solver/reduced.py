@@ -9,7 +9,7 @@ from math import ceil, inf, sqrt
 
 import numpy as np
 
-from fem.contacts.critical_step import LOAD_MARGIN
+from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
 from fem.kernels.simd import WIDTH
 from fem.solver.cautions import cautions

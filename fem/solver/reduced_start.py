@@ -4,8 +4,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.solver.start import JUMP, ROUND_OFF
-from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess, geometry
+from fem.statics.contact_balance import (
+    JUMP,
+    ROUND_OFF,
+    Condensed,
+    Loads,
+    NotFound,
+    balance,
+    closed_forces,
+    first_guess,
+    geometry,
+)
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles

@@ -31,6 +31,16 @@ PICTURES = {
     "photoelastic.png": ["--field", "photoelastic"],
     "photoelastic-close-up.png": ["--view", "close-up", "--field", "photoelastic"],
 }
+FAULTS = (
+    "name=faults", "model=reduced", "numerics.duration_ms=0.4", "numerics.output_interval_us=2", "spall.0.angle_deg=3",
+    "spall.1.body=inner_ring", "spall.1.angle_deg=40", "spall.2.body=roller", "spall.2.roller=2",
+    "spall.2.angle_deg=-90", "waviness.0.amplitude_um=2", "unequal_roller.0.roller=5",
+    "unequal_roller.0.diameter_deviation_um=3",
+)  # fmt: skip
+FAULT_PICTURES = {
+    "faults.png": ["--time", "0.3"],
+    "spall.png": ["--time", "0.34", "--view", "close-up", "--roller", "0"],
+}
 EVERY = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
 # two roller passages, so that the film closes on itself but for the numbers
 FILM = ["--start", "10", "--stop", "15.16", "--frames", "30", "--fps", "12", "--width", "480"]
@@ -126,6 +136,11 @@ def main(*, pictures: Annotated[bool, Parameter(negative="")] = False) -> None:
         if pictures:
             for file, words in PICTURES.items():
                 assert render_main([str(run), "--time", INSTANT, "--output", str(DOCS / file), *words]) == 0
+            faulty = folder / "faults.nc"
+            sets = [word for each in FAULTS for word in ("--set", each)]
+            assert run_main(["--output", str(faulty), "--quiet", *sets]) == 0
+            for file, words in FAULT_PICTURES.items():
+                assert render_main([str(faulty), "--output", str(DOCS / file), *words]) == 0
             assert render_main([str(run), "--animation", str(DOCS / "bearing.gif"), "--quiet", *FILM]) == 0
         below_contacts(folder)
         times(run, folder)

@@ -15,7 +15,7 @@ from fem.outcome import Outcome
 from fem.progress import progress_display
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, refuse_no_place, save_checkpoint
 from fem.result.estimate_columns import read_blocks, read_columns, write_estimates
-from fem.result.store import NOTHING, ResultFile, Stored, WriteFailed
+from fem.result.store import ResultFile, Stored, WriteFailed, nothing_stored
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Plan, Progress, RunState
 from fem.summary import print_estimates, print_plan, print_run
@@ -168,7 +168,7 @@ class Checkpoints:
 
     def begin_again(self) -> None:
         """Save the state of a run that begins again, before its file does; what can't be gone on from is removed."""
-        if not self._write(NOTHING):
+        if not self._write(nothing_stored(self._state.plan)):
             checkpoint_path(self._path).unlink(missing_ok=True)
 
     def _write(self, stored: Stored) -> bool:

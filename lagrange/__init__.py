@@ -5,8 +5,10 @@ kinematics    rolling without slip: shaft, cage, roller spin, ball-pass frequenc
 laws          line-contact laws Q(δ) that need the roller's length alone: harris, palmgren, iso16281, braendlein
 ball_contact  Hertz point contact (4)-(11): curvatures, δ*(F), K of a ball on a raceway
 raceway_laws  laws that know the raceways: johnson (= tripp), houpert, teutsch_sauer; `contact_laws(name, bearing)`
-faults        spalls, waviness, rollers of another size: facts; `closing`: how far a roller sinks into a spall
+faults        spalls, waviness, unequal rollers, measured heights: facts; `closing`: how far a roller sinks into them
+edges         how much softer contacts are at a spall's edges; `softened`: a law with a compliance in series
 profile       surfaces as contacts meet them: sinkage and its slope, for all that knows the bearing
+passages      rollers over spalls, sample by sample; `spall_events`: their entry, strike and exit
 pair          two circles in line contact: Hertz's half-width and pressure
 overlap       geometry (19), (26), (27): how deep rollers lie in the raceways, and its derivatives
 equations     the hub's equations (22), (23) over a record in Cartesian coordinates
@@ -20,7 +22,8 @@ integrate     time stepping: Blanes and Moan's fourth-order scheme, leapfrog wit
 simulate      forward solution, at once or in parts that can be kept and gone on with; its refinement
 trajectory    its result: motion, forces, energies, works
 scene         the TOML scene file: validated, in the bearing engineer's units; gives the objects above in SI
-scene_columns columns of tables made elsewhere; `scene_surfaces`: [[spall]], [[waviness]], [[unequal_roller]]
+scene_columns columns of tables made elsewhere; `scene_surfaces`: [[spall]], [[waviness]] and the like
+scene_files   files that a scene names; `height_table`: what is in those of measured heights
 scene_faults  what is wrong with a scene, all at once
 stored        numbers out of HDF5 files that may be damaged or hostile
 sealed        files of caches, known when they are damaged; `messages`: what commands print, always printable; `pages`:

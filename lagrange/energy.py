@@ -35,6 +35,7 @@ def rotation_energy(bearing: Bearing, operation: Operation) -> float:
 
 def contact_energy(laws: ContactLaws, contacts: ContactState) -> np.ndarray:
     """V_contact, J, (...,): ∫ Q dδ of every contact, K δ^(n+1)/(n+1) of a power law. Source: (17)."""
+    laws = contacts.laws(laws)
     return np.sum(laws.inner.potential(contacts.inner) + laws.outer.potential(contacts.outer), axis=-1)
 
 

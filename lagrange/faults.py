@@ -1,13 +1,15 @@
-"""What makes the surfaces of a bearing imperfect: spalls, waviness, rollers of another size. Facts, SI.
+"""What makes the surfaces of a bearing imperfect: spalls, waviness, unequal rollers, measured heights. Facts, SI.
 
 Angles of rings are counter-clockwise from +x at t = 0 and turn with the ring; those of a roller are in its own frame,
 whose axes are the fixed ones at t = 0. `roller` is a roller's number, None on a ring.
 """
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from math import sqrt
 from typing import Literal
+
+from lagrange.height_table import HeightTable
 
 Body = Literal["outer_ring", "inner_ring", "roller"]
 
@@ -54,10 +56,23 @@ class UnequalRoller:
     body: Body = "roller"
 
 
-Fault = Spall | Waviness | UnequalRoller
+@dataclass(frozen=True, kw_only=True)
+class MeasuredSurface:
+    """Heights around a body as they were measured."""
+
+    body: Body
+    roller: int | None
+    angle: float  # rad, of the table's angle 0
+    file: str
+    sha256: str  # of the table's text: tables are known by it
+    table: HeightTable = field(compare=False, repr=False)
+
+
+Fault = Spall | Waviness | UnequalRoller | MeasuredSurface
 
 
 def labels(faults: tuple[Fault, ...]) -> str:
-    """The faults as JSON, a list of objects: `kind`, and what the class of that name holds, SI."""
-    kinds = {Spall: "spall", Waviness: "waviness", UnequalRoller: "unequal_roller"}
-    return json.dumps([{"kind": kinds[type(fault)]} | asdict(fault) for fault in faults])
+    """The faults as JSON, a list of objects: `kind`, and what the class of that name holds but for tables, SI."""
+    kinds = {Spall: "spall", Waviness: "waviness", UnequalRoller: "unequal_roller", MeasuredSurface: "profile"}
+    facts = [{"kind": kinds[type(fault)]} | asdict(fault) for fault in faults]
+    return json.dumps([{name: value for name, value in fact.items() if name != "table"} for fact in facts])

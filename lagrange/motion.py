@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.overlap import PolarOverlaps, polar_overlaps, polar_sunk
+from lagrange.overlap import PolarOverlaps, polar_overlaps, polar_sunk, polar_turned
 from lagrange.profile import UNTURNED, Turns, profiles
 from lagrange.raceway_laws import ContactLaws
+from lagrange.softened import softened
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +39,13 @@ class ContactState(PolarOverlaps):
     along_y: np.ndarray  # ∂χ/∂y
     inner_force: np.ndarray  # N, >= 0, 0 outside the load zone: (24), (25)
     outer_force: np.ndarray
+    inner_compliance: np.ndarray | float = 0.0  # m/N, of edges, in series with the law
+    outer_compliance: np.ndarray | float = 0.0
+
+    def laws(self, laws: ContactLaws) -> ContactLaws:
+        """The contacts' own laws: the bearing's, softened where edges are."""
+        inner, outer = softened(laws.inner, self.inner_compliance), softened(laws.outer, self.outer_compliance)
+        return ContactLaws(inner=inner, outer=outer)
 
 
 def contact_state(bearing: Bearing, laws: ContactLaws, state: State, damping: float = 0.0) -> ContactState:
@@ -57,21 +65,29 @@ def contact_state(bearing: Bearing, laws: ContactLaws, state: State, damping: fl
     x, y = np.asarray(state.x)[..., None], np.asarray(state.y)[..., None]
     found = polar_overlaps(bearing, state.rho, x * cos + y * sin, y * cos - x * sin)
     surfaces, turns, passing_in, passing_out = profiles(bearing), state.turns, 0.0, 0.0
+    inner_soft, outer_soft = 0.0, 0.0
     if surfaces is not None:
-        found, inner, outer = polar_sunk(surfaces, found, turns, state.rho, state.theta)
+        found, inner, outer = polar_sunk(surfaces, found, turns, state.theta)
+        inner_soft, outer_soft = inner.compliance, outer.compliance
+    inner_force = softened(laws.inner, inner_soft).force(found.inner)
+    outer_force = softened(laws.outer, outer_soft).force(found.outer)
+    if surfaces is not None:
+        inner, outer = inner.under(inner_force), outer.under(outer_force)
+        found = polar_turned(found, inner, outer, state.rho)
         passing_in = inner.passing(turns.inner_ring_speed, turns.roller_speed)
         passing_out = outer.passing(0.0, turns.roller_speed)
     radial, tangential = found.radial, found.tangential
     along_x, along_y = tangential * sin - radial * cos, -tangential * cos - radial * sin
-    inner_force, outer_force = laws.inner.force(found.inner), laws.outer.force(found.outer)
     if damping > 0.0:
         vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]
         closing = -(radial * state.rho_rate + tangential * state.rho * state.theta_rate + along_x * vx + along_y * vy)
         opening = state.rho_rate - found.outer_slope * state.rho * state.theta_rate
         inner_force = damped(inner_force, closing + passing_in, damping)
         outer_force = damped(outer_force, opening + passing_out, damping)
-    forces = {"inner_force": inner_force, "outer_force": outer_force}
-    return ContactState(**vars(found), along_x=along_x, along_y=along_y, **forces)
+    return ContactState(
+        **vars(found), along_x=along_x, along_y=along_y, inner_force=inner_force, outer_force=outer_force,
+        inner_compliance=inner_soft, outer_compliance=outer_soft,
+    )  # fmt: skip
 
 
 def damped(force, closing_speed, damping: float):
@@ -98,6 +114,7 @@ def printed_radial_equations(
     such term, so the hub's force on the roller isn't opposite to the roller's on the hub. No damping. The sign of
     m ρ θ̇² is unreadable in our copy; the right one is used.
     """
+    laws = contacts.laws(laws)
     inner = 0.5 * (laws.inner.force(contacts.inner) + contacts.inner * laws.inner.slope(contacts.inner))
     outer = 0.5 * (laws.outer.force(contacts.outer) + contacts.outer * laws.outer.slope(contacts.outer))
     m = bearing.roller_mass

@@ -25,6 +25,18 @@ class Overlaps:
     direction_y: np.ndarray
     inner: np.ndarray  # with the inner raceway, m
     outer: np.ndarray  # with the outer one, m
+    aside: np.ndarray | float = 0.0  # rad, by which the inner surfaces' slopes have turned the direction
+    inner_compliance: np.ndarray | float = 0.0  # m/N, of edges, in series with the contact's law
+    inner_softening: np.ndarray | float = 0.0  # 1/N, its slope over 2χ
+
+    def under(self, inner_force) -> "Overlaps":
+        """With the directions that forces, N, >= 0, have on soft edges."""
+        if isinstance(self.inner_softening, float):
+            return self
+        aside, straight = self.aside + inner_force * self.inner_softening, 1.0 / (1.0 + self.aside**2)
+        dx = straight * (self.direction_x + self.aside * self.direction_y)
+        dy = straight * (self.direction_y - self.aside * self.direction_x)
+        return replace(self, direction_x=dx - aside * dy, direction_y=dy + aside * dx, aside=aside)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,23 +104,28 @@ def sunk(bearing: Bearing, found: Overlaps, turns: Turns, outer_direction) -> Ov
         direction_y=dy + aside * dx,
         inner=found.inner - inner.sinkage,
         outer=found.outer - surfaces.outer(outer_direction, turns).sinkage,
+        aside=aside,
+        inner_compliance=inner.compliance,
+        inner_softening=0.5 * (inner.ring_softening + inner.roller_softening) / found.distance if inner.soft else 0.0,
     )
 
 
-def polar_sunk(surfaces: Profiles, found: PolarOverlaps, turns: Turns, rho, theta) -> tuple[PolarOverlaps, Met, Met]:
-    """The overlaps with such surfaces, and what the contacts meet there."""
+def polar_sunk(surfaces: Profiles, found: PolarOverlaps, turns: Turns, theta) -> tuple[PolarOverlaps, Met, Met]:
+    """The overlaps with such surfaces, and what the contacts meet there; directions are still those of circles."""
     inner = surfaces.inner(theta + np.arctan2(found.tangential, found.radial), turns)
     outer = surfaces.outer(theta, turns)
+    return replace(found, inner=found.inner - inner.sinkage, outer=found.outer - outer.sinkage), inner, outer
+
+
+def polar_turned(found: PolarOverlaps, inner: Met, outer: Met, rho) -> PolarOverlaps:
+    """The overlaps with their derivatives turned by the slopes that contacts meet."""
     aside = inner.slope / found.distance
-    changed = replace(
+    return replace(
         found,
         radial=found.radial - aside * found.tangential,
         tangential=found.tangential + aside * found.radial,
-        inner=found.inner - inner.sinkage,
-        outer=found.outer - outer.sinkage,
         outer_slope=outer.slope / rho,
     )
-    return changed, inner, outer
 
 
 def touching_distances(bearing: Bearing) -> tuple[float, float]:

@@ -2,23 +2,37 @@
 
 This sinkage is a smooth periodic function of where on a body the contact lies: a cubic spline, the same for rigid
 and elastic bodies, equations and checker. It is subtracted from the overlap of the circles, and its slope turns the
-force: all forces stay the gradient of one potential.
+force: all forces stay the gradient of one potential. At the edges of spalls contacts are softer: a compliance c, a
+spline as well, stands in series with the contact's law. The potential at a given overlap then changes along a surface
+by −Q σ' − ½ Q² c': in all that asks for slopes, c adds ½ Q c' to that of σ.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import ceil, pi
+from typing import NamedTuple
 
 import numpy as np
 
 from lagrange.bearing import Bearing
-from lagrange.closing import Meeting, sinkage
-from lagrange.faults import Body, Fault, Spall, UnequalRoller, Waviness
+from lagrange.closing import Meeting, measured_sinkage, points_around, sinkage
+from lagrange.edges import reach, softening
+from lagrange.faults import Body, Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
 from lagrange.kinematics import Kinematics
+from lagrange.pair import Pair, contact_pairs
 
 KNOTS_PER_SPALL = 200  # along its width; the kink in its middle is rounded within two of them, 0.3 % too low
 KNOTS_PER_WAVE = 64  # the spline misses a wave by 1e-7 of its amplitude
 FEWEST_KNOTS = 8
+
+
+class Along(NamedTuple):
+    """What contacts meet along one body, each (..., n_rollers), and its slopes as the angle grows."""
+
+    sinkage: np.ndarray  # m
+    slope: np.ndarray  # m/rad
+    compliance: np.ndarray | float = 0.0  # m/N
+    softening: np.ndarray | float = 0.0  # m/N/rad
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -26,25 +40,42 @@ class Profile:
     """Sinkages along circles, as periodic cubic B-splines; row 0 of those of rollers is a perfect one's."""
 
     coefficients: np.ndarray  # (n_rows, n_knots), m; knots equally spaced from angle 0
+    compliance: np.ndarray | None  # (n_rows, n_knots), m/N, coefficients of what edges add; None: there are none
     row: np.ndarray  # (n_rollers,), the row that each roller's contact meets
     spacing: float  # m, between knots along the surface
 
-    def at(self, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Sinkage, m, and its slope, m/rad, at angles of the rollers' contacts, (..., n_rollers), rad."""
+    def at(self, angle: np.ndarray) -> Along:
+        """At angles of the rollers' contacts, (..., n_rollers), rad."""
         n = self.coefficients.shape[1]
         place = np.asarray(angle) * (n / (2.0 * pi))
         base = np.floor(place)
-        t = place - base
-        piece = self._pieces.take(self.row * n + base.astype(np.int64) % n, axis=0)
-        a, b, c, d = (piece[..., k] for k in range(4))
-        return a + t * (b + t * (c + t * d)), (b + t * (2.0 * c + t * (3.0 * d))) * (0.5 * n / pi)
+        t, knot = place - base, self.row * n + base.astype(np.int64) % n
+        sunk = _cubic(self._pieces.take(knot, axis=0), t, 0.5 * n / pi)
+        if self.compliance is None:
+            return Along(*sunk)
+        soft = self._compliance_pieces.take(knot, axis=0)
+        return Along(*sunk, *_cubic(soft, t, 0.5 * n / pi)) if soft.any() else Along(*sunk)
 
     @cached_property
     def _pieces(self) -> np.ndarray:
-        """Polynomials from knot to knot, by powers of the way between them, (n_rows · n_knots, 4), m."""
-        c0, c1, c2, c3 = (np.roll(self.coefficients, -k, axis=1) for k in (-1, 0, 1, 2))
-        powers = c0 + 4.0 * c1 + c2, 3.0 * (c2 - c0), 3.0 * (c0 - 2.0 * c1 + c2), c3 - c0 + 3.0 * (c1 - c2)
-        return np.stack(powers, axis=-1).reshape(-1, 4) / 6.0
+        return _pieces(self.coefficients)
+
+    @cached_property
+    def _compliance_pieces(self) -> np.ndarray:
+        return _pieces(self.compliance)
+
+
+def _pieces(coefficients: np.ndarray) -> np.ndarray:
+    """Polynomials from knot to knot, by powers of the way between them, (n_rows · n_knots, 4)."""
+    c0, c1, c2, c3 = (np.roll(coefficients, -k, axis=1) for k in (-1, 0, 1, 2))
+    powers = c0 + 4.0 * c1 + c2, 3.0 * (c2 - c0), 3.0 * (c0 - 2.0 * c1 + c2), c3 - c0 + 3.0 * (c1 - c2)
+    return np.stack(powers, axis=-1).reshape(-1, 4) / 6.0
+
+
+def _cubic(pieces: np.ndarray, t: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Values and slopes of polynomials; `rate`: of t by the angle, 1/rad."""
+    a, b, c, d = (pieces[..., k] for k in range(4))
+    return a + t * (b + t * (c + t * d)), (b + t * (2.0 * c + t * (3.0 * d))) * rate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,16 +103,34 @@ UNTURNED = Turns()
 
 @dataclass(frozen=True, kw_only=True)
 class Met:
-    """Sinkages of the contacts with one raceway and their slopes, (..., n_rollers); slopes as the angle grows."""
+    """What the contacts with one raceway meet, and its slopes as the angle grows, (..., n_rollers)."""
 
     sinkage: np.ndarray  # m, of ring and roller together
     ring_slope: np.ndarray  # m/rad
     roller_slope: np.ndarray
+    compliance: np.ndarray | float = 0.0  # m/N, of edges, of ring and roller together; 0.0: no contact is near one
+    ring_softening: np.ndarray | float = 0.0  # m/N/rad
+    roller_softening: np.ndarray | float = 0.0
 
     @property
     def slope(self) -> np.ndarray:
         """Of both, m/rad."""
         return self.ring_slope + self.roller_slope
+
+    @property
+    def soft(self) -> bool:
+        """Whether a contact is near an edge."""
+        return not isinstance(self.compliance, float)
+
+    def under(self, force: np.ndarray) -> "Met":
+        """With the slopes that the surfaces have for contacts under these forces, N."""
+        if not self.soft:
+            return self
+        return replace(
+            self,
+            ring_slope=self.ring_slope + 0.5 * force * self.ring_softening,
+            roller_slope=self.roller_slope + 0.5 * force * self.roller_softening,
+        )
 
     def passing(self, ring_speed: float, roller_speed: float) -> np.ndarray:
         """Rate at which contacts close, m/s, because ring and rollers turn on under them at these speeds, rad/s."""
@@ -125,11 +174,18 @@ class Profiles:
 
 def _met(ring: Profile | None, on_ring, roller: Profile | None, on_roller) -> Met:
     """Of contacts at angles on the ring and on the rollers, rad."""
-    (ring_sinkage, ring_slope), (roller_sinkage, roller_slope) = (
-        (np.zeros_like(angle), np.zeros_like(angle)) if profile is None else profile.at(angle)
+    one, other = (
+        Along(np.zeros_like(angle), np.zeros_like(angle)) if profile is None else profile.at(angle)
         for profile, angle in ((ring, on_ring), (roller, on_roller))
     )
-    return Met(sinkage=ring_sinkage + roller_sinkage, ring_slope=ring_slope, roller_slope=roller_slope)
+    return Met(
+        sinkage=one.sinkage + other.sinkage,
+        ring_slope=one.slope,
+        roller_slope=other.slope,
+        compliance=one.compliance + other.compliance,
+        ring_softening=one.softening,
+        roller_softening=other.softening,
+    )
 
 
 @lru_cache(maxsize=16)
@@ -137,35 +193,45 @@ def profiles(bearing: Bearing) -> Profiles | None:
     """The surfaces of a bearing; None where all are perfect circles."""
     if not bearing.faults:
         return None
-    inner, outer, roller = bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.roller_radius
+    inside, outside, _ = contact_pairs(bearing)
     return Profiles(
-        inner_ring=_profile(bearing, "inner_ring", inner, roller, "outside"),
-        outer_ring=_profile(bearing, "outer_ring", outer, roller, "bore"),
-        rollers_inside=_profile(bearing, "roller", roller, inner, "outside"),
-        rollers_outside=_profile(bearing, "roller", roller, outer, "in_bore"),
+        inner_ring=_profile(bearing, "inner_ring", inside, "outside"),
+        outer_ring=_profile(bearing, "outer_ring", outside, "bore"),
+        rollers_inside=_profile(bearing, "roller", inside, "outside"),
+        rollers_outside=_profile(bearing, "roller", outside, "in_bore"),
     )
 
 
-def _profile(bearing: Bearing, body: Body, own: float, other: float, meeting: Meeting) -> Profile | None:
+def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Profile | None:
     faults = [fault for fault in bearing.faults if fault.body == body]
     if not faults:
         return None
-    n = max([FEWEST_KNOTS, *(_knots(fault, own) for fault in faults)])
+    raceway, roller = abs(pair.radii[0]), bearing.roller_radius
+    own, other = (roller, raceway) if body == "roller" else (raceway, roller)
+    n = max([FEWEST_KNOTS, *(_knots(fault, own, other, meeting) for fault in faults)])
     numbers = [None, *sorted({fault.roller for fault in faults})] if body == "roller" else [None]
-    rows = [
-        _sinkages([fault for fault in faults if fault.roller == number], bearing.roller_radius, own, other, meeting, n)
-        for number in numbers
-    ]
+    rows = [[fault for fault in faults if fault.roller == number] for number in numbers]
     row = np.zeros(bearing.n_rollers, dtype=np.int64)
     for k, number in enumerate(numbers[1:], 1):
         row[number] = k
-    return Profile(coefficients=_spline(np.array(rows)), row=row, spacing=2.0 * pi * own / n)
+    compliance = None
+    if any(isinstance(fault, Spall) for fault in faults):
+        softer = [_softening(some, roller, own, other, meeting, n) for some in rows]
+        compliance = _spline(pair.line_compliance * np.array(softer))
+    return Profile(
+        coefficients=_spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in rows])),
+        compliance=compliance,
+        row=row,
+        spacing=2.0 * pi * own / n,
+    )
 
 
-def _knots(fault: Fault, own: float) -> int:
+def _knots(fault: Fault, own: float, other: float, meeting: Meeting) -> int:
     """Knots around the circle that a fault needs."""
     if isinstance(fault, Spall):
         return ceil(2.0 * pi * own * KNOTS_PER_SPALL / fault.width)
+    if isinstance(fault, MeasuredSurface):
+        return points_around(own, other, meeting)
     return KNOTS_PER_WAVE * fault.order if isinstance(fault, Waviness) else FEWEST_KNOTS
 
 
@@ -180,11 +246,31 @@ def _sinkages(
             found -= 0.5 * fault.diameter_deviation
         elif isinstance(fault, Waviness):
             found -= fault.amplitude * np.cos(fault.order * angle + fault.phase)
+        elif isinstance(fault, MeasuredSurface):
+            found += measured_sinkage(fault, own, other, meeting, n)
         else:
-            beyond = np.mod(angle - fault.angle + pi, 2.0 * pi) - pi
-            over = np.flatnonzero(np.abs(beyond) < np.arcsin(fault.half_opening(roller_radius) / own))
+            beyond, over = _near(fault, angle, np.arcsin(fault.half_opening(roller_radius) / own))
             found[over] += sinkage(fault, roller_radius, own, other, meeting, beyond[over])
     return found
+
+
+def _softening(
+    faults: list[Fault], roller_radius: float, own: float, other: float, meeting: Meeting, n: int
+) -> np.ndarray:
+    """ΔB at the knots, (n,), by the edges of spalls."""
+    angle = 2.0 * pi * np.arange(n) / n
+    found = np.zeros(n)
+    for fault in faults:
+        if isinstance(fault, Spall):
+            beyond, over = _near(fault, angle, reach(fault, roller_radius, own, other, meeting))
+            found[over] += softening(fault, roller_radius, own, other, meeting, beyond[over])
+    return found
+
+
+def _near(spall: Spall, angle: np.ndarray, within: float) -> tuple[np.ndarray, np.ndarray]:
+    """Angles from the spall's middle, (n,), rad, and the indices of those that are within an angle of it."""
+    beyond = np.mod(angle - spall.angle + pi, 2.0 * pi) - pi
+    return beyond, np.flatnonzero(np.abs(beyond) < within)
 
 
 def _spline(samples: np.ndarray) -> np.ndarray:

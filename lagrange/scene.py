@@ -5,6 +5,7 @@ It stands on the ground floor because both the solver and the checker read it, a
 
 import tomllib
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from itertools import pairwise
 from math import asin, pi, radians, sin
@@ -17,11 +18,14 @@ from pydantic import Field, ValidationError
 from lagrange.bearing import BallBearing, Bearing, Material, Operation
 from lagrange.raceway_laws import law_names
 from lagrange.scene_columns import Columns
-from lagrange.scene_faults import Check, Table, all_faults
+from lagrange.scene_faults import Check, Table, all_faults, printable
+from lagrange.scene_files import content_in_place, content_of
 from lagrange.scene_surfaces import (
+    ProfileTable,
     SpallTable,
     UnequalRollerTable,
     WavinessTable,
+    profile_faults,
     roller_faults,
     size_faults,
     spall_faults,
@@ -33,7 +37,7 @@ RPM = 2.0 * pi / 60.0
 MM = 1e-3
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
-SURFACES = ("spall", "waviness", "unequal_roller")  # arrays of tables
+SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # arrays of tables
 MOST_TABLES = 200  # of one array
 COMPARISONS = ("penalty", "faceted")  # contact models that are only there to be compared with
 STIFF_PENALTY = 1e9  # N/m, three times a contact of the paper's bearing; the mesh's nodes are no stiffer
@@ -236,6 +240,7 @@ class Scene(Table):
     spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
     waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
     unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
+    profile: list[ProfileTable] = Field([], max_length=MOST_TABLES)
     table: Columns = Columns()
 
     @classmethod
@@ -246,11 +251,11 @@ class Scene(Table):
         return data
 
     def checks(self) -> tuple[Check, ...]:
-        surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes
+        surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
         return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, *surfaces
 
     def _law(self) -> Iterator[str]:
-        known = law_names(self.ideal_bearing())
+        known = law_names(self._perfect_bearing())
         if self.lagrange.law not in known:
             yield (
                 f"lagrange.law = {self.lagrange.law!r}: unknown for bearing.type = {self.bearing.type!r}; known are "
@@ -258,7 +263,7 @@ class Scene(Table):
             )
 
     def _mass(self) -> Iterator[str]:
-        ring = self.ideal_bearing().inner_ring_mass
+        ring = self._perfect_bearing().inner_ring_mass
         if self.operation.inner_ring_and_shaft_kg <= ring:
             yield (
                 f"operation.inner_ring_and_shaft_kg = {self.operation.inner_ring_and_shaft_kg} must exceed the mass of "
@@ -320,6 +325,10 @@ class Scene(Table):
         if self.waviness or self.unequal_roller:
             yield from size_faults(self._perfect_bearing(), self.waviness, self.unequal_roller)
 
+    def _profiles(self) -> Iterator[str]:
+        if self.profile:
+            yield from profile_faults(self._perfect_bearing(), self.profile)
+
     def ideal_bearing(self) -> Bearing:
         """The bearing in SI, with the faults of its surfaces."""
         faults = tuple(table.fault() for name in SURFACES for table in getattr(self, name))
@@ -358,8 +367,13 @@ class Scene(Table):
             first_roller_angle=radians(o.first_roller_deg - 90.0),
         )
 
+    @property
+    def files(self) -> dict[str, str]:
+        """Texts of the files that it names, by their digests, as far as they are at hand."""
+        return {table.sha256: table.content for table in self.profile if table.content is not None}
+
     def to_toml(self) -> str:
-        """The whole scene as TOML that `read_scene` takes back unchanged.
+        """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.
 
         Defaults are spelt out, but for [table]; arrays of tables are there where they are not empty.
         """
@@ -392,12 +406,32 @@ def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) 
             raise SceneError(f"{name}: not UTF-8 text (byte {error.start}); is it a scene file?") from None
     for override in overrides:
         _apply(data, override)
+    with _refused(name):
+        content_in_place(data, Path() if path is None else Path(path).parent)
     return parse_scene(data, name)
 
 
-def parse_scene_text(text: str, name: str) -> Scene:
-    """A scene from TOML text, e.g. the `scene` attribute of a result file."""
-    return parse_scene(_load(text, name), name)
+def parse_scene_text(text: str, name: str, files: dict[str, str] | None = None) -> Scene:
+    """A scene from TOML text, e.g. the `scene` attribute of a result file.
+
+    Parameters
+    ----------
+    files : text of the files that it names, by their digests; None: a scene with profiles can be shown and compared,
+        but gives no bearing
+    """
+    data = _load(text, name)
+    with _refused(name):
+        content_of(data, files)
+    return parse_scene(data, name)
+
+
+@contextmanager
+def _refused(name: str) -> Iterator[None]:
+    """Name the scene where a file of it can't be used."""
+    try:
+        yield
+    except ValueError as error:
+        raise SceneError(f"{name}: {printable(str(error))}") from None
 
 
 def _load(text: str, name: str) -> dict[str, Any]:

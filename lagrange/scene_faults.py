@@ -63,7 +63,7 @@ def _explain(fault: dict[str, Any], model: type[Table]) -> list[str]:
     """One pydantic fault, a line for each thing that is wrong."""
     place = ".".join(_quoted(str(part)) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
-        known = list(_table_at(fault["loc"][:-1], model).model_fields)
+        known = _keys(_table_at(fault["loc"][:-1], model))
         likely = _likely(fault["loc"], model)
         hint = f"did you mean {likely}?" if likely else f"known here: {', '.join(known)}"
         return [f"{place}: unknown key; {hint}"]
@@ -99,9 +99,14 @@ def _table_at(place: Place, model: type[Table]) -> type[BaseModel]:
     return table
 
 
+def _keys(model: type[BaseModel]) -> list[str]:
+    """What a user may write in a table."""
+    return [name for name, field in model.model_fields.items() if not field.exclude]
+
+
 def _likely(place: Place, model: type[Table]) -> str | None:
     """The key that was probably meant."""
-    known = list(_table_at(place[:-1], model).model_fields)
+    known = _keys(_table_at(place[:-1], model))
     return next(iter(difflib.get_close_matches(str(place[-1]), known, n=1, cutoff=0.5)), None)
 
 

@@ -1,16 +1,18 @@
-"""The scene file's [[spall]], [[waviness]] and [[unequal_roller]]: surfaces that are not perfect circles.
+"""The scene file's [[spall]], [[waviness]], [[unequal_roller]] and [[profile]]: surfaces that are not perfect circles.
 
-Any number of each; spalls, waves and deviations of one surface add up, but spalls must not overlap.
+Any number of each; spalls, waves, deviations and a measured profile of one surface add up, but spalls must not overlap.
 """
 
 from collections.abc import Iterator
 from math import asin, degrees, pi, radians
 from typing import Literal
 
+import numpy as np
 from pydantic import Field
 
 from lagrange.bearing import Bearing
-from lagrange.faults import Fault, Spall, UnequalRoller, Waviness
+from lagrange.faults import Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
+from lagrange.height_table import height_table
 from lagrange.scene_faults import Check, Table
 
 MM, UM = 1e-3, 1e-6
@@ -19,6 +21,11 @@ WIDEST = 0.8  # half an opening over the radius of the roller, or of the body it
 LARGEST_DEVIATION = 0.005  # of a roller's diameter, as much as its preload may be
 STEEPEST_WAVE = 0.1  # curvature of a wave over that of the contact: circle and surface still touch in one place
 NARROWEST = {"inner_ring": 1e-4, "outer_ring": 1e-4, "roller": 5e-4}  # of the circumference: profiles are tables
+
+
+DEEPEST_PROFILE = 0.1  # from its highest to its lowest point, of the roller's radius: contacts then stay in one place
+COARSEST_PROFILE = 0.1  # of the roller's radius, between two points
+STEEPEST_PROFILE = 2.0  # between two points: no stylus follows more, and an edge would lie anywhere between them
 
 
 class SurfaceTable(Table):
@@ -83,7 +90,39 @@ class UnequalRollerTable(Table):
         return UnequalRoller(roller=self.roller, diameter_deviation=UM * self.diameter_deviation_um)
 
 
-def own_radius(bearing: Bearing, fault: Fault) -> float:
+class ProfileTable(SurfaceTable):
+    """Heights from a file; `content` is its text, which whoever reads the scene puts in."""
+
+    file: str = Field(min_length=1, max_length=1000)
+    sha256: str | None = Field(None, pattern=r"^[0-9a-f]{64}$")
+    angle_deg: float = Field(0.0, ge=-360.0, le=360.0)
+    content: str | None = Field(None, exclude=True, repr=False)
+
+    def checks(self) -> tuple[Check, ...]:
+        return (*super().checks(), self._readable)
+
+    def _readable(self) -> Iterator[str]:
+        if self.content is not None:
+            try:
+                height_table(self.content)
+            except ValueError as error:
+                yield f'file = "{self.file}": {error}'
+
+    def fault(self) -> MeasuredSurface:
+        """ValueError: its file is not at hand, or no table of heights."""
+        if self.content is None or self.sha256 is None:
+            raise ValueError(f'profile: file = "{self.file}" is not at hand')
+        return MeasuredSurface(
+            body=self.body,
+            roller=self.roller,
+            angle=radians(self.angle_deg) + self.reference,
+            file=self.file,
+            sha256=self.sha256,
+            table=height_table(self.content),
+        )
+
+
+def own_radius(bearing: Bearing, fault: Fault | SurfaceTable) -> float:
     """Radius of the circle that a fault is in, m."""
     radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
     return radii.get(fault.body, bearing.roller_radius)
@@ -145,6 +184,42 @@ def _material(bearing: Bearing, spall: Spall) -> float:
     if spall.body == "inner_ring":
         return bearing.inner_raceway_radius - bearing.bore_radius
     return bearing.outside_radius - bearing.outer_raceway_radius
+
+
+def profile_faults(bearing: Bearing, tables: list[ProfileTable]) -> Iterator[str]:
+    """Two profiles of one surface, and those too high, too deep, too coarse or too steep for rollers to follow."""
+    seen = {}
+    for i, table in enumerate(tables):
+        place = f'profile.{i}.file = "{table.file}"'
+        before = seen.setdefault((table.body, table.roller), i)
+        if before != i:
+            yield f"profile.{before} and profile.{i} are of the same surface; make one table of them"
+        if table.content is None:
+            continue
+        angle, height = height_table(table.content).angle, height_table(table.content).height
+        own, roller = own_radius(bearing, table), bearing.roller_radius
+        highest, range_ = float(height.max()), float(np.ptp(height))
+        if highest > 2.0 * LARGEST_DEVIATION * roller:
+            yield f"{place}: {1e6 * highest:.4g} µm is too high (at most {2e6 * LARGEST_DEVIATION * roller:.4g})"
+        if range_ > DEEPEST_PROFILE * roller:
+            yield (
+                f"{place}: heights range over {1e6 * range_:.4g} µm, more than contacts follow (at most "
+                f"{1e6 * DEEPEST_PROFILE * roller:.4g}); what lies too deep for a roller to reach may be cut off"
+            )
+        steps = own * np.diff(np.append(angle, angle[0] + 2.0 * pi))
+        rises = np.abs(np.diff(np.append(height, height[0])))
+        if steps.max() > COARSEST_PROFILE * roller:
+            yield (
+                f"{place}: points {1e3 * steps.max():.3g} mm apart are too coarse (at most "
+                f"{1e3 * COARSEST_PROFILE * roller:.3g} for rollers of {2e3 * roller:g} mm)"
+            )
+        at = int((rises / steps).argmax())
+        if rises[at] > STEEPEST_PROFILE * steps[at]:
+            yield (
+                f"{place}: after {degrees(angle[at]):.6g} degrees the height changes by {1e6 * rises[at]:.3g} µm on "
+                f"{1e6 * steps[at]:.3g} µm, too steep (at most {STEEPEST_PROFILE:g} times it); give points nearer to "
+                "each other"
+            )
 
 
 def size_faults(bearing: Bearing, waves: list[WavinessTable], unequal: list[UnequalRollerTable]) -> Iterator[str]:

@@ -13,6 +13,7 @@ from lagrange.kinematics import kinematics, roller_angles
 from lagrange.overlap import touching_distances
 from lagrange.profile import UNTURNED, Turns, profiles
 from lagrange.raceway_laws import ContactLaws
+from lagrange.softened import softened
 
 BALANCE = 1e-10  # of load and contact forces: what Newton's method must reach
 MAX_NEWTON = 200
@@ -102,11 +103,13 @@ class _System:
     """Potential of the hub's position."""
 
     def __init__(self, bearing, operation, laws, theta, mass, turns):
-        self.laws, self.theta, self.turns, self.surfaces = laws, theta, turns, profiles(bearing)
+        self.inner_law, self.outer_law = laws
+        self.theta, self.turns, self.surfaces = theta, turns, profiles(bearing)
         self.cos, self.sin = np.cos(theta), np.sin(theta)
         self.reach, self.track = touching_distances(bearing)
         if self.surfaces is not None:
-            self.track = self.track + self.surfaces.outer(theta, turns).sinkage
+            outer = self.surfaces.outer(theta, turns)
+            self.track, self.outer_law = self.track + outer.sinkage, softened(laws.outer, outer.compliance)
         cage = kinematics(bearing, operation.speed).cage
         self.spin = mass * cage**2
         self.weight = mass * operation.gravity * self.sin
@@ -119,8 +122,8 @@ class _System:
         s = hub[0] * self.cos + hub[1] * self.sin  # hub's offset along and across each element's radius
         t = hub[1] * self.cos - hub[0] * self.sin
         rho = self._balance(s, t)
-        chi, c, d, depth_in, depth_out = self._overlaps(rho, s, t)
-        inner, outer = self.laws.inner.force(depth_in), self.laws.outer.force(depth_out)
+        chi, c, d, depth_in, depth_out, law_in = self._overlaps(rho, s, t)
+        inner, outer = law_in.force(depth_in), self.outer_law.force(depth_out)
         radial, across = -inner * c, inner * d  # on the hub, along s and t
         unbalance = -np.array(
             [
@@ -128,7 +131,7 @@ class _System:
                 np.sum(radial * self.sin + across * self.cos) - load,
             ]
         )
-        slope_in, slope_out = self.laws.inner.slope(depth_in), self.laws.outer.slope(depth_out)
+        slope_in, slope_out = law_in.slope(depth_in), self.outer_law.slope(depth_out)
         # Hessian of the inner contact's energy in (along, t), then ρ eliminated
         aa = slope_in * c * c - inner / chi * d * d
         at = slope_in * c * d + inner / chi * c * d
@@ -141,7 +144,7 @@ class _System:
         yy = np.sum(ss * sin * sin + 2.0 * st * cos * sin + tt * cos * cos)
         xy = np.sum((ss - tt) * cos * sin + st * (cos * cos - sin * sin))
         potential = np.sum(
-            self.laws.inner.potential(depth_in) + self.laws.outer.potential(depth_out)
+            law_in.potential(depth_in) + self.outer_law.potential(depth_out)
             + self.weight * depth_out - 0.5 * self.spin * (rho * rho - self.track**2)
         )  # fmt: skip
         return _Point(
@@ -150,7 +153,7 @@ class _System:
         )  # fmt: skip
 
     def _overlaps(self, rho, s, t):
-        """χ, the cosine and sine of its direction against the radius, and both overlaps, m.
+        """χ, the cosine and sine of its direction against the radius, both overlaps, m, and the inner contacts' law.
 
         Those are the derivatives of χ by ρ and by t; on surfaces that are not perfect, of χ and the sinkage.
         """
@@ -158,17 +161,18 @@ class _System:
         chi = np.hypot(along, t)
         c, d = along / chi, t / chi
         if self.surfaces is None:
-            return chi, c, d, self.reach - chi, rho - self.track
+            return chi, c, d, self.reach - chi, rho - self.track, self.inner_law
         inner = self.surfaces.inner(self.theta - np.arctan2(t, along), self.turns)
-        aside = inner.slope / chi
-        return chi, c + aside * d, d - aside * c, self.reach - chi - inner.sinkage, rho - self.track
+        law, depth = softened(self.inner_law, inner.compliance), self.reach - chi - inner.sinkage
+        aside = inner.under(law.force(depth)).slope / chi
+        return chi, c + aside * d, d - aside * c, depth, rho - self.track, law
 
     def _radial(self, rho, s, t):
         """Force on the elements along +ρ, N, and minus its derivative."""
-        _, c, _, depth_in, depth_out = self._overlaps(rho, s, t)
-        inner, outer = self.laws.inner.force(depth_in), self.laws.outer.force(depth_out)
+        _, c, _, depth_in, depth_out, law_in = self._overlaps(rho, s, t)
+        inner, outer = law_in.force(depth_in), self.outer_law.force(depth_out)
         force = inner * c - outer + self.spin * rho - self.weight
-        slope_in, slope_out = self.laws.inner.slope(depth_in), self.laws.outer.slope(depth_out)
+        slope_in, slope_out = law_in.slope(depth_in), self.outer_law.slope(depth_out)
         return force, slope_in * c**2 + slope_out - self.spin
 
     def _balance(self, s, t):
@@ -177,7 +181,7 @@ class _System:
         if self.surfaces is not None:
             touch_in -= self.surfaces.inner(self.theta - np.arctan2(t, touch_in - s), self.turns).sinkage
         push = np.abs(self.weight) + 2.0 * self.spin * self.track
-        room = np.maximum(self.laws.inner.approach(push), self.laws.outer.approach(push)) * 1.5
+        room = np.maximum(self.inner_law.approach(push), self.outer_law.approach(push)) * 1.5
         low = np.minimum(touch_in, self.track) - room
         high = np.maximum(touch_in, self.track) + room
         rho, finest = 0.5 * (touch_in + self.track), ROUND_OFF * self.track

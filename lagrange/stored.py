@@ -16,13 +16,17 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.height_table import LARGEST_FILE, digest
+
 SIGNATURE = b"\x89HDF\r\n\x1a\n"  # an HDF5 file's first bytes
 CHECKSUM = "checksum"  # attribute: twice a number of samples and the CRC-32 of the variable up to there
 SCENE_CHECKSUM = "scene_checksum"  # attribute of the file: CRC-32 of the scene's text
 FILTERS = {1: "deflate", 2: "shuffle", 3: "fletcher32"}  # by HDF5's numbers
 LARGEST_CHUNK = 64 * 2**20  # bytes
 MOST_COMPRESSION = 1100  # deflate can't do better than 1032 to 1
-WORDS = {"f": "floating-point numbers", "i": "whole numbers"}  # by numpy's kinds
+SCENE_FILE = "scene_file_{}"  # variable: bytes of a file that the scene names
+MOST_SCENE_FILES = 200
+WORDS = {"f": "floating-point numbers", "i": "whole numbers", "u": "bytes"}  # by numpy's kinds
 STARVED = 3  # exit code of the child
 
 
@@ -176,6 +180,30 @@ def read_scene_text(file) -> str:
     if SCENE_CHECKSUM in file.attrs and int(file.attrs[SCENE_CHECKSUM]) != text_checksum(text):
         raise Damaged("the attribute scene is not what was written: its checksum differs")
     return text
+
+
+def read_scene_files(file) -> dict[str, str]:
+    """Texts of the files that an open HDF5 file's scene names, by their digests.
+
+    Errors
+    ------
+    Damaged: too large, or no text.
+    """
+    found = {}
+    for number in range(MOST_SCENE_FILES):
+        name = SCENE_FILE.format(number)
+        if not has(file, name):
+            break
+        check_array(file, name, 0, kinds="u", dimensions=(1,))
+        if file[name].nbytes > LARGEST_FILE or file[name].dtype.itemsize > 1:
+            raise Damaged(f"{name} holds more than {LARGEST_FILE} bytes, or other numbers")
+        check_array(file, name, len(file[name]), kinds="u", dimensions=(1,))
+        try:
+            text = file[name][:].tobytes().decode()
+        except UnicodeDecodeError:
+            raise Damaged(f"{name} is no UTF-8 text") from None
+        found[digest(text)] = text
+    return found
 
 
 def text_checksum(text: str) -> int:

@@ -17,6 +17,7 @@ from lagrange.motion import State
 from lagrange.overlap import touching_distances
 from lagrange.problem import Problem
 from lagrange.profile import Turns, profiles
+from lagrange.softened import softened
 
 
 class Packed(NamedTuple):
@@ -66,12 +67,18 @@ class _System:
             self.force_inner[:] = self.laws.inner.force(self.depth_inner)
             self.force_outer[:] = self.laws.outer.force(self.depth_outer)
 
-    def sink(self, time: float, inward, outward, distance) -> None:
-        """Take the sinkages off the depths, at directions of the elements from both rings' centres, rad."""
+    def surface_forces(self, time: float, inward, outward, distance) -> None:
+        """Forces on such surfaces, at directions of the elements from both rings' centres, rad; as `law_forces`."""
         turns = Turns.rolling(self.ideal, time)
-        self.met_inner, self.met_outer = self.surfaces.inner(inward, turns), self.surfaces.outer(outward, turns)
-        self.depth_inner -= self.met_inner.sinkage
-        self.depth_outer -= self.met_outer.sinkage
+        inner, outer = self.surfaces.inner(inward, turns), self.surfaces.outer(outward, turns)
+        self.depth_inner -= inner.sinkage
+        self.depth_outer -= outer.sinkage
+        if not (inner.soft or outer.soft):
+            self.law_forces()
+        else:
+            self.force_inner[:] = softened(self.laws.inner, inner.compliance).force(self.depth_inner)
+            self.force_outer[:] = softened(self.laws.outer, outer.compliance).force(self.depth_outer)
+        self.met_inner, self.met_outer = inner.under(self.force_inner), outer.under(self.force_outer)
         self.aside = 1.0 + 1j * self.met_inner.slope / distance  # turns the line of centres to the inner force
 
     def passing(self, frame: float):
@@ -130,10 +137,11 @@ class KinematicAngles(_System):
         distance = np.abs(line)
         np.subtract(self.reach, distance, out=self.depth_inner)
         np.subtract(q, self.track, out=self.depth_outer)
-        if self.surfaces is not None:
+        if self.surfaces is None:
+            self.law_forces()
+        else:
             outward = self.first + self.spacing + self.cage * time
-            self.sink(time, outward + np.angle(line), outward, distance)
-        self.law_forces()
+            self.surface_forces(time, outward + np.angle(line), outward, distance)
         self.line, self.distance = line, distance
         push = self.force_inner / distance * line
         if self.surfaces is not None:
@@ -209,9 +217,10 @@ class FreeAngles(_System):
         distance, rho = np.abs(line), np.abs(q)
         np.subtract(self.reach, distance, out=self.depth_inner)
         np.subtract(rho, self.track, out=self.depth_outer)
-        if self.surfaces is not None:
-            self.sink(time, np.angle(line), np.angle(q), distance)
-        self.law_forces()
+        if self.surfaces is None:
+            self.law_forces()
+        else:
+            self.surface_forces(time, np.angle(line), np.angle(q), distance)
         self.line, self.distance, self.out, power = line, distance, q / rho, 0.0
         push, back = self.force_inner / distance * line, self.force_outer / rho * q
         if self.surfaces is not None:

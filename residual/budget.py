@@ -90,7 +90,8 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
     """
     operation = record.operation
     contacts = record.contacts
-    force = law_force(law, contacts.inner, closing_speed)
+    force = law_force(law, contacts.inner, closing_speed, contacts.inner_compliance)
+    contacts = contacts.under(force)
     law_push = contact_resultant(contacts, force)
     errors = error_forces(operation, acceleration_x, acceleration_y, *law_push)
     if record.inner_force is None:

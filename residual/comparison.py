@@ -79,7 +79,8 @@ def rank_laws(record: Record, budget: Budget, identified: dict[str, Identificati
     run_force = None if record.inner_force is None else record.inner_force[late]
     scores = []
     for name, law in laws.items():
-        force = law_force(law, budget.contacts.inner, budget.closing_speed)
+        contacts = budget.contacts
+        force = law_force(law, contacts.inner, budget.closing_speed, contacts.inner_compliance)
         pushes = contact_resultant(budget.contacts, force)
         contact_rms = None
         if run_force is not None and np.any(run_force > 0.0):

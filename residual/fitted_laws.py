@@ -7,6 +7,7 @@ import numpy as np
 from lagrange.laws import PowerLaw
 from lagrange.motion import damped
 from lagrange.raceway_laws import LogarithmicLaw
+from lagrange.softened import softened
 
 FIXED_POINT_STEPS = 60  # gain 0.5: round-off
 
@@ -57,11 +58,11 @@ class DampedLaw:
 Law = PowerLaw | LogarithmicLaw | DampedLaw
 
 
-def law_force(law: Law, approach, closing_speed) -> np.ndarray:
-    """Contact forces, N, (..., n_rollers), at approaches, m, that grow at a speed, m/s."""
+def law_force(law: Law, approach, closing_speed, compliance=0.0) -> np.ndarray:
+    """Contact forces, N, (..., n_rollers), at approaches, m, that grow at a speed, m/s; `compliance` of edges, m/N."""
     if isinstance(law, DampedLaw):
-        return damped(law.spring.force(approach), closing_speed, law.damping)
-    return law.force(approach)
+        return damped(softened(law.spring, compliance).force(approach), closing_speed, law.damping)
+    return softened(law, compliance).force(approach)
 
 
 def neighbours(force) -> np.ndarray:

@@ -6,7 +6,16 @@ import numpy as np
 
 from lagrange.messages import shown
 from lagrange.scene import Scene, SceneError, parse_scene_text
-from lagrange.stored import SIGNATURE, Damaged, check_array, has, read_numbers, read_scene_text, refusal_in_child
+from lagrange.stored import (
+    SIGNATURE,
+    Damaged,
+    check_array,
+    has,
+    read_numbers,
+    read_scene_files,
+    read_scene_text,
+    refusal_in_child,
+)
 from residual.errors import InputError
 from residual.record import FEWEST_SAMPLES, Record, StatedError, checked
 
@@ -16,7 +25,7 @@ READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at lea
 READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times its size
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
-SPIN = "roller_spin"  # tells how far rollers have turned
+TURN = "roller_turn"  # of rollers, whose place at a time it tells
 MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
 ATTRIBUTES = (
     "scene", "committed_samples", "format_version", "program", "program_version", "status", "warnings", "mesh_nodes",
@@ -78,7 +87,7 @@ def _from_file(path: Path, file) -> Record:
         raise InputError(
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
         )
-    scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene")
+    scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene", read_scene_files(file))
     promised = (*MOTION, *OPTIONAL, *ENERGIES) if attributes.get("program") == SOLVER else MOTION
     missing = [name for name in promised if not has(file, name)]
     if missing:
@@ -88,12 +97,9 @@ def _from_file(path: Path, file) -> Record:
         raise InputError(f"{path}: committed_samples = {n!r} must be a whole number >= 0; the file is damaged")
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
-    names = [name for name in (*MOTION, *OPTIONAL, *ENERGIES) if has(file, name)]
+    names = [name for name in (*MOTION, *OPTIONAL, *ENERGIES, TURN) if has(file, name)]
     _check_size(path, file, names, n, scene)
     arrays = {name: read_numbers(file, name, n) for name in names}
-    if has(file, SPIN):
-        _check_size(path, file, [SPIN], n, scene)
-        arrays["roller_turn"] = _turned(arrays["time"], read_numbers(file, SPIN, n))
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
     energies = {name: arrays.pop(name) for name in ENERGIES if name in arrays}
     status = attributes.setdefault("status", "unknown")
@@ -106,12 +112,6 @@ def _from_file(path: Path, file) -> Record:
         name=shown(path.stem), source=path, scene=scene, energies=energies, attributes=attributes,
         stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **arrays,
     )  # fmt: skip
-
-
-def _turned(time: np.ndarray, spin: np.ndarray) -> np.ndarray:
-    """How far rollers have turned, rad, by their spins, rad/s; from 0 at t = 0, by the trapezoidal rule."""
-    steps = 0.5 * np.diff(time)[:, None] * (spin[1:] + spin[:-1])
-    return time[0] * spin[:1] + np.concatenate([np.zeros_like(spin[:1]), steps.cumsum(axis=0)])
 
 
 def _stated_errors(file) -> tuple[StatedError, ...]:

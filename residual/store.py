@@ -104,6 +104,7 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None, search:
     from residual.fault_figures import fault_figures
     from residual.motion_figures import motion_figures
     from residual.paper_figures import paper_figures
+    from residual.passage_figures import passage_figures
     from residual.plotting import STYLE
     from residual.quasistatic import quasi_static
     from residual.report import render_report
@@ -115,7 +116,7 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None, search:
         figures = {
             "paper": paper_figures(evaluation, folder),
             "motion": motion_figures(evaluation, statics, folder),
-            "vibration": vibration_figures(evaluation, folder),
+            "vibration": [*vibration_figures(evaluation, folder), *passage_figures(evaluation, folder)],
             "search": [] if search is None else fault_figures(search, folder),
             "budget": budget_figures(evaluation, folder),
         }

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.height_table import delimiter_of
 from lagrange.messages import shown
 from lagrange.scene import Scene
 from lagrange.scene_columns import Columns, per_roller
@@ -51,7 +52,7 @@ def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
         with path.open(encoding="utf-8-sig", newline="") as file:
             lines = (line for line in _lines(path, file) if line.strip() and not line.startswith("#"))
             first = next(lines, "")
-            delimiter = _delimiter(first)
+            delimiter = delimiter_of(first)
             header = [name.strip() for name in next(csv.reader([first], delimiter=delimiter), [])]
             found = _columns_found(path, header, columns, scene.bearing.rollers)
             if columns.decimal == ",":
@@ -114,11 +115,6 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
         if "inner_traction" not in arrays:
             notes.append("the table tells no tangential forces: the budget has no friction term")
     return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **arrays))
-
-
-def _delimiter(header: str) -> str:
-    """Recognise the delimiter: tab or semicolon where the header has one, else comma."""
-    return next((character for character in "\t;" if character in header), ",")
 
 
 def _columns_found(

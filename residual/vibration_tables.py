@@ -1,6 +1,7 @@
 """Rows and sentences about the hub's vibration, for the report."""
 
-from lagrange.faults import Fault, Spall, Waviness
+from lagrange.faults import Fault, MeasuredSurface, Spall, Waviness
+from lagrange.messages import shown
 from residual.evaluation import Evaluation
 from residual.vibration import ENVELOPE_FROM, STANDS_OUT, FaultLine
 from residual.words import text
@@ -78,6 +79,8 @@ def _named(fault: Fault) -> str:
         return f"a spall {text(1e3 * fault.width)} mm wide on {place}"
     if isinstance(fault, Waviness):
         return f"waves of order {fault.order} and {text(1e6 * fault.amplitude)} µm on {place}"
+    if isinstance(fault, MeasuredSurface):
+        return f"measured heights ({shown(fault.file)}) on {place}"
     return f"{place} larger by {text(1e6 * fault.diameter_deviation)} µm"
 
 

@@ -122,7 +122,7 @@ def test_a_power_cut_leaves_a_sound_file_whichever_sectors_had_reached_the_disk(
 
 def test_the_counter_is_not_torn(plan, tmp_path):
     """Eight aligned bytes: within one sector, and one page."""
-    places = create(tmp_path / "run.nc", ROLLERS, 41, {})
+    places = create(tmp_path / "run.nc", ROLLERS, 41, {}, VARIABLES)
     assert places.committed % 8 == 0
     with h5py.File(tmp_path / "run.nc") as file:
         assert file.attrs["committed_samples"] == MARK and np.all(np.isnan(file["time"]))

@@ -5,11 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.contacts.patch import disc_patch_traction, ring_patch_traction
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.state import INNER, OUTER, ROLLER
+from fem.kernels.simd import WIDTH
+from fem.kernels.state import INNER, OUTER, ROLLER, Shear
 from tests.reference.bearings import copies, model, paper
-from tests.reference.compiled import creep_traction, find_slips, press_contacts, push_surfaces, rub_contacts
+from tests.reference.compiled import (
+    creep_traction,
+    find_slips,
+    press_contacts,
+    push_surfaces,
+    rub_contacts,
+    spring_energy,
+    stretch_spring,
+)
 from tests.reference.contact_states import (
     DT,
     cartesian_resultant,
@@ -85,14 +95,14 @@ def with_friction(state, **changes):
 
 
 def rub(state):
-    """Friction at a copy; returns it, slips before and after, and the dissipated energy, J."""
+    """Friction at a copy; returns it, slips before and after, and the energy it takes, J."""
     state = copies(state)
     find_slips(state, state.bodies.rollers.turn_kick, state.contacts.friction.slip)
     before = state.contacts.friction.slip.copy()
-    dissipated = rub_contacts(state)
+    taken = rub_contacts(state)
     after = np.zeros_like(before)
     find_slips(state, state.bodies.rollers.turn_kick, after)
-    return state, before, after, dissipated
+    return state, before, after, taken
 
 
 def test_slip_is_the_sideways_speed_of_the_material():
@@ -136,11 +146,94 @@ def press_keeping_velocities(state):
     return pressed
 
 
-def test_tractions_are_on_carters_curve_at_the_slip_they_leave():
+def stretched_state():
+    """Springs of closed contacts stretched at random, up to what sliding stretches them by, and being stretched."""
+    state, rng = rubbing_state(), np.random.default_rng(3)
+    shear, force = state.contacts.friction.shear, state.contacts.forces.force
+    shear.compliance[:] = 1e-9 * rng.uniform(1.0, 4.0, force.shape)
+    shear.stretch[:] = 0.1 * force * shear.compliance * rng.uniform(-1.0, 1.0, force.shape)
+    shear.gained[:] = 0.1 * shear.stretch * rng.uniform(-1.0, 1.0, force.shape)
+    return state
+
+
+def missing_shear(state, kind, force):
+    level, law = state.contacts.friction.shear.level[kind], [pair.law for group in state.groups for pair in group][kind]
+    return law.A * (level - 0.5 * np.log(force))
+
+
+def test_springs_and_creep_are_in_series():
+    state = stretched_state()
+    rubbed, _, after, _ = rub(state)
+    forces, friction, shear = rubbed.contacts.forces.force, rubbed.contacts.friction, rubbed.contacts.friction.shear
+    assert np.any(friction.traction * state.contacts.friction.shear.stretch > 0.0), "one pulls with the slip"
+    for kind, j in np.argwhere(forces > 0.0):
+        Q, before = forces[kind, j], state.contacts.friction.shear
+        soft = missing_shear(state, kind, Q)
+        assert shear.compliance[kind, j] == pytest.approx(soft, rel=1e-12)
+        kept = min(1.0, soft / before.compliance[kind, j])  # the stretch, or the force if that has grown
+        stretch, last = kept * before.stretch[kind, j], kept * before.gained[kind, j]
+        gained, pull = shear.gained[kind, j], -friction.traction[kind, j] * soft
+        if abs(friction.traction[kind, j]) < 0.1 * Q:
+            assert shear.stretch[kind, j] == pytest.approx(stretch + gained, rel=1e-9)
+            assert pull == pytest.approx(stretch + 0.25 * (gained - last), rel=1e-9, abs=1e-9 * soft * Q)
+        else:
+            assert shear.stretch[kind, j] == pytest.approx(pull, rel=1e-12)
+            assert gained == 0.0
+            assert abs(friction.traction[kind, j]) <= 0.1 * Q * (1.0 + 1e-15)
+        creep = after[kind, j] - gained / DT
+        assert creep * friction.traction[kind, j] <= 0.0
+    open_ones = forces <= 0.0
+    assert np.all(shear.stretch[open_ones] == 0.0)
+    assert np.all(shear.gained[open_ones] == 0.0)
+
+
+def test_a_mass_on_a_spring_that_sticks_vibrates_without_loss_and_with_newmarks_period():
+    """tan(ω̂ dt/2) = ω dt/2 (Newmark 1959, quarter)."""
+    mass, soft, periods = 2e-3, 2e-9, 5
+    omega = np.sqrt(1.0 / (mass * soft))
+    for per_period in (10, 40):
+        dt = 2.0 * np.pi / omega / per_period
+        shear, room = Shear(np.zeros(1), *(np.zeros((1, WIDTH)) for _ in range(3))), np.zeros((1, 1))
+        shear.compliance[:] = soft
+        place, velocity, places, totals = 0.0, 1.0, [], []
+        shear.gained[:] = dt * velocity
+        for _ in range(periods * per_period):
+            due = (shear.gained[0, 0] - 4.0 * shear.stretch[0, 0]) / dt
+            traction, creep = creep_traction(velocity - due, 1e12, 1e-3, dt / mass + 4.0 * soft / dt)
+            last, velocity = velocity, velocity - dt / mass * traction
+            stretch_spring(shear, traction, 1e12, creep, velocity)
+            room[0, 0] = -traction
+            totals.append(0.5 * mass * last * velocity + spring_energy(shear, room, 1))
+            places.append(place)
+            place += dt * velocity
+        turned = 2.0 * np.arctan(0.5 * omega * dt) * np.arange(len(places))
+        amplitude = places[1] / np.sin(turned[1])
+        np.testing.assert_allclose(places, amplitude * np.sin(turned), rtol=0.0, atol=1e-8 * amplitude)
+        assert np.ptp(totals) < 1e-9 * totals[0]
+
+
+def test_a_contact_dragged_along_is_stretched_until_it_slides_steadily_and_then_springs_back():
+    soft, limit, dt, speed = 2e-9, 60.0, 1e-7, 0.1
+    shear, tractions = Shear(np.zeros(1), *(np.zeros((1, WIDTH)) for _ in range(3))), []
+    shear.compliance[:] = soft
+    for step in range(60):
+        velocity = speed if step < 40 else -speed
+        due = (shear.gained[0, 0] - 4.0 * shear.stretch[0, 0]) / dt
+        traction, creep = creep_traction(velocity - due, limit, 1e-4, 4.0 * soft / dt)
+        stretch_spring(shear, traction, limit, creep, velocity)
+        tractions.append(traction)
+    elastic = speed * dt / soft  # 5 N a step: 12 steps up to the limit
+    np.testing.assert_allclose(tractions[2:11], elastic * np.arange(2, 11), rtol=0.05)
+    assert np.all(np.array(tractions[14:40]) == limit), "and does not swing from step to step"
+    np.testing.assert_allclose(tractions[41:46], limit - elastic * np.arange(1, 6), atol=elastic)
+
+
+def test_tractions_are_on_carters_curve_at_the_creep_they_leave():
     state = rubbing_state()
-    rubbed, before, after, dissipated = rub(state)
+    rubbed, before, after, _ = rub(state)
     contacts, rollers = rubbed.contacts, rubbed.bodies.rollers
     tractions, closed = contacts.friction.traction, contacts.forces.force > 0.0
+    creep = after - contacts.friction.shear.gained / DT
     laws = [pair.law for group in rubbed.groups for pair in group]
     assert closed.sum() > 8
     pitch = 0.028 - 0.005
@@ -152,15 +245,21 @@ def test_tractions_are_on_carters_curve_at_the_slip_they_leave():
             orbit = (rollers.velocity[1, j] * n[0] - rollers.velocity[0, j] * n[1]) / pitch
             rolling = abs(rollers.spin[j] - orbit) * rollers.radius
         full = max(0.1 * np.sqrt(laws[kind].half_width_factor * Q) * laws[kind].curvature * rolling, 1e-4)
-        share = min(abs(after[kind, j]) / full, 1.0)
+        share = min(abs(creep[kind, j]) / full, 1.0)
         assert abs(traction) == pytest.approx(0.1 * Q * (1.0 - (1.0 - share) ** 2), rel=1e-6)
         assert abs(traction) <= 0.1 * Q * (1.0 + 1e-15)
         assert traction * before[kind, j] < 0.0
         assert before[kind, j] * after[kind, j] >= 0.0
+        assert before[kind, j] * creep[kind, j] >= 0.0
     assert np.all(tractions[~closed] == 0.0)
+
+
+@pytest.mark.parametrize("make", [rubbing_state, stretched_state])
+def test_what_tractions_take_is_the_bodies_loss(make):
+    rubbed, before, after, taken = rub(make())
+    tractions, closed = rubbed.contacts.friction.traction, rubbed.contacts.forces.force > 0.0
     mean = 0.5 * (before + after)
-    assert dissipated == pytest.approx(-np.sum((tractions * mean)[closed]) * DT, rel=1e-9)
-    assert dissipated > 0.0
+    assert taken == pytest.approx(-np.sum((tractions * mean)[closed]) * DT, rel=1e-9)
 
 
 def test_a_coarse_rollers_contacts_are_solved_in_turn_only_while_rollers_touch():
@@ -180,7 +279,42 @@ def test_a_coarse_rollers_contacts_are_solved_in_turn_only_while_rollers_touch()
     assert np.any(rubbing_state(mesh_size=2e-3).contacts.forces.force[ROLLER] > 0.0)
     np.testing.assert_array_equal(tractions(True, WHERE_ROLLERS_TOUCH), tractions(True, ALWAYS))
     np.testing.assert_array_equal(tractions(False, WHERE_ROLLERS_TOUCH), tractions(False, None))
-    assert np.abs(tractions(True, ALWAYS) - tractions(True, None)).max() > 0.1
+    assert np.abs(tractions(True, ALWAYS) - tractions(True, None)).max() > 1e-5  # springs let it be little
+
+
+def test_tractions_push_the_nodes_that_the_springs_are_calibrated_with():
+    state = rubbing_state()
+    rubbed, *_ = rub(state)
+    whole, traction, patches = model(paper(), 1e-3), rubbed.contacts.friction.traction, rubbed.contacts.patches
+    scale = np.abs(traction).sum()
+
+    def gained(name):
+        return getattr(rubbed.bodies, name).w - getattr(state.bodies, name).w
+
+    for body, kind, turn in ((whole.inner_ring, INNER, rubbed.drive.frame[0]), (whole.outer_ring, OUTER, 0.0)):
+        angle = np.arctan2(*patches.normal[kind, ::-1, :13]) - turn
+        wanted = -sum(T * ring_patch_traction(body, a) for T, a in zip(traction[kind, :13], angle, strict=True))
+        name = "inner" if kind == INNER else "outer"
+        found = gained(name)[:, :, HALO:-HALO] * (body.row_mass / DT)[:, None, None]
+        np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-8 * scale)
+    wanted = np.zeros((13, 2 * whole.roller.n_nodes))
+    for kind in (INNER, OUTER, ROLLER):
+        for j in np.flatnonzero(rubbed.contacts.forces.force[kind, :13]):
+            i = (j + 1) % 13 if kind == ROLLER else j
+            around = -traction[kind, j] * (-1.0 if kind == OUTER else 1.0)
+            wanted[i] += around * disc_patch_traction(whole.roller, np.arctan2(*patches.outward[2 * kind + 1, ::-1, j]))
+            if kind == ROLLER:
+                wanted[j] += around * disc_patch_traction(whole.roller, np.arctan2(*patches.outward[4, ::-1, j]))
+    found = roller_field(rubbed, gained("disc")) * rubbed.bodies.disc.mass[:, None, None] / DT
+    np.testing.assert_allclose(np.moveaxis(found, 2, 0).reshape(13, -1), wanted, rtol=0.0, atol=1e-8 * scale)
+
+
+def test_a_spring_without_a_compliance_is_refused():
+    state = rubbing_state()
+    state.check()
+    state.contacts.friction.shear.compliance[OUTER, 2] = 0.0
+    with pytest.raises(ValueError, match="without a compliance"):
+        state.check()
 
 
 def test_friction_is_action_and_reaction_with_the_raceways_arm():

@@ -8,10 +8,11 @@ from numba import njit
 from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
-from fem.contacts.patch import disc_patch_force, patch, ring_patch_force
-from fem.contacts.subgrid import disc_surface_compliance, ring_surface_compliance
+from fem.contacts.patch import disc_patch_force, disc_patch_traction, patch, ring_patch_force, ring_patch_traction
+from fem.contacts.subgrid import disc_surface_compliance, rigid_surface, ring_surface_compliance, shear_level
 from fem.elastic.bodies import disc_body
 from fem.elastic.continuum import ring_hertz_approach
+from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
 from fem.kernels.jit import OPTIONS
 from fem.kernels.law import STEEPEST, contact_force, ripple_at
 from fem.kernels.patches import N_NODES, ONE, weights
@@ -80,6 +81,52 @@ def test_a_held_ring_has_the_exact_approach_at_every_position(held_inside, scale
         exact = ring_hertz_approach(loaded, held, STEEL, law.pair.half_width(force)) / LENGTH
         # b differs fourfold from the calibration's; O(b/R)
         assert grid * force + law.approach(force) == pytest.approx(exact * force, rel=1e-3)
+
+
+def missing_shear(surface, radius, force):
+    """What the mesh lacks of a contact's tangential compliance, m/N, against a rigid plane."""
+    pair = law_on_rigid(surface, radius).pair
+    return surface.unit * (shear_level(surface, rigid_surface(1.0), pair) - 0.5 * np.log(force)), pair.half_width(force)
+
+
+@pytest.mark.parametrize("layers", [3, 5, 10])
+def test_a_disc_that_sticks_has_the_exact_tangential_compliance_at_every_position(layers):
+    body = disc(RADIUS, layers)
+    surface = disc_surface_compliance(body, LENGTH, CALIBRATED_AT)
+    for force in (30.0, 628.0):
+        below, b = missing_shear(surface, RADIUS, force)
+        exact = disc_stick_approach(RADIUS, STEEL, b) / LENGTH
+        found = []
+        for position in np.array(POSITIONS) * layers / 5.0:
+            load = disc_patch_traction(body, 2.0 * np.pi * position / body.shape.surface_nodes)
+            found.append(float(load @ body.relaxed(load)) + below)
+        # the mesh is softer at some places than at others, which the level, a mean, does not follow
+        np.testing.assert_allclose(found, exact, rtol=0.012)
+        assert np.mean(found) == pytest.approx(exact, rel=5e-3)
+
+
+@pytest.mark.parametrize("held_inside", [True, False])
+def test_a_ring_that_sticks_has_the_exact_tangential_compliance_at_every_position(held_inside):
+    body = ring(0.0125, 0.018, 56, 3, True) if held_inside else ring(0.028, 0.0325, 88, 2, False)
+    loaded, held = (0.018, 0.0125) if held_inside else (0.028, 0.0325)
+    below, b = missing_shear(ring_surface_compliance(body, LENGTH, CALIBRATED_AT), loaded, 500.0)
+    exact = ring_stick_approach(loaded, held, STEEL, b) / LENGTH
+    for position in (0.0, 0.19, 0.5, 7.7, body.n_sectors - 0.4):
+        load = ring_patch_traction(body, 2.0 * np.pi * position / body.n_sectors)
+        assert np.vdot(load, body.held(load)) + below == pytest.approx(exact, rel=2e-3)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.234, -2.5])
+def test_a_patchs_traction_has_the_force_and_the_moment_of_one_on_the_circle(angle):
+    body, along = disc(RADIUS, 3), np.array([-np.sin(angle), np.cos(angle)])
+    load = disc_patch_traction(body, angle).reshape(-1, 2)
+    np.testing.assert_allclose(load.sum(axis=0), along, atol=1e-14)
+    moment = np.sum(body.points[:, 0] * load[:, 1] - body.points[:, 1] * load[:, 0])
+    assert moment == pytest.approx(RADIUS, rel=1e-12)
+    hoop = ring(0.0125, 0.018, 56, 3, True)
+    load = ring_patch_traction(hoop, angle)
+    np.testing.assert_allclose(hoop.cartesian(load).sum(axis=0), along, atol=1e-14)
+    assert load[:, 1].sum(axis=1) @ hoop.radii == pytest.approx(0.018, rel=1e-12)
 
 
 @pytest.mark.parametrize("factor", [0.5, 2.0])

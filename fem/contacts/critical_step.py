@@ -22,7 +22,7 @@ def critical_time_step(model: Model, largest_force: float) -> float:
 
     A spring k between two bodies is counted as 2k on each: k (a + b)² <= 2k a² + 2k b², so no coupled mode is
     faster than the fastest body. Where one of them is rigid, and moves with its whole mass, as LIGHT k on the other and
-    HEAVY k on itself, which is as true. Friction is implicit and does not count.
+    HEAVY k on itself, which is as true. Friction and its springs are implicit and do not count.
 
     Errors
     ------

@@ -22,6 +22,7 @@ class KernelData(NamedTuple):
     ripples: tuple[np.ndarray, ...]  # of the raceways and the rollers; empty without a law below the grid
     units: tuple[int, ...]  # of `fem.kernels.state.Patches`
     points: Points | None
+    shear_levels: tuple[float, ...] | None  # of `fem.kernels.state.Shear`, by kind; None: no tangential springs
     neighbourly: float  # surface nodes; contacts as near as that push nodes of each other's
     facet_depth: float  # m, by which both surfaces of a contact may lie below their circles
 

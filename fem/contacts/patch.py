@@ -39,6 +39,34 @@ def disc_patch_force(disc: DiscBody, angle: float) -> np.ndarray:
     return force.ravel()
 
 
+def _tangential(weight: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """Shares of a unit traction that the nodes of a patch carry, radial and counter-clockwise, (2, 6).
+
+    See `fem.kernels.surfaces`: exact for the force and for its moment.
+    """
+    c, s = np.cos(offset), np.sin(offset)
+    slope, scale = -weight @ s, 1.0 / (1.0 + weight @ c)
+    return weight * scale * np.stack([slope * c - s, 1.0 + c + slope * s])
+
+
+def ring_patch_traction(ring: RingBody, angle: float) -> np.ndarray:
+    """Nodal forces (n_rows, 2, n_sectors) of a unit traction counter-clockwise along the raceway at `angle`."""
+    nodes, weight, offset = patch(ring.n_sectors, angle)
+    force = np.zeros((ring.n_rows, 2, ring.n_sectors))
+    np.add.at(force[ring.raceway_row], (slice(None), nodes), _tangential(weight, offset))
+    return force
+
+
+def disc_patch_traction(disc: DiscBody, angle: float) -> np.ndarray:
+    """Nodal forces (2 n_nodes,) of a unit traction counter-clockwise along the surface at `angle`."""
+    nodes, weight, offset = patch(disc.shape.surface_nodes, angle)
+    radial, around = _tangential(weight, offset)
+    c, s = np.cos(angle - offset), np.sin(angle - offset)
+    force = np.zeros((disc.n_nodes, 2))
+    np.add.at(force, disc.first_surface_node + nodes, np.stack([radial * c - around * s, radial * s + around * c], 1))
+    return force.ravel()
+
+
 def patches(angle: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes of the patches around points at angles, (m,), and each node's share of each point, (m, n_angles)."""
     found = [patch(n_nodes, a) for a in angle]

@@ -151,6 +151,7 @@ class PointModel(Model):
             ripples=(np.zeros(0),) * 3,
             units=units,
             points=found,
+            shear_levels=None,
             neighbourly=N_NODES * len(units),
             facet_depth=float(np.abs(found.sagitta).sum(axis=1).max()),
         )

@@ -9,6 +9,10 @@ has the half-plane's dependence on b, and a B_i fixed so that finite elements pl
 continuum answer for that body: a free disc squeezed by two Hertz pressures, a ring held on its other circle. A mesh
 is softer at some places of its surface than at others (0.1 % between node and mid-edge, 1 % along a sextant of the
 disc), so B_i is a periodic function of the contact's position: a mean and a ripple, a spline over one period.
+
+Tangentially a contact that sticks gives way by as much as the normal one does for a little more force, A_i (B_i − ½ ln
+Q) with a B_i of its own. It is fixed in the same way, by a free disc and a held ring under one traction, but for its
+mean over positions alone.
 """
 
 from dataclasses import dataclass
@@ -21,10 +25,11 @@ from scipy import sparse
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.critical_step import EVENLY, LIGHT
 from fem.contacts.model import KernelData, Model, assembled_bodies, named
-from fem.contacts.patch import disc_patch_force, patch, ring_patch_force
+from fem.contacts.patch import disc_patch_force, disc_patch_traction, patch, ring_patch_force, ring_patch_traction
 from fem.contacts.reduction import Motion, Reduced, unloaded
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
+from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
 from fem.kernels.law import KNOTS_PER_NODE, ripple_at
 from fem.kernels.patches import ONE
 from fem.kernels.state import INNER, OUTER
@@ -33,6 +38,7 @@ from lagrange.pair import Pair, contact_pairs, line_compliance
 from meshes import bearing_shapes
 
 REFERENCE_HALF_WIDTH = 0.01  # of a roller's radius: calibrated there, the constants hold for any narrow contact
+PLACES_PER_NODE = 2  # about which a disc's answer to tractions is averaged
 NEIGHBOURLY = 3.5  # nodes; two patches so far apart share 1.5e-3 of what each has of itself (a B-spline of degree 11)
 
 
@@ -45,6 +51,7 @@ class SurfaceCompliance:
     unit: float  # A_i = 2/(π E'_i L), m/N
     ripple: np.ndarray  # (period · KNOTS_PER_NODE,), coefficients of A_i·B_i minus its mean, cubic B-spline, m/N
     spread: float  # peak to peak of what the ripple takes away, relative to the exact approach
+    missing_shear: float  # m/N, as `missing`, tangentially, of a contact that sticks
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,6 +61,7 @@ class SubgridModel(Model):
     roller_surface: SurfaceCompliance
     inner_surface: SurfaceCompliance
     outer_surface: SurfaceCompliance
+    shear_levels: tuple[float, float, float]  # by kind, of a compliance A (level − ½ ln Q)
 
     takes_profiles: ClassVar[bool] = True
 
@@ -69,11 +77,12 @@ class SubgridModel(Model):
         between = roller
         if bearing.roller.rigid:  # two of them need a compliance to meet with: their material's own
             between = unmeshed_disc(bearing.roller_radius, bearing.roller.elastic, thickness, half_width)
-        sides = (inner, roller), (outer, roller), (between, between)
+        met = list(zip(((inner, roller), (outer, roller), (between, between)), contact_pairs(bearing), strict=True))
         return cls(
             bearing=bearing,
             **bodies,
-            **named(contact_law(*side, pair) for side, pair in zip(sides, contact_pairs(bearing), strict=True)),
+            **named(contact_law(*sides, pair) for sides, pair in met),
+            shear_levels=tuple(shear_level(*sides, pair) for sides, pair in met),
             roller_surface=roller,
             inner_surface=inner,
             outer_surface=outer,
@@ -144,6 +153,7 @@ class SubgridModel(Model):
             ripples=tuple(each.ripple for each in (self.inner_surface, self.outer_surface, self.roller_surface)),
             units=ONE,
             points=None,
+            shear_levels=self.shear_levels,
             neighbourly=NEIGHBOURLY,
             facet_depth=0.0,
         )
@@ -181,10 +191,20 @@ class PatchResponses(Reduced):
 
 def contact_law(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair) -> ContactLaw:
     """Law of two calibrated surfaces, ripples apart."""
-    A = first.unit + second.unit
+    missing = first.missing + second.missing
+    return ContactLaw.of_level(first.unit + second.unit, _level(first, second, pair, missing), pair)
+
+
+def shear_level(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair) -> float:
+    """Level of what the mesh lacks of two surfaces' tangential compliance, A (level − ½ ln Q)."""
+    return _level(first, second, pair, first.missing_shear + second.missing_shear)
+
+
+def _level(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair, missing: float) -> float:
+    """Level of a compliance A (level − ½ ln Q) that is `missing`, m/N, at the surfaces' half-widths."""
     wide = 0.5 * log(pair.half_width_factor)
-    AB = sum(s.missing + s.unit * (log(s.half_width) - wide) for s in (first, second))
-    return ContactLaw.of_level(A, AB / A, pair)
+    AB = missing + sum(s.unit * (log(s.half_width) - wide) for s in (first, second))
+    return AB / (first.unit + second.unit)
 
 
 def ring_surface_compliance(ring: RingBody, thickness: float, half_width: float) -> SurfaceCompliance:
@@ -196,7 +216,10 @@ def ring_surface_compliance(ring: RingBody, thickness: float, half_width: float)
     found = np.einsum("rcsp,rcsp->p", loads, ring.held(loads))
     held = float(ring.radii[ring.held_row])
     exact = ring_hertz_approach(ring.raceway_radius, held, ring.material, half_width) / thickness
-    return _missing(exact, found, half_width, ring.material, thickness)
+    stuck = ring_stick_approach(ring.raceway_radius, held, ring.material, half_width) / thickness
+    loads = np.stack([ring_patch_traction(ring, angle) for angle in angles], axis=-1)
+    stuck -= np.einsum("rcsp,rcsp->p", loads, ring.held(loads)).mean()
+    return _missing(exact, found, stuck, half_width, line_compliance(ring.material, thickness))
 
 
 def disc_surface_compliance(disc: DiscBody, thickness: float, half_width: float) -> SurfaceCompliance:
@@ -207,7 +230,9 @@ def disc_surface_compliance(disc: DiscBody, thickness: float, half_width: float)
     angles = np.arange(nodes // disc.shape.repeats * KNOTS_PER_NODE) / KNOTS_PER_NODE * (2.0 * pi / nodes)
     found = np.concatenate([_squeezed(disc, some) for some in np.array_split(angles, 1 + angles.size // 512)])
     exact = disc_hertz_approach(disc.shape.radius, disc.material, half_width) / thickness
-    return _missing(exact, found, half_width, disc.material, thickness)
+    stuck = disc_stick_approach(disc.shape.radius, disc.material, half_width) / thickness
+    stuck -= _sheared(disc, angles[:: KNOTS_PER_NODE // PLACES_PER_NODE])
+    return _missing(exact, found, stuck, half_width, line_compliance(disc.material, thickness))
 
 
 def _squeezed(disc: DiscBody, angles: np.ndarray) -> np.ndarray:
@@ -217,24 +242,35 @@ def _squeezed(disc: DiscBody, angles: np.ndarray) -> np.ndarray:
     return np.einsum("np,np->p", near, disc.relaxed(near + far))
 
 
+def _sheared(disc: DiscBody, angles: np.ndarray) -> float:
+    """How far the mesh's surface goes along with one unit traction, mean over its places, m/N."""
+    found = 0.0
+    for some in np.array_split(angles, 1 + angles.size // 512):
+        loads = np.stack([disc_patch_traction(disc, angle) for angle in some], axis=-1)
+        found += float(np.vdot(loads, disc.relaxed(loads)))
+    return found / angles.size
+
+
 def rigid_surface(half_width: float) -> SurfaceCompliance:
     """The compliance of a body that does not give way."""
-    return SurfaceCompliance(missing=0.0, half_width=half_width, unit=0.0, ripple=np.zeros(KNOTS_PER_NODE), spread=0.0)
+    return _missing(0.0, np.zeros(KNOTS_PER_NODE), 0.0, half_width, 0.0)
 
 
 def unmeshed_disc(radius: float, material: Material, thickness: float, half_width: float) -> SurfaceCompliance:
     """The compliance of a disc without finite elements: all of the exact disc's under two opposite Hertz pressures."""
     exact = disc_hertz_approach(radius, material, half_width) / thickness
-    return _missing(exact, np.zeros(KNOTS_PER_NODE), half_width, material, thickness)
+    stuck = disc_stick_approach(radius, material, half_width) / thickness
+    return _missing(exact, np.zeros(KNOTS_PER_NODE), stuck, half_width, line_compliance(material, thickness))
 
 
-def _missing(exact: float, found: np.ndarray, half_width: float, material: Material, thickness: float):
+def _missing(exact: float, found: np.ndarray, stuck: float, half_width: float, unit: float) -> SurfaceCompliance:
     return SurfaceCompliance(
         missing=float(exact - found.mean()),
         half_width=half_width,
-        unit=line_compliance(material, thickness),
+        unit=unit,
         ripple=_spline_coefficients(found.mean() - found),
-        spread=float(np.ptp(found) / exact),
+        spread=float(np.ptp(found) / exact) if exact > 0.0 else 0.0,
+        missing_shear=float(stuck),
     )
 
 

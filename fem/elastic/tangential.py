@@ -4,7 +4,7 @@ The tangential half of `continuum`, with its conventions: displacement per unit 
 what the body does as a whole.
 """
 
-from math import log
+from math import log, pi
 
 import numpy as np
 
@@ -73,6 +73,23 @@ def ring_shear_approach(loaded_radius: float, held_radius: float, material: Mate
 
     convexity = 1.0 if loaded_radius > held_radius else -1.0
     return hertz_centre(compliance, loaded_radius, material, half_width, 1, convexity)
+
+
+def disc_stick_approach(radius: float, material: Material, half_width: float) -> float:
+    """Tangential displacement of a contact on a free disc that sticks all over, m per N/m.
+
+    The traction of a contact that sticks rises to its edges, 1/sqrt(b² − x²); under it a flat surface moves evenly, by
+    1/(π E') less than the centre under a semi-ellipse.
+
+    Source: Mindlin, J. Appl. Mech. 16 (1949) 259; Johnson, Contact Mechanics (1985), sections 2.8 and 7.2.
+    """
+    return disc_shear_approach(radius, material, half_width) - 1.0 / (pi * material.plane_strain_modulus)
+
+
+def ring_stick_approach(loaded_radius: float, held_radius: float, material: Material, half_width: float) -> float:
+    """As `disc_stick_approach`, of a ring held on its other circle."""
+    less = 1.0 / (pi * material.plane_strain_modulus)
+    return ring_shear_approach(loaded_radius, held_radius, material, half_width) - less
 
 
 def spinning_growth(radius: float, held_radius: float, material: Material, speed: float) -> float:

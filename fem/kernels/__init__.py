@@ -12,6 +12,7 @@ resolved_kernels                contacts as pressures on points, or penalty spri
 point_kernels, spread_kernels   one point on one surface; forces of points spread over patches
 facet_kernels                   polygons in place of circles
 friction_kernels                Carter's creep and Coulomb's limit; `friction_solution`: of all contacts together
+shear_kernels                   tangential springs of contacts, in series with creep
 sample_kernels                  what a stored sample holds
 reduced_loop                    the reduced model's steps; `reduced_contacts` its forces, `reduced_state` its arrays
 lagrangian_loop                 the Lagrangian model's; `lagrangian_forces` and `lagrangian_state` likewise

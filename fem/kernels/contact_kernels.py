@@ -137,7 +137,8 @@ def _press_raceway(raceway, rollers, disc, contacts, drive):
         nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
         bx, by = ring_c * nx + ring_s * ny, ring_c * ny - ring_s * nx
         out, sideways, rate, ripple, ripple_rate = read(raceway.surface, patches, side, group, 0, bx, by)
-        out, rate = lowered_ring(raceway.profile, sign, out, rate, bx, by)
+        motion = out, rate, ripple, ripple_rate
+        out, rate, ripple, ripple_rate = lowered_ring(raceway.profile, sign, motion, bx, by)
         out -= away_x * nx + away_y * ny
         sideways -= away_y * nx - away_x * ny
         c, s = load(rollers.cosine, group), load(rollers.sine, group)
@@ -145,7 +146,8 @@ def _press_raceway(raceway, rollers, disc, contacts, drive):
         out_r, sideways_r, rate_r, ripple_r, ripple_rate_r = read(
             disc, patches, side + 1, group, count_from(group), bx, by
         )
-        out_r, rate_r = lowered_rollers(raceway.roller_profiles, group, out_r, rate_r, bx, by)
+        motion = out_r, rate_r, ripple_r, ripple_rate_r
+        out_r, rate_r, ripple_r, ripple_rate_r = lowered_rollers(raceway.roller_profiles, group, motion, bx, by)
         Q, P = _press(raceway.law, forces, row, near, overlap + sign * out + out_r, ripple + ripple_r)
         _store_pair(patches.normal, side * columns + group, columns, nx, ny)
         _store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)

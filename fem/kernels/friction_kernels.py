@@ -7,6 +7,7 @@ what T dissipates is exactly what it takes from the bodies.
 from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger
+from fem.kernels.shear_kernels import let_go, spring_back, stretch
 from fem.kernels.simd import (
     WIDTH,
     any_lane,
@@ -132,6 +133,7 @@ def find_tractions(pair, rollers, disc, contacts, dt, some, again):
         if not any_lane(Q > 0.0):
             store(friction.traction, row, splat(0.0))
             store(friction.change, row, splat(0.0))
+            let_go(friction.shear, row)
             continue
         half_width = root(pair.law.half_width_factor * Q)
         rolling = _rolling_speed(pair, rollers, contacts, group)
@@ -146,7 +148,11 @@ def find_tractions(pair, rollers, disc, contacts, dt, some, again):
         if some != ALL:
             number = count_from(group + some)
             chosen = chosen & (number - whole(real(number) * 0.5) * 2 == 0)
-        T, left = creep_traction(found - taken * given, friction.coefficient * Q, full_slip, mobility)
+        free = found - taken * given
+        ahead, give = spring_back(friction.shear, contacts, pair, row, dt)
+        limit = friction.coefficient * Q
+        T, left = creep_traction(free - ahead, limit, full_slip, mobility + give)
+        left = stretch(friction.shear, row, chosen, T, limit, left, free - mobility * T)
         T = select(chosen, -T, select(Q > 0.0, given, 0.0))  # on side 1, along t
         store(friction.slip_left, row, select(chosen, left, found))
         store(friction.traction, row, T)

@@ -31,7 +31,7 @@ def slips_before(groups, rollers, disc, contacts, still):
 
 @part
 def friction_contacts(groups, rollers, disc, contacts, drive, overlapping, whole):
-    """Tractions of every contact and their impulses; returns the work they dissipate in this step, J.
+    """Tractions of every contact and their impulses; returns the work they take in this step, J: lost, or in springs.
 
     Each is implicit in its own patch's velocity. Where patches of neighbours overlap (on coarse meshes), each starts
     from its last value and every other one is solved for in turn (Gauss and Seidel): without neighbours' part sticking
@@ -46,10 +46,10 @@ def friction_contacts(groups, rollers, disc, contacts, drive, overlapping, whole
     else:
         _solve_at_once(groups, rollers, disc, contacts, drive, whole)
     friction = contacts.friction
-    dissipated = splat(0.0)
+    taken = splat(0.0)
     for at in range(0, friction.traction.size, WIDTH):
-        dissipated -= load(friction.traction, at) * (load(friction.slip, at) + load(friction.slip_left, at))
-    return 0.5 * drive.dt * total(dissipated)
+        taken -= load(friction.traction, at) * (load(friction.slip, at) + load(friction.slip_left, at))
+    return 0.5 * drive.dt * total(taken)
 
 
 @part

@@ -11,22 +11,48 @@ from fem.kernels.lagrangian_state import INNER, OUTER, PowerConstants
 from fem.kernels.lane_functions import exponential, larger, logarithm
 from fem.kernels.law import contact_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
-from fem.kernels.simd import WIDTH, count_from, load, root, select, splat, store, total
+from fem.kernels.simd import WIDTH, any_lane, count_from, load, magnitude, root, select, splat, store, total
 
 FARTHEST = 1e100  # m²: what is farther, or not a number, has no direction
+MOST_STEPS, SETTLED = 60, 1e-10  # of Newton's method, and of a depth: what is left is of its square
 
 
 @verb
-def spring_force(law, depth, guess):
-    """Forces of eight contacts, N, by δ = A Q (B − ½ ln Q); `depth`: m; `guess`: N, those a little earlier."""
-    return contact_force(depth, law.A, law.B, law.Q_line, guess)
+def spring_force(law, depth, guess, soft):
+    """Forces of eight contacts, N, by δ = A Q (B − ½ ln Q).
+
+    `depth`: m; `guess`: N, those a little earlier; `soft`: m/N, compliance of edges in series, or None.
+    """
+    if soft is None:
+        return contact_force(depth, law.A, law.B, law.Q_line, guess)
+    return contact_force(depth, law.A, law.B + soft * (1.0 / law.A), law.Q_line, guess)
 
 
 @spring_force.of(PowerConstants)
-def _power_force(law, depth, guess):
+def _power_force(law, depth, guess, soft):
     closed = depth > 0.0
-    force = law.stiffness * exponential(law.exponent * logarithm(select(closed, depth, 1.0)))
-    return select(closed, force, depth - depth)  # what is not a number stays so
+    own = select(closed, depth, 1.0)
+    if soft is not None:
+        own = _less_yielding(law, own, select(closed, soft, 0.0))
+    return select(closed, _power(law, own), depth - depth)  # what is not a number stays so
+
+
+@part
+def _power(law, depth):
+    return law.stiffness * exponential(law.exponent * logarithm(depth))
+
+
+@part
+def _less_yielding(law, depth, soft):
+    """Depths of eight closed contacts, m, less what a compliance in series takes of them: Newton's method."""
+    own = depth
+    for _ in range(MOST_STEPS):
+        force = _power(law, own)
+        step = (own + soft * force - depth) / (1.0 + soft * law.exponent * force / own)
+        own = larger(own - step, 0.1 * own)
+        if not any_lane(magnitude(step) > SETTLED * own):
+            break
+    return own
 
 
 @part
@@ -50,11 +76,10 @@ def accelerate(motion, bearing, dampers, time):
         inner_at = _direction(x - (c * hub[0, 0] + s * hub[0, 1]), y - (c * hub[0, 1] - s * hub[0, 0]), there)
         deep_i = select(there, bearing.reach - inner_at[0], -1.0)
         deep_o = select(there, outer_at[0] - bearing.track, -1.0)
-        deep_i, deep_o, ix, iy, ox, oy, closing = _on_surfaces(
-            bearing.surfaces, group, speeds, rolled, axes, (deep_i, *inner_at), (deep_o, *outer_at)
-        )
-        inner = spring_force(bearing.laws[INNER], deep_i, load(motion.force, group))
-        outer = spring_force(bearing.laws[OUTER], deep_o, load(motion.force, columns + group))
+        met_i, met_o = _met(bearing.surfaces, group, rolled, axes, inner_at, outer_at)
+        inner = _forces(bearing.laws[INNER], deep_i, load(motion.force, group), met_i)
+        outer = _forces(bearing.laws[OUTER], deep_o, load(motion.force, columns + group), met_o)
+        ix, iy, ox, oy, closing = _turned(met_i, met_o, inner, outer, speeds, inner_at, outer_at)
         store(motion.force, group, inner)
         store(motion.force, columns + group, outer)
         push_x -= inner * (c * ix - s * iy)
@@ -115,39 +140,68 @@ def _from_centre(first, x, y, there):
 
 
 @part
-def _on_surfaces(surfaces, group, speeds, rolled, axes, inner_at, outer_at):
-    """What surfaces that are not perfect circles change.
+def _met(surfaces, group, rolled, axes, inner_at, outer_at):
+    """What eight elements meet of surfaces that are not perfect circles.
 
     Parameters
     ----------
-    speeds : rad/s, against the own axes, of inner ring, elements and outer ring
     rolled : cosine and sine of how far the inner ring and the elements have turned
     axes : cosine and sine of the direction of the elements' first axes
-    inner_at, outer_at : overlap of the circles, m; distance from the hub, or the outer ring's centre, and direction
-        along the own axes
+    inner_at, outer_at : distance from the hub, or the outer ring's centre, and direction along the own axes
 
     Returns
     -------
-    overlaps less the sinkages, normals along the own axes, inner and outer, and the rates at which both contacts close
-    because surfaces pass, m/s
+    of the inner contacts and the outer ones, by ring and by element: minus the sinkage, m, minus its slope per rad, the
+    compliance of edges, m/N, and its slope; None on perfect circles
     """
-    inner, away, ix, iy = inner_at
-    outer, rho, ox, oy = outer_at
     if surfaces is None:
-        return inner, outer, ix, iy, ox, oy, (splat(0.0), splat(0.0))
+        return None, None
     rings, rollers = surfaces
+    _, ix, iy = inner_at
+    _, ox, oy = outer_at
     c, s = axes
     fx, fy, gx, gy = c * ix - s * iy, s * ix + c * iy, c * ox - s * oy, s * ox + c * oy  # along fixed axes
     rx, ry, wx, wy = rolled
-    zero = splat(0.0)
-    # the rates are minus the slopes, per rad
-    inner, ring_i = lowered_ring(rings[INNER], 1.0, inner, zero, rx * fx + ry * fy, rx * fy - ry * fx)
-    outer, ring_o = lowered_ring(rings[OUTER], 1.0, outer, zero, gx, gy)
-    inner, own_i = lowered_rollers(rollers[INNER], group, inner, zero, -(wx * fx + wy * fy), wy * fx - wx * fy)
-    outer, own_o = lowered_rollers(rollers[OUTER], group, outer, zero, wx * gx + wy * gy, wx * gy - wy * gx)
+    still = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    ring_i = lowered_ring(rings[INNER], 1.0, still, rx * fx + ry * fy, rx * fy - ry * fx)
+    ring_o = lowered_ring(rings[OUTER], 1.0, still, gx, gy)
+    own_i = lowered_rollers(rollers[INNER], group, still, -(wx * fx + wy * fy), wy * fx - wx * fy)
+    own_o = lowered_rollers(rollers[OUTER], group, still, wx * gx + wy * gy, wx * gy - wy * gx)
+    return (ring_i, own_i), (ring_o, own_o)
+
+
+@part
+def _forces(law, depth, guess, met):
+    """Forces of eight contacts, N, whose circles overlap by `depth`, m."""
+    if met is None:
+        return spring_force(law, depth, guess, None)
+    (sunk, _, soft, _), (own_sunk, _, own_soft, _) = met
+    return spring_force(law, depth + sunk + own_sunk, guess, soft + own_soft)
+
+
+@part
+def _turned(met_i, met_o, inner, outer, speeds, inner_at, outer_at):
+    """Normals along the own axes, inner and outer, and the rates at which contacts close because surfaces pass, m/s.
+
+    `inner`, `outer` : N, forces; `speeds` : rad/s, against the own axes, of inner ring, elements and outer ring
+    """
+    away, ix, iy = inner_at
+    rho, ox, oy = outer_at
+    if met_i is None:
+        return ix, iy, ox, oy, (splat(0.0), splat(0.0))
+    ring_i, own_i = _slopes(met_i, inner)
+    ring_o, own_o = _slopes(met_o, outer)
     tilt_i, tilt_o = (ring_i + own_i) / away, (ring_o + own_o) / rho
     closing = -(speeds[0] * ring_i + speeds[1] * own_i), -(speeds[2] * ring_o + speeds[1] * own_o)
-    return inner, outer, ix + tilt_i * iy, iy - tilt_i * ix, ox - tilt_o * oy, oy + tilt_o * ox, closing
+    return ix + tilt_i * iy, iy - tilt_i * ix, ox - tilt_o * oy, oy + tilt_o * ox, closing
+
+
+@part
+def _slopes(met, force):
+    """Minus the slopes of ring and element per rad, m, for contacts under a force, N."""
+    (_, slope, _, softening), (_, own_slope, _, own_softening) = met
+    half = 0.5 * force
+    return slope - half * softening, own_slope - half * own_softening
 
 
 @part

@@ -64,14 +64,22 @@ def _stiffness(law, force, approach):
 
 
 @part
-def _force(law, approach, guess):
+def _level(law, brackets, at):
+    """B of eight contacts."""
+    if brackets is None:
+        return splat(law.B)
+    return load(brackets, at)
+
+
+@part
+def _force(law, B, approach, guess):
     """Forces of eight approaches, N, and their stiffness, N/m, 0 of open contacts.
 
     From a good guess one step of third order, from any other `law.contact_force`.
     """
     known = guess > 0.0
     Q = select(known, guess, 1.0)
-    bracket = law.B - 0.5 * logarithm(Q)
+    bracket = B - 0.5 * logarithm(Q)
     relative = 1.0 / (law.A * Q * (bracket - 0.5))  # stiffness over force
     step = (approach - law.A * Q * bracket) * relative  # of the force, over it
     stiffness = relative * Q
@@ -80,7 +88,7 @@ def _force(law, approach, guess):
     found = select(known, Q + Q * step * (1.0 + 0.5 * bend), 0.0)
     stiffness = select(known, stiffness * (1.0 + bend), 0.0)
     if any_lane((known & rough) | ((guess <= 0.0) & (approach > 0.0))):
-        found = contact_force(approach, law.A, law.B, law.Q_line, guess)
+        found = contact_force(approach, law.A, B, law.Q_line, guess)
         stiffness = _stiffness(law, found, approach)
     return found, stiffness
 
@@ -121,8 +129,9 @@ def estimate_forces(bodies, compliance, forces, turn):
         first_o = out - compliance.track - across * guess_i - _felt(compliance, forces.guess, OUTER, width + at)
         first_i, first_o = _lowered(bodies, compliance, forces, group, turn, first_i, first_o, forces.slope)
         first_i, first_o = select(there, first_i, -1.0), select(there, first_o, -1.0)
-        Q_i, stiff_i = _force(inner, first_i, guess_i)
-        Q_o, stiff_o = _force(outer, first_o, guess_o)
+        B_i, B_o = _level(inner, forces.bracket_now, group), _level(outer, forces.bracket_now, columns + group)
+        Q_i, stiff_i = _force(inner, B_i, first_i, guess_i)
+        Q_o, stiff_o = _force(outer, B_o, first_o, guess_o)
         _store_pair(forces.first, group, columns, first_i, first_o)
         _store_pair(forces.estimate, group, columns, Q_i, Q_o)
         _store_pair(forces.stiffness, group, columns, stiff_i, stiff_o)
@@ -134,49 +143,52 @@ def estimate_forces(bodies, compliance, forces, turn):
 
 @part
 def _lowered(bodies, compliance, forces, group, turn, inner, outer, slope):
-    """Approaches of eight rollers on surfaces that are not perfect circles; their slopes are kept."""
+    """Approaches of eight rollers on surfaces that are not perfect circles; laws' brackets and slopes are kept."""
     if slope is None:
         return inner, outer
     columns = bodies.columns
     ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
     c, s = cos(turn), sin(turn)
-    none = splat(0.0)
-    out, rate = lowered_ring(compliance.ring_profiles[0], 1.0, none, none, c * ix + s * iy, c * iy - s * ix)
-    out_o, rate_o = lowered_ring(compliance.ring_profiles[1], 1.0, none, none, ox, oy)
+    still = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    ring = lowered_ring(compliance.ring_profiles[0], 1.0, still, c * ix + s * iy, c * iy - s * ix)
+    ring_o = lowered_ring(compliance.ring_profiles[1], 1.0, still, ox, oy)
     c, s = cosine_and_sine(load(bodies.turn, group))
-    own, own_rate = lowered_rollers(
-        compliance.roller_profiles[0], group, none, none, -(c * ix + s * iy), s * ix - c * iy
-    )
-    own_o, own_rate_o = lowered_rollers(
-        compliance.roller_profiles[1], group, none, none, c * ox + s * oy, c * oy - s * ox
-    )
-    _store_pair(slope, group, columns, rate + own_rate, own_rate)
-    _store_pair(slope, 2 * columns + group, columns, rate_o + own_rate_o, own_rate_o)
-    return inner + out + own, outer + out_o + own_o
+    own = lowered_rollers(compliance.roller_profiles[0], group, still, -(c * ix + s * iy), s * ix - c * iy)
+    own_o = lowered_rollers(compliance.roller_profiles[1], group, still, c * ox + s * oy, c * oy - s * ox)
+    _store_pair(slope, group, columns, ring[1] + own[1], own[1])
+    _store_pair(slope, 2 * columns + group, columns, ring_o[1] + own_o[1], own_o[1])
+    _store_pair(forces.softening, group, columns, ring[3] + own[3], own[3])
+    _store_pair(forces.softening, 2 * columns + group, columns, ring_o[3] + own_o[3], own_o[3])
+    B_i = compliance.inner.B + (ring[2] + own[2]) * (1.0 / compliance.inner.A)
+    B_o = compliance.outer.B + (ring_o[2] + own_o[2]) * (1.0 / compliance.outer.A)
+    _store_pair(forces.bracket_now, group, columns, B_i, B_o)
+    return inner + ring[0] + own[0], outer + ring_o[0] + own_o[0]
 
 
 @part
-def _with_slopes(bodies, forces, drive, group, P_i, P_o, T_i, T_o, slope):
+def _with_slopes(bodies, forces, drive, group, P, Q, T, slope):
     """Forces of eight rollers along +θ in both contacts, N, with what slopes of surfaces add; these turn rollers too.
 
-    Nine arguments: registers of both contacts.
+    Pairs, inner and outer: what a kick gives, forces, tractions.
     """
     if slope is None:
-        return T_i, T_o
-    columns = bodies.columns
+        return T
+    columns, soft = bodies.columns, forces.softening
     x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
     out = x * load(forces.normal, 2 * columns + group) + y * load(forces.normal, 3 * columns + group)
     x, y = x - bodies.hub[0], y - bodies.hub[1]
     away = x * load(forces.normal, group) + y * load(forces.normal, columns + group)
     there = count_from(group) < bodies.n
     out, away = select(there, out, 1.0), select(there, away, 1.0)
-    both, own = load(slope, group), load(slope, columns + group)
-    both_o, own_o = load(slope, 2 * columns + group), load(slope, 3 * columns + group)
-    drive.sums[1] -= drive.speed * drive.dt * total(P_i * (both - own))
-    moment = P_i * own + P_o * own_o
-    store(bodies.spin, group, load(bodies.spin, group) + moment * (drive.dt / bodies.inertia))
-    return T_i - P_i * both / away, T_o - P_o * both_o / out
+    half, half_o = 0.5 * Q[0] * Q[0], 0.5 * Q[1] * Q[1]
+    both = P[0] * load(slope, group) - half * load(soft, group)
+    own = P[0] * load(slope, columns + group) - half * load(soft, columns + group)
+    both_o = P[1] * load(slope, 2 * columns + group) - half_o * load(soft, 2 * columns + group)
+    own_o = P[1] * load(slope, 3 * columns + group) - half_o * load(soft, 3 * columns + group)
+    drive.sums[1] -= drive.speed * drive.dt * total(both - own)
+    store(bodies.spin, group, load(bodies.spin, group) + (own + own_o) * (drive.dt / bodies.inertia))
+    return T[0] - both / away, T[1] - both_o / out
 
 
 @part
@@ -239,11 +251,12 @@ def kick(bodies, compliance, forces, drive, before):
         Q_i, Q_o = select(Q_i > 0.0, larger(Q_i + more_i, 0.0), 0.0), select(Q_o > 0.0, larger(Q_o + more_o, 0.0), 0.0)
         P_i = _kicked(compliance.inner, forces, group, ahead_i - across * more_o, Q_i, there)
         P_o = _kicked(compliance.outer, forces, columns + group, ahead_o - across * more_i, Q_o, there)
+        _keep_brackets(forces, group, columns, forces.bracket)
         T_i, T_o = splat(0.0), splat(0.0)
         if drive.friction > 0.0:
             T_i, T_o = _tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)
         store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
-        T_i, T_o = _with_slopes(bodies, forces, drive, group, P_i, P_o, T_i, T_o, forces.slope)
+        T_i, T_o = _with_slopes(bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o), (T_i, T_o), forces.slope)
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         hub_x -= select(there, fx, 0.0)
         hub_y -= select(there, fy, 0.0)
@@ -263,15 +276,25 @@ def _kicked(law, forces, at, ahead, Q, there):
     """What a kick gives of eight contacts' forces, N, whose approach is so far ahead, m: see `law.kick_force`."""
     approach = load(forces.first, at) + ahead
     approach = select(Q > 0.0, larger(approach, 1e-30), select(approach > 0.0, 0.0, approach))
+    B_before, B = _level(law, forces.bracket, at), _level(law, forces.bracket_now, at)
     P, residual = kick_force(
-        load(forces.approach, at), load(forces.force, at), law.B, load(forces.kick, at), load(forces.residual, at),
-        approach, Q, law.B, law.A, law.Q_line,
+        load(forces.approach, at), load(forces.force, at), B_before, load(forces.kick, at), load(forces.residual, at),
+        approach, Q, B, law.A, law.Q_line,
     )  # fmt: skip
     P = select(there, P, 0.0)
     store(forces.approach, at, select(there, approach, np.nan))
     store(forces.kick, at, P)
     store(forces.residual, at, residual)
     return P
+
+
+@part
+def _keep_brackets(forces, group, columns, brackets):
+    """The laws' B of eight rollers' contacts are now those of the last kick."""
+    if brackets is not None:
+        _store_pair(
+            brackets, group, columns, load(forces.bracket_now, group), load(forces.bracket_now, columns + group)
+        )
 
 
 @part

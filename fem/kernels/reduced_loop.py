@@ -148,9 +148,9 @@ def _write_energies(bodies, compliance, forces, drive, before, out, radial_load)
         pulled += 2.0 * mass * drive.gravity * before.acceleration[1, j]
         kinetic += bodies.inertia * before.spin[j] * bodies.spin[j]
         height += mass * bodies.centre[1, j]
-        stored += _stored(compliance.inner, compliance, forces, INNER, j)
-        stored += _stored(compliance.outer, compliance, forces, OUTER, j)
-        stored += _stored(compliance.between, compliance, forces, NEXT, j)
+        stored += _stored(compliance.inner, compliance, forces, INNER, j, forces.bracket)
+        stored += _stored(compliance.outer, compliance, forces, OUTER, j, forces.bracket)
+        stored += _stored(compliance.between, compliance, forces, NEXT, j, None)
         stored += compliance.across * forces.force[INNER, j] * forces.force[OUTER, j]
         stored += _curved(bodies, forces, drive, before, INNER, j) + _curved(bodies, forces, drive, before, OUTER, j)
         for row in range(2):
@@ -167,9 +167,11 @@ def _write_energies(bodies, compliance, forces, drive, before, out, radial_load)
 
 
 @part
-def _stored(law, compliance, forces, row, j):
+def _stored(law, compliance, forces, row, j, brackets):
     """Energy of one contact's own law, J, and of its traction."""
-    T = forces.traction[row, j]
+    T, B = forces.traction[row, j], law.B
     if forces.force[row, j] == 0.0:
         return 0.0
-    return contact_energy(forces.force[row, j], law.A, law.B, law.Q_line) + 0.5 * compliance.tangential[row] * T * T
+    if brackets is not None:
+        B = brackets[row, j]
+    return contact_energy(forces.force[row, j], law.A, B, law.Q_line) + 0.5 * compliance.tangential[row] * T * T

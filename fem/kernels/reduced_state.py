@@ -62,7 +62,12 @@ class ReducedForces(NamedTuple):
     estimate: np.ndarray  # (2, columns), N, its force; room
     stiffness: np.ndarray  # (2, columns), N/m; room
     normal: np.ndarray  # (2, 2, columns), outward; room
-    slope: np.ndarray | None  # (4, columns), m/rad, of approaches: inner, and the roller's share of it, outer; room
+    # of surfaces that are not perfect circles, or None: laws' B with the edges' compliance; slopes of approaches and of
+    # compliances along the inner raceway, the roller's share of that, the outer raceway, the roller's share
+    bracket: np.ndarray | None  # (2, columns), in the last kick
+    bracket_now: np.ndarray | None  # (2, columns); room
+    slope: np.ndarray | None  # (4, columns), m/rad; room
+    softening: np.ndarray | None  # (4, columns), m/N/rad; room
     halo: int
 
 

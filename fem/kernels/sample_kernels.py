@@ -13,6 +13,7 @@ from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_all_motion
 from fem.kernels.rigid_surfaces import turning_energy
 from fem.kernels.ring_kernels import HALO
+from fem.kernels.shear_kernels import spring_energy
 from fem.kernels.simd import WIDTH, load, splat
 from fem.kernels.simd import total as lane_total
 from fem.kernels.state import CONTACTS
@@ -96,7 +97,9 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     for row in range(friction.traction.shape[0]):
         for j in range(rollers.n):
             rubbed -= friction.traction[row, j] * friction.slip[row, j]
-    out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed
+    stored = spring_energy(friction.shear, friction.traction, rollers.n)
+    out[CONTACT] += stored
+    out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed - stored
     n = rollers.n
     for j in range(n):
         at = N_SCALARS + j

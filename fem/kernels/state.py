@@ -132,10 +132,18 @@ class Law(NamedTuple):
     curvature: float  # 1/R, 1/m
 
 
-class RollerProfiles(NamedTuple):
-    """Sinkages of the rollers' contacts with one raceway by angle on the roller: periodic cubic B-splines."""
+class RingProfile(NamedTuple):
+    """What contacts meet by angle on a ring: periodic cubic B-splines."""
 
-    coefficients: np.ndarray  # (n_rows, n_knots), m
+    sinkage: np.ndarray  # (n_knots,), m
+    compliance: np.ndarray  # (n_knots,), m/N, of edges
+
+
+class RollerProfiles(NamedTuple):
+    """The same of the rollers' contacts with one raceway by angle on the roller."""
+
+    sinkage: np.ndarray  # (n_rows, n_knots), m
+    compliance: np.ndarray  # (n_rows, n_knots), m/N
     first: np.ndarray  # (columns,), place of each roller's row
 
 
@@ -153,7 +161,7 @@ class Raceway(NamedTuple):
     frame: np.ndarray  # (3,), turn, cosine, sine
     impulse: np.ndarray  # (2,), N s, of this step on the ring as a whole
     moment: np.ndarray  # (2,), of this step: on the frame, N m, held by the drive; on nodes about the origin, N m s
-    profile: np.ndarray | None  # (n_knots,), m, sinkage by angle on the ring, a spline; None: a perfect circle
+    profile: RingProfile | None  # None: a perfect circle
     roller_profiles: RollerProfiles | None  # None: perfect circles
 
 
@@ -193,6 +201,15 @@ class Patches(NamedTuple):
     units: tuple[int, ...]  # m entries: what nodes carry of a contact is kept for 6 m of them
 
 
+class Shear(NamedTuple):
+    """Tangential springs of contacts, by pair and roller: see `shear_kernels`."""
+
+    level: np.ndarray  # (3,), of what the mesh lacks of a contact's compliance over the law's A, less ½ ln Q
+    stretch: np.ndarray  # (3, columns), m, after this step, along the slip
+    gained: np.ndarray  # (3, columns), m, of it in this step
+    compliance: np.ndarray  # (3, columns), m/N, at the last kick
+
+
 class Friction(NamedTuple):
     """Tractions, by pair and roller."""
 
@@ -204,6 +221,7 @@ class Friction(NamedTuple):
     coefficient: float
     overlapping: int | None  # when patches of neighbouring contacts overlap, see `friction_kernels`; None: never
     whole: bool | None  # None: no contacts share rigid bodies
+    shear: Shear | None  # None: surfaces give way tangentially as the mesh does
 
 
 class Spread(NamedTuple):
@@ -252,7 +270,7 @@ class Drive(NamedTuple):
     impulse: np.ndarray  # (2,), N s, of this step, by contacts on the inner ring as a whole
     moment: np.ndarray  # (2,), of this step, by contacts: on the frame, N m; on the nodes about the origin, N m s
     sums: np.ndarray  # (6,), so far: work of the load, J; moment on hub and ring but for drive and gravity, N m s;
-    # dissipated work, J; that of gravity, and what it was at which time
+    # work of tractions, J; that of gravity, and what it was at which time
     mass: float  # hub and held nodes, kg
     speed: float  # rad/s
     gravity: float  # m/s²

@@ -43,9 +43,9 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     """Advance all velocities by one step at fixed positions, but for the rollers' turning as a whole (`drift`).
 
     Returns of this step the work of the load, J, the moment on hub and ring about the origin other than the drive's and
-    gravity's, N m s, and the dissipated work, J.
+    gravity's, N m s, and the work that friction takes, J.
     """
-    rollers, surface, dissipated = bodies.rollers, bodies.surface, 0.0
+    rollers, surface, rubbed = bodies.rollers, bodies.surface, 0.0
     _clear(rollers, drive)
     press_contacts(groups, bodies, contacts, drive, contacts.points)
     if contacts.friction.coefficient > 0.0:
@@ -59,9 +59,9 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     _take_back_torque(rollers, scratch)
     if contacts.friction.coefficient > 0.0:
         friction = contacts.friction
-        dissipated = friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole)
+        rubbed = friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole)
     work_load = -radial_load * drive.dt * 0.5 * (before + drive.velocity[1])  # friction may have moved a rigid hub
-    return work_load, moment + drive.moment[1] - drive.moment[0] * drive.dt, dissipated
+    return work_load, moment + drive.moment[1] - drive.moment[0] * drive.dt, rubbed
 
 
 @part
@@ -153,12 +153,12 @@ def advance(bodies, groups, contacts, drive, scratch, first_step, stride, sample
             time = step * drive.dt
             if inside == 0:
                 remember(bodies, drive, scratch)
-            work, moment, dissipated = kick(bodies, groups, contacts, drive, time, scratch)
+            work, moment, rubbed = kick(bodies, groups, contacts, drive, time, scratch)
             if inside == 0:
                 write_sample(bodies, groups, contacts, drive, scratch, samples[row], time, moment)
             drive.sums[0] += work
             drive.sums[1] += moment
-            drive.sums[2] += dissipated
+            drive.sums[2] += rubbed
             drift(bodies, drive, scratch)
             step += 1
             body = lost(drive.velocity, bodies.rollers)

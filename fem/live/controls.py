@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pydantic import BaseModel, ConfigDict
 
 from lagrange.scene import Scene, parse_scene
+from lagrange.scene_files import content_of
 
 NAME = "these values"  # of what viewers send, in messages
 MM_PER_UM = 1e-3
@@ -60,6 +61,7 @@ class Values(BaseModel):
                 del spalls[at]
             else:
                 spalls[at]["width_mm"] = self.spall_width_mm
+        content_of(data, scene.files)
         return parse_scene(data, NAME)
 
 

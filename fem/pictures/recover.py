@@ -94,7 +94,7 @@ class StoredRun:
         self.path = Path(path)
         self._values = StoredValues(self.path)
         self.times = self._values.times
-        self.scene: Scene = parse_scene_text(self._values.scene_text, f"{path}: its scene")
+        self.scene: Scene = parse_scene_text(self._values.scene_text, f"{path}: its scene", self._values.scene_files)
         self._values.check(self.scene.ideal_bearing())
         self._frames = {int(sample): index for index, sample in enumerate(self._values.frames)}
 

@@ -2,12 +2,14 @@
 
 import numpy as np
 
+from fem.pictures.near_contacts import FIRST_ROLLER
 from fem.pictures.recover import Instant
 from fem.pictures.render_bodies import DrawnBearing
-from fem.pictures.render_canvas import INK, Canvas, Panel, View
+from fem.pictures.render_canvas import FAULT, INK, Canvas, Panel, View
 from fem.pictures.render_legend import ORBIT_DOT, draw_legend, orbit_view
 from fem.pictures.render_look import Look
-from fem.pictures.render_shapes import arrow, cells, circle, disc, line, ring, segments, turning_arrow
+from fem.pictures.render_shapes import arrow, cells, circle, disc, line, ring, segments, strip, turning_arrow
+from fem.pictures.render_surfaces import charts, holes, unequal_rollers
 
 PAGE = View(middle=(0.525, 0.085), tall=2.64)
 ASPECT = 4.0 / 3.0
@@ -15,11 +17,13 @@ FINEST = 0.5  # pixels of a page 1600 wide: the smallest triangles
 COARSEST = 0.012  # of the outside radius: larger triangles would show as corners of a circle
 RELATIVE = 0.33, 0.17  # triangles over their distance from the contact; of fringes
 HOUSING, LOAD_ZONE, SHAFT, FAINT, FORCE = "#e3e3e3", "#f5dca8", "#f4f4f4", "#8a8a8a", "#d7301f"
-COLOURS = HOUSING, LOAD_ZONE, SHAFT, FORCE, ORBIT_DOT
+COLOURS = HOUSING, LOAD_ZONE, SHAFT, FORCE, ORBIT_DOT, FAULT
 HOUSING_RADIUS = 1.09
 OUTSIDE = 3  # of a drawn bearing's circles
 OUTLINE, WIRE, FINEST_WIRES = 1.5, 0.7, 6.0  # pixels; a finer mesh is not shown
 ARROW_WIDTH = 0.017
+ROLLERS_ABOVE = 0.01
+NAME = 18.0  # pixels of a page 1600 wide
 MARK = 0.62, 0.09  # radius at which a roller's mark lies and its size, of the roller's radius
 
 
@@ -40,6 +44,7 @@ def paint(canvas: Canvas, instant: Instant, drawn: DrawnBearing, look: Look) -> 
     fine = drawn.refined(FINEST * pixels()[0] / scale, COARSEST / scale, RELATIVE[look.scale.field == "photoelastic"])
     _housing(page, instant, drawn, look)
     _bodies(page, drawn, fine, look, scale)
+    _surfaces(page, instant, drawn, look, scale)
     _marks(page, instant, drawn, look, scale)
     _shaft(page, instant, drawn, look)
     _forces(page, instant, drawn, look)
@@ -63,11 +68,30 @@ def _housing(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look) -> 
 
 def _bodies(page: Panel, drawn: DrawnBearing, fine: DrawnBearing, look: Look, scale: float) -> None:
     points = scale * fine.points(look.magnification)
-    page.field(cells(points, fine.triangles, 0.0), look.scale.values(fine), look.scale.limits, look.scale.colours)
+    height = ROLLERS_ABOVE * (fine.body >= FIRST_ROLLER)  # where one lies in a spall, magnified, it overlaps the ring
+    page.field(cells(points, fine.triangles, height), look.scale.values(fine), look.scale.limits, look.scale.colours)
     if look.scale.field != "photoelastic" and drawn.spacing > FINEST_WIRES * pixels()[0] / scale:
         wires = segments(scale * drawn.points(look.magnification), drawn.inner_edges(), 0.05)
         page.stroke(wires, "white", WIRE, opacity=0.22)
     page.stroke([line(scale * outline, 0.1) for outline in drawn.outlines(look.magnification)], INK, OUTLINE)
+
+
+def _surfaces(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look, scale: float) -> None:
+    """Holes where spalls are, roundness charts of waves, and the names of both and of unequal rollers."""
+    found, names = holes(instant, drawn, look.magnification, OUTLINE * pixels()[0] / scale, as_reached=True), []
+    for hole in found:
+        page.fill(strip(scale * hole.top, scale * hole.bottom, 0.11), "white")
+        page.stroke(line(scale * hole.edge, 0.115), FAULT, 3.5)
+        names.append((hole.name, *(scale * hole.place)))
+    for chart in charts(instant, drawn, look.magnification):
+        page.stroke(line(scale * chart.circle, 0.11), "white", 1.0, opacity=0.8)
+        page.stroke(line(scale * chart.curve, 0.115), FAULT, 2.5)
+        names.append((chart.name, *(scale * chart.place)))
+    for roller, name, place in unequal_rollers(instant, drawn, look.magnification):
+        page.stroke(circle(scale * roller.centre, scale * roller.radius, 0.115), FAULT, 4.0)
+        names.append((name, *(scale * place)))
+    for name, x, y in names:
+        page.text(name, x, y, NAME, backed=True, align="center")
 
 
 def _marks(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look, scale: float) -> None:

@@ -24,6 +24,7 @@ FINER = 2  # rendered that much finer, then averaged: anti-aliasing that does no
 LARGEST_WINDOW = 8192  # pixels
 INK = "#1a1a1a"
 NO_VALUE = "#c9c9c9"
+FAULT = "#ff9900"  # of surfaces that are not perfect
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,13 +12,16 @@ from fem.pictures.near_contacts import FIRST_ROLLER, BodyLoad
 from fem.pictures.peaks import ShearPeak, shear_peak
 from fem.pictures.recover import Instant
 from fem.pictures.render_bodies import DrawnBearing
-from fem.pictures.render_canvas import INK, Canvas, Panel, View
+from fem.pictures.render_canvas import FAULT, INK, Canvas, Panel, View
 from fem.pictures.render_legend import HEADING, QUIET, TEXT, draw_length, draw_scale, draw_title, signed
 from fem.pictures.render_look import Look
 from fem.pictures.render_scale import Scale
-from fem.pictures.render_shapes import border, cells, line, segments
+from fem.pictures.render_shapes import border, cells, line, segments, strip
+from fem.pictures.render_surfaces import holes
 from fem.pictures.subsurface import AT_DEPTH, LARGEST_SHEAR
 from fem.solver.frames import rotated
+from lagrange.passages import spalls
+from lagrange.scene_surfaces import own_radius
 
 PAGE = View(middle=(2.0 / 3.0, 0.5), tall=1.0)
 MAIN = View(left=0.0, bottom=0.0, right=0.50, top=0.885, middle=(0.0, 0.0), tall=3.25)
@@ -57,7 +60,8 @@ def paint(canvas: Canvas, instant: Instant, drawn: DrawnBearing, look: Look) -> 
     draw_title(page, instant, look, 0.02, 0.965, 0.042)
     _roller(main, scene)
     for panel, kind in zip(contacts, ("inner", "outer"), strict=True):
-        peaks = [(item, shear_peak(drawn, item)) for item in scene.loads(kind) if not item.is_rigid]
+        over = scene.is_over_a_spall(kind)
+        peaks = [] if over else [(item, shear_peak(drawn, item)) for item in scene.loads(kind) if not item.is_rigid]
         _contact(panel, scene, kind, peaks)
         _facts(page, panel.view, scene, kind, peaks)
     _scales(page, scene)
@@ -89,6 +93,21 @@ class _Scene:
         """The contact's two loads, on the ring and on the roller; none where it is open."""
         return [item for item in self.drawn.loads if (item.kind, item.roller) == (kind, self.look.roller)]
 
+    def is_over_a_spall(self, kind: str) -> bool:
+        """Whether the contact's line of centres meets a spall: then its edges carry the force."""
+        j, instant = self.look.roller, self.instant
+        direction = instant.inner_angle[j] if kind == "inner" else instant.outer_angle[j]
+        on_ring = direction - instant.ring_turn * (kind == "inner")
+        on_roller = direction + np.pi * (kind == "inner") - instant.roller_turn[j]
+        bearing = instant.model.bearing
+        for spall in spalls(bearing):
+            if spall.body == f"{kind}_ring" or spall.roller == j:
+                angle = on_ring if spall.roller is None else on_roller
+                beyond = abs((angle - spall.angle + np.pi) % (2.0 * np.pi) - np.pi)
+                if beyond < spall.half_opening(bearing.roller_radius) / own_radius(bearing, spall):
+                    return True
+        return False
+
     def placed(self, points: np.ndarray, origin: np.ndarray, unit: float) -> np.ndarray:
         """Points in a panel's plane: the outer raceway below."""
         return rotated(points - origin, -0.5 * np.pi - self.instant.outer_angle[self.look.roller]) / unit
@@ -100,6 +119,11 @@ class _Scene:
         panel.field(cells(points, fine.triangles, 0.0), scale.values(fine), scale.limits, scale.colours)
         outlines = [line(self.placed(o, origin, unit), 0.1) for o in self.drawn.outlines(magnification)]
         panel.stroke(outlines, INK, OUTLINE)
+        margin = OUTLINE * unit * panel.view.tall / (1200.0 * (panel.view.top - panel.view.bottom))
+        for hole in holes(self.instant, self.drawn, magnification, margin, as_reached=False):
+            top, bottom, edge = (self.placed(points, origin, unit) for points in (hole.top, hole.bottom, hole.edge))
+            panel.fill(strip(top, bottom, 0.11), "white")
+            panel.stroke(line(edge, 0.115), FAULT, 2.0 * OUTLINE)
 
 
 def _roller(main: Panel, scene: _Scene) -> None:
@@ -145,6 +169,8 @@ def _facts(page: Panel, view: View, scene: _Scene, kind: str, peaks: list[tuple[
     force = (instant.inner_force if kind == "inner" else instant.outer_force)[scene.look.roller]
     page.text(f"{kind.capitalize()} contact: {force:.0f} N", left, view.top + 0.022, HEADING, bold=True)
     lines = ["open"]
+    if force > 0.0 and not peaks and scene.is_over_a_spall(kind):
+        lines = ["over a spall: its edge carries the force,", "below which the stress is not shown"]
     if peaks:
         lines = [f"p₀ = {1e-6 * peaks[0][1].pressure:.0f} MPa   2b = {2e6 * peaks[0][1].half_width:.0f} µm"]
         for item, peak in peaks:

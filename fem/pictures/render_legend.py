@@ -9,6 +9,8 @@ from fem.pictures.render_canvas import INK, Canvas, Panel, View
 from fem.pictures.render_look import Look
 from fem.pictures.render_scale import Scale, rounded_down
 from fem.pictures.render_shapes import arrow, bar, border, cells, disc, frame, line
+from fem.pictures.render_surfaces import chart_factor
+from lagrange.passages import spalls
 
 TITLE, HEADING, TEXT = 38.0, 26.0, 23.0  # pixels of 1600
 QUIET, ORBIT_DOT = "#4d4d4d", "#0072b2"
@@ -36,6 +38,7 @@ def draw_legend(canvas: Canvas, instant: Instant, look: Look, force_colour: str)
     if abs(clearance) > 1e-6:
         name = "clearance" if clearance > 0.0 else "preload"
         facts.append(f"{name} {abs(clearance):.3g} µm, magnified too")
+    facts += _surface_notes(instant)
     y = _lines(page, y, facts)
     y = _heading(page, "Contact force on the rollers", y)
     largest = max(instant.inner_force.max(), instant.outer_force.max(), instant.roller_force.max())
@@ -55,6 +58,15 @@ def draw_legend(canvas: Canvas, instant: Instant, look: Look, force_colour: str)
     draw_length(page, COLUMN, y, 1e3 * instant.model.bearing.outside_radius)
     if look.orbit is not None:
         _orbit(canvas, instant, look)
+
+
+def _surface_notes(instant: Instant) -> list[str]:
+    """Lines on the surfaces that are not perfect."""
+    bearing, found = instant.model.bearing, []
+    if spalls(bearing):
+        found.append("spalls: as deep as rollers reach")
+    factor = chart_factor(bearing)
+    return found if factor is None else [*found, f"heights from white circles × {factor:g}"]
 
 
 def draw_title(page: Panel, instant: Instant, look: Look, x: float, y: float, line_height: float) -> None:

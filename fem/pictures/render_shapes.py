@@ -24,10 +24,7 @@ def circle(centre, radius: float, z: float) -> pv.PolyData:
 
 def ring(inner: float, outer: float, z: float, start: float = 0.0, end: float = 2.0 * np.pi) -> pv.PolyData:
     """The area between two circles about the origin, or a sector of it, rad."""
-    points = np.concatenate([arc((0.0, 0.0), radius, start, end) for radius in (inner, outer)])
-    n = len(points) // 2
-    k = np.arange(n - 1)
-    return cells(points, np.column_stack([k, n + k, n + k + 1, k + 1]), z)
+    return strip(*(arc((0.0, 0.0), radius, start, end) for radius in (inner, outer)), z)
 
 
 def bar(corner, width: float, height: float, z: float) -> pv.PolyData:
@@ -52,8 +49,8 @@ def segments(points: np.ndarray, pairs: np.ndarray, z: float) -> pv.PolyData:
     return pv.PolyData(_lifted(points, z), lines=np.column_stack([np.full(len(pairs), 2), pairs]).ravel())
 
 
-def cells(points: np.ndarray, corners: np.ndarray, z: float) -> pv.PolyData:
-    """A mesh of triangles or quadrilaterals."""
+def cells(points: np.ndarray, corners: np.ndarray, z: float | np.ndarray) -> pv.PolyData:
+    """A mesh of triangles or quadrilaterals; z of all or of each point."""
     faces = np.column_stack([np.full(len(corners), corners.shape[1]), corners])
     return pv.PolyData(_lifted(points, z), faces=faces.ravel())
 
@@ -61,6 +58,12 @@ def cells(points: np.ndarray, corners: np.ndarray, z: float) -> pv.PolyData:
 def line(points: np.ndarray, z: float) -> pv.PolyData:
     """An open polyline."""
     return pv.PolyData(_lifted(points, z), lines=np.concatenate([[len(points)], np.arange(len(points))]))
+
+
+def strip(one: np.ndarray, other: np.ndarray, z: float) -> pv.PolyData:
+    """The area between two lines of as many points."""
+    k, n = np.arange(len(one) - 1), len(one)
+    return cells(np.concatenate([one, other]), np.column_stack([k, n + k, n + k + 1, k + 1]), z)
 
 
 def arc(centre, radius: float, start: float, end: float) -> np.ndarray:
@@ -94,13 +97,12 @@ def turning_arrow(
     """Shaft and head of an arrow bent about `centre`, from angle `start` to `end`."""
     head = np.sign(end - start) * 3.2 * width / radius
     edges = [arc(centre, radius + side * 0.5 * width, start, end - 0.98 * head) for side in (-1.0, 1.0)]
-    k, n = np.arange(ARC_POINTS - 1), ARC_POINTS
-    shaft = cells(np.concatenate(edges), np.column_stack([k, n + k, n + k + 1, k + 1]), z)
+    shaft = strip(*edges, z)
     base = np.array([np.cos(end - head), np.sin(end - head)])
     tip = radius * np.array([np.cos(end), np.sin(end)])
     corners = np.array([(radius - 1.5 * width) * base, (radius + 1.5 * width) * base, tip])
     return shaft, polygon(np.asarray(centre) + corners, z)
 
 
-def _lifted(points: np.ndarray, z: float) -> np.ndarray:
+def _lifted(points: np.ndarray, z: float | np.ndarray) -> np.ndarray:
     return np.column_stack([points, np.full(len(points), z)])

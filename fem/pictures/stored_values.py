@@ -8,7 +8,7 @@ import numpy as np
 from fem.errors import UsageError
 from fem.result.fields import read_frame, read_values, stored_samples
 from lagrange import Bearing
-from lagrange.stored import Damaged, read_numbers, read_scene_text, refusal_in_child
+from lagrange.stored import Damaged, read_numbers, read_scene_files, read_scene_text, refusal_in_child
 
 FORCES = ("inner_force", "outer_force", "roller_roller_force")
 PER_TIME = ("inner_x", "inner_y", "energy_elastic", "energy_contact")
@@ -41,7 +41,7 @@ class StoredValues:
         )
         if refusal is not None:
             raise UsageError(refusal)
-        self.times, self.scene_text, self.frames = self._read(_opened)
+        self.times, self.scene_text, self.scene_files, self.frames = self._read(_opened)
         self._columns: dict[str, np.ndarray] = {}
 
     def column(self, name: str) -> np.ndarray:
@@ -93,15 +93,15 @@ class StoredValues:
             raise UsageError(f"{self._path}: can't be read as a result file (HDF5): {error}") from None
 
 
-def _opened(file) -> tuple[np.ndarray, str, np.ndarray]:
-    """Times, scene and samples with fields of a file all of whose variables are sound."""
+def _opened(file) -> tuple[np.ndarray, str, dict[str, str], np.ndarray]:
+    """Times, scene, its files and samples with fields of a file all of whose variables are sound."""
     count = int(file.attrs["committed_samples"])
     if count < 1:
         raise Damaged("it holds no sample yet")
     times = read_numbers(file, "time", count)
     for name in (*PER_TIME, *PER_ROLLER):
         read_numbers(file, name, count)
-    return times, read_scene_text(file), stored_samples(file, count)
+    return times, read_scene_text(file), read_scene_files(file), stored_samples(file, count)
 
 
 def _survived(file) -> None:

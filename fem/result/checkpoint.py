@@ -15,7 +15,7 @@ from numpy.lib import format as npy
 
 from fem.errors import UsageError
 from fem.result.durable import move_into_place, real_path
-from fem.result.layout import VARIABLES
+from fem.result.layout import variables_of
 from fem.result.store import Stored, program_version
 from fem.solver.solver import Plan, RunState
 from lagrange.scene import Scene, SceneError, parse_scene_text
@@ -102,7 +102,8 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
         for name, value in arrays.items():
             _check_numbers(name, value, expected[name])
         stored = Stored(
-            samples=int(meta["samples"]), checksums={name: int(meta["checksums"][name]) for name in VARIABLES}
+            samples=int(meta["samples"]),
+            checksums={name: int(meta["checksums"][name]) for name in variables_of(plan.scene.ideal_bearing())},
         )
         if stored.samples < 0:
             raise ValueError("no number of samples")

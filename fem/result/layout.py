@@ -19,6 +19,7 @@ import h5py
 import numpy as np
 
 from fem.result.durable import claim
+from lagrange.bearing import Bearing
 from lagrange.stored import CHECKSUM
 
 FORMAT_VERSION = 1
@@ -50,6 +51,17 @@ VARIABLES = {
     "work_external": (PER_TIME, "J", "work of load, gravity and drive since the start"),
     "work_dissipated": (PER_TIME, "J", "work dissipated by friction since the start"),
 }
+ON_SURFACES = {  # where these are not perfect circles
+    "roller_turn": (PER_ROLLER, "rad", "how far the roller has turned about its axis since t = 0, fixed frame"),
+    "inner_sinkage": (PER_ROLLER, "m", "how much nearer the inner ring and the roller come than perfect circles"),
+    "outer_sinkage": (PER_ROLLER, "m", "how much nearer the outer ring and the roller come than perfect circles"),
+}
+Variables = Mapping[str, tuple[tuple[str, ...], str, str]]
+
+
+def variables_of(bearing: Bearing) -> Variables:
+    """What each sample of a run of this bearing holds: dimensions, unit and meaning by name."""
+    return VARIABLES | ON_SURFACES if bearing.faults else VARIABLES
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +81,7 @@ def create(
     n_rollers: int,
     capacity: int,
     attributes: Mapping[str, object],
+    variables: Variables,
     fields: Callable[[h5py.File], list[str]] | None = None,
 ) -> Places:
     """A new file with room for `capacity` samples. Times are NaN until they are written.
@@ -81,27 +94,27 @@ def create(
     ------
     OSError: the disk has not enough room.
     """
-    per_sample = sum(8 * (n_rollers if dimensions == PER_ROLLER else 1) for dimensions, *_ in VARIABLES.values())
+    per_sample = sum(8 * (n_rollers if dimensions == PER_ROLLER else 1) for dimensions, *_ in variables.values())
     with open(path, "wb") as file:  # before HDF5 tries, which would name no reason
         claim(file.fileno(), capacity * per_sample)
     with h5py.File(path, "w", libver="earliest") as file:
         roller = file.create_dataset("roller", data=np.arange(n_rollers, dtype=np.int64))
         roller.attrs["units"], roller.attrs["long_name"] = "1", "roller, counted along +theta"
         roller.make_scale("roller")
-        for number, name in enumerate(VARIABLES, start=1):
-            _variable(file, name, n_rollers, capacity, MARK + number)
+        for number, (name, about) in enumerate(variables.items(), start=1):
+            _variable(file, name, about, n_rollers, capacity, MARK + number)
         file.attrs.update({**attributes, COMMITTED: MARK})
         of_frames = [] if fields is None else fields(file)
-        start = {name: file[name].id.get_offset() for name in (*VARIABLES, *of_frames)}
+        start = {name: file[name].id.get_offset() for name in (*variables, *of_frames)}
         size = {name: file[name].nbytes for name in start}
         rows = {name: len(file[name]) for name in start}
     with open(path, "r+b") as file:
         claim(file.fileno(), os.fstat(file.fileno()).st_size)
-        marks = _marks(file, sorted((start[name], size[name]) for name in start))
+        marks = _marks(file, sorted((start[name], size[name]) for name in start), 1 + len(variables))
     return Places(
-        data={name: start[name] for name in VARIABLES},
-        width={name: size[name] // rows[name] for name in VARIABLES},
-        checksum={name: marks[number] for number, name in enumerate(VARIABLES, start=1)},
+        data={name: start[name] for name in variables},
+        width={name: size[name] // rows[name] for name in variables},
+        checksum={name: marks[number] for number, name in enumerate(variables, start=1)},
         committed=marks[0],
         frames={name: start[name] for name in of_frames},
         frame_width={name: size[name] // rows[name] for name in of_frames},
@@ -115,8 +128,8 @@ def new_block(group, name: str, shape: tuple[int, ...], dtype: str, fill=None) -
     return group.create_dataset(name, shape=shape, dtype=dtype, fillvalue=fill, dcpl=room)
 
 
-def _variable(file: h5py.File, name: str, n_rollers: int, capacity: int, mark: int) -> None:
-    dimensions, units, long_name = VARIABLES[name]
+def _variable(file: h5py.File, name: str, about, n_rollers: int, capacity: int, mark: int) -> None:
+    dimensions, units, long_name = about
     shape = (capacity,) if dimensions == PER_TIME else (capacity, n_rollers)
     variable = new_block(file, name, shape, "<f8", np.nan if name == "time" else None)
     variable.attrs["units"], variable.attrs["long_name"] = units, long_name
@@ -128,16 +141,16 @@ def _variable(file: h5py.File, name: str, n_rollers: int, capacity: int, mark: i
         variable.dims[axis].attach_scale(file[dimension])
 
 
-def _marks(file, blocks: list[tuple[int, int]]) -> list[int]:
-    """Places of all marks by their number, looked for between the blocks of samples."""
+def _marks(file, blocks: list[tuple[int, int]], count: int) -> list[int]:
+    """Places of so many marks by their number, looked for between the blocks of samples."""
     found: dict[int, int] = {}
     start = 0
     for end, size in [*blocks, (os.fstat(file.fileno()).st_size, 0)]:
         file.seek(start)
         text = file.read(end - start)
-        for number in range(len(VARIABLES) + 1):
+        for number in range(count):
             at = text.find((MARK + number).to_bytes(8, "little"))
             if at >= 0:
                 found[number] = start + at
         start = end + size
-    return [found[number] for number in range(len(VARIABLES) + 1)]
+    return [found[number] for number in range(count)]

@@ -21,8 +21,11 @@ import numpy as np
 from fem.errors import UsageError
 from fem.result.durable import alone_in, move_into_place, open_locked, real_path, write_at
 from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
-from fem.result.layout import FORMAT_VERSION, VARIABLES, Places, create
+from fem.result.layout import FORMAT_VERSION, Places, create, variables_of
+from fem.result.surface_columns import events_of, with_sinkages, write_events, write_scene_files
 from lagrange.faults import labels
+from lagrange.passages import spalls
+from lagrange.spall_events import SpallEvent
 from lagrange.stored import checksum, text_checksum
 
 if TYPE_CHECKING:
@@ -42,7 +45,9 @@ class Stored:
     checksums: dict[str, int]  # of each variable's first `samples`
 
 
-NOTHING = Stored(samples=0, checksums=dict.fromkeys(VARIABLES, 0))
+def nothing_stored(plan: "Plan") -> Stored:
+    """Of a run that has not begun."""
+    return Stored(samples=0, checksums=dict.fromkeys(variables_of(plan.scene.ideal_bearing()), 0))
 
 
 class WriteFailed(OSError):
@@ -76,15 +81,18 @@ class ResultFile:
         self._path = real_path(path)
         self._attributes = _attributes(plan, setup_seconds) | attributes
         self._plan = plan
+        self._bearing, self._speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().speed
+        self._variables = variables_of(self._bearing)
+        self._events: list[SpallEvent] | None = None  # known when the run has ended, on bearings with spalls
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with alone_in(self._path.parent):
             refuse_if_in_use(self._path)
             if resume is None:
                 refuse_foreign(self._path)
-                self._begin(plan.n_samples, NOTHING)
+                self._begin(plan.n_samples, nothing_stored(plan))
             else:
                 frames = frames_of(resume.samples, plan.frame_stride)
-                check_earlier(self._path, tuple(VARIABLES), resume.samples, frames)
+                check_earlier(self._path, tuple(self._variables), resume.samples, frames)
                 self._begin(plan.n_samples, resume)
 
     def _begin(self, capacity: int, stored: Stored) -> None:
@@ -93,7 +101,9 @@ class ResultFile:
         capacity = max(1, capacity)  # HDF5 gives nothing no place
         with self._named(), ExitStack() as undo:
             undo.callback(part.unlink, missing_ok=True)
-            places = create(part, self._plan.scene.bearing.rollers, capacity, self._attributes, self._fields(capacity))
+            places = create(
+                part, self._bearing.n_rollers, capacity, self._attributes, self._variables, self._further(capacity)
+            )
             handle = open_locked(part)
             undo.callback(os.close, handle)
             if stored.samples and self._copy(handle, places, stored.samples) != stored.checksums:
@@ -111,9 +121,9 @@ class ResultFile:
 
     def _copy(self, handle: int, places: Places, count: int) -> dict[str, int]:
         """Copy the first samples of the file in place; gives the checksums of what was copied."""
-        checksums = dict.fromkeys(VARIABLES, 0)
+        checksums = dict.fromkeys(self._variables, 0)
         with h5py.File(self._path, "r", locking=False) as earlier:
-            for name in VARIABLES:
+            for name in self._variables:
                 for start in range(0, count, BLOCK):
                     block = earlier[name][start : min(start + BLOCK, count)]
                     write_at(handle, _doubles(block), places.data[name] + start * places.width[name])
@@ -126,15 +136,22 @@ class ResultFile:
                     write_at(handle, frames[index].tobytes(), place + index * width)
         return checksums
 
-    def _fields(self, capacity: int) -> Callable[[h5py.File], list[str]] | None:
-        """What makes room for the frames of so many samples."""
-        if not self._plan.frame_stride:
-            return None
-        from fem.result.fields import (
-            lay_out,  # a run of the Lagrangian model needs none of the finite elements behind it
-        )
+    def _further(self, capacity: int) -> Callable[[h5py.File], list[str]]:
+        """What makes room for the frames of so many samples, and writes the events where they are known."""
 
-        return lambda file: lay_out(file, self._plan.model, frames_of(capacity, self._plan.frame_stride))
+        def further(file: h5py.File) -> list[str]:
+            write_scene_files(file, self._plan.scene)
+            if self._events is not None:
+                write_events(file, self._bearing, self._events)
+            if not self._plan.frame_stride:
+                return []
+            from fem.result.fields import (
+                lay_out,  # a run of the Lagrangian model needs none of the finite elements behind it
+            )
+
+            return lay_out(file, self._plan.model, frames_of(capacity, self._plan.frame_stride))
+
+        return further
 
     def keep(self, frame: "Frame") -> None:
         """Write the fields of a sample to come."""
@@ -167,8 +184,9 @@ class ResultFile:
 
     def append(self, samples: Mapping[str, np.ndarray]) -> None:
         """Add samples by variable; committed when COMMIT_SECONDS have gone by."""
+        samples = with_sinkages(self._bearing, self._speed, samples)
         with self._named():
-            for name in VARIABLES:
+            for name in self._variables:
                 place = self._places.data[name] + self._count * self._places.width[name]
                 write_at(self._handle, _doubles(samples[name]), place)
                 self._checksums[name] = checksum(samples[name], self._checksums[name])
@@ -194,7 +212,7 @@ class ResultFile:
     def begin_again(self, **attributes: float | str) -> None:
         """Put an empty file with these attributes in this one's place; the samples so far are void."""
         self._attributes |= attributes
-        self._replace(self._plan.n_samples, NOTHING)
+        self._replace(self._plan.n_samples, nothing_stored(self._plan))
 
     def _replace(self, capacity: int, stored: Stored) -> None:
         working = self._handle
@@ -203,8 +221,11 @@ class ResultFile:
         os.close(working)
 
     def finish(self, status: str, **attributes: float | str) -> None:
-        """Write the outcome, in a new file without unused room that takes this one's place."""
+        """Write the outcome and the events, in a new file without unused room that takes this one's place."""
         self.commit()
+        if spalls(self._bearing):
+            with self._named(), h5py.File(self._path, "r", locking=False) as file:
+                self._events = events_of(self._bearing, self._speed, file, self._count)
         outcome = dict(attributes, status=status)
         self._attributes |= outcome
         try:
@@ -215,6 +236,8 @@ class ResultFile:
             with self._named(), h5py.File(self._path, "r+", locking=False) as file:
                 for name, value in outcome.items():
                     file.attrs.modify(name, value)
+                if self._events is not None:
+                    write_events(file, self._bearing, self._events)
 
     @contextmanager
     def _named(self) -> Iterator[None]:

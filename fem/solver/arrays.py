@@ -24,6 +24,7 @@ from fem.kernels.state import (
     Ring,
     Rollers,
     Scratch,
+    Shear,
     Spread,
 )
 from fem.solver.cache_lines import lined_up
@@ -66,14 +67,14 @@ class Arrays:
             _collect(getattr(self, name), name, found)
         return found
 
-    def check_indices(self) -> None:
-        """Refuse places in arrays that are outside of them: kernels look there unseen.
+    def check(self) -> None:
+        """Refuse places in arrays that are outside of them: kernels look there unseen; springs that push when pulled.
 
         Errors
         ------
         ValueError.
         """
-        patches, points = self.contacts.patches, self.contacts.points
+        patches, points, shear = self.contacts.patches, self.contacts.points, self.contacts.friction.shear
         for pair in (pair for group in self.groups for pair in group if hasattr(pair, "row")):
             sides = (pair.surface if isinstance(pair, Raceway) else self.bodies.surface), self.bodies.surface
             for side, surface in enumerate(sides):
@@ -82,6 +83,8 @@ class Arrays:
             closed, most = points.spread.closed, points.closing.size
             _check_between("closed", closed[..., 0], closed[..., 1])
             _check_between("closed", closed[..., 1], most)
+        if shear is not None and np.any(shear.compliance <= 0.0):
+            raise ValueError("springs without a compliance")
 
 
 # What the model determines, beside whole numbers, which are places in arrays: all but those in STATE_INDICES.
@@ -90,6 +93,7 @@ GIVEN = {
     DiscSurface: ("lightness", "ripple"),
     Ring: ("table", "radii", "row_mass", "cosines", "sines"),
     Points: ("shift", "tangent", "rise", "sagitta", "stiffness"),
+    Shear: ("level",),
     Spread: ("missing", "inverse"),
 }
 STATE_INDICES = {Patches: ("start",), Spread: ("closed",)}

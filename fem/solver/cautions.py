@@ -13,6 +13,7 @@ from lagrange.faults import Spall, Waviness
 from lagrange.kinematics import roller_angles
 from lagrange.pair import contact_pairs
 from lagrange.scene_surfaces import own_radius
+from lagrange.spall_events import interval_caution
 
 if TYPE_CHECKING:
     from fem.contacts.model import Model
@@ -28,7 +29,8 @@ def cautions(model: "Model", operation: Operation, equilibrium: "Equilibrium", i
         _yield(model, equilibrium),
         _sampling(model, operation, equilibrium, interval),
         _edges(model, equilibrium),
-        _passages(model, operation, equilibrium, interval),
+        interval_caution(model.bearing, operation, interval),
+        _waves(model.bearing, operation, interval),
     )
     return tuple(sentence for sentence in found if sentence)
 
@@ -112,21 +114,15 @@ def _edges(model: "Model", equilibrium: "Equilibrium") -> str | None:
     )
 
 
-def _passages(model: "Model", operation: Operation, equilibrium: "Equilibrium", interval: float) -> str | None:
-    """Samples must follow contacts over edges, half-width by half-width, and over waves."""
-    bearing, ideal = model.bearing, kinematics(model.bearing, operation.speed)
+def _waves(bearing: Bearing, operation: Operation, interval: float) -> str | None:
+    """Samples must follow contacts over waves."""
+    ideal = kinematics(bearing, operation.speed)
     speed = abs(ideal.roller - ideal.cage) * bearing.roller_radius
-    widths = [
-        law.pair.half_width(float(forces.max()))
-        for law, forces in ((model.inner_law, equilibrium.inner_force), (model.outer_law, equilibrium.outer_force))
-    ]
-    edges = [max(widths) for fault in bearing.faults if isinstance(fault, Spall)]
     waves = [pi * own_radius(bearing, f) / f.order for f in bearing.faults if isinstance(f, Waviness)]
-    shortest = min([*edges, *waves], default=inf)
-    if interval * speed <= shortest or shortest == 0.0:
+    shortest = min(waves, default=inf)
+    if interval * speed <= shortest:
         return None
-    what = "[[spall]] crossed edge by edge" if shortest in edges else "[[waviness]] passed"
     return (
-        f"numerics.output_interval_us = {1e6 * interval:g}: too seldom to show a {what}; at most "
+        f"numerics.output_interval_us = {1e6 * interval:g}: too seldom to show a [[waviness]] passed; at most "
         f"{1e6 * shortest / speed:.3g}"
     )

@@ -26,9 +26,11 @@ from fem.kernels.state import (
     Raceway,
     RigidDisc,
     Ring,
+    RingProfile,
     RingSurface,
     RollerProfiles,
     Rollers,
+    Shear,
 )
 from fem.solver.cache_lines import at_line
 from lagrange import Bearing, Operation, kinematics
@@ -106,7 +108,7 @@ def raceway_profiles(bearing: Bearing, columns: int) -> tuple[dict[str, Any], di
     rings, rollers = (surfaces.inner_ring, surfaces.outer_ring), (surfaces.rollers_inside, surfaces.rollers_outside)
     on_rings, on_rollers = (None, None), (None, None)
     if any(ring is not None for ring in rings):
-        on_rings = tuple(at_line(np.zeros(WIDTH) if ring is None else ring.coefficients[0]) for ring in rings)
+        on_rings = tuple(_ring_profile(ring) for ring in rings)
     if all(roller is not None for roller in rollers):
         on_rollers = tuple(_roller_profiles(roller, columns) for roller in rollers)
     return tuple(
@@ -114,10 +116,19 @@ def raceway_profiles(bearing: Bearing, columns: int) -> tuple[dict[str, Any], di
     )
 
 
+def _ring_profile(profile: Profile | None) -> RingProfile:
+    sinkage = np.zeros(WIDTH) if profile is None else profile.coefficients[0]
+    soft = profile is not None and profile.compliance is not None
+    return RingProfile(
+        sinkage=at_line(sinkage), compliance=at_line(profile.compliance[0] if soft else np.zeros_like(sinkage))
+    )
+
+
 def _roller_profiles(profile: Profile, columns: int) -> RollerProfiles:
     first = np.zeros(columns, dtype=np.int64)
     first[: profile.row.size] = profile.row * profile.coefficients.shape[1]
-    return RollerProfiles(coefficients=at_line(profile.coefficients), first=at_line(first))
+    soft = np.zeros_like(profile.coefficients) if profile.compliance is None else profile.compliance
+    return RollerProfiles(sinkage=at_line(profile.coefficients), compliance=at_line(soft), first=at_line(first))
 
 
 def disc_surface(model: "Model", rollers: Rollers, disc: Disc, data: "KernelData") -> DiscSurface | RigidDisc:
@@ -200,10 +211,17 @@ def contact_arrays(
             coefficient=float(friction),
             overlapping=_overlapping(model, data.neighbourly),
             whole=True if model.roller.material.rigid or model.inner_ring.material.rigid else None,
+            shear=None if data.shear_levels is None else _shear(data.shear_levels, columns),
         ),
         points=data.points,
         reach=_reach(model, operation) + data.facet_depth,
     )
+
+
+def _shear(levels: tuple[float, ...], columns: int) -> Shear:
+    """Springs that are not stretched: in statics, and as a bearing begins to roll, there are no tractions."""
+    shape = len(levels), columns
+    return Shear(level=np.array(levels), stretch=np.zeros(shape), gained=np.zeros(shape), compliance=np.ones(shape))
 
 
 def _overlapping(model: "Model", width: float) -> int | None:

@@ -26,7 +26,7 @@ class ElementState(RowState):
         return self.arrays.digest()
 
     def check(self) -> None:
-        self.arrays.check_indices()
+        self.arrays.check()
 
     def frame(self):
         return frame_of(self.plan.model, self.arrays, self.done, self.plan.interval)

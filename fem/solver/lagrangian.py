@@ -23,6 +23,7 @@ from lagrange.problem import Problem
 from lagrange.raceway_laws import caution
 from lagrange.scene import Scene
 from lagrange.simulate import Simulation, Verdict
+from lagrange.spall_events import interval_caution
 from lagrange.step_size import critical_time_step, steps_per_sample
 
 ARRAYS = 30  # per roller and sample of a block, at the most at a time
@@ -46,6 +47,7 @@ class LagrangianPlan(CompiledPlan):
     n_samples: int
     steps_per_sample: int
     law_caution: str | None  # on law and material, which concern this run alone
+    cautions: tuple[str, ...] = ()
     model_name = "Lagrangian model"
     compiling_takes = "some seconds"
     lacks = "rings that bend, elastic waves"
@@ -132,6 +134,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
     """Samples and steps of a scene."""
     options, numerics, bearing = scene.lagrange, scene.numerics, scene.ideal_bearing()
     interval = 1e-6 * numerics.output_interval_us
+    too_seldom = interval_caution(bearing, scene.ideal_operation(), interval)
     problem = Problem(
         bearing=bearing,
         operation=scene.ideal_operation(),
@@ -148,6 +151,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         n_samples=sample_count(scene),
         steps_per_sample=steps_per_sample(problem, interval),
         law_caution=caution(options.law, bearing),
+        cautions=() if too_seldom is None else (too_seldom,),
     )
 
 
@@ -200,7 +204,11 @@ class LagrangianState(RunState):
         return Samples(
             values={name: getattr(part, name) for name in SAME}
             | absent
-            | {"roller_spin": per_roller + part.roller_spin, "energy_elastic": per_time},
+            | {
+                "roller_spin": per_roller + part.roller_spin,
+                "roller_turn": per_roller + part.roller_spin * part.time[:, None],
+                "energy_elastic": per_time,
+            },
             imbalance=part.energy_error,
             exchanged=exchanged,
         )

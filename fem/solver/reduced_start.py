@@ -12,6 +12,7 @@ from fem.statics.contact_balance import (
     NotFound,
     balance,
     closed_forces,
+    edge_compliances,
     first_guess,
     geometry,
 )
@@ -82,6 +83,8 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
     angle = roller_angles(bearing, operation.first_roller_angle)
     contacts = model.at(angle, UNTURNED)
+    edges = np.diag(edge_compliances(bearing, contacts.radial, place))
+    contacts = replace(contacts, compliance=contacts.compliance + edges)
     forces = _forces_at(contacts, geometry(bearing, contacts.radial, place, UNTURNED)[0] + contacts.closing)
     return _start(model, operation, place, np.zeros_like(place), forces, steady=False)
 

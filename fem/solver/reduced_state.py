@@ -204,6 +204,7 @@ def _compliance(plan: "ReducedPlan", columns: int) -> Compliance:
 def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
     n, start = plan.model.bearing.n_rollers, plan.start
     halo = int(np.abs(plan.model.distance).max(initial=0))
+    uneven = profiles(plan.model.bearing) is not None
     found = ReducedForces(
         force=np.zeros((3, columns)),
         approach=np.full((3, columns), np.nan),
@@ -217,7 +218,10 @@ def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         estimate=np.zeros((2, columns)),
         stiffness=np.zeros((2, columns)),
         normal=np.zeros((2, 2, columns)),
-        slope=None if profiles(plan.model.bearing) is None else np.zeros((4, columns)),
+        bracket=np.zeros((2, columns)) if uneven else None,
+        bracket_now=np.zeros((2, columns)) if uneven else None,
+        slope=np.zeros((4, columns)) if uneven else None,
+        softening=np.zeros((4, columns)) if uneven else None,
         halo=halo,
     )
     for row, force in ((INNER, start.inner_force), (OUTER, start.outer_force)):

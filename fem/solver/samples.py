@@ -68,6 +68,7 @@ class SampleReader:
             "roller_rho": np.hypot(x, y),
             "roller_theta": self._unwrap(np.arctan2(y, x)),
             "roller_spin": block["roller_spin"],
+            "roller_turn": block["roller_turn"],
             "inner_force": block["inner_force"],
             "outer_force": block["outer_force"],
             "inner_traction": block["inner_traction"],

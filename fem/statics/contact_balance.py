@@ -13,7 +13,7 @@ from fem.contacts.contact_law import ContactLaw, NoLaw
 from fem.errors import UsageError
 from lagrange import Bearing
 from lagrange.overlap import overlaps, sunk
-from lagrange.profile import UNTURNED, Turns
+from lagrange.profile import UNTURNED, Turns, profiles
 
 LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clearance); 1e-6 N per µm
 FAINTEST = 1e-6  # N; a smaller force is what the barrier left
@@ -76,9 +76,9 @@ def balance(contacts: Condensed, loads: Loads, start: np.ndarray) -> tuple[np.nd
     ------
     NotFound. The balance is exact to about 1e-9 of the load.
     """
-    bearing, position = contacts.bearing, start
+    bearing, position, forces = contacts.bearing, start, np.zeros(2 * contacts.bearing.n_rollers)
     for _ in range(MAX_TURNS):
-        moved, forces = _convex(contacts, loads, position)
+        moved, forces = _convex(contacts, loads, position, closed_forces(forces))
         change = np.abs(moved - position).max()
         position = moved
         if change <= SETTLED * bearing.pitch_radius:
@@ -95,15 +95,16 @@ def _not_found(why: str, loads: Loads) -> NotFound:
     )
 
 
-def _convex(contacts: Condensed, loads: Loads, position) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and forces with the contacts' directions held as they are at `position`.
+def _convex(contacts: Condensed, loads: Loads, position, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and forces with the contacts' directions held as they are at `position` under the `last` forces.
 
     Primal-dual interior-point method (Nocedal and Wright, Numerical Optimization, 2006, chapter 19): forces q and gaps
     s stay positive while their products shrink to 0.
     """
     bearing, n = contacts.bearing, contacts.bearing.n_rollers
-    overlap, directions = geometry(bearing, contacts.radial, position, contacts.turns)
-    overlap = overlap + contacts.closing
+    overlap, directions = geometry(bearing, contacts.radial, position, contacts.turns, last)
+    soft = edge_compliances(bearing, contacts.radial, position, contacts.turns)
+    overlap, compliance = overlap + contacts.closing, contacts.compliance + np.diag(soft)
     applied = np.concatenate(
         [
             [0.0, -loads.hub],
@@ -118,7 +119,7 @@ def _convex(contacts: Condensed, loads: Loads, position) -> tuple[np.ndarray, np
     for _ in range(MAX_STEPS):
         approach, softness = _law(contacts, force)
         unbalanced = applied - LOOSE_SPRING * (moved - middle) - directions.T @ force
-        apart = overlap + directions @ (moved - position) - contacts.compliance @ force - approach + gap
+        apart = overlap + directions @ (moved - position) - compliance @ force - approach + gap
         product = float(force @ gap) / (2 * n)
         scale = max(size, float(force.max()))
         if (
@@ -129,9 +130,7 @@ def _convex(contacts: Condensed, loads: Loads, position) -> tuple[np.ndarray, np
             return moved, force
         barrier = SHRINK * product
         wanted = apart + barrier / force - gap
-        solved = np.linalg.solve(
-            contacts.compliance + np.diag(softness + gap / force), np.column_stack([directions, wanted])
-        )
+        solved = np.linalg.solve(compliance + np.diag(softness + gap / force), np.column_stack([directions, wanted]))
         step = np.linalg.solve(
             LOOSE_SPRING * np.eye(n + 2) + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1]
         )
@@ -148,17 +147,33 @@ def _room(value, step) -> float:
     return TO_THE_WALL * float(np.min(-value[shrinking] / step[shrinking])) if shrinking.any() else 1.0
 
 
-def geometry(bearing: Bearing, radial, position, turns: Turns = UNTURNED) -> tuple[np.ndarray, np.ndarray]:
-    """Overlap of undeformed bodies at every contact, (2 n,), m, and its derivatives by hub and radii, (2 n, n + 2)."""
+def geometry(bearing: Bearing, radial, position, turns: Turns = UNTURNED, forces=None) -> tuple[np.ndarray, np.ndarray]:
+    """Overlap of undeformed bodies at every contact, (2 n,), m, and its derivatives by hub and radii, (2 n, n + 2).
+
+    On soft edges the derivatives are those of the contacts' energy over their `forces`, (2 n,), N.
+    """
     n, j = bearing.n_rollers, np.arange(bearing.n_rollers)
     found = overlaps(bearing, position[0], position[1], *(radial * position[2:, None]).T, position[2:])
     found = sunk(bearing, found, turns, np.arctan2(radial[:, 1], radial[:, 0]))
+    if forces is not None:
+        found = found.under(forces[:n])
     normal = -np.column_stack([found.direction_x, found.direction_y])
     directions = np.zeros((2 * n, n + 2))
     directions[:n, :2] = normal
     directions[j, 2 + j] = -np.sum(normal * radial, axis=1)
     directions[n + j, 2 + j] = 1.0
     return np.concatenate([found.inner, found.outer]), directions
+
+
+def edge_compliances(bearing: Bearing, radial, position, turns: Turns = UNTURNED) -> np.ndarray:
+    """What edges of spalls add to the compliance of each contact, (2 n,), m/N."""
+    surfaces, n = profiles(bearing), bearing.n_rollers
+    if surfaces is None:
+        return np.zeros(2 * n)
+    from_hub = radial * position[2:, None] - position[:2]
+    inner = surfaces.inner(np.arctan2(from_hub[:, 1], from_hub[:, 0]), turns)
+    outer = surfaces.outer(np.arctan2(radial[:, 1], radial[:, 0]), turns)
+    return np.concatenate([np.broadcast_to(met.compliance, n) for met in (inner, outer)])
 
 
 def _law(contacts: Condensed, force) -> tuple[np.ndarray, np.ndarray]:

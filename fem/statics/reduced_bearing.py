@@ -9,7 +9,7 @@ import numpy as np
 from fem.contacts.contact_law import ContactLaw
 from fem.elastic.continuum import disc_hertz_approach
 from fem.elastic.kept import kept
-from fem.elastic.tangential import disc_shear_approach, ring_shear_approach, spinning_growth
+from fem.elastic.tangential import disc_stick_approach, ring_stick_approach, spinning_growth
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import HALF_WIDTH, exact_contacts
 from lagrange import Bearing, Kinematics
@@ -118,13 +118,7 @@ def _between(bearing: Bearing, pair: Pair) -> ContactLaw:
 
 
 def tangential_compliance(bearing: Bearing, force: float) -> np.ndarray:
-    """Tangential compliance, (3,), m/N, of an inner, outer and roller's contact that sticks under a normal force, N.
-
-    The traction of a contact that sticks rises to its edges, 1/sqrt(b² − x²); under it flat surfaces move by A/2 less
-    than under a semi-ellipse.
-
-    Source: Mindlin, J. Appl. Mech. 16 (1949) 259; Johnson, Contact Mechanics (1985), sections 2.8 and 7.2.
-    """
+    """Tangential compliance, (3,), m/N, of an inner, outer and roller's contact that sticks under a normal force, N."""
     found = []
     rings = (
         (bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring),
@@ -132,7 +126,7 @@ def tangential_compliance(bearing: Bearing, force: float) -> np.ndarray:
     )
     for pair, ring in zip(contact_pairs(bearing), (*rings, None), strict=True):
         width = min(pair.half_width(force), 0.5 * bearing.roller_radius)
-        roller = disc_shear_approach(bearing.roller_radius, bearing.roller.elastic, width)
-        other = roller if ring is None else ring_shear_approach(*ring, width)
-        found.append((roller + other) / pair.length - 0.5 * pair.line_compliance)
+        roller = disc_stick_approach(bearing.roller_radius, bearing.roller.elastic, width)
+        other = roller if ring is None else ring_stick_approach(*ring, width)
+        found.append((roller + other) / pair.length)
     return np.array(found)

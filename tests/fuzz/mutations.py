@@ -121,6 +121,7 @@ def archive(data: bytes, random: Random) -> bytes:
 
 MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
     "scene": scene,
+    "heights": table,
     "table": table,
     "result": damaged,
     "checkpoint": archive,

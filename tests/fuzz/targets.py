@@ -7,6 +7,7 @@ import io
 import json
 import tempfile
 import warnings
+from math import isfinite, pi
 from pathlib import Path
 
 LONGEST_MESSAGE = 10_000  # characters: 21 lines
@@ -33,7 +34,21 @@ class Targets:
             scene = read_scene(path)
         except SceneError as error:
             return _refused(error)
-        assert parse_scene_text(scene.to_toml(), "again") == scene
+        assert parse_scene_text(scene.to_toml(), "again", scene.files) == scene
+        return True
+
+    def heights(self, data: bytes) -> bool:
+        """Read a scene that names a table of heights; what is taken must close."""
+        from lagrange.scene import SceneError, read_scene
+
+        self._file("fuzzed-heights.csv", data)
+        path = self._file("heights.toml", b'[[profile]]\nfile = "fuzzed-heights.csv"\n')
+        try:
+            (fault,) = read_scene(path).ideal_bearing().faults
+        except SceneError as error:
+            return _refused(error)
+        angle, height = fault.table.angle, fault.table.height
+        assert all(map(isfinite, height)) and (angle[1:] > angle[:-1]).all() and angle[-1] - angle[0] < 2.0 * pi
         return True
 
     def table(self, data: bytes) -> bool:
@@ -86,7 +101,7 @@ class Targets:
         return path
 
 
-NAMES = ("scene", "table", "result", "checkpoint")
+NAMES = ("scene", "heights", "table", "result", "checkpoint")
 
 
 def _refused(error: Exception) -> bool:
@@ -128,6 +143,9 @@ def seeds(name: str) -> list[bytes]:
         )
         faulty += "[[waviness]]\norder = 14\n[[unequal_roller]]\nroller = 5\n"
         return [text.encode() for text in (Scene().to_toml(), ball, mapped, faulty, "name = 'x'\n")]
+    if name == "heights":
+        rows = [f"{angle},{0.1 * (angle % 7):.2g}" for angle in range(360)]
+        return ["\n".join(["angle_deg,height_um", *rows]).replace(",", mark).encode() for mark in ",\t"]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "seed.nc"
         if name == "checkpoint":

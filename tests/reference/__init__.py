@@ -4,6 +4,7 @@ bearings            bearings, bodies, loads, states of the time loop
 contact_states      states of contacts in all regimes
 line_contact        Hertz, Johnson, Carter: line contacts, impact on a rigid flat
 half_plane          stress below pressures on a half-plane
+edge_contact        a disc pressed on the bare profile of a spall
 free_vibration      frequencies of free discs and held rings
 disc_impact         a disc thrown at a flat, by its modes
 resolved_roller     a squeezed disc on a refined quadratic mesh

@@ -11,10 +11,12 @@ from fem.kernels import (
     patches,
     ring_kernels,
     sample_kernels,
+    shear_kernels,
     surfaces,
     time_loop,
 )
 from fem.kernels.jit import kernel
+from fem.kernels.simd import splat
 from fem.solver.arrays import Arrays
 
 kick_disc, drift_disc = kernel(disc_kernels.kick), kernel(disc_kernels.drift)
@@ -89,6 +91,19 @@ def _energy(groups, contacts, n, points, out):
     sample_kernels.add_contact_energy(groups, contacts, n, points, out)
 
 
+@kernel
+def stretch_spring(shear, traction, limit, creep, slip):
+    """Stretch the first eight springs, all alike; see `fem.kernels.shear_kernels.stretch`."""
+    force = splat(traction)
+    shear_kernels.stretch(shear, 0, force == traction, force, splat(limit), splat(creep), splat(slip))
+
+
+@kernel
+def spring_energy(shear, traction, n):
+    """`fem.kernels.shear_kernels.spring_energy`, J."""
+    return shear_kernels.spring_energy(shear, traction, n)
+
+
 def press_contacts(state: Arrays) -> None:
     """Find the normal forces of a state by its contact model; with many points their impulses are given too."""
     _press(state.groups, state.bodies, state.contacts, state.drive, state.contacts.points)
@@ -110,7 +125,7 @@ def find_slips(state: Arrays, turn_kick: np.ndarray, out: np.ndarray) -> None:
 
 
 def rub_contacts(state: Arrays) -> float:
-    """Tractions of a state whose patches grip, and their impulses; what they dissipate in a step, J."""
+    """Tractions of a state whose patches grip, and their impulses; what they take in a step, J."""
     friction, bodies = state.contacts.friction, state.bodies
     options = friction.overlapping, friction.whole
     return _rub(state.groups, bodies.rollers, bodies.surface, state.contacts, state.drive, *options)

@@ -9,7 +9,13 @@ import numpy as np
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.patch import disc_patch_force
 from fem.contacts.reduction import standing
-from fem.contacts.subgrid import REFERENCE_HALF_WIDTH, SurfaceCompliance, contact_law, disc_surface_compliance
+from fem.contacts.subgrid import (
+    REFERENCE_HALF_WIDTH,
+    SurfaceCompliance,
+    contact_law,
+    disc_surface_compliance,
+    rigid_surface,
+)
 from fem.elastic.bodies import DiscBody
 from fem.kernels.law import ripple_at
 from fem.statics.equilibrium import Equilibrium, equilibrium
@@ -33,7 +39,7 @@ from tests.reference.resolved_bearing import RESOLVED
 from tests.verification.case import Case, Check, Origin
 
 # what presses on a squeezed disc: it has no compliance and no mesh
-RIGID = SurfaceCompliance(missing=0.0, half_width=1.0, unit=0.0, ripple=np.zeros(8), spread=0.0)
+RIGID = rigid_surface(1.0)
 POSITIONS = (0.0, 0.13, 0.5, 0.77, 1.31, 2.06, 2.5, 3.9, 4.44)  # in node spacings, off the ripple's knots
 RESOLVED_SOURCE = "independent statics on locally refined quadratic meshes, converged to 0.02 %"
 # names of meshes and their size over the roller's radius: that on a roller of 10 mm

@@ -1,0 +1,141 @@
+"""How much softer a contact is at the edges of a spall than on the sound surface.
+
+Two half-planes are pressed together over the gap between the circle and the bare profile. The roller's approach is
+that of a sound contact under the same force, and the sinkage, and the force times a compliance A·ΔB, with the A of
+Hertz's law δ = A Q (B − ½ ln Q): on an edge of radius e alone ΔB = ½ ln(1 + R/e), where half the contact hangs over
+the edge ½.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from lagrange.closing import Meeting, room
+from lagrange.faults import Spall
+
+HALF_WIDTHS = (0.007, 0.014)  # over R, of the sound contacts: 0.4 and 0.8 GPa of steel; of ΔB the mean is taken
+SHARPEST = 1e-3  # of the roller's radius: sharper edges are as soft as one of 5 µm, or nothing would bound it
+BEYOND = 1.1  # half-widths beyond the opening: there a contact still is sound
+POSITIONS = 24  # on either side of where the edge begins, 24 more between there and the middle
+CELLS = 12  # of the narrower half-width, and of that on an edge alone
+GROWTH = 1.15  # of cells away from an edge
+IN_REACH = 2.0  # of b²/R: cells with a wider gap are none of the contact's
+MOST_TURNS = 60  # of the search for the cells in contact; 3 to 8 are usual
+
+
+def softening(spall: Spall, roller_radius: float, own: float, other: float, meeting: Meeting, angle) -> np.ndarray:
+    """ΔB, >= 0, at angles of the line of centres from the spall's middle, (n,), rad; 0 far from it.
+
+    Parameters
+    ----------
+    own, other : as in `closing.sinkage`
+
+    Errors
+    ------
+    The half-planes' own, (b/R)². Cells change ΔB by 0.02 at most. By the force ΔB changes, see `docs/surfaces.md`. In
+    the spall's middle, on both edges, contacts may be stiffer than sound ones: that is left out.
+    """
+    shape = Spall(body=spall.body, roller=None, angle=0.0, width=spall.width, depth=spall.depth,
+                  edge_radius=max(spall.edge_radius, SHARPEST * roller_radius))  # fmt: skip
+    at, found = _table(shape, spall.half_opening(roller_radius), own, other, meeting)
+    beside = np.minimum(np.abs(angle), at[-1])
+    return np.maximum(PchipInterpolator(at, found)(beside), 0.0)
+
+
+def reach(spall: Spall, roller_radius: float, own: float, other: float, meeting: Meeting) -> float:
+    """Angle from the spall's middle from which on contacts are sound, rad."""
+    radius = _relative_radius(own, other, meeting)
+    return float(np.arcsin((spall.half_opening(roller_radius) + BEYOND * HALF_WIDTHS[-1] * radius) / own))
+
+
+def _relative_radius(own: float, other: float, meeting: Meeting) -> float:
+    """R, m, of the sound contact: 1/R is the sum of both curvatures."""
+    return 1.0 / (1.0 / own + 1.0 / other) if meeting == "outside" else 1.0 / abs(1.0 / own - 1.0 / other)
+
+
+@lru_cache(maxsize=64)
+def _table(spall: Spall, opening: float, own: float, other: float, meeting: Meeting) -> tuple[np.ndarray, np.ndarray]:
+    """Angles from the spall's middle on, rad, and ΔB there; 0 at the last."""
+    radius = _relative_radius(own, other, meeting)
+    widths = [share * radius for share in HALF_WIDTHS]
+    width = BEYOND * widths[-1]
+    near = np.linspace(max(opening - width, 0.0), opening + width, 2 * POSITIONS)
+    # on both edges the contact changes within δ·R/(w/2), the closer to the middle the wider the spall
+    apart = np.geomspace(0.2 * widths[0] ** 2 / opening, near[0] if near[0] > 0.0 else width, POSITIONS)
+    at = np.unique(np.concatenate([[0.0], apart[apart < near[0]], near]))
+    cells = _cells(spall.edge_radius, opening, radius, widths)
+    middle = 0.5 * (cells[1:] + cells[:-1])
+    angle = np.arcsin(at / own)
+    gaps = room(middle, _depth(spall, opening, middle), own, other, meeting, angle)
+    found = np.stack([_approaches(gaps, cells, radius, b) for b in widths])
+    return angle, np.maximum((found - found[:, -1:]).mean(axis=0), 0.0)
+
+
+def _depth(spall: Spall, opening: float, at: np.ndarray) -> np.ndarray:
+    """Depths of the bare profile at places along the chord, (n,), m."""
+    inside, edge = np.maximum(opening - np.abs(at), 0.0), spall.edge_radius
+    arc = np.where(inside < edge, edge - np.sqrt(np.maximum(edge**2 - inside**2, 0.0)), np.inf)
+    return np.minimum(arc, spall.depth)
+
+
+def _cells(edge_radius: float, opening: float, radius: float, widths: list[float]) -> np.ndarray:
+    """Bounds of cells along the chord, m: fine where the edges begin."""
+    coarse = widths[0] / CELLS
+    fine = min(coarse, widths[0] * np.sqrt(edge_radius / (edge_radius + radius)) / CELLS)
+    last = (BEYOND + 2.0 * np.sqrt(IN_REACH)) * widths[-1]
+    steps = [fine] * (2 * CELLS)
+    while sum(steps) < max(last, opening):
+        steps.append(min(coarse, GROWTH * steps[-1]))
+    outward = np.concatenate([[0.0], np.cumsum(steps)])
+    beside = outward[outward < last]
+    inward = outward[1:][outward[1:] < opening - 0.5 * fine]
+    half = np.concatenate([opening - inward[::-1], opening + beside])
+    return np.concatenate([-half[::-1], half])
+
+
+def _approaches(gaps: np.ndarray, cells: np.ndarray, radius: float, half_width: float) -> np.ndarray:
+    """Approach over the least gap, over A·Q, at every position, up to a number that is the same for all.
+
+    Q is the force that makes this half-width on the sound surface: A·Q = b²/(2R).
+    """
+    unit = 0.5 * half_width**2 / radius
+    found, pressed = np.empty(len(gaps)), None
+    for i, gap in enumerate(gaps):
+        beyond = (gap - gap.min()) / unit
+        in_reach = np.flatnonzero(beyond < 2.0 * IN_REACH)
+        start = beyond < 0.5 if pressed is None else pressed
+        found[i], closed = _press(beyond[in_reach], _influence(cells, in_reach, half_width), start[in_reach])
+        pressed = np.zeros(gap.size, dtype=bool)
+        pressed[in_reach] = closed
+    return found
+
+
+def _influence(cells: np.ndarray, chosen: np.ndarray, unit: float) -> np.ndarray:
+    """Displacement at the middle of cells by a unit force spread over each, over A."""
+    low, high = cells[chosen] / unit, cells[chosen + 1] / unit
+    middle = 0.5 * (low + high)
+
+    def integral(z):
+        return z * (np.log(np.abs(z)) - 1.0)
+
+    return -(integral(high - middle[:, None]) - integral(low - middle[:, None])) / (high - low)
+
+
+def _press(gap: np.ndarray, influence: np.ndarray, closed: np.ndarray) -> tuple[float, np.ndarray]:
+    """Approach under a unit force, and the cells that carry it; `closed` to begin with, (n,)."""
+    if not closed.any():
+        closed = gap < 0.5
+    for _ in range(MOST_TURNS):
+        k = np.flatnonzero(closed)
+        matrix = np.ones((k.size + 1, k.size + 1))
+        matrix[:-1, :-1], matrix[:-1, -1], matrix[-1, -1] = influence[np.ix_(k, k)], -1.0, 0.0
+        *force, approach = np.linalg.solve(matrix, np.append(-gap[k], 1.0))
+        pushing = np.zeros(gap.size, dtype=bool)
+        pushing[k] = np.array(force) > 0.0
+        through = gap + influence[:, k] @ force < approach
+        changed = np.where(closed, pushing, through)
+        if np.array_equal(changed, closed):
+            break
+        closed = changed if changed.any() else gap <= gap.min()
+    return float(approach), closed

@@ -10,6 +10,8 @@ fitted_laws     laws with coupling between contacts, with damping
 spectrum        power spectral density, peaks, kinematic lines
 lines           levels of lines and sidebands; `envelope` spectrum of a band; `short_time` spectra
 vibration       the hub's acceleration: levels, fault lines in its envelope
+fault_finding   a spall found in trajectories alone: `roller_motion` what it may see, `sinkage_maps` by each body's
+                angle, `passages` and how rollers would move there; `fault_tables`, `fault_figures`
 evaluation      the whole check as one call -> `Evaluation`
 paper_figures   the paper's figures beside its ranges (`paper`); others: `motion_figures`,
                 `vibration_figures`, `passage_figures`, `budget_figures`; `plotting` gives all one look

@@ -61,6 +61,9 @@ def _command(
     ] = (),
     order: Annotated[Literal[4, 6, 8], Parameter(help="order of the differentiation")] = 6,
     tolerance: Annotated[float | None, Parameter(help="newtons rms; exit 1 if either error exceeds it")] = None,
+    find_faults: Annotated[
+        bool, Parameter(negative="", help="look for a spall in the trajectories: body, angle, width, or none")
+    ] = False,
     compare_laws: Annotated[bool, Parameter(negative="", help="print every law's error force, ranked")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
 ) -> int:
@@ -76,13 +79,21 @@ def _command(
     _check_law(law, record.bearing)
     check_replaceable(folder)
     evaluation = evaluate(record, law, None if start is None else 1e-3 * start, order, line)
+    search = _search(evaluation.record) if find_faults else None
     for note in evaluation.notes:
         say(f"warning: {path}: {note}")
-    write_report(evaluation, folder, tolerance)
+    write_report(evaluation, folder, tolerance, search)
     if not quiet:
         with telling():
-            _print_summary(evaluation, folder, tolerance, compare_laws)
+            _print_summary(evaluation, folder, tolerance, compare_laws, search)
     return 1 if evaluation.fails(tolerance) else 0
+
+
+def _search(record):
+    """Search for a spall."""
+    from residual.fault_finding import find_faults
+
+    return find_faults(record)
 
 
 def _check_number(option: str, value: float | None, unit: str) -> None:
@@ -131,12 +142,13 @@ def _read(path: Path, scene_path: Path | None, resample: bool):
     return read_table(path, scene, resample)
 
 
-def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_laws: bool) -> None:
+def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_laws: bool, search) -> None:
     """Print a short table and the most telling sentences."""
     from rich.console import Console
     from rich.table import Table
 
     from lagrange.messages import shown
+    from residual.fault_tables import search_sentences
     from residual.law_tables import fit_sentences
     from residual.line_tables import watched_rows
     from residual.tables import error_rows, verdict
@@ -163,6 +175,9 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
         console.print(f"{name}: {rms_x} N rms in x, {rms_y} in y (background {background}){told}", soft_wrap=True)
     for sentence in fit_sentences(evaluation):
         console.print(sentence, soft_wrap=True, markup=False)
+    if search is not None:
+        for sentence in search_sentences(search):
+            console.print(sentence, soft_wrap=True, markup=False)
     if compare_laws:
         _print_laws(console, evaluation)
     console.print(verdict(evaluation, tolerance), soft_wrap=True)

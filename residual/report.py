@@ -9,6 +9,8 @@ from lagrange.bearing import BallBearing, Bearing
 from lagrange.messages import shown
 from lagrange.pages import as_it_is, render_page
 from residual.evaluation import Evaluation
+from residual.fault_finding import FaultSearch
+from residual.fault_tables import search_sentences
 from residual.interactive import spectra_json
 from residual.law_tables import fit_sentences, ranking_rows, ranking_span
 from residual.line_tables import level_rows, watched_rows
@@ -29,7 +31,7 @@ from residual.vibration_tables import envelope_rows, vibration_rows, vibration_s
 from residual.words import text
 
 TEMPLATES = Path(__file__).parent / "templates"
-GROUPS = ("paper", "motion", "vibration", "budget")  # of figures, each with a place of its own on the page
+GROUPS = ("paper", "motion", "vibration", "search", "budget")  # of figures, each with a place of its own on the page
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 
@@ -39,6 +41,7 @@ def render_report(
     tolerance: float | None,
     version: str,
     statics: QuasiStatic | None = None,
+    search: FaultSearch | None = None,
 ) -> str:
     """Write the page's HTML text."""
     t = evaluation.record
@@ -63,6 +66,7 @@ def render_report(
         vibration=vibration_rows(evaluation),
         envelope=envelope_rows(evaluation),
         vibration_sentences=vibration_sentences(evaluation),
+        search_sentences=[] if search is None else search_sentences(search),
         notes=honest_notes(evaluation),
         meaning=meaning(evaluation, statics),
         stated_errors=stated_error_rows(evaluation),

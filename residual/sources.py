@@ -25,7 +25,7 @@ READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at lea
 READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times its size
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
-TURN = "roller_turn"  # of rollers with faults, whose place at a time it tells
+TURN = "roller_turn"  # of rollers, whose place at a time it tells
 MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
 ATTRIBUTES = (
     "scene", "committed_samples", "format_version", "program", "program_version", "status", "warnings", "mesh_nodes",
@@ -97,8 +97,7 @@ def _from_file(path: Path, file) -> Record:
         raise InputError(f"{path}: committed_samples = {n!r} must be a whole number >= 0; the file is damaged")
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
-    turns = (TURN,) if any(fault.body == "roller" for fault in scene.ideal_bearing().faults) else ()
-    names = [name for name in (*MOTION, *OPTIONAL, *ENERGIES, *turns) if has(file, name)]
+    names = [name for name in (*MOTION, *OPTIONAL, *ENERGIES, TURN) if has(file, name)]
     _check_size(path, file, names, n, scene)
     arrays = {name: read_numbers(file, name, n) for name in names}
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))

@@ -10,6 +10,7 @@ import numpy as np
 
 from residual.errors import InputError
 from residual.evaluation import Evaluation, term_spectra
+from residual.fault_finding import FaultSearch
 from residual.summary import PROGRAM, summarise
 from residual.words import words
 
@@ -26,12 +27,15 @@ def package_version() -> str:
         return "unknown"
 
 
-def write_report(evaluation: Evaluation, folder: str | Path, tolerance: float | None = None) -> dict:
+def write_report(
+    evaluation: Evaluation, folder: str | Path, tolerance: float | None = None, search: FaultSearch | None = None
+) -> dict:
     """Write the report folder and return the summary.
 
     Parameters
     ----------
     tolerance : float, N, on the rms of both errors; None: no verdict
+    search : for spalls; None: none was made
 
     Errors
     ------
@@ -44,7 +48,7 @@ def write_report(evaluation: Evaluation, folder: str | Path, tolerance: float | 
     fresh = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")  # known before it exists: no signal leaves it
     try:
         fresh.mkdir(mode=0o700)
-        summary = _fill(evaluation, fresh, tolerance)
+        summary = _fill(evaluation, fresh, tolerance, search)
         umask = os.umask(0)
         os.umask(umask)
         fresh.chmod(0o777 & ~umask)
@@ -92,11 +96,12 @@ def _move_into_place(fresh: Path, folder: Path) -> None:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict:
+def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None, search: FaultSearch | None) -> dict:
     """Write every file of the report."""
     import matplotlib.pyplot as plt
 
     from residual.budget_figures import budget_figures
+    from residual.fault_figures import fault_figures
     from residual.motion_figures import motion_figures
     from residual.paper_figures import paper_figures
     from residual.passage_figures import passage_figures
@@ -112,12 +117,13 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None) -> dict
             "paper": paper_figures(evaluation, folder),
             "motion": motion_figures(evaluation, statics, folder),
             "vibration": [*vibration_figures(evaluation, folder), *passage_figures(evaluation, folder)],
+            "search": [] if search is None else fault_figures(search, folder),
             "budget": budget_figures(evaluation, folder),
         }
     _write_arrays(evaluation, folder / "residual.nc", version)
-    page = render_report(evaluation, figures, tolerance, version, statics)
+    page = render_report(evaluation, figures, tolerance, version, statics, search)
     (folder / "report.html").write_text(page, encoding="utf-8")
-    summary = summarise(evaluation, tolerance, version)
+    summary = summarise(evaluation, tolerance, version, search)
     (folder / "summary.json").write_text(
         json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8"
     )

@@ -1,0 +1,109 @@
+"""What a search for spalls found, as sentences for the terminal and the report, and as numbers of summary.json."""
+
+from math import degrees, pi
+
+import numpy as np
+
+from residual.fault_finding import SIGMAS, STANDS_OUT, FaultSearch, FoundSpall
+from residual.roller_motion import Place
+from residual.sinkage_maps import SinkageMap
+from residual.words import text
+
+FROM_LOAD = 0.5 * pi  # rad, of +x from the load's direction, which rings' angles are told from
+SHORTEST_GAP = 1.0  # degrees of a ring that are told as not seen
+
+
+def search_sentences(search: FaultSearch) -> list[str]:
+    """Say what was found, and which parts of the bearing were seen."""
+    return [_finding(search), _seen(search)]
+
+
+def _finding(search: FaultSearch) -> str:
+    found = search.found
+    if found is None:
+        clearest = max((m.deepest[1] for m in search.maps), default=0.0)
+        return (
+            f"No spall found: no place of any body stands out {STANDS_OUT:g} times of the rest of that body "
+            f"(at most {text(clearest, 2)} times)."
+        )
+    reference = "in its own frame" if found.place.roller is not None else "from the load's direction"
+    return (
+        f"Found a spall on {named(found.place)}: {1e3 * found.width:.2f} ± {1e3 * found.width_error:.2f} mm wide, its "
+        f"middle at {_degrees(found)} ± {degrees(found.angle_error):.2f}° {reference} (95 %). It explains "
+        f"{100 * found.explained:.0f} % of what rollers depart there from their paths on perfect circles, "
+        f"and stands out {text(found.stands_out, 2)} times."
+    )
+
+
+def _degrees(found: FoundSpall) -> str:
+    return f"{told_angle(found.place, found.angle):.2f}".replace("-", "−")
+
+
+def named(place: Place) -> str:
+    """Name a body."""
+    return f"the {place.body.replace('_', ' ')}" if place.roller is None else f"roller {place.roller}"
+
+
+def told_angle(place: Place, angle: float) -> float:
+    """An angle as scenes give it, degrees: of rings from the load's direction, of rollers in their own frame."""
+    turned = angle if place.roller is not None else angle + FROM_LOAD
+    return degrees((turned + pi) % (2.0 * pi) - pi)
+
+
+def _whole(search: FaultSearch) -> list[SinkageMap]:
+    """Maps that say what was seen of each body."""
+    return [m for m in search.maps if not m.rested]
+
+
+def _seen(search: FaultSearch) -> str:
+    told, rollers = [], [100.0 * m.seen for m in _whole(search) if m.place.roller is not None]
+    for each in _whole(search):
+        if each.place.roller is None:
+            gaps = "; ".join(f"{low:.0f} to {high:.0f}°".replace("-", "−") for low, high in unseen(each))
+            told.append(f"{100 * each.seen:.0f} % of {named(each.place)}" + (f" (not {gaps})" if gaps else ""))
+    low, high = min(rollers), max(rollers)
+    span = f"{low:.0f}{f' to {high:.0f}' if round(high) > round(low) else ''} % of each roller"
+    return f"Seen by rollers that rest on it or carry load: {', '.join([*told, span])}."
+
+
+def unseen(each: SinkageMap) -> list[tuple[float, float]]:
+    """Arcs that no roller has told of, by ascending angle as scenes count it, degrees."""
+    n = each.height.size
+    shifted = np.roll(each.height, -round(n * (told_zero(each.place) % (2.0 * pi)) / (2.0 * pi)))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], np.isnan(shifted), [False]]).astype(int)))
+    arcs = [(360.0 * low / n - 180.0, 360.0 * high / n - 180.0) for low, high in edges.reshape(-1, 2)]
+    return [arc for arc in arcs if arc[1] - arc[0] >= SHORTEST_GAP]
+
+
+def told_zero(place: Place) -> float:
+    """Angle of `lagrange.faults` that is told as −180 degrees, rad."""
+    return -pi - (0.0 if place.roller is not None else FROM_LOAD)
+
+
+def search_summary(search: FaultSearch | None) -> dict | None:
+    """Numbers of summary.json; None where nothing was searched for."""
+    if search is None:
+        return None
+    found = search.found
+    spall = None
+    if found is not None:
+        spall = {
+            "body": found.place.body,
+            "roller": found.place.roller,
+            "angle_deg": told_angle(found.place, found.angle),
+            "angle_error_deg": degrees(found.angle_error),
+            "width_mm": 1e3 * found.width,
+            "width_error_mm": 1e3 * found.width_error,
+            "interval_sigmas": SIGMAS,
+            "stands_out": found.stands_out,
+            "explained": found.explained,
+            "passages": int(found.response.chosen.first.size),
+        }
+    seen = [
+        {
+            "body": m.place.body, "roller": m.place.roller, "share": m.seen,
+            "unseen_deg": [list(arc) for arc in unseen(m)],
+        }
+        for m in _whole(search)
+    ]  # fmt: skip
+    return {"spall": spall, "seen": seen}

@@ -78,6 +78,7 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
 def _planned(scene: Scene, tell: Callable[[str], None] | None) -> Plan:
     with said_if_long(PATIENCE, PLANNING, tell):
         plan = _programs_named(lambda: make_plan(scene))
+    gc.freeze()  # what is there stays: a first search for cycles in all of it takes 0.1 s
     gc.enable()  # the command stops it while it imports
     return plan
 

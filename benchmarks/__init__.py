@@ -9,6 +9,7 @@ threads         time of a step on one thread and on more
 checkpoint_cost what checkpoints and commits cost, as paired ratios
 work_precision  run time against error over meshes
 lagrange_model  the Lagrangian model solved: its time, its energy, the checker on its own output
+live            frames a second of the live page, and what they take
 pictures        docs' pictures; stress below contacts, times, sizes
 same_bits       whether another revision gives the same bits, and takes the same time
 

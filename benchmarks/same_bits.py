@@ -232,7 +232,8 @@ def _taken(tree: Tree, *arguments: str, **environment: str) -> tuple[float, floa
 
 def _speed(mine: Tree, base: Tree, sizes: list[float], pairs: int) -> Table:
     table = Table(title=f"Whole runs of {SPEED_MS:g} ms, {pairs} pairs in turns, one thread", title_justify="left")
-    for heading in ("mesh, mm", "this tree, s", "base, s", "ratio of wall times", "of processor times", "of fastest runs"):
+    ratios_of = "ratio of wall times", "of processor times", "of fastest runs"
+    for heading in ("mesh, mm", "this tree, s", "base, s", *ratios_of):
         table.add_column(heading, justify="right")
     for size in sizes:
         options = ("--mesh-size", repr(size), "--duration", repr(SPEED_MS))

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+from fem.answers import COLUMNS
 from fem.errors import RunFailed, UsageError
 from fem.outcome import Outcome
 from fem.progress import progress_display
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, refuse_no_place, save_checkpoint
-from fem.result.estimate_columns import read_columns, write_estimates
+from fem.result.estimate_columns import read_blocks, read_columns, write_estimates
 from fem.result.store import NOTHING, ResultFile, Stored, WriteFailed
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Plan, Progress, RunState
@@ -137,9 +138,8 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
         say(f"warning: {sentence}")
     seen = state.progress
     if outcome is Outcome.COMPLETE and not options.quiet:
-        first = read_columns(path, ("inner_x", "inner_y", "inner_force"), samples=1)
         with telling():
-            print_run(state, first, path)
+            print_run(state, read_blocks(path, COLUMNS), path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 
 

@@ -1,5 +1,6 @@
 """What run-fem prints of plans, runs and estimates, whichever solver they are of."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -7,11 +8,16 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from fem.answers import first_answers
 from fem.solver.solver import Plan, RunState
+from lagrange import kinematics
 from lagrange.messages import shown
+from lagrange.scene import Scene
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
+
+LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
 
 
 def print_plan(plan: Plan) -> None:
@@ -20,15 +26,52 @@ def print_plan(plan: Plan) -> None:
     console.print(f"Plan of {shown(plan.scene.name)}, {plan.model_name}", style="italic", markup=False)
     if table is not None:
         console.print(table)
-    for name, value in rows.items():
+    for name, value in (_of_the_bearing(plan.scene) | rows).items():
         console.print(f"{name + ':':30s} {value}", soft_wrap=True)
+    _print_choices(console, plan)
     _print_cautions(console, (*plan.remarks, *plan.cautions))
 
 
-def print_run(state: RunState, first: dict[str, np.ndarray], path: Path) -> None:
-    """One line about the run and where it is; of a standing bearing the `first` sample, by the file's names."""
+def _of_the_bearing(scene: Scene) -> dict[str, str]:
+    """What the scene alone decides and its file does not say."""
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    rows = {"radial clearance": f"{1e6 * bearing.radial_clearance + 1e-9:.3f} µm"}
+    ideal = kinematics(bearing, operation.speed)
+    if ideal.cage:
+        lines = ", ".join(f"{name} {value:.4g} Hz" for name, value in ideal.frequencies.items())
+        rows["frequencies, without slip"] = lines
+    return rows
+
+
+def _print_choices(console: Console, plan: Plan) -> None:
+    """What each model takes for the scene, what it errs by and leaves out; what to begin with."""
+    from fem.solver.model_choice import model_choices, suggestion  # only a dry run needs what these import
+
+    choices = model_choices(plan)
+    if (begin := suggestion(choices)) is None:
+        return
+    table = Table(title="Models for this scene", title_justify="left")
+    for heading in ("model", "expected time", "static error of hub", "leaves out"):
+        table.add_column(heading, justify="left" if heading in ("model", "leaves out") else "right")
+    for each in choices:
+        seconds = "-" if each.seconds is None else f"{each.seconds:.2g} s"
+        error = _percent(each.hub_error)
+        table.add_row(each.model, seconds, error, shown(each.lacks))
+    console.print(table)
+    console.print(begin, soft_wrap=True, markup=False)
+
+
+def _percent(error: float | None) -> str:
+    if error is None:
+        return "-"
+    return f"{100 * error:.2g} %" if error > LEAST_ERROR else f"below {100 * LEAST_ERROR:g} %"
+
+
+def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Path) -> None:
+    """What a run shows of the bearing, from its samples in blocks by the file's names, and where it is."""
     console, plan, progress = Console(highlight=False), state.plan, state.progress
     if plan.n_samples == 1:
+        first = next(iter(blocks))
         force = first["inner_force"][0]
         forces = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
         lines = [
@@ -36,10 +79,12 @@ def print_run(state: RunState, first: dict[str, np.ndarray], path: Path) -> None
             f"Loaded rollers: {forces or 'none'} N",
         ]
     else:
-        lines = [
+        bearing, speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().speed
+        lines = [f"{name + ':':14s} {value}" for name, value in first_answers(bearing, speed, blocks).items()]
+        lines.append(
             f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "
             f"{progress.imbalance:+.1e} of the exchanged energy"
-        ]
+        )
     for line in lines:
         console.print(line, soft_wrap=True)
     _print_cautions(console, (*plan.cautions, *state.cautions))

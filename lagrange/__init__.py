@@ -23,7 +23,8 @@ scene         the TOML scene file: validated, in the bearing engineer's units; g
 scene_columns columns of tables made elsewhere; `scene_surfaces`: [[spall]], [[waviness]], [[unequal_roller]]
 scene_faults  what is wrong with a scene, all at once
 stored        numbers out of HDF5 files that may be damaged or hostile
-sealed        files of caches, known when they are damaged; `messages`: what commands print, always printable
+sealed        files of caches, known when they are damaged; `messages`: what commands print, always printable; `pages`:
+              templates of HTML pages, and uPlot
 
 Example, 5 ms of the paper's bearing:
 
@@ -34,7 +35,7 @@ Example, 5 ms of the paper's bearing:
     bearing = scene.ideal_bearing()
     run = simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 5e-3, 1e-5)
 
-Everything but `scene` (which validates with pydantic) needs numpy and scipy only.
+Everything but `scene` (which validates with pydantic) and `pages` (jinja) needs numpy and scipy only.
 """
 
 from lagrange.bearing import BallBearing, Bearing, Material, Operation

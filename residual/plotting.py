@@ -9,6 +9,10 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+from residual.tick_labels import make_plain
 
 WIDTH = 7.0  # inches; about one page's text width, still legible when a phone shrinks it
 DPI = 170
@@ -50,7 +54,6 @@ STYLE = {
     "path.simplify_threshold": 0.3,
     "agg.path.chunksize": 20000,
     "axes.formatter.limits": (-4, 5),
-    "axes.formatter.use_mathtext": True,
     "axes.formatter.useoffset": False,
 }
 
@@ -114,8 +117,12 @@ def name_slim(axis) -> None:
 def save(figure, folder: Path, name: str, title: str, caption: str) -> SavedFigure:
     """Write one figure as PNG and SVG, without a date, so that the same run gives the same files."""
     png, svg = folder / f"{name}.png", folder / f"{name}.svg"
-    figure.savefig(png, dpi=DPI, metadata={"Software": None, "Title": title})
-    figure.savefig(svg, metadata={"Date": None, "Title": title}, dpi=DPI)
+    make_plain(figure)
+    figure.set_dpi(DPI)
+    # a canvas' own printing draws once; `savefig` draws twice and lays the panels out in both
+    FigureCanvasAgg(figure).print_png(png, metadata={"Software": None, "Title": title})
+    figure.set_layout_engine("none")  # laid out by now
+    FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Title": title})
     plt.close(figure)
     return SavedFigure(name=name, title=title, caption=caption, png=png, svg=svg)
 

@@ -3,11 +3,11 @@
 import base64
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from lagrange.bearing import BallBearing, Bearing
 from lagrange.messages import shown
+from lagrange.pages import as_it_is, render_page
 from residual.evaluation import Evaluation
 from residual.interactive import spectra_json
 from residual.law_tables import fit_sentences, ranking_rows, ranking_span
@@ -41,15 +41,9 @@ def render_report(
     statics: QuasiStatic | None = None,
 ) -> str:
     """Write the page's HTML text."""
-    environment = Environment(
-        loader=FileSystemLoader(TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     t = evaluation.record
-    return environment.get_template("report.html.j2").render(
+    return render_page(
+        TEMPLATES / "report.html.j2",
         name=t.name,
         version=version,
         verdict=verdict(evaluation, tolerance),
@@ -76,16 +70,9 @@ def render_report(
         **{f"{group}_figures": [(f, _embedded(f)) for f in figures.get(group, ())] for group in GROUPS},
         resolution=text(evaluation.x.spectrum.resolution),
         spectra=Markup(spectra_json(evaluation)),
-        plot_style=_vendored("uPlot.min.css"),
-        plot_library=_vendored("uPlot.iife.min.js"),
-        plot_script=Markup((TEMPLATES / "spectra.js").read_text(encoding="utf-8")),
+        plot_script=as_it_is(TEMPLATES / "spectra.js"),
         scene=t.scene.to_toml(),
     )
-
-
-def _vendored(name: str) -> Markup:
-    """Read a file of uPlot, which goes into the page itself: it must open without a network."""
-    return Markup((TEMPLATES / "vendor" / name).read_text(encoding="utf-8"))
 
 
 def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:

@@ -1,6 +1,7 @@
-"""What all tests share: their own cache of meshes, a short simulation on the coarse mesh, reports without figures."""
+"""What all tests share: a cache of meshes, a short run on the coarse mesh, reports without figures, a browser."""
 
 import os
+import shutil
 import tempfile
 from pathlib import Path
 from unittest import mock
@@ -10,6 +11,8 @@ import pytest
 os.environ.setdefault("MPLBACKEND", "Agg")
 _CACHE = tempfile.TemporaryDirectory(prefix="test-cache-")  # a user's cache neither helps a test nor is changed by one
 mock.patch("meshes.cache.cache_folder", lambda: Path(_CACHE.name) / "meshes").start()
+
+BROWSERS = ("chromium", "chromium-browser", "chromium-headless-shell", "google-chrome")
 
 
 @pytest.fixture(scope="session")
@@ -41,3 +44,20 @@ def plain_report(monkeypatch):
     monkeypatch.setattr("residual.motion_figures.motion_figures", lambda *_: [])
     monkeypatch.setattr("residual.budget_figures.budget_figures", lambda *_: [])
     monkeypatch.setattr("residual.vibration_figures.vibration_figures", lambda *_: [])
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Headless Chromium; where a browser is promised (REQUIRE_BROWSER), its absence is a failure."""
+    path = next((found for name in BROWSERS if (found := shutil.which(name))), None)
+    missing = pytest.fail if os.environ.get("REQUIRE_BROWSER") else pytest.skip
+    if path is None:
+        missing(f"no browser here ({', '.join(BROWSERS)}): apt-get install chromium")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        missing("playwright is not installed: pip install playwright")
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield chromium
+        chromium.close()

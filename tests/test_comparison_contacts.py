@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
-from fem.contacts import FacetedModel, PenaltyModel
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.reduction import standing
+from fem.contacts.springs import FacetedModel, PenaltyModel
 from fem.kernels.facet_kernels import CORNER, chord
 from fem.solver.simulate import make_plan, run
 from fem.statics.equilibrium import equilibrium

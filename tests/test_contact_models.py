@@ -5,7 +5,12 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from fem.contacts import MODELS, FacetedModel, Model, PenaltyModel, ResolvedModel, SpreadModel, SubgridModel
+from fem.contacts import MODELS
+from fem.contacts.model import Model
+from fem.contacts.resolved import ResolvedModel
+from fem.contacts.spread import SpreadModel
+from fem.contacts.springs import FacetedModel, PenaltyModel
+from fem.contacts.subgrid import SubgridModel
 from fem.kernels.state import INNER, OUTER, ROLLER
 from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan

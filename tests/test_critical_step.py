@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from fem.contacts.critical_step import LANCZOS_TOLERANCE, LOAD_MARGIN, critical_time_step
+from fem.contacts.contact_law import LOAD_MARGIN
+from fem.contacts.critical_step import LANCZOS_TOLERANCE, critical_time_step
 from fem.contacts.patch import disc_patch_force, ring_patch_force
 from fem.elastic.assembly import assemble
 from fem.kernels import disc_kernels, ring_kernels

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
-from fem.contacts import SpreadModel
+from fem.contacts.spread import SpreadModel
 from fem.elastic.stress import max_shear
 from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING, OUTER_RING
 from fem.pictures.peaks import shear_peak

@@ -1,29 +1,10 @@
 """The report as a reader meets it, in a real browser without a network, on a desk and on a phone."""
 
-import os
 import shutil
 
 import pytest
 
-BROWSERS = ("chromium", "chromium-browser", "chromium-headless-shell", "google-chrome")
 WIDTHS = (390, 1280)
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """Headless Chromium; where a browser is promised (REQUIRE_BROWSER), its absence is a failure."""
-    path = next((found for name in BROWSERS if (found := shutil.which(name))), None)
-    missing = pytest.fail if os.environ.get("REQUIRE_BROWSER") else pytest.skip
-    if path is None:
-        missing(f"no browser here ({', '.join(BROWSERS)}): apt-get install chromium")
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        missing("playwright is not installed: pip install playwright")
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        yield chromium
-        chromium.close()
 
 
 @pytest.fixture(scope="module")

@@ -7,10 +7,10 @@ import pytest
 from scipy.linalg import toeplitz
 from scipy.optimize import nnls
 
-from fem.contacts import SpreadModel
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.points import points
 from fem.contacts.reduction import standing
+from fem.contacts.spread import SpreadModel
 from fem.kernels.jit import kernel
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.spread_kernels import spread_forces

@@ -1,6 +1,6 @@
 """Contact models: how a mesh carries the contacts, and what is added that it can't see.
 
-A scene's `contact.model` is chosen from MODELS: the first of its classes whose mesh is fine enough, or else the last.
+A scene's `contact.model` is chosen from MODELS; of two classes the first is for meshes finer than ONE_PATCH.
 
 scene's name      class, module             the mesh carries a contact as       added to the mesh
 subgrid           SubgridModel, subgrid     one patch of six nodes              a law Q(δ) below the grid, with ripples
@@ -21,17 +21,10 @@ A new model is a module with such a class, a line here, and its name in the scen
 `points` is what models of pressure points share; `patch` which nodes carry a force; `contact_law`, `reduction` data.
 """
 
-from fem.contacts.model import Model
-from fem.contacts.resolved import ResolvedModel
-from fem.contacts.spread import SpreadModel
-from fem.contacts.springs import FacetedModel, PenaltyModel
-from fem.contacts.subgrid import SubgridModel
-
-MODELS: dict[str, tuple[type[Model], ...]] = {
-    "subgrid": (SpreadModel, SubgridModel),
-    "resolved": (ResolvedModel,),
-    "penalty": (PenaltyModel,),
-    "faceted": (FacetedModel,),
+MODELS = {  # a scene's name: modules and classes, imported when a scene takes them
+    "subgrid": (("fem.contacts.spread", "SpreadModel"), ("fem.contacts.subgrid", "SubgridModel")),
+    "resolved": (("fem.contacts.resolved", "ResolvedModel"),),
+    "penalty": (("fem.contacts.springs", "PenaltyModel"),),
+    "faceted": (("fem.contacts.springs", "FacetedModel"),),
 }
-
-__all__ = ["MODELS", "FacetedModel", "Model", "PenaltyModel", "ResolvedModel", "SpreadModel", "SubgridModel"]
+ONE_PATCH = 2.0  # least surface spacing over a contact's half-width at which one patch is far wider than the contact

@@ -10,6 +10,8 @@ from fem.kernels.law import STEEPEST, contact_force
 from fem.kernels.state import Law
 from lagrange.pair import Pair
 
+LOAD_MARGIN = 10.0  # critical steps take contacts to be as stiff as at this many times the largest static force
+
 
 @dataclass(frozen=True, kw_only=True)
 class ContactLaw:

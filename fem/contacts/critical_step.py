@@ -7,11 +7,11 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, eigsh
 
+from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.kept import kept
 
-LOAD_MARGIN = 10.0  # contacts are as stiff as at this many times the largest static force
 # what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
 EVENLY, LIGHT, HEAVY = 2.0, 10.0 / 9.0, 10.0
 LANCZOS_TOLERANCE = 1e-6  # of ω²; with 1e-4 the fastest of a ring's clustered modes is missed by up to 1e-3

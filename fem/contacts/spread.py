@@ -19,6 +19,7 @@ from typing import ClassVar
 import numpy as np
 from scipy.linalg import toeplitz
 
+from fem.contacts import ONE_PATCH
 from fem.contacts.model import Model, assembled_bodies, named
 from fem.contacts.patch import disc_patch_force, patch, patches, ring_patch_force
 from fem.contacts.points import PointLaw, PointModel
@@ -32,7 +33,6 @@ from lagrange.pair import contact_pairs, line_compliance
 from meshes import graded_shapes
 
 POINTS_PER_HALF_WIDTH = 10  # at the largest static force
-ONE_PATCH = 2.0  # least surface spacing over a contact's half-width at which one patch is far wider than the contact
 SPAN = 3  # half-range of the points over that half-width: nine times that force
 PLACES = 6  # on a roller's sextant, and
 PLACES_PER_NODE = 8  # about which its softness is averaged

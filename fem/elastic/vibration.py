@@ -9,7 +9,6 @@ from math import pi
 
 import numpy as np
 from numpy.polynomial import Legendre, legendre
-from scipy.linalg import eigh
 
 from lagrange import Material
 
@@ -53,6 +52,8 @@ def ring_vibrations(
 
 
 def _vibrations(inner, outer, loaded, material, thickness, highest, hub=None) -> Modes:
+    from scipy.linalg import eigh  # takes its time to load, and most scenes have no modes
+
     found = []
     for n in range(MOST_WAVES):
         stiffness, mass = _matrices(n, inner, outer, material, thickness)

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -75,3 +76,11 @@ def read_columns(path: Path, names: tuple[str, ...], samples: int | None = None)
     with h5py.File(path, "r") as file:
         count = int(file.attrs["committed_samples"]) if samples is None else samples
         return {name: file[name][:count] for name in names}
+
+
+def read_blocks(path: Path, names: tuple[str, ...], rows: int = 1 << 16) -> Iterator[dict[str, np.ndarray]]:
+    """All committed samples of some variables, so many at a time."""
+    with h5py.File(path, "r") as file:
+        count = int(file.attrs["committed_samples"])
+        for first in range(0, count, rows):
+            yield {name: file[name][first : min(first + rows, count)] for name in names}

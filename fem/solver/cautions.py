@@ -2,24 +2,27 @@
 
 from dataclasses import replace
 from math import inf, pi, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.contacts.model import Model
 from fem.solver.limits import WIDEST_CONTACT
 from fem.solver.solver import Samples
-from fem.statics.equilibrium import Equilibrium
 from lagrange import Bearing, Operation, contact_laws, kinematics
 from lagrange.faults import Spall, Waviness
 from lagrange.kinematics import roller_angles
 from lagrange.pair import contact_pairs
 from lagrange.scene_surfaces import own_radius
 
+if TYPE_CHECKING:
+    from fem.contacts.model import Model
+    from fem.statics.equilibrium import Equilibrium
+
 # Static load rating of roller bearings (ISO 76): at this Hertz pressure steel keeps a dent of 1e-4 of the diameter
 ISO_76_PRESSURE = 4e9  # Pa
 
 
-def cautions(model: Model, operation: Operation, equilibrium: Equilibrium, interval: float) -> tuple[str, ...]:
+def cautions(model: "Model", operation: Operation, equilibrium: "Equilibrium", interval: float) -> tuple[str, ...]:
     """Sentences; none where all is well. `interval` between samples, s."""
     found = (
         _yield(model, equilibrium),
@@ -54,7 +57,7 @@ def run_cautions(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
     )
 
 
-def _yield(model: Model, equilibrium: Equilibrium) -> str | None:
+def _yield(model: "Model", equilibrium: "Equilibrium") -> str | None:
     """The model is elastic at any pressure; steel is not."""
     worst, name, force = max(
         (law.pair.peak_pressure(float(forces.max())), law.pair.kind, float(forces.max()))
@@ -70,7 +73,7 @@ def _yield(model: Model, equilibrium: Equilibrium) -> str | None:
     )
 
 
-def _sampling(model: Model, operation: Operation, equilibrium: Equilibrium, interval: float) -> str | None:
+def _sampling(model: "Model", operation: Operation, equilibrium: "Equilibrium", interval: float) -> str | None:
     """Samples must follow the hub's vibration on its contacts, or accelerations can't be found from them."""
     bearing = model.bearing
     laws = contact_laws("johnson", bearing)
@@ -90,7 +93,7 @@ def _sampling(model: Model, operation: Operation, equilibrium: Equilibrium, inte
     )
 
 
-def _edges(model: Model, equilibrium: Equilibrium) -> str | None:
+def _edges(model: "Model", equilibrium: "Equilibrium") -> str | None:
     """An edge that carries a contact has a far higher pressure than the raceway; the model stays elastic."""
     edges = [fault.edge_radius for fault in model.bearing.faults if isinstance(fault, Spall)]
     if not edges:
@@ -109,7 +112,7 @@ def _edges(model: Model, equilibrium: Equilibrium) -> str | None:
     )
 
 
-def _passages(model: Model, operation: Operation, equilibrium: Equilibrium, interval: float) -> str | None:
+def _passages(model: "Model", operation: Operation, equilibrium: "Equilibrium", interval: float) -> str | None:
     """Samples must follow contacts over edges, half-width by half-width, and over waves."""
     bearing, ideal = model.bearing, kinematics(model.bearing, operation.speed)
     speed = abs(ideal.roller - ideal.cage) * bearing.roller_radius

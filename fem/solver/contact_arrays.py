@@ -1,13 +1,11 @@
 """Contacts for the time loop: the bodies' surfaces, the pairs that may touch, and the arrays of their contacts."""
 
 from itertools import groupby
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
 
-from fem.contacts.model import KernelData, Model
-from fem.elastic.bodies import RingBody
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.patches import N_NODES
 from fem.kernels.simd import WIDTH
@@ -33,14 +31,18 @@ from fem.kernels.state import (
     Rollers,
 )
 from fem.solver.cache_lines import at_line
-from fem.solver.start import Start
 from lagrange import Bearing, Operation, kinematics
 from lagrange.profile import Profile, profiles
+
+if TYPE_CHECKING:
+    from fem.contacts.model import KernelData, Model
+    from fem.elastic.bodies import RingBody
+    from fem.solver.start import Start
 
 REACH = 0.01  # of a roller's radius
 
 
-def pair_groups(model: Model, inner: Ring, outer: Ring, drive: Drive, data: KernelData, columns: int) -> tuple:
+def pair_groups(model: "Model", inner: Ring, outer: Ring, drive: Drive, data: "KernelData", columns: int) -> tuple:
     """All pairs of bodies that may touch, in groups of one type."""
     bearing, (hub, ground) = model.bearing, (model.inner_ring, model.outer_ring)
     nowhere = np.zeros(2)
@@ -118,7 +120,7 @@ def _roller_profiles(profile: Profile, columns: int) -> RollerProfiles:
     return RollerProfiles(coefficients=at_line(profile.coefficients), first=at_line(first))
 
 
-def disc_surface(model: Model, rollers: Rollers, disc: Disc, data: KernelData) -> DiscSurface | RigidDisc:
+def disc_surface(model: "Model", rollers: Rollers, disc: Disc, data: "KernelData") -> DiscSurface | RigidDisc:
     """What contacts see of rollers."""
     if model.roller.material.rigid:
         return RigidDisc(
@@ -144,7 +146,7 @@ def disc_surface(model: Model, rollers: Rollers, disc: Disc, data: KernelData) -
     )
 
 
-def _ring_surface(body: RingBody, ring: Ring, ripple: np.ndarray) -> RingSurface:
+def _ring_surface(body: "RingBody", ring: Ring, ripple: np.ndarray) -> RingSurface:
     """What contacts see of an elastic ring."""
     return RingSurface(
         u=ring.u,
@@ -160,7 +162,7 @@ def _ring_surface(body: RingBody, ring: Ring, ripple: np.ndarray) -> RingSurface
 
 
 def contact_arrays(
-    model: Model, operation: Operation, start: Start, data: KernelData, friction: float, columns: int
+    model: "Model", operation: Operation, start: "Start", data: "KernelData", friction: float, columns: int
 ) -> Contacts:
     """Contacts at the start, with its static forces."""
     n = model.bearing.n_rollers
@@ -204,7 +206,7 @@ def contact_arrays(
     )
 
 
-def _overlapping(model: Model, width: float) -> int | None:
+def _overlapping(model: "Model", width: float) -> int | None:
     """Whether patches can come within `width` nodes, as `Friction.overlapping` says it.
 
     On a raceway those of rollers that touch, on a roller its own.
@@ -219,7 +221,7 @@ def _overlapping(model: Model, width: float) -> int | None:
     return WHERE_ROLLERS_TOUCH if on_rollers and not model.roller.material.rigid else None
 
 
-def _reach(model: Model, operation: Operation) -> float:
+def _reach(model: "Model", operation: Operation) -> float:
     """A gap that elastic motion can't close: far above any contact's approach, and twice the growth under rotation."""
     ring, disc = model.inner_ring, model.roller
     growth = ring.held(ring.body_load(0.0, 0.0, operation.speed))

@@ -38,7 +38,6 @@ def mesh_table(plan: "ElementPlan") -> Table:
 def plan_rows(plan: "ElementPlan") -> dict[str, str]:
     """Steps, memory, the time to expect and the mesh's static error."""
     model, start = plan.model, plan.start.equilibrium
-    seconds = plan.steps * (SECONDS_PER_DOF * model.degrees_of_freedom + SECONDS_PER_ROLLER * model.bearing.n_rollers)
     force = float(max(start.inner_force.max(), start.outer_force.max()))
     rows = {
         "degrees of freedom": f"{model.degrees_of_freedom}",
@@ -48,7 +47,7 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
         "samples": f"{plan.n_samples}, one each {plan.stride} steps",
         **_fields(plan),
         "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
-        "expected time": f"about {seconds:.2g} s",
+        "expected time": f"about {plan.expected_seconds:.2g} s",
         "largest static contact force": f"{force:.1f} N, "
         f"{1e-6 * model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
     }
@@ -58,6 +57,12 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
             f"hub displacement {100 * error.hub:.2g} %, loads {100 * error.largest_force:.2g} % (against exact series)"
         )
     return rows
+
+
+def expected_seconds(plan: "ElementPlan") -> float:
+    """Of the time loop."""
+    model = plan.model
+    return plan.steps * (SECONDS_PER_DOF * model.degrees_of_freedom + SECONDS_PER_ROLLER * model.bearing.n_rollers)
 
 
 def _fields(plan: "ElementPlan") -> dict[str, str]:

@@ -1,6 +1,9 @@
 """From a scene to its discrete model: which mesh, which contact model."""
 
-from fem.contacts import MODELS, Model
+from importlib import import_module
+
+from fem.contacts import MODELS, ONE_PATCH
+from fem.contacts.model import Model
 from fem.solver.limits import check_contact_model, check_mesh_size, check_rollers
 from fem.statics.expected_forces import ExpectedForces
 from lagrange.pair import contact_pairs
@@ -34,8 +37,9 @@ def contact_model(name: str, mesh_size: float, expected: ExpectedForces) -> type
     *finer, usual = MODELS[name]
     pairs = contact_pairs(expected.bearing)[:2]
 
-    def is_fine(kind, force):
-        return mesh_size < kind.coarsest * max(pair.half_width(force) for pair in pairs)
+    def is_fine(force: float) -> bool:
+        return mesh_size < ONE_PATCH * max(pair.half_width(force) for pair in pairs)
 
     # the bound, far above what a roller carries, mostly spares solving the statics
-    return next((kind for kind in finer if is_fine(kind, expected.bound) and is_fine(kind, expected.largest)), usual)
+    module, chosen = finer[0] if finer and is_fine(expected.bound) and is_fine(expected.largest) else usual
+    return getattr(import_module(module), chosen)

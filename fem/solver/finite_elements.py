@@ -5,13 +5,14 @@ from dataclasses import dataclass
 from math import ceil
 
 import numba
+import numpy as np
 
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
-from fem.solver.description import mesh_table, plan_rows
+from fem.solver.description import expected_seconds, mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
 from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads, check_widths
@@ -19,6 +20,7 @@ from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
 from fem.statics.contact_balance import NotFound
+from fem.statics.static_error import static_equilibrium
 from lagrange import Operation, kinematics
 from lagrange.scene import Scene
 
@@ -40,7 +42,8 @@ class ElementPlan(CompiledPlan):
     cautions: tuple[str, ...] = ()
 
     model_name = "finite elements"
-    table, rows = mesh_table, plan_rows
+    lacks = "waves shorter than its mesh"
+    table, rows, expected_seconds = mesh_table, plan_rows, property(expected_seconds)
 
     @property
     def interval(self) -> float:
@@ -79,6 +82,9 @@ class ElementPlan(CompiledPlan):
         if self.scene.numerics.threads > 1:
             numba.set_num_threads(self.scene.numerics.threads)
         super().prepare(tell)
+
+    def static_hub(self) -> np.ndarray:
+        return static_equilibrium(self.model, self.operation).hub
 
     def first_state(self) -> ElementState:
         return ElementState(self)

@@ -5,7 +5,7 @@ mesh and time step safety of the scene play no part. No mesh, no compiled kernel
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -41,6 +41,7 @@ class LagrangianPlan(Plan):
     steps_per_sample: int
     remarks: tuple[str, ...]  # on law and material, which concern this run alone
     model_name = "Lagrangian model"
+    lacks = "rings that bend, elastic waves"
 
     @property
     def time_step(self) -> float:
@@ -56,6 +57,21 @@ class LagrangianPlan(Plan):
         """N_b + 2, or 2 N_b + 2 where the angles are free."""
         return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2
 
+    @property
+    def steps(self) -> int:
+        return self.steps_per_sample * (self.n_samples - 1)
+
+    @property
+    def expected_seconds(self) -> float:
+        seconds = self.steps * SECONDS_PER_STEP[isinstance(self.problem.laws.inner, PowerLaw)]
+        return seconds * (SLOWER_ON_SURFACES if self.problem.bearing.faults else 1.0)
+
+    def static_hub(self) -> np.ndarray:
+        problem = self.problem
+        alone = replace(problem.operation, gravity=0.0)
+        still = static_equilibrium(problem.bearing, alone, problem.laws, roller_mass=0.0)
+        return np.array([still.x, still.y])
+
     def first_state(self) -> "LagrangianState":
         return LagrangianState(self)
 
@@ -68,9 +84,6 @@ class LagrangianPlan(Plan):
             statics = static_equilibrium(problem.bearing, problem.operation, problem.laws)
         except RuntimeError as error:
             raise RunFailed(str(error)) from None
-        steps = self.steps_per_sample * (self.n_samples - 1)
-        seconds = steps * SECONDS_PER_STEP[isinstance(problem.laws.inner, PowerLaw)]
-        seconds *= SLOWER_ON_SURFACES if problem.bearing.faults else 1.0
         memory = 8e-6 * ARRAYS * (problem.bearing.n_rollers + 1) * min(self.n_samples, LARGEST_BLOCK)
         return {
             "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",
@@ -78,10 +91,10 @@ class LagrangianPlan(Plan):
             "damping of a contact": f"{options.damping_N_s_m:g} N s/m",
             "time step": f"{1e6 * self.time_step:.3g} µs, halved where contacts rattle "
             f"({self.time_step / self.critical_time_step:.2f} of the critical {1e6 * self.critical_time_step:.3g} µs)",
-            "steps": f"{steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
+            "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
             "samples": f"{self.n_samples}, one each {self.steps_per_sample} steps",
             "memory of a block of samples": f"{memory:.1f} MB",
-            "expected time": f"about {seconds:.2g} s",
+            "expected time": f"about {self.expected_seconds:.2g} s",
             "largest static contact force": f"{max(statics.inner_force.max(), statics.outer_force.max()):.1f} N",
         }
 

@@ -5,17 +5,20 @@ In the order in which a plan meets them: what is to be meshed, the contact model
 
 from collections.abc import Callable
 from math import inf, pi, sqrt
+from typing import TYPE_CHECKING
 
 import numba
 
-from fem.contacts.model import Model
 from fem.errors import UsageError
-from fem.statics.equilibrium import Equilibrium
 from fem.statics.expected_forces import ExpectedForces
 from lagrange import Bearing, Kinematics
 from lagrange.pair import Pair, contact_pairs
 from lagrange.scene import SURFACES, Scene
 from meshes import Mesh, bearing_shapes, quality
+
+if TYPE_CHECKING:
+    from fem.contacts.model import Model
+    from fem.statics.equilibrium import Equilibrium
 
 LEAST_ANGLE = 30.0  # degrees
 LONGEST_EDGE = 40.0  # over the shortest of the same mesh
@@ -69,7 +72,7 @@ def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable = be
         )
 
 
-def check_contact_model(kind: type[Model], scene: Scene, expected: ExpectedForces) -> None:
+def check_contact_model(kind: "type[Model]", scene: Scene, expected: ExpectedForces) -> None:
     """Refuse what a contact model is not made for, before it is built.
 
     Errors
@@ -105,7 +108,7 @@ def check_contact_model(kind: type[Model], scene: Scene, expected: ExpectedForce
         )
 
 
-def check_meshes(model: Model) -> None:
+def check_meshes(model: "Model") -> None:
     """Refuse meshes too distorted to be trusted."""
     for name in ("roller", "inner_ring", "outer_ring"):
         body = getattr(model, name)
@@ -119,7 +122,7 @@ def check_meshes(model: Model) -> None:
             )
 
 
-def check_speed(model: Model, ideal: Kinematics) -> None:
+def check_speed(model: "Model", ideal: Kinematics) -> None:
     """Refuse a speed whose centrifugal strain ρ v²/E leaves linear elasticity.
 
     v is the surface speed: of the inner raceway, of a roller about its own axis.
@@ -155,7 +158,7 @@ def _check_width(pair: Pair, force: float, bearing: Bearing) -> None:
         )
 
 
-def check_contacts(model: Model, equilibrium: Equilibrium) -> None:
+def check_contacts(model: "Model", equilibrium: "Equilibrium") -> None:
     """Refuse contacts too wide for Hertz's theory, or wider than a mesh this fine leaves to the sub-grid law."""
     for law, ring, forces in (
         (model.inner_law, model.inner_ring, equilibrium.inner_force),

@@ -9,13 +9,13 @@ from math import ceil, inf, pi, sqrt
 
 import numpy as np
 
-from fem.contacts.critical_step import LOAD_MARGIN
+from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
 from fem.kernels.simd import WIDTH
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
-from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start
+from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start, standing_hub
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import sample_count
@@ -47,6 +47,7 @@ class ReducedPlan(CompiledPlan):
     n_samples: int
     cautions: tuple[str, ...] = ()
     model_name = "reduced model"
+    lacks = "elastic waves; it warns where shocks excite them"
 
     @property
     def interval(self) -> float:
@@ -63,6 +64,19 @@ class ReducedPlan(CompiledPlan):
         n, modes = self.model.bearing.n_rollers, self.model.modes
         return 2 + 3 * n + (0 if modes is None else modes.count(n))
 
+    @property
+    def steps(self) -> int:
+        return self.stride * (self.n_samples - 1)
+
+    @property
+    def expected_seconds(self) -> float:
+        n, modes = self.model.bearing.n_rollers, self.model.modes
+        each = SECONDS_PER_LANES * ceil(n / WIDTH) + (0.0 if modes is None else SECONDS_PER_MODE * modes.count(n))
+        return each * self.steps
+
+    def static_hub(self) -> np.ndarray:
+        return standing_hub(self.model, self.operation)
+
     def first_state(self) -> ReducedState:
         return ReducedState(self)
 
@@ -72,10 +86,6 @@ class ReducedPlan(CompiledPlan):
         return reduced_estimate(self)
 
     def rows(self) -> dict[str, str]:
-        steps = self.stride * (self.n_samples - 1)
-        n, modes = self.model.bearing.n_rollers, self.model.modes
-        each = SECONDS_PER_LANES * ceil(n / WIDTH) + (0.0 if modes is None else SECONDS_PER_MODE * modes.count(n))
-        seconds = each * steps
         start, up_to = self.start, self.scene.reduced.modes_up_to_kHz
         force = float(max(start.inner_force.max(), start.outer_force.max()))
         return {
@@ -83,9 +93,9 @@ class ReducedPlan(CompiledPlan):
             + ("without mass" if self.model.modes is None else f"with their modes up to {up_to:g} kHz"),
             "time step": f"{1e6 * self.time_step:.3g} µs ({self.time_step / self.critical_time_step:.2f} of the "
             f"critical {1e6 * self.critical_time_step:.3g} µs)",
-            "steps": f"{steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
+            "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
             "samples": f"{self.n_samples}, one each {self.stride} steps",
-            "expected time": f"about {seconds:.2g} s",
+            "expected time": f"about {self.expected_seconds:.2g} s",
             "largest static contact force": f"{force:.1f} N, "
             f"{1e-6 * self.model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
         }

@@ -1,12 +1,21 @@
 """Where a run of the reduced model begins."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.solver.start import JUMP, ROUND_OFF
-from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess, geometry
-from fem.statics.reduced_bearing import ReducedBearing
+from fem.statics.contact_balance import (
+    JUMP,
+    ROUND_OFF,
+    Condensed,
+    Loads,
+    NotFound,
+    balance,
+    closed_forces,
+    first_guess,
+    geometry,
+)
+from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles
 from lagrange.profile import UNTURNED, Turns
@@ -75,6 +84,13 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     contacts = model.at(angle, UNTURNED)
     forces = _forces_at(contacts, geometry(bearing, contacts.radial, place, UNTURNED)[0] + contacts.closing)
     return _start(model, operation, place, np.zeros_like(place), forces, steady=False)
+
+
+def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
+    """Hub under the radial load alone, standing, weightless, (2,), m. NotFound: no equilibrium."""
+    alone = replace(operation, speed=0.0, gravity=0.0)
+    still = reduced_bearing(model.bearing, kinematics(model.bearing, 0.0))
+    return _balanced(still, alone, kinematics(model.bearing, 0.0), operation.radial_load, 0.0, None)[0][:2]
 
 
 def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:

@@ -161,6 +161,16 @@ class Plan(ABC):
     cautions: tuple[str, ...] = ()  # told at the start, kept in the result file
     remarks: tuple[str, ...] = ()  # told at the start even to those who want quiet, since the file does not keep them
     model_name: str  # "finite elements"
+    lacks: str  # what the model leaves out of a bearing
+
+    @property
+    @abstractmethod
+    def expected_seconds(self) -> float:
+        """Of the time loop, on one thread of a 2024 server core; only a guide."""
+
+    @abstractmethod
+    def static_hub(self) -> np.ndarray:
+        """Hub under the radial load alone, standing, weightless, (2,), m. RuntimeError, UsageError: no equilibrium."""
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> None:  # noqa: B027 (most need nothing)
         """Load or compile what the steps need; `tell` gets a sentence if that takes long."""

@@ -1,19 +1,20 @@
 """The state a run starts from: static equilibrium in rolling motion, or undeformed and centred."""
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.contacts.model import Model
 from fem.contacts.reduction import Motion
-from fem.statics.contact_balance import NotFound
+from fem.statics.contact_balance import JUMP, ROUND_OFF, NotFound
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles
 from lagrange.profile import profiles
 
-ROUND_OFF = 1e-12  # of a roller radius: less preload than this is none
-JUMP = 0.01  # of the surface speed: no hub moves that fast from one equilibrium to the next
+if TYPE_CHECKING:
+    from fem.contacts.model import Model
+
 LOOK_AHEAD = 0.01  # of a node spacing: how far contacts roll between the equilibria that give the velocities
 
 
@@ -32,7 +33,7 @@ class Start:
     steady: bool = True  # forces hold every node on its circle; False: nothing is strained yet, nodes go straight on
 
 
-def rolling_motion(model: Model, operation: Operation, time: float) -> tuple[Motion, Kinematics]:
+def rolling_motion(model: "Model", operation: Operation, time: float) -> tuple[Motion, Kinematics]:
     """Angles at a time if everything rolls without slip."""
     ideal = kinematics(model.bearing, operation.speed)
     angle = roller_angles(model.bearing, operation.first_roller_angle)
@@ -48,7 +49,7 @@ def rolling_motion(model: Model, operation: Operation, time: float) -> tuple[Mot
     return motion, ideal
 
 
-def equilibrium_start(model: Model, operation: Operation) -> Start:
+def equilibrium_start(model: "Model", operation: Operation) -> Start:
     """Static equilibrium at t = 0, with the velocities of passing through the equilibria before and after.
 
     Elastic waves excited by the start are thereby of second order in the rolling speed over the wave speed. Where the
@@ -88,7 +89,7 @@ def equilibrium_start(model: Model, operation: Operation) -> Start:
     )
 
 
-def rest_start(model: Model, operation: Operation) -> Start:
+def rest_start(model: "Model", operation: Operation) -> Start:
     """Centred and undeformed, in rolling motion; with preload, if only on crests, the equilibrium without load."""
     motion, ideal = rolling_motion(model, operation, 0.0)
     surfaces = profiles(model.bearing)
@@ -108,7 +109,7 @@ def rest_start(model: Model, operation: Operation) -> Start:
     return replace(_still(model, undeformed, ideal, motion), steady=False)
 
 
-def _still(model: Model, equilibrium: Equilibrium, ideal: Kinematics, motion: Motion) -> Start:
+def _still(model: "Model", equilibrium: Equilibrium, ideal: Kinematics, motion: Motion) -> Start:
     """A start whose deformation does not change in the bodies' frames."""
     return Start(
         equilibrium=equilibrium,

@@ -3,7 +3,6 @@
 from math import inf, pi, sqrt
 
 import numpy as np
-from scipy.linalg import block_diag, eigh
 
 from fem.kernels.reduced_state import Modes, Vibrations
 from fem.kernels.simd import WIDTH
@@ -32,6 +31,8 @@ def critical_with_modes(model: ReducedBearing, force: float, hub_mass: float) ->
 
     Modal masses grow with the step, so it is sought from below, where every step is stable.
     """
+    from scipy.linalg import eigh  # takes its time to load, and most scenes have no modes
+
     stiffness, masses, frequency = _coupled(model, force, hub_mass)
     dt = 0.0
     for _ in range(MOST_LOOKS):
@@ -72,7 +73,8 @@ def _coupled(model: ReducedBearing, force: float, hub_mass: float) -> tuple[np.n
         [np.tile(modes.roller.frequency, n), *(np.tile(r.frequency, 2) for r in modes.bodies[1:])]
     )
     stiffness = rise.T @ np.linalg.solve(soft.reshape(2 * n, 2 * n), rise)
-    stiffness += block_diag(np.zeros((2 + n, 2 + n)), np.diag(frequency**2))
+    oscillators = np.arange(2 + n, len(stiffness))
+    stiffness[oscillators, oscillators] += frequency**2
     return stiffness, np.concatenate([[hub_mass] * 2, np.full(n, model.bearing.roller_mass)]), frequency
 
 

@@ -24,6 +24,8 @@ BARELY = 1e-19  # of the largest force times the roller's radius: force times ga
 FIRST_GAP = 1e-4  # of a roller's radius, beside what the contact is open by
 SHRINK = 0.1  # of the mean force times gap in a step
 TO_THE_WALL = 0.95  # of the way to where a force or a gap would vanish
+ROUND_OFF = 1e-12  # of a roller radius: less preload than this is none
+JUMP = 0.01  # of the surface speed: no hub moves that fast from one equilibrium to the next
 
 
 class NotFound(UsageError):

@@ -60,7 +60,7 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, modes: BearingModes | 
     As of `exact_statics`. Compliances between contacts are those of rollers at equal angles; the rollers' own growth is
     that of their rolling speed.
     """
-    contacts = _kept_contacts(bearing)
+    contacts, between = _kept_contacts(bearing)
     n, own = bearing.n_rollers, contacts.inner_law.A
     distance = np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
     along = np.array([[contacts.compliance[row * n, row * n + d % n] for d in distance] for row in range(2)])
@@ -71,7 +71,6 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, modes: BearingModes | 
         along -= np.array([ring.compliance(2.0 * np.pi / n * distance) for ring in rings])
         across -= modes.across
     felt = np.abs(along).max(axis=0) > FAINT * own
-    pairs = contact_pairs(bearing)
     inner_growth = spinning_growth(bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring, motion.shaft)
     roller_growth = spinning_growth(bearing.roller_radius, 0.0, bearing.roller, motion.roller)
     closing = np.repeat([inner_growth + roller_growth, roller_growth], n)
@@ -80,7 +79,7 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, modes: BearingModes | 
         modes=modes,
         inner_law=laws[0],
         outer_law=laws[1],
-        between=_between(bearing, pairs[2]),
+        between=between,
         distance=distance[felt],
         along=np.ascontiguousarray(along[:, felt]),
         across=across,
@@ -89,23 +88,22 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, modes: BearingModes | 
     )
 
 
-def _kept_contacts(bearing: Bearing) -> Condensed:
-    """`exact_contacts` of rollers from angle 0 on; its series are kept on disk."""
-    angle = roller_angles(bearing, 0.0)
+def _kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
+    """`exact_contacts` of rollers from angle 0 on, and the law of rollers that meet; their series are kept on disk."""
+    angle, pairs = roller_angles(bearing, 0.0), contact_pairs(bearing)
     perfect = replace(bearing, faults=())  # what surfaces lack does not change how bodies give way
 
     def make():
         found = exact_contacts(perfect, angle)
-        laws = [(law.A, law.B, law.Q_line) for law in (found.inner_law, found.outer_law)]
-        return {"compliance": found.compliance, "laws": np.array(laws)}
+        laws = found.inner_law, found.outer_law, _between(perfect, pairs[2])
+        return {"compliance": found.compliance, "laws": np.array([(law.A, law.B, law.Q_line) for law in laws])}
 
-    arrays = kept("contacts", repr(perfect), make)
-    pairs = contact_pairs(bearing)
-    inner, outer = (
+    arrays = kept("contact-laws", repr(perfect), make)
+    inner, outer, between = (
         ContactLaw(A=float(A), B=float(B), Q_line=float(line), pair=pair)
-        for (A, B, line), pair in zip(arrays["laws"], pairs[:2], strict=True)
+        for (A, B, line), pair in zip(arrays["laws"], pairs, strict=True)
     )
-    return Condensed(
+    contacts = Condensed(
         bearing=bearing,
         radial=np.column_stack([np.cos(angle), np.sin(angle)]),
         inner_law=inner,
@@ -113,6 +111,7 @@ def _kept_contacts(bearing: Bearing) -> Condensed:
         compliance=arrays["compliance"],
         closing=np.zeros(2 * bearing.n_rollers),
     )
+    return contacts, between
 
 
 def _between(bearing: Bearing, pair: Pair) -> ContactLaw:

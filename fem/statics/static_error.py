@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.contacts.model import Model
 from fem.contacts.reduction import standing
-from fem.statics.equilibrium import equilibrium
+from fem.statics.equilibrium import Equilibrium, equilibrium
 from fem.statics.exact_statics import exact_statics
 from lagrange import Operation
 
@@ -28,10 +28,15 @@ def static_error(model: Model, operation: Operation) -> DiscretisationError:
     """
     if operation.radial_load <= 0.0:
         raise ValueError("without a radial load there is no static displacement to compare")
-    still = standing(model.bearing, operation.first_roller_angle)
     exact = exact_statics(model.bearing, operation.radial_load, operation.first_roller_angle)
-    found = equilibrium(model, still, operation.radial_load, 0.0, 0.0)
+    found = static_equilibrium(model, operation)
     return DiscretisationError(
         hub=float(np.linalg.norm(found.hub - exact.hub) / np.linalg.norm(exact.hub)),
         largest_force=float(np.abs(found.inner_force - exact.inner_force).max() / exact.inner_force.max()),
     )
+
+
+def static_equilibrium(model: Model, operation: Operation) -> Equilibrium:
+    """Under the radial load alone: standing, weightless, frictionless. NotFound: none."""
+    still = standing(model.bearing, operation.first_roller_angle)
+    return equilibrium(model, still, operation.radial_load, 0.0, 0.0)

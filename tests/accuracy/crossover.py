@@ -11,8 +11,11 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem.contacts import Model, ResolvedModel, SpreadModel, SubgridModel
+from fem.contacts.model import Model
 from fem.contacts.reduction import Motion, standing
+from fem.contacts.resolved import ResolvedModel
+from fem.contacts.spread import SpreadModel
+from fem.contacts.subgrid import SubgridModel
 from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.kinematics import roller_angles

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from fem.contacts import Model, SubgridModel
+from fem.contacts.model import Model
 from fem.contacts.patch import ring_patch_force
 from fem.contacts.reduction import standing
+from fem.contacts.subgrid import SubgridModel
 from fem.elastic.assembly import assemble
 from fem.statics.contact_balance import Condensed, Loads, balance, closed_forces, first_guess
 from lagrange.scene import read_scene

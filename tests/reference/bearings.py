@@ -7,7 +7,9 @@ from math import pi
 
 import numpy as np
 
-from fem.contacts import Model, ResolvedModel, SubgridModel
+from fem.contacts.model import Model
+from fem.contacts.resolved import ResolvedModel
+from fem.contacts.subgrid import SubgridModel
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.time_loop import advance

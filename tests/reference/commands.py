@@ -9,6 +9,7 @@ ROOT = Path(__file__).resolve().parents[2]
 ENTRIES = {
     "run-fem": "from fem.cli import run_fem as main",
     "render-fem": "from fem.render_cli import render_fem as main",
+    "run-live": "from fem.live_cli import run_live as main",
     "check-residual": "from residual.cli import check_residual as main",
 }
 

@@ -20,7 +20,7 @@ class ToyPlan(Plan):
     scene: Scene
     interval: float
     n_samples: int
-    model_name = "toy"
+    model_name, lacks, expected_seconds = "toy", "all but a spring", 0.0
     degrees_of_freedom = 1
     time_step, critical_time_step = 1e-6, 2e-6
 
@@ -29,6 +29,9 @@ class ToyPlan(Plan):
 
     def versions(self):
         return {"toy": "1"}
+
+    def static_hub(self):
+        return np.zeros(2)
 
     def rows(self):
         return {"spring": "one"}

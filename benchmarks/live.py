@@ -1,0 +1,93 @@
+"""What the live page takes: `python -m benchmarks.live`.
+
+Processor time of the player for a second of the page in real time, and of a frame; then frames a second and the pace
+reached in a headless browser that draws without a graphics card, on this machine as busy as it is.
+"""
+
+import asyncio
+import shutil
+import sys
+import time
+from queue import Queue
+from threading import Thread
+
+from rich.console import Console
+
+from benchmarks.measuring import new_table, timed
+from fem.live.messages import Pace, frame_message
+from fem.live.player import Player
+from fem.live.playing import FRAME
+from fem.live.server import LiveServer
+from lagrange.scene import read_scene
+
+SCENES = {
+    "paper": (),
+    "clearance 40 µm": ("bearing.outer_raceway_diameter_mm=56.04",),
+    "spall 1 mm": ("spall.0.width_mm=1",),
+}
+PACES = (1.0, 10.0, 50.0)
+TURNS = 9
+WARM, LOOK = 2.0, 4.0  # s
+
+
+def player_of(settings: tuple[str, ...]) -> Player:
+    return Player(read_scene(None, ("model=reduced", *settings)))
+
+
+def costs(player: Player) -> list[str]:
+    """Seconds of work in a second of the page in real time, and ms and kilobytes of a frame."""
+    count = round(FRAME / player.plan.interval)
+    work, frames = [], []
+    for _ in range(TURNS):
+        work.append(timed(player.advance, count)[0])
+        seconds, message = timed(frame_message, player, 1.0)
+        frames.append(seconds)
+    return [f"{min(work) / FRAME:.2f}", f"{1e3 * min(frames):.1f}", f"{1e-3 * len(message.text):.0f}"]
+
+
+def watched(browser, player: Player, slowness: float) -> list[str]:
+    """Frames a second that a page draws, and the slow motion reached."""
+    server, addresses = LiveServer(player), Queue()
+    thread = Thread(target=lambda: asyncio.run(server.run(addresses.put)))
+    thread.start()
+    try:
+        page = browser.new_page(viewport={"width": 1280, "height": 900})
+        page.goto(addresses.get())
+        page.wait_for_function("() => window.live && window.live.frames > 0")
+        server.playing.change_pace(Pace(slowness=slowness))
+        time.sleep(WARM)
+        look = "[window.live.frames, window.live.frame().time, performance.now()]"
+        first = page.evaluate(look)
+        time.sleep(LOOK)
+        last = page.evaluate(look)
+        page.close()
+    finally:
+        server.end()
+        thread.join()
+    frames, simulated, wall = (b - a for a, b in zip(first, last, strict=True))
+    return [f"{1e3 * frames / wall:.1f}", f"1/{wall / simulated:.3g}"]
+
+
+def main() -> None:
+    console = Console(highlight=False)
+    rows = [[name, *costs(player_of(settings))] for name, settings in SCENES.items()]
+    headings = ("scene", "work a second in real time, s", "a frame, ms", "kB")
+    console.print(new_table("Processor time of the player", headings, rows))
+    path = shutil.which("chromium") or shutil.which("google-chrome")
+    if path is None:
+        sys.exit("no browser here: apt-get install chromium")
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        rows = [
+            [name, f"1/{slowness:g}", *watched(browser, player_of(settings), slowness)]
+            for name, settings in SCENES.items()
+            for slowness in PACES
+        ]
+        browser.close()
+    console.print(new_table("In a browser", ("scene", "asked for", "frames a second", "reached"), rows))
+
+
+if __name__ == "__main__":
+    main()

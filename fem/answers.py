@@ -1,0 +1,99 @@
+"""What an engineer asks of a run first: where the hub is, what rollers carry, how fast the cage turns."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from math import pi, tau
+
+import numpy as np
+
+from lagrange import BallBearing, Bearing, kinematics
+from lagrange.kinematics import Kinematics
+from lagrange.pair import Pair, contact_pairs
+
+COLUMNS = ("time", "inner_x", "inner_y", "inner_force", "outer_force", "roller_theta")
+BINS = 360  # of the circle
+LOADED = 0.01  # of the largest force: a roller with more is in the load zone
+
+
+@dataclass
+class Seen:
+    """What is gathered of a run's samples; SI."""
+
+    samples: int = 0
+    first_time: float = 0.0
+    last_time: float = 0.0
+    first_angle: float = 0.0  # of the cage, rad
+    last_angle: float = 0.0
+    total: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the hub's positions, m
+    low: np.ndarray = field(default_factory=lambda: np.full(2, np.inf))  # of the hub
+    high: np.ndarray = field(default_factory=lambda: np.full(2, -np.inf))
+    largest: np.ndarray = field(default_factory=lambda: np.zeros(2))  # force at the inner and the outer raceway, N
+    by_angle: np.ndarray = field(default_factory=lambda: np.full(BINS, np.nan))  # largest force there, N; NaN: unseen
+
+    def add(self, samples: Mapping[str, np.ndarray]) -> None:
+        """Take in some more samples, by the result file's names."""
+        time, angle = samples["time"], samples["roller_theta"].mean(axis=1)
+        if self.samples == 0:
+            self.first_time, self.first_angle = float(time[0]), float(angle[0])
+        self.last_time, self.last_angle = float(time[-1]), float(angle[-1])
+        hub = np.stack([samples["inner_x"], samples["inner_y"]])
+        self.samples += hub.shape[1]
+        self.total += hub.sum(axis=1)
+        self.low, self.high = np.fmin(self.low, hub.min(axis=1)), np.fmax(self.high, hub.max(axis=1))
+        forces = samples["inner_force"], samples["outer_force"]
+        self.largest = np.fmax(self.largest, [force.max() for force in forces])
+        place = (samples["roller_theta"] * (BINS / tau)).astype(np.int64) % BINS
+        np.fmax.at(self.by_angle, place.ravel(), forces[0].ravel())
+
+    @property
+    def cage_speed(self) -> float:
+        """Mean, rad/s."""
+        return (self.last_angle - self.first_angle) / (self.last_time - self.first_time)
+
+    def load_zone(self) -> float | None:
+        """Width of the arc in which rollers are loaded, rad; None where rollers have not been everywhere."""
+        if np.isnan(self.by_angle).any() or not self.largest[0] > 0.0:
+            return None
+        loaded = np.flatnonzero(self.by_angle > LOADED * self.largest[0])
+        gaps = np.diff(loaded, append=loaded[0] + BINS)
+        return (BINS - int(gaps.max()) + 1) * tau / BINS
+
+
+def first_answers(bearing: Bearing, speed: float, blocks: Iterable[Mapping[str, np.ndarray]]) -> dict[str, str]:
+    """Names and values of what is asked first, of a run in blocks of samples; `speed` of the shaft, rad/s."""
+    seen = Seen()
+    for block in blocks:
+        seen.add(block)
+    mean, swing = 1e6 * seen.total / seen.samples, 1e6 * (seen.high - seen.low)
+    found = {
+        "hub": f"mean x {mean[0]:.4f} µm, y {mean[1]:.4f} µm; peak to peak {swing[0]:.4f} and {swing[1]:.4f} µm",
+        "largest loads": _loads(bearing, seen.largest),
+    }
+    if (zone := seen.load_zone()) is not None:
+        found["load zone"] = f"{zone * 180.0 / pi:.0f}° wide, rollers with more than {LOADED:.0%} of the largest load"
+    ideal = kinematics(bearing, speed)
+    if ideal.cage and seen.samples > 1:
+        slip = 100.0 * (1.0 - seen.cage_speed / ideal.cage)
+        found["cage"] = f"{seen.cage_speed / tau:.4g} Hz, slip {slip:.2g} % of rolling"
+        found["ball passes"] = passes(ideal, seen.cage_speed)
+    return found
+
+
+def passes(ideal: Kinematics, cage_speed: float) -> str:
+    """The rollers' passages at a cage's speed, rad/s, in words."""
+    lines = replace(ideal, cage=cage_speed).frequencies
+    return f"outer ring (BPFO) {lines['BPFO']:.4g} Hz, inner ring (BPFI) {lines['BPFI']:.4g} Hz"
+
+
+def _loads(bearing: Bearing, largest: np.ndarray) -> str:
+    """The largest force at each raceway; of rollers with its Hertz pressure."""
+    told = []
+    for row, raceway in enumerate(("inner", "outer")):
+        force = float(largest[row])
+        pressure = "" if isinstance(bearing, BallBearing) else _pressure(contact_pairs(bearing)[row], force)
+        told.append(f"{force:.1f} N{pressure} at the {raceway} raceway")
+    return ", ".join(told)
+
+
+def _pressure(pair: Pair, force: float) -> str:
+    return f" ({1e-6 * pair.peak_pressure(force):.0f} MPa)"

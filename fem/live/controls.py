@@ -1,0 +1,112 @@
+"""What viewers may change while a bearing runs, and the scene that follows."""
+
+import tomllib
+from dataclasses import dataclass
+
+from pydantic import BaseModel, ConfigDict
+
+from lagrange.scene import Scene, parse_scene
+
+NAME = "these values"  # of what viewers send, in messages
+MM_PER_UM = 1e-3
+NANOMETRE_DIGITS = 6  # of a diameter in mm
+
+
+class Values(BaseModel):
+    """What can be changed. Limits are the scene's own."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
+
+    speed_rpm: float
+    radial_load_N: float
+    clearance_um: float  # diametral
+    friction_coefficient: float
+    spall_width_mm: float  # of the outer ring's first spall; 0: there is none
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Values":
+        """Those of a scene."""
+        b, at = scene.bearing, _outer_spall(scene)
+        clearance = b.outer_raceway_diameter_mm - b.inner_raceway_diameter_mm - 2.0 * b.roller_diameter_mm
+        return cls(
+            speed_rpm=scene.operation.speed_rpm,
+            radial_load_N=scene.operation.radial_load_N,
+            clearance_um=round(clearance / MM_PER_UM, 3),
+            friction_coefficient=scene.contact.friction_coefficient,
+            spall_width_mm=0.0 if at is None else scene.spall[at].width_mm,
+        )
+
+    def put_into(self, scene: Scene) -> Scene:
+        """The scene with these values; what is not changed keeps its digits.
+
+        Errors
+        ------
+        SceneError: it is none.
+        """
+        data, before = tomllib.loads(scene.to_toml()), Values.of(scene)
+        data["operation"]["speed_rpm"] = self.speed_rpm
+        data["operation"]["radial_load_N"] = self.radial_load_N
+        data["contact"]["friction_coefficient"] = self.friction_coefficient
+        if self.clearance_um != before.clearance_um:
+            b = scene.bearing
+            closed = b.inner_raceway_diameter_mm + 2.0 * b.roller_diameter_mm
+            diameter = round(closed + MM_PER_UM * self.clearance_um, NANOMETRE_DIGITS)
+            data["bearing"]["outer_raceway_diameter_mm"] = diameter
+        if self.spall_width_mm != before.spall_width_mm:
+            spalls, at = data.setdefault("spall", []), _outer_spall(scene)
+            if at is None:
+                spalls.append({"body": "outer_ring", "width_mm": self.spall_width_mm})
+            elif self.spall_width_mm == 0.0:
+                del spalls[at]
+            else:
+                spalls[at]["width_mm"] = self.spall_width_mm
+        return parse_scene(data, NAME)
+
+
+def _outer_spall(scene: Scene) -> int | None:
+    """Place of the first spall of the outer ring."""
+    return next((i for i, spall in enumerate(scene.spall) if spall.body == "outer_ring"), None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slider:
+    """One of the page's sliders; what lies beyond its ends can still be typed."""
+
+    key: str  # of `Values`
+    label: str
+    unit: str
+    low: float
+    high: float
+    step: float
+    hint: str
+
+
+def sliders(scene: Scene) -> tuple[Slider, ...]:
+    """Those for a scene, long enough for its own values."""
+    values, b = Values.of(scene), scene.bearing
+    fastest = 2.0 * abs(values.speed_rpm) or 3000.0
+    heaviest = max(5.0 * values.radial_load_N, 50.0 * b.roller_diameter_mm * b.roller_length_mm)
+    tightest, widest = -2.0 * b.roller_diameter_mm, 10.0 * b.roller_diameter_mm
+    spall = 0.3 * b.roller_diameter_mm
+    return (
+        Slider(
+            key="speed_rpm", label="Speed", unit="rpm", step=10.0,
+            low=-fastest if values.speed_rpm < 0.0 else 0.0, high=fastest, hint="of the inner ring and the shaft",
+        ),
+        Slider(
+            key="radial_load_N", label="Radial load", unit="N", step=10.0, low=0.0, high=heaviest,
+            hint="on the shaft, downwards",
+        ),
+        Slider(
+            key="clearance_um", label="Clearance", unit="µm", step=1.0, low=min(tightest, values.clearance_um),
+            high=max(widest, values.clearance_um), hint="diametral; below 0 it is preload",
+        ),
+        Slider(
+            key="friction_coefficient", label="Friction", unit="", step=0.01, low=0.0,
+            high=max(0.3, values.friction_coefficient), hint="Coulomb's, in every contact",
+        ),
+        Slider(
+            key="spall_width_mm", label="Spall width", unit="mm", step=0.05, low=0.0,
+            high=max(spall, values.spall_width_mm), hint="of the outer raceway; 0: none",
+        ),
+    )  # fmt: skip

@@ -1,0 +1,154 @@
+"""What player and page tell each other, as JSON.
+
+The page: `Wish`. The player: {"bearing": facts of a run that begins}, {"frame": an instant}, {"refused": a sentence},
+{"telling": a sentence, or "" where it holds no more}, {"pace": how fast it plays}.
+"""
+
+import json
+from math import pi
+from typing import Literal, NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from fem.errors import UsageError
+from fem.live.controls import Values
+from fem.live.player import FROM_LOAD, Player
+from lagrange.faults import Spall
+from lagrange.kinematics import kinematics
+from lagrange.scene_surfaces import own_radius
+
+MM, UM = 1e-3, 1e-6
+FASTEST, SLOWEST = 1.0, 2000.0  # seconds of wall time per simulated second; a frame of the slowest holds two samples
+LINES = {  # of the spectrum, by `Kinematics.frequencies`
+    "shaft": "turns of the shaft",
+    "FTF": "turns of the set of rollers",
+    "BSF": "turns of a roller",
+    "BPFO": "rollers passing a place of the outer ring",
+    "BPFI": "rollers passing a place of the inner ring",
+}
+
+
+class Pace(BaseModel):
+    """How a run is played."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
+
+    slowness: float = Field(50.0, ge=FASTEST, le=SLOWEST)
+    playing: bool = True
+
+
+class Wish(BaseModel):
+    """What a page asks for; what is left out stays as it is."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
+
+    frame: bool = False  # the next one, when there is one
+    step: bool = False  # one frame, where the run is paused
+    values: Values | None = None
+    pace: Pace | None = None
+
+
+class Message(NamedTuple):
+    """What the player tells, as JSON."""
+
+    kind: Literal["bearing", "frame", "refused", "telling", "pace"]
+    text: str
+
+
+def read_wish(text: str | bytes) -> Wish:
+    """A page's message. UsageError: it is none."""
+    try:
+        return Wish.model_validate_json(text)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        raise UsageError(f"{place}: {first['msg']}".removeprefix(": ")) from None
+
+
+def bearing_message(player: Player) -> Message:
+    """Facts of a run: lengths in mm, angles in rad, from +x; frequencies in Hz."""
+    bearing, scene = player.bearing, player.scene
+    spalls = [
+        {
+            "body": fault.body,
+            "roller": fault.roller,
+            "angle": fault.angle,
+            "half": fault.half_opening(bearing.roller_radius) / own_radius(bearing, fault),
+        }
+        for fault in bearing.faults
+        if isinstance(fault, Spall)
+    ]
+    frequencies = kinematics(bearing, scene.ideal_operation().speed).frequencies
+    facts = {
+        "name": scene.name,
+        "values": player.values.model_dump(),
+        "given": player.given_values.model_dump(),
+        "rollers": bearing.n_rollers,
+        "roller": bearing.roller_radius / MM,
+        "inner": bearing.inner_raceway_radius / MM,
+        "outer": bearing.outer_raceway_radius / MM,
+        "bore": bearing.bore_radius / MM,
+        "outside": bearing.outside_radius / MM,
+        "spalls": spalls,
+        "lines": [
+            {"name": name, "frequency": value, "meaning": LINES[name]}
+            for name, value in frequencies.items()
+            if value > 0.0
+        ],
+        "step": player.plan.time_step / UM,
+        "interval": player.plan.interval / UM,
+        "start": scene.numerics.start,
+        "toml": scene.to_toml(),
+    }
+    return _message("bearing", facts)
+
+
+def frame_message(player: Player, slowness: float | None) -> Message:
+    """An instant: ms, µm, N, rad, m/s²; angles of rollers from the load, counter-clockwise; `slowness` reached."""
+    now, bearing = player.now, player.bearing
+    from_load = np.remainder(now["roller_theta"] - FROM_LOAD + pi, 2.0 * pi) - pi
+    frequency, amplitude = player.record.spectrum()
+    speed = player.scene.ideal_operation().speed
+    frame = {
+        "time": float(now["time"]) * 1e3,
+        "slowness": slowness,
+        "hub": _short(np.array([now["inner_x"], now["inner_y"]]) / UM),
+        "shaft": float(np.remainder(speed * now["time"], 2.0 * pi)),
+        "angle": _short(from_load, 5),
+        "rise": _short((now["roller_rho"] - bearing.pitch_radius) / UM),
+        "turn": _short(np.remainder(player.turn, 2.0 * pi), 4),
+        "inner": _short(now["inner_force"], 2),
+        "outer": _short(now["outer_force"], 2),
+        "orbit": _short(player.record.orbit() / UM, 4),
+        "frequency": _short(frequency, 1),
+        "amplitude": [[float(f"{value:.4g}") for value in axis] for axis in amplitude],
+        "record": player.record.length * 1e3,
+        "imbalance": player.imbalance,
+        "balanced": player.is_balanced,
+        "cautions": player.cautions,
+    }
+    return _message("frame", frame)
+
+
+def refusal_message(reason: object) -> Message:
+    """Why a wish can't be granted."""
+    return _message("refused", str(reason))
+
+
+def telling_message(sentence: str) -> Message:
+    """What takes long; "": nothing does any more."""
+    return _message("telling", sentence)
+
+
+def pace_message(pace: Pace) -> Message:
+    """How the run is played."""
+    return _message("pace", pace.model_dump())
+
+
+def _short(values: np.ndarray, digits: int = 3) -> list:
+    return np.round(values, digits).tolist()
+
+
+def _message(kind: str, content: object) -> Message:
+    return Message(kind, json.dumps({kind: content}, allow_nan=False, separators=(",", ":")))

@@ -1,0 +1,136 @@
+"""A run that goes on for as long as it is watched, and begins again where values are changed."""
+
+from collections.abc import Callable
+from math import degrees, pi, remainder
+
+import numpy as np
+
+from fem.errors import RunFailed
+from fem.live.controls import Values
+from fem.live.record import Record
+from fem.solver.reduced_state import LIMIT
+from fem.solver.simulate import make_plan
+from fem.solver.solver import Samples
+from lagrange.scene import Scene
+
+LONGEST_MS = 1e5  # simulated; then the run begins again
+INTERVAL_US = 10.0  # between samples
+STEPS_PER_BLOCK = 5000  # some milliseconds of work: how long an answer may take
+UNBALANCED = (
+    f"energy has not balanced to {100 * LIMIT:g} % of what was exchanged, where run-fem begins again with half the "
+    "step: take what you see as rough"
+)
+NO_ENERGY = 1e-9  # of the kinetic energy: less is not exchanged, it is round-off
+FROM_LOAD = -0.5 * pi  # rad, of the load's direction from +x
+
+
+class Player:
+    """A scene, the values that viewers have chosen, and the run of both.
+
+    New values begin a new run, from its own steady state (or from rest, if the scene says so) with roller 0 where it
+    was: positions that belong to other values would be a blow that nobody has given.
+    """
+
+    def __init__(self, scene: Scene, tell: Callable[[str], None] | None = None):
+        """Plan a scene's run; `tell` gets a sentence if that takes long.
+
+        Errors
+        ------
+        UsageError: the model can't take the scene. RunFailed: it has no start.
+        """
+        self._given = scene
+        self._begin(scene, scene.operation.first_roller_deg, tell)
+
+    @property
+    def values(self) -> Values:
+        """Those in use."""
+        return Values.of(self.scene)
+
+    @property
+    def given_values(self) -> Values:
+        """Those of the scene as it was given."""
+        return Values.of(self._given)
+
+    def change(self, values: Values, tell: Callable[[str], None] | None = None) -> None:
+        """Begin again with other values.
+
+        Errors
+        ------
+        SceneError, UsageError, RunFailed: they can't be used; the run is as before.
+        """
+        self._begin(values.put_into(self._given), self._first_roller(), tell)
+
+    def _begin(self, scene: Scene, first_roller: float, tell: Callable[[str], None] | None) -> None:
+        numerics = {"duration_ms": LONGEST_MS, "output_interval_us": INTERVAL_US}
+        played = scene.model_copy(
+            update={
+                "operation": scene.operation.model_copy(update={"first_roller_deg": first_roller}),
+                "numerics": scene.numerics.model_copy(update=numerics),
+            }
+        )
+        plan = make_plan(played)
+        plan.prepare(tell)
+        state = plan.first_state()
+        samples = _good(state.advance(1))
+        self.scene, self.plan, self._state = scene, plan, state
+        self.bearing = played.ideal_bearing()
+        self._begun_again = None
+        self._start(samples)
+
+    def _start(self, samples: Samples) -> None:
+        self.record = Record(self.plan.interval)
+        self.turn = np.zeros(self.bearing.n_rollers)  # rad, of rollers about their own axes
+        self._worst = 0.0  # J
+        self._take(samples)
+
+    def _take(self, samples: Samples) -> None:
+        self.record.add(samples)
+        self.turn += samples["roller_spin"].sum(axis=0) * self.plan.interval
+        self.now = {name: values[-1] for name, values in samples.values.items()}
+        self._worst = max(self._worst, float(np.abs(samples.imbalance).max()))
+        least = NO_ENERGY * abs(float(samples["energy_kinetic"][-1]))
+        self.imbalance = self._worst / max(float(samples.exchanged[-1]), least, 1e-30)
+
+    def _first_roller(self) -> float:
+        """Angle of roller 0 from the load, degrees."""
+        return degrees(remainder(float(self.now["roller_theta"][0]) - FROM_LOAD, 2.0 * pi))
+
+    def advance(self, count: int, give_up: Callable[[], bool] = lambda: False) -> int:
+        """Go on by so many samples, fewer if `give_up` says so between blocks of them; how many it were.
+
+        Errors
+        ------
+        RunFailed: the run went wrong numerically; it stands where it last was sound.
+        """
+        done = 0
+        while done < count and not (done and give_up()):
+            if self._state.done == self.plan.n_samples:
+                self._begin(self.scene, self._first_roller(), None)
+            per_block = max(1, STEPS_PER_BLOCK // self._state.steps_per_sample)
+            block = self._state.advance(min(per_block, count - done, self.plan.n_samples - self._state.done))
+            if block.begins_again is not None:
+                self._begun_again = block.begins_again
+                self._start(_good(self._state.advance(1)))
+            else:
+                self._take(_good(block))
+                done += len(block.samples)
+        return done
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """What plan and run warn of so far."""
+        found = (*self.plan.cautions, *self._state.cautions)
+        if self._begun_again is not None:
+            found = (*found, self._begun_again)
+        return found if self.is_balanced else (*found, UNBALANCED)
+
+    @property
+    def is_balanced(self) -> bool:
+        """Whether the largest imbalance of the run's energy is small beside what was exchanged."""
+        return self.imbalance <= LIMIT
+
+
+def _good(block) -> Samples:
+    if block.trouble is not None:
+        raise RunFailed(block.trouble)
+    return block.samples

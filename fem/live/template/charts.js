@@ -1,0 +1,217 @@
+// Load zone, orbit and spectrum: axes by uPlot, what moves by its drawing hooks.
+const charts = (function () {
+  const BLUE = "#0072b2", RED = "#d55e00", SOFT = "#57606a";
+  const AXIS = { stroke: SOFT, grid: { stroke: "#e6eaee", width: 1 }, ticks: { stroke: "#d8dee4" }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 18, labelGap: 2 };
+  const ACROSS = { ...AXIS, size: 30 }; // room for its numbers
+  const RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+  function power(value) {
+    const exponent = Math.round(Math.log10(value));
+    return "10" + (exponent < 0 ? "⁻" : "") + String(Math.abs(exponent)).replace(/\d/g, (digit) => RAISED[digit]);
+  }
+
+  function plot(holder, options, data) {
+    const made = new uPlot(
+      { width: holder.clientWidth, height: holder.clientHeight, padding: [12, 12, 0, 0], legend: { show: false }, cursor: { show: false }, ...options },
+      data, holder);
+    return made;
+  }
+
+  function clipped(u, paint) {
+    const { ctx, bbox } = u;
+    ctx.save();
+    ctx.beginPath();
+    ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+    ctx.clip();
+    paint(ctx, devicePixelRatio);
+    ctx.restore();
+  }
+
+  function zone(holder) {
+    const MOST = 4000;
+    let past = [], now = [[], []], top = 1;
+    const u = plot(holder, {
+      scales: { x: { time: false, range: [-180, 180] }, y: { range: () => [0, top] } },
+      axes: [
+        { ...ACROSS, label: "place from the load, degrees", splits: () => [-180, -90, 0, 90, 180] },
+        { ...AXIS, label: "force, N", size: 58 },
+      ],
+      series: [{}, { show: true, paths: () => null, points: { show: false } }],
+      hooks: { draw: [(u) => clipped(u, paint)] },
+    }, [[-180, 180], [0, 1]]);
+
+    function paint(ctx, ratio) {
+      ctx.fillStyle = "rgba(213, 94, 0, 0.25)";
+      for (const [angle, force] of past) dot(ctx, angle, force, 1.2 * ratio);
+      ctx.strokeStyle = ctx.fillStyle = "#8c2d04";
+      ctx.lineWidth = 1.5 * ratio;
+      now[0].forEach((angle, j) => {
+        const x = u.valToPos(angle, "x", true);
+        ctx.beginPath();
+        ctx.moveTo(x, u.valToPos(0, "y", true));
+        ctx.lineTo(x, u.valToPos(now[1][j], "y", true));
+        ctx.stroke();
+        dot(ctx, angle, now[1][j], 4 * ratio);
+      });
+    }
+
+    function dot(ctx, angle, force, size) {
+      ctx.beginPath();
+      ctx.arc(u.valToPos(angle, "x", true), u.valToPos(force, "y", true), size, 0, 2 * Math.PI);
+      ctx.fill();
+    }
+
+    return {
+      u,
+      forget: () => { past = []; top = 1; },
+      remember(frame) {
+        const angle = frame.angle.map((value) => (value * 180) / Math.PI);
+        past.push(...angle.map((value, j) => [value, frame.outer[j]]));
+        past.splice(0, past.length - MOST);
+        now = [angle, frame.outer];
+        top = Math.max(top, drawing.niceAbove(1.02 * Math.max(...frame.outer, 1)));
+      },
+      draw: () => u.setData([[-180, 180], [0, 1]]),
+    };
+  }
+
+  function orbit(holder) {
+    const MOST = 4000;
+    let way = [[], []], middle = [0, 0], half = 1e-3;
+    const u = plot(holder, {
+      scales: {
+        x: { time: false, range: (u) => (u.bbox.height ? [middle[0] - half * shapeOf(u), middle[0] + half * shapeOf(u)] : [-1, 1]) },
+        y: { range: () => [middle[1] - half, middle[1] + half] },
+      },
+      axes: [{ ...ACROSS, label: "to the right, µm", space: 56 }, { ...AXIS, label: "up, µm", size: 62 }],
+      series: [{}, { show: true, paths: () => null, points: { show: false } }],
+      hooks: { draw: [(u) => clipped(u, paint)] },
+    }, [[-1, 1], [0, 0]]);
+
+    function shapeOf(u) {
+      return Math.max(0.2, u.bbox.width / u.bbox.height);
+    }
+
+    function paint(ctx, scale) {
+      const [x, y] = way, n = x.length;
+      ctx.lineJoin = "round";
+      ctx.lineWidth = 1.3 * scale;
+      const pieces = 12;
+      for (let k = 0; k < pieces; k++) {
+        const from = Math.floor((n * k) / pieces), to = Math.min(n - 1, Math.floor((n * (k + 1)) / pieces));
+        ctx.strokeStyle = "rgba(0, 114, 178, " + (0.12 + (0.88 * (k + 1)) / pieces) + ")";
+        ctx.beginPath();
+        for (let i = from; i <= to; i++) ctx.lineTo(u.valToPos(x[i], "x", true), u.valToPos(y[i], "y", true));
+        ctx.stroke();
+      }
+      if (n === 0) return;
+      ctx.fillStyle = "#8c2d04";
+      ctx.beginPath();
+      ctx.arc(u.valToPos(x[n - 1], "x", true), u.valToPos(y[n - 1], "y", true), 4 * scale, 0, 2 * Math.PI);
+      ctx.fill();
+    }
+
+    function fit() {
+      const low = way.map((values) => Math.min(...values)), high = way.map((values) => Math.max(...values));
+      const wide = Math.max((high[0] - low[0]) / shapeOf(u), high[1] - low[1], 1e-3);
+      const centre = low.map((value, i) => 0.5 * (value + high[i]));
+      const out = Math.max(Math.abs(centre[0] - middle[0]) / shapeOf(u), Math.abs(centre[1] - middle[1])) + 0.5 * wide > half;
+      if (out || wide < 0.4 * half) [middle, half] = [centre, 0.75 * wide];
+    }
+
+    return {
+      u,
+      forget: () => { way = [[], []]; half = 1e-3; },
+      remember(frame) {
+        way = way.map((values, i) => values.concat(frame.orbit[i]).slice(-MOST));
+        if (way[0].length) fit();
+      },
+      draw: () => u.setData([[-1, 1], [0, 0]]),
+    };
+  }
+
+  function spectrum(holder) {
+    const DECADES = 5, NAMED = [20, 100, 500, 2e3, 1e4];
+    let lines = [], data = [[20, 2e4], [null, null], [null, null]], top = 1;
+    const decades = (u, axis, low, high) => {
+      const found = [];
+      for (let k = Math.ceil(Math.log10(low) - 1e-9); k <= Math.log10(high) + 1e-9; k++) found.push(Number("1e" + k));
+      return found;
+    };
+    const u = plot(holder, {
+      padding: [22, 12, 0, 0],
+      scales: { x: { time: false, distr: 3, range: [20, 2e4] }, y: { distr: 3, range: () => [top * Math.pow(10, -DECADES), top] } },
+      axes: [
+        { ...ACROSS, label: "frequency, Hz", splits: () => [20, 50, 100, 200, 500, 1e3, 2e3, 5e3, 1e4, 2e4], filter: (u, splits) => splits,
+          values: (u, values) => values.map((value) => (NAMED.includes(value) ? (value < 1e3 ? String(value) : value / 1e3 + "k") : "")) },
+        { ...AXIS, label: "acceleration, m/s²", size: 58, splits: decades, filter: (u, splits) => splits, values: (u, values) => values.map(power) },
+      ],
+      series: [{}, { stroke: BLUE, width: 1.3, points: { show: false } }, { stroke: RED, width: 1.3, points: { show: false } }],
+      hooks: { drawClear: [mark] },
+    }, data);
+
+    function mark(u) {
+      const { ctx, bbox } = u, ratio = devicePixelRatio;
+      ctx.save();
+      ctx.font = 11 * ratio + "px system-ui, sans-serif";
+      ctx.textAlign = "center";
+      let last = -1e9;
+      for (const line of lines) {
+        const x = u.valToPos(line.frequency, "x", true);
+        if (x < bbox.left || x > bbox.left + bbox.width) continue;
+        ctx.strokeStyle = line.name.includes("×") ? "#c9d1d9" : "#8b949e";
+        ctx.lineWidth = ratio;
+        ctx.setLineDash([4 * ratio, 3 * ratio]);
+        ctx.beginPath();
+        ctx.moveTo(x, bbox.top);
+        ctx.lineTo(x, bbox.top + bbox.height);
+        ctx.stroke();
+        const wide = ctx.measureText(line.name).width;
+        if (x - 0.5 * wide < last + 4 * ratio) continue;
+        ctx.fillStyle = SOFT;
+        ctx.fillText(line.name, x, bbox.top - 6 * ratio);
+        last = x + 0.5 * wide;
+      }
+      ctx.restore();
+    }
+
+    return {
+      u,
+      forget(bearing) {
+        const more = (line) => [2, 3, 4, 5].map((k) => ({ name: k + "×", frequency: k * line.frequency }));
+        const own = bearing.lines;
+        lines = [...own, ...own.filter((line) => line.name === "BPFO").flatMap(more)];
+        lines.sort((a, b) => a.frequency - b.frequency);
+        top = 1e-3;
+      },
+      remember(frame) {
+        if (frame.frequency.length === 0) {
+          data = [[20, 2e4], [null, null], [null, null]];
+          return;
+        }
+        data = [frame.frequency, ...frame.amplitude.map((axis) => axis.map((value) => value || null))];
+        const highest = Math.max(...frame.amplitude.flat(), 1e-6);
+        const wanted = Math.pow(10, Math.ceil(Math.log10(highest)));
+        if (wanted > top || wanted < 0.05 * top) top = wanted;
+      },
+      draw: () => u.setData(data),
+    };
+  }
+
+  function all() {
+    const holder = (name) => document.querySelector("#" + name + " .plot");
+    const made = [zone(holder("zone")), orbit(holder("orbit")), spectrum(holder("spectrum"))];
+    const resize = () => made.forEach(({ u }) => {
+      const room = u.root.parentElement;
+      if (u.width !== room.clientWidth || u.height !== room.clientHeight) u.setSize({ width: room.clientWidth, height: room.clientHeight });
+    });
+    window.addEventListener("resize", resize);
+    return {
+      forget: (bearing) => made.forEach((chart) => chart.forget(bearing)),
+      remember: (frame) => made.forEach((chart) => chart.remember(frame)),
+      draw: () => made.forEach((chart) => chart.draw()),
+    };
+  }
+
+  return { all };
+})();

@@ -1,0 +1,30 @@
+"""What pages of the commands share: how a template becomes one file, and uPlot, which draws what can be looked into.
+
+Stands on the ground floor, as `messages` does: a report is the checker's, a live page the solver's.
+"""
+
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+VENDOR = Path(__file__).parent / "vendor"
+
+
+def render_page(template: Path, **values: object) -> str:
+    """The text of a page, with uPlot in it: it must open without a network."""
+    environment = Environment(
+        loader=FileSystemLoader(template.parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template(template.name).render(
+        plot_style=as_it_is(VENDOR / "uPlot.min.css"), plot_library=as_it_is(VENDOR / "uPlot.iife.min.js"), **values
+    )
+
+
+def as_it_is(path: Path) -> Markup:
+    """A style or script that goes into a page unescaped."""
+    return Markup(path.read_text(encoding="utf-8"))

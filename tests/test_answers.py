@@ -1,0 +1,64 @@
+"""What a run says of itself first: hub, loads, load zone, cage, ball passes."""
+
+from math import pi, tau
+
+import numpy as np
+import pytest
+
+from fem.answers import first_answers
+from lagrange import kinematics
+from lagrange.scene import read_scene
+
+N = 13
+
+
+def blocks(speed, slip=0.0, turns=1.0, samples=4001):
+    """A made-up run in two blocks: rollers loaded in the lower 120° of the circle, hub on an ellipse."""
+    bearing = read_scene().ideal_bearing()
+    time = np.linspace(0.0, turns * tau / (kinematics(bearing, speed).cage * (1.0 - slip)), samples)
+    cage = turns * np.linspace(0.0, tau, samples)
+    theta = cage[:, None] + tau * np.arange(N) / N
+    off = np.abs((theta + 0.5 * pi + pi) % tau - pi)  # from the load
+    inner = np.where(off < pi / 3.0, 700.0 * np.cos(1.5 * off), 0.0)
+    values = {
+        "time": time,
+        "inner_x": 1e-6 * np.sin(cage),
+        "inner_y": 1e-6 * (-3.0 + 0.5 * np.cos(cage)),
+        "inner_force": inner,
+        "outer_force": inner + 6.0,
+        "roller_theta": theta,
+    }
+    return [{name: array[part] for name, array in values.items()} for part in (slice(1500), slice(1500, None))]
+
+
+def test_a_made_up_run_is_told_as_it_was_made():
+    bearing, speed = read_scene().ideal_bearing(), 4500.0 * tau / 60.0
+    told = first_answers(bearing, speed, blocks(speed, slip=0.02))
+    assert told["hub"] == "mean x 0.0000 µm, y -2.9999 µm; peak to peak 2.0000 and 1.0000 µm"
+    assert "700.0 N (" in told["largest loads"] and "706.0 N (" in told["largest loads"]
+    # above 1 % of 700 N where cos(1.5 off) is: 119.2°, to a degree of either side
+    assert float(told["load zone"].partition("°")[0]) == pytest.approx(119.2, abs=1.5)
+    assert told["cage"].endswith("slip 2 % of rolling")
+    cage = 0.98 * kinematics(bearing, speed).cage / tau
+    assert f"(BPFO) {N * cage:.4g} Hz" in told["ball passes"]
+    assert f"(BPFI) {N * (75.0 - cage):.4g} Hz" in told["ball passes"]
+
+
+def test_the_pressure_is_hertz():
+    """Johnson, Contact Mechanics (1985), chapter 4: p0 = sqrt(Q E* / (π L R))."""
+    bearing, speed = read_scene().ideal_bearing(), 4500.0 * tau / 60.0
+    told = first_answers(bearing, speed, blocks(speed))["largest loads"]
+    modulus = 0.5 * bearing.roller.plane_strain_modulus
+    radius = 1.0 / (1.0 / bearing.roller_radius + 1.0 / bearing.inner_raceway_radius)
+    pressure = np.sqrt(700.0 * modulus / (pi * bearing.roller_length * radius))
+    assert f"700.0 N ({1e-6 * pressure:.0f} MPa)" in told
+
+
+def test_a_record_too_short_for_all_angles_names_no_load_zone():
+    bearing, speed = read_scene().ideal_bearing(), 4500.0 * tau / 60.0
+    assert "load zone" not in first_answers(bearing, speed, blocks(speed, turns=0.02))
+
+
+def test_a_standing_bearing_has_no_cage_speed():
+    told = first_answers(read_scene().ideal_bearing(), 0.0, blocks(4500.0 * tau / 60.0))
+    assert set(told) == {"hub", "largest loads", "load zone"}

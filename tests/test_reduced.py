@@ -361,8 +361,10 @@ def test_a_frequency_below_all_modes_is_the_model_without_and_too_many_modes_are
 def test_a_bearing_with_modes_rests_in_the_exact_equilibrium():
     plan = plan_of(*MODES, *STILL, "operation.gravity_m_s2=0")
     exact = exact_statics(plan.model.bearing, plan.operation.radial_load, plan.operation.first_roller_angle)
-    found = samples_of(dataclasses.replace(plan, stride=plan.stride), count=3)
-    assert np.abs(found["inner_y"] - exact.hub[1]).max() < 1e-6 * abs(exact.hub[1])
+    found = samples_of(
+        dataclasses.replace(plan, stride=1), count=3
+    )  # as without modes: rollers without friction set off
+    assert np.abs(found["inner_y"] - exact.hub[1]).max() < 1e-5 * abs(exact.hub[1])
     assert np.abs(found["inner_force"] - exact.inner_force).max() < 1e-5 * plan.operation.radial_load
 
 

@@ -15,8 +15,7 @@ from rich.table import Table
 
 from benchmarks.measuring import in_turns, new_table, paper_plan, spread, timed
 from fem.solver.finite_elements import ElementPlan
-from fem.solver.simulate import run
-from lagrange import contact_laws, simulate
+from fem.solver.simulate import make_plan, run
 from lagrange.scene import read_scene
 
 NOTHING = 1e-30  # of friction, of gravity, of speed: too little to change a digit, enough to be computed
@@ -111,11 +110,10 @@ def _difference(found: Samples, wanted: Samples, names: tuple[str, ...]) -> floa
 
 def _against_lagrange(elastic: ElementPlan) -> tuple[str, str, str]:
     """Cells of the Lagrangian model's row: time over the elastic bodies', relative error of the hub's mean height."""
-    scene = read_scene()
-    bearing = scene.ideal_bearing()
-    laws = contact_laws("harris", bearing)
-    taken, found = timed(simulate, bearing, scene.ideal_operation(), laws, 1e-3 * DURATION_MS, 1e-5)
+    plan = make_plan(read_scene(None, ("model=lagrange", f"numerics.duration_ms={DURATION_MS}")))
+    plan.prepare()
+    taken, found = timed(plan.first_state().advance, plan.n_samples)
     runs = [_run(elastic) for _ in range(3)]
     ratio = taken / statistics.median(seconds for seconds, _ in runs)
-    worst = abs(float(np.mean(found.inner_y)) / float(runs[0][1]["inner_y"].mean()) - 1.0)
+    worst = abs(float(found.samples["inner_y"].mean()) / float(runs[0][1]["inner_y"].mean()) - 1.0)
     return f"{ratio:.3f}", "", f"{worst:.0e}"

@@ -1,5 +1,6 @@
 """Time stepping from sample to sample, in pieces: how a run is cut into them changes no bit of it."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -7,9 +8,11 @@ import numpy as np
 
 from lagrange.systems import Packed
 
-# Blanes and Moan 2002, RKN scheme of order 4 with six stages: kicks b, drifts a
+# Blanes and Moan 2002, RKN scheme of order 4 with six stages: kicks b, drifts a, of which half are independent
 KICKS = (0.0829844064174052, 0.396309801498368, -0.0390563049223486)
 DRIFTS = (0.245298957184271, 0.604872665711080)
+ALL_KICKS = (*KICKS, 1.0 - 2.0 * sum(KICKS), *KICKS[::-1])
+ALL_DRIFTS = (*DRIFTS, 0.5 - sum(DRIFTS), 0.5 - sum(DRIFTS), *DRIFTS[::-1])
 BLOCK = 64  # samples whose directions are tabulated at a time
 FARTHEST = 1e50  # m and m/s: energies of such a motion are still numbers
 
@@ -26,17 +29,25 @@ class Record:
     ramp_work: np.ndarray  # J, ∫ Ẇ y dt
     dissipated: np.ndarray  # J
 
+    def sound(self) -> "Record":
+        """The samples before the first whose motion is no number, or too large for its energies to be numbers."""
+        motion = np.column_stack([self.z, self.z_rate, self.q, self.q_rate])
+        with np.errstate(over="ignore", invalid="ignore"):
+            lost = ~np.all(np.abs(motion) < FARTHEST, axis=1)
+        count = int(np.argmax(lost)) if lost.any() else len(lost)
+        return Record(**{name: values[:count] for name, values in vars(self).items()})
 
-class Integration:
+
+class Integration(ABC):
     """Steps of a system, `per_sample` of them from one sample to the next; the start is the first sample.
 
-    `memory` is all that the next steps need: hub and elements, their rates and accelerations after the last step; the
-    works of held angles, of the ramp and of the dampers, and the power that holds the angles.
+    `memory` is all that the next steps need, arrays that are changed in place: hub and elements, their rates and
+    accelerations after the last step; the works of held angles, of the ramp and of the dampers, and the power that
+    holds the angles. Before the first step accelerations and power are not known yet.
     """
 
     def __init__(self, system, start: Packed, step: float, per_sample: int, damping: float):
         self._system, self._step, self._per_sample, self._damping = system, step, per_sample, damping
-        self._advance = self._leapfrog if damping > 0.0 else self._blanes_moan
         self.done = 0  # samples
         self.memory = {
             "hub": np.array([start.z, start.z_rate, 0j]),
@@ -46,35 +57,54 @@ class Integration:
 
     def advance(self, count: int) -> Record:
         """The next so many samples; fewer where numbers overflow."""
-        first, n = self.done, self._system.n
         z = np.empty((2, count), dtype=complex)
-        q = np.empty((2, count, n), dtype=self._system.dtype)
+        q = np.empty((2, count, self._system.n), dtype=self._system.dtype)
         works = np.zeros((3, count))
+        there = int(self.done == 0 < count)
+        if there:
+            hub, elements, sums = self.memory.values()
+            z[:, 0], q[:, 0], works[:, 0] = hub[:2], elements[:2], sums[:3]
+        there += self._fill(self.done + there, z[:, there:], q[:, there:], works[:, there:])
+        record = Record(
+            z=z[0, :there], z_rate=z[1, :there], q=q[0, :there], q_rate=q[1, :there],
+            held_work=works[0, :there], ramp_work=works[1, :there], dissipated=works[2, :there],
+        ).sound()  # fmt: skip
+        self.done += len(record.z)
+        return record
+
+    @abstractmethod
+    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
+        """Take the steps to the samples after `done`, fill these arrays with them, and keep the memory.
+
+        Parameters
+        ----------
+        z, q : ndarray, (2, n_times) and (2, n_times, n_rollers), of hub and elements, and their rates
+        works : ndarray, (3, n_times), J, of held angles, of the ramp and of the dampers
+
+        Returns
+        -------
+        Samples filled: fewer where the last is no number any more.
+        """
+
+
+class NumpyIntegration(Integration):
+    """Steps in plain numpy."""
+
+    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: float):
+        super().__init__(system, start, step, per_sample, damping)
+        self._advance = self._leapfrog if damping > 0.0 else self._blanes_moan
+
+    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
         hub, elements, sums = self.memory.values()
-
-        def store() -> None:
-            k = self.done - first
-            z[:, k], q[:, k], works[:, k] = hub[:2], elements[:2], sums[:3]
-            self.done += 1
-
-        if first == 0 < count:
-            store()
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # seen below
-            while self.done < first + count and np.isfinite(hub[0]):
-                last = self.done - 1
+        there, count = 0, z.shape[1]
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # seen by `Record.sound`
+            while there < count and np.isfinite(hub[0]):
+                last = done + there - 1
                 border = last - last % BLOCK + BLOCK
-                for _ in self._advance(last, min(border, first + count - 1)):
-                    store()
-            there = self.done - first
-            sane = np.all(np.abs(z[:, :there]) < FARTHEST, axis=0) & np.all(
-                np.abs(q[:, :there]) < FARTHEST, axis=(0, 2)
-            )
-        good = there if sane.all() else int(np.argmin(sane))
-        self.done = first + good
-        return Record(
-            z=z[0, :good], z_rate=z[1, :good], q=q[0, :good], q_rate=q[1, :good],
-            held_work=works[0, :good], ramp_work=works[1, :good], dissipated=works[2, :good],
-        )  # fmt: skip
+                for _ in self._advance(last, min(border, done + count - 1)):
+                    z[:, there], q[:, there], works[:, there] = hub[:2], elements[:2], sums[:3]
+                    there += 1
+        return there
 
     def _remembered(self) -> tuple[list[complex], np.ndarray, list[float]]:
         """The memory as the steps take it: Python's own numbers are faster."""
@@ -88,18 +118,17 @@ class Integration:
     def _blanes_moan(self, first: int, last: int) -> Iterator[None]:
         """Six-stage symplectic steps of fourth order from one sample to another; stops at each in between."""
         system, step, per_sample = self._system, self._step, self._per_sample
-        kicks = [*KICKS, 1.0 - 2.0 * sum(KICKS), *KICKS[::-1]]
-        drifts = [*DRIFTS, 0.5 - sum(DRIFTS), 0.5 - sum(DRIFTS), *DRIFTS[::-1]]
-        at = np.cumsum(drifts)
+        at = np.cumsum(ALL_DRIFTS)
         steps = np.arange(first * per_sample, last * per_sample)
         times = step * (steps[:, None] + at).ravel()
         turns = system.directions(times)
         times = times.tolist()
         whole = np.ones(system.n, dtype=system.dtype)
         pairs = [
-            (step * a, step * a * whole, step * b, step * b * whole) for a, b in zip(drifts, kicks[1:], strict=True)
+            (step * a, step * a * whole, step * b, step * b * whole)
+            for a, b in zip(ALL_DRIFTS, ALL_KICKS[1:], strict=True)
         ]
-        begin, begin_all = step * kicks[0], step * kicks[0] * whole
+        begin, begin_all = step * ALL_KICKS[0], step * ALL_KICKS[0] * whole
         (z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power) = self._remembered()
         accelerations, ramping = system.accelerations, system.ramp > 0.0
         if first % BLOCK == 0:  # anew, at a time without the round-off of the stages' sum

@@ -1,6 +1,7 @@
 """What is solved: a bearing at an operating point under contact laws, the model's choices, and where it starts."""
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -41,6 +42,7 @@ class Problem:
                 f"start = {self.start!r}, angles = {self.angles!r}: equilibrium or rest, kinematic or free"
             )
 
+    @cached_property
     def first_state(self) -> State:
         """The state at t = 0.
 

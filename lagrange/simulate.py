@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.integrate import Integration
+from lagrange.integrate import Integration, NumpyIntegration
 from lagrange.kinematics import kinematics
 from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
@@ -50,25 +50,32 @@ class Simulation:
     ----------
     interval : s, between samples
     time_step : s, at most; default from the stiffest mode, and then it may be refined
+    integration : what takes the steps; default: plain numpy, the reference of any other
 
     Errors
     ------
     RuntimeError: no equilibrium to start from.
     """
 
-    def __init__(self, problem: Problem, interval: float, time_step: float | None = None):
-        self.problem, self.interval = problem, interval
+    def __init__(
+        self,
+        problem: Problem,
+        interval: float,
+        time_step: float | None = None,
+        integration: type[Integration] = NumpyIntegration,
+    ):
+        self.problem, self.interval, self._kind = problem, interval, integration
         self.refinements = 0
         self._least = steps_per_sample(problem, interval, time_step)
         self._most_refinements = REFINEMENTS if time_step is None else 0
-        self._start = problem.first_state()
+        self._start = problem.first_state
         self._begin()
 
     def _begin(self) -> None:
         problem = self.problem
         system = (KinematicAngles if problem.angles == "kinematic" else FreeAngles)(problem)
         start = system.pack(self._start)
-        self._integration = Integration(system, start, self.time_step, self.steps_per_sample, problem.damping)
+        self._integration = self._kind(system, start, self.time_step, self.steps_per_sample, problem.damping)
         self._completion = Completion(problem, system)
         self.trouble: str | None = None  # why it can't go on
 

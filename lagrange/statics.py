@@ -180,15 +180,16 @@ class _System:
         room = np.maximum(self.laws.inner.approach(push), self.laws.outer.approach(push)) * 1.5
         low = np.minimum(touch_in, self.track) - room
         high = np.maximum(touch_in, self.track) + room
-        rho = 0.5 * (touch_in + self.track)
+        rho, finest = 0.5 * (touch_in + self.track), ROUND_OFF * self.track
         for _ in range(MAX_RADIAL):
             force, stiffness = self._radial(rho, s, t)
             low, high = np.where(force > 0.0, rho, low), np.where(force < 0.0, rho, high)
             with np.errstate(divide="ignore", invalid="ignore"):
                 newton = rho + force / stiffness
-            inside = np.isfinite(newton) & (newton > low) & (newton < high) & (stiffness > 0.0)
+            # an end of the bracket may be the root but for round-off
+            inside = (newton > low - finest) & (newton < high + finest) & (stiffness > 0.0)
             step = np.where(force == 0.0, rho, np.where(inside, newton, 0.5 * (low + high)))
-            if np.all(np.abs(step - rho) <= ROUND_OFF * self.track):
+            if np.all(np.abs(step - rho) <= finest):
                 return step
             rho = step
         return rho
@@ -196,20 +197,19 @@ class _System:
 
 def _sink(system: _System, weight: float) -> np.ndarray:
     """Hub position straight below the centre where the elements first hold the load, m: by bisection."""
-    bearing = system.bearing
-    low = -max(bearing.radial_clearance, 0.0) - 1e-6 * bearing.roller_radius
-    for _ in range(60):
+    radius = system.bearing.roller_radius
+    low, high, way = -max(system.bearing.radial_clearance, 0.0) - 1e-6 * radius, 0.0, 1e-5 * radius
+    for _ in range(20):
         if system.at(np.array([0.0, low]), weight).unbalance[1] < 0.0:
             break
-        low -= 0.1 * max(-low, 1e-4 * bearing.roller_radius)
-    high = 0.0
+        high, low, way = low, low - way, 2.0 * way
     for _ in range(60):
         middle = 0.5 * (low + high)
         if system.at(np.array([0.0, middle]), weight).unbalance[1] < 0.0:
             low = middle
         else:
             high = middle
-        if high - low < 1e-5 * bearing.roller_radius:
+        if high - low < 1e-5 * radius:
             break
     return np.array([0.0, low])
 

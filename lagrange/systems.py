@@ -32,6 +32,7 @@ class _System:
     """What both kinds of angles share."""
 
     def __init__(self, problem: Problem):
+        self.problem = problem
         bearing, operation, laws = problem.bearing, problem.operation, problem.laws
         self.mass, self.inner_mass = bearing.roller_mass, operation.inner_mass
         self.gravity, self.load, self.ramp = operation.gravity, operation.radial_load, problem.load_ramp

@@ -8,7 +8,7 @@ from lagrange.bearing import Bearing, Operation
 from lagrange.energy import contact_energy, kinetic_energy, rotation_energy
 from lagrange.integrate import Record
 from lagrange.load_ramp import load_share
-from lagrange.motion import accelerations, contact_state
+from lagrange.motion import contact_state, hub_equations
 from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
 
@@ -90,7 +90,8 @@ class Completion:
             state = replace(state, theta=self._unwrapped(state.theta))
         touch = contact_state(bearing, laws, state, problem.damping)
         share = load_share(time, problem.load_ramp)
-        ax, ay, _, _ = accelerations(bearing, replace(operation, radial_load=0.0), state, touch)
+        left_x, left_y = hub_equations(replace(operation, radial_load=0.0), touch, 0.0, 0.0)
+        ax, ay = -left_x / operation.inner_mass, -left_y / operation.inner_mass
         ay = ay - share * operation.radial_load / operation.inner_mass
         lift = operation.inner_mass * state.y + bearing.roller_mass * np.sum(state.rho * np.sin(state.theta), axis=1)
         pull = share * operation.radial_load * state.y

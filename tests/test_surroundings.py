@@ -9,21 +9,21 @@ import sys
 
 import pytest
 
-from fem.kernels.jit import cache_folder, version
+from fem.kernels.kernel_folder import cache_folder, version
 from tests.reference.commands import command, environment
 from tests.test_faults import same_data
 
 OPTIONS = ["--duration", "0.1", "--quiet"]
 COARSE = [*OPTIONS, "--mesh-size", "2"]
 KERNEL = """
-from fem.kernels import kernel_cache
+from fem.kernels import kernel_folder
 from fem.kernels.jit import kernel
 
 @kernel
 def twice(x):
     return 2.0 * x
 
-print(twice(3.0), sum(twice.stats.cache_hits.values()), len(kernel_cache.remarks), *kernel_cache.remarks)
+print(twice(3.0), sum(twice.stats.cache_hits.values()), len(kernel_folder.remarks), *kernel_folder.remarks)
 """
 
 

@@ -3,49 +3,19 @@
 A `@kernel` is called from Python. A `@part` stands in the code of the kernels that call it and nowhere else: a function
 that Python may call has code that takes apart every array of its arguments, which for those of the time loop takes
 0.6 s to compile, ten times the function itself.
-
-Numba's cache looks at the file a function stands in, not at the files of the functions it inlines: after a change to
-one kernel it would go on running the old code inside the others. The cache folder is therefore named after the text of
-all modules beside this one (see `kernel_cache`).
 """
 
-import hashlib
-import os
-from functools import cache
-from pathlib import Path
-
-import platformdirs
 from numba import njit
 from numba.extending import overload, register_jitable
 
-from fem.kernels.kernel_cache import keep, private_folder
+from fem.kernels.kernel_cache import keep
+from fem.kernels.kernel_folder import cache_folder
 
 # Division follows IEEE 754 and raises nothing. Without numba's run-time memory: nothing is allocated (what would
 # allocate does not compile), and arrays that the caller holds anyway are not counted, which would take a tenth of the
 # time loop (https://github.com/numba/numba/issues/2350).
 OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
 INLINED = {**OPTIONS, "forceinline": True}
-
-
-@cache
-def version() -> str:
-    """Of all kernels: two programs of one version compute the same bits on one machine."""
-    return digest(Path(__file__).parent)
-
-
-@cache
-def cache_folder() -> Path | None:
-    """Where this version's compiled kernels are kept: in NUMBA_CACHE_DIR or the user's cache folder; None: nowhere."""
-    bases = os.environ.get("NUMBA_CACHE_DIR"), platformdirs.user_cache_dir("roller-bearing-fem")
-    return private_folder(Path(base).absolute() / "kernels" / version() for base in bases if base)
-
-
-def digest(folder: Path) -> str:
-    """Of the text of all modules of a folder: any of them may be part of a kernel."""
-    text = hashlib.sha256()
-    for module in sorted(folder.glob("*.py")):
-        text.update(module.name.encode() + module.read_bytes())
-    return text.hexdigest()[:16]
 
 
 def kernel(function=None, **options):

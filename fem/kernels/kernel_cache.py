@@ -6,10 +6,7 @@ numba's own cache, which would also write beside the modules, where a change of 
 """
 
 import hashlib
-import os
 import pickle
-import stat
-from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -20,32 +17,8 @@ from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
 
+from fem.kernels.kernel_folder import remarks
 from lagrange.sealed import read_sealed, write_sealed
-
-remarks: list[str] = []  # sentences on what was wrong with folders and files so far
-
-
-def private_folder(folders: Iterable[Path]) -> Path | None:
-    """The first of some folders that can be made, or is there and is this user's alone."""
-    for folder in folders:
-        try:
-            folder.parent.mkdir(parents=True, exist_ok=True)
-            with suppress(FileExistsError):
-                folder.mkdir(mode=0o700)
-            if is_private(folder.lstat()):
-                return folder
-        except OSError:
-            continue
-        remarks.append(f"{folder}: the compiled kernels there are not used, because others can write there; remove it")
-    return None
-
-
-def is_private(found: os.stat_result) -> bool:
-    """Whether a folder itself, no link, is this user's and can be written by nobody else."""
-    if not hasattr(os, "geteuid"):  # a system that keeps no rights in modes
-        return True
-    others = found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-    return stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid() and not others
 
 
 def keep(function, folder: Path | None):

@@ -1,15 +1,17 @@
 """Functions of eight lanes, or of scalars, to round-off.
 
-Arguments reduced as in Sun's fdlibm (s_atan.c, e_log.c, k_sin.c, k_cos.c, 1993), with its minimax coefficients.
+Arguments reduced as in Sun's fdlibm (s_atan.c, e_log.c, e_exp.c, k_sin.c, k_cos.c, 1993), with its minimax
+coefficients.
 """
 
 from math import log, pi
 
 from fem.kernels.jit import part
-from fem.kernels.simd import exponent_and_mantissa, magnitude, real, select, whole, with_sign
+from fem.kernels.simd import exponent_and_mantissa, magnitude, power_of_two, real, select, whole, with_sign
 
 TAN_EIGHTH = 0.41421356237309503  # tan(π/8)
 LN_2 = log(2.0)
+LN_2_HIGH, LN_2_LOW = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # the first has 32 bits
 ROOT_2 = 1.4142135623730951
 # π/2 in three parts; the first two have 33 bits, so that their multiples are exact
 HALF_PI_1, HALF_PI_2, HALF_PI_3 = 1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21
@@ -78,6 +80,25 @@ def logarithm(x):
     )
     half = 0.5 * f * f
     return power * LN_2 + (f - (half - s * (half + R)))
+
+
+@part
+def exponential(x):
+    """e to the power of numbers from −700 to 700."""
+    power = whole(x * (1.0 / LN_2) + select(x < 0.0, -0.5, 0.5))
+    twos = real(power)
+    high, low = x - twos * LN_2_HIGH, twos * LN_2_LOW
+    r = high - low
+    z = r * r
+    c = r - z * (
+        1.66666666666666019037e-01
+        + z
+        * (
+            -2.77777777770155933842e-03
+            + z * (6.61375632143793436117e-05 + z * (-1.65339022054652515390e-06 + z * 4.13813679705723846039e-08))
+        )
+    )
+    return (1.0 - ((low - r * c / (2.0 - c)) - high)) * power_of_two(power)
 
 
 @part

@@ -417,3 +417,20 @@ def exponent_and_mantissa(typingctx, lanes):
         return context.make_tuple(builder, types.UniTuple(kind, 2), values)
 
     return types.UniTuple(kind, 2)(kind), codegen
+
+
+@intrinsic
+def power_of_two(typingctx, wholes):
+    """2 to the power of whole numbers from −1022 to 1023."""
+    kind = _like(LANES, wholes)
+
+    def codegen(context, builder, signature, arguments):
+        integers = context.get_value_type(_like(WHOLE, wholes))
+
+        def constant(value):
+            return ir.Constant(integers, [value] * WIDTH if isinstance(wholes, LanesType) else value)
+
+        bits = builder.shl(builder.add(arguments[0], constant(1023)), constant(52))
+        return builder.bitcast(bits, context.get_value_type(kind))
+
+    return kind(_like(WHOLE, wholes)), codegen

@@ -4,7 +4,7 @@ solver             what every solver answers: plan, first state, blocks of sampl
 simulate           the registry of solvers, and the loop that advances a run of any of them
 row_state          states that a compiled time loop advances; `guards`: looks at the samples that no sound run fails
 samples            rows of a time loop as quantities; `compiling`: plans whose loop is compiled
-lagrangian         the Lagrangian model as a solver
+lagrangian         the Lagrangian model as a solver; `lagrangian_steps`: its integration, compiled
 reduced            the reduced model as a solver: its plan; `reduced_start`: where its runs begin; `reduced_state`: its
                    arrays, and runs that begin again; `reduced_estimate`: how far it is from finite elements
 

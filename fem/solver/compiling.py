@@ -4,24 +4,26 @@ import gc
 from collections.abc import Callable
 from importlib.metadata import version
 
-from fem.kernels import jit, kernel_cache
+from fem.kernels import kernel_folder
 from fem.solver.processor import processor
 from fem.solver.solver import Plan
 from lagrange.messages import said_if_long
 
 PATIENCE = 3.0  # s, to load the time loop; if it takes longer it is being compiled
-COMPILING = "compiling the time loop, once for such bodies and contacts: half a minute, or one on a slow processor"
+COMPILING = "compiling the time loop, once for such bodies and contacts: "
 
 
 class CompiledPlan(Plan):
-    """A plan whose first state is a `row_state.RowState`."""
+    """A plan whose first state has `take_steps(count)`."""
+
+    compiling_takes = "half a minute, or one on a slow processor"
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> None:
         """Compile the time loop, or load it compiled, without taking a step."""
         collecting = gc.isenabled()
         gc.disable()  # a compiler's many objects are nearly all kept: looking for cycles takes a tenth of its time
         try:
-            with said_if_long(PATIENCE, COMPILING, tell):
+            with said_if_long(PATIENCE, COMPILING + self.compiling_takes, tell):
                 self.first_state().take_steps(0)
         finally:
             if collecting:
@@ -29,7 +31,7 @@ class CompiledPlan(Plan):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        return tuple(kernel_cache.remarks)
+        return tuple(kernel_folder.remarks)
 
     def versions(self) -> dict[str, str]:
-        return {"kernels": jit.version(), "numba": version("numba"), **processor()}
+        return {"kernels": kernel_folder.version(), "numba": version("numba"), **processor()}

@@ -1,0 +1,106 @@
+"""The time loop of the Lagrangian model: the steps of `lagrange.integrate`, their reference, on lanes."""
+
+from math import pi, sin
+
+from fem.kernels.jit import kernel, part
+from fem.kernels.lagrangian_forces import accelerate, damp
+from fem.kernels.simd import WIDTH, fma, load, splat, store
+
+HELD, RAMPED, DISSIPATED, POWER = 0, 1, 2, 3  # of `IdealMotion.works`
+
+
+@kernel(nogil=True)
+def advance_lagrangian(motion, bearing, dampers, clock, rows):
+    """Fill rows with the samples after those that are done, and leave the motion at the last.
+
+    By Blanes and Moan's scheme, with dampers (not None) by leapfrog.
+
+    Returns the number of rows filled: fewer where the hub's place is no number any more.
+    """
+    for row in range(rows.works.shape[0]):
+        first = (clock.done + row - 1) * clock.per_sample
+        for at in range(0, motion.force.size, WIDTH):  # a sample's bits do not depend on where the last call ended
+            store(motion.force, at, splat(0.0))
+        begin = -1 if first == 0 else first  # a step of no length finds the accelerations at the start
+        for number in range(begin, first + clock.per_sample):
+            length = clock.step if number >= 0 else 0.0
+            if dampers is None:
+                _composed(motion, bearing, clock, number, length)
+            else:
+                _damped(motion, bearing, dampers, number, length)
+        for k in range(2):
+            if not motion.hub[0, k] - motion.hub[0, k] == 0.0:
+                return row
+        _write(motion, row, rows)
+    return rows.works.shape[0]
+
+
+@part
+def _write(motion, row, rows):
+    for i in range(2):
+        for k in range(2):
+            rows.hub[row, i, k] = motion.hub[i, k]
+    size = 2 * motion.elements[0].size
+    for at in range(0, size, WIDTH):
+        store(rows.elements, row * size + at, load(motion.elements, at))
+    for i in range(3):
+        rows.works[row, i] = motion.works[i]
+
+
+@part
+def _composed(motion, bearing, clock, number, length):
+    """Kicks and drifts of a symplectic scheme of fourth order."""
+    way, n = 0.0, clock.drifts.size
+    for stage in range(n):
+        _kick(motion, bearing, length * clock.kicks[stage], length * (number + way))
+        _drift(motion, length * clock.drifts[stage])
+        way += clock.drifts[stage]
+        motion.works[POWER] = accelerate(motion, bearing, None, length * (number + way))
+    _kick(motion, bearing, length * clock.kicks[n], length * (number + way))
+
+
+@part
+def _damped(motion, bearing, dampers, number, length):
+    """Drift, kick, damp, kick, drift; second order. The dampers' flow by the midpoint rule at frozen positions."""
+    half, time, works = 0.5 * length, length * (number + 0.5), motion.works
+    _drift(motion, half)
+    works[POWER] = accelerate(motion, bearing, dampers, time)
+    _kick(motion, bearing, half, time)
+    for ahead in (0.0, half):
+        loss, taken = damp(motion, bearing, dampers, ahead)
+    _push(motion.hub, dampers.hub, length, motion.elements, dampers.elements)
+    works[DISSIPATED] += length * loss
+    works[HELD] += length * taken
+    _kick(motion, bearing, half, time)
+    _drift(motion, half)
+
+
+@part
+def _kick(motion, bearing, seconds, time):
+    """Accelerate for so many seconds; the works go along."""
+    hub, elements, works = motion.hub, motion.elements, motion.works
+    _push(hub, hub[2], seconds, elements, elements[2])
+    works[HELD] += seconds * works[POWER]
+    if time < bearing.ramp:
+        rate = 0.5 * pi / bearing.ramp * sin(pi * time / bearing.ramp)  # of `load_share`
+        works[RAMPED] += seconds * bearing.radial_load * rate * hub[0, 1]
+
+
+@part
+def _push(hub, of_hub, seconds, elements, of_elements):
+    """Change velocities by accelerations, (2,) and (1 or 2, columns)."""
+    for k in range(2):
+        hub[1, k] += seconds * of_hub[k]
+    size = of_elements.size
+    for at in range(0, size, WIDTH):
+        store(elements, size + at, fma(seconds, load(of_elements, at), load(elements, size + at)))
+
+
+@part
+def _drift(motion, seconds):
+    hub, elements = motion.hub, motion.elements
+    for k in range(2):
+        hub[0, k] += seconds * hub[1, k]
+    size = elements[0].size
+    for at in range(0, size, WIDTH):
+        store(elements, at, fma(seconds, load(elements, size + at), load(elements, at)))

@@ -1,0 +1,87 @@
+"""State of the Lagrangian model: a rigid hub, rigid rolling elements, contact laws between them.
+
+Named tuples of arrays, for kernels. Elements are lanes: `columns` is their number rounded up to WIDTH; spare ones stay
+where they are and feel nothing. SI throughout.
+
+Elements move in axes of their own. Those that a cage holds are on the first axis, which turns with the cage; free ones
+have the fixed axes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+INNER, OUTER = 0, 1  # rows of contact arrays
+
+
+class PowerConstants(NamedTuple):
+    """Q = K δⁿ."""
+
+    stiffness: float  # K, N/mⁿ
+    exponent: float  # n
+
+
+class IdealMotion(NamedTuple):
+    """All that changes from step to step."""
+
+    hub: np.ndarray  # (3, 2), place, m, velocity, acceleration
+    elements: np.ndarray  # (3, 1 or 2, columns), the same along each axis of their own
+    # (4,), J: of what holds the angles and turns the bodies, of the ramp, dissipated; and the power of the first, W
+    works: np.ndarray
+    force: np.ndarray  # (2, columns), N, of the springs; those of the last positions, room before any
+
+
+class Surfaces(NamedTuple):
+    """Surfaces that are not perfect circles, see `profile_kernels`; None: of these all are."""
+
+    rings: tuple  # the inner and the outer raceway
+    rollers: tuple  # the elements in their contacts with them
+
+
+class IdealBearing(NamedTuple):
+    """What moves, and what acts on it."""
+
+    laws: tuple  # of inner and outer contacts: `PowerConstants`, or `state.Law` for δ = A Q (B − ½ ln Q)
+    surfaces: Surfaces | None  # None: perfect circles
+    first: np.ndarray | None  # (2, columns), cosine and sine of held elements' angles at t = 0; None: they are free
+    reach: float  # m, from the hub to an element that touches the inner ring
+    track: float  # m, from the outer ring's centre to one that touches that
+    mass: float  # kg, of an element
+    hub_mass: float  # kg
+    gravity: float  # m/s²
+    radial_load: float  # N
+    ramp: float  # s, 0: full load at once
+    turning: float  # rad/s, of the elements' own axes
+    shaft: float  # rad/s
+    spin: float  # rad/s, of an element about its own centre
+    n: int
+    columns: int
+
+
+class Dampers(NamedTuple):
+    """Dampers beside the springs, and room for what they take from the positions."""
+
+    damping: float  # N s/m
+    axes: np.ndarray  # (2, columns), cosine and sine of the direction of each element's first axis
+    normal: np.ndarray  # (2, 2, columns), outward and along each element's own axes, of inner and outer contact
+    closing: np.ndarray  # (2, columns), m/s, rates at which contacts close because surfaces pass
+    hub: np.ndarray  # (2,), m/s², acceleration by the dampers
+    elements: np.ndarray  # (1 or 2, columns)
+
+
+class Clock(NamedTuple):
+    """Where the steps are, and their scheme."""
+
+    step: float  # s
+    per_sample: int  # steps
+    done: int  # samples so far
+    kicks: np.ndarray  # (stages + 1,), of a step
+    drifts: np.ndarray  # (stages,)
+
+
+class Rows(NamedTuple):
+    """Stored samples."""
+
+    hub: np.ndarray  # (n_rows, 2, 2), places and velocities
+    elements: np.ndarray  # (n_rows, 2, 1 or 2, columns)
+    works: np.ndarray  # (n_rows, 3), J

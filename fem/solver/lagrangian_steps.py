@@ -1,0 +1,133 @@
+"""Compiled steps of the Lagrangian model: those of `lagrange.integrate.NumpyIntegration`, which is their reference."""
+
+import numpy as np
+
+from fem.kernels.lagrangian_loop import advance_lagrangian
+from fem.kernels.lagrangian_state import (
+    Clock,
+    Dampers,
+    IdealBearing,
+    IdealMotion,
+    PowerConstants,
+    Rows,
+    Surfaces,
+)
+from fem.kernels.simd import WIDTH
+from fem.kernels.state import Law
+from fem.solver.cache_lines import lined_up
+from fem.solver.contact_arrays import raceway_profiles
+from lagrange.integrate import ALL_DRIFTS, ALL_KICKS, Integration
+from lagrange.laws import PowerLaw
+from lagrange.overlap import touching_distances
+from lagrange.raceway_laws import LogarithmicLaw
+from lagrange.systems import Packed
+
+
+class CompiledIntegration(Integration):
+    """Steps by a kernel."""
+
+    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: float):
+        super().__init__(system, start, step, per_sample, damping)
+        columns = -(-system.n // WIDTH) * WIDTH
+        axes = 1 if system.holds_angles else 2
+        self._motion = lined_up(
+            IdealMotion(
+                hub=np.zeros((3, 2)),
+                elements=np.zeros((3, axes, columns)),
+                works=np.zeros(4),
+                force=np.zeros((2, columns)),
+            )
+        )
+        self._bearing = lined_up(_bearing(system, columns))
+        self._dampers = lined_up(_dampers(damping, axes, columns)) if damping > 0.0 else None
+
+    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
+        motion, (hub, elements, sums), n = self._motion, self.memory.values(), self._system.n
+        axes = motion.elements.shape[1]
+        motion.hub[:] = _parts(hub, 2)
+        motion.elements[:, :, :n] = np.moveaxis(_parts(elements, axes), 2, 1)
+        motion.works[:] = sums
+        clock = Clock(
+            step=float(self._step),
+            per_sample=self._per_sample,
+            done=done,
+            kicks=np.array(ALL_KICKS),
+            drifts=np.array(ALL_DRIFTS),
+        )
+        rows = Rows(
+            hub=np.empty((z.shape[1], 2, 2)),
+            elements=np.empty((z.shape[1], *motion.elements[:2].shape)),
+            works=np.empty((z.shape[1], 3)),
+        )
+        there = advance_lagrangian(motion, self._bearing, self._dampers, clock, rows)
+        z[:, :there] = _whole(rows.hub[:there]).T
+        q[:, :there] = np.moveaxis(_whole(np.moveaxis(rows.elements[:there, :, :, :n], 2, 3)), 0, 1)
+        works[:, :there] = rows.works[:there].T
+        hub[:] = _whole(motion.hub)
+        elements[:] = _whole(np.moveaxis(motion.elements[:, :, :n], 1, 2))
+        sums[:] = motion.works
+        return there
+
+
+def _parts(values: np.ndarray, axes: int) -> np.ndarray:
+    """Numbers, complex where there are two axes, along these: one dimension more, the last."""
+    return np.stack((values.real, values.imag)[:axes], axis=-1)
+
+
+def _whole(parts: np.ndarray) -> np.ndarray:
+    """The numbers again."""
+    return parts[..., 0] if parts.shape[-1] == 1 else np.ascontiguousarray(parts).view(complex)[..., 0]
+
+
+def _bearing(system, columns: int) -> IdealBearing:
+    problem, ideal = system.problem, system.ideal
+    bearing, operation = problem.bearing, problem.operation
+    reach, track = touching_distances(bearing)
+    inner, outer = raceway_profiles(bearing, columns)
+    surfaces = first = None
+    if bearing.faults:
+        surfaces = Surfaces(
+            rings=(inner["profile"], outer["profile"]), rollers=(inner["roller_profiles"], outer["roller_profiles"])
+        )
+    if system.holds_angles:
+        angle = np.zeros(columns)
+        angle[: system.n] = system.first + system.spacing
+        first = np.array([np.cos(angle), np.sin(angle)])
+    return IdealBearing(
+        laws=tuple(_constants(law) for law in problem.laws),
+        surfaces=surfaces,
+        first=first,
+        reach=float(reach),
+        track=float(track),
+        mass=float(bearing.roller_mass),
+        hub_mass=float(operation.inner_mass),
+        gravity=float(operation.gravity),
+        radial_load=float(operation.radial_load),
+        ramp=float(problem.load_ramp),
+        turning=float(ideal.cage) if system.holds_angles else 0.0,
+        shaft=float(ideal.shaft),
+        spin=float(ideal.roller),
+        n=bearing.n_rollers,
+        columns=columns,
+    )
+
+
+def _constants(law) -> PowerConstants | Law:
+    """A law as kernels take it."""
+    if isinstance(law, PowerLaw):
+        return PowerConstants(stiffness=float(law.stiffness), exponent=float(law.exponent))
+    if isinstance(law, LogarithmicLaw):  # S Q (B − ln Q) is 2S Q (½B − ½ ln Q); widths play no part
+        A, B = float(2.0 * law.compliance), float(0.5 * law.level)
+        return Law(A=A, B=B, Q_line=float(law.largest_force), half_width_factor=0.0, curvature=0.0)
+    raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `lagrangian_forces.spring_force`")
+
+
+def _dampers(damping: float, axes: int, columns: int) -> Dampers:
+    return Dampers(
+        damping=float(damping),
+        axes=np.zeros((2, columns)),
+        normal=np.zeros((2, 2, columns)),
+        closing=np.zeros((2, columns)),
+        hub=np.zeros(2),
+        elements=np.zeros((axes, columns)),
+    )

@@ -220,6 +220,12 @@ class LagrangeTable(Table):
     angles: Literal["kinematic", "free"] = "kinematic"
 
 
+class ReducedTable(Table):
+    """Options of the reduced model."""
+
+    modes_up_to_kHz: float = Field(0.0, ge=0.0, le=1e5)
+
+
 class OutputTable(Table):
     fields_every_ms: float = Field(0.0, ge=0.0, le=1e6)
 
@@ -235,6 +241,7 @@ class Scene(Table):
     operation: OperationTable = OperationTable()
     contact: ContactTable = ContactTable()
     lagrange: LagrangeTable = LagrangeTable()
+    reduced: ReducedTable = ReducedTable()
     numerics: NumericsTable = NumericsTable()
     output: OutputTable = OutputTable()
     spall: list[SpallTable] = Field([], max_length=MOST_TABLES)

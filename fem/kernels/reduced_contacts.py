@@ -15,9 +15,10 @@ import numpy as np
 from fem.kernels.contact_kernels import next_rollers
 from fem.kernels.friction_kernels import SLIP_FLOOR, creep_traction
 from fem.kernels.jit import part
-from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm
+from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm, smaller
 from fem.kernels.law import STEEPEST, contact_force, kick_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
+from fem.kernels.reduced_modes import gather_waves, less_vibration, push_modes
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.simd import (
     WIDTH,
@@ -34,6 +35,7 @@ from fem.kernels.simd import (
     total,
 )
 
+MORE_SWEEPS = 2  # where bodies vibrate
 NEAR = 1e-3  # of a force: a guess no further off needs one step of Newton's
 TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken
 
@@ -110,6 +112,7 @@ def estimate_forces(bodies, compliance, forces, turn):
     columns, n, halo = bodies.columns, bodies.n, forces.halo
     width, across = columns + 2 * halo, compliance.across
     inner, outer = compliance.inner, compliance.outer
+    gather_waves(bodies.vibrations)
     for group in range(0, n, WIDTH):
         there = count_from(group) < n
         x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
@@ -127,7 +130,9 @@ def estimate_forces(bodies, compliance, forces, turn):
         guess_i, guess_o = select(there, guess_i, 0.0), select(there, guess_o, 0.0)
         first_i = compliance.reach - away - across * guess_o - _felt(compliance, forces.guess, INNER, at)
         first_o = out - compliance.track - across * guess_i - _felt(compliance, forces.guess, OUTER, width + at)
+        _take(forces.taken, columns, group, compliance.reach - away - first_i, out - compliance.track - first_o)
         first_i, first_o = _lowered(bodies, compliance, forces, group, turn, first_i, first_o, forces.slope)
+        first_i, first_o = less_vibration(bodies.vibrations, forces, columns, group, first_i, first_o)
         first_i, first_o = select(there, first_i, -1.0), select(there, first_o, -1.0)
         B_i, B_o = _level(inner, forces.bracket_now, group), _level(outer, forces.bracket_now, columns + group)
         Q_i, stiff_i = _force(inner, B_i, first_i, guess_i)
@@ -198,6 +203,32 @@ def _store_pair(array, at, apart, one, other):
 
 
 @part
+def sweep_again(vibrations, bodies, compliance, forces):
+    """Tell what forces gain by each other's gains, as `set_right` does, before it does.
+
+    Where bodies vibrate a guess is off by as much as a vibration bends in a step; what two sweeps leave of that lags
+    behind, and would feed the fastest vibrations.
+    """
+    if vibrations is None:
+        return
+    columns, n, halo = bodies.columns, bodies.n, forces.halo
+    width, across = columns + 2 * halo, compliance.across
+    for _ in range(MORE_SWEEPS):
+        for group in range(0, n, WIDTH):
+            at = halo + group
+            stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
+            guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
+            Q_i = load(forces.estimate, group) - stiff_i * _felt(compliance, forces.gained, INNER, at)
+            Q_o = load(forces.estimate, columns + group) - stiff_o * _felt(compliance, forces.gained, OUTER, width + at)
+            Q_i, Q_o = _both(Q_i, Q_o, stiff_i * across, stiff_o * across, guess_i, guess_o)
+            gained_i, gained_o = larger(Q_i, 0.0) - guess_i, larger(Q_o, 0.0) - guess_o
+            there = count_from(group) < n
+            _store_pair(forces.gained, at, width, select(there, gained_i, 0.0), select(there, gained_o, 0.0))
+        wrap(forces.gained, INNER, n, halo)
+        wrap(forces.gained, OUTER, n, halo)
+
+
+@part
 def set_right(bodies, compliance, forces):
     """The forces with what all others have gained; their sum on the hub, N, x and y. Leaves approaches in `first`."""
     columns, n, halo = bodies.columns, bodies.n, forces.halo
@@ -215,6 +246,7 @@ def set_right(bodies, compliance, forces):
         Q_i, Q_o = larger(Q_i, 0.0), larger(Q_o, 0.0)
         _store_pair(forces.estimate, group, columns, Q_i, Q_o)
         first_i, first_o = load(forces.first, group), load(forces.first, columns + group)
+        _take_more(forces.taken, columns, group, less_i + across * (Q_o - guess_o), less_o + across * (Q_i - guess_i))
         first_i = first_i - less_i - across * (Q_o - guess_o)
         first_o = first_o - less_o - across * (Q_i - guess_i)
         _store_pair(forces.first, group, columns, first_i, first_o)
@@ -249,6 +281,7 @@ def kick(bodies, compliance, forces, drive, before):
         stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
         more_i, more_o = _both(stiff_i * ahead_i, stiff_o * ahead_o, stiff_i * across, stiff_o * across, 0.0, 0.0)
         Q_i, Q_o = select(Q_i > 0.0, larger(Q_i + more_i, 0.0), 0.0), select(Q_o > 0.0, larger(Q_o + more_o, 0.0), 0.0)
+        _take_more(forces.taken, columns, group, across * more_o, across * more_i)
         P_i = _kicked(compliance.inner, forces, group, ahead_i - across * more_o, Q_i, there)
         P_o = _kicked(compliance.outer, forces, columns + group, ahead_o - across * more_i, Q_o, there)
         _keep_brackets(forces, group, columns, forces.bracket)
@@ -257,6 +290,7 @@ def kick(bodies, compliance, forces, drive, before):
             T_i, T_o = _tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)
         store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
         T_i, T_o = _with_slopes(bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o), (T_i, T_o), forces.slope)
+        T_i, T_o = push_modes(bodies.vibrations, bodies, forces, drive, group, P_i, P_o, T_i, T_o)
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         hub_x -= select(there, fx, 0.0)
         hub_y -= select(there, fy, 0.0)
@@ -282,6 +316,7 @@ def _kicked(law, forces, at, ahead, Q, there):
         approach, Q, B, law.A, law.Q_line,
     )  # fmt: skip
     P = select(there, P, 0.0)
+    P, residual = _bounded(forces, forces.taken, at, approach, P, Q, residual)
     store(forces.approach, at, select(there, approach, np.nan))
     store(forces.kick, at, P)
     store(forces.residual, at, residual)
@@ -295,6 +330,39 @@ def _keep_brackets(forces, group, columns, brackets):
         _store_pair(
             brackets, group, columns, load(forces.bracket_now, group), load(forces.bracket_now, columns + group)
         )
+
+
+@part
+def _take(taken, columns, group, inner, outer):
+    """Keep what other contacts take of eight rollers' approaches, m."""
+    if taken is not None:
+        _store_pair(taken, group, columns, inner, outer)
+
+
+@part
+def _take_more(taken, columns, group, inner, outer):
+    if taken is not None:
+        at = columns + group
+        _store_pair(taken, group, columns, load(taken, group) + inner, load(taken, at) + outer)
+
+
+@part
+def _bounded(forces, taken, at, approach, P, Q, residual):
+    """A kick no further off than the larger force of the step behind; what contacts have stored beyond kicks, J.
+
+    Where bodies vibrate a guess can be so far off that approach and force of a contact that opens don't fit. And what
+    energy between contacts has grown by is more than kicks have taken for it: forces Q at both ends of a step take it
+    exactly, kicks P only where the contact neither opens nor closes.
+    """
+    if taken is None:
+        return P, residual
+    before, Q_before, last = load(forces.approach, at), load(forces.force, at), at + taken.size // 2
+    most = larger(Q, Q_before)
+    given = larger(smaller(P, Q + most), Q - most)
+    grown = load(taken, at) - load(taken, last)
+    store(taken, last, load(taken, at))
+    owed = 0.5 * (approach - before) * (P - given) + 0.5 * grown * (Q - given + Q_before - load(forces.kick, at))
+    return given, residual + select(before != before, 0.0, owed)
 
 
 @part

@@ -3,7 +3,8 @@
 from fem.kernels.drive_kernels import radial_load_at
 from fem.kernels.jit import kernel, part
 from fem.kernels.law import contact_energy
-from fem.kernels.reduced_contacts import estimate_forces, kick, press_neighbours, set_right
+from fem.kernels.reduced_contacts import estimate_forces, kick, press_neighbours, set_right, sweep_again
+from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings, vibration_energies
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.sample_kernels import (
     CONTACT,
@@ -41,6 +42,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             time = step * drive.dt
             _remember(bodies, before)
             estimate_forces(bodies, compliance, forces, drive.speed * time)
+            sweep_again(bodies.vibrations, bodies, compliance, forces)
             hub_x, hub_y = set_right(bodies, compliance, forces)
             radial_load = radial_load_at(drive, time)
             before.hub_acceleration[0] = hub_x / bodies.hub_mass
@@ -48,6 +50,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             given = drive.sums[1]
             press_neighbours(bodies, compliance, forces, drive, before, 2.0 * bodies.radius * TOUCHING)
             hub_x, hub_y = kick(bodies, compliance, forces, drive, before)
+            kick_rings(bodies.vibrations, drive.dt, radial_load)
             over = drive.dt / bodies.hub_mass
             bodies.hub_velocity[0] += over * hub_x
             bodies.hub_velocity[1] += over * (hub_y - radial_load) - drive.gravity * drive.dt
@@ -56,10 +59,11 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
                 _write_motion(bodies, forces, drive, before, out, time)
                 _write_energies(bodies, compliance, forces, drive, before, out, radial_load)
                 half = 0.5 * drive.dt * radial_load
-                out[WORK_LOAD] = drive.sums[0] - half * before.hub_velocity[1]
+                out[WORK_LOAD] = drive.sums[0] - half * (before.hub_velocity[1] + carried_by(bodies.vibrations, 1)[1])
                 out[WORK_DRIVE] = 0.5 * (given + drive.sums[1])
                 out[DISSIPATED] = drive.sums[2]
             work = before.hub_velocity[1] + bodies.hub_velocity[1]
+            work += carried_by(bodies.vibrations, 1)[1] + carried_by(bodies.vibrations, 2)[1]
             drive.sums[0] -= 0.5 * drive.dt * radial_load * work
             if time < drive.ramp:  # the potential of forces taken ahead changes with the load
                 grown = radial_load_at(drive, time + drive.dt) - radial_load
@@ -91,15 +95,20 @@ def _drift(bodies, dt):
             bodies.centre[component, j] += dt * bodies.velocity[component, j]
     for j in range(bodies.columns):
         bodies.turn[j] += dt * bodies.spin[j]
+    drift_modes(bodies.vibrations, bodies.columns, dt)
 
 
 @part(inlined=False)
 def _write_motion(bodies, forces, drive, before, out, time):
     out[TIME] = time
-    out[HUB_X], out[HUB_Y] = bodies.hub[0], bodies.hub[1]
-    vx, vy = before.hub_velocity[0], before.hub_velocity[1]
-    out[HUB_VX], out[HUB_VY] = 0.5 * (vx + bodies.hub_velocity[0]), 0.5 * (vy + bodies.hub_velocity[1])
-    out[HUB_AX], out[HUB_AY] = (bodies.hub_velocity[0] - vx) / drive.dt, (bodies.hub_velocity[1] - vy) / drive.dt
+    x, y = carried_by(bodies.vibrations, 0)
+    out[HUB_X], out[HUB_Y] = bodies.hub[0] + x, bodies.hub[1] + y
+    x, y = carried_by(bodies.vibrations, 1)
+    vx, vy = before.hub_velocity[0] + x, before.hub_velocity[1] + y
+    x, y = carried_by(bodies.vibrations, 2)
+    wx, wy = bodies.hub_velocity[0] + x, bodies.hub_velocity[1] + y
+    out[HUB_VX], out[HUB_VY] = 0.5 * (vx + wx), 0.5 * (vy + wy)
+    out[HUB_AX], out[HUB_AY] = (wx - vx) / drive.dt, (wy - vy) / drive.dt
     n = bodies.n
     for j in range(n):
         at = N_SCALARS + j
@@ -159,8 +168,9 @@ def _write_energies(bodies, compliance, forces, drive, before, out, radial_load)
                     i = j + compliance.distance[k]
                     i = i + n if i < 0 else i - n if i >= n else i
                     stored += 0.5 * compliance.along[row, k] * forces.force[row, j] * forces.force[row, i]
-    out[KINETIC] = 0.5 * kinetic
-    out[ELASTIC] = 0.0
+    vibrating, strained = vibration_energies(bodies.vibrations, n, bodies.columns)
+    out[KINETIC] = 0.5 * kinetic + vibrating
+    out[ELASTIC] = strained
     # forces f from outside take the contacts ahead as well: what steps conserve holds dt²/24 Σ (m a − 2f)·a more
     out[CONTACT] = stored + drive.dt * drive.dt / 24.0 * pulled
     out[WORK_GRAVITY] = -drive.gravity * height

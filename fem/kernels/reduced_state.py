@@ -14,10 +14,34 @@ from fem.kernels.state import Law
 INNER, OUTER, NEXT = 0, 1, 2
 
 
+class Modes(NamedTuple):
+    """Modes of one body, by waves around; each has a twin a quarter wave further. Modal masses are near 1 kg."""
+
+    start: np.ndarray  # (orders + 1,), whole, first mode of so many waves around
+    shape: np.ndarray  # (n_modes,), surface displacement into the body
+    carried: np.ndarray  # (n_modes,), displacement of the hub
+    stiffness: np.ndarray  # (n_modes,), N/m
+    mass: np.ndarray  # (n_modes,), kg, with which leapfrog's steps have the mode's frequency
+    amplitude: np.ndarray  # (n_modes, 2), m, or of rollers (n_modes, 2, columns)
+    rate: np.ndarray  # the same, m/s, at t − dt/2
+    before: np.ndarray  # the same before the last kick
+    wave: np.ndarray  # (2, orders), m, displacement into a ring by waves around; room
+    push: np.ndarray  # (orders, 2, WIDTH), N, by lane, forces on them; room
+
+
+class Vibrations(NamedTuple):
+    """What bodies do beside moving as a whole."""
+
+    roller: Modes
+    inner: Modes
+    outer: Modes
+    lean: np.ndarray  # (2, columns), m/rad, slope of the surfaces' displacement at contacts; room
+
+
 class RigidBodies(NamedTuple):
     """The hub with the inner ring, and the rollers."""
 
-    hub: np.ndarray  # (2,), m
+    hub: np.ndarray  # (2,), m; with vibrations the centre of mass of hub and ring
     hub_velocity: np.ndarray  # (2,), m/s, at t − dt/2
     centre: np.ndarray  # (2, columns), m
     velocity: np.ndarray  # (2, columns), m/s, at t − dt/2
@@ -27,6 +51,7 @@ class RigidBodies(NamedTuple):
     mass: float  # kg, of a roller
     inertia: float  # kg m²
     radius: float  # m, of a roller, undeformed
+    vibrations: Vibrations | None
     n: int
     columns: int
 
@@ -68,6 +93,7 @@ class ReducedForces(NamedTuple):
     bracket_now: np.ndarray | None  # (2, columns); room
     slope: np.ndarray | None  # (4, columns), m/rad; room
     softening: np.ndarray | None  # (4, columns), m/N/rad; room
+    taken: np.ndarray | None  # (2, 2, columns), m, of approaches by other contacts' forces: now, at the last kick
     halo: int
 
 

@@ -5,7 +5,7 @@ finite elements, which must follow elastic waves, and each takes a small part of
 """
 
 from dataclasses import dataclass
-from math import ceil, inf, sqrt
+from math import ceil, inf, pi, sqrt
 
 import numpy as np
 
@@ -19,7 +19,9 @@ from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import sample_count
+from fem.solver.vibrations import critical_with_modes, longest_with_modes
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
+from fem.statics.vibrating_bearing import bearing_modes
 from lagrange import Bearing, Kinematics, Operation, kinematics
 from lagrange.profile import profiles
 from lagrange.scene import Scene
@@ -27,7 +29,7 @@ from lagrange.scene import Scene
 SHARE = 0.7  # of the critical step, at a safety of 1: beyond, contacts that open and close gain energy
 KNOTS_A_STEP = 0.25  # of a profile's spline
 # one thread of a 2024 server core; only a guide
-SECONDS_PER_LANES = 0.4e-6
+SECONDS_PER_LANES, SECONDS_PER_MODE = 0.4e-6, 6e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,8 +60,9 @@ class ReducedPlan(CompiledPlan):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """Two of the hub, three of each roller."""
-        return 2 + 3 * self.model.bearing.n_rollers
+        """Two of the hub, three of each roller, one of each mode."""
+        n, modes = self.model.bearing.n_rollers, self.model.modes
+        return 2 + 3 * n + (0 if modes is None else modes.count(n))
 
     @property
     def steps(self) -> int:
@@ -67,7 +70,9 @@ class ReducedPlan(CompiledPlan):
 
     @property
     def expected_seconds(self) -> float:
-        return SECONDS_PER_LANES * ceil(self.model.bearing.n_rollers / WIDTH) * self.steps
+        n, modes = self.model.bearing.n_rollers, self.model.modes
+        each = SECONDS_PER_LANES * ceil(n / WIDTH) + (0.0 if modes is None else SECONDS_PER_MODE * modes.count(n))
+        return each * self.steps
 
     def static_hub(self) -> np.ndarray:
         return standing_hub(self.model, self.operation)
@@ -81,10 +86,11 @@ class ReducedPlan(CompiledPlan):
         return reduced_estimate(self)
 
     def rows(self) -> dict[str, str]:
-        start = self.start
+        start, up_to = self.start, self.scene.reduced.modes_up_to_kHz
         force = float(max(start.inner_force.max(), start.outer_force.max()))
         return {
-            "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies without mass",
+            "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies "
+            + ("without mass" if self.model.modes is None else f"with their modes up to {up_to:g} kHz"),
             "time step": f"{1e6 * self.time_step:.3g} µs ({self.time_step / self.critical_time_step:.2f} of the "
             f"critical {1e6 * self.critical_time_step:.3g} µs)",
             "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
@@ -105,17 +111,25 @@ def make_plan(scene: Scene) -> ReducedPlan:
     _check(scene)
     bearing, operation, numerics = scene.ideal_bearing(), scene.ideal_operation(), scene.numerics
     ideal = kinematics(bearing, operation.speed)
-    model = reduced_bearing(bearing, ideal)
+    highest = 2e3 * pi * scene.reduced.modes_up_to_kHz
+    modes = bearing_modes(bearing, operation.inner_mass, highest)
+    model = reduced_bearing(bearing, ideal, modes)
     check_speed(model, ideal)
     loaded = equilibrium_start(model, operation)
     static = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()))
     check_widths(bearing, static)
     load = operation.radial_load + operation.inner_mass * operation.gravity
     largest = max(static, 5.0 * load / bearing.n_rollers, 1.0)
+    if modes is not None and min(model.inner_law.Q_line, model.outer_law.Q_line) < LOAD_MARGIN * largest:
+        raise UsageError(
+            f"reduced.modes_up_to_kHz = {scene.reduced.modes_up_to_kHz:g}: so many modes carry more than the contacts "
+            f"give way by under {LOAD_MARGIN * largest:.4g} N, ten times the largest static force; take fewer"
+        )
     tangential = tangential_compliance(bearing, largest)
-    critical = critical_time_step(model, LOAD_MARGIN * largest, tangential)
+    critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation.inner_mass)
     interval = 1e-6 * numerics.output_interval_us
-    longest = min(SHARE * critical, _time_along_a_profile(bearing, ideal)) * numerics.time_step_safety
+    longest = min(SHARE * critical, _time_along_a_profile(bearing, ideal), longest_with_modes(modes))
+    longest *= numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
     looks = ceil(steps / LONGEST_UNWATCHED)
     return ReducedPlan(
@@ -153,8 +167,8 @@ def _time_along_a_profile(bearing: Bearing, ideal: Kinematics) -> float:
     return inf if surfaces is None or speed == 0.0 else KNOTS_A_STEP * surfaces.shortest / speed
 
 
-def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray) -> float:
-    """2/ω_max, s, of a roller with all its contacts closed under a force, N, that stick."""
+def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, hub_mass: float) -> float:
+    """2/ω_max, s, with all contacts closed under a force, N, that stick: of a roller, or of all with their modes."""
     bearing = model.bearing
     soft = np.array([law.softness(force) for law in (model.inner_law, model.outer_law)])
     stiff = np.linalg.inv([[soft[0], model.across], [model.across, soft[1]]])
@@ -162,4 +176,5 @@ def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarr
     radial = float(pushed @ stiff @ pushed) + 2.0 / float(model.between.softness(force))
     # of a traction the roller's own surface gives way by 3/m, and the other contact's by −1/m
     rocking = 4.0 / float(tangential.min())
-    return 2.0 / sqrt(max(radial, rocking) / bearing.roller_mass)
+    rigid = 2.0 / sqrt(max(radial, rocking) / bearing.roller_mass)
+    return rigid if model.modes is None else min(rigid, critical_with_modes(model, force, hub_mass))

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.kernels.reduced_loop import advance_reduced
-from fem.kernels.reduced_state import INNER, OUTER, Before, Compliance, ReducedDrive, ReducedForces, RigidBodies
+from fem.kernels.reduced_state import INNER, OUTER, Before, Compliance, Modes, ReducedDrive, ReducedForces, RigidBodies
 from fem.kernels.simd import WIDTH
 from fem.solver.contact_arrays import raceway_profiles
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.samples import SampleReader
 from fem.solver.solver import Block, Numbers
+from fem.solver.vibrations import vibrations
 from lagrange import Bearing
 from lagrange.overlap import touching_distances
 from lagrange.profile import profiles
@@ -30,6 +31,7 @@ MOST_HALVINGS = 6  # of the time step
 # of the largest force in one vibration of the bodies: beyond, forces of random bearings were off by up to 6 %, beyond
 # a half by up to a factor of 2; below both by 2 % at most
 SHOCK, HARD_SHOCK = 0.075, 0.5
+MODES, MODES_HARD = 2.5, 4.2  # highest mode, over the bodies' slowest vibration, that makes up for waves after either
 
 
 class ReducedState(RowState):
@@ -88,14 +90,17 @@ class ReducedState(RowState):
     @property
     def cautions(self) -> tuple[str, ...]:
         found = super().cautions
-        if self.shock < SHOCK:
+        hard = self.shock > HARD_SHOCK
+        needed = (MODES_HARD if hard else MODES) / slowest_vibration(self.plan.model.bearing)
+        if self.shock < SHOCK or self.plan.scene.reduced.modes_up_to_kHz >= 1e-3 * needed:
             return found
-        off = "tens of per cent" if self.shock > HARD_SHOCK else "several per cent"
+        off = "tens of per cent" if hard else "several per cent"
         return (
             *found,
             f"contact forces have changed by {self.shock:.2g} times the largest within one vibration of the bodies: "
-            f"elastic waves, which the reduced model lacks, take part, and forces may be off by {off}; where they "
-            'matter take model = "fem"',
+            "elastic waves, which the reduced model lacks but for the modes it is given, take part, and forces may be "
+            f"off by {off}; where they matter take reduced.modes_up_to_kHz = {ceil(0.1e-3 * needed) * 10}, or "
+            'model = "fem"',
         )
 
     @property
@@ -120,12 +125,22 @@ class ReducedState(RowState):
         for place, group in (("bodies", self.bodies), ("forces", self.forces), ("drive", self.drive)):
             arrays = {name: value for name, value in group._asdict().items() if isinstance(value, np.ndarray)}
             found |= {f"{place}.{name}": array for name, array in arrays.items()}
+        for place, modes in self._modes.items():
+            found |= {f"{place}.{name}": getattr(modes, name) for name in ("amplitude", "rate", "before")}
         return found
+
+    @property
+    def _modes(self) -> dict[str, Modes]:
+        """Vibrating bodies by name."""
+        vibrating = self.bodies.vibrations
+        return {} if vibrating is None else {name: getattr(vibrating, name) for name in ("roller", "inner", "outer")}
 
     def digest(self) -> str:
         c = self.compliance  # profiles follow from the scene, which checkpoints hold
         laws = (*c.inner, *c.outer, *c.between)
         numbers = (*laws, c.reach, c.track, c.across, *c.tangential, *c.distance, *c.along.flat)
+        for modes in self._modes.values():
+            numbers += (*modes.start, *modes.stiffness, *modes.shape, *modes.carried)
         return hashlib.sha256(np.array(numbers, dtype=float).tobytes()).hexdigest()
 
     def check(self) -> None:
@@ -135,6 +150,9 @@ class ReducedState(RowState):
         uneven = self.forces.slope is not None  # then kernels look up surfaces by how far bodies have turned
         if nearest < bodies.radius or (uneven and np.abs(bodies.turn).max() > MOST_TURN):
             raise ValueError("rollers where no bearing has them, or turned beyond all bounds")
+        for name, modes in self._modes.items():
+            if np.abs(np.moveaxis(modes.amplitude, 0, -1) * modes.shape).max(initial=0.0) > bodies.radius:
+                raise ValueError(f"{name}: vibrations beyond all bounds")
 
     def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
         return advance_reduced(self.bodies, self.compliance, self.forces, self.drive, self._before, first, stride, rows)
@@ -162,8 +180,11 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
     radial = np.array([np.cos(start.angle), np.sin(start.angle)])
     around = np.array([-radial[1], radial[0]])
     cage, half = start.kinematics.cage, 0.5 * dt if start.steady else 0.0
+    load = plan.operation.radial_load if start.steady else 0.0
+    vibrating = vibrations(plan.model, start, load, columns, dt)
+    carried = np.zeros(2) if vibrating is None else vibrating.inner.carried @ vibrating.inner.amplitude
     bodies = RigidBodies(
-        hub=start.hub.copy(),
+        hub=start.hub - carried,
         hub_velocity=start.hub_velocity.copy(),
         centre=np.zeros((2, columns)),
         velocity=np.zeros((2, columns)),
@@ -173,6 +194,7 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
         mass=float(bearing.roller_mass),
         inertia=float(0.5 * bearing.roller_mass * bearing.roller_radius**2),
         radius=float(bearing.roller_radius),
+        vibrations=vibrating,
         n=n,
         columns=columns,
     )
@@ -222,6 +244,7 @@ def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         bracket_now=np.zeros((2, columns)) if uneven else None,
         slope=np.zeros((4, columns)) if uneven else None,
         softening=np.zeros((4, columns)) if uneven else None,
+        taken=None if plan.model.modes is None else np.zeros((2, 2, columns)),
         halo=halo,
     )
     for row, force in ((INNER, start.inner_force), (OUTER, start.outer_force)):

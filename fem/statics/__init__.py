@@ -5,6 +5,7 @@ pressure_balance  hub and rollers on contacts of many points that push or stand 
 equilibrium       of a model, by either of the two
 exact_statics     the whole bearing without a mesh, a yardstick; `static_error` of a model against it
 reduced_bearing   the same series as the dynamics of the reduced model take them
+vibrating_bearing modes of its bodies, and laws less what they carry
 quadratic_statics the whole bearing on refined quadratic elements, another
 expected_forces   the largest contact force of a scene, before anything is meshed
 quantities        what a researcher reads off a run

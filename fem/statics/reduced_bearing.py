@@ -12,6 +12,7 @@ from fem.elastic.kept import kept
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach, spinning_growth
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import HALF_WIDTH, exact_contacts
+from fem.statics.vibrating_bearing import BearingModes, softened
 from lagrange import Bearing, Kinematics
 from lagrange.kinematics import roller_angles
 from lagrange.pair import Pair, contact_pairs
@@ -22,9 +23,12 @@ FAINT = 1e-6  # of a contact's own compliance: a neighbour's force that moves it
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedBearing:
-    """Compliances of the contacts; rollers at equal angles."""
+    """Compliances of the contacts, rollers at equal angles; laws and couplings without what the bodies' modes carry."""
 
-    contacts: Condensed  # at rest, rollers from angle 0 on; `closing` by the growth of spinning bodies
+    contacts: Condensed  # whole bodies, rollers from angle 0 on; `closing` by the growth of spinning bodies
+    modes: BearingModes | None
+    inner_law: ContactLaw
+    outer_law: ContactLaw
     between: ContactLaw  # of two rollers
     distance: np.ndarray  # (neighbours,), in rollers, whose forces are felt along a ring
     along: np.ndarray  # (2, neighbours), m/N
@@ -38,14 +42,6 @@ class ReducedBearing:
     def bearing(self) -> Bearing:
         return self.contacts.bearing
 
-    @property
-    def inner_law(self) -> ContactLaw:
-        return self.contacts.inner_law
-
-    @property
-    def outer_law(self) -> ContactLaw:
-        return self.contacts.outer_law
-
     def give(self, load: float) -> float:
         """How far a sound contact gives way under the load at the hub, N, beyond what elastic bodies do, m."""
         return 0.0
@@ -56,8 +52,8 @@ class ReducedBearing:
         return replace(self.contacts, radial=radial, turns=turns)
 
 
-def reduced_bearing(bearing: Bearing, motion: Kinematics) -> ReducedBearing:
-    """Reduce a bearing that rolls.
+def reduced_bearing(bearing: Bearing, motion: Kinematics, modes: BearingModes | None = None) -> ReducedBearing:
+    """Reduce a bearing that rolls to its contacts and to some modes of its bodies.
 
     Errors
     ------
@@ -68,16 +64,25 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics) -> ReducedBearing:
     n, own = bearing.n_rollers, contacts.inner_law.A
     distance = np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
     along = np.array([[contacts.compliance[row * n, row * n + d % n] for d in distance] for row in range(2)])
+    laws, across = (contacts.inner_law, contacts.outer_law), float(contacts.compliance[0, n])
+    if modes is not None:
+        rings = modes.inner, modes.outer
+        laws = tuple(softened(law, modes.own(ring)) for law, ring in zip(laws, rings, strict=True))
+        along -= np.array([ring.compliance(2.0 * np.pi / n * distance) for ring in rings])
+        across -= modes.across
     felt = np.abs(along).max(axis=0) > FAINT * own
     inner_growth = spinning_growth(bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring, motion.shaft)
     roller_growth = spinning_growth(bearing.roller_radius, 0.0, bearing.roller, motion.roller)
     closing = np.repeat([inner_growth + roller_growth, roller_growth], n)
     return ReducedBearing(
         contacts=replace(contacts, closing=closing),
+        modes=modes,
+        inner_law=laws[0],
+        outer_law=laws[1],
         between=between,
         distance=distance[felt],
         along=np.ascontiguousarray(along[:, felt]),
-        across=float(contacts.compliance[0, n]),
+        across=across,
         inner_growth=inner_growth,
         roller_growth=roller_growth,
     )

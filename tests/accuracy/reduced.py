@@ -18,7 +18,7 @@ from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Plan
 from lagrange.scene import read_scene
-from tests.pages import DOCS, commit, markdown_table
+from tests.pages import commit, markdown_table, write_section
 
 FINEST_MM = 0.5
 SCENES = {
@@ -108,15 +108,15 @@ def energies() -> str:
 
 
 def main() -> None:
-    page = DOCS / "reduced.md"
-    words = page.read_text().partition("## Measured")[0]
-    page.write_text(
-        f"{words}## Measured\n\nMade at commit {commit()} by `python -m tests.accuracy.reduced`. Differences are from "
+    write_section(
+        "reduced.md",
+        "Measured",
+        f"Made at commit {commit()} by `python -m tests.accuracy.reduced`. Differences are from "
         f"finite elements of {FINEST_MM:g} mm; energy is the largest imbalance over the exchanged energy.\n\n"
         f"{comparison()}\n\n### Energy by the step\n\nThe critical step is leapfrog's, 2/ω_max, of a roller whose "
         f"contacts are closed under {LOAD_MARGIN:g} times the largest static force. A plan takes at most "
         f"{SHARE:g}·`time_step_safety` of it. Largest imbalance over 60 ms, over the exchanged energy; a run begins "
-        f"again with half the step where that is above {LIMIT:g}.\n\n{energies()}\n"
+        f"again with half the step where that is above {LIMIT:g}.\n\n{energies()}",
     )
 
 

@@ -1,0 +1,116 @@
+"""Own vibrations of discs and rings in plane strain, n waves around: u_r = U(r) cos nθ, u_θ = V(r) sin nθ.
+
+U and V are polynomials of one high degree through Gauss-Lobatto points of the radius, strain and kinetic energy
+integrals by Gauss: frequencies that a body has few nodal circles in are exact to ten digits.
+"""
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.polynomial import Legendre, legendre
+
+from lagrange import Material
+
+DEGREE = 20  # of U and V: frequencies of up to seven nodal circles to 1e-8
+MOST_WAVES = 400  # around: a guard; shear waves along a surface end the search long before
+RIGID = 1e-3  # of the highest frequency: a slower mode is a motion of the whole body
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modes:
+    """Modes of one body by their waves around, each with a twin a quarter wave further; modal masses are 1 kg."""
+
+    order: np.ndarray  # (n_modes,), waves around
+    frequency: np.ndarray  # (n_modes,), rad/s
+    shape: np.ndarray  # (n_modes,), kg^-½, surface displacement into the body
+    carried: np.ndarray  # (n_modes,), kg^-½, displacement of the rigid hub on a ring's held circle, along +x
+
+    def compliance(self, angle: np.ndarray) -> np.ndarray:
+        """What modes carry of the static displacement, m/N, at angles, rad, from a unit force.
+
+        Relative to the hub, whose load holds the force.
+        """
+        relative = self.shape + self.carried
+        each = np.cos(np.multiply.outer(angle, self.order)) * (relative / self.frequency) ** 2
+        return each.sum(axis=-1)
+
+
+def disc_vibrations(radius: float, material: Material, thickness: float, highest: float) -> Modes:
+    """All modes of a free disc, but for rotation, up to a frequency, rad/s."""
+    return _vibrations(0.0, radius, radius, material, thickness, highest)
+
+
+def ring_vibrations(
+    loaded: float, held: float, material: Material, thickness: float, highest: float, hub: float | None = None
+) -> Modes:
+    """All modes up to a frequency, rad/s, of a ring loaded on one circle and held on the other, m.
+
+    `hub` : kg, of a rigid body that the held circle moves with; None: it does not move.
+    """
+    return _vibrations(min(loaded, held), max(loaded, held), loaded, material, thickness, highest, hub)
+
+
+def _vibrations(inner, outer, loaded, material, thickness, highest, hub=None) -> Modes:
+    from scipy.linalg import eigh  # takes its time to load, and most scenes have no modes
+
+    found = []
+    for n in range(MOST_WAVES):
+        stiffness, mass = _matrices(n, inner, outer, material, thickness)
+        free = _admitted(n, inner, loaded, hub is not None)
+        stiffness, mass = free.T @ stiffness @ free, free.T @ mass @ free
+        held_by_hub = hub is not None and n == 1
+        if held_by_hub:
+            mass[0, 0] += hub
+        values, vectors = eigh(stiffness, mass)
+        frequency = np.sqrt(np.maximum(values, 0.0))
+        some = (frequency > RIGID * highest) & (frequency <= highest)
+        surface = free[DEGREE if loaded == outer else 0] @ vectors
+        into = -surface if loaded == outer else surface
+        carried = vectors[0] if held_by_hub else np.zeros_like(into)
+        found += [(n, *mode) for mode in zip(frequency[some], into[some], carried[some], strict=True)]
+        # a surface wave around a disc, or a layer's slowest wave, has its speed from below: none is left beyond
+        if n > 2 and frequency[0] > highest:
+            break
+    table = np.array(found).reshape(-1, 4)
+    order, frequency, shape, carried = table.T
+    return Modes(order=order.astype(np.intp), frequency=frequency, shape=shape, carried=carried)
+
+
+def _admitted(n: int, inner: float, loaded: float, on_hub: bool) -> np.ndarray:
+    """Motions that keep a disc whole at its centre, or a held circle in its place, as columns (2 (DEGREE + 1), ...).
+
+    The first one of a single wave around on a hub, or in a disc, moves the held circle or the centre along +x.
+    """
+    size = DEGREE + 1
+    at = 0 if inner == 0.0 or loaded > inner else DEGREE  # held circle or centre
+    kept = np.eye(2 * size)
+    moved = kept[:, at] - kept[:, size + at]
+    others = np.delete(kept, [at, size + at], axis=1)
+    if n == 0:
+        return others[:, :DEGREE]  # nothing moves around
+    if n == 1 and (inner == 0.0 or on_hub):
+        return np.column_stack([moved, others])
+    return others
+
+
+def _matrices(n, inner, outer, material, thickness) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness and mass of U and V at Gauss-Lobatto points, (2 (DEGREE + 1),) each way; N/m and kg."""
+    middle, half = 0.5 * (inner + outer), 0.5 * (outer - inner)
+    nodes = np.concatenate([[-1.0], np.sort(Legendre.basis(DEGREE).deriv().roots().real), [1.0]])
+    points, weights = legendre.leggauss(DEGREE + 4)
+    to_series = np.linalg.inv(legendre.legvander(nodes, DEGREE))
+    f = legendre.legvander(points, DEGREE) @ to_series
+    df = legendre.legval(points, legendre.legder(to_series)).T / half
+    r = (middle + half * points)[:, None]
+    zero = np.zeros_like(f)
+    rr, tt = np.hstack([df, zero]), np.hstack([f, n * f]) / r
+    rt = np.hstack([-n * f / r, df - f / r])
+    around = pi * (2.0 if n == 0 else 1.0) * thickness
+    area = (weights * half * around)[:, None] * r
+    both = rr + tt
+    stiffness = material.lame_lambda * both.T @ (area * both)
+    stiffness += 2.0 * material.lame_mu * (rr.T @ (area * rr) + tt.T @ (area * tt))
+    stiffness += material.lame_mu * rt.T @ (area * rt)
+    inertia = material.density * f.T @ (area * f)
+    return stiffness, np.block([[inertia, np.zeros_like(inertia)], [np.zeros_like(inertia), inertia]])

@@ -1,0 +1,257 @@
+"""The reduced model against finite elements on random bearings: `python -m tests.accuracy.reduced_random`.
+
+Scenes are those of `tests.stability`, 5 ms each, finite elements on the meshes they name. A file for each scene keeps
+what was found: a folder that is given again is gone on with, also on another machine. The table of all files in the
+folder goes into docs/reduced.md.
+"""
+
+import json
+import os
+from collections import Counter
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import pairwise
+from math import hypot, inf, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from cyclopts import App
+from rich.console import Console
+
+from fem.errors import RunFailed, UsageError
+from fem.solver.reduced_state import HARD_SHOCK, SHOCK
+from fem.solver.simulate import make_plan, run
+from lagrange.scene import SceneError, parse_scene
+from tests.pages import commit, markdown_table, write_section
+from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Watch
+from tests.stability.random_scenes import random_scene
+
+SEED, DURATION_MS = 7, 5.0
+CLASSES = (0.0, 0.01, SHOCK, HARD_SHOCK, inf)  # of `ReducedState.shock`
+HUB_LIMIT, LOAD_LIMIT = 0.003, 0.01  # meant for scenes without shocks; coarse meshes err by as much
+NAMED = {  # what a refusal says: its name in the table
+    "Hertz": "contacts too wide for Hertz's theory",
+    "strain": "centrifugal load",
+    "is only": "ring too thin for its mesh",
+    "equilibrium": "no static equilibrium",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Found:
+    """What a model says of a scene. SI."""
+
+    ending: str = FAILED
+    what: str = ""
+    mean_x: float = nan
+    mean_y: float = nan
+    std: float = nan  # of the hub, both directions
+    largest: float = nan  # N, contact force
+    imbalance: float = nan  # largest, over the exchanged energy
+    shock: float = nan
+    warned: bool = False
+    halvings: int = 0
+    seconds: float = nan  # of the time loop
+
+
+def watched(tables: dict[str, Any], model: str) -> Found:
+    """Run a scene by a model to its end, whatever that is."""
+    try:
+        plan = make_plan(parse_scene(tables | {"model": model}, "scene"))
+    except (SceneError, UsageError) as error:
+        return Found(ending=REFUSED, what=str(error))
+    blocks, again, ending, what = [], [], COMPLETE, ""
+
+    def begin_again(reason: str) -> None:
+        again.append(reason)
+        blocks.clear()
+
+    state = plan.first_state()
+    try:
+        run(plan, blocks.append, state=state, begin_again=begin_again)
+    except RunFailed as error:
+        ending, what = STOPPED, str(error)
+    watch = Watch(plan)
+    for block in blocks:
+        watch.write(block)
+    if watch.faults:
+        ending, what = FAILED, "; ".join(dict.fromkeys(watch.faults))
+    blocks = [block for block in blocks if len(block)]
+    if not blocks:
+        return Found(ending=ending, what=what)
+    x, y, inner, outer = (
+        np.concatenate([block[name] for block in blocks])
+        for name in ("inner_x", "inner_y", "inner_force", "outer_force")
+    )
+    return Found(
+        ending=ending,
+        what=what,
+        mean_x=float(x.mean()),
+        mean_y=float(y.mean()),
+        std=hypot(x.std(), y.std()),
+        largest=float(max(inner.max(), outer.max())),
+        imbalance=watch.imbalance,
+        shock=state.shock if model == "reduced" else nan,
+        warned=any("elastic waves" in sentence for sentence in state.cautions),
+        halvings=len(again),
+        seconds=state.wall,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pair:
+    """A scene by both models."""
+
+    number: int
+    fem: Found
+    reduced: Found
+
+    @property
+    def compared(self) -> bool:
+        return self.fem.ending == self.reduced.ending == COMPLETE
+
+    @property
+    def hub_error(self) -> float:
+        """Difference of the hub's mean positions, over the root mean square of its displacement."""
+        of, found = self.fem, self.reduced
+        size = hypot(of.mean_x, of.mean_y, of.std)
+        return hypot(of.mean_x - found.mean_x, of.mean_y - found.mean_y) / size if size > 0.0 else 0.0
+
+    @property
+    def load_error(self) -> float:
+        """Of the largest force, relative, signed."""
+        of, found = self.fem.largest, self.reduced.largest
+        return found / of - 1.0 if of > 0.0 else 0.0
+
+    @property
+    def silently_off(self) -> bool:
+        return not self.reduced.warned and (self.hub_error > HUB_LIMIT or abs(self.load_error) > LOAD_LIMIT)
+
+
+def tried(tables: dict[str, Any], model: str) -> Found:
+    """`watched`, where a crash is an ending as well."""
+    try:
+        return watched(tables, model)
+    except Exception as error:  # that is what is looked for
+        return Found(what=f"{type(error).__name__}: {error}")
+
+
+def keep(folder: Path, number: int) -> None:
+    """Run a scene by both models and write its file, whole or not at all."""
+    tables = random_scene(SEED, number, DURATION_MS)
+    pair = Pair(number=number, fem=tried(tables, "fem"), reduced=tried(tables, "reduced"))
+    rough = folder / f"{number}.{os.getpid()}"
+    rough.write_text(json.dumps(asdict(pair)))
+    rough.replace(folder / f"{number}.json")
+
+
+def kept(path: Path) -> Pair:
+    """Read what `keep` wrote."""
+    values = json.loads(path.read_text())
+    return Pair(number=values["number"], fem=Found(**values["fem"]), reduced=Found(**values["reduced"]))
+
+
+def class_rows(pairs: list[Pair]) -> Iterable[list[str]]:
+    """A row for each class of shocks: the reduced model's errors, median, nine in ten, and the worst with its scene."""
+    for low, high in pairwise(CLASSES):
+        some = [pair for pair in pairs if low <= pair.reduced.shock < high]
+        if not some:
+            continue
+        cells = [f"{low:g} … {high:g}" if high < inf else f"from {low:g}", str(len(some))]
+        for name in ("hub_error", "load_error"):
+            sizes = [abs(getattr(pair, name)) for pair in some]
+            worst = some[int(np.argmax(sizes))]
+            shares = [f"{100.0 * np.quantile(sizes, share):.2f} %" for share in (0.5, 0.9)]
+            cells += [*shares, f"{100.0 * max(sizes):.2f} % ({worst.number})"]
+        ratios = [pair.fem.seconds / pair.reduced.seconds for pair in some]
+        imbalance = max(pair.reduced.imbalance for pair in some)
+        halved = sum(pair.reduced.halvings > 0 for pair in some)
+        yield [*cells, f"{imbalance:.0e}", str(halved), f"{np.median(ratios):.0f}"]
+
+
+def ending_rows(pairs: list[Pair]) -> Iterable[list[str]]:
+    """How the other scenes ended, by each model."""
+
+    def named(found: Found) -> str:
+        if found.ending == COMPLETE:
+            return COMPLETE
+        if found.ending == REFUSED:
+            return f"{REFUSED}: {next((name for sign, name in NAMED.items() if sign in found.what), found.what)}"
+        return f"{found.ending}: {found.what}"
+
+    counts = Counter((named(pair.reduced), named(pair.fem)) for pair in pairs if not pair.compared)
+    numbers = {key: [p.number for p in pairs if (named(p.reduced), named(p.fem)) == key] for key in counts}
+    for key, count in sorted(counts.items(), key=lambda item: -item[1]):
+        yield [*key, str(count), ", ".join(map(str, numbers[key][:8])) + (" …" if count > 8 else "")]
+
+
+def section(pairs: list[Pair]) -> str:
+    """Text of the page's section."""
+    compared = [pair for pair in pairs if pair.compared]
+    off = sorted((pair for pair in compared if pair.silently_off), key=lambda pair: -abs(pair.load_error))
+    headings = (
+        "shock", "scenes", "hub, median", "nine in ten", "worst (scene)", "largest load, median", "nine in ten",
+        "worst (scene)", "energy", "halved", "times faster",
+    )  # fmt: skip
+    said = ", ".join(
+        f"{pair.number} (hub {100.0 * pair.hub_error:.2f} %, load {100.0 * pair.load_error:+.2f} %)" for pair in off
+    )
+    return (
+        f"Made at commit {commit()} by `python -m tests.accuracy.reduced_random`: {len(pairs)} scenes of "
+        f"`tests/stability/random_scenes.py`, seed {SEED}, {DURATION_MS:g} ms, by both models, finite elements on the "
+        "scene's mesh (0.5 to 3 mm for a roller of 10 mm). The hub's mean is compared with the root mean square of its "
+        "displacement; `halved` counts scenes that began again with a shorter step.\n\n"
+        f"{markdown_table(headings, class_rows(compared))}\n\n"
+        f"Without a warning, and off by more than {100.0 * HUB_LIMIT:g} % (hub) or {100.0 * LOAD_LIMIT:g} % (largest "
+        f"load): {said or 'none'}.\n\n"
+        "Not compared:\n\n"
+        f"{markdown_table(('reduced model', 'finite elements', 'scenes', 'which'), ending_rows(pairs))}"
+    )
+
+
+app = App(help=__doc__, help_format="markdown")
+
+
+@app.default
+def main(
+    *,
+    first: int = 0,
+    last: int = 500,
+    workers: int = 1,
+    folder: Path = Path("runs/reduced_random"),
+    write: bool = True,
+) -> None:
+    """Run what is missing, print the tables, write them into docs/reduced.md.
+
+    Parameters
+    ----------
+    first, last
+        numbers of the scenes, the last one not included; an empty range only makes the tables
+    workers
+        processes
+    folder
+        one JSON file for each scene
+    write
+        the section of docs/reduced.md
+    """
+    console = Console(width=200, highlight=False)
+    folder.mkdir(parents=True, exist_ok=True)
+    missing = [number for number in range(first, last) if not (folder / f"{number}.json").exists()]
+    if missing:
+        keep(folder, missing[0])  # compiles for all
+        with ProcessPoolExecutor(workers) as pool:
+            for done, _ in enumerate(pool.map(partial(keep, folder), missing[1:]), 2):
+                if done % 20 == 0:
+                    console.print(f"{done} of {len(missing)} scenes")
+    pairs = sorted((kept(path) for path in folder.glob("*.json")), key=lambda pair: pair.number)
+    text = section(pairs)
+    console.print(text, soft_wrap=True)
+    if write:
+        write_section("reduced.md", "Random bearings", text)
+
+
+if __name__ == "__main__":
+    app()

@@ -1,0 +1,54 @@
+"""Modes of discs and rings against exact frequencies and exact static series."""
+
+import numpy as np
+import pytest
+
+from fem.elastic.continuum import disc_harmonic_compliance, ring_harmonic_compliance
+from fem.elastic.vibration import disc_vibrations, ring_vibrations
+from lagrange import Material
+from tests.reference.free_vibration import disc_frequency, held_ring_frequencies
+
+STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
+RADIUS, LENGTH = 5e-3, 10e-3
+INNER, OUTER = (18e-3, 12.5e-3), (28e-3, 32.5e-3)  # loaded and held circle
+HIGH = 2.0 * np.pi * 500e3
+SURE = 60.0 * HIGH / np.pi  # rad/s: what DEGREE resolves is far below
+
+
+def test_an_ovalling_disc_has_loves_frequency():
+    modes = disc_vibrations(RADIUS, STEEL, LENGTH, HIGH)
+    root = disc_frequency(2, 2.2, 2.5, STEEL) * np.sqrt(STEEL.lame_mu / STEEL.density) / RADIUS
+    assert modes.frequency[modes.order == 2][0] == pytest.approx(root, rel=1e-9)
+    assert np.all(modes.carried == 0.0)
+
+
+@pytest.mark.parametrize("ring", [INNER, OUTER])
+@pytest.mark.parametrize("n", [2, 5])
+def test_held_rings_have_all_frequencies_of_bessels_functions(ring, n):
+    modes = ring_vibrations(*ring, STEEL, LENGTH, HIGH)
+    wanted = held_ring_frequencies(n, ring[1], ring[0], HIGH, STEEL)
+    np.testing.assert_allclose(modes.frequency[modes.order == n], wanted, rtol=1e-9)
+
+
+def test_a_ring_on_a_heavy_hub_is_a_held_ring_and_a_light_hub_takes_part():
+    held, heavy, light = (ring_vibrations(*INNER, STEEL, LENGTH, HIGH, hub) for hub in (None, 1e6, 0.03))
+    one = [modes.frequency[modes.order == 1] for modes in (held, heavy, light)]
+    np.testing.assert_allclose(one[1], one[0], rtol=1e-6)
+    assert one[2][0] > 1.05 * one[0][0]  # both ends of the spring move
+    assert np.all(heavy.carried**2 < 1e-5) and np.abs(light.carried[light.order == 1]).max() > 1.0
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 7])
+def test_modes_carry_the_exact_static_displacement_but_for_what_is_faster(n):
+    line = 1.0 / (np.pi * LENGTH) * (0.5 if n == 0 else 1.0)  # pressure of a line force, over harmonic and radius
+    cases = [
+        (disc_vibrations(RADIUS, STEEL, LENGTH, SURE), disc_harmonic_compliance(np.array([n]), RADIUS, STEEL), RADIUS)
+    ]
+    for ring, hub in ((INNER, 0.03), (OUTER, None)):
+        exact = ring_harmonic_compliance(np.array([n]), *ring, STEEL)
+        cases.append((ring_vibrations(*ring, STEEL, LENGTH, SURE, hub), exact, ring[0]))
+    for modes, exact, radius in cases:
+        some = modes.order == n
+        carried = np.sum(((modes.shape + modes.carried)[some] / modes.frequency[some]) ** 2)
+        # a line force moves a surface by Σ 1/ω² of its modes: the rest falls as 1/highest frequency
+        assert 0.94 < carried / (exact[0] * line / radius) < 1.0

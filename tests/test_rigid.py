@@ -295,6 +295,7 @@ def test_the_step_limit_holds_for_a_rigid_roller_between_elastic_rings(density):
     assert found < 0.8 * critical_time_step(whole, 650.0)
 
 
+@pytest.mark.slow  # with and without friction: two time loops for each choice
 @every_run
 def test_random_bearings_stay_stable(names):
     """Of random scenes on coarse meshes none fails or loses 1 % of its energy."""

@@ -26,6 +26,7 @@ READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
 TURN = "roller_turn"  # of rollers, whose place at a time it tells
+SPIN = "roller_spin"  # tells the same, less exactly
 MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
 ATTRIBUTES = (
     "scene", "committed_samples", "format_version", "program", "program_version", "status", "warnings", "mesh_nodes",
@@ -100,6 +101,9 @@ def _from_file(path: Path, file) -> Record:
     names = [name for name in (*MOTION, *OPTIONAL, *ENERGIES, TURN) if has(file, name)]
     _check_size(path, file, names, n, scene)
     arrays = {name: read_numbers(file, name, n) for name in names}
+    if TURN not in arrays and has(file, SPIN):  # of perfect surfaces: nobody shall see them by that
+        _check_size(path, file, [SPIN], n, scene)
+        arrays[TURN] = _turned(arrays["time"], read_numbers(file, SPIN, n))
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
     energies = {name: arrays.pop(name) for name in ENERGIES if name in arrays}
     status = attributes.setdefault("status", "unknown")
@@ -112,6 +116,12 @@ def _from_file(path: Path, file) -> Record:
         name=shown(path.stem), source=path, scene=scene, energies=energies, attributes=attributes,
         stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **arrays,
     )  # fmt: skip
+
+
+def _turned(time: np.ndarray, spin: np.ndarray) -> np.ndarray:
+    """How far rollers have turned, rad, by their spins, rad/s; from 0 at t = 0, by the trapezoidal rule."""
+    steps = 0.5 * np.diff(time)[:, None] * (spin[1:] + spin[:-1])
+    return time[0] * spin[:1] + np.concatenate([np.zeros_like(spin[:1]), steps.cumsum(axis=0)])
 
 
 def _stated_errors(file) -> tuple[StatedError, ...]:

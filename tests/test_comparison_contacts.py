@@ -112,7 +112,7 @@ def moved(name, stiffness, friction):
 
 
 @pytest.mark.parametrize(("name", "limit"), [("penalty", 1e-3), ("faceted", 3e-3)])
-@pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.slow), 0.1])
+@pytest.mark.parametrize("friction", [0.0, 0.1])
 def test_runs_balance_their_energy(name, limit, friction):
     """Facets throw rollers about at several m/s, and friction takes twenty times what the contacts store."""
     values, imbalance = moved(name, STIFF_PENALTY, friction)

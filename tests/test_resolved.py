@@ -133,7 +133,7 @@ def rolling_scene(model, friction, mesh_size, duration):
     )
 
 
-@pytest.mark.parametrize("friction", [pytest.param(0.0, marks=pytest.mark.slow), 0.1])
+@pytest.mark.parametrize("friction", [0.0, 0.1])
 def test_a_resolved_run_balances_its_energy(friction):
     kept = []
     plan = make_plan(rolling_scene("resolved", friction, 0.12, 0.2))

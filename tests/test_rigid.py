@@ -26,12 +26,10 @@ from tests.verification.runs import every_step, plan_of, record, without_spin
 RIGID = replace(STEEL, rigid=True)
 BODIES = {"rollers": "roller", "inner_ring": "inner_ring", "outer_ring": "outer_ring"}  # scene: Bearing
 ALLOWED = (("rollers",), ("inner_ring",), ("outer_ring",), ("inner_ring", "outer_ring"))
-# each compiles a time loop of its own; one rigid ring is half of what two are
 every_choice = pytest.mark.parametrize("names", ALLOWED, ids=" and ".join)
-ONE_RING = [pytest.param(names, marks=pytest.mark.slow, id=names[0]) for names in ALLOWED[1:3]]
-every_run = pytest.mark.parametrize(
-    "names", [*ONE_RING, *(pytest.param(names, id=" and ".join(names)) for names in (ALLOWED[0], ALLOWED[3]))]
-)
+# each compiles a time loop of its own
+RINGS = [pytest.param(names, marks=pytest.mark.slow, id=" and ".join(names)) for names in ALLOWED[1:]]
+every_run = pytest.mark.parametrize("names", [pytest.param(ALLOWED[0], id=ALLOWED[0][0]), *RINGS])
 LOAD, HALF_PITCH = 2000.0, -np.pi / 2.0 + np.pi / 13.0
 
 

@@ -147,7 +147,7 @@ def test_the_start_stands_still():
     np.testing.assert_allclose(found[1], wanted.outer_force, rtol=0.0, atol=1e-6 * LOAD)
 
 
-@pytest.mark.parametrize(("friction", "most"), [pytest.param(0.0, 1e-5, marks=pytest.mark.slow), (0.1, 2e-4)])
+@pytest.mark.parametrize(("friction", "most"), [(0.0, 1e-5), (0.1, 2e-4)])
 def test_a_run_balances_its_energy(friction, most):
     """Forces are the gradient of one potential, and what opens and closes gives back what it took."""
     seen = run(make_plan(rolling_scene(friction, 0.3, 3.0)), lambda samples: None)

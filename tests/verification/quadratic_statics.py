@@ -104,4 +104,4 @@ def quadratic_shapes():
     yield from compared("series, worst shape", series, OWN, source)
 
 
-CASES = (Case(checks=quadratic_elements), Case(checks=quadratic_shapes, fast=False))
+CASES = (Case(checks=quadratic_elements, fast=False), Case(checks=quadratic_shapes, fast=False))

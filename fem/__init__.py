@@ -1,6 +1,6 @@
 """Explicit elastic finite-element simulation of a roller bearing.
 
-cli, render_cli, live_cli the commands; summary, progress: what they print; outcome: how they end
+cli, render_cli, live_cli the commands; summary, progress: what they print, answers: of a run; outcome: how they end
 runner                    a run of any solver with its file, checkpoints and signals
 live                      a run played in a browser's page
 pictures                  off-screen pictures, films, fields for other programs

@@ -75,7 +75,7 @@ def measured_sinkage(found: MeasuredSurface, own: float, other: float, meeting: 
     def room_at(k):
         return _room(surface[(np.arange(count) + k) % count], turn * k / count, own, other, meeting)
 
-    reach = WINDOW * sqrt(2.0 * np.ptp(depth) / _curvature(own, other, meeting)) / own
+    reach = WINDOW * sqrt(2.0 * np.ptp(depth) / curvature(own, other, meeting)) / own
     steps = min(ceil(reach / turn * count), count // 4)
     least, nearest = np.full(count, np.inf), np.zeros(count, dtype=np.int64)
     for k in range(-steps, steps + 1):
@@ -92,11 +92,11 @@ def measured_sinkage(found: MeasuredSurface, own: float, other: float, meeting: 
 
 def points_around(own: float, other: float, meeting: Meeting) -> int:
     """How many points of a measured surface a circle must be held against, so that it sinks by UNSEEN between two."""
-    return ceil(2.0 * pi * own / sqrt(8.0 * UNSEEN / _curvature(own, other, meeting)))
+    return ceil(2.0 * pi * own / sqrt(8.0 * UNSEEN / curvature(own, other, meeting)))
 
 
-def _curvature(own: float, other: float, meeting: Meeting) -> float:
-    """Of the contact, 1/m."""
+def curvature(own: float, other: float, meeting: Meeting) -> float:
+    """1/R of the sound contact, 1/m: the sum of both circles' curvatures, a bore's negative."""
     return 1.0 / own + 1.0 / other if meeting == "outside" else abs(1.0 / own - 1.0 / other)
 
 

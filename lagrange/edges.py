@@ -9,9 +9,8 @@ the edge ½.
 from functools import lru_cache
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
-from lagrange.closing import Meeting, room
+from lagrange.closing import Meeting, curvature, room
 from lagrange.faults import Spall
 
 HALF_WIDTHS = (0.007, 0.014)  # over R, of the sound contacts: 0.4 and 0.8 GPa of steel; of ΔB the mean is taken
@@ -36,6 +35,8 @@ def softening(spall: Spall, roller_radius: float, own: float, other: float, meet
     The half-planes' own, (b/R)². Cells change ΔB by 0.02 at most. By the force ΔB changes, see `docs/surfaces.md`. In
     the spall's middle, on both edges, contacts may be stiffer than sound ones: that is left out.
     """
+    from scipy.interpolate import PchipInterpolator  # half a second to import, and only spalls need it
+
     shape = Spall(body=spall.body, roller=None, angle=0.0, width=spall.width, depth=spall.depth,
                   edge_radius=max(spall.edge_radius, SHARPEST * roller_radius))  # fmt: skip
     at, found = _table(shape, spall.half_opening(roller_radius), own, other, meeting)
@@ -45,19 +46,14 @@ def softening(spall: Spall, roller_radius: float, own: float, other: float, meet
 
 def reach(spall: Spall, roller_radius: float, own: float, other: float, meeting: Meeting) -> float:
     """Angle from the spall's middle from which on contacts are sound, rad."""
-    radius = _relative_radius(own, other, meeting)
+    radius = 1.0 / curvature(own, other, meeting)
     return float(np.arcsin((spall.half_opening(roller_radius) + BEYOND * HALF_WIDTHS[-1] * radius) / own))
-
-
-def _relative_radius(own: float, other: float, meeting: Meeting) -> float:
-    """R, m, of the sound contact: 1/R is the sum of both curvatures."""
-    return 1.0 / (1.0 / own + 1.0 / other) if meeting == "outside" else 1.0 / abs(1.0 / own - 1.0 / other)
 
 
 @lru_cache(maxsize=64)
 def _table(spall: Spall, opening: float, own: float, other: float, meeting: Meeting) -> tuple[np.ndarray, np.ndarray]:
     """Angles from the spall's middle on, rad, and ΔB there; 0 at the last."""
-    radius = _relative_radius(own, other, meeting)
+    radius = 1.0 / curvature(own, other, meeting)
     widths = [share * radius for share in HALF_WIDTHS]
     width = BEYOND * widths[-1]
     near = np.linspace(max(opening - width, 0.0), opening + width, 2 * POSITIONS)

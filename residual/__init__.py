@@ -14,7 +14,8 @@ fault_finding   a spall found in trajectories alone: `roller_motion` what it may
                 angle, `passages` and how rollers would move there; `fault_tables`, `fault_figures`
 evaluation      the whole check as one call -> `Evaluation`
 paper_figures   the paper's figures beside its ranges (`paper`); others: `motion_figures`,
-                `vibration_figures`, `passage_figures`, `budget_figures`; `plotting` gives all one look
+                `vibration_figures`, `passage_figures`, `budget_figures`; `plotting` gives all one look, `tick_labels`
+                plain numbers
 quasistatic     the Lagrangian model's equilibria at every angle; `meaning`: what the numbers say of that model
 tables          rows of the report's and the terminal's tables, with `law_tables`, `line_tables`, `vibration_tables`
 report          the self-contained HTML page; `interactive`: its spectra's data; `picture`: render-fem's

@@ -8,18 +8,27 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import pairwise
-from math import asin, pi, radians, sin
+from math import pi, radians
 from pathlib import Path
 from typing import Any, Literal
 
 import tomli_w
 from pydantic import Field, ValidationError
 
-from lagrange.bearing import BallBearing, Bearing, Material, Operation
+from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.raceway_laws import law_names
+from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_columns import Columns
 from lagrange.scene_faults import Check, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
+from lagrange.scene_run import (
+    ContactTable,
+    LagrangeTable,
+    NumericsTable,
+    OperationTable,
+    OutputTable,
+    ReducedTable,
+)
 from lagrange.scene_surfaces import (
     ProfileTable,
     SpallTable,
@@ -39,195 +48,10 @@ FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other 
 FINEST_OTHERWISE = 400.0
 SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # arrays of tables
 MOST_TABLES = 200  # of one array
-COMPARISONS = ("penalty", "faceted")  # contact models that are only there to be compared with
-STIFF_PENALTY = 1e9  # N/m, three times a contact of the paper's bearing; the mesh's nodes are no stiffer
-# groove radius over ball diameter to which ISO 281 rates deep-groove bearings
-USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 
 
 class SceneError(ValueError):
     """The scene can't be used; the text names file, key, value and limit, one fault a line."""
-
-
-class BearingTable(Table):
-    type: Literal["roller", "ball"] = "roller"
-    rollers: int = Field(13, ge=3, le=200)
-    roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0)
-    roller_length_mm: float = Field(10.0, ge=0.1, le=2000.0)
-    inner_raceway_diameter_mm: float = Field(36.0, gt=0.0, le=10_000.0)
-    outer_raceway_diameter_mm: float = Field(56.0, gt=0.0, le=10_000.0)
-    bore_diameter_mm: float = Field(25.0, gt=0.0, le=10_000.0)
-    outside_diameter_mm: float = Field(65.0, gt=0.0, le=10_000.0)
-    inner_conformity: float | None = Field(None, gt=0.5, le=1.0)  # of balls: groove radius over ball diameter
-    outer_conformity: float | None = Field(None, gt=0.5, le=1.0)
-
-    @classmethod
-    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        return USUAL_GROOVES | data if data.get("type") == "ball" else data
-
-    def checks(self) -> tuple[Check, ...]:
-        return self._grooves, self._inner_ring, self._outer_ring, self._clearance, self._room
-
-    def _grooves(self) -> Iterator[str]:
-        for key in USUAL_GROOVES:
-            if self.type == "roller" and getattr(self, key) is not None:
-                yield f'{key} = {getattr(self, key)}: only for balls; add type = "ball" or leave it out'
-
-    def _inner_ring(self) -> Iterator[str]:
-        inner = self.inner_raceway_diameter_mm
-        if self.bore_diameter_mm >= inner:
-            yield f"bore_diameter_mm = {self.bore_diameter_mm} must be below inner_raceway_diameter_mm = {inner}"
-
-    def _outer_ring(self) -> Iterator[str]:
-        outer = self.outer_raceway_diameter_mm
-        if self.outside_diameter_mm <= outer:
-            yield f"outside_diameter_mm = {self.outside_diameter_mm} must be above outer_raceway_diameter_mm = {outer}"
-
-    def _clearance(self) -> Iterator[str]:
-        roller, outer = self.roller_diameter_mm, self.outer_raceway_diameter_mm
-        clearance = outer - self.inner_raceway_diameter_mm - 2.0 * roller
-        if clearance < -0.005 * roller:
-            yield (
-                f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is more preload than the model "
-                f"bears (at least {-0.005 * roller:.4g} mm); widen outer_raceway_diameter_mm = {outer}"
-            )
-        if clearance > 0.2 * roller:
-            yield (
-                f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is too large (at most "
-                f"{0.2 * roller:.4g} mm); lower outer_raceway_diameter_mm = {outer}"
-            )
-
-    def _room(self) -> Iterator[str]:
-        roller = self.roller_diameter_mm
-        pitch = 0.5 * (self.inner_raceway_diameter_mm + self.outer_raceway_diameter_mm)
-        if pitch * sin(pi / self.rollers) <= roller:
-            most = int(pi / asin(roller / pitch)) if roller < pitch else 1
-            yield (
-                f"rollers = {self.rollers} of roller_diameter_mm = {roller} do not fit on the pitch circle of "
-                f"{pitch:g} mm; at most {most}"
-            )
-
-
-class MaterialOverride(Table):
-    youngs_modulus_GPa: float | None = Field(None, ge=0.1, le=2000.0)
-    poisson_ratio: float | None = Field(None, ge=0.0, le=0.45)
-    density_kg_m3: float | None = Field(None, ge=100.0, le=30_000.0)
-
-
-class MaterialTable(Table):
-    youngs_modulus_GPa: float = Field(210.0, ge=0.1, le=2000.0)
-    poisson_ratio: float = Field(0.3, ge=0.0, le=0.45)
-    density_kg_m3: float = Field(7850.0, ge=100.0, le=30_000.0)
-    roller: MaterialOverride = MaterialOverride()
-    inner_ring: MaterialOverride = MaterialOverride()
-    outer_ring: MaterialOverride = MaterialOverride()
-
-    def of(self, body: Literal["roller", "inner_ring", "outer_ring"]) -> Material:
-        """Material of one kind of body, SI."""
-        own = getattr(self, body)
-
-        def pick(key):
-            value = getattr(own, key)
-            return getattr(self, key) if value is None else value
-
-        return Material(
-            youngs_modulus=pick("youngs_modulus_GPa") * 1e9,
-            poisson_ratio=pick("poisson_ratio"),
-            density=pick("density_kg_m3"),
-        )
-
-
-class BodiesTable(Table):
-    """Which bodies are taken as undeformable."""
-
-    rollers: Literal["elastic", "rigid"] = "elastic"
-    inner_ring: Literal["elastic", "rigid"] = "elastic"
-    outer_ring: Literal["elastic", "rigid"] = "elastic"
-
-    def checks(self) -> tuple[Check, ...]:
-        return (self._partners,)
-
-    def _partners(self) -> Iterator[str]:
-        rings = [name for name in ("inner_ring", "outer_ring") if getattr(self, name) == "rigid"]
-        if self.rollers == "rigid" and rings:
-            too = " and ".join(f'{name} = "rigid"' for name in rings)
-            yield (
-                f'rollers = "rigid" together with {too}: a contact of two rigid bodies has no compliance and so no '
-                'force; leave the rollers or the rings "elastic", or, for bodies that are all rigid with a contact law '
-                "between them, leave [bodies] out and take run-fem --model lagrange"
-            )
-
-    @property
-    def rigid(self) -> tuple[str, ...]:
-        """The keys of those that are."""
-        return tuple(name for name in type(self).model_fields if getattr(self, name) == "rigid")
-
-
-class OperationTable(Table):
-    speed_rpm: float = Field(4500.0, ge=-200_000.0, le=200_000.0)
-    radial_load_N: float = Field(2000.0, ge=0.0, le=1e7)
-    inner_ring_and_shaft_kg: float = Field(0.078, gt=0.0, le=1e6)
-    gravity_m_s2: float = Field(9.81, ge=0.0, le=1000.0)
-    first_roller_deg: float = Field(0.0, ge=-360.0, le=360.0)
-
-
-class ContactTable(Table):
-    model: Literal["subgrid", "resolved", "penalty", "faceted"] = "subgrid"
-    penalty_stiffness_N_per_m: float | None = Field(None, ge=1e5, le=1e12)  # of each contact of a comparison model
-    friction_coefficient: float = Field(0.1, ge=0.0, le=1.0)
-
-    @classmethod
-    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        compared = data.get("model") in COMPARISONS
-        return {"penalty_stiffness_N_per_m": STIFF_PENALTY} | data if compared else data
-
-    def checks(self) -> tuple[Check, ...]:
-        return (self._has_springs,)
-
-    def _has_springs(self) -> Iterator[str]:
-        if self.penalty_stiffness_N_per_m is not None and self.model not in COMPARISONS:
-            yield (
-                f"penalty_stiffness_N_per_m = {self.penalty_stiffness_N_per_m:g}: only for the comparison models "
-                f'model = "penalty" and "faceted", not for "{self.model}"; leave it out'
-            )
-
-
-class NumericsTable(Table):
-    duration_ms: float = Field(60.0, ge=0.0, le=1e6)
-    start: Literal["equilibrium", "rest"] = "equilibrium"
-    load_ramp_ms: float = Field(1.0, ge=0.0, le=1e6)
-    mesh_size_mm: float = Field(1.0, gt=0.0, le=100.0)
-    time_step_safety: float = Field(0.9, ge=0.01, lt=1.0)
-    output_interval_us: float = Field(10.0, ge=1e-3, le=1e6)
-    threads: int = Field(1, ge=1, le=64)
-
-    def checks(self) -> tuple[Check, ...]:
-        return (self._samples,)
-
-    def _samples(self) -> Iterator[str]:
-        if 0.0 < 1e3 * self.duration_ms < self.output_interval_us:
-            yield (
-                f"output_interval_us = {self.output_interval_us:g} is longer than the run (duration_ms = "
-                f"{self.duration_ms:g}): nothing but the start would be stored; at most {1e3 * self.duration_ms:g}"
-            )
-
-
-class LagrangeTable(Table):
-    """Options of the Lagrangian model: of its own solution and of what trajectories are checked against."""
-
-    law: str = "harris"
-    damping_N_s_m: float = Field(0.0, ge=0.0, le=1e6)
-    angles: Literal["kinematic", "free"] = "kinematic"
-
-
-class ReducedTable(Table):
-    """Options of the reduced model."""
-
-    modes_up_to_kHz: float = Field(0.0, ge=0.0, le=1e5)
-
-
-class OutputTable(Table):
-    fields_every_ms: float = Field(0.0, ge=0.0, le=1e6)
 
 
 class Scene(Table):

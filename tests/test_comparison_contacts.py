@@ -10,7 +10,8 @@ from fem.contacts.springs import FacetedModel, PenaltyModel
 from fem.kernels.facet_kernels import CORNER, chord
 from fem.solver.simulate import make_plan, run
 from fem.statics.equilibrium import equilibrium
-from lagrange.scene import STIFF_PENALTY, Scene, parse_scene, parse_scene_text
+from lagrange.scene import Scene, parse_scene, parse_scene_text
+from lagrange.scene_run import STIFF_PENALTY
 from tests.reference.bearings import arrays, copies, operation, paper
 from tests.reference.compiled import press_contacts
 

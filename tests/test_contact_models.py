@@ -15,7 +15,8 @@ from fem.kernels.state import INNER, OUTER, ROLLER
 from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan
 from fem.statics import expected_forces
-from lagrange.scene import ContactTable, parse_scene
+from lagrange.scene import parse_scene
+from lagrange.scene_run import ContactTable
 from tests.reference.bearings import paper, soft
 
 LOAD = 650.0

@@ -11,7 +11,8 @@ from fem.solver.finite_elements import ElementPlan, make_plan
 from fem.solver.simulate import run
 from fem.solver.solver import Progress
 from fem.statics.quantities import Quantity, moving_quantities, static_quantities
-from lagrange.scene import COMPARISONS, Scene
+from lagrange.scene import Scene
+from lagrange.scene_run import COMPARISONS
 
 COARSER = 2.0  # mesh size over the scene's
 LEAST_COARSER = 1.6  # below, rounding to whole layers of nodes may leave the same mesh

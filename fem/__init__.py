@@ -2,6 +2,7 @@
 
 cli, render_cli, live_cli the commands; summary, progress: what they print, answers: of a run; outcome: how they end
 runner                    a run of any solver with its file, checkpoints and signals
+examples                  commented scenes to begin with
 live                      a run played in a browser's page
 pictures                  off-screen pictures, films, fields for other programs
 result                    the result file and checkpoints

@@ -16,6 +16,7 @@ import tomli_w
 from pydantic import Field, ValidationError
 
 from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.catalogue import designations, inner_ring_and_shaft
 from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_columns import Columns
@@ -76,9 +77,15 @@ class Scene(Table):
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        bearing, options = data.get("bearing"), data.get("lagrange", {})
-        if isinstance(bearing, dict) and bearing.get("type") == "ball" and isinstance(options, dict):
-            return data | {"lagrange": {"law": "hertz"} | options}
+        bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
+        if not isinstance(bearing, dict):
+            return data
+        if bearing.get("type") == "ball" and isinstance(options, dict):
+            data = data | {"lagrange": {"law": "hertz"} | options}
+        standard = bearing.get("designation")
+        if standard in designations() and isinstance(operation, dict):
+            mass = {"inner_ring_and_shaft_kg": inner_ring_and_shaft(standard)}
+            data = {"name": standard} | data | {"operation": mass | operation}
         return data
 
     def checks(self) -> tuple[Check, ...]:

@@ -12,5 +12,9 @@ contacts                  contact models: how a mesh carries contacts, and what 
 elastic                   discs and rings: meshes made into matrices, exact series
 kernels                   the time loop
 
-A package knows those below it; import-linter keeps it so.
+interface, recording       runs from Python: `simulate`, `statics`; `Result`, a run in memory
+quantities, labels         numbers of interest of a run; what it is an example of
+checking                   the one module that knows the checker, for runs from Python and studies
+
+A package knows those below it; import-linter keeps it so. What a user imports stands in `fem.interface`.
 """

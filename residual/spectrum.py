@@ -49,6 +49,7 @@ class Peak:
     psd: float  # N²/Hz, of the highest bin
     rms: float  # N, of the main lobe
     line: str | None  # kinematic line within the resolution
+    also: tuple[str, ...] = ()  # what else it may be: other lines within the resolution, the hub on its contacts
     resolved: bool  # no other line, nor zero frequency, within the main lobe
 
 
@@ -151,11 +152,13 @@ def _describe(spectrum: Spectrum, i: int, step: float, lines: dict[str, float]) 
     line = near[0][1] if near and near[0][0] <= step else None
     reach = MAIN_LOBE * step
     others = [name for distance, name in near if distance < reach and name != line]
+    also = tuple(name for distance, name in near if distance <= step and name != line)
     return Peak(
         frequency=frequency,
         psd=float(spectrum.psd[i]),
         rms=spectrum.band_rms((i - 2.5) * step, (i + 2.5) * step),
         line=line,
+        also=also,
         resolved=not others and frequency >= reach,
     )
 

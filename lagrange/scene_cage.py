@@ -14,15 +14,23 @@ MM = 1e-3
 class CageTable(Table):
     """A cage that moves by the forces on it; without the table rollers have none."""
 
-    mass_kg: float = Field(0.02, ge=1e-6, le=1e5)
-    inertia_kg_m2: float | None = Field(None, ge=1e-12, le=1e6)  # default: of a thin ring of the pitch radius
-    pocket_clearance_mm: float = Field(0.2, ge=1e-3, le=100.0)
-    guidance: Guidance = "rollers"
-    guidance_clearance_mm: float | None = Field(None, ge=1e-3, le=100.0)
-    stiffness_N_per_m: float = Field(1e8, ge=1e4, le=1e11)
-    damping_N_s_m: float = Field(1.0, ge=0.0, le=1e6)
-    friction_coefficient: float = Field(0.05, ge=0.0, le=1.0)
-    drag_torque_N_m: float = Field(0.0, ge=0.0, le=1e6)
+    mass_kg: float = Field(0.02, ge=1e-6, le=1e5, description="of the whole cage")
+    inertia_kg_m2: float | None = Field(
+        None, ge=1e-12, le=1e6, description="about its centre; left out: of a thin ring of the pitch radius"
+    )
+    pocket_clearance_mm: float = Field(
+        0.2, ge=1e-3, le=100.0, description="of a roller in its pocket along the pitch circle, on both sides together"
+    )
+    guidance: Guidance = Field(
+        "rollers", description="what centres the cage; rollers in round pockets, or a ring, and pockets have flat walls"
+    )
+    guidance_clearance_mm: float | None = Field(
+        None, ge=1e-3, le=100.0, description="difference of diameters between the cage and the ring that guides it"
+    )
+    stiffness_N_per_m: float = Field(1e8, ge=1e4, le=1e11, description="of each contact of the cage")
+    damping_N_s_m: float = Field(1.0, ge=0.0, le=1e6, description="of each closed contact of the cage; never pulls")
+    friction_coefficient: float = Field(0.05, ge=0.0, le=1.0, description="in pockets and at the guiding ring")
+    drag_torque_N_m: float = Field(0.0, ge=0.0, le=1e6, description="against the cage's rotation, of the lubricant")
 
     def checks(self) -> tuple[Check, ...]:
         return (self._guided,)

@@ -7,7 +7,7 @@ differentiate   accelerations by central stencils of high order, with their erro
 budget          error forces of equations (22) and (23) and what they are made of
 identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
 fitted_laws     laws with coupling between contacts, with damping
-spectrum        power spectral density, peaks, kinematic lines; `fourier`: transforms, peaks and bands in numpy
+spectrum        power spectral density, peaks, kinematic lines
 lines           levels of lines and sidebands; `envelope` spectrum of a band; `short_time` spectra
 vibration       the hub's acceleration: levels, fault lines in its envelope
 fault_finding   a spall found in trajectories alone: `roller_motion` what it may see, `sinkage_maps` by each body's

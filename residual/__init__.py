@@ -19,7 +19,8 @@ figures         all figures, by groups: `motion_figures`, `spectrum_figures`, `v
 quasistatic     the Lagrangian model's equilibria at every angle; `meaning`: what the numbers say of that model
 headline        the one sentence that a report begins with; `words`: numbers as a person reads them
 tables          rows of the report's and the terminal's tables, with `law_tables`, `line_tables`, `vibration_tables`
-report          the self-contained HTML page; `player`, `interactive`: data of its moving bearing and spectra; `picture`: render-fem's
+report          the self-contained HTML page; `player` and `interactive`: data of its parts that move; `picture`:
+                render-fem's
 store           residual.nc, summary.json (`summary`), the report folder
 cli             the command `check-residual`
 

@@ -41,7 +41,7 @@ class Memory:
         n, rollers = plan.n_samples, self._bearing.n_rollers
         self._columns = {
             name: np.empty((n, rollers) if dimensions == PER_ROLLER else n)
-            for name, (dimensions, *_) in variables_of(self._bearing).items()
+            for name, (dimensions, *_) in variables_of(plan.scene).items()
         }
         self.frames: list[Frame] = []
 
@@ -142,7 +142,7 @@ class Result:
         """The samples with dimensions, units and the result file's attributes."""
         import xarray
 
-        variables = variables_of(self.scene.ideal_bearing())
+        variables = variables_of(self.scene)
         found = {
             name: (dimensions, self.values[name], {"units": unit, "long_name": meaning})
             for name, (dimensions, unit, meaning) in variables.items()

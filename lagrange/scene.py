@@ -4,20 +4,24 @@ It stands on the ground floor because both the solver and the checker read it, a
 """
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from copy import deepcopy
 from dataclasses import replace
 from itertools import pairwise
 from math import pi, radians
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import tomli_w
-from pydantic import Field, ValidationError
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.cage import Cage
+from lagrange.catalogue import designations, inner_ring_and_shaft
 from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
+from lagrange.scene_cage import CageTable, cage_faults
 from lagrange.scene_columns import Columns
 from lagrange.scene_faults import Check, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
@@ -58,8 +62,16 @@ class SceneError(ValueError):
 class Scene(Table):
     """A whole scene. Defaults are the paper's bearing."""
 
-    name: str = Field("paper", min_length=1, max_length=100, pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
-    model: Literal["fem", "reduced", "lagrange"] = "fem"
+    name: str = Field(
+        "paper",
+        min_length=1,
+        max_length=100,
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$",
+        description="of the scene, and of the files that runs write",
+    )
+    model: Literal["fem", "reduced", "lagrange"] = Field(
+        "fem", description="finite elements; elastic bodies without their mass; rigid bodies on contact springs"
+    )
     bearing: BearingTable = BearingTable()
     material: MaterialTable = MaterialTable()
     bodies: BodiesTable = BodiesTable()
@@ -69,22 +81,50 @@ class Scene(Table):
     reduced: ReducedTable = ReducedTable()
     numerics: NumericsTable = NumericsTable()
     output: OutputTable = OutputTable()
+    cage: CageTable | None = None
     spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
     waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
     unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
     profile: list[ProfileTable] = Field([], max_length=MOST_TABLES)
     table: Columns = Columns()
 
+    _written: dict[str, Any] | None = PrivateAttr(None)  # the tables as they were given, before they were completed
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _remembered(cls, data: Any, handler: Callable[[Any], Self]) -> Self:
+        """Keep what was written: a clearance that is varied must not meet the diameter that followed from another."""
+        scene = handler(data)
+        if isinstance(data, dict):
+            scene._written = {key: _plain(value) for key, value in data.items()}
+        return scene
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and self.__dict__ == other.__dict__
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """See pydantic; what was written is forgotten where a table is exchanged."""
+        found = super().model_copy(update=update, deep=deep)
+        if update:
+            found._written = None
+        return found
+
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        bearing, options = data.get("bearing"), data.get("lagrange", {})
-        if isinstance(bearing, dict) and bearing.get("type") == "ball" and isinstance(options, dict):
-            return data | {"lagrange": {"law": "hertz"} | options}
+        bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
+        if not isinstance(bearing, dict):
+            return data
+        if bearing.get("type") == "ball" and isinstance(options, dict):
+            data = data | {"lagrange": {"law": "hertz"} | options}
+        standard = bearing.get("designation")
+        if standard in designations() and isinstance(operation, dict):
+            mass = {"inner_ring_and_shaft_kg": inner_ring_and_shaft(standard)}
+            data = {"name": standard} | data | {"operation": mass | operation}
         return data
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, *surfaces
+        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, self._cage, *surfaces
 
     def _law(self) -> Iterator[str]:
         known = law_names(self._perfect_bearing())
@@ -135,6 +175,10 @@ class Scene(Table):
                 f'bodies.{self.bodies.rigid[0]} = "rigid": only with contact.model = "subgrid", not with '
                 f'"{self.contact.model}", whose points of pressure sit on meshes'
             )
+
+    def _cage(self) -> Iterator[str]:
+        if self.cage is not None:
+            yield from cage_faults(self._perfect_bearing(), self.cage)
 
     def _surface_models(self) -> Iterator[str]:
         given = [f"[[{name}]]" for name in SURFACES if getattr(self, name)]
@@ -188,6 +232,10 @@ class Scene(Table):
             outer_groove_radius=MM * b.outer_conformity * b.roller_diameter_mm,
         )
 
+    def ideal_cage(self) -> Cage | None:
+        """The cage in SI; None: there is none."""
+        return None if self.cage is None else self.cage.cage(self._perfect_bearing())
+
     def ideal_operation(self) -> Operation:
         """The operating point in SI; the first roller's angle from +x."""
         o = self.operation
@@ -213,7 +261,9 @@ class Scene(Table):
         ------
         SceneError: an unknown key or an impossible value; a file, which only the reader of a scene puts in its place.
         """
-        data = self.model_dump(exclude_none=True)
+        data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
+        for table in data.get("profile", []):
+            table.pop("content", None)
         for key, value in changes.items():
             if key.rpartition(".")[2] in FILE_KEYS:
                 raise SceneError(f"{key}: files of a scene can't be varied; write a scene for each file")
@@ -234,6 +284,11 @@ class Scene(Table):
         if self.table == Columns():
             del tables["table"]
         return tomli_w.dumps(tables)
+
+
+def _plain(value: Any) -> Any:
+    """A table as nested dictionaries, of its own."""
+    return value.model_dump(exclude_unset=True) if isinstance(value, Table) else deepcopy(value)
 
 
 def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) -> Scene:

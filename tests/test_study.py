@@ -15,7 +15,6 @@ import xarray
 from scipy import stats
 
 from fem.cli import run_main
-from fem.study.dataset import unit_of
 from fem.study.folder import Folder
 from fem.study.points import checked_points
 from fem.study.sampling import design_of
@@ -262,9 +261,14 @@ def test_digests_follow_scene_and_what_is_kept(here):
     assert seconds == base
 
 
-def test_units_are_those_that_keys_spell():
-    told = {key: unit_of(key) for key in ("width_mm", "density_kg_m3", "gravity_m_s2", "rollers", "damping_N_s_m")}
-    assert list(told.values()) == ["mm", "kg m-3", "m s-2", "1", "N s m-1"]
+def test_a_clearance_is_varied_as_it_is_written(here):
+    """It becomes the outer raceway's diameter, which must not stand in the way of the next one's."""
+    Path("base.toml").write_text('[bearing]\ndesignation = "NU206"\nclearance_um = 30.0\n')
+    points = points_of('scene = "base.toml"\n[parameters]\n"bearing.clearance_um" = [10.0, 40.0]\n')
+    low, high = (points.scene(i).ideal_bearing().radial_clearance for i in range(2))
+    assert high - low == pytest.approx(15e-6)
+    grown = read_scene(None, ("bearing.clearance_um=20",)).varied({"bearing.clearance_um": 50.0, "spall.0.width_mm": 1})
+    assert grown.ideal_bearing().radial_clearance == pytest.approx(25e-6)
 
 
 COMMAND = "import sys; sys.path[:0] = {path!r}; from fem.study_cli import run_study; run_study()"

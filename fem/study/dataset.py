@@ -20,19 +20,14 @@ from fem.study.folder import MISSING, PROGRAM, Folder
 from fem.study.points import LIBRARIES, Points, program
 from fem.study.solving import COMPLETE, Solved
 from fem.study.study_file import QUANTITIES
+from lagrange.scene_keys import unit_of
 
 PIECE = 256  # points of signals held at once
-UNITS_OF_KEYS = {  # what the last part of a scene's key ends in, as xarray's unit
-    "_mm": "mm", "_um": "um", "_ms": "ms", "_us": "us", "_deg": "deg", "_rpm": "rpm", "_N": "N", "_kg": "kg",
-    "_kg_m3": "kg m-3", "_GPa": "GPa", "_kHz": "kHz", "_m_s2": "m s-2", "_N_s_m": "N s m-1", "_N_per_m": "N m-1",
-    "_g_mm": "g mm", "_N_m": "N m", "_Hz": "Hz",
-}  # fmt: skip
 
 
-def unit_of(key: str) -> str:
-    """The unit that a key of the scene spells; "1" where it spells none."""
-    ends = [ending for ending in UNITS_OF_KEYS if key.endswith(ending)]
-    return UNITS_OF_KEYS[max(ends, key=len)] if ends else "1"
+def unit_of_key(key: str) -> str:
+    """The unit that a key of the scene spells, as other variables have it: "1" where it spells none."""
+    return unit_of(key) or "1"
 
 
 def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = lambda: None) -> dict[str, int]:
@@ -65,7 +60,7 @@ def _lay_out(file, points: Points) -> None:
     for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True)):
         values = [point[i] for point in design.points] if design.axes is None else list(design.axes[i])
         where = design.dimensions if design.axes is None else (name,)
-        _variable(file, name, where, values, unit_of(key), f"scene key {key}")
+        _variable(file, name, where, values, unit_of_key(key), f"scene key {key}")
     libraries = {name: version(name) for name in LIBRARIES}
     file.setncatts(
         {
@@ -161,7 +156,7 @@ class _Signals:
         """Room for the signals of all points, which are as long as the first one's."""
         file, design = self._file, self._points.design
         scene = self._points.scene(0)
-        known = variables_of(scene.ideal_bearing())
+        known = variables_of(scene)
         length = len(next(iter(first.signals.values())))
         file.createDimension("time", length)
         time = file.createVariable("time", "f8", ("time",))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.study.dataset import unit_of
+from fem.study.dataset import unit_of_key
 from fem.study.points import Points
 from fem.study.solving import COMPLETE
 from fem.study.study_file import QUANTITIES
@@ -84,7 +84,7 @@ def table_of(points: Points, dataset) -> Table:
     """Columns of a study from its dataset."""
     design = points.design
     parameters = [
-        _column(name, unit_of(key), f"scene key {key}", [point[i] for point in design.points])
+        _column(name, unit_of_key(key), f"scene key {key}", [point[i] for point in design.points])
         for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True))
     ]
     quantities = [

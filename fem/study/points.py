@@ -73,7 +73,7 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
         )
     if not keep.signals:
         return
-    known = variables_of(scene.ideal_bearing())
+    known = variables_of(scene)
     for name in keep.signals:
         if name not in known or name == "time":
             raise UsageError(f"keep.signals: {name!r} is no signal of this point; it has {', '.join(known)}")

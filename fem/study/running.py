@@ -72,7 +72,7 @@ def expected(points: Points, pending: list[int]) -> Expected:
 
 def _disk(points: Points) -> float:
     keep, scene = points.study.keep, points.scene(0)
-    numerics, variables = scene.numerics, variables_of(scene.ideal_bearing())
+    numerics, variables = scene.numerics, variables_of(scene)
     rate = 1e3 / numerics.output_interval_us if keep.signal_rate_kHz is None else keep.signal_rate_kHz
     rollers = scene.bearing.rollers
     columns = sum(rollers if variables[name][0] == PER_ROLLER else 1 for name in keep.signals)

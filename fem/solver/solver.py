@@ -5,7 +5,7 @@ file, checkpoints and the command know solvers by nothing else.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -33,6 +33,10 @@ class Samples:
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.values[name]
+
+    def keys(self) -> Iterable[str]:
+        """Names of the arrays: with them the block can be unpacked as a mapping."""
+        return self.values.keys()
 
     def __len__(self) -> int:
         return len(self.imbalance)

@@ -15,12 +15,12 @@ import numpy as np
 
 from fem.labels import UNITS, labels
 from fem.result.layout import PER_ROLLER, variables_of
-from fem.result.store import program_version
 from fem.study.folder import MISSING, PROGRAM, Folder
 from fem.study.points import LIBRARIES, Points, program
 from fem.study.solving import COMPLETE, Solved
 from fem.study.study_file import QUANTITIES
 from lagrange.scene_keys import unit_of
+from lagrange.version import VERSION
 
 PIECE = 256  # points of signals held at once
 
@@ -66,7 +66,7 @@ def _lay_out(file, points: Points) -> None:
         {
             "title": study.name,
             "program": PROGRAM,
-            "program_version": program_version(),
+            "program_version": VERSION,
             "program_digest": program(),
             "libraries": json.dumps(libraries),
             "study": study.text,

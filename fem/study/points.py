@@ -6,21 +6,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
-from pathlib import Path
 
-import lagrange
-import meshes
 from fem.errors import UsageError
 from fem.result.layout import PER_ROLLER, variables_of
 from fem.solver.solver import sample_count
 from fem.study.sampling import Design
 from fem.study.study_file import KeepTable, Study
 from lagrange.scene import Scene, SceneError
+from lagrange.version import source_digest
 
 FORMAT = 1  # of a point's file
 MOST_FAULTS = 10  # told at once
 LIBRARIES = ("numpy", "scipy", "numba", "pydantic")
-AT_REST = ("pictures", "live", "study")  # folders of the program that no result depends on
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,14 +99,6 @@ def digest_of(scene: Scene, keep: KeepTable) -> str:
 
 @cache
 def program() -> str:
-    """Digest of the program's text, as far as results depend on it, and the libraries' versions."""
-    digest = hashlib.sha256()
-    package = Path(__file__).parent.parent
-    residual = package.with_name("residual")
-    for folder in (package, residual, *(Path(module.__file__).parent for module in (lagrange, meshes))):
-        for path in sorted(folder.rglob("*.py")):
-            if path.relative_to(folder).parts[0] not in AT_REST:
-                digest.update(path.read_bytes())
-    for name in LIBRARIES:
-        digest.update(f"{name} {version(name)}".encode())
-    return digest.hexdigest()[:16]
+    """Digest of the program's own code and of its libraries' versions."""
+    libraries = [f"{name} {version(name)}" for name in LIBRARIES]
+    return hashlib.sha256("\0".join([source_digest(), *libraries]).encode()).hexdigest()[:16]

@@ -16,6 +16,7 @@ import tomli_w
 from pydantic import Field, ValidationError
 
 from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.mounting import Mounting
 from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_columns import Columns
@@ -29,6 +30,7 @@ from lagrange.scene_run import (
     OutputTable,
     ReducedTable,
 )
+from lagrange.scene_support import SensorTable, SupportTable
 from lagrange.scene_surfaces import (
     ProfileTable,
     SpallTable,
@@ -68,6 +70,8 @@ class Scene(Table):
     reduced: ReducedTable = ReducedTable()
     numerics: NumericsTable = NumericsTable()
     output: OutputTable = OutputTable()
+    support: SupportTable | None = None
+    sensor: SensorTable | None = None
     spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
     waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
     unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
@@ -83,7 +87,7 @@ class Scene(Table):
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, *surfaces
+        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, self._support, *surfaces
 
     def _law(self) -> Iterator[str]:
         known = law_names(self._perfect_bearing())
@@ -133,6 +137,17 @@ class Scene(Table):
             yield (
                 f'bodies.{self.bodies.rigid[0]} = "rigid": only with contact.model = "subgrid", not with '
                 f'"{self.contact.model}", whose points of pressure sit on meshes'
+            )
+
+    def _support(self) -> Iterator[str]:
+        if self.mounting().housing is not None and self.model != "fem":
+            yield (
+                f'support.kind = "{self.support.kind}": only with model = "fem", not with "{self.model}", whose outer '
+                "ring stands still; leave one of them out"
+            )
+        if self.sensor is not None and self.mounting().housing is None:
+            yield (
+                '[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'
             )
 
     def _surface_models(self) -> Iterator[str]:
@@ -196,6 +211,14 @@ class Scene(Table):
             inner_mass=o.inner_ring_and_shaft_kg,
             gravity=o.gravity_m_s2,
             first_roller_angle=radians(o.first_roller_deg - 90.0),
+            mounting=self.mounting(),
+        )
+
+    def mounting(self) -> Mounting:
+        """What the bearing stands in, in SI."""
+        return Mounting(
+            housing=None if self.support is None else self.support.housing(),
+            sensor=None if self.sensor is None else self.sensor.sensor(),
         )
 
     @property

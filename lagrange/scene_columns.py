@@ -7,6 +7,7 @@ inner_y = "Y_hub [um]"
 roller_rho = "rho_{j} [mm]"    # {j}: the roller's number; or roller_x and roller_y
 roller_theta = "theta_{j} [deg]"
 inner_force = "Q{j} [N]"       # optional, as are inner_ax, inner_ay, outer_force, inner_traction, outer_traction
+housing_y = "Y_ring [um]"      # with [support] kind = "housing", and housing_x; optional housing_ax, housing_ay
 first_roller = 1               # number of the first roller in the names; default 0
 decimal = ","                  # default "."
 """
@@ -28,6 +29,7 @@ UNITS = {
     "inner_x": LENGTH, "inner_y": LENGTH,
     "roller_x": LENGTH, "roller_y": LENGTH, "roller_rho": LENGTH, "roller_theta": ANGLE,
     "inner_ax": ACCELERATION, "inner_ay": ACCELERATION,
+    "housing_x": LENGTH, "housing_y": LENGTH, "housing_ax": ACCELERATION, "housing_ay": ACCELERATION,
     "inner_force": FORCE, "outer_force": FORCE, "inner_traction": FORCE, "outer_traction": FORCE,
 }  # fmt: skip
 
@@ -46,6 +48,10 @@ class Columns(BaseModel):
     roller_theta: str = "roller_{j}_theta"
     inner_ax: str = "inner_ax"
     inner_ay: str = "inner_ay"
+    housing_x: str = "housing_x"
+    housing_y: str = "housing_y"
+    housing_ax: str = "housing_ax"
+    housing_ay: str = "housing_ay"
     inner_force: str = "roller_{j}_inner_force"
     outer_force: str = "roller_{j}_outer_force"
     inner_traction: str = "roller_{j}_inner_traction"

@@ -7,6 +7,7 @@ Contradictions between the values that can be used are therefore looked for once
 import difflib
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from types import NoneType, UnionType
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
@@ -95,7 +96,7 @@ def _short(text: str) -> str:
 def _table_at(place: Place, model: type[Table]) -> type[BaseModel]:
     table: Any = model
     for part in place:
-        table = get_args(table)[0] if isinstance(part, int) else table.model_fields[part].annotation
+        table = get_args(table)[0] if isinstance(part, int) else _kind(table, part)
     return table
 
 
@@ -126,14 +127,23 @@ def _is_of_one_value(fault: dict[str, Any], model: type[Table]) -> bool:
 
 def _tables(model: type[BaseModel]) -> dict[str, type[Table]]:
     """The tables within a table."""
-    kinds = {name: field.annotation for name, field in model.model_fields.items()}
+    kinds = {name: _kind(model, name) for name in model.model_fields}
     return {name: kind for name, kind in kinds.items() if _is_table(kind)}
 
 
 def _arrays(model: type[BaseModel]) -> dict[str, type[Table]]:
     """The arrays of tables within a table, by the kind of their tables."""
-    kinds = {name: field.annotation for name, field in model.model_fields.items()}
+    kinds = {name: _kind(model, name) for name in model.model_fields}
     return {name: get_args(kind)[0] for name, kind in kinds.items() if get_origin(kind) is list}
+
+
+def _kind(model: type[BaseModel], name: str) -> Any:
+    """The type of a key's value; of a table that may be absent the table's."""
+    kind = model.model_fields[name].annotation
+    if get_origin(kind) is UnionType:
+        given = [each for each in get_args(kind) if each is not NoneType]
+        kind = given[0] if len(given) == 1 else kind
+    return kind
 
 
 def _is_table(kind: Any) -> bool:
@@ -147,7 +157,7 @@ def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], plac
     left_out = [name for name in model.model_fields if not given or (*place, name) in unusable]
     values = {name: value for name, value in data.items() if name in model.model_fields and name not in inner}
     for name, kind in inner.items():
-        if name not in left_out:
+        if name not in left_out and (name in data or model.model_fields[name].default is not None):
             values[name] = _usable(kind, data.get(name, {}), unusable, (*place, name))
     for name, kind in arrays.items():
         if name not in left_out:
@@ -162,7 +172,7 @@ def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], plac
 def _contradictions(table: Table, place: str = "") -> Iterator[str]:
     """All that can be judged without the values left out."""
     for name in _tables(type(table)):
-        if name in table.__dict__:
+        if table.__dict__.get(name) is not None:
             yield from _contradictions(getattr(table, name), f"{place}.{name}".lstrip("."))
     for name in _arrays(type(table)):
         for i, item in enumerate(table.__dict__.get(name, [])):

@@ -27,6 +27,7 @@ TERM_COLOURS = {
     "friction": GREEN,
     "ring_flexibility": BLUE,
     "differentiation": GREY,
+    "outer_ring": SKY,
     "load_and_weight": ORANGE,
     "momentum": PURPLE,
 }

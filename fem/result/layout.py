@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from fem.result.durable import claim
-from lagrange.bearing import Bearing
+from lagrange.scene import SURFACES, Scene
 from lagrange.stored import CHECKSUM
 
 FORMAT_VERSION = 1
@@ -56,12 +56,21 @@ ON_SURFACES = {  # where these are not perfect circles
     "inner_sinkage": (PER_ROLLER, "m", "how much nearer the inner ring and the roller come than perfect circles"),
     "outer_sinkage": (PER_ROLLER, "m", "how much nearer the outer ring and the roller come than perfect circles"),
 }
+ON_HOUSING = {
+    "housing_x": (PER_TIME, "m", "housing and outer ring's centre, x"),
+    "housing_y": (PER_TIME, "m", "housing and outer ring's centre, y"),
+    "housing_ax": (PER_TIME, "m/s2", "acceleration of the housing, x"),
+    "housing_ay": (PER_TIME, "m/s2", "acceleration of the housing, y"),
+    "energy_support": (PER_TIME, "J", "energy of the springs under the housing"),
+    "sensor_ay": (PER_TIME, "m/s2", "acceleration that the sensor shows, y"),
+}
 Variables = Mapping[str, tuple[tuple[str, ...], str, str]]
 
 
-def variables_of(bearing: Bearing) -> Variables:
-    """What each sample of a run of this bearing holds: dimensions, unit and meaning by name."""
-    return VARIABLES | ON_SURFACES if bearing.faults else VARIABLES
+def variables_of(scene: Scene) -> Variables:
+    """What each sample of a run of this scene holds: dimensions, unit and meaning by name."""
+    found = VARIABLES | {name: ON_HOUSING[name] for name in scene.mounting().columns}
+    return found | ON_SURFACES if any(getattr(scene, name) for name in SURFACES) else found
 
 
 @dataclass(frozen=True, kw_only=True)

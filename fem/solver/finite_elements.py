@@ -126,7 +126,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         float(loaded.equilibrium.outer_force.max()),
         5.0 * operation.radial_load / model.bearing.n_rollers,
     )
-    critical = critical_time_step(model, expected)
+    critical = critical_time_step(model, expected, operation.mounting.housing)
     interval = 1e-6 * numerics.output_interval_us
     steps = max(1, ceil(interval / (numerics.time_step_safety * critical)))
     looks = ceil(steps / LONGEST_UNWATCHED)

@@ -63,7 +63,7 @@ class RowState(RunState):
 
     @property
     def _row_width(self) -> int:
-        return N_SCALARS + len(BLOCKS) * self.plan.model.bearing.n_rollers
+        return N_SCALARS + len(BLOCKS) * self.plan.model.bearing.n_rollers + len(self.reader.further)
 
     def _take_long_sample(self) -> tuple[np.ndarray, int, int, int] | None:
         """One sample in parts, between which the run can be stopped: then None, and the arrays are as before."""

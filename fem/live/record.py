@@ -24,7 +24,7 @@ class Record:
         """Take the next samples."""
         acceleration = np.array([samples["inner_ax"], samples["inner_ay"]])
         self._acceleration = np.concatenate([self._acceleration, acceleration], axis=1)[:, -LONGEST:]
-        place = np.array(from_outer_ring(samples.values, "inner"))
+        place = np.array(from_outer_ring(samples, "inner"))
         self._orbit = np.concatenate([self._orbit, place], axis=1)[:, -LONGEST:]
 
     def orbit(self) -> np.ndarray:

@@ -64,6 +64,7 @@ def _command(
     find_faults: Annotated[
         bool, Parameter(negative="", help="look for a spall in the trajectories: body, angle, width, or none")
     ] = False,
+    no_figures: Annotated[bool, Parameter(negative="", help="draw no figures, half of a report's time")] = False,
     compare_laws: Annotated[bool, Parameter(negative="", help="print every law's error force, ranked")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
 ) -> int:
@@ -82,7 +83,7 @@ def _command(
     search = _search(evaluation.record) if find_faults else None
     for note in evaluation.notes:
         say(f"warning: {path}: {note}")
-    write_report(evaluation, folder, tolerance, search)
+    write_report(evaluation, folder, tolerance, search, not no_figures)
     if not quiet:
         with telling():
             _print_summary(evaluation, folder, tolerance, compare_laws, search)

@@ -35,6 +35,7 @@ class Direction:
     peaks: list[Peak]
     levels: list[LineLevel]  # of kinematic lines and resolved sidebands
     envelope: Envelope | None
+    term_spectra: dict[str, Spectrum]  # of each term of the budget
     vibration: Vibration  # of the hub, by the run's own acceleration where the source tells it
 
 
@@ -157,6 +158,7 @@ def evaluate(
             peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines),
             levels=line_levels(spectrum, lines),
             envelope=envelope(part.error, interval, resonance, _slowest(lines)),
+            term_spectra={name: power_spectrum(term, interval, _slowest(lines)) for name, term in part.terms.items()},
             vibration=vibration(acceleration, interval, lines),
         )
 
@@ -204,12 +206,6 @@ def _observed(ideal: Kinematics, record: Record) -> Kinematics:
 def _slowest(lines: dict[str, float]) -> float:
     """Frequency of the slowest line, Hz; 0 for a standing bearing."""
     return min(lines.values(), default=0.0)
-
-
-def term_spectra(evaluation: Evaluation, direction: Direction) -> dict[str, Spectrum]:
-    """Spectrum of each term of a direction's budget, N²/Hz."""
-    interval, slowest = evaluation.record.interval, _slowest(evaluation.lines)
-    return {name: power_spectrum(term, interval, slowest) for name, term in direction.budget.terms.items()}
 
 
 def _identify(

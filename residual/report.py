@@ -11,12 +11,12 @@ from lagrange.pages import as_it_is, render_page
 from residual.evaluation import Evaluation
 from residual.fault_finding import FaultSearch
 from residual.fault_tables import search_sentences
+from residual.figures import SavedFigure
 from residual.interactive import spectra_json
 from residual.law_tables import fit_sentences, ranking_rows, ranking_span
 from residual.line_tables import level_rows, watched_rows
 from residual.meaning import meaning
 from residual.picture import picture_of
-from residual.plotting import SavedFigure
 from residual.quasistatic import QuasiStatic
 from residual.tables import (
     budget_rows,
@@ -31,7 +31,7 @@ from residual.vibration_tables import envelope_rows, vibration_rows, vibration_s
 from residual.words import text
 
 TEMPLATES = Path(__file__).parent / "templates"
-GROUPS = ("paper", "motion", "vibration", "search", "budget")  # of figures, each with a place of its own on the page
+GROUPS = ("motion", "spectra", "vibration", "search", "budget", "paper")  # of figures, by their places on the page
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.kinematics import Kinematics
+from residual.fourier import density, frequencies, peaks, pieces, prominence
 
-WINDOW = "hann"
 MAIN_LOBE = 2.0  # half-width of the Hann window's main lobe, in bins: nearer than this two lines are one peak
 NOISE_BINS = 1.5  # noise bandwidth of the Hann window, bins
 HARMONICS = {"shaft": 3, "FTF": 1, "BSF": 1, "BPFO": 5, "BPFI": 5}
@@ -82,8 +82,6 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
     The integral is the variance weighted by the squared window: equal to the variance for a stationary
     signal. A bin half-way off a line reads up to 30 % low in density; the rms over the main lobe does not.
     """
-    from scipy.signal import welch  # costs a second to import
-
     signal = np.asarray(signal, dtype=float)
     n = signal.size
     length = n
@@ -91,12 +89,11 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
         wanted = int(np.ceil(REVOLUTIONS_PER_SEGMENT / slowest_line / interval))
         if n >= 2 * wanted:
             length = wanted
-    frequency, psd = welch(
-        signal - signal.mean(), fs=1.0 / interval, window=WINDOW, nperseg=length, noverlap=length // 2,
-        detrend="constant", scaling="density",
-    )  # fmt: skip
-    segments = 1 + (n - length) // (length - length // 2)
-    return Spectrum(frequency=frequency, psd=psd, resolution=1.0 / (length * interval), segments=segments)
+    segments = pieces(signal - signal.mean(), length, length - length // 2)
+    psd = density(segments - segments.mean(axis=1, keepdims=True), interval).mean(axis=0)
+    return Spectrum(
+        frequency=frequencies(length, interval), psd=psd, resolution=1.0 / (length * interval), segments=len(segments)
+    )
 
 
 def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> list[Peak]:
@@ -110,8 +107,6 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
     Frequency: a few thousandths of a bin for an isolated line (Hann, two-bin interpolation); a line nearer to
     zero frequency or to another line than two bins can't be told from it and has `resolved` False.
     """
-    from scipy.signal import find_peaks as scipy_peaks
-
     psd, step = spectrum.psd, spectrum.resolution
     if psd.size < 5 or not np.max(psd) > 0.0:
         return []
@@ -122,23 +117,22 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
     factor = np.log2(psd.size / FALSE_PEAKS) ** (1.0 / np.sqrt(spectrum.segments))
     padded = np.concatenate([[-np.inf], level, [-np.inf]])
     padded[~np.isfinite(padded)] = level.min() - 1.0
-    at, _ = scipy_peaks(padded, prominence=np.log(PROMINENCE))
-    at -= 1
+    at = peaks(padded) - 1
     keep = (level[at] > background[at] + np.log(factor)) & (psd[at] > DYNAMIC_RANGE * psd.max()) & (at > 0)
-    at = at[keep]
+    at = np.array([i for i in at[keep] if prominence(padded, i + 1) >= np.log(PROMINENCE)], dtype=int)
     at = at[np.argsort(psd[at])[::-1][:most]]
     return [_describe(spectrum, int(i), step, lines) for i in at]
 
 
 def smooth_background(spectrum: Spectrum) -> np.ndarray:
     """Mean density of the smooth background, N²/Hz, (n_frequencies,): what is there without any line."""
-    from scipy.stats import chi2
+    from scipy.special import chdtri
 
     if spectrum.psd.size < 5 or not np.max(spectrum.psd) > 0.0:
         return np.zeros_like(spectrum.psd)
     level = np.log(np.maximum(spectrum.psd, np.max(spectrum.psd) * 1e-30))
     freedom = 2.0 * spectrum.segments
-    return np.exp(_background(spectrum.frequency, level)) * freedom / chi2.ppf(0.5, freedom)
+    return np.exp(_background(spectrum.frequency, level)) * freedom / chdtri(freedom, 0.5)
 
 
 def _background(frequency: np.ndarray, level: np.ndarray) -> np.ndarray:

@@ -4,8 +4,8 @@ import numpy as np
 
 from residual.evaluation import Direction, Evaluation
 from residual.moments import Statistics
+from residual.one_roller import chosen_roller, roller_radial
 from residual.paper import PEAK, is_paper
-from residual.paper_figures import chosen_roller, roller_radial
 from residual.spectrum import MAIN_LOBE, Peak
 from residual.words import text, words
 

@@ -16,10 +16,12 @@ import tomli_w
 from pydantic import Field, ValidationError
 
 from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.cage import Cage
 from lagrange.catalogue import designations, inner_ring_and_shaft
 from lagrange.mounting import Mounting
 from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
+from lagrange.scene_cage import CageTable, cage_faults
 from lagrange.scene_columns import Columns
 from lagrange.scene_faults import Check, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
@@ -82,6 +84,7 @@ class Scene(Table):
     output: OutputTable = OutputTable()
     support: SupportTable | None = None
     sensor: SensorTable | None = None
+    cage: CageTable | None = None
     spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
     waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
     unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
@@ -103,7 +106,8 @@ class Scene(Table):
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, self._support, *surfaces
+        tables = self._rigid_contacts, self._support, self._cage
+        return self._law, self._mass, self._mesh, self._fields, *tables, *surfaces
 
     def _law(self) -> Iterator[str]:
         known = law_names(self._perfect_bearing())
@@ -166,6 +170,15 @@ class Scene(Table):
                 '[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'
             )
 
+    def _cage(self) -> Iterator[str]:
+        if self.cage is not None:
+            yield from cage_faults(self._perfect_bearing(), self.cage)
+            if self.cage.guidance == "outer_ring" and self.mounting().housing is not None:
+                yield (
+                    'cage.guidance = "outer_ring": not in a housing that moves; take "rollers" or "inner_ring", or '
+                    "leave [support] out"
+                )
+
     def _surface_models(self) -> Iterator[str]:
         given = [f"[[{name}]]" for name in SURFACES if getattr(self, name)]
         if given and self.bearing.type == "ball":
@@ -217,6 +230,10 @@ class Scene(Table):
             inner_groove_radius=MM * b.inner_conformity * b.roller_diameter_mm,
             outer_groove_radius=MM * b.outer_conformity * b.roller_diameter_mm,
         )
+
+    def ideal_cage(self) -> Cage | None:
+        """The cage in SI; None: there is none."""
+        return None if self.cage is None else self.cage.cage(self._perfect_bearing())
 
     def ideal_operation(self) -> Operation:
         """The operating point in SI; the first roller's angle from +x."""

@@ -7,7 +7,6 @@ Contradictions between the values that can be used are therefore looked for once
 import difflib
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from types import NoneType, UnionType
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
@@ -96,8 +95,14 @@ def _short(text: str) -> str:
 def _table_at(place: Place, model: type[Table]) -> type[BaseModel]:
     table: Any = model
     for part in place:
-        table = get_args(table)[0] if isinstance(part, int) else _kind(table, part)
+        table = get_args(table)[0] if isinstance(part, int) else _kind(table.model_fields[part].annotation)
     return table
+
+
+def _kind(annotation: Any) -> Any:
+    """What a field holds; of a table that may be absent the table."""
+    tables = [kind for kind in get_args(annotation) if _is_table(kind)]
+    return tables[0] if tables and type(None) in get_args(annotation) else annotation
 
 
 def _keys(model: type[BaseModel]) -> list[str]:
@@ -134,23 +139,14 @@ def _is_of_one_value(fault: dict[str, Any], model: type[Table]) -> bool:
 
 def _tables(model: type[BaseModel]) -> dict[str, type[Table]]:
     """The tables within a table."""
-    kinds = {name: _kind(model, name) for name in model.model_fields}
+    kinds = {name: _kind(field.annotation) for name, field in model.model_fields.items()}
     return {name: kind for name, kind in kinds.items() if _is_table(kind)}
 
 
 def _arrays(model: type[BaseModel]) -> dict[str, type[Table]]:
     """The arrays of tables within a table, by the kind of their tables."""
-    kinds = {name: _kind(model, name) for name in model.model_fields}
+    kinds = {name: field.annotation for name, field in model.model_fields.items()}
     return {name: get_args(kind)[0] for name, kind in kinds.items() if get_origin(kind) is list}
-
-
-def _kind(model: type[BaseModel], name: str) -> Any:
-    """The type of a key's value; of a table that may be absent the table's."""
-    kind = model.model_fields[name].annotation
-    if get_origin(kind) is UnionType:
-        given = [each for each in get_args(kind) if each is not NoneType]
-        kind = given[0] if len(given) == 1 else kind
-    return kind
 
 
 def _is_table(kind: Any) -> bool:
@@ -164,7 +160,8 @@ def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], plac
     left_out = [name for name in model.model_fields if not given or (*place, name) in unusable]
     values = {name: value for name, value in data.items() if name in model.model_fields and name not in inner}
     for name, kind in inner.items():
-        if name not in left_out and (name in data or model.model_fields[name].default is not None):
+        absent = name not in data and model.model_fields[name].default is None
+        if name not in left_out and not absent:
             values[name] = _usable(kind, data.get(name, {}), unusable, (*place, name))
     for name, kind in arrays.items():
         if name not in left_out:

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.jit import OPTIONS
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body, write_body
+from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.sample_kernels import DISSIPATED, WORK_GRAVITY
 from fem.kernels.state import Drive
 from fem.solver.simulate import make_plan, run
@@ -44,7 +44,6 @@ def swing(body, drive, rows):
     for i in range(rows.shape[0]):
         kick_body(body, drive)
         add_motion(body, drive, rows[i], 0)
-        write_body(body, drive, rows[i])
         drift_body(body, drive)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.kernels import ring_kernels
 from fem.kernels.jit import part, verb
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body, write_body
+from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.sample_kernels import DISSIPATED, WORK_GRAVITY
 from fem.kernels.state import Ring
 
@@ -129,10 +129,6 @@ def _drift(body, drive):
 def _add_motion(body, drive, out, kinetic):
     for k in range(2):
         out[kinetic] += 0.5 * body.mass * body.before[k] * body.velocity[k]
-
-
-@write_body.of(Housing)
-def _write(body, drive, out):
     place, dt, at = body.place, drive.dt, body.column
     out[WORK_GRAVITY] -= drive.gravity * body.mass * place[1]
     out[DISSIPATED] += body.dissipated[0] - 0.5 * dt * (body.drag[0] * body.before[0] + body.drag[1] * body.before[1])

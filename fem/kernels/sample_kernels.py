@@ -10,7 +10,7 @@ from fem.kernels.drive_kernels import radial_load_at
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.law import contact_energy
-from fem.kernels.other_bodies import add_all_motion, write_others
+from fem.kernels.other_bodies import add_all_motion
 from fem.kernels.rigid_surfaces import turning_energy
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.shear_kernels import spring_energy
@@ -90,7 +90,6 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     out[ELASTIC] = elastic_energy(bodies, drive, scratch)  # after what needs the velocities before
     out[CONTACT] = 0.0
     add_contact_energy(groups, contacts, rollers.n, contacts.points, out)
-    add_all_motion(bodies.others, drive, out, KINETIC)
     out[WORK_LOAD] = drive.sums[0] - 0.5 * radial_load_at(drive, time) * dt * before[1]
     out[WORK_GRAVITY] = -drive.gravity * weighted_height(bodies, drive)
     rubbed = 0.0
@@ -100,7 +99,6 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     stored = spring_energy(friction.shear, friction.traction, rollers.n)
     out[CONTACT] += stored
     out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed - stored
-    write_others(bodies.others, drive, out)
     n = rollers.n
     for j in range(n):
         at = N_SCALARS + j
@@ -112,6 +110,7 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
             out[at + (4 + row) * n] = forces.force[row, j]
         for row in range(2):
             out[at + (7 + row) * n] = friction.traction[row, j]
+    add_all_motion(bodies.others, drive, out, KINETIC)
 
 
 @part(inlined=False)

@@ -64,6 +64,20 @@ ON_HOUSING = {
     "energy_support": (PER_TIME, "J", "energy of the springs under the housing"),
     "sensor_ay": (PER_TIME, "m/s2", "acceleration that the sensor shows, y"),
 }
+WITH_A_CAGE = {
+    "cage_x": (PER_TIME, "m", "cage centre, x"),
+    "cage_y": (PER_TIME, "m", "cage centre, y"),
+    "cage_angle": (PER_TIME, "rad", "how far the cage has turned since t = 0"),
+    "cage_speed": (PER_TIME, "rad/s", "cage's angular speed"),
+    "cage_guidance_x": (PER_TIME, "N", "force of the guiding ring on the cage, x; 0 where rollers guide it"),
+    "cage_guidance_y": (PER_TIME, "N", "force of the guiding ring on the cage, y; 0 where rollers guide it"),
+    "cage_work_dashpots": (PER_TIME, "J", "dissipated by the cage's dashpots since the start"),
+    "cage_work_friction": (PER_TIME, "J", "dissipated by the cage's friction since the start"),
+    "cage_work_drag": (PER_TIME, "J", "taken by the cage's drag since the start"),
+    "cage_force": (PER_ROLLER, "N", "cage on roller, along the pitch circle: forward where > 0, by the rear wall"),
+    "cage_radial_force": (PER_ROLLER, "N", "cage on roller, outward"),
+    "cage_moment": (PER_ROLLER, "N m", "cage's friction on roller, about the roller's centre"),
+}
 ATTRIBUTES = {  # of the file
     "format_version": "of this layout",
     "program": "what wrote it",
@@ -89,8 +103,9 @@ Variables = Mapping[str, tuple[tuple[str, ...], str, str]]
 
 def variables_of(scene: Scene) -> Variables:
     """What each sample of a run of this scene holds: dimensions, unit and meaning by name."""
-    found = VARIABLES | {name: ON_HOUSING[name] for name in scene.mounting().columns}
-    return found | ON_SURFACES if any(getattr(scene, name) for name in SURFACES) else found
+    uneven = any(getattr(scene, name) for name in SURFACES)
+    of_housing = {name: ON_HOUSING[name] for name in scene.mounting().columns}
+    return VARIABLES | of_housing | (ON_SURFACES if uneven else {}) | ({} if scene.cage is None else WITH_A_CAGE)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fem.kernels import sample_kernels as row
+from fem.solver.cage_arrays import cage_columns
 from fem.solver.solver import Samples
 from lagrange.mounting import from_outer_ring
 
@@ -17,7 +18,8 @@ class SampleReader:
 
     def __init__(self, plan):
         self._n = plan.model.bearing.n_rollers
-        self.further = plan.operation.mounting.columns  # columns of a row behind those of the rollers
+        self._further = plan.operation.mounting.columns  # columns of a row behind those of the rollers
+        self._has_cage = plan.scene.cage is not None
         self._looks = plan.looks
         self._interval = plan.interval
         self._count = 0
@@ -48,12 +50,13 @@ class SampleReader:
         n = self._n
         end = row.N_SCALARS + n * len(row.BLOCKS)
         blocks = rows[:, row.N_SCALARS : end].reshape(len(rows), len(row.BLOCKS), n)
+        at = end + len(self._further)
         block = {name: blocks[:, i] for i, name in enumerate(row.BLOCKS)}
-        further = {name: rows[:, end + i] for i, name in enumerate(self.further)}
+        further = {name: rows[:, end + i] for i, name in enumerate(self._further)}
         x, y = from_outer_ring(block | further, "roller")
         works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1)
         kinetic, stored = rows[:, row.KINETIC], rows[:, row.ELASTIC] + rows[:, row.CONTACT]
-        moved = kinetic + further["energy_support"] if self.further else kinetic
+        moved = kinetic + further["energy_support"] if self._further else kinetic
         if self._base is None:
             self._base = works[0], rows[0, row.DISSIPATED], moved[0], stored[0]
         work, dissipated = works - self._base[0], rows[:, row.DISSIPATED] - self._base[1]
@@ -86,6 +89,8 @@ class SampleReader:
             "work_dissipated": dissipated,
             **further,
         }
+        if self._has_cage:
+            values |= cage_columns(rows, n, at)
         self._count += len(rows)
         imbalance = gained + (stored - self._base[3]) - work + dissipated
         return Samples(values=values, imbalance=imbalance, exchanged=exchanged)

@@ -2,16 +2,18 @@
 
 Where the source holds the run's own contact forces, the error splits exactly:
 
-    error = differentiation + outer_ring + contact_law + friction + load_and_weight + ring_flexibility
+    error = differentiation + outer_ring + contact_law + friction + load_and_weight
+            + ring_flexibility (or other_forces)
 
 differentiation   M (our acceleration − the integrator's), of the hub relative to the outer ring
 outer_ring        the same of the outer ring, where a housing moves it
 contact_law       − Σ (law − run's normal force): what the law costs, and that it takes each contact alone
 friction          Σ traction on the inner ring, which (22), (23) leave out
 load_and_weight   W + M g of the equations less what acted in the run: the load ramp of a start from rest
-ring_flexibility  the rest: inertia of the elastic ring, whose centre of mass is not the hub; the solver's own error
+ring_flexibility  the rest of a run of ours: inertia of the elastic ring, whose centre of mass is not the hub
+other_forces      the rest of a table from elsewhere: what acts on the hub and stands in no column, as a damper
 
-and the momentum balance, the run's own forces in place of the law, is differentiation + outer_ring + ring_flexibility.
+and the momentum balance, the run's own forces in place of the law, is differentiation + outer_ring + the rest.
 """
 
 from dataclasses import dataclass
@@ -120,7 +122,14 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
             friction = traction_resultant(circles, record.inner_traction)
         load = np.zeros_like(errors[0]), missing_load(record)
         laws = run_push[0] - law_push[0], run_push[1] - law_push[1]
-        x, y = map(_split, errors, differentiation, outer_ring, laws, friction, load)
+        rest = "ring_flexibility" if record.attributes else "other_forces"
+        pairs = {
+            "differentiation": differentiation, "outer_ring": outer_ring, "contact_law": laws,
+            "friction": friction, "load_and_weight": load,
+        }  # fmt: skip
+        x, y = (
+            _split(error, {name: pair[axis] for name, pair in pairs.items()}, rest) for axis, error in enumerate(errors)
+        )
         loaded = record.inner_force > 0.0
     return Budget(x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded)
 
@@ -139,18 +148,14 @@ def _differentiation(record: Record, accelerations: Accelerations):
     return hub, outer_ring
 
 
-def _split(error, differentiation, outer_ring, contact_law, friction, load_and_weight) -> DirectionBudget:
-    """Budget of one direction. Terms for which the source holds no data are None; the last term takes them over."""
-    known = {
-        "differentiation": differentiation, "outer_ring": outer_ring, "contact_law": contact_law,
-        "friction": friction, "load_and_weight": load_and_weight,
-    }  # fmt: skip
+def _split(error, known: dict[str, np.ndarray | None], rest: str) -> DirectionBudget:
+    """Budget of one direction. Terms for which the source holds no data are None; the term `rest` takes them over."""
     terms = {name: term for name, term in known.items() if term is not None}
     momentum = error
     for name in ("contact_law", "friction", "load_and_weight"):
         if name in terms:
             momentum = momentum - terms[name]
-    terms["ring_flexibility"] = error - sum(terms.values())
+    terms[rest] = error - sum(terms.values())
     return DirectionBudget(error=error, terms=terms, momentum=momentum)
 
 

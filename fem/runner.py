@@ -133,7 +133,8 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     seen = state.progress
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
-            print_run(state, read_blocks(path, COLUMNS), path)
+            names = (*COLUMNS, *plan.scene.mounting().columns[:2])
+            print_run(state, read_blocks(path, names), path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 
 

@@ -19,6 +19,7 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.cage import Cage
 from lagrange.catalogue import designations, inner_ring_and_shaft
+from lagrange.mounting import Mounting
 from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_cage import CageTable, cage_faults
@@ -33,6 +34,7 @@ from lagrange.scene_run import (
     OutputTable,
     ReducedTable,
 )
+from lagrange.scene_support import SensorTable, SupportTable
 from lagrange.scene_surfaces import (
     ProfileTable,
     SpallTable,
@@ -81,6 +83,8 @@ class Scene(Table):
     reduced: ReducedTable = ReducedTable()
     numerics: NumericsTable = NumericsTable()
     output: OutputTable = OutputTable()
+    support: SupportTable | None = None
+    sensor: SensorTable | None = None
     cage: CageTable | None = None
     spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
     waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
@@ -124,7 +128,8 @@ class Scene(Table):
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, self._cage, *surfaces
+        tables = self._rigid_contacts, self._support, self._cage
+        return self._law, self._mass, self._mesh, self._fields, *tables, *surfaces
 
     def _law(self) -> Iterator[str]:
         known = law_names(self._perfect_bearing())
@@ -176,9 +181,25 @@ class Scene(Table):
                 f'"{self.contact.model}", whose points of pressure sit on meshes'
             )
 
+    def _support(self) -> Iterator[str]:
+        if self.mounting().housing is not None and self.model != "fem":
+            yield (
+                f'support.kind = "{self.support.kind}": only with model = "fem", not with "{self.model}", whose outer '
+                "ring stands still; leave one of them out"
+            )
+        if self.sensor is not None and self.mounting().housing is None:
+            yield (
+                '[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'
+            )
+
     def _cage(self) -> Iterator[str]:
         if self.cage is not None:
             yield from cage_faults(self._perfect_bearing(), self.cage)
+            if self.cage.guidance == "outer_ring" and self.mounting().housing is not None:
+                yield (
+                    'cage.guidance = "outer_ring": not in a housing that moves; take "rollers" or "inner_ring", or '
+                    "leave [support] out"
+                )
 
     def _surface_models(self) -> Iterator[str]:
         given = [f"[[{name}]]" for name in SURFACES if getattr(self, name)]
@@ -245,6 +266,14 @@ class Scene(Table):
             inner_mass=o.inner_ring_and_shaft_kg,
             gravity=o.gravity_m_s2,
             first_roller_angle=radians(o.first_roller_deg - 90.0),
+            mounting=self.mounting(),
+        )
+
+    def mounting(self) -> Mounting:
+        """What the bearing stands in, in SI."""
+        return Mounting(
+            housing=None if self.support is None else self.support.housing(),
+            sensor=None if self.sensor is None else self.sensor.sensor(),
         )
 
     @property

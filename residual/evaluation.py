@@ -6,7 +6,7 @@ import numpy as np
 
 from lagrange.kinematics import Kinematics, kinematics
 from lagrange.raceway_laws import caution
-from residual.budget import Budget, DirectionBudget, chatter_gap, error_budget, near_contact_change
+from residual.budget import Accelerations, Budget, DirectionBudget, chatter_gap, error_budget, near_contact_change
 from residual.comparison import FITTED, LawScore, identify, inner_law, rank_laws
 from residual.differentiate import Floor, derivative, floor, response
 from residual.envelope import Envelope, envelope
@@ -148,8 +148,13 @@ def evaluate(
     interval = record.interval
     first, why = _first_sample(record, start)
     notes += why
-    acceleration_x = derivative(record.inner_x, interval, order=order)[first:]
-    acceleration_y = derivative(record.inner_y, interval, order=order)[first:]
+    accelerations = Accelerations(
+        hub=tuple(derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y)),
+        outer_ring=tuple(
+            None if place is None else derivative(place, interval, order=order)[first:]
+            for place in (record.housing_x, record.housing_y)
+        ),
+    )
     approach = record.contacts.inner
     closing_speed = derivative(approach, interval, 1, order)[first:]
     used = record.samples(slice(first, None))
@@ -157,7 +162,7 @@ def evaluate(
     identified, unfitted = _identify(used, approach[first:], closing_speed, chatter, law)
     if isinstance(law, str):
         law = identified[law].law
-    budget = error_budget(used, law, acceleration_x, acceleration_y, closing_speed)
+    budget = error_budget(used, law, accelerations, closing_speed)
     ideal = kinematics(record.bearing, record.operation.speed)
     lines = kinematic_lines(_observed(ideal, used))
     far = ~near_contact_change(budget.loaded, order // 2)
@@ -180,8 +185,13 @@ def evaluate(
             vibration=vibration(acceleration, interval, lines),
         )
 
-    x = direction("x", budget.x, used.inner_x, acceleration_x if used.inner_ax is None else used.inner_ax)
-    y = direction("y", budget.y, used.inner_y, acceleration_y if used.inner_ay is None else used.inner_ay)
+    x, y = (
+        direction(name, part, place, whole if own is None else own)
+        for name, part, place, whole, own in zip(
+            "xy", (budget.x, budget.y), (used.inner_x, used.inner_y), accelerations.whole,
+            (used.inner_ax, used.inner_ay), strict=True,
+        )
+    )  # fmt: skip
     watched = [(watched_level(x.spectrum, name, lines), watched_level(y.spectrum, name, lines)) for name in watch]
     notes += [_unresolved_note(level, x.spectrum.resolution) for level, _ in watched if not level.resolved]
     notes += _rate_notes(resonance, interval, order)

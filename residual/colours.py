@@ -11,7 +11,9 @@ TERM_COLOURS = {
     "contact_law": RED,
     "friction": GREEN,
     "ring_flexibility": BLUE,
+    "other_forces": BLUE,
     "differentiation": GREY,
+    "outer_ring": SKY,
     "load_and_weight": ORANGE,
     "momentum": PURPLE,
 }

@@ -64,7 +64,6 @@ class LagrangeTable(Table):
     """Options of the Lagrangian model: of its own solution and of what trajectories are checked against."""
 
     law: str = "harris"
-    damping_N_s_m: float = Field(0.0, ge=0.0, le=1e6)
     angles: Literal["kinematic", "free"] = "kinematic"
 
 

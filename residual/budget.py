@@ -2,10 +2,11 @@
 
 Where the source holds the run's own contact forces, the error splits exactly:
 
-    error = differentiation + contact_law + friction + load_and_weight + ring_flexibility
+    error = differentiation + contact_law + damping + friction + load_and_weight + ring_flexibility
 
 differentiation   M (our acceleration − the integrator's)
 contact_law       − Σ (law − run's normal force): what the law costs, and that it takes each contact alone
+damping           − Σ (law − run's damping force) of the inner contacts, where either has any; no part of contact_law
 friction          Σ traction on the inner ring, which (22), (23) leave out
 load_and_weight   W + M g of the equations less what acted in the run: the load ramp of a start from rest
 ring_flexibility  the rest: inertia of the elastic ring, whose centre of mass is not the hub; the solver's own error
@@ -21,7 +22,7 @@ from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.kinematics import kinematics
 from lagrange.load_ramp import load_share
 from lagrange.overlap import Overlaps
-from residual.fitted_laws import Law, law_force
+from residual.fitted_laws import DampedLaw, Law, spring_and_damper
 from residual.record import Record
 
 CHATTER = 0.05  # of a cage revolution
@@ -90,7 +91,8 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
     """
     operation = record.operation
     contacts = record.contacts
-    force = law_force(law, contacts.inner, closing_speed, contacts.inner_compliance)
+    spring, damper = spring_and_damper(law, contacts.inner, closing_speed, contacts.inner_compliance)
+    force = spring + damper
     contacts = contacts.under(force)
     law_push = contact_resultant(contacts, force)
     errors = error_forces(operation, acceleration_x, acceleration_y, *law_push)
@@ -98,8 +100,13 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
         x, y = (DirectionBudget(error=error, terms={}, momentum=None) for error in errors)
         loaded = contacts.inner > 0.0
     else:
-        run_push = contact_resultant(contacts, record.inner_force)
-        differentiation, friction = (None, None), (None, None)
+        differentiation, friction, damping = (None, None), (None, None), (None, None)
+        run_spring, run_damper = record.inner_force, 0.0
+        if record.inner_damping_force is not None:
+            run_spring, run_damper = record.inner_force - record.inner_damping_force, record.inner_damping_force
+        if record.inner_damping_force is not None or isinstance(law, DampedLaw):
+            damping = contact_resultant(contacts, run_damper - damper)
+        laws = contact_resultant(contacts, run_spring - spring)
         if record.inner_ax is not None and record.inner_ay is not None:
             differentiation = (
                 operation.inner_mass * (acceleration_x - record.inner_ax),
@@ -109,21 +116,20 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
             circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
             friction = traction_resultant(circles, record.inner_traction)
         load = np.zeros_like(errors[0]), missing_load(record)
-        laws = run_push[0] - law_push[0], run_push[1] - law_push[1]
-        x, y = map(_split, errors, differentiation, laws, friction, load)
+        known = {
+            "differentiation": differentiation, "contact_law": laws, "damping": damping, "friction": friction,
+            "load_and_weight": load,
+        }  # fmt: skip
+        x, y = (_split(error, {name: term[i] for name, term in known.items()}) for i, error in enumerate(errors))
         loaded = record.inner_force > 0.0
     return Budget(x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded)
 
 
-def _split(error, differentiation, contact_law, friction, load_and_weight) -> DirectionBudget:
+def _split(error, known) -> DirectionBudget:
     """Budget of one direction. Terms for which the source holds no data are None; the last term takes them over."""
-    known = {
-        "differentiation": differentiation, "contact_law": contact_law, "friction": friction,
-        "load_and_weight": load_and_weight,
-    }  # fmt: skip
     terms = {name: term for name, term in known.items() if term is not None}
     momentum = error
-    for name in ("contact_law", "friction", "load_and_weight"):
+    for name in ("contact_law", "damping", "friction", "load_and_weight"):
         if name in terms:
             momentum = momentum - terms[name]
     terms["ring_flexibility"] = error - sum(terms.values())

@@ -24,6 +24,7 @@ BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
 TERM_COLOURS = {
     "error": "black",
     "contact_law": RED,
+    "damping": SKY,
     "friction": GREEN,
     "ring_flexibility": BLUE,
     "differentiation": GREY,

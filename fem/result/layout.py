@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from fem.result.durable import claim
-from lagrange.bearing import Bearing
+from lagrange.scene import Scene
 from lagrange.stored import CHECKSUM
 
 FORMAT_VERSION = 1
@@ -49,19 +49,26 @@ VARIABLES = {
     "energy_elastic": (PER_TIME, "J", "elastic energy of the meshes"),
     "energy_contact": (PER_TIME, "J", "elastic energy of the contacts below the grid"),
     "work_external": (PER_TIME, "J", "work of load, gravity and drive since the start"),
-    "work_dissipated": (PER_TIME, "J", "work dissipated by friction since the start"),
+    "work_dissipated": (PER_TIME, "J", "work dissipated since the start"),
 }
 ON_SURFACES = {  # where these are not perfect circles
     "roller_turn": (PER_ROLLER, "rad", "how far the roller has turned about its axis since t = 0, fixed frame"),
     "inner_sinkage": (PER_ROLLER, "m", "how much nearer the inner ring and the roller come than perfect circles"),
     "outer_sinkage": (PER_ROLLER, "m", "how much nearer the outer ring and the roller come than perfect circles"),
 }
+WITH_DAMPING = {  # where contacts or bodies have dampers
+    "inner_damping_force": (PER_ROLLER, "N", "part of inner_force that damping gives"),
+    "outer_damping_force": (PER_ROLLER, "N", "part of outer_force that damping gives"),
+    "work_damping_contact": (PER_TIME, "J", "part of work_dissipated that contacts have damped"),
+    "work_damping_bodies": (PER_TIME, "J", "part of work_dissipated that bodies have damped"),
+}
 Variables = Mapping[str, tuple[tuple[str, ...], str, str]]
 
 
-def variables_of(bearing: Bearing) -> Variables:
-    """What each sample of a run of this bearing holds: dimensions, unit and meaning by name."""
-    return VARIABLES | ON_SURFACES if bearing.faults else VARIABLES
+def variables_of(scene: Scene) -> Variables:
+    """What each sample of a run of this scene holds: dimensions, unit and meaning by name."""
+    on_surfaces = ON_SURFACES if scene.has_faults else {}
+    return VARIABLES | on_surfaces | (WITH_DAMPING if scene.damping.acts else {})
 
 
 @dataclass(frozen=True, kw_only=True)

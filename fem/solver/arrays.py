@@ -14,6 +14,7 @@ from fem.kernels.simd import WIDTH
 from fem.kernels.state import (
     Bodies,
     Contacts,
+    Dampers,
     Disc,
     DiscSurface,
     Drive,
@@ -95,6 +96,7 @@ GIVEN = {
     Points: ("shift", "tangent", "rise", "sagitta", "stiffness"),
     Shear: ("level",),
     Spread: ("missing", "inverse"),
+    Dampers: ("whole",),
 }
 STATE_INDICES = {Patches: ("start",), Spread: ("closed",)}
 

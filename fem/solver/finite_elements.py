@@ -12,6 +12,7 @@ from fem.contacts.model import Model
 from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
+from fem.solver.damping_arrays import with_damping
 from fem.solver.description import expected_seconds, mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
@@ -73,9 +74,10 @@ class ElementPlan(CompiledPlan):
         numerics = self.scene.numerics
         ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
         friction = self.scene.contact.friction_coefficient
-        return make_arrays(
+        arrays = make_arrays(
             self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force, numerics.threads
         )
+        return with_damping(arrays, self.model, self.scene.damping)
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> None:
         """Compile the time loop, or load it compiled, without taking a step."""

@@ -1,6 +1,7 @@
 """The command `run-fem`. Imports little: everything heavy waits until a scene has been read."""
 
 import gc
+import json
 import os
 import re
 import sys
@@ -16,18 +17,23 @@ from fem.outcome import Outcome
 from fem.solver.simulate import SOLVERS
 
 RUNS = Path("runs")
+EXAMPLES = (
+    "paper",
+    "NU206",
+    "spindle",
+    "faults",
+    "table",
+    "all",
+)  # fem.examples has them; it imports too much for --help
 BROKEN_PIPE = 1  # the code with which rich leaves where nobody reads its output any more
 MOST_THREADS = 4096
 LONGEST_NAME = 120  # characters of a result's name; file systems take 255 bytes with the ending
 
 
 def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
+    from lagrange.version import VERSION
 
-    try:
-        return version("roller-bearing-fem")
-    except PackageNotFoundError:
-        return "not installed"
+    return VERSION
 
 
 def new_app(name: str, text: str) -> App:
@@ -71,6 +77,7 @@ def _run(
     model: Annotated[Literal[tuple(SOLVERS)] | None, Parameter(help="what solves it; default: the scene's")] = None,
     mesh_size: Annotated[float | None, Parameter(help="surface node distance, mm")] = None,
     duration: Annotated[float | None, Parameter(help="simulated time, ms; 0: static equilibrium only")] = None,
+    bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's: NU204 to NU216")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
     dry_run: Annotated[bool, Parameter(negative="", help="check, show the plan and run nothing")] = False,
     resume: Annotated[bool, Parameter(negative="", help="go on from the output file's checkpoint")] = False,
@@ -81,11 +88,24 @@ def _run(
     checkpoint: Annotated[
         float | None, Parameter(help="seconds of wall time between checkpoints; default: 10, on slow disks more")
     ] = None,
+    example: Annotated[
+        Literal[EXAMPLES] | None,
+        Parameter(help="write a commented scene, or all keys, here or to --output, and run nothing"),
+    ] = None,
+    schema: Annotated[bool, Parameter(negative="", help="print the scene's JSON schema, for editors")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="no progress, no summary")] = False,
 ) -> int:
-    from lagrange.scene import read_scene
+    if example is not None:
+        return _write_example(example, output, force)
+    from lagrange.scene import Scene, read_scene
+
+    if schema:
+        print(json.dumps(Scene.model_json_schema(), indent=1, ensure_ascii=False))
+        return Outcome.COMPLETE.code
 
     overrides = list(set or ())
+    if bearing is not None:
+        overrides.insert(0, f'bearing={{designation="{bearing}"}}')
     if model is not None:
         overrides.append(f"model={model}")
     if mesh_size is not None:
@@ -107,6 +127,19 @@ def _run(
         refuse_another_run(path, chosen)
     options = RunOptions(resume=resume, quiet=quiet, estimate_error=estimate_error, checkpoint_seconds=checkpoint)
     return run_scene(chosen, path, options).code
+
+
+def _write_example(name: str, path: Path | None, force: bool) -> int:
+    from fem.examples import write_example
+    from lagrange.messages import shown
+
+    scene, *others = write_example(name, path, force)
+    for file in (scene, *others):
+        print(f"wrote {shown(file)}")
+    print(
+        f"next: check-residual {shown(others[0])} --scene {shown(scene)}" if others else f"next: run-fem {shown(scene)}"
+    )
+    return Outcome.COMPLETE.code
 
 
 def result_name(scene_name: str, settings: Sequence[str]) -> str:

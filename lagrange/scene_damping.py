@@ -13,10 +13,19 @@ FORMER = "damping_N_s_m"  # of [lagrange], before all models had dampers: scenes
 
 
 class DampingTable(Table):
-    contact_N_s_m: float = Field(0.0, ge=0.0, le=1e6)
-    contact_time_us: float = Field(0.0, ge=0.0, le=1000.0)
-    hunt_crossley_s_m: float = Field(0.0, ge=0.0, le=1000.0)
-    bodies_1_s: float = Field(0.0, ge=0.0, le=1e6)
+    """What takes energy beside friction. Of the contacts' three laws one may be given; none makes a contact pull."""
+
+    contact_N_s_m: float = Field(0.0, ge=0.0, le=1e6, description="of every closed contact")
+    contact_time_us: float = Field(0.0, ge=0.0, le=1000.0, description="or a time, times the contact's own stiffness")
+    hunt_crossley_s_m: float = Field(
+        0.0,
+        ge=0.0,
+        le=1000.0,
+        description="or Hunt and Crossley's α: force times 1 + 3/2 α times the approach's rate",
+    )
+    bodies_1_s: float = Field(
+        0.0, ge=0.0, le=1e6, description="mass proportional, of what bodies do beside moving and turning as a whole"
+    )
 
     def checks(self) -> tuple[Check, ...]:
         return (self._one_law,)

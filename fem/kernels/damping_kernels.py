@@ -2,7 +2,7 @@
 
 A contact's damper stands beside the law below the grid. It pushes as the law does, along W n, with a force that is
 implicit in its own patches' velocity after the step, F = c v, so that none shortens the step, and with the law it never
-pulls. Contacts are solved for one after another, each with what those before have given.
+pulls. Contacts of a raceway are solved for at once, or one after another where they share rigid bodies.
 
 The rate is that of the law's approach. Velocities of nodes at a fixed patch tell how it changes in a kick; what the
 patch's own way along deformed surfaces adds, which hardly changes from step to step, is the difference between how
@@ -35,26 +35,11 @@ def _of_ring(ring, patches, side, j, nx, ny):
     out, light, node = 0.0, 0.0, patches.start[side, j]
     for k in range(N_NODES * len(patches.units)):
         at, share = node + HALO, patches.weight[side, k, j]
-        out += (
-            patches.along[side, k, j] * ring.w[ring.row, 0, at] + patches.across[side, k, j] * ring.w[ring.row, 1, at]
-        )
+        out += patches.along[side, k, j] * ring.w[ring.row, 0, at]
+        out += patches.across[side, k, j] * ring.w[ring.row, 1, at]
         light += share * share
         node = next_node(node, ring.n_nodes)
     return out, light / ring.node_mass
-
-
-@part
-def _of_column(disc, patches, side, j, column):
-    """The same of roller `column`, against its centre of mass."""
-    out, light, node, columns = 0.0, 0.0, patches.start[side, j], disc.columns
-    bx, by = patches.outward[side, 0, j], patches.outward[side, 1, j]
-    for k in range(N_NODES * len(patches.units)):
-        i, share = disc.first + node, patches.weight[side, k, j]
-        at = i * 2 * columns + column
-        out += share * (bx * disc.w[at] + by * disc.w[at + columns])
-        light += share * share * disc.lightness[i]
-        node = next_node(node, disc.n_nodes)
-    return out, light
 
 
 @velocity_out.of(Hub)
@@ -64,12 +49,20 @@ def _of_hub(hub, patches, side, j, nx, ny):
 
 @verb
 def roller_out(disc, patches, side, j, column):
-    """`velocity_out` of a roller's patch, against its centre of mass."""
+    """`velocity_out` of a patch of roller `column`, against its centre of mass."""
 
 
 @roller_out.of(DiscSurface)
-def _roller_with_nodes(disc, patches, side, j, column):
-    return _of_column(disc, patches, side, j, column)
+def _of_roller(disc, patches, side, j, column):
+    out, light, node, columns = 0.0, 0.0, patches.start[side, j], disc.columns
+    bx, by = patches.outward[side, 0, j], patches.outward[side, 1, j]
+    for k in range(N_NODES * len(patches.units)):
+        i, share = disc.first + node, patches.weight[side, k, j]
+        at = i * 2 * columns + column
+        out += share * (bx * disc.w[at] + by * disc.w[at + columns])
+        light += share * share * disc.lightness[i]
+        node = next_node(node, disc.n_nodes)
+    return out, light
 
 
 @roller_out.of(RigidDisc)

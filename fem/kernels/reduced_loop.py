@@ -58,8 +58,8 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             over = drive.dt / bodies.hub_mass
             bodies.hub_velocity[0] += over * hub_x
             bodies.hub_velocity[1] += over * (hub_y - radial_load) - drive.gravity * drive.dt
-            damp_contacts(forces.dampers, bodies, compliance, forces, before, drive.dt)
             _push_cage(bodies.cage, bodies, drive)
+            damp_contacts(forces.dampers, bodies, compliance, forces, before, drive.dt)
             if inside == 0:
                 out = samples[row]
                 _write_motion(bodies, forces, drive, before, out, time)

@@ -2,11 +2,13 @@
 
 Where the source holds the run's own contact forces, the error splits exactly:
 
-    error = differentiation + contact_law + friction + load_and_weight + ring_flexibility
+    error = differentiation + contact_law + friction + cage + load_and_weight + ring_flexibility
 
 differentiation   M (our acceleration − the integrator's)
 contact_law       − Σ (law − run's normal force): what the law costs, and that it takes each contact alone
-friction          Σ traction on the inner ring, which (22), (23) leave out
+friction          Σ traction on the inner ring, which (22), (23) leave out, less what the cage's forces are part of
+cage              of a run with one: the tractions that stand against its forces on the rollers, by the rollers' own
+                  equations of motion; its force on the inner ring where that guides it
 load_and_weight   W + M g of the equations less what acted in the run: the load ramp of a start from rest
 ring_flexibility  the rest: inertia of the elastic ring, whose centre of mass is not the hub; the solver's own error
 
@@ -21,6 +23,7 @@ from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.kinematics import kinematics
 from lagrange.load_ramp import load_share
 from lagrange.overlap import Overlaps
+from residual.cage import push_on_hub, traction_against
 from residual.fitted_laws import Law, law_force
 from residual.record import Record
 
@@ -99,7 +102,7 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
         loaded = contacts.inner > 0.0
     else:
         run_push = contact_resultant(contacts, record.inner_force)
-        differentiation, friction = (None, None), (None, None)
+        differentiation, friction, cage = (None, None), (None, None), (None, None)
         if record.inner_ax is not None and record.inner_ay is not None:
             differentiation = (
                 operation.inner_mass * (acceleration_x - record.inner_ax),
@@ -108,22 +111,33 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
         if record.inner_traction is not None:
             circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
             friction = traction_resultant(circles, record.inner_traction)
+            friction, cage = _cage_apart(record, circles, friction)
         load = np.zeros_like(errors[0]), missing_load(record)
         laws = run_push[0] - law_push[0], run_push[1] - law_push[1]
-        x, y = map(_split, errors, differentiation, laws, friction, load)
+        x, y = map(_split, errors, differentiation, laws, friction, cage, load)
         loaded = record.inner_force > 0.0
     return Budget(x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded)
 
 
-def _split(error, differentiation, contact_law, friction, load_and_weight) -> DirectionBudget:
+def _cage_apart(record: Record, circles: Overlaps, friction):
+    """Terms of friction and of the cage, x and y each, from the resultant of all tractions; no cage's are None."""
+    if record.cage is None:
+        return friction, (None, None)
+    against = traction_resultant(circles, traction_against(record.cage, record.bearing))
+    pushed = push_on_hub(record.cage, record.scene.ideal_cage())
+    rest = tuple(all_of_it - part for all_of_it, part in zip(friction, against, strict=True))
+    return rest, tuple(part + push for part, push in zip(against, pushed, strict=True))
+
+
+def _split(error, differentiation, contact_law, friction, cage, load_and_weight) -> DirectionBudget:
     """Budget of one direction. Terms for which the source holds no data are None; the last term takes them over."""
     known = {
-        "differentiation": differentiation, "contact_law": contact_law, "friction": friction,
+        "differentiation": differentiation, "contact_law": contact_law, "friction": friction, "cage": cage,
         "load_and_weight": load_and_weight,
     }  # fmt: skip
     terms = {name: term for name, term in known.items() if term is not None}
     momentum = error
-    for name in ("contact_law", "friction", "load_and_weight"):
+    for name in ("contact_law", "friction", "cage", "load_and_weight"):
         if name in terms:
             momentum = momentum - terms[name]
     terms["ring_flexibility"] = error - sum(terms.values())

@@ -10,6 +10,7 @@ TERM_COLOURS = {
     "error": "black",
     "contact_law": RED,
     "friction": GREEN,
+    "cage": SKY,
     "ring_flexibility": BLUE,
     "differentiation": GREY,
     "load_and_weight": ORANGE,

@@ -150,10 +150,11 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
 
     from lagrange.messages import shown
     from residual.fault_tables import search_sentences
+    from residual.headline import headline
     from residual.law_tables import fit_sentences
     from residual.line_tables import watched_rows
-    from residual.tables import error_rows, verdict
-    from residual.words import text
+    from residual.tables import error_rows, peak_name
+    from residual.words import hertz
 
     console = Console(highlight=False)
     table = Table(title=f"Residual of {shown(evaluation.record.name)}", title_justify="left")
@@ -167,7 +168,7 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
     console.print(f"Loaded rollers: {low} to {high}")
     for direction in evaluation.directions:
         named = [
-            f"{text(p.frequency)} Hz ({p.line or 'no line'}{'' if p.resolved else ', not resolved'})"
+            f"{hertz(p.frequency)} ({_told(peak_name(p))}{'' if p.resolved else ', not resolved'})"
             for p in direction.peaks[:4]
         ]
         console.print(f"Peaks of error_{direction.name}: {'; '.join(named) or 'none stands out'}", soft_wrap=True)
@@ -181,8 +182,12 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
             console.print(sentence, soft_wrap=True, markup=False)
     if compare_laws:
         _print_laws(console, evaluation)
-    console.print(verdict(evaluation, tolerance), soft_wrap=True)
+    console.print(headline(evaluation, tolerance), soft_wrap=True)
     console.print(f"Report: {shown(folder / 'report.html')}", soft_wrap=True, markup=False)
+
+
+def _told(name: str) -> str:
+    return "no line" if name == "-" else name
 
 
 def _print_laws(console, evaluation) -> None:

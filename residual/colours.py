@@ -12,7 +12,9 @@ TERM_COLOURS = {
     "friction": GREEN,
     "cage": SKY,
     "ring_flexibility": BLUE,
+    "other_forces": BLUE,
     "differentiation": GREY,
+    "outer_ring": SKY,
     "load_and_weight": ORANGE,
     "momentum": PURPLE,
 }

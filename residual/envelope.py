@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from residual.fourier import analytic_band
 from residual.moments import rms
 from residual.spectrum import Spectrum, power_spectrum
 
@@ -51,12 +50,15 @@ def band_envelope(signal, interval: float, low: float, high: float, slowest_line
     Zero-phase Butterworth filter, then the analytic signal. At either end about three periods of the band's width
     are transient; the spectrum's window hides them.
     """
+    from scipy.signal import butter, hilbert, sosfiltfilt
+
     signal = np.asarray(signal, dtype=float)
     high = min(high, TOP_OF_NYQUIST * 0.5 / interval)
     if (high - low) * signal.size * interval < TRANSIENT:
         return None
-    analytic = analytic_band(signal - signal.mean(), interval, low, high, FILTER_ORDER)
-    band, level = analytic.real, np.abs(analytic)
+    sections = butter(FILTER_ORDER, (low, high), "bandpass", fs=1.0 / interval, output="sos")
+    band = sosfiltfilt(sections, signal - signal.mean(), padlen=min(signal.size - 1, 60))
+    level = np.abs(hilbert(band))
     return Envelope(
         low=low, high=high, rms=rms(band), band=band, level=level,
         spectrum=power_spectrum(level, interval, slowest_line),

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from residual.fourier import density, frequencies, pieces
+from residual.spectrum import WINDOW
 
 PASSAGE_SHARE = 0.5  # of a roller passage: what happens once per roller is told apart
 RECORD_SHARE = 1.0 / 32.0  # of the signal, where nothing passes
@@ -35,16 +35,19 @@ def short_time_spectrum(signal, interval: float, passing: float = 0.0) -> ShortT
     ------
     A piece of length T tells apart 2/T in frequency and T/2 in time; pieces that reach beyond the signal are left out.
     """
+    from scipy.signal import ShortTimeFFT
+
     signal = np.asarray(signal, dtype=float)
     duration = PASSAGE_SHARE / passing if passing > 0.0 else RECORD_SHARE * signal.size * interval
     length = max(FEWEST_IN_WINDOW, round(duration / interval))
     if signal.size < 4 * length:
         return None
     hop = max(1, min(length // 2, signal.size // MOST_COLUMNS))
-    psd = density(pieces(signal - signal.mean(), length, hop), interval).T
+    transform = ShortTimeFFT.from_window(
+        WINDOW, 1.0 / interval, length, length - hop, fft_mode="onesided2X", scale_to="psd"
+    )
+    first, last = transform.lower_border_end[1], transform.upper_border_begin(signal.size)[1]
+    psd = transform.spectrogram(signal - signal.mean(), p0=first, p1=last)
     return ShortTime(
-        time=(length // 2 + hop * np.arange(psd.shape[1])) * interval,
-        frequency=frequencies(length, interval),
-        psd=psd,
-        length=length * interval,
+        time=transform.t(signal.size, first, last), frequency=transform.f, psd=psd, length=length * interval
     )

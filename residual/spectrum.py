@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.kinematics import Kinematics
-from residual.fourier import density, frequencies, peaks, pieces, prominence
 
+WINDOW = "hann"
 MAIN_LOBE = 2.0  # half-width of the Hann window's main lobe, in bins: nearer than this two lines are one peak
 NOISE_BINS = 1.5  # noise bandwidth of the Hann window, bins
 HARMONICS = {"shaft": 3, "FTF": 1, "BSF": 1, "BPFO": 5, "BPFI": 5}
@@ -18,6 +18,7 @@ REVOLUTIONS_PER_SEGMENT = 40
 FALSE_PEAKS = 0.01  # expected number of peaks that noise alone would show, had it a known background
 DYNAMIC_RANGE = 1e-8  # peaks this far below the largest are leakage or round-off
 PROMINENCE = 4.0  # a peak stands at least this factor above the saddles beside it
+MOST_OTHERS = 2  # lines that a peak may be too: a record that tells hardly any apart would name them all
 BACKGROUND_BINS = 61  # width of the running median
 
 
@@ -49,6 +50,7 @@ class Peak:
     psd: float  # N²/Hz, of the highest bin
     rms: float  # N, of the main lobe
     line: str | None  # kinematic line within the resolution
+    also: tuple[str, ...] = ()  # what else it may be: other lines within the resolution, the hub on its contacts
     resolved: bool  # no other line, nor zero frequency, within the main lobe
 
 
@@ -82,6 +84,8 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
     The integral is the variance weighted by the squared window: equal to the variance for a stationary
     signal. A bin half-way off a line reads up to 30 % low in density; the rms over the main lobe does not.
     """
+    from scipy.signal import welch  # costs half a second to import
+
     signal = np.asarray(signal, dtype=float)
     n = signal.size
     length = n
@@ -89,11 +93,12 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
         wanted = int(np.ceil(REVOLUTIONS_PER_SEGMENT / slowest_line / interval))
         if n >= 2 * wanted:
             length = wanted
-    segments = pieces(signal - signal.mean(), length, length - length // 2)
-    psd = density(segments - segments.mean(axis=1, keepdims=True), interval).mean(axis=0)
-    return Spectrum(
-        frequency=frequencies(length, interval), psd=psd, resolution=1.0 / (length * interval), segments=len(segments)
-    )
+    frequency, psd = welch(
+        signal - signal.mean(), fs=1.0 / interval, window=WINDOW, nperseg=length, noverlap=length // 2,
+        detrend="constant", scaling="density",
+    )  # fmt: skip
+    segments = 1 + (n - length) // (length - length // 2)
+    return Spectrum(frequency=frequency, psd=psd, resolution=1.0 / (length * interval), segments=segments)
 
 
 def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> list[Peak]:
@@ -107,6 +112,8 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
     Frequency: a few thousandths of a bin for an isolated line (Hann, two-bin interpolation); a line nearer to
     zero frequency or to another line than two bins can't be told from it and has `resolved` False.
     """
+    from scipy.signal import find_peaks as scipy_peaks
+
     psd, step = spectrum.psd, spectrum.resolution
     if psd.size < 5 or not np.max(psd) > 0.0:
         return []
@@ -117,9 +124,10 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
     factor = np.log2(psd.size / FALSE_PEAKS) ** (1.0 / np.sqrt(spectrum.segments))
     padded = np.concatenate([[-np.inf], level, [-np.inf]])
     padded[~np.isfinite(padded)] = level.min() - 1.0
-    at = peaks(padded) - 1
+    at, _ = scipy_peaks(padded, prominence=np.log(PROMINENCE))
+    at -= 1
     keep = (level[at] > background[at] + np.log(factor)) & (psd[at] > DYNAMIC_RANGE * psd.max()) & (at > 0)
-    at = np.array([i for i in at[keep] if prominence(padded, i + 1) >= np.log(PROMINENCE)], dtype=int)
+    at = at[keep]
     at = at[np.argsort(psd[at])[::-1][:most]]
     return [_describe(spectrum, int(i), step, lines) for i in at]
 
@@ -151,11 +159,13 @@ def _describe(spectrum: Spectrum, i: int, step: float, lines: dict[str, float]) 
     line = near[0][1] if near and near[0][0] <= step else None
     reach = MAIN_LOBE * step
     others = [name for distance, name in near if distance < reach and name != line]
+    also = tuple(name for distance, name in near if distance <= step and name != line)[:MOST_OTHERS]
     return Peak(
         frequency=frequency,
         psd=float(spectrum.psd[i]),
         rms=spectrum.band_rms((i - 2.5) * step, (i + 2.5) * step),
         line=line,
+        also=also,
         resolved=not others and frequency >= reach,
     )
 

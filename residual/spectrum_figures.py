@@ -8,6 +8,7 @@ from matplotlib.colors import LogNorm
 from residual.colours import BLUE, LINE_COLOURS, SKY, family
 from residual.evaluation import Evaluation
 from residual.figures import SavedFigure
+from residual.lines import HUB
 from residual.panels import COLOUR_BAR, colour_bar, panels
 from residual.plotting import legend_above, line_handles, log_panel, mark_lines, save
 from residual.short_time import short_time_spectrum
@@ -33,7 +34,7 @@ def whole_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
                              label=f"hub on its contacts ≈ {evaluation.resonance / 1e3:.3g} kHz")
             )  # fmt: skip
         for peak in direction.peaks:
-            colour = LINE_COLOURS[family(peak.line)] if peak.line else "black"
+            colour = LINE_COLOURS[family(peak.line)] if peak.line else SKY if HUB in peak.also else "black"
             mark = axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour,
                              markerfacecolor=colour if peak.resolved else "white", linestyle="none")  # fmt: skip
             mark[0].set_clip_on(False)

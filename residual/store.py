@@ -130,7 +130,7 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
         _scale(file, "frequency", evaluation.x.spectrum.frequency, "Hz", "frequency")
         for name, (value, long_name) in series.items():
             _variable(file, name, value, "time", "N", long_name)
-        count = np.sum(budget.loaded, axis=1).astype(np.int32)
+        count = evaluation.loaded_count.astype(np.int32)
         _variable(file, "loaded_rollers", count, "time", "1", "rollers in the load zone")
         for name, (psd, of) in _densities(evaluation).items():
             _variable(file, name, psd, "frequency", "N2 Hz-1", f"one-sided PSD of {of}")

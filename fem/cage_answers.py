@@ -6,6 +6,8 @@ from math import tau
 
 import numpy as np
 
+from lagrange.mounting import from_outer_ring
+
 COLUMNS = ("cage_x", "cage_y", "cage_angle", "cage_force", "cage_radial_force", "cage_guidance_x", "cage_guidance_y")
 CENTRED = 1e-9  # m: nearer to the middle the centre has no direction
 
@@ -25,7 +27,7 @@ class SeenCage:
 
     def add(self, samples: Mapping[str, np.ndarray]) -> None:
         """Take in some more samples, by the result file's names."""
-        x, y, angle = samples["cage_x"], samples["cage_y"], samples["cage_angle"]
+        (x, y), angle = from_outer_ring(samples, "cage"), samples["cage_angle"]
         off, direction = np.hypot(x, y), np.arctan2(y, x)
         first = self.samples == 0
         turned = np.diff(direction, prepend=direction[0] if first else self.last_direction)

@@ -117,8 +117,10 @@ def relative(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     found = dict(arrays)
     for axis in "xy":
         moved = arrays.get(f"housing_{axis}")
-        for body in ("inner", "roller") if moved is not None else ():
-            place = arrays[f"{body}_{axis}"]
+        for body in ("inner", "roller", "cage") if moved is not None else ():
+            place = arrays.get(f"{body}_{axis}")
+            if place is None:
+                continue
             if place.shape[0] != moved.shape[0]:
                 raise InputError(f"housing_{axis}: {moved.shape[0]} samples, {body}_{axis} has {place.shape[0]}")
             found[f"{body}_{axis}"] = (place.T - moved).T

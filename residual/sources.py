@@ -111,6 +111,7 @@ def _from_file(path: Path, file) -> Record:
         arrays[TURN] = _turned(arrays["time"], read_numbers(file, SPIN, n))
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
     energies = {name: arrays.pop(name) for name in ENERGIES if name in arrays}
+    arrays = relative(arrays)
     cage = CageMotion(**{COLUMNS[name]: arrays.pop(name) for name in of_cage}) if of_cage else None
     status = attributes.setdefault("status", "unknown")
     notes = [warning for warning in attributes.get("warnings", "").splitlines() if warning]
@@ -120,7 +121,7 @@ def _from_file(path: Path, file) -> Record:
         notes.append(f"only the first {n} of {file['time'].shape[0]} samples are committed")
     return Record(
         name=shown(path.stem), source=path, scene=scene, energies=energies, cage=cage, attributes=attributes,
-        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **relative(arrays),
+        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **arrays,
     )  # fmt: skip
 
 

@@ -11,6 +11,7 @@ TERM_COLOURS = {
     "contact_law": RED,
     "damping": PURPLE,
     "friction": GREEN,
+    "cage": SKY,
     "ring_flexibility": BLUE,
     "other_forces": BLUE,
     "differentiation": GREY,

@@ -40,6 +40,7 @@ def draw_figures(evaluation, statics, parts, folder: Path) -> dict[str, list[Sav
 
     from residual.against_figures import against_figures
     from residual.budget_figures import budget_figures
+    from residual.cage_figures import cage_figure
     from residual.fault_figures import fault_figures
     from residual.motion_figures import motion_figures
     from residual.paper_figures import paper_figures
@@ -51,7 +52,7 @@ def draw_figures(evaluation, statics, parts, folder: Path) -> dict[str, list[Sav
     with plt.rc_context(STYLE):
         drawn = {
             "against": [] if parts.other is None else against_figures(evaluation, parts.other, folder),
-            "motion": motion_figures(evaluation, statics, folder),
+            "motion": [*motion_figures(evaluation, statics, folder), *filter(None, [cage_figure(evaluation, folder)])],
             "vibration": [*vibration_figures(evaluation, folder), *passage_figures(evaluation, folder)],
             "search": [] if parts.search is None else fault_figures(parts.search, folder),
         }

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import pairwise
-from math import pi, radians
+from math import pi
 from pathlib import Path
 from typing import Any, Literal
 
@@ -21,11 +21,11 @@ from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_columns import Columns
 from lagrange.scene_faults import Check, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
+from lagrange.scene_operation import OperationTable
 from lagrange.scene_run import (
     ContactTable,
     LagrangeTable,
     NumericsTable,
-    OperationTable,
     OutputTable,
     ReducedTable,
 )
@@ -42,7 +42,6 @@ from lagrange.scene_surfaces import (
 
 LONGEST_TEXT = 2**20  # characters of a scene
 MOST_FAULTS = 15  # told at once: a file that is no scene may have thousands
-RPM = 2.0 * pi / 60.0
 MM = 1e-3
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
@@ -83,7 +82,7 @@ class Scene(Table):
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, *surfaces
+        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, self._courses, *surfaces
 
     def _law(self) -> Iterator[str]:
         known = law_names(self._perfect_bearing())
@@ -133,6 +132,14 @@ class Scene(Table):
             yield (
                 f'bodies.{self.bodies.rigid[0]} = "rigid": only with contact.model = "subgrid", not with '
                 f'"{self.contact.model}", whose points of pressure sit on meshes'
+            )
+
+    def _courses(self) -> Iterator[str]:
+        yield from self.operation.duration_faults(self.numerics.duration_ms)
+        if self.operation.changes and self.model == "fem" and self.contact.model != "subgrid":
+            yield (
+                f'operation.{self.operation.changes}: only with contact.model = "subgrid", not with '
+                f'"{self.contact.model}", which is there to compare contacts; leave one of them out'
             )
 
     def _surface_models(self) -> Iterator[str]:
@@ -188,20 +195,14 @@ class Scene(Table):
         )
 
     def ideal_operation(self) -> Operation:
-        """The operating point in SI; the first roller's angle from +x."""
-        o = self.operation
-        return Operation(
-            speed=o.speed_rpm * RPM,
-            radial_load=o.radial_load_N,
-            inner_mass=o.inner_ring_and_shaft_kg,
-            gravity=o.gravity_m_s2,
-            first_roller_angle=radians(o.first_roller_deg - 90.0),
-        )
+        """The operating point in SI."""
+        return self.operation.ideal()
 
     @property
     def files(self) -> dict[str, str]:
         """Texts of the files that it names, by their digests, as far as they are at hand."""
-        return {table.sha256: table.content for table in self.profile if table.content is not None}
+        profiles = {table.sha256: table.content for table in self.profile if table.content is not None}
+        return profiles | self.operation.files
 
     def to_toml(self) -> str:
         """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.

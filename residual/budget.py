@@ -7,7 +7,7 @@ Where the source holds the run's own contact forces, the error splits exactly:
 differentiation   M (our acceleration − the integrator's)
 contact_law       − Σ (law − run's normal force): what the law costs, and that it takes each contact alone
 friction          Σ traction on the inner ring, which (22), (23) leave out
-load_and_weight   W + M g of the equations less what acted in the run: the load ramp of a start from rest
+load_and_weight   loads and M g of the equations less what acted in the run: the load ramp of a start from rest
 ring_flexibility  the rest: inertia of the elastic ring, whose centre of mass is not the hub; the solver's own error
 
 and the momentum balance, the run's own forces in place of the law, is differentiation + ring_flexibility.
@@ -69,11 +69,12 @@ def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.nda
     )
 
 
-def missing_load(record: Record) -> np.ndarray:
-    """Load of the equations that does not act yet during the ramp of a start from rest, N, (n_times,)."""
-    numerics = record.scene.numerics
+def missing_load(record: Record) -> tuple[np.ndarray, np.ndarray]:
+    """Load of (22), and of (23), that does not act yet during the ramp of a start from rest, N, each (n_times,)."""
+    numerics, acting = record.scene.numerics, record.acting
     ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
-    return record.operation.radial_load * (1.0 - load_share(record.time, ramp))
+    missing = 1.0 - load_share(record.time, ramp)
+    return -acting.side_load * missing, acting.radial_load * missing
 
 
 def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closing_speed) -> Budget:
@@ -88,7 +89,7 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
     ------
     The terms add up to the error to round-off, about 1e-12 of the load.
     """
-    operation = record.operation
+    operation = record.acting
     contacts = record.contacts
     force = law_force(law, contacts.inner, closing_speed, contacts.inner_compliance)
     contacts = contacts.under(force)
@@ -108,7 +109,7 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
         if record.inner_traction is not None:
             circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
             friction = traction_resultant(circles, record.inner_traction)
-        load = np.zeros_like(errors[0]), missing_load(record)
+        load = missing_load(record)
         laws = run_push[0] - law_push[0], run_push[1] - law_push[1]
         x, y = map(_split, errors, differentiation, laws, friction, load)
         loaded = record.inner_force > 0.0
@@ -151,7 +152,8 @@ def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
 
 def chatter_gap(record: Record) -> int:
     """Longest opening within one pass through the load zone, samples: 5 % of a cage revolution."""
-    cage = kinematics(record.bearing, record.operation.speed).frequencies["FTF"]
+    speed = float(np.mean(np.abs(record.acting.speed)))
+    cage = kinematics(record.bearing, speed).frequencies["FTF"]
     samples = record.time.size // 50
     if cage > 0.0:
         samples = min(samples, int(CHATTER / cage / record.interval))

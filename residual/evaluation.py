@@ -49,7 +49,7 @@ class Evaluation:
     budget: Budget
     x: Direction
     y: Direction
-    lines: dict[str, float]  # kinematic lines, Hz
+    lines: dict[str, float]  # kinematic lines, Hz; none where the shaft stands, or its speed changes
     watched: list[tuple[LineLevel, LineLevel]]  # lines the user asked for, in x and y
     ideal_cage: float  # Hz, of rolling without slip; `lines` go by the run's own cage speed
     resonance: float  # Hz, estimate of the inner ring on its contacts
@@ -135,8 +135,8 @@ def evaluate(
     if isinstance(law, str):
         law = identified[law].law
     budget = error_budget(used, law, acceleration_x, acceleration_y, closing_speed)
-    ideal = kinematics(record.bearing, record.operation.speed)
-    lines = kinematic_lines(_observed(ideal, used))
+    ideal = kinematics(record.bearing, float(np.mean(used.acting.speed)))
+    lines = {} if used.varies_speed else kinematic_lines(_observed(ideal, used))
     far = ~near_contact_change(budget.loaded, order // 2)
     resonance = _resonance(used, law, budget)
 

@@ -33,7 +33,7 @@ def _sound(evaluation: Evaluation) -> str:
 
 
 def _mean(evaluation: Evaluation) -> str:
-    load = evaluation.record.operation.radial_load
+    load = evaluation.record.load
     if load <= 0.0:
         return ""
     missing = evaluation.y.error.mean / load
@@ -73,7 +73,7 @@ def _best(evaluation: Evaluation) -> str:
 
 
 def _omitted(evaluation: Evaluation) -> str:
-    budget, load = evaluation.budget, evaluation.record.operation.radial_load
+    budget, load = evaluation.budget, evaluation.record.load
     words = {"friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring"}
     largest = {
         name: max(rms(budget.x.terms[name]), rms(budget.y.terms[name])) for name in words if name in budget.x.terms

@@ -20,7 +20,7 @@ def verdict(evaluation: Evaluation, tolerance: float | None) -> str:
     error_x, error_y = evaluation.judged
     worst = max(error_x.rms, error_y.rms)
     part = "" if evaluation.identification is None else ", on the part of the record that the law was not fitted to"
-    load = evaluation.record.operation.radial_load
+    load = evaluation.record.load
     share = f", at most {100.0 * worst / load:.3g} % of the load" if load > 0.0 else ""
     found = (
         f"with the contact law {evaluation.law.name}, equations (22) and (23) are off by "
@@ -82,7 +82,7 @@ def paper_rows(evaluation: Evaluation) -> list[list[str]]:
         ["7", "d²ρ/dt², mm/s²", "±5·10^6", span(acceleration, 1e3, 3)],
         ["text", "rollers in the load zone", "6 … 7", f"{low} … {high}"],
         ["8", "left side of (22), N", "±3000 around 0", span(budget.x.error)],
-        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.operation.radial_load - budget.y.error)],
+        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.load - budget.y.error)],
         ["10", "strongest peak of (22), 0-300 Hz", "near 22 Hz, 2.5·10^10", _band_peak(evaluation.x)],
         ["11", "strongest peak of (23), 0-300 Hz", "near 22 Hz, 1.5·10^7", _band_peak(evaluation.y)],
     ]

@@ -81,7 +81,7 @@ class ResultFile:
         self._path = real_path(path)
         self._attributes = _attributes(plan, setup_seconds) | attributes
         self._plan = plan
-        self._bearing, self._speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().speed
+        self._bearing, self._operation = plan.scene.ideal_bearing(), plan.scene.ideal_operation()
         self._variables = variables_of(self._bearing)
         self._events: list[SpallEvent] | None = None  # known when the run has ended, on bearings with spalls
         self._path.parent.mkdir(parents=True, exist_ok=True)
@@ -184,7 +184,7 @@ class ResultFile:
 
     def append(self, samples: Mapping[str, np.ndarray]) -> None:
         """Add samples by variable; committed when COMMIT_SECONDS have gone by."""
-        samples = with_sinkages(self._bearing, self._speed, samples)
+        samples = with_sinkages(self._bearing, self._operation, samples)
         with self._named():
             for name in self._variables:
                 place = self._places.data[name] + self._count * self._places.width[name]
@@ -225,7 +225,7 @@ class ResultFile:
         self.commit()
         if spalls(self._bearing):
             with self._named(), h5py.File(self._path, "r", locking=False) as file:
-                self._events = events_of(self._bearing, self._speed, file, self._count)
+                self._events = events_of(self._bearing, self._operation, file, self._count)
         outcome = dict(attributes, status=status)
         self._attributes |= outcome
         try:

@@ -56,6 +56,7 @@ def pair_groups(model: "Model", inner: Ring, outer: Ring, drive: Drive, data: "K
         mass=drive.mass,
         speed=drive.speed,
         radius=hub.raceway_radius,
+        course=drive.course,
     )
     if not hub.material.rigid:
         inner_surface = _ring_surface(hub, inner, data.ripples[INNER])
@@ -242,8 +243,8 @@ def _overlapping(model: "Model", width: float) -> int | None:
 def _reach(model: "Model", operation: Operation) -> float:
     """A gap that elastic motion can't close: far above any contact's approach, and twice the growth under rotation."""
     ring, disc = model.inner_ring, model.roller
-    growth = ring.held(ring.body_load(0.0, 0.0, operation.speed))
-    spin = kinematics(model.bearing, operation.speed).roller
+    growth = ring.held(ring.body_load(0.0, 0.0, operation.fastest))
+    spin = kinematics(model.bearing, operation.fastest).roller
     swelling = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel())
     surfaces = profiles(model.bearing)
     highest = 0.0 if surfaces is None else surfaces.highest

@@ -112,7 +112,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     forces = expected_forces(scene)
     model = model_of(scene, forces)
     check_meshes(model)
-    check_speed(model, kinematics(model.bearing, operation.speed))
+    check_speed(model, kinematics(model.bearing, operation.fastest))
     try:
         loaded = equilibrium_start(model, operation)
     except NotFound:
@@ -124,7 +124,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     expected = max(
         float(loaded.equilibrium.inner_force.max()),
         float(loaded.equilibrium.outer_force.max()),
-        5.0 * operation.radial_load / model.bearing.n_rollers,
+        5.0 * operation.heaviest / model.bearing.n_rollers,
     )
     critical = critical_time_step(model, expected)
     interval = 1e-6 * numerics.output_interval_us

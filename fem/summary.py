@@ -11,7 +11,6 @@ from rich.table import Table
 from fem.answers import first_answers
 from fem.solver.solver import Plan, RunState
 from lagrange import Bearing, kinematics
-from lagrange.kinematics import turned
 from lagrange.messages import shown
 from lagrange.scene import Scene
 from lagrange.scene_operation import RPM
@@ -90,9 +89,7 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
             f"Loaded rollers: {forces or 'none'} N",
         ]
     else:
-        bearing, operation, time = plan.scene.ideal_bearing(), plan.scene.ideal_operation(), progress.simulated
-        turning = operation.varies_speed and time > 0.0
-        speed = turned(bearing, operation, time).shaft / time if turning else operation.speed  # the mean
+        bearing, speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().mean_speed(progress.simulated)
         lines = [f"{name + ':':14s} {value}" for name, value in first_answers(bearing, speed, blocks).items()]
         lines.append(
             f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "

@@ -23,7 +23,7 @@ simulate      forward solution, at once or in parts that can be kept and gone on
 trajectory    its result: motion, forces, energies, works
 scene         the TOML scene file: validated, in the bearing engineer's units; gives the objects above in SI
 scene_bearing its tables of the bearing; `scene_run`: of how it is run; `scene_surfaces`: [[spall]], [[waviness]] ...
-scene_columns columns of tables made elsewhere
+scene_columns columns of tables made elsewhere; `catalogue`: standard bearings
 scene_files   files that a scene names; `height_table`: what is in those of measured heights
 scene_faults  what is wrong with a scene, all at once
 stored        numbers out of HDF5 files that may be damaged or hostile

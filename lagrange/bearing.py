@@ -163,6 +163,10 @@ class Operation:
         """The highest speed either way, rad/s."""
         return abs(self.speed) if self.course is None else self.course.fastest
 
+    def mean_speed(self, time: float) -> float:
+        """Of the shaft up to a time, s; rad/s."""
+        return float(self.course.turn(time)) / time if self.varies_speed and time > 0.0 else self.speed
+
     @property
     def varies_speed(self) -> bool:
         return self.course is not None and self.course.varies_speed

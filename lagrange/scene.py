@@ -4,7 +4,7 @@ It stands on the ground floor because both the solver and the checker read it, a
 """
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import pairwise
@@ -16,6 +16,7 @@ import tomli_w
 from pydantic import Field, ValidationError
 
 from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.catalogue import designations, inner_ring_and_shaft
 from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_columns import Columns
@@ -46,6 +47,7 @@ MM = 1e-3
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
 SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # arrays of tables
+FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
 MOST_TABLES = 200  # of one array
 
 
@@ -75,9 +77,15 @@ class Scene(Table):
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        bearing, options = data.get("bearing"), data.get("lagrange", {})
-        if isinstance(bearing, dict) and bearing.get("type") == "ball" and isinstance(options, dict):
-            return data | {"lagrange": {"law": "hertz"} | options}
+        bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
+        if not isinstance(bearing, dict):
+            return data
+        if bearing.get("type") == "ball" and isinstance(options, dict):
+            data = data | {"lagrange": {"law": "hertz"} | options}
+        standard = bearing.get("designation")
+        if standard in designations() and isinstance(operation, dict):
+            mass = {"inner_ring_and_shaft_kg": inner_ring_and_shaft(standard)}
+            data = {"name": standard} | data | {"operation": mass | operation}
         return data
 
     def checks(self) -> tuple[Check, ...]:
@@ -204,6 +212,24 @@ class Scene(Table):
         profiles = {table.sha256: table.content for table in self.profile if table.content is not None}
         return profiles | self.operation.files
 
+    def varied(self, changes: Mapping[str, Any]) -> "Scene":
+        """This scene with other values under dotted keys, as `--set` has them; the whole is validated anew.
+
+            scene.varied({"operation.speed_rpm": 3000.0, "spall.0.body": "outer_ring"})
+
+        Errors
+        ------
+        SceneError: an unknown key or an impossible value; a file, which only the reader of a scene puts in its place.
+        """
+        data = self.model_dump(exclude_none=True)
+        for key, value in changes.items():
+            if key.rpartition(".")[2] in FILE_KEYS:
+                raise SceneError(f"{key}: files of a scene can't be varied; write a scene for each file")
+            set_key(data, key, value, key)
+        with _refused(self.name):
+            content_of(data, self.files)
+        return parse_scene(data, self.name)
+
     def to_toml(self) -> str:
         """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.
 
@@ -295,31 +321,47 @@ def parse_scene(data: dict[str, Any], name: str) -> Scene:
 def _apply(data: dict[str, Any], override: str) -> None:
     """Put `table.key=value` into nested tables; the value is TOML, or a plain string."""
     key, equals, text = override.partition("=")
-    parts = [part.strip() for part in key.split(".")]
-    if not equals or not all(parts):
+    if not equals or not all(part.strip() for part in key.split(".")):
         raise SceneError(f"--set {override!r}: must read table.key=value, e.g. --set operation.speed_rpm=3000")
     try:
         value = _load(f"value = {text}", "")
     except SceneError:
         value = {}
     value = value["value"] if set(value) == {"value"} else text.strip()  # more than one: a string with line breaks
-    table = data
+    set_key(data, key, value, f"--set {override!r}")
+
+
+def set_key(data: dict[str, Any], key: str, value: Any, told: str) -> None:
+    """Put a value under a dotted key into nested tables; numbers count the tables of an array, as in spall.0.width_mm.
+
+    Parameters
+    ----------
+    told : how an error names what was asked for
+
+    Errors
+    ------
+    SceneError: the key leads through a value, to a whole table or past the end of an array.
+    """
+    parts = [part.strip() for part in key.split(".")]
+    if not all(parts):
+        raise SceneError(f"{told}: {key!r} must read table.key, e.g. operation.speed_rpm")
+    table: Any = data
     for part, after in pairwise(parts):
-        table = _entry(table, part, [] if after.isdecimal() else {}, override)
+        table = _entry(table, part, [] if after.isdecimal() else {}, told)
     if isinstance(table, list):
-        raise SceneError(f"--set {override!r}: {parts[-1]} is a whole table; set one of its keys")
+        raise SceneError(f"{told}: {parts[-1]} is a whole table; set one of its keys")
     table[parts[-1]] = value
 
 
-def _entry(table: dict[str, Any] | list, key: str, empty: dict | list, override: str) -> dict[str, Any] | list:
+def _entry(table: dict[str, Any] | list, key: str, empty: dict | list, told: str) -> dict[str, Any] | list:
     """The table, or the array of tables, under a key or a number; made where there is none."""
     if isinstance(table, dict):
         found = table.setdefault(key, empty)
     else:
         if not key.isdecimal() or int(key[:9]) > len(table):
-            raise SceneError(f"--set {override!r}: {key} is none of {len(table)} tables; numbers go on from 0")
+            raise SceneError(f"{told}: {key} is none of {len(table)} tables; numbers go on from 0")
         table.extend([empty] if int(key) == len(table) else [])
         found = table[int(key)]
     if not isinstance(found, dict | list):
-        raise SceneError(f"--set {override!r}: {key} is a value, not a table")
+        raise SceneError(f"{told}: {key} is a value, not a table")
     return found

@@ -1,5 +1,6 @@
 """Tables of the scene that say what the bearing is: [bearing], [material], [bodies]."""
 
+import difflib
 from collections.abc import Iterator
 from math import asin, pi, sin
 from typing import Any, Literal
@@ -7,13 +8,17 @@ from typing import Any, Literal
 from pydantic import Field
 
 from lagrange.bearing import Material
+from lagrange.catalogue import bearing_keys, designations
 from lagrange.scene_faults import Check, Table
 
 # groove radius over ball diameter to which ISO 281 rates deep-groove bearings
 USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 
+CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm")  # with the outer raceway's diameter
+
 
 class BearingTable(Table):
+    designation: str | None = Field(None, max_length=40)  # of a standard bearing, whose values the other keys take
     type: Literal["roller", "ball"] = "roller"
     rollers: int = Field(13, ge=3, le=200)
     roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0)
@@ -22,15 +27,52 @@ class BearingTable(Table):
     outer_raceway_diameter_mm: float = Field(56.0, gt=0.0, le=10_000.0)
     bore_diameter_mm: float = Field(25.0, gt=0.0, le=10_000.0)
     outside_diameter_mm: float = Field(65.0, gt=0.0, le=10_000.0)
+    clearance_um: float | None = Field(None, ge=-10_000.0, le=100_000.0)  # instead of outer_raceway_diameter_mm
     inner_conformity: float | None = Field(None, gt=0.5, le=1.0)  # of balls: groove radius over ball diameter
     outer_conformity: float | None = Field(None, gt=0.5, le=1.0)
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        return USUAL_GROOVES | data if data.get("type") == "ball" else data
+        """Values of a standard bearing, grooves of balls; a clearance becomes the outer raceway's diameter."""
+        if data.get("type") == "ball":
+            data = USUAL_GROOVES | data
+        outer = "outer_raceway_diameter_mm" in data
+        if data.get("designation") in designations():
+            standard = bearing_keys(data["designation"])
+            data = {key: value for key, value in standard.items() if not outer or key != "clearance_um"} | data
+        parts = [data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF] + [data.get("clearance_um")]
+        if outer or any(isinstance(part, bool) or not isinstance(part, int | float) for part in parts):
+            return data
+        inner, roller, clearance = parts
+        data = {key: value for key, value in data.items() if key != "clearance_um"}
+        return data | {"outer_raceway_diameter_mm": round(inner + 2.0 * roller + 1e-3 * clearance, 9)}
 
     def checks(self) -> tuple[Check, ...]:
-        return self._grooves, self._inner_ring, self._outer_ring, self._clearance, self._room
+        return (
+            self._standard,
+            self._clearance_twice,
+            self._grooves,
+            self._inner_ring,
+            self._outer_ring,
+            self._clearance,
+            self._room,
+        )
+
+    def _standard(self) -> Iterator[str]:
+        name = self.designation
+        if name is not None and name not in designations():
+            likely = difflib.get_close_matches(name.upper().replace(" ", ""), designations(), n=1, cutoff=0.5)
+            hint = f"did you mean {likely[0]}? " if likely else ""
+            yield f"designation = {name!r}: not in the table; {hint}known are {', '.join(designations())}"
+        if name is not None and self.type == "ball":
+            yield f'designation = {name!r}: a roller bearing, not with type = "ball"; leave one of them out'
+
+    def _clearance_twice(self) -> Iterator[str]:
+        if self.clearance_um is not None:  # else it has become the diameter
+            yield (
+                f"clearance_um = {self.clearance_um:g} and outer_raceway_diameter_mm = "
+                f"{self.outer_raceway_diameter_mm:g} say the same thing; leave one of them out"
+            )
 
     def _grooves(self) -> Iterator[str]:
         for key in USUAL_GROOVES:

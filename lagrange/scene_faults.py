@@ -65,7 +65,7 @@ def _explain(fault: dict[str, Any], model: type[Table]) -> list[str]:
     if fault["type"] == "extra_forbidden":
         known = _keys(_table_at(fault["loc"][:-1], model))
         likely = _likely(fault["loc"], model)
-        hint = f"did you mean {likely}?" if likely else f"known here: {', '.join(known)}"
+        hint = f"did you mean {' or '.join(likely)}?" if likely else f"known here: {', '.join(known)}"
         return [f"{place}: unknown key; {hint}"]
     value = fault["input"]
     if fault["type"] == "value_error":
@@ -104,16 +104,23 @@ def _keys(model: type[BaseModel]) -> list[str]:
     return [name for name, field in model.model_fields.items() if not field.exclude]
 
 
-def _likely(place: Place, model: type[Table]) -> str | None:
-    """The key that was probably meant."""
-    known = _keys(_table_at(place[:-1], model))
-    return next(iter(difflib.get_close_matches(str(place[-1]), known, n=1, cutoff=0.5)), None)
+def _likely(place: Place, model: type[Table]) -> list[str]:
+    """Keys that were probably meant: of the same name elsewhere in the scene, dotted, or alike in the same table."""
+    key, elsewhere = str(place[-1]), []
+    for name in model.model_fields:
+        kind = (_tables(model) | _arrays(model)).get(name)
+        if kind is not None and key in _keys(kind):
+            elsewhere.append(f"{name}.0.{key}" if name in _arrays(model) else f"{name}.{key}")
+    return elsewhere or difflib.get_close_matches(key, _keys(_table_at(place[:-1], model)), n=1, cutoff=0.5)
 
 
 def _meant(fault: dict[str, Any], model: type[Table]) -> Place:
     """The key whose value a fault leaves unknown."""
     place = fault["loc"]
-    return (*place[:-1], _likely(place, model)) if fault["type"] == "extra_forbidden" else place
+    if fault["type"] != "extra_forbidden":
+        return place
+    likely = next(iter(_likely(place, model)), None)
+    return tuple(likely.split(".")) if likely and "." in likely else (*place[:-1], likely)
 
 
 def _is_of_one_value(fault: dict[str, Any], model: type[Table]) -> bool:

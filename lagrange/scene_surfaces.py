@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 from pydantic import Field
+from pydantic.json_schema import SkipJsonSchema
 
 from lagrange.bearing import Bearing
 from lagrange.faults import Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
@@ -96,7 +97,7 @@ class ProfileTable(SurfaceTable):
     file: str = Field(min_length=1, max_length=1000)
     sha256: str | None = Field(None, pattern=r"^[0-9a-f]{64}$")
     angle_deg: float = Field(0.0, ge=-360.0, le=360.0)
-    content: str | None = Field(None, exclude=True, repr=False)
+    content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
 
     def checks(self) -> tuple[Check, ...]:
         return (*super().checks(), self._readable)

@@ -134,23 +134,27 @@ def _columns_found(
             found[quantity] = indices, factor
     if not {"time", "inner_x"} & set(found):
         raise InputError(
-            f"{path}: neither an HDF5 result file nor a trajectory table; a table's first line reads "
-            "time,inner_x,inner_y,roller_0_x,roller_0_y,... ; other names and units: [table] in the scene file"
+            f"{path}: neither an HDF5 result file nor a trajectory table: missing column {', '.join(missing[:2])}; "
+            f"its first line: {_shown(', '.join(header)) or 'empty'}; other names and units: [table] in the scene file"
         )
     roller = POLAR[0] if polar_only else CARTESIAN[0]
-    _check_count(path, header, columns, roller, n_rollers, len(found.get(roller, ([], 0))[0]))
+    _check_count(path, header, columns, roller, n_rollers)
     if missing:
         more = f" and {len(missing) - 4} more" if len(missing) > 4 else ""
-        raise InputError(f"{path}: missing column {', '.join(missing[:4])}{more}")
+        raise InputError(
+            f"{path}: missing column {', '.join(missing[:4])}{more}; where it has another name, [table] in the scene "
+            "file tells it"
+        )
     return found
 
 
-def _check_count(path: Path, header, columns: Columns, quantity: str, n_rollers: int, n_found: int) -> None:
-    """Refuse fewer or more rollers than the scene has."""
-    further = any(name in header for name in columns.header(quantity, n_rollers)[0])
-    if 0 < n_found < n_rollers or further:
-        count = f"at least {n_rollers + 1}" if further else n_found
-        raise InputError(f"{path}: the table holds {count} rollers, the scene says {n_rollers}")
+def _check_count(path: Path, header, columns: Columns, quantity: str, n_rollers: int) -> None:
+    """Refuse a table of fewer or more rollers than the scene has; one that lacks a roller in between lacks a column."""
+    there = [any(name in header for name in columns.header(quantity, j)[0]) for j in range(n_rollers + 1)]
+    count = there.index(False) if False in there else n_rollers + 1
+    if (0 < count < n_rollers and not any(there[count:])) or there[n_rollers]:
+        told = f"at least {n_rollers + 1}" if there[n_rollers] else count
+        raise InputError(f"{path}: the table holds {told} rollers, the scene says {n_rollers}")
 
 
 def _at(path: Path, header: list[str], columns: Columns, quantity: str, n_rollers: int):

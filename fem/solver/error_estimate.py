@@ -7,10 +7,11 @@ from math import pi
 import numpy as np
 
 from fem.errors import UsageError
+from fem.quantities import Quantity, moving_quantities
 from fem.solver.finite_elements import ElementPlan, make_plan
 from fem.solver.simulate import run
 from fem.solver.solver import Progress
-from fem.statics.quantities import Quantity, moving_quantities, static_quantities
+from fem.statics.quantities import static_quantities
 from lagrange.scene import Scene
 from lagrange.scene_run import COMPARISONS
 

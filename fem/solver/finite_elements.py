@@ -15,7 +15,7 @@ from fem.solver.compiling import CompiledPlan
 from fem.solver.description import expected_seconds, mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
-from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads, check_widths
+from fem.solver.limits import check_contacts, check_speed, check_threads, check_widths
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
@@ -111,7 +111,6 @@ def make_plan(scene: Scene) -> ElementPlan:
     check_threads(numerics.threads)
     forces = expected_forces(scene)
     model = model_of(scene, forces)
-    check_meshes(model)
     check_speed(model, kinematics(model.bearing, operation.fastest))
     try:
         loaded = equilibrium_start(model, operation)

@@ -17,19 +17,23 @@ from fem.outcome import Outcome
 from fem.solver.simulate import SOLVERS
 
 RUNS = Path("runs")
-EXAMPLES = ("paper", "NU206", "spindle", "faults", "table")  # fem.examples has them; it imports too much for --help
+EXAMPLES = (
+    "paper",
+    "NU206",
+    "spindle",
+    "faults",
+    "table",
+    "all",
+)  # fem.examples has them; it imports too much for --help
 BROKEN_PIPE = 1  # the code with which rich leaves where nobody reads its output any more
 MOST_THREADS = 4096
 LONGEST_NAME = 120  # characters of a result's name; file systems take 255 bytes with the ending
 
 
 def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
+    from lagrange.version import VERSION
 
-    try:
-        return version("roller-bearing-fem")
-    except PackageNotFoundError:
-        return "not installed"
+    return VERSION
 
 
 def new_app(name: str, text: str) -> App:
@@ -85,7 +89,8 @@ def _run(
         float | None, Parameter(help="seconds of wall time between checkpoints; default: 10, on slow disks more")
     ] = None,
     example: Annotated[
-        Literal[EXAMPLES] | None, Parameter(help="write a commented scene here, or to --output, and run nothing")
+        Literal[EXAMPLES] | None,
+        Parameter(help="write a commented scene, or all keys, here or to --output, and run nothing"),
     ] = None,
     schema: Annotated[bool, Parameter(negative="", help="print the scene's JSON schema, for editors")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="no progress, no summary")] = False,

@@ -25,10 +25,10 @@ scene         the TOML scene file: validated, in the bearing engineer's units; g
 scene_bearing its tables of the bearing; `scene_run`: of how it is run; `scene_surfaces`: [[spall]], [[waviness]] ...
 scene_columns columns of tables made elsewhere; `catalogue`: standard bearings
 scene_files   files that a scene names; `height_table`: what is in those of measured heights
-scene_faults  what is wrong with a scene, all at once
+scene_faults  what is wrong with a scene, all at once; `scene_keys`: what its keys mean
 stored        numbers out of HDF5 files that may be damaged or hostile
 sealed        files of caches, known when they are damaged; `messages`: what commands print, always printable; `pages`:
-              templates of HTML pages, and uPlot
+              templates of HTML pages, and uPlot; `version`: the program's
 
 Example, 5 ms of the paper's bearing:
 

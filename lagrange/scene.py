@@ -58,8 +58,16 @@ class SceneError(ValueError):
 class Scene(Table):
     """A whole scene. Defaults are the paper's bearing."""
 
-    name: str = Field("paper", min_length=1, max_length=100, pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
-    model: Literal["fem", "reduced", "lagrange"] = "fem"
+    name: str = Field(
+        "paper",
+        min_length=1,
+        max_length=100,
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$",
+        description="of the scene, and of the files that runs write",
+    )
+    model: Literal["fem", "reduced", "lagrange"] = Field(
+        "fem", description="finite elements; elastic bodies without their mass; rigid bodies on contact springs"
+    )
     bearing: BearingTable = BearingTable()
     material: MaterialTable = MaterialTable()
     bodies: BodiesTable = BodiesTable()

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from pydantic import Field
+from pydantic.json_schema import SkipJsonSchema
 
 from lagrange.bearing import Operation
 from lagrange.course import TIME, points_of, smooth, steady, turn_of
@@ -20,23 +21,47 @@ ENOUGH = 1e-9  # relative: times and speeds that are the same
 
 
 class OperationTable(Table):
-    """Whoever reads the scene puts in the tables' texts."""
+    """How the bearing is driven and loaded. Texts of its files are put in by whoever reads the scene."""
 
-    speed_rpm: float = Field(4500.0, ge=-FASTEST, le=FASTEST)
-    radial_load_N: float = Field(2000.0, ge=0.0, le=HEAVIEST)
-    inner_ring_and_shaft_kg: float = Field(0.078, gt=0.0, le=1e6)
-    gravity_m_s2: float = Field(9.81, ge=0.0, le=1000.0)
-    first_roller_deg: float = Field(0.0, ge=-360.0, le=360.0)
-    unbalance_g_mm: float | None = Field(None, ge=0.0, le=1e9)
-    unbalance_deg: float | None = Field(None, ge=-360.0, le=360.0)
-    rotating_load_N: float | None = Field(None, ge=0.0, le=HEAVIEST)
-    rotating_load_deg: float | None = Field(None, ge=-360.0, le=360.0)
-    speed_table: str | None = Field(None, min_length=1, max_length=1000)
-    speed_table_sha256: str | None = Field(None, pattern=r"^[0-9a-f]{64}$")
-    speed_table_content: str | None = Field(None, exclude=True, repr=False)
-    load_table: str | None = Field(None, min_length=1, max_length=1000)
-    load_table_sha256: str | None = Field(None, pattern=r"^[0-9a-f]{64}$")
-    load_table_content: str | None = Field(None, exclude=True, repr=False)
+    speed_rpm: float = Field(
+        4500.0, ge=-200_000.0, le=200_000.0, description="of the inner ring, counter-clockwise positive"
+    )
+    radial_load_N: float = Field(2000.0, ge=0.0, le=1e7, description="at the hub, along −y")
+    inner_ring_and_shaft_kg: float = Field(
+        0.078, gt=0.0, le=1e6, description="mass of all that moves with the hub, the elastic inner ring included"
+    )
+    gravity_m_s2: float = Field(9.81, ge=0.0, le=1000.0, description="along −y")
+    first_roller_deg: float = Field(
+        0.0, ge=-360.0, le=360.0, description="roller 0 from the load's direction (−y), counter-clockwise"
+    )
+    unbalance_g_mm: float | None = Field(
+        None, ge=0.0, le=1e9, description="of what turns with the inner ring, included in its mass"
+    )
+    unbalance_deg: float | None = Field(
+        None, ge=-360.0, le=360.0, description="of the heavy side at t = 0, from −y, counter-clockwise"
+    )
+    rotating_load_N: float | None = Field(
+        None, ge=0.0, le=HEAVIEST, description="at the hub, beside the other loads, turning with the inner ring"
+    )
+    rotating_load_deg: float | None = Field(
+        None, ge=-360.0, le=360.0, description="of its direction at t = 0, from −y, counter-clockwise"
+    )
+    speed_table: str | None = Field(
+        None, min_length=1, max_length=1000,
+        description="file beside the scene, CSV with the columns time_ms, speed_rpm: in place of speed_rpm",
+    )  # fmt: skip
+    speed_table_sha256: str | None = Field(
+        None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
+    )
+    speed_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
+    load_table: str | None = Field(
+        None, min_length=1, max_length=1000,
+        description="file beside the scene, CSV with the columns time_ms, x_N, y_N: in place of radial_load_N",
+    )  # fmt: skip
+    load_table_sha256: str | None = Field(
+        None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
+    )
+    load_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:

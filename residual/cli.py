@@ -14,9 +14,9 @@ BROKEN_PIPE = 1  # the code with which rich leaves where nobody reads its output
 
 
 def _version() -> str:
-    from residual.store import package_version
+    from lagrange.version import VERSION
 
-    return package_version()
+    return VERSION
 
 
 app = App(

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.evaluation import Evaluation, term_spectra
 from residual.fault_finding import FaultSearch
@@ -15,16 +16,6 @@ from residual.summary import PROGRAM, summarise
 from residual.words import words
 
 OURS = {"residual.nc", "summary.json", "report.html"}
-
-
-def package_version() -> str:
-    """Version of the installed distribution, or "unknown" when run from a bare checkout."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("roller-bearing-fem")
-    except PackageNotFoundError:
-        return "unknown"
 
 
 def write_report(
@@ -110,7 +101,7 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None, search:
     from residual.report import render_report
     from residual.vibration_figures import vibration_figures
 
-    version = package_version()
+    version = VERSION
     statics = quasi_static(evaluation.record, evaluation.law.name)
     with plt.rc_context(STYLE):
         figures = {

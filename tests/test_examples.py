@@ -10,6 +10,7 @@ import pytest
 from fem.cli import EXAMPLES, run_main
 from lagrange.catalogue import bearing_keys, designations, inner_ring_and_shaft
 from lagrange.scene import SURFACES, Scene, SceneError, parse_scene, read_scene
+from lagrange.scene_keys import key_tables
 from tests.pages import DOCS, markdown_table
 
 BEARING_COLUMNS = {
@@ -34,7 +35,7 @@ def test_an_example_is_written_can_be_read_and_is_not_written_over(name, here, c
     assert run_main(["--example", name]) == 0
     assert f"{name}.toml" in capsys.readouterr().out
     scene = read_scene(here / f"{name}.toml")
-    assert scene.name == name
+    assert scene.name == (name if name != "all" else "paper")
     text = (here / f"{name}.toml").read_text(encoding="utf-8")
     assert text.startswith("# ") and max(map(len, text.splitlines())) <= 120
     (here / f"{name}.toml").write_text("mine", encoding="utf-8")
@@ -44,9 +45,33 @@ def test_an_example_is_written_can_be_read_and_is_not_written_over(name, here, c
     assert read_scene("sub/other.toml") == scene
 
 
-def test_the_papers_scene_is_the_default_one(here):
-    run_main(["--example", "paper"])
-    assert read_scene("paper.toml") == Scene()
+@pytest.mark.parametrize("name", ["paper", "all"])
+def test_the_papers_scene_and_that_of_every_key_are_the_default_one(name, here):
+    run_main(["--example", name])
+    assert read_scene(f"{name}.toml") == Scene()
+
+
+def test_every_key_and_table_of_the_scene_is_described(here):
+    tables = key_tables()
+    named = {table.name for table in tables}
+    assert {"", "operation", "material.roller", "spall", "table"} <= named
+    undescribed = [f"{table.name}.{key.name}" for table in tables for key in table.keys if not key.meaning]
+    undescribed += [f"[{table.name}]" for table in tables if not table.meaning]
+    assert not undescribed, "Field(..., description=...) of the key, or the docstring of the table's class"
+    run_main(["--example", "all"])
+    lines = (here / "all.toml").read_text(encoding="utf-8").splitlines()
+    for key in (key for table in tables for key in table.keys):
+        assert any(line.removeprefix("# ").startswith(f"{key.name} =") for line in lines), key.name
+
+
+def test_keys_are_told_with_unit_and_limits():
+    keys = {f"{table.name}.{key.name}": key for table in key_tables() for key in table.keys}
+    speed, size = keys["operation.speed_rpm"], keys["numerics.mesh_size_mm"]
+    assert (speed.unit, speed.default, speed.limits) == ("rpm", 4500.0, "from -200 000 to 200 000")
+    assert (size.unit, size.limits) == ("mm", "above 0 to 100")
+    assert keys["lagrange.damping_N_s_m"].unit == "N s/m"
+    assert keys["numerics.start"].limits == '"equilibrium", "rest"'
+    assert keys["spall.width_mm"].default == 1.0 and keys["profile.file"].default is None
 
 
 def test_the_fault_example_has_three_kinds_of_faults(here):

@@ -1,4 +1,4 @@
-"""Commented scenes to begin with, which `run-fem --example` writes: the files beside this one."""
+"""Commented scenes to begin with, which `run-fem --example` writes: the files beside this one; "all" has every key."""
 
 from importlib import resources
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from fem.errors import UsageError
+from lagrange.scene_keys import scene_with_every_key
 
 
 def write_example(name: str, path: Path | None, force: bool = False) -> list[Path]:
@@ -20,7 +21,7 @@ def write_example(name: str, path: Path | None, force: bool = False) -> list[Pat
     UsageError: a file is there already, and not to be replaced. OSError: it can't be written.
     """
     path = Path(f"{name}.toml") if path is None else path
-    files = {path: resources.files(__name__).joinpath(f"{name}.toml").read_text(encoding="utf-8")}
+    files = {path: example_text(name)}
     if name == "table":
         files[path.with_suffix(".tsv")] = rig_table()
     for target in files:
@@ -30,6 +31,13 @@ def write_example(name: str, path: Path | None, force: bool = False) -> list[Pat
     for target, text in files.items():
         target.write_text(text, encoding="utf-8", newline="\n")
     return list(files)
+
+
+def example_text(name: str) -> str:
+    """The TOML text of an example."""
+    if name == "all":
+        return scene_with_every_key()
+    return resources.files(__name__).joinpath(f"{name}.toml").read_text(encoding="utf-8")
 
 
 def rig_table() -> str:

@@ -17,9 +17,10 @@ from fem.errors import UsageError
 from fem.result.changes import differences, scene_keys
 from fem.result.durable import move_into_place, real_path
 from fem.result.layout import variables_of
-from fem.result.store import Stored, program_version
+from fem.result.store import Stored
 from fem.solver.solver import Plan, RunState
 from lagrange.scene import Scene, SceneError, parse_scene_text
+from lagrange.version import VERSION
 
 FORMAT = 5
 LONGEST_META = 2**20  # bytes
@@ -79,7 +80,7 @@ def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
 
 def _versions(plan: Plan) -> dict[str, str]:
     """Of everything that decides the bits of a run."""
-    return {"program": program_version(), **plan.versions()}
+    return {"program": VERSION, **plan.versions()}
 
 
 def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:

@@ -56,6 +56,26 @@ ON_SURFACES = {  # where these are not perfect circles
     "inner_sinkage": (PER_ROLLER, "m", "how much nearer the inner ring and the roller come than perfect circles"),
     "outer_sinkage": (PER_ROLLER, "m", "how much nearer the outer ring and the roller come than perfect circles"),
 }
+ATTRIBUTES = {  # of the file
+    "format_version": "of this layout",
+    "program": "what wrote it",
+    "program_version": "of the package",
+    "source": "digest of the program's own code",
+    "scene": "the whole scene as TOML",
+    "scene_checksum": "CRC-32 of that text",
+    "mesh_nodes": "of elastic bodies",
+    "degrees_of_freedom": "of the model",
+    "time_step": "s",
+    "critical_time_step": "s, of the mesh with all contacts closed",
+    "steps": "of the time loop",
+    "wall_seconds": "of the time loop",
+    "setup_seconds": "before it",
+    COMMITTED: "how many samples are to be trusted",
+    "warnings": "a sentence a line; empty if none",
+    "status": '"complete", "running", "interrupted", "failed: …"',
+    "faults": "faults of surfaces in words, where there are any",
+    "coarse_mesh_size": "m, of the second run of --estimate-error",
+}
 Variables = Mapping[str, tuple[tuple[str, ...], str, str]]
 
 

@@ -96,7 +96,7 @@ class Completion:
         ax, ay = -(left_x - share * acting.side_load) / operation.inner_mass, -left_y / operation.inner_mass
         ay = ay - share * acting.radial_load / operation.inner_mass
         lift = operation.inner_mass * state.y + bearing.roller_mass * np.sum(state.rho * np.sin(state.theta), axis=1)
-        pull = share * (acting.radial_load * state.y - acting.side_load * state.x)
+        pull = share * acting.radial_load * state.y - share * acting.side_load * state.x
         # 2 m ρ̇ ω of the held elements does m ω² Δ(ρ²); their contacts and weights do the rest
         swing = bearing.roller_mass * np.sum((state.rho * state.theta_rate) ** 2, axis=1)
         turning = rotation_energy(bearing, acting) + np.zeros_like(time)

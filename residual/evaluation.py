@@ -15,6 +15,7 @@ from residual.fitted_laws import Law
 from residual.identification import Identification
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
 from residual.moments import Statistics
+from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
 from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import Peak, Spectrum, find_peaks, kinematic_lines, power_spectrum
 from residual.vibration import Vibration, vibration
@@ -36,6 +37,7 @@ class Direction:
     levels: list[LineLevel]  # of kinematic lines and resolved sidebands
     envelope: Envelope | None
     vibration: Vibration  # of the hub, by the run's own acceleration where the source tells it
+    orders: OrderSpectra | None  # where the shaft's speed changes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,6 +139,8 @@ def evaluate(
     budget = error_budget(used, law, acceleration_x, acceleration_y, closing_speed)
     ideal = kinematics(record.bearing, float(np.mean(used.acting.speed)))
     lines = {} if used.varies_speed else kinematic_lines(_observed(ideal, used))
+    tracking = tracking_of(used)
+    notes += _speed_notes(used, tracking)
     far = ~near_contact_change(budget.loaded, order // 2)
     resonance = _resonance(used, law, budget)
 
@@ -153,6 +157,7 @@ def evaluate(
             levels=line_levels(spectrum, lines),
             envelope=envelope(part.error, interval, resonance, _slowest(lines)),
             vibration=vibration(acceleration, interval, lines),
+            orders=None if tracking is None else order_spectra(tracking, part.error, motion[first:], acceleration),
         )
 
     x = direction("x", budget.x, used.inner_x, acceleration_x if used.inner_ax is None else used.inner_ax)
@@ -182,6 +187,24 @@ def _first_sample(record: Record, start: float | None) -> tuple[int, list[str]]:
             f"{1e3 * (time[-1] - time[0]):g} ms, at least {FEWEST_SAMPLES} are needed; start earlier"
         )
     return first, notes
+
+
+def _speed_notes(record: Record, tracking: Tracking | None) -> list[str]:
+    """Say where lines are to be found when the speed changes."""
+    if not record.varies_speed:
+        return []
+    low, high = (60.0 * f(record.acting.speed) / (2.0 * np.pi) for f in (np.min, np.max))
+    note = f"the shaft's speed changes from {low:.5g} to {high:.5g} rpm within the record: lines in Hz would smear"
+    if tracking is None:
+        return [f"{note}, and the record is too short for orders"]
+    note += ", so they are marked in orders of the shaft"
+    if tracking.time.size < record.time.size:
+        first, last = (1e3 * tracking.time[at] for at in (0, -1))
+        note += (
+            f"; from {first:.5g} to {last:.5g} ms, the longest time in which it turns with at least an eighth of its "
+            "highest speed and does not turn back"
+        )
+    return [note]
 
 
 def _observed(ideal: Kinematics, record: Record) -> Kinematics:

@@ -13,17 +13,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
+NAMES = tuple(f"reference/{name}.md" for name in ("scene", "examples", "result", "commands", "packages"))
 
 
 def pages() -> dict[str, str]:
     """Markdown by the page's path."""
-    return {
-        "reference/scene.md": scene_page(),
-        "reference/examples.md": examples_page(),
-        "reference/result.md": result_page(),
-        "reference/commands.md": commands_page(),
-        "reference/packages.md": packages_page(),
-    }
+    makers = scene_page, examples_page, result_page, commands_page, packages_page
+    return {name: make() for name, make in zip(NAMES, makers, strict=True)}
 
 
 def scene_page() -> str:
@@ -111,7 +107,7 @@ def commands_page() -> str:
 
 
 def _plain_environment() -> dict[str, str]:
-    return os.environ | {"COLUMNS": "130", "PYTHONUTF8": "1", "PYTHONPATH": str(ROOT), "NO_COLOR": "1"}
+    return os.environ | {"COLUMNS": "130", "PYTHONUTF8": "1", "PYTHONPATH": os.pathsep.join(sys.path), "NO_COLOR": "1"}
 
 
 def packages_page() -> str:

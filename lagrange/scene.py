@@ -16,9 +16,11 @@ import tomli_w
 from pydantic import Field, ValidationError
 
 from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.cage import Cage
 from lagrange.catalogue import designations, inner_ring_and_shaft
 from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
+from lagrange.scene_cage import CageTable, cage_faults
 from lagrange.scene_columns import Columns
 from lagrange.scene_faults import Check, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
@@ -77,6 +79,7 @@ class Scene(Table):
     reduced: ReducedTable = ReducedTable()
     numerics: NumericsTable = NumericsTable()
     output: OutputTable = OutputTable()
+    cage: CageTable | None = None
     spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
     waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
     unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
@@ -98,7 +101,16 @@ class Scene(Table):
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, self._courses, *surfaces
+        return (
+            self._law,
+            self._mass,
+            self._mesh,
+            self._fields,
+            self._rigid_contacts,
+            self._cage,
+            self._courses,
+            *surfaces,
+        )
 
     def _law(self) -> Iterator[str]:
         known = law_names(self._perfect_bearing())
@@ -149,6 +161,15 @@ class Scene(Table):
                 f'bodies.{self.bodies.rigid[0]} = "rigid": only with contact.model = "subgrid", not with '
                 f'"{self.contact.model}", whose points of pressure sit on meshes'
             )
+
+    def _cage(self) -> Iterator[str]:
+        if self.cage is not None:
+            yield from cage_faults(self._perfect_bearing(), self.cage)
+            if self.cage.guidance == "inner_ring" and self.operation.speed_table is not None:
+                yield (
+                    f'cage.guidance = "inner_ring": only at a steady speed, not with operation.speed_table = '
+                    f'"{self.operation.speed_table}"; take "rollers" or "outer_ring"'
+                )
 
     def _courses(self) -> Iterator[str]:
         yield from self.operation.duration_faults(self.numerics.duration_ms)
@@ -209,6 +230,10 @@ class Scene(Table):
             inner_groove_radius=MM * b.inner_conformity * b.roller_diameter_mm,
             outer_groove_radius=MM * b.outer_conformity * b.roller_diameter_mm,
         )
+
+    def ideal_cage(self) -> Cage | None:
+        """The cage in SI; None: there is none."""
+        return None if self.cage is None else self.cage.cage(self._perfect_bearing())
 
     def ideal_operation(self) -> Operation:
         """The operating point in SI."""

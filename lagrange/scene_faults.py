@@ -95,8 +95,14 @@ def _short(text: str) -> str:
 def _table_at(place: Place, model: type[Table]) -> type[BaseModel]:
     table: Any = model
     for part in place:
-        table = get_args(table)[0] if isinstance(part, int) else table.model_fields[part].annotation
+        table = get_args(table)[0] if isinstance(part, int) else _kind(table.model_fields[part].annotation)
     return table
+
+
+def _kind(annotation: Any) -> Any:
+    """What a field holds; of a table that may be absent the table."""
+    tables = [kind for kind in get_args(annotation) if _is_table(kind)]
+    return tables[0] if tables and type(None) in get_args(annotation) else annotation
 
 
 def _keys(model: type[BaseModel]) -> list[str]:
@@ -133,7 +139,7 @@ def _is_of_one_value(fault: dict[str, Any], model: type[Table]) -> bool:
 
 def _tables(model: type[BaseModel]) -> dict[str, type[Table]]:
     """The tables within a table."""
-    kinds = {name: field.annotation for name, field in model.model_fields.items()}
+    kinds = {name: _kind(field.annotation) for name, field in model.model_fields.items()}
     return {name: kind for name, kind in kinds.items() if _is_table(kind)}
 
 
@@ -154,7 +160,8 @@ def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], plac
     left_out = [name for name in model.model_fields if not given or (*place, name) in unusable]
     values = {name: value for name, value in data.items() if name in model.model_fields and name not in inner}
     for name, kind in inner.items():
-        if name not in left_out:
+        absent = name not in data and model.model_fields[name].default is None
+        if name not in left_out and not absent:
             values[name] = _usable(kind, data.get(name, {}), unusable, (*place, name))
     for name, kind in arrays.items():
         if name not in left_out:
@@ -169,7 +176,7 @@ def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], plac
 def _contradictions(table: Table, place: str = "") -> Iterator[str]:
     """All that can be judged without the values left out."""
     for name in _tables(type(table)):
-        if name in table.__dict__:
+        if table.__dict__.get(name) is not None:
             yield from _contradictions(getattr(table, name), f"{place}.{name}".lstrip("."))
     for name in _arrays(type(table)):
         for i, item in enumerate(table.__dict__.get(name, [])):

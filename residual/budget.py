@@ -2,15 +2,16 @@
 
 Where the source holds the run's own contact forces, the error splits exactly:
 
-    error = differentiation + contact_law + friction + load_and_weight + ring_flexibility
+    error = differentiation + contact_law + friction + load_and_weight + ring_flexibility (or other_forces)
 
 differentiation   M (our acceleration − the integrator's)
 contact_law       − Σ (law − run's normal force): what the law costs, and that it takes each contact alone
 friction          Σ traction on the inner ring, which (22), (23) leave out
 load_and_weight   loads and M g of the equations less what acted in the run: the load ramp of a start from rest
-ring_flexibility  the rest: inertia of the elastic ring, whose centre of mass is not the hub; the solver's own error
+ring_flexibility  the rest of a run of ours: inertia of the elastic ring, whose centre of mass is not the hub
+other_forces      the rest of a table from elsewhere: what acts on the hub and stands in no column, as a damper
 
-and the momentum balance, the run's own forces in place of the law, is differentiation + ring_flexibility.
+and the momentum balance, the run's own forces in place of the law, is differentiation + the rest.
 """
 
 from dataclasses import dataclass
@@ -111,13 +112,14 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
             friction = traction_resultant(circles, record.inner_traction)
         load = missing_load(record)
         laws = run_push[0] - law_push[0], run_push[1] - law_push[1]
-        x, y = map(_split, errors, differentiation, laws, friction, load)
+        rest = "ring_flexibility" if record.attributes else "other_forces"
+        x, y = (_split(*parts, rest) for parts in zip(errors, differentiation, laws, friction, load, strict=True))
         loaded = record.inner_force > 0.0
     return Budget(x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded)
 
 
-def _split(error, differentiation, contact_law, friction, load_and_weight) -> DirectionBudget:
-    """Budget of one direction. Terms for which the source holds no data are None; the last term takes them over."""
+def _split(error, differentiation, contact_law, friction, load_and_weight, rest: str) -> DirectionBudget:
+    """Budget of one direction. Terms for which the source holds no data are None; the term `rest` takes them over."""
     known = {
         "differentiation": differentiation, "contact_law": contact_law, "friction": friction,
         "load_and_weight": load_and_weight,
@@ -127,7 +129,7 @@ def _split(error, differentiation, contact_law, friction, load_and_weight) -> Di
     for name in ("contact_law", "friction", "load_and_weight"):
         if name in terms:
             momentum = momentum - terms[name]
-    terms["ring_flexibility"] = error - sum(terms.values())
+    terms[rest] = error - sum(terms.values())
     return DirectionBudget(error=error, terms=terms, momentum=momentum)
 
 

@@ -19,7 +19,9 @@ from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
 from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import Peak, Spectrum, find_peaks, kinematic_lines, power_spectrum
 from residual.vibration import Vibration, vibration
+from residual.words import NOISE
 
+LOADED = 0.01  # of the largest load: a roller with more is loaded
 STENCIL_GAIN = 0.95  # below this gain at the ring's resonance the record is too coarse to differentiate
 
 
@@ -36,6 +38,7 @@ class Direction:
     peaks: list[Peak]
     levels: list[LineLevel]  # of kinematic lines and resolved sidebands
     envelope: Envelope | None
+    term_spectra: dict[str, Spectrum]  # of each term of the budget
     vibration: Vibration  # of the hub, by the run's own acceleration where the source tells it
     orders: OrderSpectra | None  # where the shaft's speed changes
 
@@ -83,9 +86,25 @@ class Evaluation:
         return next(score for score in self.laws if score.name == name)
 
     @property
+    def force(self) -> np.ndarray:
+        """Forces of the inner contacts, N, (n_times, n_rollers): the source's own where it tells them, or the law's."""
+        told = self.record.inner_force
+        return self.budget.law_force if told is None else told
+
+    @property
+    def noise(self) -> float:
+        """Force that is no more than round-off beside those at work, N."""
+        return NOISE * _largest_force(self.record, self.budget)
+
+    @property
+    def loaded_count(self) -> np.ndarray:
+        """How many rollers carry more than LOADED of the largest load at a time, (n_times,)."""
+        return np.sum(self.force > LOADED * self.force.max(), axis=1)
+
+    @property
     def loaded_range(self) -> tuple[int, int]:
         """Fewest and most rollers in the load zone at a time."""
-        count = np.sum(self.budget.loaded, axis=1)
+        count = self.loaded_count
         return int(count.min()), int(count.max())
 
     def fails(self, tolerance: float | None) -> bool:
@@ -143,6 +162,7 @@ def evaluate(
     notes += _speed_notes(used, tracking)
     far = ~near_contact_change(budget.loaded, order // 2)
     resonance = _resonance(used, law, budget)
+    noise = NOISE * _largest_force(used, budget)
 
     def direction(name: str, part: DirectionBudget, motion: np.ndarray, acceleration: np.ndarray) -> Direction:
         spectrum = power_spectrum(part.error, interval, _slowest(lines))
@@ -153,9 +173,10 @@ def evaluate(
             away=Statistics.of(part.error[far]) if far.sum() >= FEWEST_SAMPLES else None,
             floor=floor(motion, interval, order, record.precision),
             spectrum=spectrum,
-            peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines),
+            peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines, resonance, noise),
             levels=line_levels(spectrum, lines),
             envelope=envelope(part.error, interval, resonance, _slowest(lines)),
+            term_spectra={name: power_spectrum(term, interval, _slowest(lines)) for name, term in part.terms.items()},
             vibration=vibration(acceleration, interval, lines),
             orders=None if tracking is None else order_spectra(tracking, part.error, motion[first:], acceleration),
         )
@@ -219,12 +240,6 @@ def _slowest(lines: dict[str, float]) -> float:
     return min(lines.values(), default=0.0)
 
 
-def term_spectra(evaluation: Evaluation, direction: Direction) -> dict[str, Spectrum]:
-    """Spectrum of each term of a direction's budget, N²/Hz."""
-    interval, slowest = evaluation.record.interval, _slowest(evaluation.lines)
-    return {name: power_spectrum(term, interval, slowest) for name, term in direction.budget.terms.items()}
-
-
 def _identify(
     record: Record, approach, closing_speed, chatter: int, wanted
 ) -> tuple[dict[str, Identification], str | None]:
@@ -247,6 +262,11 @@ def _unresolved_note(level: LineLevel, resolution: float) -> str:
         f"{level.frequency / resolution:.2g} bins up, and {level.obstacle} lies within two bins of it; it takes a "
         f"record of at least {level.record_needed:.2g} s"
     )
+
+
+def _largest_force(record: Record, budget: Budget) -> float:
+    """Largest of the load and the contact forces, N."""
+    return max(record.load, float(budget.law_force.max()))
 
 
 def _resonance(record: Record, law: Law, budget: Budget) -> float:

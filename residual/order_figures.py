@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 from residual.evaluation import Evaluation
+from residual.figures import SavedFigure
 from residual.orders import HIGHEST, Tracking
-from residual.plotting import BLUE, WIDTH, SavedFigure, line_handles, mark_lines, plt, save
+from residual.plotting import BLUE, WIDTH, line_handles, mark_lines, plt, save
 from residual.short_time import ShortTime
 from residual.words import text
 

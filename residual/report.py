@@ -13,12 +13,14 @@ from lagrange.scene_operation import RPM
 from residual.evaluation import Evaluation
 from residual.fault_finding import FaultSearch
 from residual.fault_tables import search_sentences
+from residual.figures import SavedFigure
+from residual.headline import headline
 from residual.interactive import spectra_json
 from residual.law_tables import fit_sentences, ranking_rows, ranking_span
 from residual.line_tables import level_rows, watched_rows
 from residual.meaning import meaning
 from residual.picture import picture_of
-from residual.plotting import SavedFigure
+from residual.player import player_json
 from residual.quasistatic import QuasiStatic
 from residual.record import Record
 from residual.tables import (
@@ -28,13 +30,12 @@ from residual.tables import (
     paper_rows,
     peak_rows,
     stated_error_rows,
-    verdict,
 )
 from residual.vibration_tables import envelope_rows, vibration_rows, vibration_sentences
 from residual.words import text
 
 TEMPLATES = Path(__file__).parent / "templates"
-GROUPS = ("paper", "motion", "vibration", "search", "budget")  # of figures, each with a place of its own on the page
+GROUPS = ("motion", "spectra", "vibration", "search", "budget", "paper")  # of figures, by their places on the page
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 
@@ -52,7 +53,7 @@ def render_report(
         TEMPLATES / "report.html.j2",
         name=t.name,
         version=version,
-        verdict=verdict(evaluation, tolerance),
+        verdict=headline(evaluation, tolerance),
         outcome=None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
         facts=_facts(evaluation),
         errors=error_rows(evaluation),
@@ -78,6 +79,11 @@ def render_report(
         resolution=text(evaluation.x.spectrum.resolution),
         spectra=Markup(spectra_json(evaluation)),
         plot_script=as_it_is(TEMPLATES / "spectra.js"),
+        player=Markup(player_json(evaluation)),
+        player_script=as_it_is(TEMPLATES / "player.js"),
+        elsewhere=not t.attributes,
+        equations=True,
+        spectrum_of="the error forces",
         scene=t.scene.to_toml(),
     )
 

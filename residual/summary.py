@@ -166,5 +166,6 @@ def _peak(p: Peak) -> dict:
         "psd_N2_Hz": p.psd,
         "rms_N": p.rms,
         "line": p.line,
+        "also": list(p.also),
         "resolved": p.resolved,
     }

@@ -80,7 +80,7 @@ def test_command_reads_a_foreign_table_and_says_what_it_lacks(run, tmp_path, cap
     scene.write_text(run.scene.to_toml() + MAPPING, encoding="utf-8")
     assert main([str(path), "--scene", str(scene), "--law", "fitted"]) == 0
     summary = json.loads((tmp_path / "a-residual" / "summary.json").read_text(encoding="utf-8"))
-    assert set(summary["budget_x"]) == {"contact_law", "load_and_weight", "ring_flexibility", "momentum"}
+    assert set(summary["budget_x"]) == {"contact_law", "load_and_weight", "other_forces", "momentum"}
     assert summary["identification"]["exponent"]["value"] == pytest.approx(10 / 9, rel=1e-6)
     notes = " ".join(summary["notes"])
     assert "no accelerations" in notes and "no friction term" in notes

@@ -90,7 +90,6 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     out[ELASTIC] = elastic_energy(bodies, drive, scratch)  # after what needs the velocities before
     out[CONTACT] = 0.0
     add_contact_energy(groups, contacts, rollers.n, contacts.points, out)
-    add_all_motion(bodies.others, drive, out, KINETIC)
     aside, radial_load = load_at(drive.course, drive, time)
     work = with_aside(drive.course, drive.sums[0] - 0.5 * radial_load * dt * before[1], 0.5 * aside * dt * before[0])
     out[WORK_LOAD] = work
@@ -113,6 +112,7 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
             out[at + (4 + row) * n] = forces.force[row, j]
         for row in range(2):
             out[at + (7 + row) * n] = friction.traction[row, j]
+    add_all_motion(bodies.others, drive, out, KINETIC)
 
 
 @part(inlined=False)

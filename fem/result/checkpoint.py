@@ -105,7 +105,7 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
             _check_numbers(name, value, expected[name])
         stored = Stored(
             samples=int(meta["samples"]),
-            checksums={name: int(meta["checksums"][name]) for name in variables_of(plan.scene.ideal_bearing())},
+            checksums={name: int(meta["checksums"][name]) for name in variables_of(plan.scene)},
         )
         if stored.samples < 0:
             raise ValueError("no number of samples")

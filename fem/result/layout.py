@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from fem.result.durable import claim
-from lagrange.bearing import Bearing
+from lagrange.scene import SURFACES, Scene
 from lagrange.stored import CHECKSUM
 
 FORMAT_VERSION = 1
@@ -56,6 +56,20 @@ ON_SURFACES = {  # where these are not perfect circles
     "inner_sinkage": (PER_ROLLER, "m", "how much nearer the inner ring and the roller come than perfect circles"),
     "outer_sinkage": (PER_ROLLER, "m", "how much nearer the outer ring and the roller come than perfect circles"),
 }
+WITH_A_CAGE = {
+    "cage_x": (PER_TIME, "m", "cage centre, x"),
+    "cage_y": (PER_TIME, "m", "cage centre, y"),
+    "cage_angle": (PER_TIME, "rad", "how far the cage has turned since t = 0"),
+    "cage_speed": (PER_TIME, "rad/s", "cage's angular speed"),
+    "cage_guidance_x": (PER_TIME, "N", "force of the guiding ring on the cage, x; 0 where rollers guide it"),
+    "cage_guidance_y": (PER_TIME, "N", "force of the guiding ring on the cage, y; 0 where rollers guide it"),
+    "cage_work_dashpots": (PER_TIME, "J", "dissipated by the cage's dashpots since the start"),
+    "cage_work_friction": (PER_TIME, "J", "dissipated by the cage's friction since the start"),
+    "cage_work_drag": (PER_TIME, "J", "taken by the cage's drag since the start"),
+    "cage_force": (PER_ROLLER, "N", "cage on roller, along the pitch circle: forward where > 0, by the rear wall"),
+    "cage_radial_force": (PER_ROLLER, "N", "cage on roller, outward"),
+    "cage_moment": (PER_ROLLER, "N m", "cage's friction on roller, about the roller's centre"),
+}
 ATTRIBUTES = {  # of the file
     "format_version": "of this layout",
     "program": "what wrote it",
@@ -79,9 +93,10 @@ ATTRIBUTES = {  # of the file
 Variables = Mapping[str, tuple[tuple[str, ...], str, str]]
 
 
-def variables_of(bearing: Bearing) -> Variables:
-    """What each sample of a run of this bearing holds: dimensions, unit and meaning by name."""
-    return VARIABLES | ON_SURFACES if bearing.faults else VARIABLES
+def variables_of(scene: Scene) -> Variables:
+    """What each sample of a run of this scene holds: dimensions, unit and meaning by name."""
+    uneven = any(getattr(scene, name) for name in SURFACES)
+    return VARIABLES | (ON_SURFACES if uneven else {}) | ({} if scene.cage is None else WITH_A_CAGE)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -47,7 +47,7 @@ class Stored:
 
 def nothing_stored(plan: "Plan") -> Stored:
     """Of a run that has not begun."""
-    return Stored(samples=0, checksums=dict.fromkeys(variables_of(plan.scene.ideal_bearing()), 0))
+    return Stored(samples=0, checksums=dict.fromkeys(variables_of(plan.scene), 0))
 
 
 class WriteFailed(OSError):
@@ -74,7 +74,7 @@ class ResultFile:
         self._attributes = _attributes(plan, setup_seconds) | attributes
         self._plan = plan
         self._bearing, self._operation = plan.scene.ideal_bearing(), plan.scene.ideal_operation()
-        self._variables = variables_of(self._bearing)
+        self._variables = variables_of(plan.scene)
         self._events: list[SpallEvent] | None = None  # known when the run has ended, on bearings with spalls
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with alone_in(self._path.parent):

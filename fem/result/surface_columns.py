@@ -11,7 +11,6 @@ from dataclasses import asdict
 import h5py
 import numpy as np
 
-from fem.result.layout import variables_of
 from lagrange.bearing import Bearing, Operation
 from lagrange.kinematics import turned
 from lagrange.passages import COLUMNS, find_passages, spalls
@@ -48,7 +47,7 @@ def with_sinkages(
         "inner_sinkage": surfaces.inner(from_hub, turns).sinkage,
         "outer_sinkage": surfaces.outer(np.arctan2(y, x), turns).sinkage,
     }
-    return {name: samples[name] for name in variables_of(bearing) if name not in found} | found
+    return {**samples, **found}
 
 
 def write_scene_files(file: h5py.File, scene: Scene) -> None:

@@ -9,6 +9,7 @@ from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.rigid import RigidRing
 from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.cage_kernels import Cage
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH
 from fem.kernels.state import (
@@ -98,8 +99,16 @@ GIVEN = {
     Shear: ("level",),
     Course: ("turn_knots", "turn", "load_knots", "load"),
     Spread: ("missing", "inverse"),
+    Cage: ("cosine", "sine"),
 }
 STATE_INDICES = {Patches: ("start",), Spread: ("closed",)}
+
+
+def changing_arrays(group: tuple, place: str) -> dict[str, np.ndarray]:
+    """Every array of a named tuple, and of those in it, that a run changes, by where it stands."""
+    found: dict[str, tuple[np.ndarray, bool]] = {}
+    _collect(group, place, found)
+    return {name: array for name, (array, given) in found.items() if not given}
 
 
 def _collect(group: tuple, place: str, found: dict[str, tuple[np.ndarray, bool]]) -> None:

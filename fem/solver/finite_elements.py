@@ -10,6 +10,7 @@ import numpy as np
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
 from fem.solver.arrays import Arrays, make_arrays
+from fem.solver.cage_arrays import critical_with_cage, with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.description import expected_seconds, mesh_table, plan_rows
@@ -73,9 +74,13 @@ class ElementPlan(CompiledPlan):
         numerics = self.scene.numerics
         ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
         friction = self.scene.contact.friction_coefficient
-        return make_arrays(
+        arrays = make_arrays(
             self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force, numerics.threads
         )
+        cage, start = self.scene.ideal_cage(), self.start
+        if cage is None:
+            return arrays
+        return with_cage(arrays, self.model.bearing, cage, start.angle, start.kinematics.cage)
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> None:
         """Compile the time loop, or load it compiled, without taking a step."""
@@ -125,7 +130,9 @@ def make_plan(scene: Scene) -> ElementPlan:
         float(loaded.equilibrium.outer_force.max()),
         5.0 * operation.heaviest / model.bearing.n_rollers,
     )
-    critical = critical_time_step(model, expected)
+    critical = critical_with_cage(
+        critical_time_step(model, expected), model.bearing, scene.ideal_cage(), operation.inner_mass
+    )
     interval = 1e-6 * numerics.output_interval_us
     steps = max(1, ceil(interval / (numerics.time_step_safety * critical)))
     looks = ceil(steps / LONGEST_UNWATCHED)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fem.kernels import sample_kernels as row
+from fem.solver.cage_arrays import cage_columns
 from fem.solver.solver import Samples
 
 TURN = 2.0 * np.pi
@@ -16,6 +17,7 @@ class SampleReader:
 
     def __init__(self, plan):
         self._n = plan.model.bearing.n_rollers
+        self._has_cage = plan.scene.cage is not None
         self._looks = plan.looks
         self._interval = plan.interval
         self._count = 0
@@ -44,7 +46,7 @@ class SampleReader:
     def read(self, rows: np.ndarray) -> Samples:
         """Quantities of the next rows."""
         n = self._n
-        blocks = rows[:, row.N_SCALARS :].reshape(len(rows), len(row.BLOCKS), n)
+        blocks = rows[:, row.N_SCALARS : row.N_SCALARS + len(row.BLOCKS) * n].reshape(len(rows), len(row.BLOCKS), n)
         block = {name: blocks[:, i] for i, name in enumerate(row.BLOCKS)}
         x, y = block["roller_x"], block["roller_y"]
         works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1)
@@ -80,6 +82,8 @@ class SampleReader:
             "work_external": work,
             "work_dissipated": dissipated,
         }
+        if self._has_cage:
+            values |= cage_columns(rows, n)
         self._count += len(rows)
         imbalance = gained + (stored - self._base[3]) - work + dissipated
         return Samples(values=values, imbalance=imbalance, exchanged=exchanged)

@@ -29,5 +29,5 @@ def record_of(scene: Scene, run: Trajectory) -> Record:
     return Record(
         name="run", source=Path("run"), scene=scene, time=run.time, inner_x=run.inner_x, inner_y=run.inner_y,
         roller_x=run.roller_x, roller_y=run.roller_y, inner_ax=run.inner_ax, inner_ay=run.inner_ay,
-        inner_force=run.inner_force, outer_force=run.outer_force,
+        inner_force=run.inner_force, outer_force=run.outer_force, attributes={"program": "run-fem"},
     )  # fmt: skip

@@ -178,7 +178,7 @@ def evaluate(
             envelope=envelope(part.error, interval, resonance, _slowest(lines)),
             term_spectra={name: power_spectrum(term, interval, _slowest(lines)) for name, term in part.terms.items()},
             vibration=vibration(acceleration, interval, lines),
-            orders=None if tracking is None else order_spectra(tracking, part.error, motion[first:], acceleration),
+            orders=None if tracking is None else order_spectra(tracking, part.error, motion, acceleration),
         )
 
     x = direction("x", budget.x, used.inner_x, acceleration_x if used.inner_ax is None else used.inner_ax)

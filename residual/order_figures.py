@@ -5,10 +5,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.colors import LogNorm
 
+from residual.colours import BLUE
 from residual.evaluation import Evaluation
 from residual.figures import SavedFigure
 from residual.orders import HIGHEST, Tracking
-from residual.plotting import BLUE, WIDTH, line_handles, mark_lines, plt, save
+from residual.panels import COLOUR_BAR, RIGHT, colour_bar, panels
+from residual.plotting import legend_above, line_handles, mark_lines, save
 from residual.short_time import ShortTime
 from residual.words import text
 
@@ -28,8 +30,8 @@ def order_spectrum(evaluation: Evaluation, folder: Path) -> SavedFigure:
     shown = [("path x, µm²", x.path, unit), ("path y, µm²", y.path, unit)]
     if y.envelope is not None:
         shown.append(("envelope y, (m/s²)²", y.envelope, 1.0))
-    rows = len(shown) + (short is not None)
-    figure, axes = plt.subplots(rows, 1, figsize=(WIDTH, 2.4 * rows))
+    rows = (len(shown),) if short is None else (len(shown), 1)
+    figure, axes = panels(rows, 0.6 + 2.0 * sum(rows), right=RIGHT if short is None else COLOUR_BAR)
     top, families = HIGHEST * tracking.lines["BPFI"], []
     for axis, (name, spectrum, scale) in zip(axes, shown, strict=False):
         families = mark_lines(axis, tracking.lines, 0.0, top, labels=False)
@@ -39,9 +41,9 @@ def order_spectrum(evaluation: Evaluation, folder: Path) -> SavedFigure:
         axis.set(xlim=(0.0, top), ylim=(RANGE * psd.max(), 10.0 * psd.max()), ylabel=f"{name}/order")
     axes[len(shown) - 1].set_xlabel("order, per turn of the shaft")
     handles = line_handles(families, tracking.lines, "")
-    figure.legend(handles=handles, loc="outside upper left", ncols=5, columnspacing=1.0, handlelength=1.5)
+    legend_above(axes[0], 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, fontsize=9)
     if short is not None:
-        _draw_map(figure, axes[-1], tracking, short)
+        _draw_map(axes[-1], tracking, short)
     low, high = (text(60.0 * speed, 4) for speed in speed_range(tracking))
     caption = (
         f"Order spectra (power spectral densities) of the hub's path, and of the envelope of its acceleration, "
@@ -63,7 +65,7 @@ def speed_range(tracking: Tracking) -> tuple[float, float]:
     return float(speed.min()), float(speed.max())
 
 
-def _draw_map(figure, axis, tracking: Tracking, short: ShortTime) -> None:
+def _draw_map(axis, tracking: Tracking, short: ShortTime) -> None:
     """Draw orders over time."""
     time = 1e3 * np.interp(tracking.turn[0] + short.time, tracking.turn, tracking.time)
     top = 10.0 ** np.ceil(np.log10(max(1e12 * float(short.psd.max()), 1e-30)))
@@ -71,7 +73,7 @@ def _draw_map(figure, axis, tracking: Tracking, short: ShortTime) -> None:
         time, short.frequency, np.maximum(1e12 * short.psd, 1e-300), norm=LogNorm(top * SHORT_TIME_RANGE, top),
         cmap="viridis", shading="nearest", rasterized=True,
     )  # fmt: skip
-    figure.colorbar(image, ax=axis, label="path y, µm²/order", pad=0.015, extend="min")
+    colour_bar(image, [axis], "path y, µm²/order", extend="min")
     for line in ON_MAP:
         axis.annotate(line, (0.004, tracking.lines[line]), xycoords=("axes fraction", "data"), color="white",
                       fontsize=8.5, va="center")  # fmt: skip

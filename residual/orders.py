@@ -109,7 +109,7 @@ def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, accel
     spectrum, envelope = power_spectrum(place, step, slowest), tracking.envelope(acceleration)
     return OrderSpectra(
         tracking=tracking, error=power_spectrum(tracking.resampled(error), step, slowest), path=spectrum,
-        peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines),
+        peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines, 0.0, 0.0),
         short_time=_short_time(place, step, HIGHEST * lines["BPFI"]),
         envelope=None if envelope is None else power_spectrum(tracking.resampled(envelope), step, slowest),
     )  # fmt: skip

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.solver.simulate import make_plan, programs_named, run
+from lagrange.mounting import from_outer_ring
 
 if TYPE_CHECKING:
     from fem.errors import RunFailed, UsageError
@@ -93,7 +94,7 @@ def simulate(
 class Statics:
     """A bearing in equilibrium at the start of its scene: under load and weight, and as steady rotation loads it."""
 
-    hub: np.ndarray  # (2,), m
+    hub: np.ndarray  # (2,), m, from the outer ring's centre
     roller_theta: np.ndarray  # (n_rollers,), rad, from +x
     roller_rho: np.ndarray  # (n_rollers,), m, from the outer ring's centre
     inner_force: np.ndarray  # (n_rollers,), N, >= 0
@@ -126,7 +127,7 @@ def statics(scene: "Scene") -> Statics:
     """
     found = simulate(scene.varied({"numerics.duration_ms": 0.0, "numerics.start": "equilibrium"}))
     return Statics(
-        hub=np.array([found["inner_x"][0], found["inner_y"][0]]),
+        hub=np.array([place[0] for place in from_outer_ring(found.values, "inner")]),
         roller_theta=found["roller_theta"][0],
         roller_rho=found["roller_rho"][0],
         inner_force=found["inner_force"][0],

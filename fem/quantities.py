@@ -8,6 +8,7 @@ import numpy as np
 
 from fem.answers import LOADED, Seen
 from lagrange import Bearing, kinematics
+from lagrange.mounting import from_outer_ring
 
 OF_MOTION = {  # unit and meaning; means are over time
     "hub_mean_x": ("m", "mean position of the hub, x"),
@@ -58,8 +59,7 @@ def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
         return float(np.trapezoid(values, time) / (time[-1] - time[0]))
 
     found = {}
-    for axis in "xy":
-        path = samples[f"inner_{axis}"]
+    for axis, path in zip("xy", from_outer_ring(samples, "inner"), strict=True):
         middle = mean(path)
         found[f"hub_mean_{axis}"] = middle
         found[f"hub_std_{axis}"] = mean((path - middle) ** 2) ** 0.5
@@ -75,9 +75,10 @@ def run_quantities(bearing: Bearing, speed: float, samples: Mapping[str, np.ndar
     NaN where a run can't tell: the load zone before rollers have been everywhere, the slip of a standing cage.
     """
     first = samples["inner_force"][0]
+    hub = from_outer_ring(samples, "inner")
     start = {
-        "first_hub_x": float(samples["inner_x"][0]),
-        "first_hub_y": float(samples["inner_y"][0]),
+        "first_hub_x": float(hub[0][0]),
+        "first_hub_y": float(hub[1][0]),
         "first_largest_force": float(first.max()),
         "first_loaded_rollers": float(np.count_nonzero(first > LOADED * first.max())),
     }
@@ -91,7 +92,7 @@ def run_quantities(bearing: Bearing, speed: float, samples: Mapping[str, np.ndar
 def _of_record(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
     seen, ideal = Seen(), kinematics(bearing, speed).cage
     seen.add(samples)
-    zone, width = seen.load_zone(), seen.high - seen.low
+    zone, width = seen.load_zone(), seen.hub.high - seen.hub.low
     off = samples["inner_ay"] - samples["inner_ay"].mean()
     spread = float(np.mean(off**2))
     return {

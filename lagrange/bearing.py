@@ -5,6 +5,7 @@ from math import inf, pi
 
 from lagrange.course import Course
 from lagrange.faults import Fault
+from lagrange.mounting import HELD, Mounting
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,6 +138,7 @@ class Operation:
     inner_mass: float  # inner ring and shaft, m_in + m_R, kg
     gravity: float  # m/s²
     first_roller_angle: float  # of roller 0, rad from +x
+    mounting: Mounting = HELD
     side_load: float = 0.0  # N, along +x
     course: Course | None = None  # how speed and loads, which are those at t = 0, go on; None: they stay
 

@@ -4,20 +4,22 @@ It stands on the ground floor because both the solver and the checker read it, a
 """
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from copy import deepcopy
 from dataclasses import replace
 from itertools import pairwise
 from math import pi
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import tomli_w
-from pydantic import Field, ValidationError
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.cage import Cage
 from lagrange.catalogue import designations, inner_ring_and_shaft
+from lagrange.mounting import Mounting
 from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_cage import CageTable, cage_faults
@@ -32,6 +34,7 @@ from lagrange.scene_run import (
     OutputTable,
     ReducedTable,
 )
+from lagrange.scene_support import SensorTable, SupportTable
 from lagrange.scene_surfaces import (
     ProfileTable,
     SpallTable,
@@ -79,12 +82,35 @@ class Scene(Table):
     reduced: ReducedTable = ReducedTable()
     numerics: NumericsTable = NumericsTable()
     output: OutputTable = OutputTable()
+    support: SupportTable | None = None
+    sensor: SensorTable | None = None
     cage: CageTable | None = None
     spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
     waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
     unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
     profile: list[ProfileTable] = Field([], max_length=MOST_TABLES)
     table: Columns = Columns()
+
+    _written: dict[str, Any] | None = PrivateAttr(None)  # the tables as they were given, before they were completed
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _remembered(cls, data: Any, handler: Callable[[Any], Self]) -> Self:
+        """Keep what was written: a clearance that is varied must not meet the diameter that followed from another."""
+        scene = handler(data)
+        if isinstance(data, dict):
+            scene._written = {key: _plain(value) for key, value in data.items()}
+        return scene
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and self.__dict__ == other.__dict__
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """See pydantic; what was written is forgotten where a table is exchanged."""
+        found = super().model_copy(update=update, deep=deep)
+        if update:
+            found._written = None
+        return found
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
@@ -101,16 +127,8 @@ class Scene(Table):
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        return (
-            self._law,
-            self._mass,
-            self._mesh,
-            self._fields,
-            self._rigid_contacts,
-            self._cage,
-            self._courses,
-            *surfaces,
-        )
+        tables = self._rigid_contacts, self._support, self._cage, self._courses
+        return self._law, self._mass, self._mesh, self._fields, *tables, *surfaces
 
     def _law(self) -> Iterator[str]:
         known = law_names(self._perfect_bearing())
@@ -162,9 +180,25 @@ class Scene(Table):
                 f'"{self.contact.model}", whose points of pressure sit on meshes'
             )
 
+    def _support(self) -> Iterator[str]:
+        if self.mounting().housing is not None and self.model != "fem":
+            yield (
+                f'support.kind = "{self.support.kind}": only with model = "fem", not with "{self.model}", whose outer '
+                "ring stands still; leave one of them out"
+            )
+        if self.sensor is not None and self.mounting().housing is None:
+            yield (
+                '[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'
+            )
+
     def _cage(self) -> Iterator[str]:
         if self.cage is not None:
             yield from cage_faults(self._perfect_bearing(), self.cage)
+            if self.cage.guidance == "outer_ring" and self.mounting().housing is not None:
+                yield (
+                    'cage.guidance = "outer_ring": not in a housing that moves; take "rollers" or "inner_ring", or '
+                    "leave [support] out"
+                )
             if self.cage.guidance == "inner_ring" and self.operation.speed_table is not None:
                 yield (
                     f'cage.guidance = "inner_ring": only at a steady speed, not with operation.speed_table = '
@@ -237,7 +271,14 @@ class Scene(Table):
 
     def ideal_operation(self) -> Operation:
         """The operating point in SI."""
-        return self.operation.ideal()
+        return replace(self.operation.ideal(), mounting=self.mounting())
+
+    def mounting(self) -> Mounting:
+        """What the bearing stands in, in SI."""
+        return Mounting(
+            housing=None if self.support is None else self.support.housing(),
+            sensor=None if self.sensor is None else self.sensor.sensor(),
+        )
 
     @property
     def files(self) -> dict[str, str]:
@@ -254,7 +295,9 @@ class Scene(Table):
         ------
         SceneError: an unknown key or an impossible value; a file, which only the reader of a scene puts in its place.
         """
-        data = self.model_dump(exclude_none=True)
+        data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
+        for table in data.get("profile", []):
+            table.pop("content", None)
         for key, value in changes.items():
             if key.rpartition(".")[2] in FILE_KEYS:
                 raise SceneError(f"{key}: files of a scene can't be varied; write a scene for each file")
@@ -275,6 +318,11 @@ class Scene(Table):
         if self.table == Columns():
             del tables["table"]
         return tomli_w.dumps(tables)
+
+
+def _plain(value: Any) -> Any:
+    """A table as nested dictionaries, of its own."""
+    return value.model_dump(exclude_unset=True) if isinstance(value, Table) else deepcopy(value)
 
 
 def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) -> Scene:

@@ -7,6 +7,7 @@ inner_y = "Y_hub [um]"
 roller_rho = "rho_{j} [mm]"    # {j}: the roller's number; or roller_x and roller_y
 roller_theta = "theta_{j} [deg]"
 inner_force = "Q{j} [N]"       # optional, as are inner_ax, inner_ay, outer_force, inner_traction, outer_traction
+housing_y = "Y_ring [um]"      # with [support] kind = "housing", and housing_x; optional housing_ax, housing_ay
 first_roller = 1               # number of the first roller in the names; default 0
 decimal = ","                  # default "."
 """
@@ -28,6 +29,7 @@ UNITS = {
     "inner_x": LENGTH, "inner_y": LENGTH,
     "roller_x": LENGTH, "roller_y": LENGTH, "roller_rho": LENGTH, "roller_theta": ANGLE,
     "inner_ax": ACCELERATION, "inner_ay": ACCELERATION,
+    "housing_x": LENGTH, "housing_y": LENGTH, "housing_ax": ACCELERATION, "housing_ay": ACCELERATION,
     "inner_force": FORCE, "outer_force": FORCE, "inner_traction": FORCE, "outer_traction": FORCE,
 }  # fmt: skip
 
@@ -48,6 +50,10 @@ class Columns(BaseModel):
     roller_theta: str = Field("roller_{j}_theta", description="of its angle from +x, counter-clockwise")
     inner_ax: str = Field("inner_ax", description="of the inner ring's own acceleration, x")
     inner_ay: str = Field("inner_ay", description="of the inner ring's own acceleration, y")
+    housing_x: str = Field("housing_x", description="of the outer ring's centre, x, in a housing")
+    housing_y: str = Field("housing_y", description="of the outer ring's centre, y, in a housing")
+    housing_ax: str = Field("housing_ax", description="of the housing's own acceleration, x")
+    housing_ay: str = Field("housing_ay", description="of the housing's own acceleration, y")
     inner_force: str = Field("roller_{j}_inner_force", description="of the normal force at the inner raceway")
     outer_force: str = Field("roller_{j}_outer_force", description="of the normal force at the outer raceway")
     inner_traction: str = Field(

@@ -75,13 +75,17 @@ def _table_kind(field: FieldInfo) -> tuple[type[BaseModel] | None, bool, bool]:
     return None, False, False
 
 
+def unit_of(name: str) -> str:
+    """The unit that a key spells; empty where it spells none."""
+    return next((unit for ending, unit in UNITS.items() if name.endswith(f"_{ending}")), "")
+
+
 def _key(name: str, field: FieldInfo) -> Key:
-    ending = next((unit for unit in UNITS if name.endswith(f"_{unit}")), None)
     return Key(
         name=name,
         default=None if field.default is PydanticUndefined else field.default,
         meaning=field.description or "",
-        unit=UNITS.get(ending, ""),
+        unit=unit_of(name),
         limits=_limits(field),
     )
 

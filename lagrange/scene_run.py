@@ -96,3 +96,6 @@ class OutputTable(Table):
     fields_every_ms: float = Field(
         0.0, ge=0.0, le=1e6, description="displacement and stress of all nodes; 0: none, and then it costs nothing"
     )
+    acceleration_Hz: int = Field(
+        25_600, ge=1, le=100_000_000, description="rate of accelerations that render-fem --export writes"
+    )

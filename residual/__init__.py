@@ -8,6 +8,7 @@ budget          error forces of equations (22) and (23) and what they are made o
 identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
 fitted_laws     laws with coupling between contacts, with damping
 spectrum        power spectral density, peaks, kinematic lines
+quarters        what varies in each quarter of a record: transients
 lines           levels of lines and sidebands; `envelope` spectrum of a band; `short_time` spectra
 vibration       the hub's acceleration: levels, fault lines in its envelope
 fault_finding   a spall found in trajectories alone: `roller_motion` what it may see, `sinkage_maps` by each body's

@@ -13,6 +13,7 @@ TERM_COLOURS = {
     "ring_flexibility": BLUE,
     "other_forces": BLUE,
     "differentiation": GREY,
+    "outer_ring": SKY,
     "load_and_weight": ORANGE,
     "momentum": PURPLE,
 }

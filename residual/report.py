@@ -29,6 +29,7 @@ from residual.tables import (
     honest_notes,
     paper_rows,
     peak_rows,
+    quarter_rows,
     stated_error_rows,
 )
 from residual.vibration_tables import envelope_rows, vibration_rows, vibration_sentences
@@ -73,6 +74,7 @@ def render_report(
         search_sentences=[] if search is None else search_sentences(search),
         notes=honest_notes(evaluation),
         meaning=meaning(evaluation, statics),
+        quarters=quarter_rows(evaluation),
         stated_errors=stated_error_rows(evaluation),
         picture=picture_of(t.source) if t.attributes else None,
         **{f"{group}_figures": [(f, _embedded(f)) for f in figures.get(group, ())] for group in GROUPS},

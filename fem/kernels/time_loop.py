@@ -3,6 +3,7 @@
 from math import cos, sin
 
 import fem.kernels.disc_surface  # what contacts ask of each type of surface
+import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.rigid_surfaces
 import fem.kernels.ring_surface  # noqa: F401
 from fem.kernels.cage_kernels import CagePair, rub_cage

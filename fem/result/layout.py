@@ -56,6 +56,14 @@ ON_SURFACES = {  # where these are not perfect circles
     "inner_sinkage": (PER_ROLLER, "m", "how much nearer the inner ring and the roller come than perfect circles"),
     "outer_sinkage": (PER_ROLLER, "m", "how much nearer the outer ring and the roller come than perfect circles"),
 }
+ON_HOUSING = {
+    "housing_x": (PER_TIME, "m", "housing and outer ring's centre, x"),
+    "housing_y": (PER_TIME, "m", "housing and outer ring's centre, y"),
+    "housing_ax": (PER_TIME, "m/s2", "acceleration of the housing, x"),
+    "housing_ay": (PER_TIME, "m/s2", "acceleration of the housing, y"),
+    "energy_support": (PER_TIME, "J", "energy of the springs under the housing"),
+    "sensor_ay": (PER_TIME, "m/s2", "acceleration that the sensor shows, y"),
+}
 WITH_A_CAGE = {
     "cage_x": (PER_TIME, "m", "cage centre, x"),
     "cage_y": (PER_TIME, "m", "cage centre, y"),
@@ -96,7 +104,8 @@ Variables = Mapping[str, tuple[tuple[str, ...], str, str]]
 def variables_of(scene: Scene) -> Variables:
     """What each sample of a run of this scene holds: dimensions, unit and meaning by name."""
     uneven = any(getattr(scene, name) for name in SURFACES)
-    return VARIABLES | (ON_SURFACES if uneven else {}) | ({} if scene.cage is None else WITH_A_CAGE)
+    of_housing = {name: ON_HOUSING[name] for name in scene.mounting().columns}
+    return VARIABLES | of_housing | (ON_SURFACES if uneven else {}) | ({} if scene.cage is None else WITH_A_CAGE)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,8 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.kinematics import turned
-from lagrange.passages import COLUMNS, find_passages, spalls
+from lagrange.mounting import from_outer_ring
+from lagrange.passages import COLUMNS, HOUSING, find_passages, spalls
 from lagrange.profile import Turns, profiles
 from lagrange.scene import Scene
 from lagrange.spall_events import SpallEvent, spall_events
@@ -39,10 +40,10 @@ def with_sinkages(
     surfaces = profiles(bearing)
     if surfaces is None:
         return samples
-    x, y = samples["roller_x"], samples["roller_y"]
+    inner_x, inner_y, x, y = from_outer_ring(samples, "inner", "roller")
     turn = turned(bearing, operation, samples["time"][:, None]).shaft
     turns = Turns(inner_ring=turn, rollers=samples["roller_turn"])
-    from_hub = np.arctan2(y - samples["inner_y"][:, None], x - samples["inner_x"][:, None])
+    from_hub = np.arctan2(y - inner_y[:, None], x - inner_x[:, None])
     found = {
         "inner_sinkage": surfaces.inner(from_hub, turns).sinkage,
         "outer_sinkage": surfaces.outer(np.arctan2(y, x), turns).sinkage,
@@ -60,8 +61,9 @@ def write_scene_files(file: h5py.File, scene: Scene) -> None:
 
 def events_of(bearing: Bearing, operation: Operation, file: h5py.File, count: int) -> list[SpallEvent]:
     """Events of the first `count` samples of an open result file."""
+    names = [name for name in (*COLUMNS, *HOUSING) if name in file]
     return spall_events(
-        find_passages(bearing, operation, lambda start, stop: {name: file[name][start:stop] for name in COLUMNS}, count)
+        find_passages(bearing, operation, lambda start, stop: {name: file[name][start:stop] for name in names}, count)
     )
 
 

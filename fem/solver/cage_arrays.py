@@ -13,8 +13,10 @@ from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.state import Drive, Rollers
 from fem.solver.arrays import Arrays
 from fem.solver.cache_lines import lined_up
+from fem.solver.start import Start
 from lagrange.bearing import Bearing
 from lagrange.cage import Cage
+from lagrange.mounting import HELD, Mounting
 
 SCALARS = (
     "cage_x",
@@ -31,15 +33,14 @@ PER_ROLLER = ("cage_force", "cage_radial_force", "cage_moment")
 GUIDE_SIDES = {"inner_ring": -1.0, "outer_ring": 1.0}  # of the cage, where it meets that ring
 
 
-def row_width(n_rollers: int, cage: Cage | None) -> int:
+def row_width(n_rollers: int, cage: Cage | None, mounting: Mounting = HELD) -> int:
     """Numbers in a sample of the time loops."""
-    usual = N_SCALARS + len(BLOCKS) * n_rollers
+    usual = N_SCALARS + len(BLOCKS) * n_rollers + len(mounting.columns)
     return usual if cage is None else usual + N_CAGE_SCALARS + len(PER_ROLLER) * n_rollers
 
 
-def cage_columns(rows: np.ndarray, n_rollers: int) -> dict[str, np.ndarray]:
-    """What rows of a run with a cage hold of it, by the result file's names."""
-    at = N_SCALARS + len(BLOCKS) * n_rollers
+def cage_columns(rows: np.ndarray, n_rollers: int, at: int) -> dict[str, np.ndarray]:
+    """What rows of a run with a cage hold of it from a column on, by the result file's names."""
     found = {name: rows[:, at + i] for i, name in enumerate(SCALARS)}
     at += N_CAGE_SCALARS
     for i, name in enumerate(PER_ROLLER):
@@ -47,15 +48,12 @@ def cage_columns(rows: np.ndarray, n_rollers: int) -> dict[str, np.ndarray]:
     return found
 
 
-def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float) -> Arrays:
-    """Arrays of the finite elements with a cage, concentric with its pockets around the rollers.
-
-    Parameters
-    ----------
-    angle : ndarray, (n_rollers,), rad, of the rollers; speed : rad/s, of the cage
-    """
+def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, start: Start, mounting: Mounting) -> Arrays:
+    """Arrays of the finite elements with a cage, concentric with its pockets around the rollers."""
     rollers, drive = arrays.bodies.rollers, arrays.drive
-    body = cage_state(bearing, cage, angle, speed)
+    first = row_width(bearing.n_rollers, None, mounting)
+    body = cage_state(bearing, cage, start.angle, start.kinematics.cage, first)
+    body.motion[0, :2] = start.housing
     ring = _hub(drive) if cage.guidance == "inner_ring" else None
     pair = CagePair(cage=body, riders=_riders(rollers), ring=ring)
     return replace(
@@ -65,8 +63,10 @@ def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, angle: np.ndarray, s
     )
 
 
-def cage_state(bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float) -> cage_kernels.Cage:
-    """The cage at t = 0, concentric and turning with the rollers, at these angles, rad."""
+def cage_state(
+    bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float, first: int | None = None
+) -> cage_kernels.Cage:
+    """The cage at t = 0, concentric and turning with the rollers, at these angles, rad; `first` of its columns."""
     n, side = bearing.n_rollers, GUIDE_SIDES.get(cage.guidance)
     radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
     return lined_up(
@@ -91,7 +91,7 @@ def cage_state(bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float) ->
             damping=float(cage.damping),
             friction=float(cage.friction_coefficient),
             drag_torque=float(cage.drag_torque),
-            at=row_width(n, None),
+            at=row_width(n, None) if first is None else first,
         )
     )
 

@@ -80,7 +80,7 @@ class ElementPlan(CompiledPlan):
         cage, start = self.scene.ideal_cage(), self.start
         if cage is None:
             return arrays
-        return with_cage(arrays, self.model.bearing, cage, start.angle, start.kinematics.cage)
+        return with_cage(arrays, self.model.bearing, cage, start, self.operation.mounting)
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> None:
         """Compile the time loop, or load it compiled, without taking a step."""
@@ -131,7 +131,10 @@ def make_plan(scene: Scene) -> ElementPlan:
         5.0 * operation.heaviest / model.bearing.n_rollers,
     )
     critical = critical_with_cage(
-        critical_time_step(model, expected), model.bearing, scene.ideal_cage(), operation.inner_mass
+        critical_time_step(model, expected, operation.mounting.housing),
+        model.bearing,
+        scene.ideal_cage(),
+        operation.inner_mass,
     )
     interval = 1e-6 * numerics.output_interval_us
     steps = max(1, ceil(interval / (numerics.time_step_safety * critical)))

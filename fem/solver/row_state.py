@@ -63,7 +63,8 @@ class RowState(RunState):
 
     @property
     def _row_width(self) -> int:
-        return row_width(self.plan.model.bearing.n_rollers, self.plan.scene.ideal_cage())
+        plan = self.plan
+        return row_width(plan.model.bearing.n_rollers, plan.scene.ideal_cage(), plan.operation.mounting)
 
     def _take_long_sample(self) -> tuple[np.ndarray, int, int, int] | None:
         """One sample in parts, between which the run can be stopped: then None, and the arrays are as before."""

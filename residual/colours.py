@@ -10,6 +10,7 @@ TERM_COLOURS = {
     "error": "black",
     "contact_law": RED,
     "friction": GREEN,
+    "cage": SKY,
     "ring_flexibility": BLUE,
     "other_forces": BLUE,
     "differentiation": GREY,

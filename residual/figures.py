@@ -27,6 +27,7 @@ def draw_figures(evaluation, statics, search, folder: Path) -> dict[str, list[Sa
     import matplotlib.pyplot as plt
 
     from residual.budget_figures import budget_figures
+    from residual.cage_figures import cage_figure
     from residual.fault_figures import fault_figures
     from residual.motion_figures import motion_figures
     from residual.order_figures import order_figures
@@ -38,7 +39,7 @@ def draw_figures(evaluation, statics, search, folder: Path) -> dict[str, list[Sa
 
     with plt.rc_context(STYLE):
         return {
-            "motion": motion_figures(evaluation, statics, folder),
+            "motion": [*motion_figures(evaluation, statics, folder), *filter(None, [cage_figure(evaluation, folder)])],
             "spectra": spectrum_figures(evaluation, folder),
             "vibration": [
                 *vibration_figures(evaluation, folder),

@@ -110,6 +110,7 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
         ),
         ("Contact law", f"{evaluation.law.name}: {evaluation.law.source}"),
         *_cage(evaluation),
+        *_ring_of_cage(evaluation),
         ("Loaded rollers", f"{low} to {high}"),
         ("Largest roller load by the law", f"{text(float(evaluation.budget.law_force.max()))} N"),
     ]
@@ -147,6 +148,22 @@ def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
     slower = 100.0 * (1.0 - cage / ideal)
     return [
         ("Cage speed", f"{text(cage, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz ({text(slower, 2)} % slower)")
+    ]
+
+
+def _ring_of_cage(evaluation: Evaluation) -> list[tuple[str, str]]:
+    """Row of the cage's own motion; none for a run without one."""
+    t, cage = evaluation.record, evaluation.record.cage
+    if cage is None:
+        return []
+    off, force = 1e6 * float(np.hypot(cage.x, cage.y).max()), float(np.abs(cage.force).max())
+    turns = cage.speed(t.interval) / (2.0 * np.pi), cage.whirl(t.interval) / (2.0 * np.pi)
+    return [
+        (
+            "Cage",
+            f"turns at {text(turns[0], 5)} Hz, its centre whirls at {text(turns[1], 3)} Hz up to {text(off)} µm from "
+            f"the bearing's, pockets push with up to {text(force)} N",
+        )
     ]
 
 

@@ -16,6 +16,7 @@ from lagrange.stored import (
     read_scene_text,
     refusal_in_child,
 )
+from residual.cage import COLUMNS, CageMotion
 from residual.errors import InputError
 from residual.record import FEWEST_SAMPLES, Record, StatedError, checked, relative
 
@@ -101,7 +102,8 @@ def _from_file(path: Path, file) -> Record:
         raise InputError(f"{path}: committed_samples = {n!r} must be a whole number >= 0; the file is damaged")
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
-    names = [name for name in (*MOTION, *OPTIONAL, *housing, *ENERGIES, TURN) if has(file, name)]
+    of_cage = tuple(COLUMNS) if scene.cage is not None and all(has(file, name) for name in COLUMNS) else ()
+    names = [name for name in (*MOTION, *OPTIONAL, *housing, *ENERGIES, TURN, *of_cage) if has(file, name)]
     _check_size(path, file, names, n, scene)
     arrays = {name: read_numbers(file, name, n) for name in names}
     if TURN not in arrays and has(file, SPIN):  # of perfect surfaces: nobody shall see them by that
@@ -109,6 +111,8 @@ def _from_file(path: Path, file) -> Record:
         arrays[TURN] = _turned(arrays["time"], read_numbers(file, SPIN, n))
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
     energies = {name: arrays.pop(name) for name in ENERGIES if name in arrays}
+    arrays = relative(arrays)
+    cage = CageMotion(**{COLUMNS[name]: arrays.pop(name) for name in of_cage}) if of_cage else None
     status = attributes.setdefault("status", "unknown")
     notes = [warning for warning in attributes.get("warnings", "").splitlines() if warning]
     if status != "complete":
@@ -116,8 +120,8 @@ def _from_file(path: Path, file) -> Record:
     elif file["time"].shape[0] > n:
         notes.append(f"only the first {n} of {file['time'].shape[0]} samples are committed")
     return Record(
-        name=shown(path.stem), source=path, scene=scene, energies=energies, attributes=attributes,
-        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **relative(arrays),
+        name=shown(path.stem), source=path, scene=scene, energies=energies, cage=cage, attributes=attributes,
+        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **arrays,
     )  # fmt: skip
 
 

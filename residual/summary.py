@@ -37,6 +37,7 @@ def summarise(evaluation: Evaluation, tolerance: float | None, version: str, sea
         "segments": evaluation.x.spectrum.segments,
         "kinematic_lines_Hz": evaluation.lines,
         "cage_Hz": {"observed": evaluation.lines.get("FTF", 0.0), "rolling_without_slip": evaluation.ideal_cage},
+        **_caged(evaluation),
         **{f"peaks_{d.name}": [_peak(peak) for peak in d.peaks] for d in directions},
         **{f"lines_{d.name}": [_level(level) for level in d.levels] for d in directions},
         **{f"vibration_{d.name}": _vibration(d.vibration) for d in directions},
@@ -62,6 +63,24 @@ def summarise(evaluation: Evaluation, tolerance: float | None, version: str, sea
         summary[f"budget_{d.name}"] = {name: rms(v) for name, v in terms.items()}
         summary[f"away_from_contact_changes_{d.name}"] = None if d.away is None else _statistics(d.away)
     return summary
+
+
+def _caged(evaluation: Evaluation) -> dict:
+    """Of a run with a cage."""
+    t, cage = evaluation.record, evaluation.record.cage
+    if cage is None:
+        return {}
+    speed, ideal = cage.speed(t.interval), 2.0 * np.pi * evaluation.ideal_cage
+    return {
+        "cage": {
+            "speed_Hz": speed / (2.0 * np.pi),
+            "slip": None if ideal == 0.0 else 1.0 - abs(speed) / ideal,
+            "largest_offset_m": float(np.hypot(cage.x, cage.y).max()),
+            "whirl_Hz": cage.whirl(t.interval) / (2.0 * np.pi),
+            "largest_pocket_force_N": float(np.abs(cage.force).max()),
+            "largest_guidance_force_N": float(np.hypot(cage.guidance_x, cage.guidance_y).max()),
+        }
+    }
 
 
 def _quarters(evaluation: Evaluation) -> dict | None:

@@ -58,6 +58,8 @@ class Record:
     outer_force: np.ndarray | None = None
     inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ
     outer_traction: np.ndarray | None = None
+    inner_damping_force: np.ndarray | None = None  # (n_times, n_rollers), N, what damping gives of inner_force
+    outer_damping_force: np.ndarray | None = None
     roller_turn: np.ndarray | None = None  # (n_times, n_rollers), rad, of the rollers about themselves
     energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
     cage: CageMotion | None = None  # of a run with a cage

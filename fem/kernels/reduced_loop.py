@@ -18,6 +18,7 @@ from fem.kernels.jit import kernel, part, verb
 from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.reduced_contacts import estimate_forces, kick, press_neighbours, set_right, sweep_again
+from fem.kernels.reduced_damping import damp_contacts, write_damping
 from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings, vibration_energies
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.sample_kernels import (
@@ -72,6 +73,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             bodies.hub_velocity[0] += over * with_aside(drive.course, hub_x, aside)
             bodies.hub_velocity[1] += over * (hub_y - radial_load) - drive.gravity * drive.dt
             _push_cage(bodies.cage, bodies, drive)
+            damp_contacts(forces.dampers, bodies, compliance, forces, before, drive.dt)
             if inside == 0:
                 out = samples[row]
                 _write_motion(bodies, forces, drive, before, out, time)
@@ -81,6 +83,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
                 out[WORK_LOAD] = with_aside(drive.course, work, half * aside * (before.hub_velocity[0] + carried[0]))
                 out[WORK_DRIVE] = 0.5 * (given + drive.sums[1])
                 out[DISSIPATED] = drive.sums[2]
+                write_damping(forces.dampers, bodies.n, out)
                 _write_cage(bodies.cage, drive, out)
             past, next_ = carried_by(bodies.vibrations, 1), carried_by(bodies.vibrations, 2)
             work = before.hub_velocity[1] + bodies.hub_velocity[1]

@@ -18,6 +18,7 @@ from fem.kernels.state import (
     Bodies,
     Contacts,
     Course,
+    Dampers,
     Disc,
     DiscSurface,
     Drive,
@@ -103,6 +104,7 @@ GIVEN = {
     Course: ("turn_knots", "turn", "load_knots", "load"),
     Resonator: ("step", "half_step", "pull"),
     Spread: ("missing", "inverse"),
+    Dampers: ("whole",),
     Cage: ("cosine", "sine"),
 }
 STATE_INDICES = {Patches: ("start",), Spread: ("closed",)}

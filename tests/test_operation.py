@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from lagrange import contact_laws, simulate, static_equilibrium
+from lagrange.contact_damping import ContactDamping
 from lagrange.course import smooth
 from lagrange.kinematics import kinematics, turned
 from lagrange.scene import Scene, SceneError, parse_scene_text, read_scene
@@ -143,12 +144,14 @@ def test_statics_hold_a_load_of_any_direction():
     np.testing.assert_allclose(found.inner_force, np.roll(down.inner_force, 5), atol=1e-6)
 
 
-@pytest.mark.parametrize("choices", [{}, {"angles": "free"}, {"damping": 200.0, "start": "rest", "load_ramp": 5e-4}])
+@pytest.mark.parametrize(
+    "choices", [{}, {"angles": "free"}, {"damping": ContactDamping(constant=200.0), "start": "rest", "load_ramp": 5e-4}]
+)
 def test_energy_balances_under_everything_that_changes(choices, tmp_path):
     scene = scene_with(tmp_path, *TURNING, "numerics.duration_ms=8", speeds=RAMP, loads=LOADS)
     run = solved(scene, 5e-4, **choices)
     assert np.ptp(run.work_load) > 1e-5 and np.ptp(run.work_cage) > 1e-3  # J
-    assert np.abs(run.energy_error).max() < (1e-5 if choices.get("damping") else 1e-7) * run.energy_contact.max()
+    assert np.abs(run.energy_error).max() < (1e-5 if "damping" in choices else 1e-7) * run.energy_contact.max()
 
 
 def test_the_drive_gives_what_the_bodies_turn_with(tmp_path):
@@ -192,7 +195,7 @@ def test_an_unbalance_drives_a_circle():
 def test_the_checker_knows_every_load(tmp_path):
     """The model's own run leaves what differentiation leaves, and the budget adds up."""
     scene = scene_with(
-        tmp_path, *TURNING, "numerics.duration_ms=8", "lagrange.damping_N_s_m=100", speeds=RAMP, loads=LOADS
+        tmp_path, *TURNING, "numerics.duration_ms=8", "damping.contact_N_s_m=100", speeds=RAMP, loads=LOADS
     )
     found = evaluate(record_of(scene, solved(scene, 1e-3, damping=100.0)), "harris")
     for direction in found.directions:

@@ -24,6 +24,7 @@ from residual.words import NOISE
 
 LOADED = 0.01  # of the largest load: a roller with more is loaded
 FOLDED = 5.0  # times what differentiation errs by: a momentum balance that leaves more holds folded vibration
+MOST_FOLDED = 0.01  # of the load: more is no vibration of rollers
 SAMPLES_OF_A_MODE = 3.0  # a period of the highest mode that is to be told
 STENCIL_GAIN = 0.95  # below this gain at the ring's resonance the record is too coarse to differentiate
 
@@ -320,6 +321,8 @@ def _folding_notes(record: Record, law: Law, budget: Budget, floors: tuple[Floor
     if budget.x.momentum is None or not record.attributes:
         return []
     left = [rms(part.momentum) for part in (budget.x, budget.y)]
+    if max(left) > MOST_FOLDED * record.load:
+        return []
     told = [record.operation.inner_mass * floor.total for floor in floors]
     mode = _roller_mode(record, law, budget)
     enough = 1.0 / (SAMPLES_OF_A_MODE * mode) if mode > 0.0 else np.inf

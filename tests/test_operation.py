@@ -197,7 +197,7 @@ def test_the_checker_knows_every_load(tmp_path):
     scene = scene_with(
         tmp_path, *TURNING, "numerics.duration_ms=8", "damping.contact_N_s_m=100", speeds=RAMP, loads=LOADS
     )
-    found = evaluate(record_of(scene, solved(scene, 1e-3, damping=100.0)), "harris")
+    found = evaluate(record_of(scene, solved(scene, 1e-3, damping=ContactDamping(constant=100.0))), "harris")
     for direction in found.directions:
         terms = direction.budget.terms
         np.testing.assert_allclose(sum(terms.values()), direction.budget.error, rtol=0.0, atol=1e-9 * 2000.0)

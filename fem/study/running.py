@@ -1,11 +1,11 @@
 """A study from its points to its dataset: here, or by the workers of a cluster."""
 
 import os
-import resource
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from math import nan
 
 from fem.errors import RunFailed, UsageError
 from fem.progress import count_display
@@ -66,8 +66,16 @@ def expected(points: Points, pending: list[int]) -> Expected:
             refused = refused or f"{points.design.told(i)}: {error}"
     if not seconds:
         raise UsageError(refused)
-    usage = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return Expected(seconds=sum(seconds) / len(seconds), memory=1024.0 * usage, disk=_disk(points))
+    return Expected(seconds=sum(seconds) / len(seconds), memory=_memory(), disk=_disk(points))
+
+
+def _memory() -> float:
+    """Largest of this process so far, bytes; nan on systems that do not tell."""
+    try:
+        import resource
+    except ImportError:
+        return nan
+    return 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def _disk(points: Points) -> float:

@@ -14,7 +14,7 @@ from fem.labels import labels
 from fem.outcome import Outcome
 from fem.quantities import Quantity, run_quantities
 from fem.result.checkpoint import checkpoint_path, refuse_no_place
-from fem.result.layout import variables_of
+from fem.result.layout import PER_ROLLER, variables_of
 from fem.result.store import ResultFile
 from fem.result.surface_columns import events_of, with_sinkages
 from fem.solver.solver import Plan, RunState, Samples
@@ -36,19 +36,18 @@ class Memory:
     """Takes a run's samples as they come, in the place of a result file."""
 
     def __init__(self, plan: Plan):
-        self._plan, self._count = plan, 0
-        self._bearing, self._speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().speed
-        self._columns: dict[str, np.ndarray] = {}
+        self._count = 0
+        self._bearing, self._operation = plan.scene.ideal_bearing(), plan.scene.ideal_operation()
+        n, rollers = plan.n_samples, self._bearing.n_rollers
+        self._columns = {
+            name: np.empty((n, rollers) if dimensions == PER_ROLLER else n)
+            for name, (dimensions, *_) in variables_of(plan.scene).items()
+        }
         self.frames: list[Frame] = []
 
     def append(self, samples: Samples) -> None:
         """Add a block of samples."""
-        values = with_sinkages(self._bearing, self._speed, samples.values)
-        if not self._columns:
-            self._columns = {
-                name: np.empty((self._plan.n_samples, *values[name].shape[1:]))
-                for name in variables_of(self._plan.scene)
-            }
+        values = with_sinkages(self._bearing, self._operation, samples.values)
         end = self._count + len(samples)
         for name, column in self._columns.items():
             column[self._count : end] = values[name]
@@ -126,7 +125,7 @@ class Result:
         bearing = self.scene.ideal_bearing()
         if not spalls(bearing):
             return []
-        return events_of(bearing, self.scene.ideal_operation().speed, self.values, len(self.time))
+        return events_of(bearing, self.scene.ideal_operation(), self.values, len(self.time))
 
     @property
     def labels(self) -> dict[str, float | str]:
@@ -136,7 +135,8 @@ class Result:
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
         """Numbers of interest by name, each with unit and meaning; those of motion need two samples."""
-        bearing, speed = self.scene.ideal_bearing(), self.scene.ideal_operation().speed
+        bearing = self.scene.ideal_bearing()
+        speed = self.scene.ideal_operation().mean_speed(float(self.time[-1]))
         return {each.name: each for each in run_quantities(bearing, speed, self.values)}
 
     def to_xarray(self) -> "xarray.Dataset":

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem.answers import COLUMNS
+from fem.answers import columns_of
 from fem.errors import RunFailed, UsageError
 from fem.outcome import Outcome
 from fem.progress import progress_display
@@ -18,6 +18,7 @@ from fem.result.estimate_columns import read_blocks, read_columns, write_estimat
 from fem.result.store import ResultFile, Stored, WriteFailed, nothing_stored
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, RunState
+from fem.stopping import stop_signals
 from fem.summary import print_estimates, print_plan, print_run
 from lagrange.messages import said_if_long, say, telling
 from lagrange.scene import Scene
@@ -96,7 +97,11 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     except RunFailed as error:
         return _ended(Outcome.FAILED_AT_START, reason=error)
     met = state.outcome_attributes
-    with _signals() as stopped, ResultFile(path, plan, setup_seconds, stored, **met) as store, _explained(path, store):
+    with (
+        stop_signals() as stopped,
+        ResultFile(path, plan, setup_seconds, stored, **met) as store,
+        _explained(path, store),
+    ):
         if not options.resume:
             checkpoint_path(path).unlink(missing_ok=True)
         checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)
@@ -128,7 +133,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     seen = state.progress
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
-            names = (*COLUMNS, *plan.scene.mounting().columns[:2])
+            names = (*columns_of(plan.scene), *plan.scene.mounting().columns[:2])
             print_run(state, read_blocks(path, names), path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 
@@ -174,7 +179,7 @@ def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
     """Run the coarser plan beside a finished run and write what its result may be off by."""
     from fem.solver.error_estimate import NEEDED
 
-    with _signals() as stopped:
+    with stop_signals() as stopped:
         try:
             with progress_display(estimate.coarse, quiet) as show:
                 found = estimate.find(read_columns(path, NEEDED), show, lambda: bool(stopped))
@@ -213,20 +218,3 @@ def _ended(outcome: Outcome, **facts: object) -> Outcome:
     if text := outcome.told(**facts):
         say(text)
     return outcome
-
-
-@contextmanager
-def _signals() -> Iterator[list[int]]:
-    """Ctrl-C and SIGTERM, listed as they come, end the run after the block in work; a second one ends it at once."""
-    stopped: list[int] = []
-
-    def handle(number, frame):
-        stopped.append(number)
-        signal.signal(number, signal.SIG_DFL)
-
-    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield stopped
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

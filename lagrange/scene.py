@@ -4,16 +4,17 @@ It stands on the ground floor because both the solver and the checker read it, a
 """
 
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from copy import deepcopy
 from dataclasses import replace
 from itertools import pairwise
-from math import pi, radians
+from math import pi
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import tomli_w
-from pydantic import Field, ValidationError
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.cage import Cage
@@ -23,13 +24,14 @@ from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_cage import CageTable, cage_faults
 from lagrange.scene_columns import Columns
+from lagrange.scene_damping import DampingTable, with_former_name
 from lagrange.scene_faults import Check, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
+from lagrange.scene_operation import OperationTable
 from lagrange.scene_run import (
     ContactTable,
     LagrangeTable,
     NumericsTable,
-    OperationTable,
     OutputTable,
     ReducedTable,
 )
@@ -47,12 +49,11 @@ from lagrange.scene_surfaces import (
 
 LONGEST_TEXT = 2**20  # characters of a scene
 MOST_FAULTS = 15  # told at once: a file that is no scene may have thousands
-RPM = 2.0 * pi / 60.0
 MM = 1e-3
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
 SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # arrays of tables
-FILE_KEYS = ("file", "sha256", "content")  # of tables that name a file
+FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
 MOST_TABLES = 200  # of one array
 
 
@@ -78,6 +79,7 @@ class Scene(Table):
     bodies: BodiesTable = BodiesTable()
     operation: OperationTable = OperationTable()
     contact: ContactTable = ContactTable()
+    damping: DampingTable = DampingTable()
     lagrange: LagrangeTable = LagrangeTable()
     reduced: ReducedTable = ReducedTable()
     numerics: NumericsTable = NumericsTable()
@@ -91,8 +93,30 @@ class Scene(Table):
     profile: list[ProfileTable] = Field([], max_length=MOST_TABLES)
     table: Columns = Columns()
 
+    _written: dict[str, Any] | None = PrivateAttr(None)  # the tables as they were given, before they were completed
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _remembered(cls, data: Any, handler: Callable[[Any], Self]) -> Self:
+        """Keep what was written: a clearance that is varied must not meet the diameter that followed from another."""
+        scene = handler(data)
+        if isinstance(data, dict):
+            scene._written = {key: _plain(value) for key, value in data.items()}
+        return scene
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and self.__dict__ == other.__dict__
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """See pydantic; what was written is forgotten where a table is exchanged."""
+        found = super().model_copy(update=update, deep=deep)
+        if update:
+            found._written = None
+        return found
+
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        data = with_former_name(data)
         bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
         if not isinstance(bearing, dict):
             return data
@@ -106,7 +130,7 @@ class Scene(Table):
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        tables = self._rigid_contacts, self._support, self._cage
+        tables = self._rigid_contacts, self._support, self._cage, self._damping, self._courses
         return self._law, self._mass, self._mesh, self._fields, *tables, *surfaces
 
     def _law(self) -> Iterator[str]:
@@ -159,6 +183,30 @@ class Scene(Table):
                 f'"{self.contact.model}", whose points of pressure sit on meshes'
             )
 
+    def _damping(self) -> Iterator[str]:
+        if self.damping.bodies_1_s > 0.0 and self.model != "fem":
+            yield (
+                f"damping.bodies_1_s = {self.damping.bodies_1_s:g}: only for bodies with meshes, which model = "
+                f"{self.model!r} has none of; leave it out, or take model = 'fem'"
+            )
+        if self.damping.bodies_1_s > 0.0 and self.mounting().housing is not None:
+            yield (
+                f"damping.bodies_1_s = {self.damping.bodies_1_s:g}: not together with a housing that moves, against "
+                "which the outer ring's own motion is not known; leave one of them out"
+            )
+        if not self.damping.contacts.acts:
+            return
+        if self.model == "fem" and self.contact.model != "subgrid":
+            yield (
+                f'[damping] of contacts: only with contact.model = "subgrid", not with "{self.contact.model}", whose '
+                "points of pressure stand for part of a contact; leave one of them out"
+            )
+        if self.model == "reduced" and self.reduced.modes_up_to_kHz > 0.0:
+            yield (
+                f"reduced.modes_up_to_kHz = {self.reduced.modes_up_to_kHz:g}: not together with [damping] of contacts, "
+                "which would feed the modes; leave one of them out"
+            )
+
     def _support(self) -> Iterator[str]:
         mounting = self.mounting()
         if (mounting.housing is not None or mounting.points is not None) and self.model != "fem":
@@ -186,6 +234,19 @@ class Scene(Table):
                     'cage.guidance = "outer_ring": not in a housing that moves; take "rollers" or "inner_ring", or '
                     "leave [support] out"
                 )
+            if self.cage.guidance == "inner_ring" and self.operation.speed_table is not None:
+                yield (
+                    f'cage.guidance = "inner_ring": only at a steady speed, not with operation.speed_table = '
+                    f'"{self.operation.speed_table}"; take "rollers" or "outer_ring"'
+                )
+
+    def _courses(self) -> Iterator[str]:
+        yield from self.operation.duration_faults(self.numerics.duration_ms)
+        if self.operation.changes and self.model == "fem" and self.contact.model != "subgrid":
+            yield (
+                f'operation.{self.operation.changes}: only with contact.model = "subgrid", not with '
+                f'"{self.contact.model}", which is there to compare contacts; leave one of them out'
+            )
 
     def _surface_models(self) -> Iterator[str]:
         given = [f"[[{name}]]" for name in SURFACES if getattr(self, name)]
@@ -244,16 +305,8 @@ class Scene(Table):
         return None if self.cage is None else self.cage.cage(self._perfect_bearing())
 
     def ideal_operation(self) -> Operation:
-        """The operating point in SI; the first roller's angle from +x."""
-        o = self.operation
-        return Operation(
-            speed=o.speed_rpm * RPM,
-            radial_load=o.radial_load_N,
-            inner_mass=o.inner_ring_and_shaft_kg,
-            gravity=o.gravity_m_s2,
-            first_roller_angle=radians(o.first_roller_deg - 90.0),
-            mounting=self.mounting(),
-        )
+        """The operating point in SI."""
+        return replace(self.operation.ideal(), mounting=self.mounting())
 
     def mounting(self) -> Mounting:
         """What the bearing stands in, in SI."""
@@ -266,7 +319,8 @@ class Scene(Table):
     @property
     def files(self) -> dict[str, str]:
         """Texts of the files that it names, by their digests, as far as they are at hand."""
-        return {table.sha256: table.content for table in self.profile if table.content is not None}
+        profiles = {table.sha256: table.content for table in self.profile if table.content is not None}
+        return profiles | self.operation.files
 
     def varied(self, changes: Mapping[str, Any]) -> "Scene":
         """This scene with other values under dotted keys, as `--set` has them; the whole is validated anew.
@@ -277,7 +331,9 @@ class Scene(Table):
         ------
         SceneError: an unknown key or an impossible value; a file, which only the reader of a scene puts in its place.
         """
-        data = self.model_dump(exclude_none=True)
+        data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
+        for table in data.get("profile", []):
+            table.pop("content", None)
         for key, value in changes.items():
             if key.rpartition(".")[2] in FILE_KEYS:
                 raise SceneError(f"{key}: files of a scene can't be varied; write a scene for each file")
@@ -289,15 +345,22 @@ class Scene(Table):
     def to_toml(self) -> str:
         """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.
 
-        Defaults are spelt out, but for [table]; arrays of tables are there where they are not empty.
+        Defaults are spelt out, but for [damping] and [table], which are left out where they hold nothing else; arrays
+        of tables are there where they are not empty.
         """
         tables = self.model_dump(exclude_none=True)
         for name in SURFACES:
             if not tables[name]:
                 del tables[name]
-        if self.table == Columns():
-            del tables["table"]
+        for name, empty in (("damping", DampingTable()), ("table", Columns())):
+            if getattr(self, name) == empty:
+                del tables[name]
         return tomli_w.dumps(tables)
+
+
+def _plain(value: Any) -> Any:
+    """A table as nested dictionaries, of its own."""
+    return value.model_dump(exclude_unset=True) if isinstance(value, Table) else deepcopy(value)
 
 
 def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) -> Scene:

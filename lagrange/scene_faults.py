@@ -5,7 +5,7 @@ Contradictions between the values that can be used are therefore looked for once
 """
 
 import difflib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from typing import Any, get_args, get_origin
 
@@ -117,7 +117,13 @@ def _likely(place: Place, model: type[Table]) -> list[str]:
         kind = (_tables(model) | _arrays(model)).get(name)
         if kind is not None and key in _keys(kind):
             elsewhere.append(f"{name}.0.{key}" if name in _arrays(model) else f"{name}.{key}")
-    return elsewhere or difflib.get_close_matches(key, _keys(_table_at(place[:-1], model)), n=1, cutoff=0.5)
+    alike = likely_of(key, _keys(_table_at(place[:-1], model)))
+    return elsewhere or ([] if alike is None else [alike])
+
+
+def likely_of(name: str, known: Iterable[str]) -> str | None:
+    """The known name that was probably meant; None: none is near."""
+    return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)), None)
 
 
 def _meant(fault: dict[str, Any], model: type[Table]) -> Place:
@@ -146,7 +152,8 @@ def _tables(model: type[BaseModel]) -> dict[str, type[Table]]:
 def _arrays(model: type[BaseModel]) -> dict[str, type[Table]]:
     """The arrays of tables within a table, by the kind of their tables."""
     kinds = {name: field.annotation for name, field in model.model_fields.items()}
-    return {name: get_args(kind)[0] for name, kind in kinds.items() if get_origin(kind) is list}
+    items = {name: get_args(kind)[0] for name, kind in kinds.items() if get_origin(kind) is list}
+    return {name: kind for name, kind in items.items() if _is_table(kind)}
 
 
 def _is_table(kind: Any) -> bool:

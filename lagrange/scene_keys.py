@@ -20,7 +20,7 @@ from lagrange.scene import Scene
 UNITS = {  # endings of keys
     "GPa": "GPa", "kg_m3": "kg/m³", "rpm": "rpm", "N_per_m": "N/m", "N_s_m": "N s/m", "N_m": "N m", "N": "N",
     "kg_m2": "kg m²", "kg": "kg", "g_mm": "g mm", "m_s2": "m/s²", "deg": "°", "mm": "mm", "um": "µm", "us": "µs",
-    "ms": "ms", "kHz": "kHz", "Hz": "Hz",
+    "ms": "ms", "kHz": "kHz", "Hz": "Hz", "s_m": "s/m", "1_s": "1/s",
 }  # fmt: skip
 WIDTH, COMMENT_AT = 120, 38  # characters
 LOWEST = {annotated_types.Ge: "from", annotated_types.Gt: "above"}
@@ -75,13 +75,17 @@ def _table_kind(field: FieldInfo) -> tuple[type[BaseModel] | None, bool, bool]:
     return None, False, False
 
 
+def unit_of(name: str) -> str:
+    """The unit that a key spells; empty where it spells none."""
+    return next((unit for ending, unit in UNITS.items() if name.endswith(f"_{ending}")), "")
+
+
 def _key(name: str, field: FieldInfo) -> Key:
-    ending = next((unit for unit in UNITS if name.endswith(f"_{unit}")), None)
     return Key(
         name=name,
         default=None if field.default is PydanticUndefined else field.default,
         meaning=field.description or "",
-        unit=UNITS.get(ending, ""),
+        unit=unit_of(name),
         limits=_limits(field),
     )
 

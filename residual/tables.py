@@ -71,7 +71,7 @@ def paper_rows(evaluation: Evaluation) -> list[list[str]]:
         ["7", "d²ρ/dt², m/s²", "±5000", span(acceleration, 1.0, 3)],
         ["text", "rollers in the load zone", "6 … 7", f"{low} … {high}"],
         ["8", "left side of (22), N", "±3000 around 0", span(budget.x.error)],
-        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.operation.radial_load - budget.y.error)],
+        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.load - budget.y.error)],
         ["10", "strongest peak of (22), 0-300 Hz", "near 22 Hz, 2.5·10¹⁰", _band_peak(evaluation.x)],
         ["11", "strongest peak of (23), 0-300 Hz", "near 22 Hz, 1.5·10⁷", _band_peak(evaluation.y)],
     ]
@@ -92,6 +92,19 @@ def _band_peak(direction: Direction) -> str:
         return "no bin in this band"
     top = float(spectrum.psd[band].max())
     return f"none stands out (density at most {text(top, 3)} N²/Hz)"
+
+
+def quarter_rows(evaluation: Evaluation) -> list[list[str]]:
+    """Rows of a quarter's start, standard deviations of the hub's x and y, rms of the errors in x and y; or none."""
+    found = evaluation.quarters
+    if found is None:
+        return []
+    rows = zip(found.start, *found.hub.values(), *found.error.values(), strict=True)
+    return [
+        [f"{text(1e3 * start)} ms", f"{text(1e9 * x, 3)} nm", f"{text(1e9 * y, 3)} nm",
+         *(f"{text(error, noise=evaluation.noise)} N" for error in errors)]
+        for start, x, y, *errors in rows
+    ]  # fmt: skip
 
 
 def stated_error_rows(evaluation: Evaluation) -> list[list[str]]:

@@ -11,6 +11,7 @@ import pytest
 from fem.cli import run_app, run_main
 from fem.live_cli import live_app
 from fem.render_cli import render_app, render_main
+from fem.study_cli import study_app
 from lagrange.scene import parse_scene_text
 from lagrange.scene_keys import key_tables
 from residual.cli import app as check_app
@@ -18,7 +19,13 @@ from residual.cli import main as check_main
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
-APPS = {"run-fem": run_app, "check-residual": check_app, "render-fem": render_app, "run-live": live_app}
+APPS = {
+    "run-fem": run_app,
+    "check-residual": check_app,
+    "render-fem": render_app,
+    "run-live": live_app,
+    "run-study": study_app,
+}
 MAINS = {"run-fem": run_main, "check-residual": check_main, "render-fem": render_main}
 MOST_WORDS = 900
 

@@ -83,8 +83,8 @@ def _heat_map(table: Table) -> Iterator[Figure]:
     figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, 0.6 + 2.6 * rows), squeeze=False)
     for axis, quantity in zip(axes.ravel(), quantities, strict=False):
         (x, _), (y, _) = table.strongest(quantity)[:2]
-        known = np.isfinite(quantity.values)
-        at_x, at_y = np.unique(x.values), np.unique(y.values)
+        known = np.isfinite(quantity.values) & np.isfinite(x.values) & np.isfinite(y.values)
+        at_x, at_y = np.unique(x.values[known]), np.unique(y.values[known])
         if len(at_x) * len(at_y) <= known.sum() * 2:
             total = np.full((len(at_y), len(at_x)), np.nan)
             for (j, b), (i, a) in product(enumerate(at_y), enumerate(at_x)):

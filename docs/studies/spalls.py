@@ -43,7 +43,7 @@ def features(data, noise: float, rng) -> np.ndarray:
 
 
 def classify(path: str = "studies/spalls/study.nc") -> None:
-    """Train on half of the points and print a confusion matrix of the other half for each noise."""
+    """Train on half of the points; print a confusion matrix of the other half for each noise, truth by rows."""
     import xarray
     from sklearn.ensemble import RandomForestClassifier
     from sklearn.metrics import confusion_matrix
@@ -56,9 +56,7 @@ def classify(path: str = "studies/spalls/study.nc") -> None:
         X_train, X_test, y_train, y_test = train_test_split(X, y, test_size=0.5, random_state=0, stratify=y)
         forest = RandomForestClassifier(300, random_state=0).fit(X_train, y_train)
         told = forest.predict(X_test)
-        print(
-            f"noise {noise:g}: {np.mean(told == y_test):.1%} of {len(y_test)} right; rows truth, columns answer: {BODIES}"
-        )
+        print(f"noise {noise:g}: {np.mean(told == y_test):.1%} of {len(y_test)} right")
         print(confusion_matrix(y_test, told, labels=BODIES))
 
 

@@ -16,6 +16,7 @@ from residual.tick_labels import make_plain
 WIDTH = 7.0  # inches
 CELL = 1.75  # inches, of a panel among many
 MOST = 6  # rows, or columns, of a figure
+MOST_TICKS = 4  # of a small axis
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded
 DPI = 150
 CLOUD = 3000  # points drawn one by one, at most
@@ -110,7 +111,7 @@ def _heat_map(table: Table) -> Iterator[Figure]:
 
 def _levels(axis, column: Column, at: np.ndarray) -> None:
     """Ticks of a parameter that takes some values, at their numbers."""
-    chosen = np.unique(np.linspace(0, len(at) - 1, min(len(at), 6)).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(at) - 1, min(len(at), MOST_TICKS)).round().astype(int))
     axis.set_ticks(chosen, [column.words[int(at[i])] if column.words else f"{at[i]:.5g}" for i in chosen])
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lagrange.contact_damping import ContactDamping
 from lagrange.systems import Packed
 
 # Blanes and Moan 2002, RKN scheme of order 4 with six stages: kicks b, drifts a, of which half are independent
@@ -46,7 +47,7 @@ class Integration(ABC):
     holds the angles. Before the first step accelerations and power are not known yet.
     """
 
-    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: float):
+    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
         self._system, self._step, self._per_sample, self._damping = system, step, per_sample, damping
         self.done = 0  # samples
         self.memory = {
@@ -90,9 +91,9 @@ class Integration(ABC):
 class NumpyIntegration(Integration):
     """Steps in plain numpy."""
 
-    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: float):
+    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
         super().__init__(system, start, step, per_sample, damping)
-        self._advance = self._leapfrog if damping > 0.0 else self._blanes_moan
+        self._advance = self._leapfrog if damping.acts else self._blanes_moan
 
     def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
         hub, elements, sums = self.memory.values()
@@ -177,9 +178,10 @@ class NumpyIntegration(Integration):
                 held += step * power
                 if system.ramp > 0.0:
                     ramped += step * system.ramp_power(times[i], z.imag)
-                z_slow, q_slow, _, _ = system.damper(z_rate, q_rate, q, z, turns[i], damping)
+                dampers = system.damper_coefficients(damping)
+                z_slow, q_slow, _, _ = system.damper(z_rate, q_rate, q, z, turns[i], dampers)
                 z_slow, q_slow, loss, taken = system.damper(
-                    z_rate + half * z_slow, q_rate + half * q_slow, q, z, turns[i], damping
+                    z_rate + half * z_slow, q_rate + half * q_slow, q, z, turns[i], dampers
                 )
                 z_rate, q_rate = z_rate + step * z_slow, q_rate + step * q_slow
                 lost += step * loss

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+from lagrange.contact_damping import UNDAMPED, ContactDamping
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import State
 from lagrange.profile import Turns
@@ -31,11 +32,11 @@ class Problem:
     laws: ContactLaws
     start: Literal["equilibrium", "rest"] = "equilibrium"
     angles: Literal["kinematic", "free"] = "kinematic"
-    damping: float = 0.0  # N s/m, of every closed contact
+    damping: ContactDamping = UNDAMPED  # of every closed contact
     load_ramp: float = 0.0  # s
 
     def __post_init__(self):
-        if not (self.damping >= 0.0 and self.load_ramp >= 0.0):
+        if not (min(vars(self.damping).values()) >= 0.0 and self.load_ramp >= 0.0):
             raise ValueError(f"damping = {self.damping}, load_ramp = {self.load_ramp}: both must be at least 0")
         if self.start not in ("equilibrium", "rest") or self.angles not in ("kinematic", "free"):
             raise ValueError(

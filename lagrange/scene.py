@@ -24,6 +24,7 @@ from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_cage import CageTable, cage_faults
 from lagrange.scene_columns import Columns
+from lagrange.scene_damping import DampingTable, with_former_name
 from lagrange.scene_faults import Check, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
 from lagrange.scene_run import (
@@ -79,6 +80,7 @@ class Scene(Table):
     bodies: BodiesTable = BodiesTable()
     operation: OperationTable = OperationTable()
     contact: ContactTable = ContactTable()
+    damping: DampingTable = DampingTable()
     lagrange: LagrangeTable = LagrangeTable()
     reduced: ReducedTable = ReducedTable()
     numerics: NumericsTable = NumericsTable()
@@ -115,6 +117,7 @@ class Scene(Table):
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        data = with_former_name(data)
         bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
         if not isinstance(bearing, dict):
             return data
@@ -128,7 +131,7 @@ class Scene(Table):
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        tables = self._rigid_contacts, self._support, self._cage
+        tables = self._rigid_contacts, self._support, self._cage, self._damping
         return self._law, self._mass, self._mesh, self._fields, *tables, *surfaces
 
     def _law(self) -> Iterator[str]:
@@ -179,6 +182,30 @@ class Scene(Table):
             yield (
                 f'bodies.{self.bodies.rigid[0]} = "rigid": only with contact.model = "subgrid", not with '
                 f'"{self.contact.model}", whose points of pressure sit on meshes'
+            )
+
+    def _damping(self) -> Iterator[str]:
+        if self.damping.bodies_1_s > 0.0 and self.model != "fem":
+            yield (
+                f"damping.bodies_1_s = {self.damping.bodies_1_s:g}: only for bodies with meshes, which model = "
+                f"{self.model!r} has none of; leave it out, or take model = 'fem'"
+            )
+        if self.damping.bodies_1_s > 0.0 and self.mounting().housing is not None:
+            yield (
+                f"damping.bodies_1_s = {self.damping.bodies_1_s:g}: not together with a housing that moves, against "
+                "which the outer ring's own motion is not known; leave one of them out"
+            )
+        if not self.damping.contacts.acts:
+            return
+        if self.model == "fem" and self.contact.model != "subgrid":
+            yield (
+                f'[damping] of contacts: only with contact.model = "subgrid", not with "{self.contact.model}", whose '
+                "points of pressure stand for part of a contact; leave one of them out"
+            )
+        if self.model == "reduced" and self.reduced.modes_up_to_kHz > 0.0:
+            yield (
+                f"reduced.modes_up_to_kHz = {self.reduced.modes_up_to_kHz:g}: not together with [damping] of contacts, "
+                "which would feed the modes; leave one of them out"
             )
 
     def _support(self) -> Iterator[str]:
@@ -304,14 +331,16 @@ class Scene(Table):
     def to_toml(self) -> str:
         """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.
 
-        Defaults are spelt out, but for [table]; arrays of tables are there where they are not empty.
+        Defaults are spelt out, but for [damping] and [table], which are left out where they hold nothing else; arrays
+        of tables are there where they are not empty.
         """
         tables = self.model_dump(exclude_none=True)
         for name in SURFACES:
             if not tables[name]:
                 del tables[name]
-        if self.table == Columns():
-            del tables["table"]
+        for name, empty in (("damping", DampingTable()), ("table", Columns())):
+            if getattr(self, name) == empty:
+                del tables[name]
         return tomli_w.dumps(tables)
 
 

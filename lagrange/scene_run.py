@@ -89,7 +89,6 @@ class LagrangeTable(Table):
         "harris",
         description="harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; of balls hertz",
     )
-    damping_N_s_m: float = Field(0.0, ge=0.0, le=1e6, description="of every contact")
     angles: Literal["kinematic", "free"] = Field(
         "kinematic", description="rollers in a cage that rolls without slip, or free ones (solved only)"
     )

@@ -35,7 +35,7 @@ def fastest_mode(problem: Problem, inner_force: float, outer_force: float) -> fl
 
 def critical_time_step(problem: Problem, *largest: float) -> float:
     """Step, s, at which the scheme becomes unstable under the largest inner and outer force, N; default: expected."""
-    limit = LIMIT if problem.damping == 0.0 else DAMPED_LIMIT
+    limit = DAMPED_LIMIT if problem.damping.acts else LIMIT
     return limit / fastest_mode(problem, *(largest or 2 * [_expected_force(problem)]))
 
 
@@ -52,9 +52,10 @@ def _longest_step(problem: Problem) -> float:
     force = _expected_force(problem)
     omega = fastest_mode(problem, force, force)
     passage = _passage(problem)
-    if problem.damping == 0.0:
+    if not problem.damping.acts:
         return min(STEP / omega, passage)
-    return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / (2.0 * problem.damping), passage)
+    dampers = sum(float(problem.damping.coefficient(force, law.slope(law.approach(force)))) for law in problem.laws)
+    return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / dampers, passage)
 
 
 def _passage(problem: Problem) -> float:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lagrange.contact_damping import ContactDamping, damper_force
 from lagrange.kinematics import kinematics
 from lagrange.laws import PowerLaw
 from lagrange.load_ramp import load_share, load_share_rate
@@ -80,6 +81,17 @@ class _System:
             self.force_outer[:] = softened(self.laws.outer, outer.compliance).force(self.depth_outer)
         self.met_inner, self.met_outer = inner.under(self.force_inner), outer.under(self.force_outer)
         self.aside = 1.0 + 1j * self.met_inner.slope / distance  # turns the line of centres to the inner force
+
+    def damper_coefficients(self, damping: ContactDamping):
+        """N s/m of the inner and the outer contacts, at the positions last seen by `accelerations`."""
+        if not damping.follows_forces:
+            return damping.constant, damping.constant
+        soft = (0.0, 0.0) if self.surfaces is None else (self.met_inner.compliance, self.met_outer.compliance)
+        forces = self.force_inner, self.force_outer
+        return tuple(
+            damping.coefficient(force, softened(law, compliance).slope(depth))
+            for force, law, compliance, depth in zip(forces, self.laws, soft, self.depth, strict=True)
+        )
 
     def passing(self, frame: float):
         """Rates at which inner and outer contacts close in a frame that turns, rad/s, as surfaces pass them, m/s."""
@@ -162,7 +174,7 @@ class KinematicAngles(_System):
         """Power that held angles take up from forces on the hub, W: their moment times the cage's speed."""
         return self.cage * (z.real * on_hub.imag - z.imag * on_hub.real)
 
-    def damper(self, z_rate, q_rate, q, z, turn, damping):
+    def damper(self, z_rate, q_rate, q, z, turn, coefficients):
         """Accelerations of hub and elements by the dampers, the loss and the power held angles take up, W.
 
         At the positions last seen by `accelerations`.
@@ -176,8 +188,8 @@ class KinematicAngles(_System):
         if self.surfaces is not None:
             inner_passing, outer_passing = self.passing(self.cage)
             closing, opening = closing + inner_passing, opening + outer_passing
-        inner = _no_pull(damping * closing, self.force_inner)
-        outer = _no_pull(damping * opening, self.force_outer)
+        inner = damper_force(self.force_inner, closing, coefficients[0])
+        outer = damper_force(self.force_outer, opening, coefficients[1])
         if self.surfaces is not None:
             driven = np.dot(inner, inner_passing) + np.dot(outer, outer_passing)
         push = inner * unit
@@ -230,7 +242,7 @@ class FreeAngles(_System):
         q_acc = (push - back) / self.mass - 1j * self.gravity
         return -complex(push.sum()) / self.inner_mass - 1j * self.hub_pull(time), q_acc, power
 
-    def damper(self, z_rate, q_rate, q, z, turn, damping):
+    def damper(self, z_rate, q_rate, q, z, turn, coefficients):
         """Accelerations of hub and elements by the dampers, the loss and the power held angles take up, W.
 
         At the positions last seen by `accelerations`.
@@ -243,8 +255,8 @@ class FreeAngles(_System):
         if self.surfaces is not None:
             inner_passing, outer_passing = self.passing(0.0)
             closing, opening = closing + inner_passing, opening + outer_passing
-        inner = _no_pull(damping * closing, self.force_inner)
-        outer = _no_pull(damping * opening, self.force_outer)
+        inner = damper_force(self.force_inner, closing, coefficients[0])
+        outer = damper_force(self.force_outer, opening, coefficients[1])
         if self.surfaces is not None:
             driven = float(np.dot(inner, inner_passing) + np.dot(outer, outer_passing))
         push = inner * unit
@@ -265,8 +277,3 @@ def _stacked(laws):
     else:
         names = ("compliance", "level", "largest_force")
     return replace(inner, **{name: np.array([[getattr(law, name)] for law in laws]) for name in names})
-
-
-def _no_pull(damper_force, spring_force):
-    """The damper's force where spring and damper together push, else what takes the spring's away."""
-    return np.where(spring_force > 0.0, np.maximum(damper_force, -spring_force), 0.0)

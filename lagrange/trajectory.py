@@ -40,6 +40,8 @@ class Trajectory:
     roller_spin: float  # rad/s, from kinematics
     inner_force: np.ndarray  # (n_times, n_rollers), N, >= 0
     outer_force: np.ndarray
+    inner_damper: np.ndarray  # N, the dampers' part of them
+    outer_damper: np.ndarray
     energy_kinetic: np.ndarray  # J, translations and the constant rotation
     energy_contact: np.ndarray
     energy_error: np.ndarray  # J, that the integration has made since the start: 0 in an exact solution
@@ -103,13 +105,14 @@ class Completion:
         first = self.first
         if np.isnan(first["energy"]):
             first[()] = lift[0], pull[0], swing[0], kinetic[0], energy[0]
-        held = self._system.holds_angles
+        held, nothing = self._system.holds_angles, np.zeros(state.rho.shape)
         part = dict(
             time=time,
             inner_x=state.x, inner_y=state.y, inner_vx=state.x_rate, inner_vy=state.y_rate, inner_ax=ax, inner_ay=ay,
             roller_rho=state.rho, roller_theta=state.theta,
             roller_rho_rate=state.rho_rate, roller_theta_rate=state.theta_rate,
             inner_force=touch.inner_force, outer_force=touch.outer_force,
+            inner_damper=nothing + touch.inner_damper, outer_damper=nothing + touch.outer_damper,
             energy_kinetic=kinetic, energy_contact=contact,
             work_load=record.ramp_work - (pull - first["pull"]),
             work_gravity=-operation.gravity * (lift - first["lift"]),

@@ -8,6 +8,7 @@ budget          error forces of equations (22) and (23) and what they are made o
 identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
 fitted_laws     laws with coupling between contacts, with damping
 spectrum        power spectral density, peaks, kinematic lines
+quarters        what varies in each quarter of a record: transients
 lines           levels of lines and sidebands; `envelope` spectrum of a band; `short_time` spectra
 vibration       the hub's acceleration: levels, fault lines in its envelope
 fault_finding   a spall found in trajectories alone: `roller_motion` what it may see, `sinkage_maps` by each body's
@@ -21,6 +22,8 @@ headline        the one sentence that a report begins with; `words`: numbers as 
 tables          rows of the report's and the terminal's tables, with `law_tables`, `line_tables`, `vibration_tables`
 report          the self-contained HTML page; `player` and `interactive`: data of its parts that move; `picture`:
                 render-fem's
+against         two runs, or two laws, beside each other, with `against_figures`
+parts           what a report is to hold; `exports`: its data as CSV, MAT and WAV; `printing`: on the terminal
 store           residual.nc, summary.json (`summary`), the report folder
 cli             the command `check-residual`
 

@@ -14,13 +14,17 @@ from residual.errors import InputError
 from residual.fitted_laws import Law
 from residual.identification import Identification
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
-from residual.moments import Statistics
+from residual.moments import Statistics, rms
+from residual.quarters import Quarters, quarters
 from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import Peak, Spectrum, find_peaks, kinematic_lines, power_spectrum
 from residual.vibration import Vibration, vibration
 from residual.words import NOISE
 
 LOADED = 0.01  # of the largest load: a roller with more is loaded
+FOLDED = 5.0  # times what differentiation errs by: a momentum balance that leaves more holds folded vibration
+MOST_FOLDED = 0.01  # of the load: more is no vibration of rollers
+SAMPLES_OF_A_MODE = 3.0  # a period of the highest mode that is to be told
 STENCIL_GAIN = 0.95  # below this gain at the ring's resonance the record is too coarse to differentiate
 
 
@@ -56,6 +60,7 @@ class Evaluation:
     watched: list[tuple[LineLevel, LineLevel]]  # lines the user asked for, in x and y
     ideal_cage: float  # Hz, of rolling without slip; `lines` go by the run's own cage speed
     resonance: float  # Hz, estimate of the inner ring on its contacts
+    quarters: Quarters | None  # what varies in each; None for a record too short for it
     chatter: int  # samples, the longest opening within one pass through the load zone
     identified: dict[str, Identification]  # laws fitted to the run's own forces, by name
     unfitted: str | None  # why no law could be fitted
@@ -191,9 +196,12 @@ def evaluate(
     watched = [(watched_level(x.spectrum, name, lines), watched_level(y.spectrum, name, lines)) for name in watch]
     notes += [_unresolved_note(level, x.spectrum.resolution) for level, _ in watched if not level.resolved]
     notes += _rate_notes(resonance, interval, order)
+    notes += _folding_notes(used, law, budget, (x.floor, y.floor))
+    parts = quarters(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
+    notes += [] if parts is None or parts.note is None else [parts.note]
     return Evaluation(
         record=used, law=law, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
-        watched=watched, ideal_cage=ideal.frequencies["FTF"], resonance=resonance, chatter=chatter,
+        watched=watched, ideal_cage=ideal.frequencies["FTF"], resonance=resonance, chatter=chatter, quarters=parts,
         identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), notes=tuple(notes),
     )  # fmt: skip
 
@@ -280,3 +288,34 @@ def _rate_notes(resonance: float, interval: float, order: int) -> list[str]:
             f"{100 * (1 - gain):.0f} % of the inertia force too low; store more often or use a higher order"
         ]
     return []
+
+
+def _folding_notes(record: Record, law: Law, budget: Budget, floors: tuple[Floor, Floor]) -> list[str]:
+    """Say whether a run of ours seems to vibrate beyond its Nyquist frequency; another's may have forces untold.
+
+    Such vibration is folded down: at a false, lower frequency the second derivative of a position is another one.
+    """
+    if budget.x.momentum is None or not record.attributes:
+        return []
+    left = [rms(part.momentum) for part in (budget.x, budget.y)]
+    if max(left) > MOST_FOLDED * record.operation.radial_load:
+        return []
+    told = [record.operation.inner_mass * floor.total for floor in floors]
+    mode = _roller_mode(record, law, budget)
+    enough = 1.0 / (SAMPLES_OF_A_MODE * mode) if mode > 0.0 else np.inf
+    worst = max(range(2), key=lambda i: left[i] - FOLDED * told[i])
+    if left[worst] <= max(FOLDED * told[worst], NOISE * _largest_force(record, budget)) or record.interval <= enough:
+        return []
+    return [
+        f"the momentum balance leaves {left[worst]:.2g} N rms in {'xy'[worst]}, where differentiation should err by "
+        f"{told[worst]:.2g} N: the record seems to hold vibration beyond its Nyquist frequency, "
+        f"{0.5e-3 / record.interval:.3g} kHz, which stands at false frequencies in all its spectra (rollers vibrate on "
+        f"their contacts at up to about {1e-3 * mode:.3g} kHz); simulate with numerics.output_interval_us = "
+        f"{1e6 * enough:.2g}"
+    ]
+
+
+def _roller_mode(record: Record, law: Law, budget: Budget) -> float:
+    """Highest frequency of a roller between its two contacts, both taken as stiff as the inner one, Hz."""
+    stiffness = 2.0 * float(np.max(law.slope(budget.contacts.inner), initial=0.0))
+    return float(np.sqrt(stiffness / record.bearing.roller_mass) / (2.0 * np.pi))

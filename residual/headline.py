@@ -9,9 +9,9 @@ from residual.words import share, text
 SOUND = 0.01  # of the load: what the momentum balance of sound trajectories may leave, rms
 
 
-def headline(evaluation: Evaluation, tolerance: float | None = None) -> str:
-    """The sentence; with a tolerance, N rms, it begins with the outcome."""
-    found = f"{_sound(evaluation)}; {_missed(evaluation)}."
+def headline(evaluation: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
+    """The sentence; with a tolerance, N rms, it begins with the outcome; of equations (22), (23) only where wanted."""
+    found = f"{_sound(evaluation)}; {_missed(evaluation)}." if equations else f"{_sound(evaluation)}."
     if tolerance is None:
         return found[0].upper() + found[1:]
     outcome = "Fails" if evaluation.fails(tolerance) else "Passes"

@@ -13,6 +13,7 @@ from lagrange.overlap import Overlaps
 from lagrange.profile import Turns
 from lagrange.scene import Scene
 from lagrange.scene_columns import per_roller
+from residual.cage import CageMotion
 from residual.errors import InputError
 
 FEWEST_SAMPLES = 32  # fewer give no statistics and hardly a spectrum
@@ -57,8 +58,11 @@ class Record:
     outer_force: np.ndarray | None = None
     inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ
     outer_traction: np.ndarray | None = None
+    inner_damping_force: np.ndarray | None = None  # (n_times, n_rollers), N, what damping gives of inner_force
+    outer_damping_force: np.ndarray | None = None
     roller_turn: np.ndarray | None = None  # (n_times, n_rollers), rad, of the rollers about themselves
     energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
+    cage: CageMotion | None = None  # of a run with a cage
     attributes: Mapping[str, object] = field(default_factory=dict)
     stated_errors: tuple[StatedError, ...] = ()  # of the error of the discretisation
     notes: tuple[str, ...] = ()  # what a user should know about how the source was read
@@ -101,7 +105,8 @@ class Record:
             value = getattr(self, f.name)
             if isinstance(value, np.ndarray):
                 cut[f.name] = value[part]
-        return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()})
+        cage = None if self.cage is None else self.cage.samples(part)
+        return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()}, cage=cage)
 
 
 def relative(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -114,8 +119,10 @@ def relative(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     found = dict(arrays)
     for axis in "xy":
         moved = arrays.get(f"housing_{axis}")
-        for body in ("inner", "roller") if moved is not None else ():
-            place = arrays[f"{body}_{axis}"]
+        for body in ("inner", "roller", "cage") if moved is not None else ():
+            place = arrays.get(f"{body}_{axis}")
+            if place is None:
+                continue
             if place.shape[0] != moved.shape[0]:
                 raise InputError(f"housing_{axis}: {moved.shape[0]} samples, {body}_{axis} has {place.shape[0]}")
             found[f"{body}_{axis}"] = (place.T - moved).T
@@ -139,6 +146,7 @@ def checked(record: Record) -> Record:
             "store more often"
         )
     arrays = {f.name: getattr(record, f.name) for f in fields(record)} | dict(record.energies)
+    arrays |= {} if record.cage is None else record.cage.by_column
     for name, value in arrays.items():
         if isinstance(value, np.ndarray):
             _check_array(source, name, value, n_times, n_rollers)

@@ -18,6 +18,7 @@ REVOLUTIONS_PER_SEGMENT = 40
 FALSE_PEAKS = 0.01  # expected number of peaks that noise alone would show, had it a known background
 DYNAMIC_RANGE = 1e-8  # peaks this far below the largest are leakage or round-off
 PROMINENCE = 4.0  # a peak stands at least this factor above the saddles beside it
+MOST_OTHERS = 2  # lines that a peak may be too: a record that tells hardly any apart would name them all
 BACKGROUND_BINS = 61  # width of the running median
 
 
@@ -158,7 +159,7 @@ def _describe(spectrum: Spectrum, i: int, step: float, lines: dict[str, float]) 
     line = near[0][1] if near and near[0][0] <= step else None
     reach = MAIN_LOBE * step
     others = [name for distance, name in near if distance < reach and name != line]
-    also = tuple(name for distance, name in near if distance <= step and name != line)
+    also = tuple(name for distance, name in near if distance <= step and name != line)[:MOST_OTHERS]
     return Peak(
         frequency=frequency,
         psd=float(spectrum.psd[i]),

@@ -94,6 +94,19 @@ def _band_peak(direction: Direction) -> str:
     return f"none stands out (density at most {text(top, 3)} N²/Hz)"
 
 
+def quarter_rows(evaluation: Evaluation) -> list[list[str]]:
+    """Rows of a quarter's start, standard deviations of the hub's x and y, rms of the errors in x and y; or none."""
+    found = evaluation.quarters
+    if found is None:
+        return []
+    rows = zip(found.start, *found.hub.values(), *found.error.values(), strict=True)
+    return [
+        [f"{text(1e3 * start)} ms", f"{text(1e9 * x, 3)} nm", f"{text(1e9 * y, 3)} nm",
+         *(f"{text(error, noise=evaluation.noise)} N" for error in errors)]
+        for start, x, y, *errors in rows
+    ]  # fmt: skip
+
+
 def stated_error_rows(evaluation: Evaluation) -> list[list[str]]:
     """Rows of quantity, value, the discretisation error that the solver states, the same in per cent."""
     rows = []

@@ -147,7 +147,7 @@ def test_a_slow_light_roller_strikes_where_the_geometry_stops_it(depth_um):
         "model=lagrange", "spall.0.width_mm=1", f"spall.0.depth_um={depth_um}", "spall.0.angle_deg=29.2",
         "spall.0.edge_radius_mm=0", "operation.speed_rpm=450", "operation.radial_load_N=0",
         "operation.gravity_m_s2=200", "bearing.outer_raceway_diameter_mm=56.1", "numerics.duration_ms=3.5",
-        "numerics.output_interval_us=2", "lagrange.damping_N_s_m=1000",
+        "numerics.output_interval_us=2", "damping.contact_N_s_m=1000",
     ))  # fmt: skip
     found = {event.kind: event for event in _events(scene) if event.roller == 1}
     crossing = found["exit"].time - found["entry"].time

@@ -37,7 +37,7 @@ def made_up(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def make(force, failed=(), **values):
-        Path("study.toml").write_text(STUDY.format(**values))
+        Path("study.toml").write_text(STUDY.format(**values), encoding="utf-8")
         study = read_study(Path("study.toml"))
         points = checked_points(study, design_of(study))
         folder = Folder(path=Path("out"))

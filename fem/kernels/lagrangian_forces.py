@@ -8,7 +8,7 @@ from math import cos, sin
 from fem.kernels.drive_kernels import radial_load_at
 from fem.kernels.jit import part, verb
 from fem.kernels.lagrangian_state import INNER, OUTER, PowerConstants
-from fem.kernels.lane_functions import exponential, larger, logarithm
+from fem.kernels.lane_functions import exponential, larger, logarithm, smaller
 from fem.kernels.law import contact_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.simd import WIDTH, any_lane, count_from, load, magnitude, root, select, splat, store, total
@@ -55,6 +55,22 @@ def _less_yielding(law, depth, soft):
     return own
 
 
+@verb
+def spring_stiffness(law, force):
+    """Stiffness dQ/dδ of eight contacts under forces, N/m; 0 of open ones."""
+    closed = force > 0.0
+    soft = law.A * (law.B - 0.5 * logarithm(select(closed, smaller(force, law.Q_line), 1.0)) - 0.5)
+    return select(closed, 1.0 / soft, 0.0)
+
+
+@spring_stiffness.of(PowerConstants)
+def _power_stiffness(law, force):
+    closed = force > 0.0
+    own = select(closed, force, 1.0)
+    per_depth = exponential(logarithm(law.stiffness / own) * (1.0 / law.exponent))
+    return select(closed, law.exponent * own * per_depth, 0.0)
+
+
 @part
 def accelerate(motion, bearing, dampers, time):
     """Accelerations of hub and elements by springs and weights.
@@ -90,6 +106,7 @@ def accelerate(motion, bearing, dampers, time):
         _store_own(bearing.first, motion.elements, 2, group, columns, along, aside)
         power += mass * turning * (x * fall_y - y * fall_x) + inner * closing[INNER] + outer * closing[OUTER]
         _remember(dampers, group, columns, axes, (ix, iy, ox, oy), closing)
+        _find_coefficients(dampers, bearing.laws, group, columns, (inner, outer), (met_i, met_o))
     x, y = total(push_x), total(push_y)
     hub[2, 0] = x / bearing.hub_mass
     hub[2, 1] = (y - radial_load_at(bearing, time)) / bearing.hub_mass - bearing.gravity
@@ -216,6 +233,27 @@ def _remember(dampers, group, columns, axes, normals, closing):
 
 
 @part
+def _find_coefficients(dampers, laws, group, columns, forces, met):
+    """What eight elements' dampers have of their springs."""
+    if dampers is not None:
+        store(dampers.coefficient, group, _coefficient(dampers, laws[INNER], forces[INNER], met[INNER]))
+        store(dampers.coefficient, columns + group, _coefficient(dampers, laws[OUTER], forces[OUTER], met[OUTER]))
+
+
+@part
+def _coefficient(dampers, law, force, met):
+    found = splat(dampers.constant)
+    if dampers.time > 0.0:
+        stiffness = spring_stiffness(law, force)
+        if met is not None:
+            stiffness = stiffness / (1.0 + (met[0][2] + met[1][2]) * stiffness)
+        found += dampers.time * stiffness
+    if dampers.hunt_crossley > 0.0:
+        found += 1.5 * dampers.hunt_crossley * force
+    return found
+
+
+@part
 def damp(motion, bearing, dampers, ahead):
     """Accelerations of hub and elements by the dampers, at the positions last seen by `accelerate`.
 
@@ -237,8 +275,8 @@ def damp(motion, bearing, dampers, ahead):
         vx, vy = vx + ahead * slow_x, vy + ahead * slow_y
         rate_i = closing_i - (vx - (c * hub_x + s * hub_y)) * ix - (vy - (c * hub_y - s * hub_x)) * iy
         rate_o = closing_o + vx * ox + vy * oy
-        inner = _no_pull(dampers.damping * rate_i, load(motion.force, group))
-        outer = _no_pull(dampers.damping * rate_o, load(motion.force, columns + group))
+        inner = _no_pull(load(dampers.coefficient, group) * rate_i, load(motion.force, group))
+        outer = _no_pull(load(dampers.coefficient, columns + group) * rate_o, load(motion.force, columns + group))
         along, aside = inner * ix - outer * ox, inner * iy - outer * oy
         per_mass = 1.0 / bearing.mass
         _store_own(bearing.first, dampers.elements, 0, group, columns, along * per_mass, aside * per_mass)

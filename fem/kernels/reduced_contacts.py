@@ -18,6 +18,7 @@ from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm, smaller
 from fem.kernels.law import STEEPEST, contact_force, kick_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
+from fem.kernels.reduced_damping import damped_neighbours, no_dampers, note_lowered, with_damper
 from fem.kernels.reduced_modes import gather_waves, less_vibration, push_modes
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.simd import (
@@ -104,10 +105,10 @@ def _both(inner, outer, by_inner, by_outer, guess_inner, guess_outer):
 
 
 @part
-def estimate_forces(bodies, compliance, forces, turn):
+def estimate_forces(bodies, compliance, forces, turn, dt):
     """Forces by the guess: their approach, stiffness and normals; and what they gain with a roller's other contact.
 
-    `turn` : rad, of the inner ring.
+    `turn` : rad, of the inner ring; `dt` : s, since the last kick.
     """
     columns, n, halo = bodies.columns, bodies.n, forces.halo
     width, across = columns + 2 * halo, compliance.across
@@ -131,7 +132,9 @@ def estimate_forces(bodies, compliance, forces, turn):
         first_i = compliance.reach - away - across * guess_o - _felt(compliance, forces.guess, INNER, at)
         first_o = out - compliance.track - across * guess_i - _felt(compliance, forces.guess, OUTER, width + at)
         _take(forces.taken, columns, group, compliance.reach - away - first_i, out - compliance.track - first_o)
+        circles_i, circles_o = first_i, first_o
         first_i, first_o = _lowered(bodies, compliance, forces, group, turn, first_i, first_o, forces.slope)
+        note_lowered(forces.dampers, columns, group, first_i - circles_i, first_o - circles_o, dt)
         first_i, first_o = less_vibration(bodies.vibrations, forces, columns, group, first_i, first_o)
         first_i, first_o = select(there, first_i, -1.0), select(there, first_o, -1.0)
         B_i, B_o = _level(inner, forces.bracket_now, group), _level(outer, forces.bracket_now, columns + group)
@@ -289,7 +292,8 @@ def kick(bodies, compliance, forces, drive, before):
         if drive.friction > 0.0:
             T_i, T_o = _tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)
         store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
-        T_i, T_o = _with_slopes(bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o), (T_i, T_o), forces.slope)
+        both = with_damper(forces.dampers, group, P_i), with_damper(forces.dampers, columns + group, P_o)
+        T_i, T_o = _with_slopes(bodies, forces, drive, group, both, (Q_i, Q_o), (T_i, T_o), forces.slope)
         T_i, T_o = push_modes(bodies.vibrations, bodies, forces, drive, group, P_i, P_o, T_i, T_o)
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         hub_x -= select(there, fx, 0.0)
@@ -427,6 +431,7 @@ def press_neighbours(bodies, compliance, forces, drive, before, reach):
             store(forces.kick, at, splat(0.0))
             store(forces.approach, at, splat(np.nan))
             store(forces.traction, at, splat(0.0))
+            no_dampers(forces.dampers, at)
             continue
         distance = select(near, root(square), 1.0)
         nx, ny = x / distance, y / distance
@@ -448,6 +453,9 @@ def press_neighbours(bodies, compliance, forces, drive, before, reach):
         store(forces.approach, at, select(near, approach, np.nan))
         store(forces.kick, at, P)
         store(forces.residual, at, residual)
+        closing = (load(before.velocity, group) - gather(before.velocity, i)) * nx
+        closing += (load(before.velocity, columns + group) - gather(before.velocity, i + columns)) * ny
+        P = damped_neighbours(forces.dampers, law, at, select(near, Q, 0.0), P, closing, 2.0 * over)
         fx, fy = (P * nx - T * ny) * over, (P * ny + T * nx) * over
         turned = T * (-drive.dt * bodies.radius / bodies.inertia)
         fx, fy, turned = select(near, fx, 0.0), select(near, fy, 0.0), select(near, turned, 0.0)

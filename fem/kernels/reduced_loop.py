@@ -6,6 +6,7 @@ from fem.kernels.jit import kernel, part
 from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.reduced_contacts import estimate_forces, kick, press_neighbours, set_right, sweep_again
+from fem.kernels.reduced_damping import damp_contacts, write_damping
 from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings, vibration_energies
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.sample_kernels import (
@@ -44,7 +45,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             time = step * drive.dt
             _remember(bodies, before)
             _meet_cage(bodies.cage, drive.dt)
-            estimate_forces(bodies, compliance, forces, drive.speed * time)
+            estimate_forces(bodies, compliance, forces, drive.speed * time, drive.dt)
             sweep_again(bodies.vibrations, bodies, compliance, forces)
             hub_x, hub_y = set_right(bodies, compliance, forces)
             radial_load = radial_load_at(drive, time)
@@ -58,6 +59,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             bodies.hub_velocity[0] += over * hub_x
             bodies.hub_velocity[1] += over * (hub_y - radial_load) - drive.gravity * drive.dt
             _push_cage(bodies.cage, bodies, drive)
+            damp_contacts(forces.dampers, bodies, compliance, forces, before, drive.dt)
             if inside == 0:
                 out = samples[row]
                 _write_motion(bodies, forces, drive, before, out, time)
@@ -66,6 +68,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
                 out[WORK_LOAD] = drive.sums[0] - half * (before.hub_velocity[1] + carried_by(bodies.vibrations, 1)[1])
                 out[WORK_DRIVE] = 0.5 * (given + drive.sums[1])
                 out[DISSIPATED] = drive.sums[2]
+                write_damping(forces.dampers, bodies.n, out)
                 _write_cage(bodies.cage, drive, out)
             work = before.hub_velocity[1] + bodies.hub_velocity[1]
             work += carried_by(bodies.vibrations, 1)[1] + carried_by(bodies.vibrations, 2)[1]

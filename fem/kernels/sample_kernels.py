@@ -34,8 +34,10 @@ from fem.kernels.state import CONTACTS
     WORK_GRAVITY,
     WORK_DRIVE,
     DISSIPATED,
-) = range(14)
-N_SCALARS = 14
+    DAMPED_BY_CONTACTS,
+    DAMPED_BY_BODIES,
+) = range(16)
+N_SCALARS = 16
 BLOCKS = (
     "roller_x",
     "roller_y",
@@ -46,6 +48,8 @@ BLOCKS = (
     "roller_roller_force",
     "inner_traction",
     "outer_traction",
+    "inner_damping_force",
+    "outer_damping_force",
 )
 
 
@@ -99,6 +103,7 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     stored = spring_energy(friction.shear, friction.traction, rollers.n)
     out[CONTACT] += stored
     out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed - stored
+    add_damped(contacts.dampers, bodies.damping, out)
     n = rollers.n
     for j in range(n):
         at = N_SCALARS + j
@@ -110,7 +115,27 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
             out[at + (4 + row) * n] = forces.force[row, j]
         for row in range(2):
             out[at + (7 + row) * n] = friction.traction[row, j]
+        add_damper_forces(contacts.dampers, j, n, out)
     add_all_motion(bodies.others, drive, out, KINETIC)
+
+
+@part
+def add_damped(dampers, damping, out):
+    """What contacts and bodies have damped, J; nothing where there is None."""
+    out[DAMPED_BY_CONTACTS] = 0.0 if dampers is None else dampers.work[0]
+    out[DAMPED_BY_BODIES] = 0.0 if damping is None else damping.work[0]
+    out[DISSIPATED] += out[DAMPED_BY_CONTACTS] + out[DAMPED_BY_BODIES]
+
+
+@part
+def add_damper_forces(dampers, j, n, out):
+    """Forces of a roller's dampers, N, by themselves and in the contacts' forces."""
+    if dampers is not None:
+        at = N_SCALARS + j
+        for row in range(3):
+            out[at + (4 + row) * n] += dampers.force[row, j]
+        for row in range(2):
+            out[at + (9 + row) * n] = dampers.felt[row, j]
 
 
 @part(inlined=False)

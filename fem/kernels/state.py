@@ -251,6 +251,29 @@ class Points(NamedTuple):
     spread: Spread | None  # None: a layer between points and surfaces
 
 
+class Dampers(NamedTuple):
+    """Dampers of contacts, by pair and roller: see `damping_kernels`."""
+
+    constant: float  # N s/m
+    time: float  # s, of the contact's stiffness
+    hunt_crossley: float  # s/m
+    whole: np.ndarray  # (3,), level of the contacts' whole approach, A Q (level − ½ ln Q)
+    rate: np.ndarray  # (3, columns), m/s, at which approaches have grown on the way to the last kick
+    left: np.ndarray  # (3, columns), m/s, the same by the nodes' velocities, after the last damping
+    known: np.ndarray  # (3, columns), 1 where that was damped, else 0
+    force: np.ndarray  # (3, columns), N, beside the laws below the grid
+    felt: np.ndarray  # (3, columns), N, beside the contacts' whole approach
+    work: np.ndarray  # (2,), J, dissipated up to the last kick; and after it in that step
+
+
+class BodyDamping(NamedTuple):
+    """Damping of bodies, in proportion to mass, see `damping_kernels.damp_bodies`."""
+
+    share: float  # of a velocity, that a step takes
+    loss: float  # of twice a kinetic energy
+    work: np.ndarray  # (1,), J, dissipated so far
+
+
 class Contacts(NamedTuple):
     """All contacts. Arrays over rollers have `columns` entries, spare ones without meaning or 0."""
 
@@ -259,6 +282,7 @@ class Contacts(NamedTuple):
     friction: Friction
     points: Points | None  # None: the law below the grid
     reach: float  # m, a wider gap than any elastic motion can close
+    dampers: Dampers | None = None  # None: contacts without
 
 
 class Drive(NamedTuple):
@@ -288,6 +312,7 @@ class Bodies(NamedTuple):
     inner: Ring
     outer: Ring
     others: tuple = ()  # further bodies in groups of one type; see `other_bodies`
+    damping: BodyDamping | None = None  # of rollers and rings; None: they have none
 
 
 class Scratch(NamedTuple):

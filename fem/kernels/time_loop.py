@@ -7,7 +7,8 @@ import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.rigid_surfaces
 import fem.kernels.ring_surface  # noqa: F401
 from fem.kernels.cage_kernels import CagePair, rub_cage
-from fem.kernels.contact_kernels import press_patches, push_patches
+from fem.kernels.contact_kernels import press_patches, push_neighbours, push_patches
+from fem.kernels.damping_kernels import damp_bodies, damp_contacts
 from fem.kernels.drive_kernels import kick_hub, move_hub, radial_load_at
 from fem.kernels.friction_solution import friction_contacts, slips_before
 from fem.kernels.jit import every, kernel, part
@@ -36,7 +37,9 @@ def press_contacts(groups, bodies, contacts, drive, points):
 @part
 def push_surfaces(groups, bodies, contacts, drive, points):
     """The normal forces' impulses on surface nodes, where `press_contacts` has not given them already."""
-    if points is None or points.shift.shape[2] == 1:
+    if contacts.dampers is not None and contacts.friction.whole is None:
+        push_neighbours(groups, bodies.rollers, bodies.surface, contacts, drive)  # the others with their dampers
+    elif points is None or points.shift.shape[2] == 1:
         push_patches(groups, bodies.rollers, bodies.surface, contacts, drive)
         settle(bodies.surface, bodies.rollers)
 
@@ -50,6 +53,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     """
     rollers, surface, rubbed = bodies.rollers, bodies.surface, 0.0
     _clear(rollers, drive)
+    damp_bodies(bodies, drive, bodies.damping)
     press_contacts(groups, bodies, contacts, drive, contacts.points)
     if contacts.friction.coefficient > 0.0:
         slips_before(groups, rollers, surface, contacts, scratch.still)
@@ -61,6 +65,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     kick_others(bodies.others, drive)
     rub_cages(groups, drive)
     _take_back_torque(rollers, scratch)
+    damp_contacts(groups, bodies, contacts, contacts.dampers, drive.dt)
     if contacts.friction.coefficient > 0.0:
         friction = contacts.friction
         rubbed = friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole)

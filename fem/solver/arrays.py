@@ -17,6 +17,7 @@ from fem.kernels.simd import WIDTH
 from fem.kernels.state import (
     Bodies,
     Contacts,
+    Dampers,
     Disc,
     DiscSurface,
     Drive,
@@ -100,6 +101,7 @@ GIVEN = {
     Shear: ("level",),
     Resonator: ("step", "half_step", "pull"),
     Spread: ("missing", "inverse"),
+    Dampers: ("whole",),
     Cage: ("cosine", "sine"),
 }
 STATE_INDICES = {Patches: ("start",), Spread: ("closed",)}

@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.kernels.reduced_loop import advance_reduced
-from fem.kernels.reduced_state import INNER, OUTER, Before, Compliance, Modes, ReducedDrive, ReducedForces, RigidBodies
+from fem.kernels.reduced_state import (
+    INNER,
+    OUTER,
+    Before,
+    Compliance,
+    Modes,
+    ReducedDampers,
+    ReducedDrive,
+    ReducedForces,
+    RigidBodies,
+)
 from fem.kernels.simd import WIDTH
 from fem.solver.arrays import changing_arrays
 from fem.solver.cage_arrays import cage_state, pair_of_rigid
@@ -18,6 +28,7 @@ from fem.solver.samples import SampleReader
 from fem.solver.solver import Block, Numbers
 from fem.solver.vibrations import vibrations
 from lagrange import Bearing
+from lagrange.contact_damping import ContactDamping
 from lagrange.overlap import touching_distances
 from lagrange.profile import profiles
 
@@ -127,6 +138,8 @@ class ReducedState(RowState):
         for place, group in (("bodies", self.bodies), ("forces", self.forces), ("drive", self.drive)):
             arrays = {name: value for name, value in group._asdict().items() if isinstance(value, np.ndarray)}
             found |= {f"{place}.{name}": array for name, array in arrays.items()}
+        if self.forces.dampers is not None:
+            found |= {f"dampers.{name}": getattr(self.forces.dampers, name) for name in ("force", "lowered", "work")}
         for place, modes in self._modes.items():
             found |= {f"{place}.{name}": getattr(modes, name) for name in ("amplitude", "rate", "before")}
         if self.bodies.cage is not None:
@@ -255,12 +268,31 @@ def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         softening=np.zeros((4, columns)) if uneven else None,
         taken=None if plan.model.modes is None else np.zeros((2, 2, columns)),
         halo=halo,
+        dampers=_dampers(plan.scene.damping.contacts, columns),
     )
     for row, force in ((INNER, start.inner_force), (OUTER, start.outer_force)):
         found.force[row, :n] = force
         at = np.arange(-halo, n + halo)
         found.guess[row, : n + 2 * halo] = force[at % n]
     return found
+
+
+def _dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:
+    if not damping.acts:
+        return None
+    return ReducedDampers(
+        constant=float(damping.constant),
+        time=float(damping.time),
+        hunt_crossley=float(damping.hunt_crossley),
+        force=np.zeros((3, columns)),
+        lowered=np.full((2, columns), np.nan),
+        passing=np.zeros((2, columns)),
+        rate=np.zeros((2, columns)),
+        gain=np.zeros((1, columns)),
+        coefficient=np.zeros((2, columns)),
+        pair_work=np.zeros(WIDTH),
+        work=np.zeros(2),
+    )
 
 
 def _drive(plan: "ReducedPlan") -> ReducedDrive:

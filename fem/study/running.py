@@ -5,11 +5,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-
-try:
-    import resource
-except ImportError:  # not a POSIX system: nobody tells how much memory a process takes
-    resource = None
+from math import nan
 
 from fem.errors import RunFailed, UsageError
 from fem.progress import count_display
@@ -70,8 +66,16 @@ def expected(points: Points, pending: list[int], tell: Callable[[str], None] | N
             refused = refused or f"{points.design.told(i)}: {error}"
     if not seconds:
         raise UsageError(refused)
-    used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss if resource else 0
-    return Expected(seconds=sum(seconds) / len(seconds), memory=1024.0 * used, disk=_disk(points))
+    return Expected(seconds=sum(seconds) / len(seconds), memory=_memory(), disk=_disk(points))
+
+
+def _memory() -> float:
+    """Largest of this process so far, bytes; nan on systems that do not tell."""
+    try:
+        import resource
+    except ImportError:
+        return nan
+    return 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def _disk(points: Points) -> float:

@@ -36,6 +36,16 @@ Exit codes: 0 done; 1 the verdict is "fails" (--tolerance); 2 unusable input; 13
 )
 
 
+@app.command(name="--install-completion", help="complete options in this shell from now on: bash, zsh or fish")
+def _install_completion() -> None:
+    from cyclopts.completion.detect import ShellDetectionError
+
+    try:
+        print(f"written: {app.install_completion()}; it works in new shells")
+    except ShellDetectionError:
+        raise InputError("--install-completion: the shell is none of bash, zsh and fish") from None
+
+
 @app.default
 def _command(
     run: Annotated[
@@ -189,6 +199,9 @@ def _terminated(number, frame):
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code. A user's mistake gives a few lines on stderr, never a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # of a code page that lacks the minus sign
     try:
         result = app(arguments, exit_on_error=False, print_error=False)
         if sys.stdout is not None:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrange.height_table import LARGEST_FILE, digest
+from lagrange.text_table import LARGEST_FILE, digest
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"  # an HDF5 file's first bytes
 CHECKSUM = "checksum"  # attribute: twice a number of samples and the CRC-32 of the variable up to there

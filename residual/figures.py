@@ -43,6 +43,7 @@ def draw_figures(evaluation, statics, parts, folder: Path) -> dict[str, list[Sav
     from residual.cage_figures import cage_figure
     from residual.fault_figures import fault_figures
     from residual.motion_figures import motion_figures
+    from residual.order_figures import order_figures
     from residual.paper_figures import paper_figures
     from residual.passage_figures import passage_figures
     from residual.plotting import STYLE
@@ -53,7 +54,11 @@ def draw_figures(evaluation, statics, parts, folder: Path) -> dict[str, list[Sav
         drawn = {
             "against": [] if parts.other is None else against_figures(evaluation, parts.other, folder),
             "motion": [*motion_figures(evaluation, statics, folder), *filter(None, [cage_figure(evaluation, folder)])],
-            "vibration": [*vibration_figures(evaluation, folder), *passage_figures(evaluation, folder)],
+            "vibration": [
+                *vibration_figures(evaluation, folder),
+                *order_figures(evaluation, folder),
+                *passage_figures(evaluation, folder),
+            ],
             "search": [] if parts.search is None else fault_figures(parts.search, folder),
         }
         if parts.equations:

@@ -26,7 +26,7 @@ def balance(evaluation: Evaluation) -> float | None:
 
 def reference_force(evaluation: Evaluation) -> tuple[float, str]:
     """What errors are measured by, N, and its name: the load, or without one the largest contact force."""
-    load = evaluation.record.operation.radial_load
+    load = evaluation.record.load
     return (load, "load") if load > 0.0 else (max(float(evaluation.force.max()), 1e-300), "largest contact force")
 
 

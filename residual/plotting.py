@@ -119,11 +119,11 @@ def mark_lines(axis, lines: dict[str, float], low: float, high: float, labels: b
     return list(dict.fromkeys(family(name) for _, name in shown))
 
 
-def line_handles(families: list[str], lines: dict[str, float]):
-    """Make the legend's entries of kinematic lines."""
+def line_handles(families: list[str], lines: dict[str, float], unit: str = " Hz"):
+    """Make the legend's entries of kinematic lines; no unit of orders."""
     from matplotlib.lines import Line2D
 
     return [
-        Line2D([], [], color=LINE_COLOURS[name], linestyle=(0, (4, 2)), label=f"{name} {lines[name]:.4g} Hz")
+        Line2D([], [], color=LINE_COLOURS[name], linestyle=(0, (4, 2)), label=f"{name} {lines[name]:.4g}{unit}")
         for name in families
     ]

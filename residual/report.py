@@ -9,6 +9,7 @@ from markupsafe import Markup
 from lagrange.bearing import BallBearing, Bearing
 from lagrange.messages import shown
 from lagrange.pages import as_it_is, render_page
+from lagrange.scene_operation import RPM
 from residual.against import difference_rows, named
 from residual.evaluation import Evaluation
 from residual.fault_tables import search_sentences
@@ -22,6 +23,7 @@ from residual.parts import Parts
 from residual.picture import picture_of
 from residual.player import player_json
 from residual.quasistatic import QuasiStatic
+from residual.record import Record
 from residual.tables import (
     budget_rows,
     error_rows,
@@ -101,7 +103,7 @@ def render_report(
 def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
     """Rows of the key facts of the run and the check."""
     t = evaluation.record
-    bearing, operation, scene = t.bearing, t.operation, t.scene
+    bearing = t.bearing
     low, high = evaluation.loaded_range
     facts = [
         ("Source", shown(t.source.name)),
@@ -111,7 +113,7 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
             f"raceways Ø {text(2e3 * bearing.inner_raceway_radius)} and "
             f"{text(2e3 * bearing.outer_raceway_radius)} mm",
         ),
-        ("Operation", f"{text(scene.operation.speed_rpm)} rpm, {text(operation.radial_load)} N along −y"),
+        ("Operation", _operation(t)),
         (
             "Record",
             f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from {text(1e3 * evaluation.start)} ms",
@@ -128,6 +130,16 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
         if key in t.attributes:
             facts.append((label, str(t.attributes[key])))
     return facts
+
+
+def _operation(record: Record) -> str:
+    """Speed and load in words; of what changes the range."""
+    acting, rpm = record.acting, record.scene.operation.speed_rpm
+    if record.operation.course is None:
+        return f"{text(rpm)} rpm, {text(acting.radial_load)} N along −y"
+    speed, load = acting.speed / RPM, np.hypot(acting.radial_load, acting.side_load)
+    turning = f"{text(speed.min())} to {text(speed.max())}" if record.varies_speed else text(rpm)
+    return f"{turning} rpm, {text(load.min())} to {text(load.max())} N"
 
 
 def _elements(bearing: Bearing) -> str:

@@ -136,6 +136,13 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
                 of = f"the envelope of the hub's acceleration in {d.name}, {found.low:.4g} to {found.high:.4g} Hz"
                 name = f"hub_envelope_psd_{d.name}"
                 _variable(file, name, found.spectrum.psd, "frequency", "m2 s-4 Hz-1", f"one-sided PSD of {of}")
+        if evaluation.x.orders is not None:
+            _scale(file, "shaft_order", evaluation.x.orders.path.frequency, "1", "cycles per turn of the shaft")
+            for d in evaluation.directions:
+                of = f"one-sided PSD over orders of the hub's place in {d.name}"
+                _variable(file, f"hub_order_psd_{d.name}", d.orders.path.psd, "shaft_order", "m2", of)
+                of = f"one-sided PSD over orders of error_{d.name}"
+                _variable(file, f"order_psd_{d.name}", d.orders.error.psd, "shaft_order", "N2", of)
         file.attrs.update(
             program=PROGRAM, program_version=version, run=t.name, law=evaluation.law.name,
             order=evaluation.order,

@@ -41,6 +41,7 @@ def summarise(evaluation: Evaluation, parts: Parts, version: str) -> dict:
         **{f"peaks_{d.name}": [_peak(peak) for peak in d.peaks] for d in directions},
         **{f"lines_{d.name}": [_level(level) for level in d.levels] for d in directions},
         **{f"vibration_{d.name}": _vibration(d.vibration) for d in directions},
+        "orders": _orders(evaluation),
         "fault_search": search_summary(parts.search),
         "watched": [{"x": _level(x), "y": _level(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
@@ -137,6 +138,26 @@ def _vibration(v: Vibration) -> dict:
             }
             for line in v.lines
         ],
+    }
+
+
+def _orders(evaluation: Evaluation) -> dict | None:
+    """Lines and peaks of the hub's path in orders of the shaft; None where its speed stays."""
+    found = evaluation.x.orders
+    if found is None:
+        return None
+    time = found.tracking.time
+    return {
+        "start_s": float(time[0]),
+        "end_s": float(time[-1]),
+        "resolution": found.path.resolution,
+        "lines": found.tracking.lines,
+        **{
+            f"peaks_{d.name}": [
+                {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved} for p in d.orders.peaks
+            ]
+            for d in evaluation.directions
+        },
     }
 
 

@@ -41,7 +41,7 @@ def made_up(tmp_path, monkeypatch):
         study = read_study(Path("study.toml"))
         points = checked_points(study, design_of(study))
         folder = Folder(path=Path("out"))
-        folder.begin(points, resume=False)
+        folder.begin(points)
         for i, digest in enumerate(points.digests):
             quantities = {"largest_force": float(force(*points.design.points[i])), "hub_mean_y": 1.0}
             status = dict(status=FAILED, text="<b>it broke</b>") if i in failed else dict(status=COMPLETE)

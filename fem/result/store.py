@@ -73,7 +73,7 @@ class ResultFile:
         self._path = real_path(path)
         self._attributes = _attributes(plan, setup_seconds) | attributes
         self._plan = plan
-        self._bearing, self._speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().speed
+        self._bearing, self._operation = plan.scene.ideal_bearing(), plan.scene.ideal_operation()
         self._variables = variables_of(plan.scene)
         self._handle: int | None = None
         self._events: list[SpallEvent] | None = None  # known when the run has ended, on bearings with spalls
@@ -196,7 +196,7 @@ class ResultFile:
 
     def append(self, samples: Mapping[str, np.ndarray]) -> None:
         """Add samples by variable; committed when COMMIT_SECONDS have gone by."""
-        samples = with_sinkages(self._bearing, self._speed, samples)
+        samples = with_sinkages(self._bearing, self._operation, samples)
         with self._named():
             for name in self._variables:
                 place = self._places.data[name] + self._count * self._places.width[name]
@@ -235,7 +235,7 @@ class ResultFile:
         self.commit()
         if spalls(self._bearing):
             with self._named(), h5py.File(self._path, "r", locking=False) as file:
-                self._events = events_of(self._bearing, self._speed, file, self._count)
+                self._events = events_of(self._bearing, self._operation, file, self._count)
         outcome = dict(attributes, status=status)
         self._attributes |= outcome
         try:

@@ -84,7 +84,7 @@ class LagrangianPlan(CompiledPlan):
 
     def static_hub(self) -> np.ndarray:
         problem = self.problem
-        alone = replace(problem.operation, gravity=0.0)
+        alone = replace(problem.operation, side_load=0.0, gravity=0.0, course=None)
         still = static_equilibrium(problem.bearing, alone, problem.laws, roller_mass=0.0)
         return np.array([still.x, still.y])
 
@@ -213,8 +213,8 @@ class LagrangianState(RunState):
             values={name: getattr(part, name) for name in SAME}
             | absent
             | {
-                "roller_spin": per_roller + part.roller_spin,
-                "roller_turn": per_roller + part.roller_spin * part.time[:, None],
+                "roller_spin": per_roller + np.reshape(part.roller_spin, (-1, 1)),
+                "roller_turn": per_roller + part.roller_turn[:, None],
                 "energy_elastic": per_time,
                 "inner_damping_force": part.inner_damper,
                 "outer_damping_force": part.outer_damper,

@@ -17,7 +17,7 @@ import numpy as np
 from lagrange.bearing import Bearing
 from lagrange.closing import Meeting, measured_sinkage, points_around, sinkage
 from lagrange.edges import reach, softening
-from lagrange.faults import Body, Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
+from lagrange.faults import Body, Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
 from lagrange.kinematics import Kinematics
 from lagrange.pair import Pair, contact_pairs
 
@@ -246,6 +246,8 @@ def _sinkages(
             found -= 0.5 * fault.diameter_deviation
         elif isinstance(fault, Waviness):
             found -= fault.amplitude * np.cos(fault.order * angle + fault.phase)
+        elif isinstance(fault, Film):
+            found -= fault.thickness
         elif isinstance(fault, MeasuredSurface):
             found += measured_sinkage(fault, own, other, meeting, n)
         else:

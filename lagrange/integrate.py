@@ -27,7 +27,7 @@ class Record:
     q: np.ndarray  # (n_times, n_rollers)
     q_rate: np.ndarray
     held_work: np.ndarray  # J, of contacts and weights against the held angles; 0 where none are held
-    ramp_work: np.ndarray  # J, ∫ Ẇ y dt
+    ramp_work: np.ndarray  # J, minus the integral of the hub's place times the load's rate
     dissipated: np.ndarray  # J
 
     def sound(self) -> "Record":
@@ -131,7 +131,7 @@ class NumpyIntegration(Integration):
         ]
         begin, begin_all = step * ALL_KICKS[0], step * ALL_KICKS[0] * whole
         (z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power) = self._remembered()
-        accelerations, ramping = system.accelerations, system.ramp > 0.0
+        accelerations, ramping = system.accelerations, system.load_changes
         if first % BLOCK == 0:  # anew, at a time without the round-off of the stages' sum
             time = step * first * per_sample
             z_acc, q_acc, power = accelerations(time, z, q, system.directions(np.array([time]))[0])
@@ -144,7 +144,7 @@ class NumpyIntegration(Integration):
                 q_rate = q_rate + begin_all * q_acc
                 held += begin * power
                 if ramping:
-                    ramped += begin * system.ramp_power(time, z.imag)
+                    ramped += begin * system.change_power(time, z)
                 for drift, drift_all, kick, kick_all in pairs:
                     z = z + drift * z_rate
                     q = q + drift_all * q_rate
@@ -155,7 +155,7 @@ class NumpyIntegration(Integration):
                     q_rate = q_rate + kick_all * q_acc
                     held += kick * power
                     if ramping:
-                        ramped += kick * system.ramp_power(time, z.imag)
+                        ramped += kick * system.change_power(time, z)
             self._remember((z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power))
             yield
 
@@ -176,8 +176,8 @@ class NumpyIntegration(Integration):
                 z_acc, q_acc, power = system.accelerations(times[i], z, q, turns[i])
                 z_rate, q_rate = z_rate + half * z_acc, q_rate + half * q_acc
                 held += step * power
-                if system.ramp > 0.0:
-                    ramped += step * system.ramp_power(times[i], z.imag)
+                if system.load_changes:
+                    ramped += step * system.change_power(times[i], z)
                 dampers = system.damper_coefficients(damping)
                 z_slow, q_slow, _, _ = system.damper(z_rate, q_rate, q, z, turns[i], dampers)
                 z_slow, q_slow, loss, taken = system.damper(

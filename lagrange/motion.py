@@ -142,12 +142,15 @@ def angular_equations(
 
 
 def hub_equations(operation: Operation, contacts: ContactState, x_acceleration, y_acceleration):
-    """Left sides of (22) and of (23) with the load moved over, N, each (...,); 0 in a motion of the model."""
+    """Left sides of (22) and of (23) with the load moved over, N, each (...,); 0 in a motion of the model.
+
+    The operation's loads may be of the same shape: `Operation.at`.
+    """
     mass = operation.inner_mass
     push_x = np.sum(contacts.inner_force * contacts.along_x, axis=-1)
     push_y = np.sum(contacts.inner_force * contacts.along_y, axis=-1)
     return (
-        mass * x_acceleration - push_x,
+        mass * x_acceleration - push_x - operation.side_load,
         mass * (y_acceleration + operation.gravity) - push_y + operation.radial_load,
     )
 

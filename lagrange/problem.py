@@ -8,7 +8,7 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact_damping import UNDAMPED, ContactDamping
-from lagrange.kinematics import kinematics, roller_angles
+from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import State
 from lagrange.profile import Turns
 from lagrange.raceway_laws import ContactLaws
@@ -62,16 +62,16 @@ class Problem:
                 x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + cage,
             )  # fmt: skip
         if self.load_ramp > 0.0:
-            operation = replace(operation, radial_load=0.0)
+            operation = replace(operation, radial_load=0.0, side_load=0.0, course=None)
         now = static_equilibrium(bearing, operation, self.laws, angles=theta)
         before, after = (
             static_equilibrium(
                 bearing,
-                operation,
+                operation.at(shift),
                 self.laws,
-                angles=theta + cage * shift,
+                angles=theta + turned(bearing, operation, shift).cage,
                 start=(now.x, now.y),
-                turns=Turns.rolling(ideal, shift),
+                turns=Turns.rolling(bearing, operation, shift),
             )
             for shift in (-DIFFERENCE, DIFFERENCE)
         )

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import replace
 from itertools import pairwise
-from math import pi, radians
+from math import pi
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -29,11 +29,11 @@ from lagrange.scene_damping import DampingTable, with_former_name
 from lagrange.scene_faults import Check, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
 from lagrange.scene_lubricant import LubricantTable
+from lagrange.scene_operation import OperationTable
 from lagrange.scene_run import (
     ContactTable,
     LagrangeTable,
     NumericsTable,
-    OperationTable,
     OutputTable,
     ReducedTable,
 )
@@ -51,12 +51,11 @@ from lagrange.scene_surfaces import (
 
 LONGEST_TEXT = 2**20  # characters of a scene
 MOST_FAULTS = 15  # told at once: a file that is no scene may have thousands
-RPM = 2.0 * pi / 60.0
 MM = 1e-3
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
 SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # arrays of tables
-FILE_KEYS = ("file", "sha256", "content")  # of tables that name a file
+FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
 MOST_TABLES = 200  # of one array
 
 
@@ -134,7 +133,7 @@ class Scene(Table):
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        tables = self._rigid_contacts, self._support, self._cage, self._damping
+        tables = self._rigid_contacts, self._support, self._cage, self._damping, self._courses
         return self._law, self._mass, self._mesh, self._fields, *tables, *surfaces
 
     def _law(self) -> Iterator[str]:
@@ -212,12 +211,20 @@ class Scene(Table):
             )
 
     def _support(self) -> Iterator[str]:
-        if self.mounting().housing is not None and self.model != "fem":
+        mounting = self.mounting()
+        if (mounting.housing is not None or mounting.points is not None) and self.model != "fem":
             yield (
                 f'support.kind = "{self.support.kind}": only with model = "fem", not with "{self.model}", whose outer '
-                "ring stands still; leave one of them out"
+                "ring is held all around by the ground; leave one of them out"
             )
-        if self.sensor is not None and self.mounting().housing is None:
+        if mounting.points is not None and self.bodies.outer_ring == "rigid":
+            yield 'support.kind = "points": a rigid outer ring is held as well by any; leave one of them out'
+        if mounting.points is not None and self.contact.model != "subgrid":
+            yield (
+                f'support.kind = "points": only with contact.model = "subgrid", not with "{self.contact.model}"; leave '
+                "one of them out"
+            )
+        if self.sensor is not None and mounting.housing is None:
             yield (
                 '[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'
             )
@@ -230,6 +237,19 @@ class Scene(Table):
                     'cage.guidance = "outer_ring": not in a housing that moves; take "rollers" or "inner_ring", or '
                     "leave [support] out"
                 )
+            if self.cage.guidance == "inner_ring" and self.operation.speed_table is not None:
+                yield (
+                    f'cage.guidance = "inner_ring": only at a steady speed, not with operation.speed_table = '
+                    f'"{self.operation.speed_table}"; take "rollers" or "outer_ring"'
+                )
+
+    def _courses(self) -> Iterator[str]:
+        yield from self.operation.duration_faults(self.numerics.duration_ms)
+        if self.operation.changes and self.model == "fem" and self.contact.model != "subgrid":
+            yield (
+                f'operation.{self.operation.changes}: only with contact.model = "subgrid", not with '
+                f'"{self.contact.model}", which is there to compare contacts; leave one of them out'
+            )
 
     def _surface_models(self) -> Iterator[str]:
         given = [f"[[{name}]]" for name in SURFACES if getattr(self, name)]
@@ -302,20 +322,13 @@ class Scene(Table):
         return None if self.cage is None else self.cage.cage(self._perfect_bearing())
 
     def ideal_operation(self) -> Operation:
-        """The operating point in SI; the first roller's angle from +x."""
-        o = self.operation
-        return Operation(
-            speed=o.speed_rpm * RPM,
-            radial_load=o.radial_load_N,
-            inner_mass=o.inner_ring_and_shaft_kg,
-            gravity=o.gravity_m_s2,
-            first_roller_angle=radians(o.first_roller_deg - 90.0),
-            mounting=self.mounting(),
-        )
+        """The operating point in SI."""
+        return replace(self.operation.ideal(), mounting=self.mounting())
 
     def mounting(self) -> Mounting:
         """What the bearing stands in, in SI."""
         return Mounting(
+            points=None if self.support is None else self.support.points(),
             housing=None if self.support is None else self.support.housing(),
             sensor=None if self.sensor is None else self.sensor.sensor(),
         )
@@ -323,7 +336,8 @@ class Scene(Table):
     @property
     def files(self) -> dict[str, str]:
         """Texts of the files that it names, by their digests, as far as they are at hand."""
-        return {table.sha256: table.content for table in self.profile if table.content is not None}
+        profiles = {table.sha256: table.content for table in self.profile if table.content is not None}
+        return profiles | self.operation.files
 
     def varied(self, changes: Mapping[str, Any]) -> "Scene":
         """This scene with other values under dotted keys, as `--set` has them; the whole is validated anew.

@@ -15,7 +15,7 @@ import numpy as np
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact_damping import UNDAMPED, ContactDamping
 from lagrange.integrate import Integration, NumpyIntegration
-from lagrange.kinematics import kinematics
+from lagrange.kinematics import kinematics, turned
 from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
 from lagrange.step_size import DAMPED_STABLE, STABLE, STEP, critical_time_step, fastest_mode, steps_per_sample
@@ -120,11 +120,12 @@ class Simulation:
             )
         if not found:
             return None
-        part = self._completion.read(record, self.interval * np.arange(first, first + found))
-        problem = self.problem
+        time, problem = self.interval * np.arange(first, first + found), self.problem
+        part = self._completion.read(record, time)
         return Trajectory(
             **part, bearing=problem.bearing, operation=problem.operation, laws=problem.laws,
-            roller_spin=kinematics(problem.bearing, problem.operation.speed).roller,
+            roller_spin=kinematics(problem.bearing, problem.operation.at(time).speed).roller,
+            roller_turn=turned(problem.bearing, problem.operation, time).roller,
             time_step=self.time_step, critical_time_step=self.critical_time_step,
             steps=self.steps_per_sample * (self.done - 1),
         )  # fmt: skip

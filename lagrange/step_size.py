@@ -42,8 +42,8 @@ def critical_time_step(problem: Problem, *largest: float) -> float:
 def _expected_force(problem: Problem) -> float:
     """The largest contact force to be expected, N."""
     bearing, operation = problem.bearing, problem.operation
-    weight = operation.radial_load + operation.inner_mass * operation.gravity
-    spin = bearing.roller_mass * bearing.pitch_radius * kinematics(bearing, operation.speed).cage ** 2
+    weight = operation.heaviest + operation.inner_mass * operation.gravity
+    spin = bearing.roller_mass * bearing.pitch_radius * kinematics(bearing, operation.fastest).cage ** 2
     squeeze = float(problem.laws.inner.force(max(-0.5 * bearing.radial_clearance, 0.0)))  # of preload
     return OVERLOAD * (squeeze + spin + bearing.roller_mass * operation.gravity + 5.0 * weight / bearing.n_rollers)
 
@@ -60,6 +60,6 @@ def _longest_step(problem: Problem) -> float:
 
 def _passage(problem: Problem) -> float:
     """Time in which contacts roll over as many knots of a profile as a step may, s."""
-    surfaces, ideal = profiles(problem.bearing), kinematics(problem.bearing, problem.operation.speed)
+    surfaces, ideal = profiles(problem.bearing), kinematics(problem.bearing, problem.operation.fastest)
     speed = abs(ideal.roller - ideal.cage) * problem.bearing.roller_radius
     return inf if surfaces is None or speed == 0.0 else KNOTS_PER_STEP * surfaces.shortest / speed

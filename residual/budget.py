@@ -12,7 +12,7 @@ damping           − Σ (law − run's damping force) of the inner contacts, wh
 friction          Σ traction on the inner ring, which (22), (23) leave out, less what the cage's forces are part of
 cage              of a run with one: the tractions that stand against its forces on the rollers, by the rollers' own
                   equations of motion; its force on the inner ring where that guides it
-load_and_weight   W + M g of the equations less what acted in the run: the load ramp of a start from rest
+load_and_weight   loads and M g of the equations less what acted in the run: the load ramp of a start from rest
 ring_flexibility  the rest of a run of ours: inertia of the elastic ring, whose centre of mass is not the hub
 other_forces      the rest of a table from elsewhere: what acts on the hub and stands in no column, as a damper
 
@@ -90,11 +90,12 @@ def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.nda
     )
 
 
-def missing_load(record: Record) -> np.ndarray:
-    """Load of the equations that does not act yet during the ramp of a start from rest, N, (n_times,)."""
-    numerics = record.scene.numerics
+def missing_load(record: Record) -> tuple[np.ndarray, np.ndarray]:
+    """Load of (22), and of (23), that does not act yet during the ramp of a start from rest, N, each (n_times,)."""
+    numerics, acting = record.scene.numerics, record.acting
     ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
-    return record.operation.radial_load * (1.0 - load_share(record.time, ramp))
+    missing = 1.0 - load_share(record.time, ramp)
+    return -acting.side_load * missing, acting.radial_load * missing
 
 
 def error_budget(record: Record, law: Law, accelerations: Accelerations, closing_speed) -> Budget:
@@ -108,7 +109,7 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     ------
     The terms add up to the error to round-off, about 1e-12 of the load.
     """
-    operation = record.operation
+    operation = record.acting
     contacts = record.contacts
     spring, damper = spring_and_damper(law, contacts.inner, closing_speed, contacts.inner_compliance)
     force = spring + damper
@@ -131,7 +132,7 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
             circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
             friction = traction_resultant(circles, record.inner_traction)
             friction, cage = _cage_apart(record, circles, friction)
-        load = np.zeros_like(errors[0]), missing_load(record)
+        load = missing_load(record)
         rest = "ring_flexibility" if record.attributes else "other_forces"
         pairs = {
             "differentiation": differentiation, "outer_ring": outer_ring, "contact_law": laws,
@@ -200,7 +201,8 @@ def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
 
 def chatter_gap(record: Record) -> int:
     """Longest opening within one pass through the load zone, samples: 5 % of a cage revolution."""
-    cage = kinematics(record.bearing, record.operation.speed).frequencies["FTF"]
+    speed = float(np.mean(np.abs(record.acting.speed)))
+    cage = kinematics(record.bearing, speed).frequencies["FTF"]
     samples = record.time.size // 50
     if cage > 0.0:
         samples = min(samples, int(CHATTER / cage / record.interval))

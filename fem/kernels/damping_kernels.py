@@ -14,6 +14,7 @@ is what c would give, the rest makes up for what the law below the grid gives le
 """
 
 from fem.kernels.contact_kernels import next_roller
+from fem.kernels.course_kernels import speed_of
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import larger, logarithm, smaller
 from fem.kernels.law import STEEPEST
@@ -317,7 +318,8 @@ def _damp_rollers(disc, rollers, damping, dt):
 
 @part(inlined=False)
 def _damp_inner(ring, drive, damping):
-    c, s, speed, half, width = drive.frame[1], drive.frame[2], drive.speed, 0.5 * drive.dt, ring.cosines.size
+    c, s, half, width = drive.frame[1], drive.frame[2], 0.5 * drive.dt, ring.cosines.size
+    speed = speed_of(drive.course, drive)
     hub_x, hub_y = drive.hub[0] - half * drive.velocity[0], drive.hub[1] - half * drive.velocity[1]
     x, y = drive.velocity[0] + speed * hub_y, drive.velocity[1] - speed * hub_x
     hub_x, hub_y = c * x + s * y, c * y - s * x

@@ -5,13 +5,14 @@ The same for held and for free elements: each has axes of its own, which turn wi
 
 from math import cos, sin
 
-from fem.kernels.drive_kernels import radial_load_at
+from fem.kernels.course_kernels import GAIN, SPEED, TURN, follow, load_at, with_aside
 from fem.kernels.jit import part, verb
 from fem.kernels.lagrangian_state import INNER, OUTER, PowerConstants
 from fem.kernels.lane_functions import exponential, larger, logarithm, smaller
 from fem.kernels.law import contact_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.simd import WIDTH, any_lane, count_from, load, magnitude, root, select, splat, store, total
+from fem.kernels.state import Course
 
 FARTHEST = 1e100  # m²: what is farther, or not a number, has no direction
 MOST_STEPS, SETTLED = 60, 1e-10  # of Newton's method, and of a depth: what is left is of its square
@@ -79,10 +80,13 @@ def accelerate(motion, bearing, dampers, time):
 
     Source: (21)-(23) and (θ), see `lagrange.motion`.
     """
-    columns, hub, mass, turning = bearing.columns, motion.hub, bearing.mass, bearing.turning
-    turned = cos(turning * time), sin(turning * time)
-    rolled = cos(bearing.shaft * time), sin(bearing.shaft * time), cos(bearing.spin * time), sin(bearing.spin * time)
-    speeds = bearing.shaft - turning, bearing.spin - turning, -turning
+    follow(bearing.course, time, 0.0)
+    columns, hub, mass = bearing.columns, motion.hub, bearing.mass
+    turning, shaft, spin = _speeds(bearing.course, bearing)
+    axes_angle, shaft_angle, spin_angle = _turned_by(bearing.course, bearing, time)
+    turned = cos(axes_angle), sin(axes_angle)
+    rolled = cos(shaft_angle), sin(shaft_angle), cos(spin_angle), sin(spin_angle)
+    speeds = shaft - turning, spin - turning, -turning
     push_x, push_y, power = splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, bearing.n, WIDTH):
         there = count_from(group) < bearing.n
@@ -105,13 +109,50 @@ def accelerate(motion, bearing, dampers, time):
         aside = (inner * iy - outer * oy) * (1.0 / mass) + turning * turning * y - fall_y
         _store_own(bearing.first, motion.elements, 2, group, columns, along, aside)
         power += mass * turning * (x * fall_y - y * fall_x) + inner * closing[INNER] + outer * closing[OUTER]
+        power = _speeding_up(bearing.course, power, mass, select(there, x, 0.0))
         _remember(dampers, group, columns, axes, (ix, iy, ox, oy), closing)
         _keep_coefficients(dampers, bearing.laws[INNER], group, inner, met_i)
         _keep_coefficients(dampers, bearing.laws[OUTER], columns + group, outer, met_o)
     x, y = total(push_x), total(push_y)
-    hub[2, 0] = x / bearing.hub_mass
-    hub[2, 1] = (y - radial_load_at(bearing, time)) / bearing.hub_mass - bearing.gravity
+    aside, radial_load = load_at(bearing.course, bearing, time)
+    hub[2, 0] = with_aside(bearing.course, x, aside) / bearing.hub_mass
+    hub[2, 1] = (y - radial_load) / bearing.hub_mass - bearing.gravity
     return total(power) + turning * (hub[0, 0] * y - hub[0, 1] * x)
+
+
+@verb
+def _speeds(course, bearing):
+    """Of the elements' own axes, of the shaft and of elements about their centres, rad/s."""
+    return bearing.turning, bearing.shaft, bearing.spin
+
+
+@_speeds.of(Course)
+def _speeds_now(course, bearing):
+    speed = course.now[SPEED]
+    return course.cage * speed, speed, course.spin * speed
+
+
+@verb
+def _turned_by(course, bearing, time):
+    """How far they have turned, rad."""
+    return bearing.turning * time, bearing.shaft * time, bearing.spin * time
+
+
+@_turned_by.of(Course)
+def _turned_by_now(course, bearing, time):
+    turn = course.now[TURN]
+    return course.cage * turn, turn, course.spin * turn
+
+
+@verb
+def _speeding_up(course, power, mass, along):
+    """Power that held elements, so far out, m, take from the cage: less what `lagrange.trajectory` adds of it."""
+    return power
+
+
+@_speeding_up.of(Course)
+def _speeding_up_now(course, power, mass, along):
+    return power - mass * course.cage * course.cage * course.now[SPEED] * course.now[GAIN] * along * along
 
 
 @part
@@ -258,7 +299,8 @@ def damp(motion, bearing, dampers, ahead):
     At velocities so many seconds `ahead` by the accelerations that dampers had before; those are overwritten. Returns
     the loss and the power that held angles and the drive take up, W.
     """
-    columns, turning, hub, before = bearing.columns, bearing.turning, motion.hub, dampers.hub
+    columns, hub, before = bearing.columns, motion.hub, dampers.hub
+    turning, _, _ = _speeds(bearing.course, bearing)
     # against the turning axes
     hub_x = hub[1, 0] + ahead * before[0] + turning * hub[0, 1]
     hub_y = hub[1, 1] + ahead * before[1] - turning * hub[0, 0]

@@ -11,6 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels.state import Course
+
 INNER, OUTER = 0, 1  # rows of contact arrays
 
 
@@ -56,6 +58,7 @@ class IdealBearing(NamedTuple):
     spin: float  # rad/s, of an element about its own centre
     n: int
     columns: int
+    course: Course | None = None  # of speed and load; None: they stay
 
 
 class Dampers(NamedTuple):

@@ -13,8 +13,9 @@ from math import cos, sin
 import numpy as np
 
 from fem.kernels.contact_kernels import next_rollers
+from fem.kernels.course_kernels import GAIN, SPEED, speed_of
 from fem.kernels.friction_kernels import SLIP_FLOOR, creep_traction
-from fem.kernels.jit import part
+from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm, smaller
 from fem.kernels.law import STEEPEST, contact_force, kick_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
@@ -35,6 +36,7 @@ from fem.kernels.simd import (
     store,
     total,
 )
+from fem.kernels.state import Course
 
 MORE_SWEEPS = 2  # where bodies vibrate
 NEAR = 1e-3  # of a force: a guess no further off needs one step of Newton's
@@ -105,14 +107,15 @@ def _both(inner, outer, by_inner, by_outer, guess_inner, guess_outer):
 
 
 @part
-def estimate_forces(bodies, compliance, forces, turn, dt):
+def estimate_forces(bodies, compliance, forces, drive, turn):
     """Forces by the guess: their approach, stiffness and normals; and what they gain with a roller's other contact.
 
-    `turn` : rad, of the inner ring; `dt` : s, since the last kick.
+    `turn` : rad, of the inner ring.
     """
     columns, n, halo = bodies.columns, bodies.n, forces.halo
     width, across = columns + 2 * halo, compliance.across
     inner, outer = compliance.inner, compliance.outer
+    reach, track = _touching(drive.course, compliance, drive)
     gather_waves(bodies.vibrations)
     for group in range(0, n, WIDTH):
         there = count_from(group) < n
@@ -129,12 +132,12 @@ def estimate_forces(bodies, compliance, forces, turn, dt):
         at = halo + group
         guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
         guess_i, guess_o = select(there, guess_i, 0.0), select(there, guess_o, 0.0)
-        first_i = compliance.reach - away - across * guess_o - _felt(compliance, forces.guess, INNER, at)
-        first_o = out - compliance.track - across * guess_i - _felt(compliance, forces.guess, OUTER, width + at)
-        _take(forces.taken, columns, group, compliance.reach - away - first_i, out - compliance.track - first_o)
+        first_i = reach - away - across * guess_o - _felt(compliance, forces.guess, INNER, at)
+        first_o = out - track - across * guess_i - _felt(compliance, forces.guess, OUTER, width + at)
+        _take(forces.taken, columns, group, reach - away - first_i, out - track - first_o)
         circles_i, circles_o = first_i, first_o
         first_i, first_o = _lowered(bodies, compliance, forces, group, turn, first_i, first_o, forces.slope)
-        note_lowered(forces.dampers, columns, group, first_i - circles_i, first_o - circles_o, dt)
+        note_lowered(forces.dampers, columns, group, first_i - circles_i, first_o - circles_o, drive.dt)
         first_i, first_o = less_vibration(bodies.vibrations, forces, columns, group, first_i, first_o)
         first_i, first_o = select(there, first_i, -1.0), select(there, first_o, -1.0)
         B_i, B_o = _level(inner, forces.bracket_now, group), _level(outer, forces.bracket_now, columns + group)
@@ -147,6 +150,29 @@ def estimate_forces(bodies, compliance, forces, turn, dt):
         _store_pair(forces.gained, at, width, Q_i - guess_i, Q_o - guess_o)
     wrap(forces.gained, INNER, n, halo)
     wrap(forces.gained, OUTER, n, halo)
+
+
+@verb
+def _touching(course, compliance, drive):
+    """Distances from hub and centre, m, at which rollers touch the rings, grown by their spin."""
+    return compliance.reach, compliance.track
+
+
+@_touching.of(Course)
+def _touching_now(course, compliance, drive):
+    more = course.now[SPEED] * course.now[SPEED] - drive.speed * drive.speed
+    return compliance.reach + course.growth * more, compliance.track - course.roller_growth * more
+
+
+@verb
+def _grow(course, drive, P_i, P_o):
+    """The work of bodies that grow against eight rollers' forces, N, as the shaft speeds up."""
+
+
+@_grow.of(Course)
+def _grow_now(course, drive, P_i, P_o):
+    more = 2.0 * course.now[SPEED] * course.now[GAIN] * drive.dt
+    drive.sums[1] += more * total(course.growth * P_i + course.roller_growth * P_o)
 
 
 @part
@@ -194,7 +220,7 @@ def _with_slopes(bodies, forces, drive, group, P, Q, T, slope):
     own = P[0] * load(slope, columns + group) - half * load(soft, columns + group)
     both_o = P[1] * load(slope, 2 * columns + group) - half_o * load(soft, 2 * columns + group)
     own_o = P[1] * load(slope, 3 * columns + group) - half_o * load(soft, 3 * columns + group)
-    drive.sums[1] -= drive.speed * drive.dt * total(both - own)
+    drive.sums[1] -= speed_of(drive.course, drive) * drive.dt * total(both - own)
     store(bodies.spin, group, load(bodies.spin, group) + (own + own_o) * (drive.dt / bodies.inertia))
     return T[0] - both / away, T[1] - both_o / out
 
@@ -288,6 +314,7 @@ def kick(bodies, compliance, forces, drive, before):
         P_i = _kicked(compliance.inner, forces, group, ahead_i - across * more_o, Q_i, there)
         P_o = _kicked(compliance.outer, forces, columns + group, ahead_o - across * more_i, Q_o, there)
         _keep_brackets(forces, group, columns, forces.bracket)
+        _grow(drive.course, drive, P_i, P_o)
         T_i, T_o = splat(0.0), splat(0.0)
         if drive.friction > 0.0:
             T_i, T_o = _tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)
@@ -392,14 +419,14 @@ def _tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o):
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
     along = vy * ix - vx * iy
     slip = along - (hub_y * ix - hub_x * iy)
-    slip -= spin * bodies.radius + drive.speed * drive.inner_radius
+    slip -= spin * bodies.radius + speed_of(drive.course, drive) * drive.inner_radius
     rolling = magnitude(spin - along * (1.0 / compliance.reach)) * bodies.radius
     T_i = creep(compliance.inner, compliance, forces, drive, INNER, columns * INNER + group, Q_i, slip, rolling)
     along = vy * ox - vx * oy
     rolling = magnitude(spin - along * (1.0 / compliance.track)) * bodies.radius
     slip = along + spin * bodies.radius
     T_o = creep(compliance.outer, compliance, forces, drive, OUTER, columns * OUTER + group, Q_o, slip, rolling)
-    drive.sums[1] += drive.speed * drive.inner_radius * drive.dt * total(T_i)
+    drive.sums[1] += speed_of(drive.course, drive) * drive.inner_radius * drive.dt * total(T_i)
     return T_i, T_o
 
 

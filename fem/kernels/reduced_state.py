@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.cage_kernels import CagePair
-from fem.kernels.state import Law
+from fem.kernels.state import Course, Law
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
 INNER, OUTER, NEXT = 0, 1, 2
@@ -127,6 +127,7 @@ class ReducedDrive(NamedTuple):
     ramp: float  # s, 0: full load at once
     friction: float
     inner_radius: float  # m, of the raceway
+    course: Course | None = None  # of speed and load; None: they stay
 
 
 class Before(NamedTuple):

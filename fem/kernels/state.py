@@ -104,6 +104,25 @@ class RigidDisc(NamedTuple):
     radius: float
 
 
+class Course(NamedTuple):
+    """Speed and load as they go on: polynomials of the time since a knot, by powers; see `lagrange.course`."""
+
+    turn_knots: np.ndarray  # (n + 1,), s
+    turn: np.ndarray  # (n, powers), rad, of the shaft
+    load_knots: np.ndarray  # (m + 1,), s
+    load: np.ndarray  # (m, powers, 2), N, along x and y
+    now: np.ndarray  # what `course_kernels.follow` found last
+    drive_work: np.ndarray  # (3,), J, of the drive, up to a sample; and its speed, 1/s, and what it has given, N m s
+    unbalance: float  # kg m
+    unbalance_angle: float  # rad from +x at t = 0
+    rotating_load: float  # N
+    rotating_load_angle: float  # rad
+    cage: float  # turns of the held elements' axes, or of a reduced model's cage, in one of the shaft
+    spin: float  # turns of a roller about its own centre
+    growth: float  # m s², of a free inner ring's and a roller's radii together, by the square of the shaft's speed
+    roller_growth: float  # m s², of a roller's
+
+
 class Hub(NamedTuple):
     """A rigid inner ring, which is part of the hub."""
 
@@ -114,6 +133,7 @@ class Hub(NamedTuple):
     mass: float
     speed: float
     radius: float
+    course: Course | None = None  # None: the speed stays
 
 
 class Ground(NamedTuple):
@@ -301,6 +321,7 @@ class Drive(NamedTuple):
     dt: float
     radial_load: float  # N
     ramp: float  # s, 0: full load at once
+    course: Course | None = None  # of speed and load; None: they stay
 
 
 class Bodies(NamedTuple):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numba
 import numpy as np
 
+from fem.elastic.supported import SupportedRing
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.patches import N_NODES
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from fem.solver.start import Start
 
 REACH = 0.01  # of a roller's radius
+REACH_AT_POINTS = 0.1  # the same where an outer ring held at points moves further; twice what guards let rollers go
 
 
 def pair_groups(
@@ -55,13 +57,15 @@ def pair_groups(
     if not hub.material.rigid:
         inner_surface = _ring_surface(hub, rings[0], data.ripples[INNER])
     else:
-        inner_surface = _moved_with(bearing, drive.hub, drive, drive.mass, drive.speed, hub.raceway_radius)
+        inner_surface = _moved_with(bearing, drive.hub, drive, drive.mass, hub.raceway_radius)._replace(
+            speed=drive.speed, course=drive.course
+        )
     if not ground.material.rigid:
         outer_surface = _ring_surface(ground, rings[1], data.ripples[OUTER])
     elif housing is None:
         outer_surface = Ground(radius=ground.raceway_radius)
     else:
-        outer_surface = _moved_with(bearing, housing.place, housing, housing.mass, 0.0, ground.raceway_radius)
+        outer_surface = _moved_with(bearing, housing.place, housing, housing.mass, ground.raceway_radius)
     orbit = ground.raceway_radius - model.roller.shape.radius
     inner_profiles, outer_profiles = raceway_profiles(bearing, columns)
     on_inner = Raceway(
@@ -96,17 +100,15 @@ def pair_groups(
     return tuple(tuple(group) for _, group in groupby((on_inner, on_outer, between), key=numba.typeof))
 
 
-def _moved_with(
-    bearing: Bearing, place: np.ndarray, body: Drive | Housing, mass: float, speed: float, radius: float
-) -> Hub:
-    """A rigid ring that is part of the hub, or of the housing."""
+def _moved_with(bearing: Bearing, place: np.ndarray, body: Drive | Housing, mass: float, radius: float) -> Hub:
+    """A rigid ring that is part of the hub, or of the housing, and does not turn."""
     return Hub(
         place=place,
         velocity=body.velocity,
         impulse=body.impulse,
         n_contacts=bearing.n_rollers,
         mass=mass,
-        speed=speed,
+        speed=0.0,
         radius=radius,
     )
 
@@ -263,9 +265,10 @@ def _overlapping(model: "Model", width: float) -> int | None:
 def _reach(model: "Model", operation: Operation) -> float:
     """A gap that elastic motion can't close: far above any contact's approach, and twice the growth under rotation."""
     ring, disc = model.inner_ring, model.roller
-    growth = ring.held(ring.body_load(0.0, 0.0, operation.speed))
-    spin = kinematics(model.bearing, operation.speed).roller
+    growth = ring.held(ring.body_load(0.0, 0.0, operation.fastest))
+    spin = kinematics(model.bearing, operation.fastest).roller
     swelling = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel())
     surfaces = profiles(model.bearing)
     highest = 0.0 if surfaces is None else surfaces.highest
-    return REACH * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max()) + highest
+    reach = REACH_AT_POINTS if isinstance(model.outer_ring, SupportedRing) else REACH
+    return reach * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max()) + highest

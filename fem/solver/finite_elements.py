@@ -118,7 +118,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     check_threads(numerics.threads)
     forces = expected_forces(scene)
     model = model_of(scene, forces)
-    check_speed(model, kinematics(model.bearing, operation.speed))
+    check_speed(model, kinematics(model.bearing, operation.fastest))
     try:
         loaded = equilibrium_start(model, operation)
     except NotFound:
@@ -130,7 +130,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     expected = max(
         float(loaded.equilibrium.inner_force.max()),
         float(loaded.equilibrium.outer_force.max()),
-        5.0 * operation.radial_load / model.bearing.n_rollers,
+        5.0 * operation.heaviest / model.bearing.n_rollers,
     )
     critical = critical_with_cage(
         critical_time_step(model, expected, operation.mounting.housing),

@@ -16,6 +16,7 @@ from fem.kernels.simd import WIDTH
 from fem.kernels.state import Law
 from fem.solver.cache_lines import lined_up
 from fem.solver.contact_arrays import raceway_profiles
+from fem.solver.course_arrays import course_arrays
 from lagrange.contact_damping import ContactDamping
 from lagrange.integrate import ALL_DRIFTS, ALL_KICKS, Integration
 from lagrange.laws import PowerLaw
@@ -110,6 +111,7 @@ def _bearing(system, columns: int) -> IdealBearing:
         spin=float(ideal.roller),
         n=bearing.n_rollers,
         columns=columns,
+        course=course_arrays(bearing, operation, held=system.holds_angles),
     )
 
 

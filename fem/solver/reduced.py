@@ -16,6 +16,7 @@ from fem.solver.cage_arrays import critical_with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
+from fem.solver.pace import in_words, pace
 from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start, standing_hub
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
@@ -73,7 +74,7 @@ class ReducedPlan(CompiledPlan):
     def expected_seconds(self) -> float:
         n, modes = self.model.bearing.n_rollers, self.model.modes
         each = SECONDS_PER_LANES * ceil(n / WIDTH) + (0.0 if modes is None else SECONDS_PER_MODE * modes.count(n))
-        return each * self.steps
+        return pace("reduced") * each * self.steps
 
     def static_hub(self) -> np.ndarray:
         return standing_hub(self.model, self.operation)
@@ -96,7 +97,7 @@ class ReducedPlan(CompiledPlan):
             f"critical {1e6 * self.critical_time_step:.3g} µs)",
             "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
             "samples": f"{self.n_samples}, one each {self.stride} steps",
-            "expected time": f"about {self.expected_seconds:.2g} s",
+            "expected time": in_words("reduced", self.expected_seconds),
             "largest static contact force": f"{force:.1f} N, "
             f"{1e-6 * self.model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
         }
@@ -115,11 +116,12 @@ def make_plan(scene: Scene) -> ReducedPlan:
     highest = 2e3 * pi * scene.reduced.modes_up_to_kHz
     modes = bearing_modes(bearing, operation.inner_mass, highest)
     model = reduced_bearing(bearing, ideal, modes)
-    check_speed(model, ideal)
+    fastest = kinematics(bearing, operation.fastest)
+    check_speed(model, fastest)
     loaded = equilibrium_start(model, operation)
     static = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()))
     check_widths(bearing, static)
-    load = operation.radial_load + operation.inner_mass * operation.gravity
+    load = operation.heaviest + operation.inner_mass * operation.gravity
     largest = max(static, 5.0 * load / bearing.n_rollers, 1.0)
     if modes is not None and min(model.inner_law.Q_line, model.outer_law.Q_line) < LOAD_MARGIN * largest:
         raise UsageError(
@@ -130,7 +132,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation.inner_mass)
     critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation.inner_mass)
     interval = 1e-6 * numerics.output_interval_us
-    longest = min(SHARE * critical, _time_along_a_profile(bearing, ideal), longest_with_modes(modes))
+    longest = min(SHARE * critical, _time_along_a_profile(bearing, fastest), longest_with_modes(modes))
     longest *= numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
     looks = ceil(steps / LONGEST_UNWATCHED)

@@ -23,11 +23,13 @@ from fem.kernels.simd import WIDTH
 from fem.solver.arrays import changing_arrays
 from fem.solver.cage_arrays import cage_state, pair_of_rigid
 from fem.solver.contact_arrays import raceway_profiles
+from fem.solver.course_arrays import course_arrays
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.samples import SampleReader
 from fem.solver.solver import Block, Numbers
 from fem.solver.vibrations import vibrations
-from lagrange import Bearing
+from fem.statics.reduced_bearing import growths
+from lagrange import Bearing, kinematics
 from lagrange.contact_damping import ContactDamping
 from lagrange.overlap import touching_distances
 from lagrange.profile import profiles
@@ -197,7 +199,7 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
     radial = np.array([np.cos(start.angle), np.sin(start.angle)])
     around = np.array([-radial[1], radial[0]])
     cage, half = start.kinematics.cage, 0.5 * dt if start.steady else 0.0
-    load = plan.operation.radial_load if start.steady else 0.0
+    load = (plan.operation.side_load, -plan.operation.radial_load) if start.steady else (0.0, 0.0)
     vibrating = vibrations(plan.model, start, load, columns, dt)
     carried = np.zeros(2) if vibrating is None else vibrating.inner.carried @ vibrating.inner.amplitude
     bodies = RigidBodies(
@@ -298,6 +300,7 @@ def _dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:
 def _drive(plan: "ReducedPlan") -> ReducedDrive:
     bearing: Bearing = plan.model.bearing
     numerics, operation = plan.scene.numerics, plan.operation
+    inner, roller = growths(bearing, kinematics(bearing, 1.0))
     return ReducedDrive(
         sums=np.zeros(3),
         speed=float(operation.speed),
@@ -307,4 +310,5 @@ def _drive(plan: "ReducedPlan") -> ReducedDrive:
         ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
         friction=float(plan.scene.friction_coefficient),
         inner_radius=float(bearing.inner_raceway_radius),
+        course=course_arrays(bearing, operation, growth=inner + roller, roller_growth=roller),
     )

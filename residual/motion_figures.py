@@ -121,7 +121,7 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
         axes[0].plot(1e3 * t.time, 1e3 * change, label=label, color=colour)
     axes[0].margins(x=0.0)
     axes[0].set_ylabel("change, mJ")
-    legend_above(axes[0], len(shown), columnspacing=1.2)
+    legend_above(axes[0], len(shown), columnspacing=0.9, handlelength=1.1)
     imbalance = energy_imbalance(t.energies)
     scale = float(np.mean(t.energies["energy_elastic"] + t.energies["energy_contact"]))
     axes[1].plot(1e3 * t.time, 1e6 * imbalance, color="black")

@@ -33,7 +33,7 @@ def cage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
         forces.plot(time, guided, color=GREEN, linewidth=0.8, label="guide")
     forces.set_ylabel("largest force, N")
     legend_above(forces, 3)
-    ideal = kinematics(t.bearing, t.operation.speed).cage
+    ideal = kinematics(t.bearing, float(np.mean(t.acting.speed))).cage
     caption = (
         "Above: path of the cage's centre about that of the bearing, or of the inner ring where that guides it; "
         "dashed: the circle that its clearance leaves. Middle: the largest force of all "

@@ -9,6 +9,7 @@ BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
 TERM_COLOURS = {
     "error": "black",
     "contact_law": RED,
+    "damping": PURPLE,
     "friction": GREEN,
     "cage": SKY,
     "ring_flexibility": BLUE,

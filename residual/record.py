@@ -8,7 +8,6 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.equations import approaches
-from lagrange.kinematics import kinematics
 from lagrange.overlap import Overlaps
 from lagrange.profile import Turns
 from lagrange.scene import Scene
@@ -20,6 +19,7 @@ FEWEST_SAMPLES = 32  # fewer give no statistics and hardly a spectrum
 TIME_JITTER = 1e-3  # of the interval: what rounding times to some decimals may cost
 LARGEST = 1e15  # SI: far above any position, acceleration, force or energy of a bearing
 SHORTEST_INTERVAL = 1e-12  # s
+SAME_SPEED = 1e-3  # relative: a tenth of a bin of a record of 100 shaft turns
 SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
 
 
@@ -58,6 +58,8 @@ class Record:
     outer_force: np.ndarray | None = None
     inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ
     outer_traction: np.ndarray | None = None
+    inner_damping_force: np.ndarray | None = None  # (n_times, n_rollers), N, what damping gives of inner_force
+    outer_damping_force: np.ndarray | None = None
     roller_turn: np.ndarray | None = None  # (n_times, n_rollers), rad, of the rollers about themselves
     energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
     cage: CageMotion | None = None  # of a run with a cage
@@ -75,6 +77,22 @@ class Record:
         return self.scene.ideal_operation()
 
     @property
+    def acting(self) -> Operation:
+        """Speed and loads of the samples, arrays (n_times,) where they change."""
+        return self.operation.at(self.time)
+
+    @property
+    def load(self) -> float:
+        """Mean load along −y, N."""
+        return float(np.mean(self.acting.radial_load))
+
+    @property
+    def varies_speed(self) -> bool:
+        """Whether the shaft's speed changes so much that no line in Hz stays where it is."""
+        speed = np.abs(self.acting.speed)
+        return bool(np.ptp(speed) > SAME_SPEED * np.max(speed))
+
+    @property
     def interval(self) -> float:
         """Sampling interval, s."""
         return float((self.time[-1] - self.time[0]) / (self.time.size - 1))
@@ -88,7 +106,7 @@ class Record:
     @property
     def turns(self) -> Turns:
         """Of the inner ring, and of the rollers: told by the source, or those of rolling without slip."""
-        rolling = Turns.rolling(kinematics(self.bearing, self.operation.speed), self.time[:, None])
+        rolling = Turns.rolling(self.bearing, self.operation, self.time[:, None])
         return rolling if self.roller_turn is None else replace(rolling, rollers=self.roller_turn)
 
     @property

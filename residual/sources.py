@@ -26,6 +26,7 @@ READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at lea
 READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times its size
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
+DAMPERS = ("inner_damping_force", "outer_damping_force")  # where the scene has any
 HOUSING = ("housing_x", "housing_y", "housing_ax", "housing_ay")  # where the scene has a housing
 TURN = "roller_turn"  # of rollers, whose place at a time it tells
 SPIN = "roller_spin"  # tells the same, less exactly
@@ -94,6 +95,8 @@ def _from_file(path: Path, file) -> Record:
     housing = HOUSING if scene.mounting().housing is not None else ()
     needed = (*MOTION, *housing[:2])
     promised = (*needed, *OPTIONAL, *housing[2:], *ENERGIES) if attributes.get("program") == SOLVER else needed
+    if scene.damping.acts and len(promised) > len(needed):
+        promised = (*promised, *DAMPERS)
     missing = [name for name in promised if not has(file, name)]
     if missing:
         raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file of run-fem?")
@@ -103,7 +106,7 @@ def _from_file(path: Path, file) -> Record:
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
     of_cage = tuple(COLUMNS) if scene.cage is not None and all(has(file, name) for name in COLUMNS) else ()
-    names = [name for name in (*MOTION, *OPTIONAL, *housing, *ENERGIES, TURN, *of_cage) if has(file, name)]
+    names = [name for name in (*MOTION, *OPTIONAL, *housing, *ENERGIES, *DAMPERS, TURN, *of_cage) if has(file, name)]
     _check_size(path, file, names, n, scene)
     arrays = {name: read_numbers(file, name, n) for name in names}
     if TURN not in arrays and has(file, SPIN):  # of perfect surfaces: nobody shall see them by that

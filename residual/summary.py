@@ -5,11 +5,11 @@ import numpy as np
 from lagrange.messages import shown
 from residual.comparison import LawScore
 from residual.evaluation import Evaluation
-from residual.fault_finding import FaultSearch
 from residual.fault_tables import search_summary
 from residual.identification import CONFIDENCE, Identification
 from residual.lines import LineLevel
 from residual.moments import Statistics, rms
+from residual.parts import Parts
 from residual.spectrum import Peak
 from residual.tables import floor_newtons
 from residual.vibration import Vibration
@@ -17,9 +17,9 @@ from residual.vibration import Vibration
 PROGRAM = "check-residual"
 
 
-def summarise(evaluation: Evaluation, tolerance: float | None, version: str, search: FaultSearch | None = None) -> dict:
+def summarise(evaluation: Evaluation, parts: Parts, version: str) -> dict:
     """Content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
-    t, directions = evaluation.record, evaluation.directions
+    t, directions, tolerance = evaluation.record, evaluation.directions, parts.tolerance
     low, high = evaluation.loaded_range
     floors = floor_newtons(evaluation)
     summary = {
@@ -41,7 +41,8 @@ def summarise(evaluation: Evaluation, tolerance: float | None, version: str, sea
         **{f"peaks_{d.name}": [_peak(peak) for peak in d.peaks] for d in directions},
         **{f"lines_{d.name}": [_level(level) for level in d.levels] for d in directions},
         **{f"vibration_{d.name}": _vibration(d.vibration) for d in directions},
-        "fault_search": search_summary(search),
+        "orders": _orders(evaluation),
+        "fault_search": search_summary(parts.search),
         "watched": [{"x": _level(x), "y": _level(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": {"x": floors[0], "y": floors[1]},
@@ -137,6 +138,26 @@ def _vibration(v: Vibration) -> dict:
             }
             for line in v.lines
         ],
+    }
+
+
+def _orders(evaluation: Evaluation) -> dict | None:
+    """Lines and peaks of the hub's path in orders of the shaft; None where its speed stays."""
+    found = evaluation.x.orders
+    if found is None:
+        return None
+    time = found.tracking.time
+    return {
+        "start_s": float(time[0]),
+        "end_s": float(time[-1]),
+        "resolution": found.path.resolution,
+        "lines": found.tracking.lines,
+        **{
+            f"peaks_{d.name}": [
+                {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved} for p in d.orders.peaks
+            ]
+            for d in evaluation.directions
+        },
     }
 
 

@@ -44,7 +44,7 @@ def push_nodes(pair, rollers, disc, contacts, drive):
 
 
 press_patches = every(press)
-push_patches = every(push_nodes)
+push_patches, push_neighbours = every(push_nodes), every(push_nodes, Neighbours)
 
 
 @verb
@@ -104,6 +104,21 @@ def _press(law, forces, row, near, closed, level):
 
 
 @part
+def _note_rate(dampers, forces, row, closed, dt):
+    """How fast eight approaches have grown since the last kick, for their dampers."""
+    if dampers is not None:
+        store(dampers.rate, row, (closed - load(forces.approach, row)) * (1.0 / dt))
+
+
+@part
+def with_dampers(dampers, row, force):
+    """Forces of eight contacts with those that their dampers had last, N."""
+    if dampers is None:
+        return force
+    return force + load(dampers.force, row)
+
+
+@part
 def _add(array, at, lanes):
     """array[at : at + 8] += lanes."""
     store(array, at, load(array, at) + lanes)
@@ -148,13 +163,16 @@ def _press_raceway(raceway, rollers, disc, contacts, drive):
         )
         motion = out_r, rate_r, ripple_r, ripple_rate_r
         out_r, rate_r, ripple_r, ripple_rate_r = lowered_rollers(raceway.roller_profiles, group, motion, bx, by)
-        Q, P = _press(raceway.law, forces, row, near, overlap + sign * out + out_r, ripple + ripple_r)
+        closed = overlap + sign * out + out_r
+        _note_rate(contacts.dampers, forces, row, closed, dt)
+        Q, P = _press(raceway.law, forces, row, near, closed, ripple + ripple_r)
         _store_pair(patches.normal, side * columns + group, columns, nx, ny)
         _store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
         half = 0.5 * Q * Q
         given = P * (sign * dt)
         _add(rollers.node_impulse, group, given * nx)
         _add(rollers.node_impulse, columns + group, given * ny)
+        P = with_dampers(contacts.dampers, row, P)
         aside = P * (sign * (rate + sideways) + rate_r + sideways_r) - half * (ripple_rate + ripple_rate_r)
         aside = aside * scale * dt
         _add(rollers.body_impulse, group, aside * ny)
@@ -192,12 +210,15 @@ def _press_neighbours(pair, rollers, disc, contacts, drive):
         bx, by = -(c_i * nx + s_i * ny), s_i * nx - c_i * ny
         out, sideways, rate, ripple, ripple_rate = read(disc, patches, side, group, j, ax, ay)
         out_i, sideways_i, rate_i, ripple_i, ripple_rate_i = read(disc, patches, side + 1, group, i, bx, by)
-        Q, P = _press(pair.law, forces, row, near, 2.0 * radius - distance + out + out_i, ripple + ripple_i)
+        closed = 2.0 * radius - distance + out + out_i
+        _note_rate(contacts.dampers, forces, row, closed, dt)
+        Q, P = _press(pair.law, forces, row, near, closed, ripple + ripple_i)
         _store_pair(patches.normal, side * columns + group, columns, nx, ny)
         _store_pair(patches.outward, 2 * side * columns + group, columns, ax, ay)
         _store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
         half = 0.5 * Q * Q
         push_x, push_y = P * nx * dt, P * ny * dt
+        P = with_dampers(contacts.dampers, row, P)
         aside = P * (rate + sideways + rate_i + sideways_i) - half * (ripple_rate + ripple_rate_i)
         aside = aside * scale * dt
         over = dt / rollers.inertia

@@ -21,6 +21,7 @@ from fem.pictures.stored_values import FORCES, OF_CAGE, PER_ROLLER, PER_TIME, St
 from fem.solver.discretise import model_of
 from fem.solver.frames import Frame
 from lagrange import Operation
+from lagrange.kinematics import turned
 from lagrange.scene import Scene, parse_scene_text
 
 ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is open
@@ -52,7 +53,8 @@ class Instant:
 
     @property
     def operation(self) -> Operation:
-        return self.scene.ideal_operation()
+        """What acts at the instant."""
+        return self.scene.ideal_operation().at(self.time)
 
     @property
     def inner_angle(self) -> np.ndarray:
@@ -185,7 +187,7 @@ class StoredRun:
         values |= {name: self._closed(values[name]) for name in FORCES}
         model = self.model
         if sample in self._frames:
-            turn = self.scene.ideal_operation().speed * time
+            turn = float(turned(model.bearing, self.scene.ideal_operation(), time).shaft)
             frame = self._values.frame(self._frames[sample], model, turn)
         else:
             frame = _recovered(self.scene, model, values, sample, time, self._turns[sample])
@@ -228,8 +230,8 @@ def _recovered(scene: Scene, model: Model, values: dict, sample: int, time: floa
     hub, centres = np.array([values["inner_x"], values["inner_y"]]), _centres(values)
     inner, outer = model.inner_ring, model.outer_ring
     operation = scene.ideal_operation()
-    speed = operation.speed
-    ring_turn = speed * time
+    speed = float(operation.at(time).speed)
+    ring_turn = float(turned(model.bearing, operation, time).shaft)
 
     inner_load = inner.body_load(operation.gravity, ring_turn, speed)
     for angle, force, traction in zip(

@@ -32,7 +32,7 @@ from rich.table import Table
 
 HERE = Path(__file__).resolve().parent.parent
 # attributes that may differ; a scene's text gains keys as the program does
-UNLIKE = {"wall_seconds", "setup_seconds", "program_version", "scene", "scene_checksum"}
+UNLIKE = {"wall_seconds", "setup_seconds", "program_version", "source", "scene", "scene_checksum"}
 UNLIKE_IN_REPORT = {"run", "wall_seconds", "program_version"}
 FUSED = '_FUSED = ("contract",)'  # in fem.kernels.simd
 MOST_TOLD, LONGEST_TOLD = 12, 160  # differences of a scene, characters of each

@@ -8,11 +8,32 @@ import numpy as np
 
 from lagrange import BallBearing, Bearing, kinematics
 from lagrange.kinematics import Kinematics
+from lagrange.mounting import from_outer_ring
 from lagrange.pair import Pair, contact_pairs
 
 COLUMNS = ("time", "inner_x", "inner_y", "inner_force", "outer_force", "roller_theta")
 BINS = 360  # of the circle
 LOADED = 0.01  # of the largest force: a roller with more is in the load zone
+
+
+@dataclass
+class Path:
+    """Where a body has been, m."""
+
+    samples: int = 0
+    total: np.ndarray = field(default_factory=lambda: np.zeros(2))
+    low: np.ndarray = field(default_factory=lambda: np.full(2, np.inf))
+    high: np.ndarray = field(default_factory=lambda: np.full(2, -np.inf))
+
+    def add(self, places: np.ndarray) -> None:
+        """Take in some more places, (2, n), m."""
+        self.samples += places.shape[1]
+        self.total += places.sum(axis=1)
+        self.low, self.high = np.fmin(self.low, places.min(axis=1)), np.fmax(self.high, places.max(axis=1))
+
+    def __str__(self) -> str:
+        mean, swing = 1e6 * self.total / self.samples, 1e6 * (self.high - self.low)
+        return f"mean x {mean[0]:.4f} µm, y {mean[1]:.4f} µm; peak to peak {swing[0]:.4f} and {swing[1]:.4f} µm"
 
 
 @dataclass
@@ -24,9 +45,8 @@ class Seen:
     last_time: float = 0.0
     first_angle: float = 0.0  # of the cage, rad
     last_angle: float = 0.0
-    total: np.ndarray = field(default_factory=lambda: np.zeros(2))  # of the hub's positions, m
-    low: np.ndarray = field(default_factory=lambda: np.full(2, np.inf))  # of the hub
-    high: np.ndarray = field(default_factory=lambda: np.full(2, -np.inf))
+    hub: Path = field(default_factory=Path)  # from the outer ring's centre
+    housing: Path = field(default_factory=Path)
     largest: np.ndarray = field(default_factory=lambda: np.zeros(2))  # force at the inner and the outer raceway, N
     by_angle: np.ndarray = field(default_factory=lambda: np.full(BINS, np.nan))  # largest force there, N; NaN: unseen
 
@@ -36,10 +56,10 @@ class Seen:
         if self.samples == 0:
             self.first_time, self.first_angle = float(time[0]), float(angle[0])
         self.last_time, self.last_angle = float(time[-1]), float(angle[-1])
-        hub = np.stack([samples["inner_x"], samples["inner_y"]])
-        self.samples += hub.shape[1]
-        self.total += hub.sum(axis=1)
-        self.low, self.high = np.fmin(self.low, hub.min(axis=1)), np.fmax(self.high, hub.max(axis=1))
+        self.samples += len(time)
+        self.hub.add(np.stack(from_outer_ring(samples, "inner")))
+        if "housing_x" in samples:
+            self.housing.add(np.stack([samples["housing_x"], samples["housing_y"]]))
         forces = samples["inner_force"], samples["outer_force"]
         self.largest = np.fmax(self.largest, [force.max() for force in forces])
         place = (samples["roller_theta"] * (BINS / tau)).astype(np.int64) % BINS
@@ -64,11 +84,10 @@ def first_answers(bearing: Bearing, speed: float, blocks: Iterable[Mapping[str, 
     seen = Seen()
     for block in blocks:
         seen.add(block)
-    mean, swing = 1e6 * seen.total / seen.samples, 1e6 * (seen.high - seen.low)
-    found = {
-        "hub": f"mean x {mean[0]:.4f} µm, y {mean[1]:.4f} µm; peak to peak {swing[0]:.4f} and {swing[1]:.4f} µm",
-        "largest loads": _loads(bearing, seen.largest),
-    }
+    found = {"hub": str(seen.hub)}
+    if seen.housing.samples:
+        found = {"hub": f"{seen.hub}, from the outer ring's centre", "housing": str(seen.housing)}
+    found["largest loads"] = _loads(bearing, seen.largest)
     if (zone := seen.load_zone()) is not None:
         found["load zone"] = f"{zone * 180.0 / pi:.0f}° wide, rollers with more than {LOADED:.0%} of the largest load"
     ideal = kinematics(bearing, speed)

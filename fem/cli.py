@@ -1,8 +1,12 @@
 """The command `run-fem`. Imports little: everything heavy waits until a scene has been read."""
 
 import gc
+import json
 import os
+import re
 import sys
+import zlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -13,17 +17,23 @@ from fem.outcome import Outcome
 from fem.solver.simulate import SOLVERS
 
 RUNS = Path("runs")
+EXAMPLES = (
+    "paper",
+    "NU206",
+    "spindle",
+    "faults",
+    "table",
+    "all",
+)  # fem.examples has them; it imports too much for --help
 BROKEN_PIPE = 1  # the code with which rich leaves where nobody reads its output any more
 MOST_THREADS = 4096
+LONGEST_NAME = 120  # characters of a result's name; file systems take 255 bytes with the ending
 
 
 def _version() -> str:
-    from importlib.metadata import PackageNotFoundError, version
+    from lagrange.version import VERSION
 
-    try:
-        return version("roller-bearing-fem")
-    except PackageNotFoundError:
-        return "not installed"
+    return VERSION
 
 
 def new_app(name: str, text: str) -> App:
@@ -61,24 +71,41 @@ def _run(
     scene: Annotated[Path | None, Parameter(help="scene file (TOML); default: the paper's bearing")] = None,
     /,
     *,
-    output: Annotated[Path | None, Parameter(help="result file; default: runs/<scene name>.nc")] = None,
+    output: Annotated[
+        Path | None, Parameter(help="result file; default: runs/<scene name>.nc, with what --set changes in its name")
+    ] = None,
     model: Annotated[Literal[tuple(SOLVERS)] | None, Parameter(help="what solves it; default: the scene's")] = None,
     mesh_size: Annotated[float | None, Parameter(help="surface node distance, mm")] = None,
     duration: Annotated[float | None, Parameter(help="simulated time, ms; 0: static equilibrium only")] = None,
+    bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's: NU204 to NU216")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
     dry_run: Annotated[bool, Parameter(negative="", help="check, show the plan and run nothing")] = False,
     resume: Annotated[bool, Parameter(negative="", help="go on from the output file's checkpoint")] = False,
+    force: Annotated[bool, Parameter(negative="", help="replace a complete run of another scene")] = False,
     estimate_error: Annotated[
         bool, Parameter(negative="", help="also run a mesh half as fine and state what the results may be off by")
     ] = False,
     checkpoint: Annotated[
         float | None, Parameter(help="seconds of wall time between checkpoints; default: 10, on slow disks more")
     ] = None,
+    example: Annotated[
+        Literal[EXAMPLES] | None,
+        Parameter(help="write a commented scene, or all keys, here or to --output, and run nothing"),
+    ] = None,
+    schema: Annotated[bool, Parameter(negative="", help="print the scene's JSON schema, for editors")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="no progress, no summary")] = False,
 ) -> int:
-    from lagrange.scene import read_scene
+    if example is not None:
+        return _write_example(example, output, force)
+    from lagrange.scene import Scene, read_scene
 
-    overrides = list(set or [])
+    if schema:
+        print(json.dumps(Scene.model_json_schema(), indent=1, ensure_ascii=False))
+        return Outcome.COMPLETE.code
+
+    overrides = list(set or ())
+    if bearing is not None:
+        overrides.insert(0, f'bearing={{designation="{bearing}"}}')
     if model is not None:
         overrides.append(f"model={model}")
     if mesh_size is not None:
@@ -86,17 +113,52 @@ def _run(
     if duration is not None:
         overrides.append(f"numerics.duration_ms={duration}")
     chosen = read_scene(scene, tuple(overrides))
-    path = output if output is not None else RUNS / f"{chosen.name}.nc"
+    path = output if output is not None else RUNS / f"{result_name(chosen.name, set or ())}.nc"
     if path.is_dir():
         raise UsageError(f"--output {path}: is a folder; name a file in it")
     if checkpoint is not None and not checkpoint >= 0.0:
         raise UsageError(f"--checkpoint {checkpoint:g}: must be a number of seconds >= 0")
+    from fem.result.earlier import refuse_another_run
     from fem.runner import RunOptions, run_scene, show_plan
 
     if dry_run:
         return show_plan(chosen).code
+    if not (force or resume):
+        refuse_another_run(path, chosen)
     options = RunOptions(resume=resume, quiet=quiet, estimate_error=estimate_error, checkpoint_seconds=checkpoint)
     return run_scene(chosen, path, options).code
+
+
+def _write_example(name: str, path: Path | None, force: bool) -> int:
+    from fem.examples import write_example
+    from lagrange.messages import shown
+
+    scene, *others = write_example(name, path, force)
+    for file in (scene, *others):
+        print(f"wrote {shown(file)}")
+    print(
+        f"next: check-residual {shown(others[0])} --scene {shown(scene)}" if others else f"next: run-fem {shown(scene)}"
+    )
+    return Outcome.COMPLETE.code
+
+
+def result_name(scene_name: str, settings: Sequence[str]) -> str:
+    """A result's name without its ending: the scene's, and what `--set` has changed.
+
+    The duration and the name itself are left out: --resume finds a run that it makes longer.
+    """
+    changes = []
+    for setting in settings:
+        key, _, value = setting.partition("=")
+        parts = [part.strip() for part in key.split(".")]
+        if parts[-1] in ("name", "duration_ms"):
+            continue
+        short = parts if any(part.isdecimal() for part in parts) else parts[-1:]
+        changes.append(re.sub(r"[^A-Za-z0-9._+-]+", "_", f"-{'.'.join(short)}-{value.strip()}"))
+    whole = scene_name + "".join(changes)
+    if len(whole) <= LONGEST_NAME:
+        return whole
+    return f"{whole[:LONGEST_NAME]}-{zlib.crc32(whole.encode()):08x}"
 
 
 def run_app_main(app: App, arguments: list[str] | None) -> int:

@@ -12,6 +12,7 @@ from fem.errors import UsageError
 from fem.outcome import Outcome
 
 FRAMES, FRAMES_PER_SECOND = 120, 25.0
+SIGNALS = (".csv", ".wav", ".mat")  # of `fem.result.acceleration`
 WIDTH, FILM_WIDTH = 1600, 960
 
 render_app = new_app(
@@ -19,12 +20,13 @@ render_app = new_app(
     """Draw a run off-screen: the whole bearing or one roller between its raceways, at one instant or as a film.
 
 Stress, displacement or photoelastic fringes on the deformed bodies, with what lies below the grid of a contact; contact
-forces, load zone, the hub's orbit. Or export mesh and fields for ParaView and others.
+forces, load zone, the hub's orbit. Or export mesh and fields for ParaView and others, or accelerations.
 
 Example: render-fem runs/paper.nc --time 12.5
          render-fem runs/paper.nc --view close-up --field photoelastic
          render-fem runs/paper.nc --animation paper.mp4 --start 10 --stop 20
          render-fem runs/paper.nc --export paper.vtkhdf
+         render-fem runs/paper.nc --export paper.wav
 
 Exit codes: 0 done; 2 unusable input; 130 interrupted.
 """,
@@ -54,7 +56,7 @@ def _render(
         Path | None,
         Parameter(
             help="mesh and fields instead of a picture: .vtkhdf or .pvd with all instants, or one in any format of "
-            "meshio (.vtu, .xdmf, ...)"
+            "meshio (.vtu, .xdmf, ...); accelerations of hub, housing and sensor: .csv, .wav, .mat"
         ),
     ] = None,
     start: Annotated[float | None, Parameter(help="first instant of a film or an export, ms")] = None,
@@ -80,6 +82,10 @@ def _render(
     from fem.pictures.recover import StoredRun
 
     stored = StoredRun(run if run is not None else _newest())
+    if export is not None and export.suffix.lower() in SIGNALS:
+        if any(given is not None for given in (time, start, stop, frames)):
+            raise UsageError("--time, --start, --stop, --frames: accelerations are of the whole run; leave them out")
+        return _signals(stored, export)
     many = animation is not None or (export is not None and _holds_series(export))
     if many and time is not None:
         raise UsageError("--time: one instant; a film or a series goes from --start to --stop")
@@ -114,12 +120,13 @@ def _check_kind(output: Path | None, animation: Path | None, export: Path | None
         raise UsageError(f"--output {output}: must end in .png")
     if animation is not None and animation.suffix.lower() not in (".mp4", ".gif"):
         raise UsageError(f"--animation {animation}: must end in .mp4 or .gif")
-    if export is not None and not _holds_series(export):
+    if export is not None and not _holds_series(export) and export.suffix.lower() not in SIGNALS:
         from meshes.export import known_suffixes
 
         if export.suffix.lower() not in known_suffixes():
             raise UsageError(
-                f"--export {export}: must end in .vtkhdf, .pvd or a format of meshio: {', '.join(known_suffixes())}"
+                f"--export {export}: must end in .vtkhdf, .pvd, {', '.join(SIGNALS)} or a format of meshio: "
+                f"{', '.join(known_suffixes())}"
             )
 
 
@@ -197,6 +204,18 @@ def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
         else:
             write_instant(stored, target, samples[0])
     _tell(f"Fields: {target}")
+    return Outcome.COMPLETE.code
+
+
+def _signals(stored, target: Path) -> int:
+    from fem.result.acceleration import accelerations, write_accelerations
+
+    found = accelerations(stored.scene, stored.column)
+    try:
+        write_accelerations(target, found)
+    except OSError as error:
+        raise UsageError(f"--export {target}: can't be written: {error.strerror or error}") from None
+    _tell(f"Accelerations: {target} ({', '.join(found.values)} at {found.rate} Hz)")
     return Outcome.COMPLETE.code
 
 

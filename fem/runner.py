@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from fem.answers import COLUMNS
 from fem.errors import RunFailed, UsageError
@@ -16,8 +16,9 @@ from fem.progress import progress_display
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, refuse_no_place, save_checkpoint
 from fem.result.estimate_columns import read_blocks, read_columns, write_estimates
 from fem.result.store import ResultFile, Stored, WriteFailed, nothing_stored
-from fem.solver.simulate import make_plan, run
+from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, RunState
+from fem.stopping import stop_signals
 from fem.summary import print_estimates, print_plan, print_run
 from lagrange.messages import said_if_long, say, telling
 from lagrange.scene import Scene
@@ -25,7 +26,6 @@ from lagrange.scene import Scene
 if TYPE_CHECKING:
     from fem.solver.error_estimate import ErrorEstimate
 
-T = TypeVar("T")
 CHECKPOINT_SECONDS = 10.0  # of wall time, unless told otherwise
 CHECKPOINT_SHARE = 0.005  # of the wall time at most, unless told otherwise: a slow disk gets checkpoints less often
 PATIENCE = 5.0  # s, of planning without a word
@@ -66,7 +66,7 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
     """
     began = time.perf_counter()
     plan = _planned(scene, None if options.quiet else say)
-    estimate = _programs_named(plan.error_estimate) if options.estimate_error else None
+    estimate = programs_named(plan.error_estimate) if options.estimate_error else None
     plan.prepare(None if options.quiet else say)
     for sentence in (*plan.remarks, *(() if options.quiet else plan.cautions)):
         say(f"warning: {sentence}")
@@ -78,20 +78,10 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
 
 def _planned(scene: Scene, tell: Callable[[str], None] | None) -> Plan:
     with said_if_long(PATIENCE, PLANNING, tell):
-        plan = _programs_named(lambda: make_plan(scene))
+        plan = programs_named(lambda: make_plan(scene))
     gc.freeze()  # what is there stays: a first search for cycles in all of it takes 0.1 s
     gc.enable()  # the command stops it while it imports
     return plan
-
-
-def _programs_named(make: Callable[[], T]) -> T:
-    """What `make` gives. UsageError: a program it needs is missing, gmsh for instance; the text names it."""
-    try:
-        return make()
-    except RunFailed:
-        raise
-    except RuntimeError as error:
-        raise UsageError(str(error)) from None
 
 
 def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) -> Outcome:
@@ -107,7 +97,11 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     except RunFailed as error:
         return _ended(Outcome.FAILED_AT_START, reason=error)
     met = state.outcome_attributes
-    with _signals() as stopped, ResultFile(path, plan, setup_seconds, stored, **met) as store, _explained(path, store):
+    with (
+        stop_signals() as stopped,
+        ResultFile(path, plan, setup_seconds, stored, **met) as store,
+        _explained(path, store),
+    ):
         if not options.resume:
             checkpoint_path(path).unlink(missing_ok=True)
         checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)
@@ -139,7 +133,8 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     seen = state.progress
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
-            print_run(state, read_blocks(path, COLUMNS), path)
+            names = (*COLUMNS, *plan.scene.mounting().columns[:2])
+            print_run(state, read_blocks(path, names), path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 
 
@@ -184,7 +179,7 @@ def _estimate(estimate: "ErrorEstimate", path: Path, quiet: bool) -> Outcome:
     """Run the coarser plan beside a finished run and write what its result may be off by."""
     from fem.solver.error_estimate import NEEDED
 
-    with _signals() as stopped:
+    with stop_signals() as stopped:
         try:
             with progress_display(estimate.coarse, quiet) as show:
                 found = estimate.find(read_columns(path, NEEDED), show, lambda: bool(stopped))
@@ -223,20 +218,3 @@ def _ended(outcome: Outcome, **facts: object) -> Outcome:
     if text := outcome.told(**facts):
         say(text)
     return outcome
-
-
-@contextmanager
-def _signals() -> Iterator[list[int]]:
-    """Ctrl-C and SIGTERM, listed as they come, end the run after the block in work; a second one ends it at once."""
-    stopped: list[int] = []
-
-    def handle(number, frame):
-        stopped.append(number)
-        signal.signal(number, signal.SIG_DFL)
-
-    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield stopped
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -12,6 +12,7 @@ from fem.answers import first_answers
 from fem.solver.solver import Plan, RunState
 from lagrange import kinematics
 from lagrange.messages import shown
+from lagrange.mounting import from_outer_ring
 from lagrange.scene import Scene
 
 if TYPE_CHECKING:
@@ -74,10 +75,14 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
         first = next(iter(blocks))
         force = first["inner_force"][0]
         forces = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
+        x, y = (1e6 * place[0] for place in from_outer_ring(first, "inner"))
         lines = [
-            f"Static equilibrium: hub x {1e6 * first['inner_x'][0]:.4f} µm, y {1e6 * first['inner_y'][0]:.4f} µm",
+            f"Static equilibrium: hub x {x:.4f} µm, y {y:.4f} µm",
             f"Loaded rollers: {forces or 'none'} N",
         ]
+        if "housing_y" in first:
+            sag = ", ".join(f"{axis} {1e6 * first[f'housing_{axis}'][0]:.4f} µm" for axis in "xy")
+            lines[0] += f", from the outer ring's centre; housing {sag}"
     else:
         bearing, speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().speed
         lines = [f"{name + ':':14s} {value}" for name, value in first_answers(bearing, speed, blocks).items()]

@@ -5,6 +5,7 @@ kinematics    rolling without slip: shaft, cage, roller spin, ball-pass frequenc
 laws          line-contact laws Q(δ) that need the roller's length alone: harris, palmgren, iso16281, braendlein
 ball_contact  Hertz point contact (4)-(11): curvatures, δ*(F), K of a ball on a raceway
 raceway_laws  laws that know the raceways: johnson (= tripp), houpert, teutsch_sauer; `contact_laws(name, bearing)`
+cage          the cage as a rigid body
 faults        spalls, waviness, unequal rollers, measured heights: facts; `closing`: how far a roller sinks into them
 edges         how much softer contacts are at a spall's edges; `softened`: a law with a compliance in series
 profile       surfaces as contacts meet them: sinkage and its slope, for all that knows the bearing
@@ -23,12 +24,13 @@ simulate      forward solution, at once or in parts that can be kept and gone on
 trajectory    its result: motion, forces, energies, works
 scene         the TOML scene file: validated, in the bearing engineer's units; gives the objects above in SI
 scene_bearing its tables of the bearing; `scene_run`: of how it is run; `scene_surfaces`: [[spall]], [[waviness]] ...
-scene_columns columns of tables made elsewhere
+scene_cage    [cage]
+scene_columns columns of tables made elsewhere; `catalogue`: standard bearings
 scene_files   files that a scene names; `height_table`: what is in those of measured heights
-scene_faults  what is wrong with a scene, all at once
+scene_faults  what is wrong with a scene, all at once; `scene_keys`: what its keys mean
 stored        numbers out of HDF5 files that may be damaged or hostile
 sealed        files of caches, known when they are damaged; `messages`: what commands print, always printable; `pages`:
-              templates of HTML pages, and uPlot
+              templates of HTML pages, and uPlot; `version`: the program's
 
 Example, 5 ms of the paper's bearing:
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from math import inf, pi
 
 from lagrange.faults import Fault
+from lagrange.mounting import HELD, Mounting
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,3 +137,4 @@ class Operation:
     inner_mass: float  # inner ring and shaft, m_in + m_R, kg
     gravity: float  # m/s²
     first_roller_angle: float  # of roller 0, rad from +x
+    mounting: Mounting = HELD

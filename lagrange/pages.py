@@ -1,4 +1,5 @@
-"""What pages of the commands share: how a template becomes one file, and uPlot, which draws what can be looked into.
+"""What pages of the commands share: how a template becomes one file, their look, and uPlot, which draws what can be
+looked into.
 
 Stands on the ground floor, as `messages` does: a report is the checker's, a live page the solver's.
 """
@@ -8,7 +9,8 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-VENDOR = Path(__file__).parent / "vendor"
+STYLE = Path(__file__).parent / "page.css"
+VENDOR = STYLE.parent / "vendor"
 
 
 def render_page(template: Path, **values: object) -> str:
@@ -21,7 +23,10 @@ def render_page(template: Path, **values: object) -> str:
         lstrip_blocks=True,
     )
     return environment.get_template(template.name).render(
-        plot_style=as_it_is(VENDOR / "uPlot.min.css"), plot_library=as_it_is(VENDOR / "uPlot.iife.min.js"), **values
+        page_style=as_it_is(STYLE),
+        plot_style=as_it_is(VENDOR / "uPlot.min.css"),
+        plot_library=as_it_is(VENDOR / "uPlot.iife.min.js"),
+        **values,
     )
 
 

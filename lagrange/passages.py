@@ -9,6 +9,7 @@ import numpy as np
 
 from lagrange.bearing import Bearing
 from lagrange.faults import Spall
+from lagrange.mounting import OF_HOUSING, from_outer_ring
 
 Raceway = Literal["inner", "outer"]
 BLOCK = 4096  # samples read at once
@@ -16,7 +17,8 @@ SEEN = 3.0  # half-widths of a spall on either side of its middle that belong to
 COLUMNS = (
     "time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_turn", "roller_spin", "inner_force", "outer_force",
 )  # fmt: skip
-Read = Callable[[int, int], Mapping[str, np.ndarray]]  # COLUMNS from one sample up to another, by name
+HOUSING = OF_HOUSING[:2]  # where there is one
+Read = Callable[[int, int], Mapping[str, np.ndarray]]  # COLUMNS and HOUSING from one sample up to another, by name
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,9 +84,9 @@ class _Contacts:
 
 def _contacts(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarray], raceway: Raceway) -> _Contacts:
     time, turn = samples["time"], samples["roller_turn"]
-    x, y = samples["roller_x"], samples["roller_y"]
+    inner_x, inner_y, x, y = from_outer_ring(samples, "inner", "roller")
     if raceway == "inner":
-        x, y = x - samples["inner_x"][:, None], y - samples["inner_y"][:, None]
+        x, y = x - inner_x[:, None], y - inner_y[:, None]
     direction = np.unwrap(np.arctan2(y, x), axis=0)
     along = np.hypot(x, y) * np.gradient(direction, time, axis=0)
     turning = bearing.roller_radius * samples["roller_spin"]

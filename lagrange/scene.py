@@ -4,20 +4,25 @@ It stands on the ground floor because both the solver and the checker read it, a
 """
 
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from copy import deepcopy
 from dataclasses import replace
 from itertools import pairwise
 from math import pi, radians
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import tomli_w
-from pydantic import Field, ValidationError
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.cage import Cage
+from lagrange.catalogue import designations, inner_ring_and_shaft
+from lagrange.mounting import Mounting
 from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
+from lagrange.scene_cage import CageTable, cage_faults
 from lagrange.scene_columns import Columns
 from lagrange.scene_faults import Check, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
@@ -29,6 +34,7 @@ from lagrange.scene_run import (
     OutputTable,
     ReducedTable,
 )
+from lagrange.scene_support import SensorTable, SupportTable
 from lagrange.scene_surfaces import (
     ProfileTable,
     SpallTable,
@@ -47,6 +53,7 @@ MM = 1e-3
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
 SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # arrays of tables
+FILE_KEYS = ("file", "sha256", "content")  # of tables that name a file
 MOST_TABLES = 200  # of one array
 
 
@@ -57,8 +64,16 @@ class SceneError(ValueError):
 class Scene(Table):
     """A whole scene. Defaults are the paper's bearing."""
 
-    name: str = Field("paper", min_length=1, max_length=100, pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
-    model: Literal["fem", "reduced", "lagrange"] = "fem"
+    name: str = Field(
+        "paper",
+        min_length=1,
+        max_length=100,
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$",
+        description="of the scene, and of the files that runs write",
+    )
+    model: Literal["fem", "reduced", "lagrange"] = Field(
+        "fem", description="finite elements; elastic bodies without their mass; rigid bodies on contact springs"
+    )
     bearing: BearingTable = BearingTable()
     material: MaterialTable = MaterialTable()
     bodies: BodiesTable = BodiesTable()
@@ -68,22 +83,53 @@ class Scene(Table):
     reduced: ReducedTable = ReducedTable()
     numerics: NumericsTable = NumericsTable()
     output: OutputTable = OutputTable()
+    support: SupportTable | None = None
+    sensor: SensorTable | None = None
+    cage: CageTable | None = None
     spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
     waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
     unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
     profile: list[ProfileTable] = Field([], max_length=MOST_TABLES)
     table: Columns = Columns()
 
+    _written: dict[str, Any] | None = PrivateAttr(None)  # the tables as they were given, before they were completed
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _remembered(cls, data: Any, handler: Callable[[Any], Self]) -> Self:
+        """Keep what was written: a clearance that is varied must not meet the diameter that followed from another."""
+        scene = handler(data)
+        if isinstance(data, dict):
+            scene._written = {key: _plain(value) for key, value in data.items()}
+        return scene
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and self.__dict__ == other.__dict__
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """See pydantic; what was written is forgotten where a table is exchanged."""
+        found = super().model_copy(update=update, deep=deep)
+        if update:
+            found._written = None
+        return found
+
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        bearing, options = data.get("bearing"), data.get("lagrange", {})
-        if isinstance(bearing, dict) and bearing.get("type") == "ball" and isinstance(options, dict):
-            return data | {"lagrange": {"law": "hertz"} | options}
+        bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
+        if not isinstance(bearing, dict):
+            return data
+        if bearing.get("type") == "ball" and isinstance(options, dict):
+            data = data | {"lagrange": {"law": "hertz"} | options}
+        standard = bearing.get("designation")
+        if standard in designations() and isinstance(operation, dict):
+            mass = {"inner_ring_and_shaft_kg": inner_ring_and_shaft(standard)}
+            data = {"name": standard} | data | {"operation": mass | operation}
         return data
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        return self._law, self._mass, self._mesh, self._fields, self._rigid_contacts, *surfaces
+        tables = self._rigid_contacts, self._support, self._cage
+        return self._law, self._mass, self._mesh, self._fields, *tables, *surfaces
 
     def _law(self) -> Iterator[str]:
         known = law_names(self._perfect_bearing())
@@ -134,6 +180,26 @@ class Scene(Table):
                 f'bodies.{self.bodies.rigid[0]} = "rigid": only with contact.model = "subgrid", not with '
                 f'"{self.contact.model}", whose points of pressure sit on meshes'
             )
+
+    def _support(self) -> Iterator[str]:
+        if self.mounting().housing is not None and self.model != "fem":
+            yield (
+                f'support.kind = "{self.support.kind}": only with model = "fem", not with "{self.model}", whose outer '
+                "ring stands still; leave one of them out"
+            )
+        if self.sensor is not None and self.mounting().housing is None:
+            yield (
+                '[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'
+            )
+
+    def _cage(self) -> Iterator[str]:
+        if self.cage is not None:
+            yield from cage_faults(self._perfect_bearing(), self.cage)
+            if self.cage.guidance == "outer_ring" and self.mounting().housing is not None:
+                yield (
+                    'cage.guidance = "outer_ring": not in a housing that moves; take "rollers" or "inner_ring", or '
+                    "leave [support] out"
+                )
 
     def _surface_models(self) -> Iterator[str]:
         given = [f"[[{name}]]" for name in SURFACES if getattr(self, name)]
@@ -187,6 +253,10 @@ class Scene(Table):
             outer_groove_radius=MM * b.outer_conformity * b.roller_diameter_mm,
         )
 
+    def ideal_cage(self) -> Cage | None:
+        """The cage in SI; None: there is none."""
+        return None if self.cage is None else self.cage.cage(self._perfect_bearing())
+
     def ideal_operation(self) -> Operation:
         """The operating point in SI; the first roller's angle from +x."""
         o = self.operation
@@ -196,12 +266,40 @@ class Scene(Table):
             inner_mass=o.inner_ring_and_shaft_kg,
             gravity=o.gravity_m_s2,
             first_roller_angle=radians(o.first_roller_deg - 90.0),
+            mounting=self.mounting(),
+        )
+
+    def mounting(self) -> Mounting:
+        """What the bearing stands in, in SI."""
+        return Mounting(
+            housing=None if self.support is None else self.support.housing(),
+            sensor=None if self.sensor is None else self.sensor.sensor(),
         )
 
     @property
     def files(self) -> dict[str, str]:
         """Texts of the files that it names, by their digests, as far as they are at hand."""
         return {table.sha256: table.content for table in self.profile if table.content is not None}
+
+    def varied(self, changes: Mapping[str, Any]) -> "Scene":
+        """This scene with other values under dotted keys, as `--set` has them; the whole is validated anew.
+
+            scene.varied({"operation.speed_rpm": 3000.0, "spall.0.body": "outer_ring"})
+
+        Errors
+        ------
+        SceneError: an unknown key or an impossible value; a file, which only the reader of a scene puts in its place.
+        """
+        data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
+        for table in data.get("profile", []):
+            table.pop("content", None)
+        for key, value in changes.items():
+            if key.rpartition(".")[2] in FILE_KEYS:
+                raise SceneError(f"{key}: files of a scene can't be varied; write a scene for each file")
+            set_key(data, key, value, key)
+        with _refused(self.name):
+            content_of(data, self.files)
+        return parse_scene(data, self.name)
 
     def to_toml(self) -> str:
         """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.
@@ -215,6 +313,11 @@ class Scene(Table):
         if self.table == Columns():
             del tables["table"]
         return tomli_w.dumps(tables)
+
+
+def _plain(value: Any) -> Any:
+    """A table as nested dictionaries, of its own."""
+    return value.model_dump(exclude_unset=True) if isinstance(value, Table) else deepcopy(value)
 
 
 def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) -> Scene:
@@ -294,31 +397,47 @@ def parse_scene(data: dict[str, Any], name: str) -> Scene:
 def _apply(data: dict[str, Any], override: str) -> None:
     """Put `table.key=value` into nested tables; the value is TOML, or a plain string."""
     key, equals, text = override.partition("=")
-    parts = [part.strip() for part in key.split(".")]
-    if not equals or not all(parts):
+    if not equals or not all(part.strip() for part in key.split(".")):
         raise SceneError(f"--set {override!r}: must read table.key=value, e.g. --set operation.speed_rpm=3000")
     try:
         value = _load(f"value = {text}", "")
     except SceneError:
         value = {}
     value = value["value"] if set(value) == {"value"} else text.strip()  # more than one: a string with line breaks
-    table = data
+    set_key(data, key, value, f"--set {override!r}")
+
+
+def set_key(data: dict[str, Any], key: str, value: Any, told: str) -> None:
+    """Put a value under a dotted key into nested tables; numbers count the tables of an array, as in spall.0.width_mm.
+
+    Parameters
+    ----------
+    told : how an error names what was asked for
+
+    Errors
+    ------
+    SceneError: the key leads through a value, to a whole table or past the end of an array.
+    """
+    parts = [part.strip() for part in key.split(".")]
+    if not all(parts):
+        raise SceneError(f"{told}: {key!r} must read table.key, e.g. operation.speed_rpm")
+    table: Any = data
     for part, after in pairwise(parts):
-        table = _entry(table, part, [] if after.isdecimal() else {}, override)
+        table = _entry(table, part, [] if after.isdecimal() else {}, told)
     if isinstance(table, list):
-        raise SceneError(f"--set {override!r}: {parts[-1]} is a whole table; set one of its keys")
+        raise SceneError(f"{told}: {parts[-1]} is a whole table; set one of its keys")
     table[parts[-1]] = value
 
 
-def _entry(table: dict[str, Any] | list, key: str, empty: dict | list, override: str) -> dict[str, Any] | list:
+def _entry(table: dict[str, Any] | list, key: str, empty: dict | list, told: str) -> dict[str, Any] | list:
     """The table, or the array of tables, under a key or a number; made where there is none."""
     if isinstance(table, dict):
         found = table.setdefault(key, empty)
     else:
         if not key.isdecimal() or int(key[:9]) > len(table):
-            raise SceneError(f"--set {override!r}: {key} is none of {len(table)} tables; numbers go on from 0")
+            raise SceneError(f"{told}: {key} is none of {len(table)} tables; numbers go on from 0")
         table.extend([empty] if int(key) == len(table) else [])
         found = table[int(key)]
     if not isinstance(found, dict | list):
-        raise SceneError(f"--set {override!r}: {key} is a value, not a table")
+        raise SceneError(f"{told}: {key} is a value, not a table")
     return found

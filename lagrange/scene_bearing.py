@@ -1,5 +1,6 @@
 """Tables of the scene that say what the bearing is: [bearing], [material], [bodies]."""
 
+import difflib
 from collections.abc import Iterator
 from math import asin, pi, sin
 from typing import Any, Literal
@@ -7,30 +8,99 @@ from typing import Any, Literal
 from pydantic import Field
 
 from lagrange.bearing import Material
+from lagrange.catalogue import bearing_keys, designations
 from lagrange.scene_faults import Check, Table
 
 # groove radius over ball diameter to which ISO 281 rates deep-groove bearings
 USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 
+CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm")  # with the outer raceway's diameter
+
 
 class BearingTable(Table):
-    type: Literal["roller", "ball"] = "roller"
-    rollers: int = Field(13, ge=3, le=200)
-    roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0)
-    roller_length_mm: float = Field(10.0, ge=0.1, le=2000.0)
-    inner_raceway_diameter_mm: float = Field(36.0, gt=0.0, le=10_000.0)
-    outer_raceway_diameter_mm: float = Field(56.0, gt=0.0, le=10_000.0)
-    bore_diameter_mm: float = Field(25.0, gt=0.0, le=10_000.0)
-    outside_diameter_mm: float = Field(65.0, gt=0.0, le=10_000.0)
-    inner_conformity: float | None = Field(None, gt=0.5, le=1.0)  # of balls: groove radius over ball diameter
-    outer_conformity: float | None = Field(None, gt=0.5, le=1.0)
+    """What the bearing is; defaults are the paper's."""
+
+    designation: str | None = Field(
+        None, max_length=40, description="of a standard bearing, NU204 to NU216: the default of the other keys"
+    )
+    type: Literal["roller", "ball"] = Field(
+        "roller", description="of the rolling elements; balls have no finite elements"
+    )
+    rollers: int = Field(13, ge=3, le=200, description="number of rollers, or balls")
+    roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0, description="diameter of a roller, or ball")
+    roller_length_mm: float = Field(10.0, ge=0.1, le=2000.0, description="length over which a roller bears")
+    inner_raceway_diameter_mm: float = Field(
+        36.0, gt=0.0, le=10_000.0, description="diameter of the inner ring's raceway"
+    )
+    outer_raceway_diameter_mm: float = Field(
+        56.0,
+        gt=0.0,
+        le=10_000.0,
+        description="diameter of the outer ring's raceway; outer − inner − 2 · roller is the clearance",
+    )
+    bore_diameter_mm: float = Field(25.0, gt=0.0, le=10_000.0, description="diameter of the inner ring's bore")
+    outside_diameter_mm: float = Field(65.0, gt=0.0, le=10_000.0, description="outside diameter of the outer ring")
+    clearance_um: float | None = Field(
+        None,
+        ge=-10_000.0,
+        le=100_000.0,
+        description="diametral clearance, instead of outer_raceway_diameter_mm; negative: preload",
+    )
+    inner_conformity: float | None = Field(
+        None,
+        gt=0.5,
+        le=1.0,
+        description="of balls: radius of the inner groove over the ball's diameter; 0.52 if left out",
+    )
+    outer_conformity: float | None = Field(
+        None,
+        gt=0.5,
+        le=1.0,
+        description="of balls: radius of the outer groove over the ball's diameter; 0.53 if left out",
+    )
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        return USUAL_GROOVES | data if data.get("type") == "ball" else data
+        """Values of a standard bearing, grooves of balls; a clearance becomes the outer raceway's diameter."""
+        if data.get("type") == "ball":
+            data = USUAL_GROOVES | data
+        outer = "outer_raceway_diameter_mm" in data
+        if data.get("designation") in designations():
+            standard = bearing_keys(data["designation"])
+            data = {key: value for key, value in standard.items() if not outer or key != "clearance_um"} | data
+        parts = [data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF] + [data.get("clearance_um")]
+        if outer or any(isinstance(part, bool) or not isinstance(part, int | float) for part in parts):
+            return data
+        inner, roller, clearance = parts
+        data = {key: value for key, value in data.items() if key != "clearance_um"}
+        return data | {"outer_raceway_diameter_mm": round(inner + 2.0 * roller + 1e-3 * clearance, 9)}
 
     def checks(self) -> tuple[Check, ...]:
-        return self._grooves, self._inner_ring, self._outer_ring, self._clearance, self._room
+        return (
+            self._standard,
+            self._clearance_twice,
+            self._grooves,
+            self._inner_ring,
+            self._outer_ring,
+            self._clearance,
+            self._room,
+        )
+
+    def _standard(self) -> Iterator[str]:
+        name = self.designation
+        if name is not None and name not in designations():
+            likely = difflib.get_close_matches(name.upper().replace(" ", ""), designations(), n=1, cutoff=0.5)
+            hint = f"did you mean {likely[0]}? " if likely else ""
+            yield f"designation = {name!r}: not in the table; {hint}known are {', '.join(designations())}"
+        if name is not None and self.type == "ball":
+            yield f'designation = {name!r}: a roller bearing, not with type = "ball"; leave one of them out'
+
+    def _clearance_twice(self) -> Iterator[str]:
+        if self.clearance_um is not None:  # else it has become the diameter
+            yield (
+                f"clearance_um = {self.clearance_um:g} and outer_raceway_diameter_mm = "
+                f"{self.outer_raceway_diameter_mm:g} say the same thing; leave one of them out"
+            )
 
     def _grooves(self) -> Iterator[str]:
         for key in USUAL_GROOVES:
@@ -73,18 +143,26 @@ class BearingTable(Table):
 
 
 class MaterialOverride(Table):
-    youngs_modulus_GPa: float | None = Field(None, ge=0.1, le=2000.0)
-    poisson_ratio: float | None = Field(None, ge=0.0, le=0.45)
-    density_kg_m3: float | None = Field(None, ge=100.0, le=30_000.0)
+    """One body's own, in place of [material]'s."""
+
+    youngs_modulus_GPa: float | None = Field(
+        None, ge=0.1, le=2000.0, description="of this body; left out: that of [material]"
+    )
+    poisson_ratio: float | None = Field(None, ge=0.0, le=0.45, description="of this body; left out: that of [material]")
+    density_kg_m3: float | None = Field(
+        None, ge=100.0, le=30_000.0, description="of this body; left out: that of [material]"
+    )
 
 
 class MaterialTable(Table):
-    youngs_modulus_GPa: float = Field(210.0, ge=0.1, le=2000.0)
-    poisson_ratio: float = Field(0.3, ge=0.0, le=0.45)
-    density_kg_m3: float = Field(7850.0, ge=100.0, le=30_000.0)
-    roller: MaterialOverride = MaterialOverride()
-    inner_ring: MaterialOverride = MaterialOverride()
-    outer_ring: MaterialOverride = MaterialOverride()
+    """Of every body; [material.roller], [material.inner_ring] and [material.outer_ring] override."""
+
+    youngs_modulus_GPa: float = Field(210.0, ge=0.1, le=2000.0, description="Young's modulus")
+    poisson_ratio: float = Field(0.3, ge=0.0, le=0.45, description="Poisson's ratio")
+    density_kg_m3: float = Field(7850.0, ge=100.0, le=30_000.0, description="density")
+    roller: MaterialOverride = Field(MaterialOverride(), description="of the rollers, where it differs")
+    inner_ring: MaterialOverride = Field(MaterialOverride(), description="of the inner ring, where it differs")
+    outer_ring: MaterialOverride = Field(MaterialOverride(), description="of the outer ring, where it differs")
 
     def of(self, body: Literal["roller", "inner_ring", "outer_ring"]) -> Material:
         """Material of one kind of body, SI."""
@@ -104,9 +182,9 @@ class MaterialTable(Table):
 class BodiesTable(Table):
     """Which bodies are taken as undeformable."""
 
-    rollers: Literal["elastic", "rigid"] = "elastic"
-    inner_ring: Literal["elastic", "rigid"] = "elastic"
-    outer_ring: Literal["elastic", "rigid"] = "elastic"
+    rollers: Literal["elastic", "rigid"] = Field("elastic", description="the rollers; not rigid together with a ring")
+    inner_ring: Literal["elastic", "rigid"] = Field("elastic", description="the inner ring")
+    outer_ring: Literal["elastic", "rigid"] = Field("elastic", description="the outer ring")
 
     def checks(self) -> tuple[Check, ...]:
         return (self._partners,)

@@ -7,6 +7,7 @@ inner_y = "Y_hub [um]"
 roller_rho = "rho_{j} [mm]"    # {j}: the roller's number; or roller_x and roller_y
 roller_theta = "theta_{j} [deg]"
 inner_force = "Q{j} [N]"       # optional, as are inner_ax, inner_ay, outer_force, inner_traction, outer_traction
+housing_y = "Y_ring [um]"      # with [support] kind = "housing", and housing_x; optional housing_ax, housing_ay
 first_roller = 1               # number of the first roller in the names; default 0
 decimal = ","                  # default "."
 """
@@ -28,6 +29,7 @@ UNITS = {
     "inner_x": LENGTH, "inner_y": LENGTH,
     "roller_x": LENGTH, "roller_y": LENGTH, "roller_rho": LENGTH, "roller_theta": ANGLE,
     "inner_ax": ACCELERATION, "inner_ay": ACCELERATION,
+    "housing_x": LENGTH, "housing_y": LENGTH, "housing_ax": ACCELERATION, "housing_ay": ACCELERATION,
     "inner_force": FORCE, "outer_force": FORCE, "inner_traction": FORCE, "outer_traction": FORCE,
 }  # fmt: skip
 
@@ -37,21 +39,31 @@ class Columns(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
-    time: str = "time"
-    inner_x: str = "inner_x"
-    inner_y: str = "inner_y"
-    roller_x: str = "roller_{j}_x"
-    roller_y: str = "roller_{j}_y"
-    roller_rho: str = "roller_{j}_rho"
-    roller_theta: str = "roller_{j}_theta"
-    inner_ax: str = "inner_ax"
-    inner_ay: str = "inner_ay"
-    inner_force: str = "roller_{j}_inner_force"
-    outer_force: str = "roller_{j}_outer_force"
-    inner_traction: str = "roller_{j}_inner_traction"
-    outer_traction: str = "roller_{j}_outer_traction"
-    first_roller: int = Field(0, ge=0)
-    decimal: Literal[".", ","] = "."
+    time: str = Field("time", description="column of the time")
+    inner_x: str = Field("inner_x", description="of the inner ring's centre, x")
+    inner_y: str = Field("inner_y", description="of the inner ring's centre, y, up")
+    roller_x: str = Field("roller_{j}_x", description="of a roller's centre, x; {j}: its number")
+    roller_y: str = Field("roller_{j}_y", description="of a roller's centre, y")
+    roller_rho: str = Field(
+        "roller_{j}_rho", description="of its distance from the outer ring's centre, instead of x and y"
+    )
+    roller_theta: str = Field("roller_{j}_theta", description="of its angle from +x, counter-clockwise")
+    inner_ax: str = Field("inner_ax", description="of the inner ring's own acceleration, x")
+    inner_ay: str = Field("inner_ay", description="of the inner ring's own acceleration, y")
+    housing_x: str = Field("housing_x", description="of the outer ring's centre, x, in a housing")
+    housing_y: str = Field("housing_y", description="of the outer ring's centre, y, in a housing")
+    housing_ax: str = Field("housing_ax", description="of the housing's own acceleration, x")
+    housing_ay: str = Field("housing_ay", description="of the housing's own acceleration, y")
+    inner_force: str = Field("roller_{j}_inner_force", description="of the normal force at the inner raceway")
+    outer_force: str = Field("roller_{j}_outer_force", description="of the normal force at the outer raceway")
+    inner_traction: str = Field(
+        "roller_{j}_inner_traction", description="of the tangential force of the inner raceway on the roller, along +θ"
+    )
+    outer_traction: str = Field(
+        "roller_{j}_outer_traction", description="of the tangential force of the outer raceway on the roller, along +θ"
+    )
+    first_roller: int = Field(0, ge=0, description="number of the first roller in the names")
+    decimal: Literal[".", ","] = Field(".", description="the table's decimal point")
 
     @field_validator(*UNITS)
     @classmethod

@@ -5,7 +5,7 @@ Contradictions between the values that can be used are therefore looked for once
 """
 
 import difflib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from typing import Any, get_args, get_origin
 
@@ -65,7 +65,7 @@ def _explain(fault: dict[str, Any], model: type[Table]) -> list[str]:
     if fault["type"] == "extra_forbidden":
         known = _keys(_table_at(fault["loc"][:-1], model))
         likely = _likely(fault["loc"], model)
-        hint = f"did you mean {likely}?" if likely else f"known here: {', '.join(known)}"
+        hint = f"did you mean {' or '.join(likely)}?" if likely else f"known here: {', '.join(known)}"
         return [f"{place}: unknown key; {hint}"]
     value = fault["input"]
     if fault["type"] == "value_error":
@@ -95,8 +95,14 @@ def _short(text: str) -> str:
 def _table_at(place: Place, model: type[Table]) -> type[BaseModel]:
     table: Any = model
     for part in place:
-        table = get_args(table)[0] if isinstance(part, int) else table.model_fields[part].annotation
+        table = get_args(table)[0] if isinstance(part, int) else _kind(table.model_fields[part].annotation)
     return table
+
+
+def _kind(annotation: Any) -> Any:
+    """What a field holds; of a table that may be absent the table."""
+    tables = [kind for kind in get_args(annotation) if _is_table(kind)]
+    return tables[0] if tables and type(None) in get_args(annotation) else annotation
 
 
 def _keys(model: type[BaseModel]) -> list[str]:
@@ -104,16 +110,29 @@ def _keys(model: type[BaseModel]) -> list[str]:
     return [name for name, field in model.model_fields.items() if not field.exclude]
 
 
-def _likely(place: Place, model: type[Table]) -> str | None:
-    """The key that was probably meant."""
-    known = _keys(_table_at(place[:-1], model))
-    return next(iter(difflib.get_close_matches(str(place[-1]), known, n=1, cutoff=0.5)), None)
+def _likely(place: Place, model: type[Table]) -> list[str]:
+    """Keys that were probably meant: of the same name elsewhere in the scene, dotted, or alike in the same table."""
+    key, elsewhere = str(place[-1]), []
+    for name in model.model_fields:
+        kind = (_tables(model) | _arrays(model)).get(name)
+        if kind is not None and key in _keys(kind):
+            elsewhere.append(f"{name}.0.{key}" if name in _arrays(model) else f"{name}.{key}")
+    alike = likely_of(key, _keys(_table_at(place[:-1], model)))
+    return elsewhere or ([] if alike is None else [alike])
+
+
+def likely_of(name: str, known: Iterable[str]) -> str | None:
+    """The known name that was probably meant; None: none is near."""
+    return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)), None)
 
 
 def _meant(fault: dict[str, Any], model: type[Table]) -> Place:
     """The key whose value a fault leaves unknown."""
     place = fault["loc"]
-    return (*place[:-1], _likely(place, model)) if fault["type"] == "extra_forbidden" else place
+    if fault["type"] != "extra_forbidden":
+        return place
+    likely = next(iter(_likely(place, model)), None)
+    return tuple(likely.split(".")) if likely and "." in likely else (*place[:-1], likely)
 
 
 def _is_of_one_value(fault: dict[str, Any], model: type[Table]) -> bool:
@@ -126,14 +145,15 @@ def _is_of_one_value(fault: dict[str, Any], model: type[Table]) -> bool:
 
 def _tables(model: type[BaseModel]) -> dict[str, type[Table]]:
     """The tables within a table."""
-    kinds = {name: field.annotation for name, field in model.model_fields.items()}
+    kinds = {name: _kind(field.annotation) for name, field in model.model_fields.items()}
     return {name: kind for name, kind in kinds.items() if _is_table(kind)}
 
 
 def _arrays(model: type[BaseModel]) -> dict[str, type[Table]]:
     """The arrays of tables within a table, by the kind of their tables."""
     kinds = {name: field.annotation for name, field in model.model_fields.items()}
-    return {name: get_args(kind)[0] for name, kind in kinds.items() if get_origin(kind) is list}
+    items = {name: get_args(kind)[0] for name, kind in kinds.items() if get_origin(kind) is list}
+    return {name: kind for name, kind in items.items() if _is_table(kind)}
 
 
 def _is_table(kind: Any) -> bool:
@@ -147,7 +167,8 @@ def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], plac
     left_out = [name for name in model.model_fields if not given or (*place, name) in unusable]
     values = {name: value for name, value in data.items() if name in model.model_fields and name not in inner}
     for name, kind in inner.items():
-        if name not in left_out:
+        absent = name not in data and model.model_fields[name].default is None
+        if name not in left_out and not absent:
             values[name] = _usable(kind, data.get(name, {}), unusable, (*place, name))
     for name, kind in arrays.items():
         if name not in left_out:
@@ -162,7 +183,7 @@ def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], plac
 def _contradictions(table: Table, place: str = "") -> Iterator[str]:
     """All that can be judged without the values left out."""
     for name in _tables(type(table)):
-        if name in table.__dict__:
+        if table.__dict__.get(name) is not None:
             yield from _contradictions(getattr(table, name), f"{place}.{name}".lstrip("."))
     for name in _arrays(type(table)):
         for i, item in enumerate(table.__dict__.get(name, [])):

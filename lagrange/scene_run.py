@@ -12,17 +12,34 @@ STIFF_PENALTY = 1e9  # N/m, three times a contact of the paper's bearing; the me
 
 
 class OperationTable(Table):
-    speed_rpm: float = Field(4500.0, ge=-200_000.0, le=200_000.0)
-    radial_load_N: float = Field(2000.0, ge=0.0, le=1e7)
-    inner_ring_and_shaft_kg: float = Field(0.078, gt=0.0, le=1e6)
-    gravity_m_s2: float = Field(9.81, ge=0.0, le=1000.0)
-    first_roller_deg: float = Field(0.0, ge=-360.0, le=360.0)
+    """How the bearing is driven and loaded."""
+
+    speed_rpm: float = Field(
+        4500.0, ge=-200_000.0, le=200_000.0, description="of the inner ring, counter-clockwise positive"
+    )
+    radial_load_N: float = Field(2000.0, ge=0.0, le=1e7, description="at the hub, along −y")
+    inner_ring_and_shaft_kg: float = Field(
+        0.078, gt=0.0, le=1e6, description="mass of all that moves with the hub, the elastic inner ring included"
+    )
+    gravity_m_s2: float = Field(9.81, ge=0.0, le=1000.0, description="along −y")
+    first_roller_deg: float = Field(
+        0.0, ge=-360.0, le=360.0, description="roller 0 from the load's direction (−y), counter-clockwise"
+    )
 
 
 class ContactTable(Table):
-    model: Literal["subgrid", "resolved", "penalty", "faceted"] = "subgrid"
-    penalty_stiffness_N_per_m: float | None = Field(None, ge=1e5, le=1e12)  # of each contact of a comparison model
-    friction_coefficient: float = Field(0.1, ge=0.0, le=1.0)
+    """How contacts are computed."""
+
+    model: Literal["subgrid", "resolved", "penalty", "faceted"] = Field(
+        "subgrid",
+        description="below the mesh's grid; on meshes finer than contacts; springs or polygons, to compare with",
+    )
+    penalty_stiffness_N_per_m: float | None = Field(
+        None, ge=1e5, le=1e12, description="of each contact of a comparison model; 1e9 if left out"
+    )
+    friction_coefficient: float = Field(
+        0.1, ge=0.0, le=1.0, description="Coulomb's; 0: frictionless, and then it costs nothing"
+    )
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
@@ -41,13 +58,18 @@ class ContactTable(Table):
 
 
 class NumericsTable(Table):
-    duration_ms: float = Field(60.0, ge=0.0, le=1e6)
-    start: Literal["equilibrium", "rest"] = "equilibrium"
-    load_ramp_ms: float = Field(1.0, ge=0.0, le=1e6)
-    mesh_size_mm: float = Field(1.0, gt=0.0, le=100.0)
-    time_step_safety: float = Field(0.9, ge=0.01, lt=1.0)
-    output_interval_us: float = Field(10.0, ge=1e-3, le=1e6)
-    threads: int = Field(1, ge=1, le=64)
+    """Duration, start, mesh and steps."""
+
+    duration_ms: float = Field(60.0, ge=0.0, le=1e6, description="simulated time; 0: static equilibrium only")
+    start: Literal["equilibrium", "rest"] = Field(
+        "equilibrium",
+        description="from static equilibrium, rolling; or from rest: centred, undeformed, the load ramped",
+    )
+    load_ramp_ms: float = Field(1.0, ge=0.0, le=1e6, description='over which the load grows where start = "rest"')
+    mesh_size_mm: float = Field(1.0, gt=0.0, le=100.0, description="distance of surface nodes")
+    time_step_safety: float = Field(0.9, ge=0.01, lt=1.0, description="time step over the critical one")
+    output_interval_us: float = Field(10.0, ge=1e-3, le=1e6, description="between two samples")
+    threads: int = Field(1, ge=1, le=64, description="of one run; more than one pays on meshes of 0.25 mm and finer")
 
     def checks(self) -> tuple[Check, ...]:
         return (self._samples,)
@@ -63,16 +85,33 @@ class NumericsTable(Table):
 class LagrangeTable(Table):
     """Options of the Lagrangian model: of its own solution and of what trajectories are checked against."""
 
-    law: str = "harris"
-    damping_N_s_m: float = Field(0.0, ge=0.0, le=1e6)
-    angles: Literal["kinematic", "free"] = "kinematic"
+    law: str = Field(
+        "harris",
+        description="harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; of balls hertz",
+    )
+    damping_N_s_m: float = Field(0.0, ge=0.0, le=1e6, description="of every contact")
+    angles: Literal["kinematic", "free"] = Field(
+        "kinematic", description="rollers in a cage that rolls without slip, or free ones (solved only)"
+    )
 
 
 class ReducedTable(Table):
     """Options of the reduced model."""
 
-    modes_up_to_kHz: float = Field(0.0, ge=0.0, le=1e5)
+    modes_up_to_kHz: float = Field(
+        0.0,
+        ge=0.0,
+        le=1e5,
+        description="modes of bodies that vibrate: 600 where shocks matter, 1000 where rollers rattle; 0: none",
+    )
 
 
 class OutputTable(Table):
-    fields_every_ms: float = Field(0.0, ge=0.0, le=1e6)
+    """What else is stored."""
+
+    fields_every_ms: float = Field(
+        0.0, ge=0.0, le=1e6, description="displacement and stress of all nodes; 0: none, and then it costs nothing"
+    )
+    acceleration_Hz: int = Field(
+        25_600, ge=1, le=100_000_000, description="rate of accelerations that render-fem --export writes"
+    )

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 from pydantic import Field
+from pydantic.json_schema import SkipJsonSchema
 
 from lagrange.bearing import Bearing
 from lagrange.faults import Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
@@ -31,8 +32,8 @@ STEEPEST_PROFILE = 2.0  # between two points: no stylus follows more, and an edg
 class SurfaceTable(Table):
     """What holds for one body."""
 
-    body: Literal["outer_ring", "inner_ring", "roller"] = "outer_ring"
-    roller: int | None = Field(None, ge=0)
+    body: Literal["outer_ring", "inner_ring", "roller"] = Field("outer_ring", description="whose surface it is")
+    roller: int | None = Field(None, ge=0, description='which roller, counted from 0, where body = "roller"')
 
     def checks(self) -> tuple[Check, ...]:
         return (self._which_roller,)
@@ -50,10 +51,19 @@ class SurfaceTable(Table):
 
 
 class SpallTable(SurfaceTable):
-    angle_deg: float = Field(0.0, ge=-360.0, le=360.0)
-    width_mm: float = Field(1.0, gt=0.0, le=1000.0)
-    depth_um: float = Field(100.0, gt=0.0, le=1e5)
-    edge_radius_mm: float = Field(0.1, ge=0.0, le=100.0)
+    """A flake broken out of a surface."""
+
+    angle_deg: float = Field(
+        0.0,
+        ge=-360.0,
+        le=360.0,
+        description="of its middle at t = 0: rings from the load's direction, rollers in their own frame",
+    )
+    width_mm: float = Field(
+        1.0, gt=0.0, le=1000.0, description="of the sharp-edged gap into which a roller sinks as deeply"
+    )
+    depth_um: float = Field(100.0, gt=0.0, le=1e5, description="below the raceway")
+    edge_radius_mm: float = Field(0.1, ge=0.0, le=100.0, description="of its edges")
 
     def fault(self) -> Spall:
         return Spall(
@@ -67,10 +77,14 @@ class SpallTable(SurfaceTable):
 
 
 class WavinessTable(SurfaceTable):
-    body: Literal["outer_ring", "inner_ring", "roller"] = "inner_ring"
-    order: int = Field(12, ge=1, le=10_000)
-    amplitude_um: float = Field(0.5, gt=0.0, le=1e5)
-    phase_deg: float = Field(0.0, ge=-360.0, le=360.0)
+    """A wave of a surface: amplitude · cos(order · angle + phase)."""
+
+    body: Literal["outer_ring", "inner_ring", "roller"] = Field("inner_ring", description="whose surface it is")
+    order: int = Field(12, ge=1, le=10_000, description="waves around the circumference")
+    amplitude_um: float = Field(0.5, gt=0.0, le=1e5, description="half of the height from valley to crest")
+    phase_deg: float = Field(
+        0.0, ge=-360.0, le=360.0, description="at angle 0: of rings the load's direction, of rollers in their own frame"
+    )
 
     def fault(self) -> Waviness:
         return Waviness(
@@ -83,20 +97,29 @@ class WavinessTable(SurfaceTable):
 
 
 class UnequalRollerTable(Table):
-    roller: int = Field(0, ge=0)
-    diameter_deviation_um: float = Field(1.0, ge=-1e5, le=1e5)
+    """A roller of another size."""
+
+    roller: int = Field(0, ge=0, description="which one, counted from 0")
+    diameter_deviation_um: float = Field(1.0, ge=-1e5, le=1e5, description="from the diameter of the others")
 
     def fault(self) -> UnequalRoller:
         return UnequalRoller(roller=self.roller, diameter_deviation=UM * self.diameter_deviation_um)
 
 
 class ProfileTable(SurfaceTable):
-    """Heights from a file; `content` is its text, which whoever reads the scene puts in."""
+    """Measured heights around a surface.
 
-    file: str = Field(min_length=1, max_length=1000)
-    sha256: str | None = Field(None, pattern=r"^[0-9a-f]{64}$")
-    angle_deg: float = Field(0.0, ge=-360.0, le=360.0)
-    content: str | None = Field(None, exclude=True, repr=False)
+    `content` is the file's text, which whoever reads the scene puts in.
+    """
+
+    file: str = Field(
+        min_length=1, max_length=1000, description="beside the scene, CSV with the columns angle_deg, height_um"
+    )
+    sha256: str | None = Field(
+        None, pattern=r"^[0-9a-f]{64}$", description="digest of the file's text, to be sure that it is the one meant"
+    )
+    angle_deg: float = Field(0.0, ge=-360.0, le=360.0, description="of the table's angle 0 at t = 0")
+    content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
 
     def checks(self) -> tuple[Check, ...]:
         return (*super().checks(), self._readable)

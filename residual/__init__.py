@@ -8,17 +8,20 @@ budget          error forces of equations (22) and (23) and what they are made o
 identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
 fitted_laws     laws with coupling between contacts, with damping
 spectrum        power spectral density, peaks, kinematic lines
+quarters        what varies in each quarter of a record: transients
 lines           levels of lines and sidebands; `envelope` spectrum of a band; `short_time` spectra
 vibration       the hub's acceleration: levels, fault lines in its envelope
 fault_finding   a spall found in trajectories alone: `roller_motion` what it may see, `sinkage_maps` by each body's
                 angle, `passages` and how rollers would move there; `fault_tables`, `fault_figures`
 evaluation      the whole check as one call -> `Evaluation`
-paper_figures   the paper's figures beside its ranges (`paper`); others: `motion_figures`,
-                `vibration_figures`, `passage_figures`, `budget_figures`; `plotting` gives all one look, `tick_labels`
-                plain numbers
+figures         all figures, by groups: `motion_figures`, `spectrum_figures`, `vibration_figures`, `passage_figures`,
+                `budget_figures`, `paper_figures` (beside the ranges of `paper`); `panels` places them, `plotting` and
+                `colours` give them one look, `tick_labels` plain numbers; `one_roller`: which, and its motion
 quasistatic     the Lagrangian model's equilibria at every angle; `meaning`: what the numbers say of that model
+headline        the one sentence that a report begins with; `words`: numbers as a person reads them
 tables          rows of the report's and the terminal's tables, with `law_tables`, `line_tables`, `vibration_tables`
-report          the self-contained HTML page; `interactive`: its spectra's data; `picture`: render-fem's
+report          the self-contained HTML page; `player` and `interactive`: data of its parts that move; `picture`:
+                render-fem's
 store           residual.nc, summary.json (`summary`), the report folder
 cli             the command `check-residual`
 

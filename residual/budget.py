@@ -2,15 +2,18 @@
 
 Where the source holds the run's own contact forces, the error splits exactly:
 
-    error = differentiation + contact_law + friction + load_and_weight + ring_flexibility
+    error = differentiation + outer_ring + contact_law + friction + load_and_weight
+            + ring_flexibility (or other_forces)
 
-differentiation   M (our acceleration − the integrator's)
+differentiation   M (our acceleration − the integrator's), of the hub relative to the outer ring
+outer_ring        the same of the outer ring, where a housing moves it
 contact_law       − Σ (law − run's normal force): what the law costs, and that it takes each contact alone
 friction          Σ traction on the inner ring, which (22), (23) leave out
 load_and_weight   W + M g of the equations less what acted in the run: the load ramp of a start from rest
-ring_flexibility  the rest: inertia of the elastic ring, whose centre of mass is not the hub; the solver's own error
+ring_flexibility  the rest of a run of ours: inertia of the elastic ring, whose centre of mass is not the hub
+other_forces      the rest of a table from elsewhere: what acts on the hub and stands in no column, as a damper
 
-and the momentum balance, the run's own forces in place of the law, is differentiation + ring_flexibility.
+and the momentum balance, the run's own forces in place of the law, is differentiation + outer_ring + the rest.
 """
 
 from dataclasses import dataclass
@@ -25,6 +28,20 @@ from residual.fitted_laws import Law, law_force
 from residual.record import Record
 
 CHATTER = 0.05  # of a cage revolution
+
+
+@dataclass(frozen=True, kw_only=True)
+class Accelerations:
+    """From positions, along x and y; each (n_times,), m/s²."""
+
+    hub: tuple[np.ndarray, np.ndarray]  # relative to the outer ring
+    outer_ring: tuple[np.ndarray | None, np.ndarray | None] = (None, None)  # None: it stands still
+
+    @property
+    def whole(self) -> list[np.ndarray]:
+        """Of the hub in the fixed frame."""
+        pairs = zip(self.hub, self.outer_ring, strict=True)
+        return [hub if moved is None else hub + moved for hub, moved in pairs]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,12 +93,11 @@ def missing_load(record: Record) -> np.ndarray:
     return record.operation.radial_load * (1.0 - load_share(record.time, ramp))
 
 
-def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closing_speed) -> Budget:
+def error_budget(record: Record, law: Law, accelerations: Accelerations, closing_speed) -> Budget:
     """Split the error forces that a contact law leaves into their terms.
 
     Parameters
     ----------
-    acceleration_x, acceleration_y : ndarray, (n_times,), m/s², of the inner ring's centre, from positions
     closing_speed : ndarray, (n_times, n_rollers), m/s, rate of the inner contacts' approach, from positions
 
     Errors
@@ -93,40 +109,53 @@ def error_budget(record: Record, law: Law, acceleration_x, acceleration_y, closi
     force = law_force(law, contacts.inner, closing_speed, contacts.inner_compliance)
     contacts = contacts.under(force)
     law_push = contact_resultant(contacts, force)
-    errors = error_forces(operation, acceleration_x, acceleration_y, *law_push)
+    errors = error_forces(operation, *accelerations.whole, *law_push)
     if record.inner_force is None:
         x, y = (DirectionBudget(error=error, terms={}, momentum=None) for error in errors)
         loaded = contacts.inner > 0.0
     else:
         run_push = contact_resultant(contacts, record.inner_force)
-        differentiation, friction = (None, None), (None, None)
-        if record.inner_ax is not None and record.inner_ay is not None:
-            differentiation = (
-                operation.inner_mass * (acceleration_x - record.inner_ax),
-                operation.inner_mass * (acceleration_y - record.inner_ay),
-            )
+        friction = (None, None)
+        differentiation, outer_ring = _differentiation(record, accelerations)
         if record.inner_traction is not None:
             circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
             friction = traction_resultant(circles, record.inner_traction)
         load = np.zeros_like(errors[0]), missing_load(record)
         laws = run_push[0] - law_push[0], run_push[1] - law_push[1]
-        x, y = map(_split, errors, differentiation, laws, friction, load)
+        rest = "ring_flexibility" if record.attributes else "other_forces"
+        pairs = {
+            "differentiation": differentiation, "outer_ring": outer_ring, "contact_law": laws,
+            "friction": friction, "load_and_weight": load,
+        }  # fmt: skip
+        x, y = (
+            _split(error, {name: pair[axis] for name, pair in pairs.items()}, rest) for axis, error in enumerate(errors)
+        )
         loaded = record.inner_force > 0.0
     return Budget(x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded)
 
 
-def _split(error, differentiation, contact_law, friction, load_and_weight) -> DirectionBudget:
-    """Budget of one direction. Terms for which the source holds no data are None; the last term takes them over."""
-    known = {
-        "differentiation": differentiation, "contact_law": contact_law, "friction": friction,
-        "load_and_weight": load_and_weight,
-    }  # fmt: skip
+def _differentiation(record: Record, accelerations: Accelerations):
+    """M times what our accelerations differ by from the integrator's, N: of the hub relative to the outer ring, and of
+    the outer ring; each for x and y, None where the source holds none."""
+    mass, hub, outer_ring = record.operation.inner_mass, [], []
+    own = (record.inner_ax, record.housing_ax), (record.inner_ay, record.housing_ay)
+    for whole, ours, moved, (inner, housing) in zip(
+        accelerations.whole, accelerations.hub, accelerations.outer_ring, own, strict=True
+    ):
+        known = inner is not None and moved is not None and housing is not None
+        hub.append(None if inner is None else mass * (ours - (inner - housing) if known else whole - inner))
+        outer_ring.append(mass * (moved - housing) if known else None)
+    return hub, outer_ring
+
+
+def _split(error, known: dict[str, np.ndarray | None], rest: str) -> DirectionBudget:
+    """Budget of one direction. Terms for which the source holds no data are None; the term `rest` takes them over."""
     terms = {name: term for name, term in known.items() if term is not None}
     momentum = error
     for name in ("contact_law", "friction", "load_and_weight"):
         if name in terms:
             momentum = momentum - terms[name]
-    terms["ring_flexibility"] = error - sum(terms.values())
+    terms[rest] = error - sum(terms.values())
     return DirectionBudget(error=error, terms=terms, momentum=momentum)
 
 

@@ -1,35 +1,22 @@
-"""Figures of what the errors are made of: their terms, stacked over a few roller passages and as spectra; envelope and
-short-time spectra of the errors.
-"""
+"""Figures of what the errors are made of: their terms over time, stacked over a few roller passages, and as spectra."""
 
 from pathlib import Path
 
 import numpy as np
-from matplotlib.colors import LogNorm
 
-from residual.evaluation import Evaluation, term_spectra
+from residual.colours import GREY, TERM_COLOURS
+from residual.evaluation import Evaluation
+from residual.figures import SavedFigure
 from residual.moments import rms
-from residual.plotting import (
-    BLUE,
-    GREY,
-    TERM_COLOURS,
-    WIDTH,
-    SavedFigure,
-    legend_above,
-    line_handles,
-    mark_lines,
-    panels,
-    plt,
-    save,
-)
-from residual.short_time import short_time_spectrum
+from residual.panels import panels
+from residual.plotting import legend_above, log_panel, save
 from residual.spectrum import Spectrum
 from residual.words import text, words
 
 PASSAGES_SHOWN = 2.0
 BINS_PER_DECADE = 120
-DYNAMIC_RANGE, SHORT_TIME_RANGE = 1e-9, 1e-7  # of a spectrum's plot
-ENVELOPE_BAND = 3.3  # times the ball-pass frequency of the inner ring
+DYNAMIC_RANGE = 1e-9  # of a spectrum's plot
+NAMES = 1.2  # inches, of terms beside their bars
 
 
 def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
@@ -41,11 +28,7 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
         for d in evaluation.directions
     }  # fmt: skip
     acting = budget.acting_terms
-    figure = plt.figure(figsize=(WIDTH, 8.4))
-    grid = figure.add_gridspec(3, 1, height_ratios=(1.0, 1.0, 1.25))
-    upper = figure.add_subplot(grid[0])
-    axes = [upper, figure.add_subplot(grid[1], sharex=upper)]
-    upper.tick_params(labelbottom=False)
+    figure, (*axes, bars) = panels((2, 1), 8.4, lines=2, shares=(1.0, 1.0, 1.4), left=NAMES)
     for axis, direction in zip(axes, evaluation.directions, strict=True):
         for name in ("error", *acting):
             axis.plot(1e3 * t.time, terms[direction.name][name], color=TERM_COLOURS[name], label=words(name),
@@ -54,7 +37,6 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
         axis.margins(x=0.0)
     legend_above(axes[0], 5, left=-0.1, columnspacing=1.0, handlelength=1.3)
     axes[1].set_xlabel("time, ms")
-    bars = figure.add_subplot(grid[2])
     names = ["error", *acting, "momentum"]
     position = np.arange(len(names))[::-1]
     for offset, direction, shade in ((0.19, "x", 1.0), (-0.19, "y", 0.5)):
@@ -122,27 +104,24 @@ def _middle(evaluation: Evaluation) -> slice:
 
 def budget_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the density of every term beside the error's."""
-    figure, axes = panels(2, 6.4)
+    figure, axes = panels(2, 6.4, lines=3)
     for axis, direction in zip(axes, evaluation.directions, strict=True):
         f, psd = _thinned(direction.spectrum)
-        axis.loglog(f, psd, color="black", linewidth=2.6, alpha=0.35, label="error")
-        spectra = term_spectra(evaluation, direction)
+        log_panel(axis, f)
+        axis.plot(f, psd, color="black", linewidth=2.6, alpha=0.35, label="error")
         for name in evaluation.budget.acting_terms:
-            spectrum = spectra[name]
-            axis.loglog(*_thinned(spectrum), color=TERM_COLOURS[name], linewidth=0.9, label=words(name))
+            spectrum = direction.term_spectra[name]
+            axis.plot(*_thinned(spectrum), color=TERM_COLOURS[name], linewidth=0.9, label=words(name))
         top = max(float(psd.max()), 1e-30)
         axis.set_ylim(DYNAMIC_RANGE * top, 10.0 * top)
-        axis.set_xlim(f[0], f[-1])
         axis.set_ylabel(f"PSD, {direction.name}, N²/Hz")
-        axis.grid(which="minor", visible=False)
         for line, frequency in evaluation.lines.items():
             if "×" not in line and f[0] <= frequency <= f[-1]:
                 axis.axvline(frequency, color=GREY, linestyle=(0, (4, 2)), linewidth=0.9, zorder=0)
                 if direction is evaluation.x:
                     axis.annotate(line, (frequency, 1.01), xycoords=("data", "axes fraction"), ha="center",
                                   va="bottom", fontsize=9, color="#555555")  # fmt: skip
-    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper left", ncols=5, columnspacing=1.2,
-                  handlelength=1.4)  # fmt: skip
+    legend_above(axes[0], 5, borderaxespad=1.6, columnspacing=1.2, handlelength=1.4)
     axes[1].set_xlabel("frequency, Hz")
     caption = (
         "One-sided power spectral density of each term and of the error, averaged over "
@@ -160,72 +139,8 @@ def _thinned(spectrum: Spectrum) -> tuple[np.ndarray, np.ndarray]:
     return np.bincount(bins, f) / count, np.maximum(np.bincount(bins, psd) / count, 1e-300)
 
 
-def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
-    """Draw the spectrum of the envelope of the band around the ring's resonance."""
-    figure, axes = panels(2, 5.4)
-    top = ENVELOPE_BAND * evaluation.lines.get("BPFI", 1000.0)
-    parts = []
-    families = []
-    for axis, direction in zip(axes, evaluation.directions, strict=True):
-        spectrum = direction.envelope.spectrum
-        inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
-        axis.semilogy(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, linewidth=1.0)
-        axis.set_ylabel(f"envelope PSD, {direction.name}, N²/Hz")
-        axis.set_xlim(0.0, top)
-        families = mark_lines(axis, evaluation.lines, 0.0, top, labels=False)
-        parts.append(f"{direction.name} {direction.envelope.rms:.3g}")
-    figure.legend(handles=line_handles(families, evaluation.lines), loc="outside upper left", ncols=3)
-    axes[1].set_xlabel("frequency, Hz")
-    low, high = evaluation.x.envelope.low, evaluation.x.envelope.high
-    caption = (
-        f"Spectrum of the envelope of the error force within {low / 1e3:.3g} to {high / 1e3:.3g} kHz, around the "
-        f"resonance of the ring on its contacts ({evaluation.resonance / 1e3:.3g} kHz); rms of that band, N: "
-        f"{', '.join(parts)}. A line here means that the vibration at the resonance swells at that frequency."
-    )
-    return save(figure, folder, "envelope", "Envelope spectrum around the ring's resonance", caption)
-
-
-def short_time_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
-    """Draw how the errors' spectra change along the record; None for a record too short for it."""
-    t = evaluation.record
-    passing = evaluation.lines.get("BPFO", 0.0)
-    found = [short_time_spectrum(d.budget.error, t.interval, passing) for d in evaluation.directions]
-    if None in found:
-        return None
-    figure, axes = panels(2, 6.0)
-    for axis, direction, spectrum in zip(axes, evaluation.directions, found, strict=True):
-        time, frequency = 1e3 * (t.time[0] + spectrum.time), 1e-3 * spectrum.frequency
-        top = 10.0 ** np.ceil(np.log10(max(spectrum.psd.max(), 1e-30)))
-        image = axis.pcolormesh(
-            time, frequency, spectrum.psd, norm=LogNorm(top * SHORT_TIME_RANGE, top), cmap="viridis",
-            shading="nearest", rasterized=True,
-        )  # fmt: skip
-        figure.colorbar(image, ax=axis, label=f"PSD of error_{direction.name}, N²/Hz", pad=0.015, extend="min")
-        if 0.0 < evaluation.resonance < spectrum.frequency[-1]:
-            axis.axhline(1e-3 * evaluation.resonance, color="white", linestyle=(0, (4, 3)), linewidth=1.0)
-        axis.set(ylabel="frequency, kHz", ylim=(0.0, frequency[-1]))
-        axis.grid(visible=False)
-    axes[1].set_xlabel("time, ms")
-    length = found[0].length
-    caption = (
-        f"Short-time power spectral density of the error forces: Hann windows of {1e3 * length:.3g} ms"
-        + (", half a roller passage" if passing > 0.0 else "")
-        + f", which tell apart {2e-3 / length:.2g} kHz in frequency and {0.5e3 * length:.2g} ms in time."
-        + (" Dashed: the ring's resonance on its contacts." if evaluation.resonance > 0.0 else "")
-    )
-    return save(figure, folder, "short_time", "Short-time spectra of the error forces", caption)
-
-
 def budget_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
     """Draw those figures that the run has the data for."""
-    drawn = []
-    if evaluation.budget.x.terms:
-        drawn += [
-            budget_figure(evaluation, folder),
-            stacked_terms(evaluation, folder),
-            budget_spectra(evaluation, folder),
-        ]
-    if evaluation.x.envelope is not None:
-        drawn.append(envelope_figure(evaluation, folder))
-    short_time = short_time_figure(evaluation, folder)
-    return drawn if short_time is None else [*drawn, short_time]
+    if not evaluation.budget.x.terms:
+        return []
+    return [draw(evaluation, folder) for draw in (budget_figure, stacked_terms, budget_spectra)]

@@ -14,9 +14,9 @@ BROKEN_PIPE = 1  # the code with which rich leaves where nobody reads its output
 
 
 def _version() -> str:
-    from residual.store import package_version
+    from lagrange.version import VERSION
 
-    return package_version()
+    return VERSION
 
 
 app = App(
@@ -64,6 +64,7 @@ def _command(
     find_faults: Annotated[
         bool, Parameter(negative="", help="look for a spall in the trajectories: body, angle, width, or none")
     ] = False,
+    no_figures: Annotated[bool, Parameter(negative="", help="draw no figures, half of a report's time")] = False,
     compare_laws: Annotated[bool, Parameter(negative="", help="print every law's error force, ranked")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
 ) -> int:
@@ -82,7 +83,7 @@ def _command(
     search = _search(evaluation.record) if find_faults else None
     for note in evaluation.notes:
         say(f"warning: {path}: {note}")
-    write_report(evaluation, folder, tolerance, search)
+    write_report(evaluation, folder, tolerance, search, not no_figures)
     if not quiet:
         with telling():
             _print_summary(evaluation, folder, tolerance, compare_laws, search)
@@ -149,10 +150,11 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
 
     from lagrange.messages import shown
     from residual.fault_tables import search_sentences
+    from residual.headline import headline
     from residual.law_tables import fit_sentences
     from residual.line_tables import watched_rows
-    from residual.tables import error_rows, verdict
-    from residual.words import text
+    from residual.tables import error_rows, peak_name
+    from residual.words import hertz
 
     console = Console(highlight=False)
     table = Table(title=f"Residual of {shown(evaluation.record.name)}", title_justify="left")
@@ -166,7 +168,7 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
     console.print(f"Loaded rollers: {low} to {high}")
     for direction in evaluation.directions:
         named = [
-            f"{text(p.frequency)} Hz ({p.line or 'no line'}{'' if p.resolved else ', not resolved'})"
+            f"{hertz(p.frequency)} ({_told(peak_name(p))}{'' if p.resolved else ', not resolved'})"
             for p in direction.peaks[:4]
         ]
         console.print(f"Peaks of error_{direction.name}: {'; '.join(named) or 'none stands out'}", soft_wrap=True)
@@ -180,8 +182,12 @@ def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_la
             console.print(sentence, soft_wrap=True, markup=False)
     if compare_laws:
         _print_laws(console, evaluation)
-    console.print(verdict(evaluation, tolerance), soft_wrap=True)
+    console.print(headline(evaluation, tolerance), soft_wrap=True)
     console.print(f"Report: {shown(folder / 'report.html')}", soft_wrap=True, markup=False)
+
+
+def _told(name: str) -> str:
+    return "no line" if name == "-" else name
 
 
 def _print_laws(console, evaluation) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from lagrange.kinematics import Kinematics, kinematics
 from lagrange.raceway_laws import caution
-from residual.budget import Budget, DirectionBudget, chatter_gap, error_budget, near_contact_change
+from residual.budget import Accelerations, Budget, DirectionBudget, chatter_gap, error_budget, near_contact_change
 from residual.comparison import FITTED, LawScore, identify, inner_law, rank_laws
 from residual.differentiate import Floor, derivative, floor, response
 from residual.envelope import Envelope, envelope
@@ -14,11 +14,16 @@ from residual.errors import InputError
 from residual.fitted_laws import Law
 from residual.identification import Identification
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
-from residual.moments import Statistics
+from residual.moments import Statistics, rms
+from residual.quarters import Quarters, quarters
 from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import Peak, Spectrum, find_peaks, kinematic_lines, power_spectrum
 from residual.vibration import Vibration, vibration
+from residual.words import NOISE
 
+LOADED = 0.01  # of the largest load: a roller with more is loaded
+FOLDED = 5.0  # times what differentiation errs by: a momentum balance that leaves more holds folded vibration
+SAMPLES_OF_A_MODE = 3.0  # a period of the highest mode that is to be told
 STENCIL_GAIN = 0.95  # below this gain at the ring's resonance the record is too coarse to differentiate
 
 
@@ -35,6 +40,7 @@ class Direction:
     peaks: list[Peak]
     levels: list[LineLevel]  # of kinematic lines and resolved sidebands
     envelope: Envelope | None
+    term_spectra: dict[str, Spectrum]  # of each term of the budget
     vibration: Vibration  # of the hub, by the run's own acceleration where the source tells it
 
 
@@ -53,6 +59,7 @@ class Evaluation:
     watched: list[tuple[LineLevel, LineLevel]]  # lines the user asked for, in x and y
     ideal_cage: float  # Hz, of rolling without slip; `lines` go by the run's own cage speed
     resonance: float  # Hz, estimate of the inner ring on its contacts
+    quarters: Quarters | None  # what varies in each; None for a record too short for it
     chatter: int  # samples, the longest opening within one pass through the load zone
     identified: dict[str, Identification]  # laws fitted to the run's own forces, by name
     unfitted: str | None  # why no law could be fitted
@@ -81,9 +88,25 @@ class Evaluation:
         return next(score for score in self.laws if score.name == name)
 
     @property
+    def force(self) -> np.ndarray:
+        """Forces of the inner contacts, N, (n_times, n_rollers): the source's own where it tells them, or the law's."""
+        told = self.record.inner_force
+        return self.budget.law_force if told is None else told
+
+    @property
+    def noise(self) -> float:
+        """Force that is no more than round-off beside those at work, N."""
+        return NOISE * _largest_force(self.record, self.budget)
+
+    @property
+    def loaded_count(self) -> np.ndarray:
+        """How many rollers carry more than LOADED of the largest load at a time, (n_times,)."""
+        return np.sum(self.force > LOADED * self.force.max(), axis=1)
+
+    @property
     def loaded_range(self) -> tuple[int, int]:
         """Fewest and most rollers in the load zone at a time."""
-        count = np.sum(self.budget.loaded, axis=1)
+        count = self.loaded_count
         return int(count.min()), int(count.max())
 
     def fails(self, tolerance: float | None) -> bool:
@@ -125,8 +148,13 @@ def evaluate(
     interval = record.interval
     first, why = _first_sample(record, start)
     notes += why
-    acceleration_x = derivative(record.inner_x, interval, order=order)[first:]
-    acceleration_y = derivative(record.inner_y, interval, order=order)[first:]
+    accelerations = Accelerations(
+        hub=tuple(derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y)),
+        outer_ring=tuple(
+            None if place is None else derivative(place, interval, order=order)[first:]
+            for place in (record.housing_x, record.housing_y)
+        ),
+    )
     approach = record.contacts.inner
     closing_speed = derivative(approach, interval, 1, order)[first:]
     used = record.samples(slice(first, None))
@@ -134,11 +162,12 @@ def evaluate(
     identified, unfitted = _identify(used, approach[first:], closing_speed, chatter, law)
     if isinstance(law, str):
         law = identified[law].law
-    budget = error_budget(used, law, acceleration_x, acceleration_y, closing_speed)
+    budget = error_budget(used, law, accelerations, closing_speed)
     ideal = kinematics(record.bearing, record.operation.speed)
     lines = kinematic_lines(_observed(ideal, used))
     far = ~near_contact_change(budget.loaded, order // 2)
     resonance = _resonance(used, law, budget)
+    noise = NOISE * _largest_force(used, budget)
 
     def direction(name: str, part: DirectionBudget, motion: np.ndarray, acceleration: np.ndarray) -> Direction:
         spectrum = power_spectrum(part.error, interval, _slowest(lines))
@@ -149,20 +178,29 @@ def evaluate(
             away=Statistics.of(part.error[far]) if far.sum() >= FEWEST_SAMPLES else None,
             floor=floor(motion, interval, order, record.precision),
             spectrum=spectrum,
-            peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines),
+            peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines, resonance, noise),
             levels=line_levels(spectrum, lines),
             envelope=envelope(part.error, interval, resonance, _slowest(lines)),
+            term_spectra={name: power_spectrum(term, interval, _slowest(lines)) for name, term in part.terms.items()},
             vibration=vibration(acceleration, interval, lines),
         )
 
-    x = direction("x", budget.x, used.inner_x, acceleration_x if used.inner_ax is None else used.inner_ax)
-    y = direction("y", budget.y, used.inner_y, acceleration_y if used.inner_ay is None else used.inner_ay)
+    x, y = (
+        direction(name, part, place, whole if own is None else own)
+        for name, part, place, whole, own in zip(
+            "xy", (budget.x, budget.y), (used.inner_x, used.inner_y), accelerations.whole,
+            (used.inner_ax, used.inner_ay), strict=True,
+        )
+    )  # fmt: skip
     watched = [(watched_level(x.spectrum, name, lines), watched_level(y.spectrum, name, lines)) for name in watch]
     notes += [_unresolved_note(level, x.spectrum.resolution) for level, _ in watched if not level.resolved]
     notes += _rate_notes(resonance, interval, order)
+    notes += _folding_notes(used, law, budget, (x.floor, y.floor))
+    parts = quarters(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
+    notes += [] if parts is None or parts.note is None else [parts.note]
     return Evaluation(
         record=used, law=law, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
-        watched=watched, ideal_cage=ideal.frequencies["FTF"], resonance=resonance, chatter=chatter,
+        watched=watched, ideal_cage=ideal.frequencies["FTF"], resonance=resonance, chatter=chatter, quarters=parts,
         identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), notes=tuple(notes),
     )  # fmt: skip
 
@@ -196,12 +234,6 @@ def _slowest(lines: dict[str, float]) -> float:
     return min(lines.values(), default=0.0)
 
 
-def term_spectra(evaluation: Evaluation, direction: Direction) -> dict[str, Spectrum]:
-    """Spectrum of each term of a direction's budget, N²/Hz."""
-    interval, slowest = evaluation.record.interval, _slowest(evaluation.lines)
-    return {name: power_spectrum(term, interval, slowest) for name, term in direction.budget.terms.items()}
-
-
 def _identify(
     record: Record, approach, closing_speed, chatter: int, wanted
 ) -> tuple[dict[str, Identification], str | None]:
@@ -224,6 +256,11 @@ def _unresolved_note(level: LineLevel, resolution: float) -> str:
         f"{level.frequency / resolution:.2g} bins up, and {level.obstacle} lies within two bins of it; it takes a "
         f"record of at least {level.record_needed:.2g} s"
     )
+
+
+def _largest_force(record: Record, budget: Budget) -> float:
+    """Largest of the load and the contact forces, N."""
+    return max(record.operation.radial_load, float(budget.law_force.max()))
 
 
 def _resonance(record: Record, law: Law, budget: Budget) -> float:
@@ -250,3 +287,32 @@ def _rate_notes(resonance: float, interval: float, order: int) -> list[str]:
             f"{100 * (1 - gain):.0f} % of the inertia force too low; store more often or use a higher order"
         ]
     return []
+
+
+def _folding_notes(record: Record, law: Law, budget: Budget, floors: tuple[Floor, Floor]) -> list[str]:
+    """Say whether a run of ours seems to vibrate beyond its Nyquist frequency; another's may have forces untold.
+
+    Such vibration is folded down: at a false, lower frequency the second derivative of a position is another one.
+    """
+    if budget.x.momentum is None or not record.attributes:
+        return []
+    left = [rms(part.momentum) for part in (budget.x, budget.y)]
+    told = [record.operation.inner_mass * floor.total for floor in floors]
+    mode = _roller_mode(record, law, budget)
+    enough = 1.0 / (SAMPLES_OF_A_MODE * mode) if mode > 0.0 else np.inf
+    worst = max(range(2), key=lambda i: left[i] - FOLDED * told[i])
+    if left[worst] <= max(FOLDED * told[worst], NOISE * _largest_force(record, budget)) or record.interval <= enough:
+        return []
+    return [
+        f"the momentum balance leaves {left[worst]:.2g} N rms in {'xy'[worst]}, where differentiation should err by "
+        f"{told[worst]:.2g} N: the record seems to hold vibration beyond its Nyquist frequency, "
+        f"{0.5e-3 / record.interval:.3g} kHz, which stands at false frequencies in all its spectra (rollers vibrate on "
+        f"their contacts at up to about {1e-3 * mode:.3g} kHz); simulate with numerics.output_interval_us = "
+        f"{1e6 * enough:.2g}"
+    ]
+
+
+def _roller_mode(record: Record, law: Law, budget: Budget) -> float:
+    """Highest frequency of a roller between its two contacts, both taken as stiff as the inner one, Hz."""
+    stiffness = 2.0 * float(np.max(law.slope(budget.contacts.inner), initial=0.0))
+    return float(np.sqrt(stiffness / record.bearing.roller_mass) / (2.0 * np.pi))

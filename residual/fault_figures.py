@@ -4,9 +4,12 @@ from pathlib import Path
 
 import numpy as np
 
+from residual.colours import BLUE, GREEN, GREY, ORANGE, RED, SKY
 from residual.fault_finding import FaultSearch, FoundSpall
 from residual.fault_tables import named, told_angle
-from residual.plotting import BLUE, GREEN, GREY, ORANGE, RED, SKY, WIDTH, SavedFigure, legend_above, plt, save
+from residual.figures import SavedFigure
+from residual.panels import panels
+from residual.plotting import legend_above, save
 from residual.sinkage_maps import SinkageMap
 
 PASSAGES_SHOWN = 8
@@ -21,25 +24,25 @@ def fault_figures(search: FaultSearch, folder: Path) -> list[SavedFigure]:
 def _drawn(search: FaultSearch, folder: Path) -> SavedFigure:
     found = search.found
     rows = 1 if found is None else 2
-    figure, axes = plt.subplots(rows, 1, figsize=(WIDTH, 3.3 * rows), squeeze=False)
+    figure, axes = panels((1,) * rows, 3.3 * rows)
     whole = [m for m in search.maps if not m.rested]
     shown = [m for m in whole if (m.place.roller is None if found is None else m.place == found.place)]
     for each, colour in zip(shown, (BLUE, GREEN), strict=False):
-        _draw_map(axes[0, 0], each, colour)
-    axes[0, 0].set(ylabel="sinkage, µm", xlabel="angle in the body's own frame, degrees")
-    axes[0, 0].set_xlim(-180.0, 180.0)
+        _draw_map(axes[0], each, colour)
+    axes[0].set(ylabel="sinkage, µm", xlabel="angle in the body's own frame, degrees")
+    axes[0].set_xlim(-180.0, 180.0)
     caption = "Median of what rollers sink by around each ring: no place stands out."
     if found is not None:
         middle, half = told_angle(found.place, found.angle), np.degrees(0.5 * found.width / found.place.radius)
-        axes[0, 0].axvspan(middle - half, middle + half, color=RED, alpha=0.25, linewidth=0, label="the spall found")
-        _draw_passages(axes[1, 0], found)
+        axes[0].axvspan(middle - half, middle + half, color=RED, alpha=0.25, linewidth=0, label="the spall found")
+        _draw_passages(axes[1], found)
         caption = (
             f"Above: median of what rollers sink by around {named(found.place)}, from all passages. Below: "
             f"{min(PASSAGES_SHOWN, found.response.chosen.first.size)} of the passages that the spall was matched to; "
             "dots as recorded, lines as rollers would move over the spall found. Shaded: its width, darker the 95 % "
             "intervals of its edges. Each passage begins at its own level."
         )
-    legend_above(axes[0, 0], 3)
+    legend_above(axes[0], 3)
     return save(figure, folder, "fault_search", "Passages by the body's own angle", caption)
 
 

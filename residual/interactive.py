@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 
+from residual.colours import LINE_COLOURS, family
 from residual.evaluation import Evaluation
-from residual.plotting import LINE_COLOURS, family
 from residual.spectrum import Spectrum
 
 MOST_POINTS = 6000  # of one curve; beyond, only a bin's highest neighbours are kept

@@ -17,6 +17,8 @@ from residual.spectrum import MAIN_LOBE, NOISE_BINS, Peak, Spectrum, smooth_back
 CARRIERS = ("BPFO", "2×BPFO", "BPFI", "2×BPFI")
 CAGE_HARMONICS = (2, 3)
 SIDES = tuple((carrier, modulator) for carrier in CARRIERS for modulator in ("shaft", "FTF"))
+HUB = "hub on its contacts"
+NEAR_RESONANCE = 0.08  # of it: the estimate takes rollers without mass, and both directions for one
 SURE = 0.999  # a line stands out where noise on the background would stay below with this probability
 SAME_LINE = 0.01  # relative: a frequency asked for in Hz this near a line is that line
 
@@ -95,11 +97,20 @@ def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> L
     return _level(spectrum, name, frequency, among if name.lower() in map(str.lower, sidebands(lines)) else lines)
 
 
-def named_peaks(peaks: list[Peak], spectrum: Spectrum, lines: dict[str, float]) -> list[Peak]:
-    """Name peaks without a line after a resolved sideband within half a bin."""
+def named_peaks(
+    peaks: list[Peak], spectrum: Spectrum, lines: dict[str, float], resonance: float, noise: float
+) -> list[Peak]:
+    """Name peaks without a line after a resolved sideband within half a bin, and those near the hub's resonance, Hz.
+
+    Peaks of no more than the noise, N rms, are left out.
+    """
     bands = [level for level in line_levels(spectrum, lines) if level.name not in lines]
     named = []
     for peak in peaks:
+        if peak.rms <= noise:
+            continue
+        if abs(peak.frequency - resonance) <= NEAR_RESONANCE * resonance:
+            peak = replace(peak, also=(*peak.also, HUB))
         near = [level for level in bands if abs(level.frequency - peak.frequency) <= 0.5 * spectrum.resolution]
         named.append(replace(peak, line=near[0].name) if near and peak.line is None else peak)
     return named
@@ -135,7 +146,7 @@ def _level(spectrum: Spectrum, name: str, frequency: float, among: dict[str, flo
 
 def _excess(n_bins: int, segments: int) -> float:
     """Factor by which the power of noise in so many bins may exceed its mean."""
-    from scipy.stats import chi2
+    from scipy.special import chdtri  # scipy.stats costs half a second to import
 
     freedom = 2.0 * segments * max(1.0, n_bins / NOISE_BINS)
-    return float(chi2.ppf(SURE, freedom) / freedom)
+    return float(chdtri(freedom, 1.0 - SURE) / freedom)

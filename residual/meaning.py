@@ -3,7 +3,7 @@
 from residual.evaluation import Evaluation
 from residual.moments import rms
 from residual.quasistatic import QuasiStatic
-from residual.words import text
+from residual.words import hertz, text
 
 MATTERS = 0.01  # of the load: less is no deviation of the model's forces worth naming
 LEVEL = 0.1  # of the mean error: varying less, the error is one of level
@@ -11,25 +11,11 @@ ALIKE = 0.05  # loads this near agree
 
 
 def meaning(evaluation: Evaluation, statics: QuasiStatic | None) -> list[str]:
-    """Say how sound the trajectories are and what the model may be used for, as far as the run has the data."""
-    found = [_sound(evaluation), _mean(evaluation), _varying(evaluation), _best(evaluation), _omitted(evaluation)]
+    """Say what the model may be used for, as far as the run has the data."""
+    found = [_mean(evaluation), _varying(evaluation), _best(evaluation), _omitted(evaluation)]
     if statics is not None:
         found.append(_used(evaluation, statics))
     return [sentence for sentence in found if sentence]
-
-
-def _sound(evaluation: Evaluation) -> str:
-    momenta = [direction.budget.momentum for direction in evaluation.directions]
-    if momenta[0] is None:
-        return (
-            "The source tells no contact forces, so the error can't be told apart into what the trajectories and what "
-            "the contact law are responsible for."
-        )
-    in_x, in_y = map(rms, momenta)
-    return (
-        f"With the run's own contact forces the inner ring obeys Newton's law to {text(in_x, 2)} N rms in x and "
-        f"{text(in_y, 2)} N in y: what equations (22) and (23) leave beyond that is the model's, not the run's."
-    )
 
 
 def _mean(evaluation: Evaluation) -> str:
@@ -54,7 +40,7 @@ def _varying(evaluation: Evaluation) -> str:
     words = f"What varies in time is {text(x.std, 2)} N (standard deviation) in x and {text(y.std, 2)} N in y"
     peak = evaluation.x.peaks[0] if evaluation.x.peaks else None
     if peak is not None and peak.line is not None:
-        words += f"; in x the strongest line is {peak.line}, {text(peak.rms, 2)} N rms at {text(peak.frequency)} Hz"
+        words += f"; in x the strongest line is {peak.line}, {text(peak.rms, 2)} N rms at {hertz(peak.frequency)}"
     if max(x.std, y.std) < LEVEL * abs(y.mean):
         words += ". The model follows the passage of the rollers; it is its level that is off"
     return words + "."
@@ -74,7 +60,10 @@ def _best(evaluation: Evaluation) -> str:
 
 def _omitted(evaluation: Evaluation) -> str:
     budget, load = evaluation.budget, evaluation.record.operation.radial_load
-    words = {"friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring"}
+    words = {
+        "friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring",
+        "other_forces": "other forces, which no column of the table tells",
+    }  # fmt: skip
     largest = {
         name: max(rms(budget.x.terms[name]), rms(budget.y.terms[name])) for name in words if name in budget.x.terms
     }

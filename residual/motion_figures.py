@@ -5,22 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from residual.budget import load_zones
+from residual.colours import BLUE, GREEN, GREY, ORANGE, PURPLE, RED
 from residual.evaluation import Evaluation
-from residual.paper_figures import chosen_roller
-from residual.plotting import (
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    RED,
-    WIDTH,
-    SavedFigure,
-    legend_above,
-    panels,
-    plt,
-    save,
-)
+from residual.figures import SavedFigure
+from residual.one_roller import chosen_roller
+from residual.panels import panels
+from residual.plotting import legend_above, save
 from residual.quasistatic import QuasiStatic, angle_from_load
 from residual.record import Record
 from residual.sources import ENERGIES
@@ -33,7 +23,7 @@ SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> SavedFigure:
     """Draw the hub's path and that of the Lagrangian model's equilibria, each about its own middle."""
     t = evaluation.record
-    figure, axes = plt.subplots(figsize=(WIDTH, 4.6))
+    figure, (axes,) = panels(1, 4.6)
     middle = 1e6 * np.array([t.inner_x.mean(), t.inner_y.mean()])
     axes.plot(1e6 * t.inner_x - middle[0], 1e6 * t.inner_y - middle[1], color=BLUE, linewidth=0.6, alpha=0.8,
               label="run")  # fmt: skip
@@ -58,7 +48,7 @@ def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folde
     told = t.inner_force is not None
     force = t.inner_force if told else budget.law_force
     stride = max(1, force.size // MOST_POINTS)
-    figure, axes = plt.subplots(figsize=(WIDTH, 5.2), subplot_kw={"projection": "polar"})
+    figure, (axes,) = panels(1, 5.2, projection="polar")
     axes.set_theta_zero_location("S")
     angle = _from_load(t)[::stride]
     name = "run" if told else f"law {evaluation.law.name} on the run's approaches"

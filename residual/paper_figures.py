@@ -8,45 +8,14 @@ from lagrange.ball_contact import delta_star, raceway_curvature
 from lagrange.bearing import BallBearing
 from residual import paper
 from residual.budget import load_zones
-from residual.differentiate import derivative
+from residual.colours import BLUE, ORANGE, RED
 from residual.evaluation import Direction, Evaluation
-from residual.plotting import (
-    BLUE,
-    GREY,
-    LINE_COLOURS,
-    ORANGE,
-    RED,
-    SKY,
-    SavedFigure,
-    beside_paper,
-    family,
-    legend_above,
-    line_handles,
-    mark_lines,
-    name_slim,
-    panels,
-    panels_beside,
-    save,
-)
-from residual.record import Record
+from residual.figures import SavedFigure
+from residual.one_roller import chosen_roller, roller_radial
+from residual.panels import panels, panels_beside
+from residual.plotting import beside_paper, legend_above, mark_lines, name_slim, save
 
 PAPER_BAND = 300.0  # Hz, the frequency axis of figures 10 and 11
-# F, δ*: Harris, Rolling Bearing Analysis, the table of dimensionless contact parameters; the paper's figure 4 plots it
-HARRIS_POINTS = (
-    (0.0, 1.0), (0.1075, 0.9974), (0.3204, 0.9761), (0.5916, 0.9077), (0.7332, 0.8394), (0.87366, 0.7169),
-    (0.93657, 0.6112), (0.9729, 0.4960), (0.990902, 0.3745), (0.9973, 0.2705), (0.9998527, 0.11995),
-)  # fmt: skip
-
-
-def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
-    """The roller that passes through the load zone most often, whole passes first."""
-
-    def merit(j):
-        zones = load_zones(loaded[:, j], bridge)
-        whole = sum(first > 0 and last < loaded.shape[0] - 1 for first, last in zones)
-        return len(zones), whole, int(loaded[:, j].sum())
-
-    return max(range(loaded.shape[1]), key=merit)
 
 
 def _panels(evaluation: Evaluation, n_rows: int, height: float):
@@ -58,25 +27,19 @@ def _panels(evaluation: Evaluation, n_rows: int, height: float):
     return figure, axes, slim
 
 
-def point_contact(evaluation: Evaluation, folder: Path) -> SavedFigure:
+def point_contact(bearing: BallBearing, folder: Path) -> SavedFigure:
     """Draw figure 4: δ* of a point contact over the curvature difference, a ball bearing's two contacts marked."""
-    bearing = evaluation.record.bearing
     # close to F = 1 the curve falls steeply: as many points there as elsewhere
     difference = 1.0 - np.concatenate([np.linspace(1.0, 1e-2, 150), np.geomspace(1e-2, 1e-6, 60)[1:]])
     figure, axes = panels(1, 3.8)
     axes[0].plot(difference, delta_star(difference), color=BLUE, label="δ*(F), by elliptic integrals")
-    caption = "Dimensionless approach of a point contact, equations (4) to (8)"
-    if isinstance(bearing, BallBearing):
-        points = []
-        for side, colour, mark in (("inner", RED, "o"), ("outer", ORANGE, "s")):
-            curvature = raceway_curvature(bearing, side)
-            F, value = curvature.difference, delta_star(curvature.difference)
-            axes[0].plot(F, value, color=colour, marker=mark, linestyle="none", markersize=7, label=f"{side} raceway")
-            points.append(f"{side} raceway Σρ = {1e-3 * curvature.sum:.4g} mm⁻¹, F = {F:.4f}, δ* = {value:.4f}")
-        caption += f": {'; '.join(points)}."
-    else:
-        axes[0].plot(*np.array(HARRIS_POINTS).T, color=ORANGE, marker="o", linestyle="none", label="Harris' table")
-        caption += "; for balls. This bearing's rollers touch along lines, F = 1, and take laws (12), (13) instead."
+    points = []
+    for side, colour, mark in (("inner", RED, "o"), ("outer", ORANGE, "s")):
+        curvature = raceway_curvature(bearing, side)
+        F, value = curvature.difference, delta_star(curvature.difference)
+        axes[0].plot(F, value, color=colour, marker=mark, linestyle="none", markersize=7, label=f"{side} raceway")
+        points.append(f"{side} raceway Σρ = {1e-3 * curvature.sum:.4g} mm⁻¹, F = {F:.4f}, δ* = {value:.4f}")
+    caption = f"Dimensionless approach of a point contact, equations (4) to (8): {'; '.join(points)}."
     axes[0].set(xlabel="curvature difference F(ρ)", ylabel="δ*", xlim=(0.0, 1.0), ylim=(0.0, 1.02))
     axes[0].legend(loc="lower left")
     return save(figure, folder, "fig04", "Fig. 4: approach of a point contact", caption)
@@ -139,13 +102,6 @@ def roller_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
     return save(figure, folder, "fig07", f"Fig. 7: radial motion of roller {j}", caption)
 
 
-def roller_radial(record: Record, j: int, order: int):
-    """Radial position ρ of one roller, m, its velocity, m/s, and its acceleration, m/s²."""
-    rho = np.hypot(record.roller_x[:, j], record.roller_y[:, j])
-    interval = record.interval
-    return rho, derivative(rho, interval, 1, order), derivative(rho, interval, 2, order)
-
-
 def error_signal(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
     """Draw figure 8 or 9: the left side of (22), or of (23) with its sign flipped."""
     t, error = evaluation.record, direction.budget.error
@@ -180,7 +136,7 @@ def spectrum_low(evaluation: Evaluation, folder: Path, direction: Direction) -> 
     spectrum, axis_name = direction.spectrum, direction.name
     name, equation = ("fig10", "22") if axis_name == "x" else ("fig11", "23")
     inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= PAPER_BAND + spectrum.resolution)
-    figure, axes = panels(1, 3.6)
+    figure, axes = panels(1, 3.6, lines=2)
     axis = axes[0]
     axis.plot(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, marker="o", markersize=3.5)
     axis.set_xlim(0.0, PAPER_BAND)
@@ -204,49 +160,10 @@ def spectrum_low(evaluation: Evaluation, folder: Path, direction: Direction) -> 
     return save(figure, folder, name, f"Fig. {number}: spectrum of error_{axis_name}, 0-300 Hz", caption)
 
 
-def spectrum_whole(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
-    """Draw figure 10b or 11b: the spectrum up to the Nyquist frequency on logarithmic axes, kinematic lines marked."""
-    spectrum, axis_name = direction.spectrum, direction.name
-    name = "fig10b" if axis_name == "x" else "fig11b"
-    f, psd = spectrum.frequency[1:], spectrum.psd[1:]
-    figure, axes = panels(1, 4.2)
-    axis = axes[0]
-    axis.loglog(f, np.maximum(psd, 1e-300), color=BLUE, linewidth=0.9)
-    axis.set_xlim(f[0], f[-1])
-    top = max(psd.max(), 1e-30)
-    floor = max(np.percentile(psd, 2) / 3.0, 1e-14 * top)
-    axis.set_ylim(floor, 12.0 * top)
-    families = mark_lines(axis, evaluation.lines, f[0], f[-1], labels=False)
-    handles = line_handles(families, evaluation.lines)
-    if 0.0 < evaluation.resonance < f[-1]:
-        handles.append(
-            axis.axvline(evaluation.resonance, color=SKY, linewidth=5.0, alpha=0.4, zorder=0,
-                         label=f"ring on its contacts ≈ {evaluation.resonance / 1e3:.3g} kHz")
-        )  # fmt: skip
-    for peak in direction.peaks:
-        colour = LINE_COLOURS[family(peak.line)] if peak.line else "black"
-        mark = axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour,
-                         markerfacecolor=colour if peak.resolved else "white", linestyle="none")  # fmt: skip
-        mark[0].set_clip_on(False)
-    axis.set(xlabel="frequency, Hz", ylabel=f"PSD of error_{axis_name}, N²/Hz")
-    legend_above(axis, 3, handles=handles, borderaxespad=0.3, columnspacing=1.4)
-    axis.grid(which="minor", visible=False)
-    axis.tick_params(which="minor", color=GREY)
-    caption = (
-        f"The same density up to the Nyquist frequency {f[-1] / 1e3:.4g} kHz. Dashed: kinematic lines; "
-        "dotted: their harmonics. Triangles: peaks that stand out of the background, hollow where zero frequency or "
-        f"another line lies within {2 * spectrum.resolution:.3g} Hz."
-    )
-    number = name.removeprefix("fig")
-    return save(figure, folder, name, f"Fig. {number}: spectrum of error_{axis_name}, whole band", caption)
-
-
 def paper_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
-    """Draw all of the paper's figures, in order."""
-    drawn = [
-        point_contact(evaluation, folder), inner_ring_motion(evaluation, folder), roller_motion(evaluation, folder)
-    ]  # fmt: skip
+    """Draw all of the paper's figures, in order; figure 4 is of balls."""
+    bearing = evaluation.record.bearing
+    drawn = [point_contact(bearing, folder)] if isinstance(bearing, BallBearing) else []
+    drawn += [inner_ring_motion(evaluation, folder), roller_motion(evaluation, folder)]
     drawn += [error_signal(evaluation, folder, direction) for direction in evaluation.directions]
-    for direction in evaluation.directions:
-        drawn += [spectrum_low(evaluation, folder, direction), spectrum_whole(evaluation, folder, direction)]
-    return drawn
+    return drawn + [spectrum_low(evaluation, folder, direction) for direction in evaluation.directions]

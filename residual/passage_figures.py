@@ -8,9 +8,12 @@ from matplotlib.collections import LineCollection
 from lagrange.faults import Spall
 from lagrange.passages import Passage, find_passages, spalls
 from lagrange.spall_events import SpallEvent, spall_events
+from residual.colours import GREY, RED, SKY
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation
-from residual.plotting import GREY, RED, SKY, WIDTH, SavedFigure, legend_above, plt, save
+from residual.figures import SavedFigure
+from residual.panels import COLOUR_BAR, RIGHT, colour_bar, panels
+from residual.plotting import legend_above, save
 from residual.quasistatic import angle_from_load
 from residual.record import Record
 from residual.words import text
@@ -62,10 +65,10 @@ def _overlay(evaluation: Evaluation, number: int, found: list[Passage], folder: 
     found = found[:: -(-len(found) // MOST_PASSAGES)]
     loud = max(evaluation.directions, key=lambda direction: direction.vibration.rms).name
     acceleration = _acceleration(record, loud)
-    figure, axes = plt.subplots(2, 1, figsize=(WIDTH, 5.6), sharex=True)
     place = None
     if spalls(record.bearing)[number].body != "outer_ring":  # then it is passed at all places
         place = np.array([abs(np.degrees(angle_from_load(_place(record, passage)))) for passage in found])
+    figure, axes = panels(2, 5.6, right=RIGHT if place is None else COLOUR_BAR)
     _draw_lines(axes[0], found, [passage.force for passage in found], place)
     drawn = _draw_lines(axes[1], found, [acceleration[_where(passage)] for passage in found], place)
     strikes = [event for event in spall_events(found) if event.kind == "strike"]
@@ -78,8 +81,7 @@ def _overlay(evaluation: Evaluation, number: int, found: list[Passage], folder: 
     axes[0].set(ylabel="contact force, N", ylim=(0.0, None), xlim=(-SHOWN * half, SHOWN * half))
     axes[1].set(ylabel=f"hub's acceleration, {loud}, m/s²", xlabel="angle from the spall's middle, on the way, °")
     if place is not None:
-        figure.colorbar(drawn, ax=axes, label="roller's place, ° from the load line", pad=0.02, aspect=40)
-    figure.align_ylabels(axes)
+        colour_bar(drawn, axes, "roller's place, ° from the load line")
     caption = _caption(spalls(record.bearing)[number], found, strikes, at)
     return save(figure, folder, f"passages_{number}", f"Passages over spall {number}", caption)
 

@@ -43,12 +43,16 @@ class Record:
     source: Path
     scene: Scene
     time: np.ndarray  # (n_times,), s, equally spaced
-    inner_x: np.ndarray  # (n_times,), m, centre of the inner ring (hub)
+    inner_x: np.ndarray  # (n_times,), m, centre of the inner ring (hub), as all places from that of the outer ring
     inner_y: np.ndarray
     roller_x: np.ndarray  # (n_times, n_rollers), m, centres of mass
     roller_y: np.ndarray
     inner_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
     inner_ay: np.ndarray | None = None
+    housing_x: np.ndarray | None = None  # (n_times,), m, centre of the outer ring, where a housing moves it
+    housing_y: np.ndarray | None = None
+    housing_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
+    housing_ay: np.ndarray | None = None
     inner_force: np.ndarray | None = None  # (n_times, n_rollers), N, normal, >= 0
     outer_force: np.ndarray | None = None
     inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ
@@ -98,6 +102,24 @@ class Record:
             if isinstance(value, np.ndarray):
                 cut[f.name] = value[part]
         return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()})
+
+
+def relative(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Arrays of a source with all places from the outer ring's centre, which a housing may move.
+
+    Errors
+    ------
+    InputError: arrays that do not fit each other.
+    """
+    found = dict(arrays)
+    for axis in "xy":
+        moved = arrays.get(f"housing_{axis}")
+        for body in ("inner", "roller") if moved is not None else ():
+            place = arrays[f"{body}_{axis}"]
+            if place.shape[0] != moved.shape[0]:
+                raise InputError(f"housing_{axis}: {moved.shape[0]} samples, {body}_{axis} has {place.shape[0]}")
+            found[f"{body}_{axis}"] = (place.T - moved).T
+    return found
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is refused

@@ -11,12 +11,14 @@ from lagrange.pages import as_it_is, render_page
 from residual.evaluation import Evaluation
 from residual.fault_finding import FaultSearch
 from residual.fault_tables import search_sentences
+from residual.figures import SavedFigure
+from residual.headline import headline
 from residual.interactive import spectra_json
 from residual.law_tables import fit_sentences, ranking_rows, ranking_span
 from residual.line_tables import level_rows, watched_rows
 from residual.meaning import meaning
 from residual.picture import picture_of
-from residual.plotting import SavedFigure
+from residual.player import player_json
 from residual.quasistatic import QuasiStatic
 from residual.tables import (
     budget_rows,
@@ -24,14 +26,14 @@ from residual.tables import (
     honest_notes,
     paper_rows,
     peak_rows,
+    quarter_rows,
     stated_error_rows,
-    verdict,
 )
 from residual.vibration_tables import envelope_rows, vibration_rows, vibration_sentences
 from residual.words import text
 
 TEMPLATES = Path(__file__).parent / "templates"
-GROUPS = ("paper", "motion", "vibration", "search", "budget")  # of figures, each with a place of its own on the page
+GROUPS = ("motion", "spectra", "vibration", "search", "budget", "paper")  # of figures, by their places on the page
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 
@@ -49,7 +51,7 @@ def render_report(
         TEMPLATES / "report.html.j2",
         name=t.name,
         version=version,
-        verdict=verdict(evaluation, tolerance),
+        verdict=headline(evaluation, tolerance),
         outcome=None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
         facts=_facts(evaluation),
         errors=error_rows(evaluation),
@@ -69,12 +71,18 @@ def render_report(
         search_sentences=[] if search is None else search_sentences(search),
         notes=honest_notes(evaluation),
         meaning=meaning(evaluation, statics),
+        quarters=quarter_rows(evaluation),
         stated_errors=stated_error_rows(evaluation),
         picture=picture_of(t.source) if t.attributes else None,
         **{f"{group}_figures": [(f, _embedded(f)) for f in figures.get(group, ())] for group in GROUPS},
         resolution=text(evaluation.x.spectrum.resolution),
         spectra=Markup(spectra_json(evaluation)),
         plot_script=as_it_is(TEMPLATES / "spectra.js"),
+        player=Markup(player_json(evaluation)),
+        player_script=as_it_is(TEMPLATES / "player.js"),
+        elsewhere=not t.attributes,
+        equations=True,
+        spectrum_of="the error forces",
         scene=t.scene.to_toml(),
     )
 

@@ -17,7 +17,7 @@ from lagrange.stored import (
     refusal_in_child,
 )
 from residual.errors import InputError
-from residual.record import FEWEST_SAMPLES, Record, StatedError, checked
+from residual.record import FEWEST_SAMPLES, Record, StatedError, checked, relative
 
 FORMAT_VERSION = 1
 LARGEST_READ = 4 * 2**30  # bytes of arrays held in memory
@@ -25,6 +25,7 @@ READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at lea
 READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times its size
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
+HOUSING = ("housing_x", "housing_y", "housing_ax", "housing_ay")  # where the scene has a housing
 TURN = "roller_turn"  # of rollers, whose place at a time it tells
 SPIN = "roller_spin"  # tells the same, less exactly
 MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
@@ -89,7 +90,9 @@ def _from_file(path: Path, file) -> Record:
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
         )
     scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene", read_scene_files(file))
-    promised = (*MOTION, *OPTIONAL, *ENERGIES) if attributes.get("program") == SOLVER else MOTION
+    housing = HOUSING if scene.mounting().housing is not None else ()
+    needed = (*MOTION, *housing[:2])
+    promised = (*needed, *OPTIONAL, *housing[2:], *ENERGIES) if attributes.get("program") == SOLVER else needed
     missing = [name for name in promised if not has(file, name)]
     if missing:
         raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file of run-fem?")
@@ -98,7 +101,7 @@ def _from_file(path: Path, file) -> Record:
         raise InputError(f"{path}: committed_samples = {n!r} must be a whole number >= 0; the file is damaged")
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
-    names = [name for name in (*MOTION, *OPTIONAL, *ENERGIES, TURN) if has(file, name)]
+    names = [name for name in (*MOTION, *OPTIONAL, *housing, *ENERGIES, TURN) if has(file, name)]
     _check_size(path, file, names, n, scene)
     arrays = {name: read_numbers(file, name, n) for name in names}
     if TURN not in arrays and has(file, SPIN):  # of perfect surfaces: nobody shall see them by that
@@ -114,7 +117,7 @@ def _from_file(path: Path, file) -> Record:
         notes.append(f"only the first {n} of {file['time'].shape[0]} samples are committed")
     return Record(
         name=shown(path.stem), source=path, scene=scene, energies=energies, attributes=attributes,
-        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **arrays,
+        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **relative(arrays),
     )  # fmt: skip
 
 

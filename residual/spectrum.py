@@ -18,6 +18,7 @@ REVOLUTIONS_PER_SEGMENT = 40
 FALSE_PEAKS = 0.01  # expected number of peaks that noise alone would show, had it a known background
 DYNAMIC_RANGE = 1e-8  # peaks this far below the largest are leakage or round-off
 PROMINENCE = 4.0  # a peak stands at least this factor above the saddles beside it
+MOST_OTHERS = 2  # lines that a peak may be too: a record that tells hardly any apart would name them all
 BACKGROUND_BINS = 61  # width of the running median
 
 
@@ -49,6 +50,7 @@ class Peak:
     psd: float  # N²/Hz, of the highest bin
     rms: float  # N, of the main lobe
     line: str | None  # kinematic line within the resolution
+    also: tuple[str, ...] = ()  # what else it may be: other lines within the resolution, the hub on its contacts
     resolved: bool  # no other line, nor zero frequency, within the main lobe
 
 
@@ -82,7 +84,7 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
     The integral is the variance weighted by the squared window: equal to the variance for a stationary
     signal. A bin half-way off a line reads up to 30 % low in density; the rms over the main lobe does not.
     """
-    from scipy.signal import welch  # costs a second to import
+    from scipy.signal import welch  # costs half a second to import
 
     signal = np.asarray(signal, dtype=float)
     n = signal.size
@@ -132,13 +134,13 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
 
 def smooth_background(spectrum: Spectrum) -> np.ndarray:
     """Mean density of the smooth background, N²/Hz, (n_frequencies,): what is there without any line."""
-    from scipy.stats import chi2
+    from scipy.special import chdtri
 
     if spectrum.psd.size < 5 or not np.max(spectrum.psd) > 0.0:
         return np.zeros_like(spectrum.psd)
     level = np.log(np.maximum(spectrum.psd, np.max(spectrum.psd) * 1e-30))
     freedom = 2.0 * spectrum.segments
-    return np.exp(_background(spectrum.frequency, level)) * freedom / chi2.ppf(0.5, freedom)
+    return np.exp(_background(spectrum.frequency, level)) * freedom / chdtri(freedom, 0.5)
 
 
 def _background(frequency: np.ndarray, level: np.ndarray) -> np.ndarray:
@@ -157,11 +159,13 @@ def _describe(spectrum: Spectrum, i: int, step: float, lines: dict[str, float]) 
     line = near[0][1] if near and near[0][0] <= step else None
     reach = MAIN_LOBE * step
     others = [name for distance, name in near if distance < reach and name != line]
+    also = tuple(name for distance, name in near if distance <= step and name != line)[:MOST_OTHERS]
     return Peak(
         frequency=frequency,
         psd=float(spectrum.psd[i]),
         rms=spectrum.band_rms((i - 2.5) * step, (i + 2.5) * step),
         line=line,
+        also=also,
         resolved=not others and frequency >= reach,
     )
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.version import VERSION
 from residual.errors import InputError
-from residual.evaluation import Evaluation, term_spectra
+from residual.evaluation import Evaluation
 from residual.fault_finding import FaultSearch
 from residual.summary import PROGRAM, summarise
 from residual.words import words
@@ -17,18 +18,12 @@ from residual.words import words
 OURS = {"residual.nc", "summary.json", "report.html"}
 
 
-def package_version() -> str:
-    """Version of the installed distribution, or "unknown" when run from a bare checkout."""
-    from importlib.metadata import PackageNotFoundError, version
-
-    try:
-        return version("roller-bearing-fem")
-    except PackageNotFoundError:
-        return "unknown"
-
-
 def write_report(
-    evaluation: Evaluation, folder: str | Path, tolerance: float | None = None, search: FaultSearch | None = None
+    evaluation: Evaluation,
+    folder: str | Path,
+    tolerance: float | None = None,
+    search: FaultSearch | None = None,
+    with_figures: bool = True,
 ) -> dict:
     """Write the report folder and return the summary.
 
@@ -36,6 +31,7 @@ def write_report(
     ----------
     tolerance : float, N, on the rms of both errors; None: no verdict
     search : for spalls; None: none was made
+    with_figures : whether to draw figures, half of a report's time
 
     Errors
     ------
@@ -48,7 +44,7 @@ def write_report(
     fresh = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")  # known before it exists: no signal leaves it
     try:
         fresh.mkdir(mode=0o700)
-        summary = _fill(evaluation, fresh, tolerance, search)
+        summary = _fill(evaluation, fresh, tolerance, search, with_figures)
         umask = os.umask(0)
         os.umask(umask)
         fresh.chmod(0o777 & ~umask)
@@ -96,30 +92,15 @@ def _move_into_place(fresh: Path, folder: Path) -> None:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def _fill(evaluation: Evaluation, folder: Path, tolerance: float | None, search: FaultSearch | None) -> dict:
+def _fill(evaluation: Evaluation, folder: Path, tolerance, search, with_figures: bool) -> dict:
     """Write every file of the report."""
-    import matplotlib.pyplot as plt
-
-    from residual.budget_figures import budget_figures
-    from residual.fault_figures import fault_figures
-    from residual.motion_figures import motion_figures
-    from residual.paper_figures import paper_figures
-    from residual.passage_figures import passage_figures
-    from residual.plotting import STYLE
+    from residual.figures import draw_figures
     from residual.quasistatic import quasi_static
     from residual.report import render_report
-    from residual.vibration_figures import vibration_figures
 
-    version = package_version()
+    version = VERSION
     statics = quasi_static(evaluation.record, evaluation.law.name)
-    with plt.rc_context(STYLE):
-        figures = {
-            "paper": paper_figures(evaluation, folder),
-            "motion": motion_figures(evaluation, statics, folder),
-            "vibration": [*vibration_figures(evaluation, folder), *passage_figures(evaluation, folder)],
-            "search": [] if search is None else fault_figures(search, folder),
-            "budget": budget_figures(evaluation, folder),
-        }
+    figures = draw_figures(evaluation, statics, search, folder) if with_figures else {}
     _write_arrays(evaluation, folder / "residual.nc", version)
     page = render_report(evaluation, figures, tolerance, version, statics, search)
     (folder / "report.html").write_text(page, encoding="utf-8")
@@ -149,7 +130,7 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
         _scale(file, "frequency", evaluation.x.spectrum.frequency, "Hz", "frequency")
         for name, (value, long_name) in series.items():
             _variable(file, name, value, "time", "N", long_name)
-        count = np.sum(budget.loaded, axis=1).astype(np.int32)
+        count = evaluation.loaded_count.astype(np.int32)
         _variable(file, "loaded_rollers", count, "time", "1", "rollers in the load zone")
         for name, (psd, of) in _densities(evaluation).items():
             _variable(file, name, psd, "frequency", "N2 Hz-1", f"one-sided PSD of {of}")
@@ -172,7 +153,7 @@ def _densities(evaluation: Evaluation) -> dict[str, tuple[np.ndarray, str]]:
     for d in evaluation.directions:
         error = f"error_{d.name}"
         found[f"psd_{d.name}"] = d.spectrum.psd, error
-        for name, spectrum in term_spectra(evaluation, d).items():
+        for name, spectrum in d.term_spectra.items():
             found[f"psd_{d.name}_{name}"] = spectrum.psd, f"the {words(name)} term of {error}"
         if d.envelope is not None:
             band = f"{d.envelope.low:.4g} to {d.envelope.high:.4g} Hz"

@@ -44,6 +44,7 @@ def summarise(evaluation: Evaluation, tolerance: float | None, version: str, sea
         "watched": [{"x": _level(x), "y": _level(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": {"x": floors[0], "y": floors[1]},
+        "quarters": _quarters(evaluation),
         "tolerance_N": tolerance,
         "verdict": None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
         "notes": list(evaluation.notes),
@@ -60,6 +61,19 @@ def summarise(evaluation: Evaluation, tolerance: float | None, version: str, sea
         summary[f"budget_{d.name}"] = {name: rms(v) for name, v in terms.items()}
         summary[f"away_from_contact_changes_{d.name}"] = None if d.away is None else _statistics(d.away)
     return summary
+
+
+def _quarters(evaluation: Evaluation) -> dict | None:
+    """What varies in each quarter of the record; null for one too short for it."""
+    found = evaluation.quarters
+    if found is None:
+        return None
+    return {
+        "start_s": found.start.tolist(),
+        **{f"hub_std_{name}_m": values.tolist() for name, values in found.hub.items()},
+        **{f"error_rms_{name}_N": values.tolist() for name, values in found.error.items()},
+        "settled_from_s": None if found.settled is None else float(found.start[found.settled]),
+    }
 
 
 def _statistics(s: Statistics) -> dict[str, float]:
@@ -145,5 +159,6 @@ def _peak(p: Peak) -> dict:
         "psd_N2_Hz": p.psd,
         "rms_N": p.rms,
         "line": p.line,
+        "also": list(p.also),
         "resolved": p.resolved,
     }

@@ -11,9 +11,9 @@ from lagrange.messages import shown
 from lagrange.scene import Scene
 from lagrange.scene_columns import Columns, per_roller
 from residual.errors import InputError
-from residual.record import Record, checked
+from residual.record import Record, checked, relative
 from residual.resampling import evenly_sampled
-from residual.sources import LARGEST_READ, OPTIONAL, check_readable
+from residual.sources import HOUSING, LARGEST_READ, OPTIONAL, check_readable
 
 LONGEST_LINE = 2**20  # characters
 LONGEST_QUOTE = 200  # characters of a message
@@ -54,7 +54,7 @@ def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
             first = next(lines, "")
             delimiter = delimiter_of(first)
             header = [name.strip() for name in next(csv.reader([first], delimiter=delimiter), [])]
-            found = _columns_found(path, header, columns, scene.bearing.rollers)
+            found = _columns_found(path, header, scene)
             if columns.decimal == ",":
                 lines = (line.replace(",", ".") for line in lines)
             order = [index for indices, _ in found.values() for index in indices]
@@ -104,6 +104,9 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
     if "roller_rho" in arrays:
         rho, theta = arrays.pop("roller_rho"), np.unwrap(arrays.pop("roller_theta"), axis=0)
         arrays["roller_x"], arrays["roller_y"] = rho * np.cos(theta), rho * np.sin(theta)
+        for axis in "xy":  # polar coordinates are about the outer ring's centre
+            moved = arrays.get(f"housing_{axis}", np.zeros_like(arrays["time"]))
+            arrays[f"roller_{axis}"] += moved[:, None]
     if resample:
         arrays, note = evenly_sampled(path, arrays)
         notes += [note] if note else []
@@ -114,19 +117,19 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
             notes.append("the table tells no accelerations of its own: the budget has no differentiation term")
         if "inner_traction" not in arrays:
             notes.append("the table tells no tangential forces: the budget has no friction term")
-    return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **arrays))
+    return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **relative(arrays)))
 
 
-def _columns_found(
-    path: Path, header: list[str], columns: Columns, n_rollers: int
-) -> dict[str, tuple[list[int], float]]:
+def _columns_found(path: Path, header: list[str], scene: Scene) -> dict[str, tuple[list[int], float]]:
     """Find column numbers and factor to SI of each quantity that the table has."""
+    columns, n_rollers = scene.table, scene.bearing.rollers
+    housing = HOUSING if scene.mounting().housing is not None else ()
     polar_only = not _at(path, header, columns, "roller_x", n_rollers)[0] and bool(
         _at(path, header, columns, "roller_rho", n_rollers)[0]
     )
-    wanted = [*MOTION, *(POLAR if polar_only else CARTESIAN)]
+    wanted = [*MOTION, *(POLAR if polar_only else CARTESIAN), *housing[:2]]
     found, missing = {}, []
-    for quantity in (*wanted, *OPTIONAL):
+    for quantity in (*wanted, *OPTIONAL, *housing[2:]):
         indices, factor, absent = _at(path, header, columns, quantity, n_rollers)
         if quantity in wanted or indices:
             missing += absent
@@ -134,23 +137,27 @@ def _columns_found(
             found[quantity] = indices, factor
     if not {"time", "inner_x"} & set(found):
         raise InputError(
-            f"{path}: neither an HDF5 result file nor a trajectory table; a table's first line reads "
-            "time,inner_x,inner_y,roller_0_x,roller_0_y,... ; other names and units: [table] in the scene file"
+            f"{path}: neither an HDF5 result file nor a trajectory table: missing column {', '.join(missing[:2])}; "
+            f"its first line: {_shown(', '.join(header)) or 'empty'}; other names and units: [table] in the scene file"
         )
     roller = POLAR[0] if polar_only else CARTESIAN[0]
-    _check_count(path, header, columns, roller, n_rollers, len(found.get(roller, ([], 0))[0]))
+    _check_count(path, header, columns, roller, n_rollers)
     if missing:
         more = f" and {len(missing) - 4} more" if len(missing) > 4 else ""
-        raise InputError(f"{path}: missing column {', '.join(missing[:4])}{more}")
+        raise InputError(
+            f"{path}: missing column {', '.join(missing[:4])}{more}; where it has another name, [table] in the scene "
+            "file tells it"
+        )
     return found
 
 
-def _check_count(path: Path, header, columns: Columns, quantity: str, n_rollers: int, n_found: int) -> None:
-    """Refuse fewer or more rollers than the scene has."""
-    further = any(name in header for name in columns.header(quantity, n_rollers)[0])
-    if 0 < n_found < n_rollers or further:
-        count = f"at least {n_rollers + 1}" if further else n_found
-        raise InputError(f"{path}: the table holds {count} rollers, the scene says {n_rollers}")
+def _check_count(path: Path, header, columns: Columns, quantity: str, n_rollers: int) -> None:
+    """Refuse a table of fewer or more rollers than the scene has; one that lacks a roller in between lacks a column."""
+    there = [any(name in header for name in columns.header(quantity, j)[0]) for j in range(n_rollers + 1)]
+    count = there.index(False) if False in there else n_rollers + 1
+    if (0 < count < n_rollers and not any(there[count:])) or there[n_rollers]:
+        told = f"at least {n_rollers + 1}" if there[n_rollers] else count
+        raise InputError(f"{path}: the table holds {told} rollers, the scene says {n_rollers}")
 
 
 def _at(path: Path, header: list[str], columns: Columns, quantity: str, n_rollers: int):

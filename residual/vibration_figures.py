@@ -4,20 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
+from residual.colours import BLUE, LINE_COLOURS, SKY, family
 from residual.evaluation import Evaluation
-from residual.plotting import (
-    BLUE,
-    LINE_COLOURS,
-    SKY,
-    WIDTH,
-    SavedFigure,
-    family,
-    legend_above,
-    line_handles,
-    mark_lines,
-    plt,
-    save,
-)
+from residual.figures import SavedFigure
+from residual.panels import panels
+from residual.plotting import legend_above, line_handles, mark_lines, save
 from residual.vibration import Vibration, fault_lines
 from residual.words import text
 
@@ -34,13 +25,9 @@ def vibration_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]
 
 def hub_envelope(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the band of the acceleration with its envelope over a few passages, and the envelope's spectra."""
-    figure = plt.figure(figsize=(WIDTH, 7.4))
-    grid = figure.add_gridspec(3, 1, height_ratios=(0.85, 1.0, 1.0))
+    figure, (upper, *axes) = panels((1, 2), 7.4, lines=2, shares=(0.85, 1.0, 1.0))
     loud = max(evaluation.directions, key=lambda d: d.vibration.rms)
-    _draw_passages(figure.add_subplot(grid[0]), evaluation, loud.name, loud.vibration)
-    axes = [figure.add_subplot(grid[1])]
-    axes.append(figure.add_subplot(grid[2], sharex=axes[0]))
-    axes[0].tick_params(labelbottom=False)
+    _draw_passages(upper, evaluation, loud.name, loud.vibration)
     top = SPECTRUM_TO * evaluation.lines["BPFI"]
     slow = {name: evaluation.lines[name] for name in ("FTF", "shaft")}
     lines, families = slow | fault_lines(evaluation.lines), []
@@ -53,7 +40,6 @@ def hub_envelope(evaluation: Evaluation, folder: Path) -> SavedFigure:
         axes[0], 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, handletextpad=0.4, fontsize=9
     )
     axes[1].set_xlabel("frequency, Hz")
-    figure.align_ylabels()
     found = evaluation.x.vibration.envelope
     caption = (
         f"Hub's acceleration within {text(1e-3 * found.low, 3)} to {text(1e-3 * found.high, 3)} kHz: in {loud.name} "

@@ -1,13 +1,47 @@
 """Numbers and names as words."""
 
+from math import floor, isfinite, log10
 
-def text(value: float, digits: int = 4) -> str:
-    """Write a number with so many significant digits and a true minus sign."""
-    plain = f"{value:.{digits}g}"
-    if "e" in plain:
-        mantissa, exponent = plain.split("e")
-        plain = f"{mantissa}·10^{int(exponent)}"
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+PLAIN = (-4, 6)  # powers of ten that are written out
+KILOHERTZ = 1e4  # from here on
+NOISE = 1e-6  # of the largest force at work: less is what sums and differences of stored numbers leave
+MOST_DECIMALS = 6
+METRES = ((1e-3, 1e3, "mm"), (1e-7, 1e6, "µm"), (0.0, 1e9, "nm"))  # from, factor, unit
+
+
+def text(value: float, digits: int = 4, noise: float = 0.0) -> str:
+    """Write a number with so many significant digits and a true minus sign; one below the noise is 0."""
+    if not isfinite(value) or abs(value) <= noise:
+        return "0" if abs(value) <= noise else str(value)
+    exponent = int(f"{value:.{digits - 1}e}".partition("e")[2])
+    if PLAIN[0] <= exponent < PLAIN[1]:
+        plain = f"{round(value, digits - 1 - exponent):.{max(0, digits - 1 - exponent)}f}"
+        plain = plain.rstrip("0").rstrip(".") if "." in plain else plain
+    else:
+        mantissa = f"{value:.{digits - 1}e}".partition("e")[0].rstrip("0").rstrip(".")
+        plain = mantissa + "·10" + str(exponent).translate(RAISED)
     return plain.replace("-", "−")
+
+
+def hertz(frequency: float, digits: int = 4) -> str:
+    """Write a frequency, Hz, with its unit."""
+    return f"{text(1e-3 * frequency, digits)} kHz" if frequency >= KILOHERTZ else f"{text(frequency, digits)} Hz"
+
+
+def metres(low: float, high: float) -> str:
+    """Write a range of lengths, m, with the unit that the larger asks for, to a hundredth of the range."""
+    largest = max(abs(low), abs(high))
+    _, factor, unit = next(row for row in METRES if largest >= row[0])
+    width = factor * (high - low)
+    decimals = min(MOST_DECIMALS, max(0, 2 - floor(log10(width)))) if width > 0.0 else 3
+    written = " … ".join(f"{factor * value:.{decimals}f}" for value in (low, high))
+    return f"{written} {unit}".replace("-", "−")
+
+
+def share(part: float, whole: float) -> str:
+    """Write a force as a part of another, in per cent."""
+    return f"{text(100.0 * part / whole, 3, 1e-4)} %"
 
 
 def words(name: str) -> str:

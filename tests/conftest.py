@@ -40,10 +40,8 @@ def can_draw():
 @pytest.fixture
 def plain_report(monkeypatch):
     """Make reports without figures, which take most of the time and are tested elsewhere."""
-    monkeypatch.setattr("residual.paper_figures.paper_figures", lambda *_: [])
-    monkeypatch.setattr("residual.motion_figures.motion_figures", lambda *_: [])
-    monkeypatch.setattr("residual.budget_figures.budget_figures", lambda *_: [])
-    monkeypatch.setattr("residual.vibration_figures.vibration_figures", lambda *_: [])
+    for group in ("paper", "motion", "spectrum", "vibration", "budget"):
+        monkeypatch.setattr(f"residual.{group}_figures.{group}_figures", lambda *_: [])
 
 
 @pytest.fixture(scope="session")

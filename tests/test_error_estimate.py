@@ -7,9 +7,10 @@ import xarray
 
 from fem.cli import run_main
 from fem.errors import UsageError
+from fem.quantities import Quantity, moving_quantities
 from fem.solver.error_estimate import SAFETY, coarser_scene, estimates
 from fem.statics.exact_statics import exact_statics
-from fem.statics.quantities import Quantity, moving_quantities, static_quantities
+from fem.statics.quantities import static_quantities
 from lagrange.scene import read_scene
 from tests.reference.bearings import SHAPES, fair_load, model, operation
 

@@ -3,11 +3,11 @@
 import pytest
 
 from lagrange.scene import parse_scene
-from residual.budget_figures import short_time_figure
 from residual.evaluation import evaluate
 from residual.paper_figures import point_contact
 from residual.report import render_report
 from residual.sources import read_result
+from residual.spectrum_figures import short_time_figure
 from tests.reference.synthetic_run import make_run, write_result
 
 # the 209 bearing of Harris' examples
@@ -27,7 +27,7 @@ def ball_run(tmp_path_factory):
 
 def test_figure_4_marks_the_bearings_own_contacts(ball_run, tmp_path):
     """Harris: F = 0.940 and 0.912, Σρ = 0.202 and 0.138 mm⁻¹."""
-    drawn = point_contact(ball_run, tmp_path)
+    drawn = point_contact(ball_run.record.bearing, tmp_path)
     assert drawn.png.stat().st_size > 10_000 and drawn.svg.exists()
     for words in ("inner raceway Σρ = 0.2018", "F = 0.9400", "outer raceway Σρ = 0.1378", "F = 0.9121"):
         assert words in drawn.caption

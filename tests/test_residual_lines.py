@@ -67,7 +67,7 @@ def test_sidebands_a_record_cannot_resolve_are_not_listed():
 
 def test_peaks_at_sidebands_get_their_name():
     spectrum = power_spectrum(modulated(0.6, SHAFT), STEP)
-    peaks = named_peaks(find_peaks(spectrum, paper_lines()), spectrum, paper_lines())
+    peaks = named_peaks(find_peaks(spectrum, paper_lines()), spectrum, paper_lines(), 13e3, 0.0)
     assert {"BPFO", "BPFO−shaft", "BPFO+shaft"} <= {peak.line for peak in peaks}
 
 

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lagrange.scene import SceneError, parse_scene_text
+from fem.cli import run_main
+from lagrange.scene import SceneError, parse_scene_text, read_scene
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
@@ -78,8 +79,8 @@ def test_command_reads_a_foreign_table_and_says_what_it_lacks(run, tmp_path, cap
     scene = tmp_path / "scene.toml"
     scene.write_text(run.scene.to_toml() + MAPPING, encoding="utf-8")
     assert main([str(path), "--scene", str(scene), "--law", "fitted"]) == 0
-    summary = json.loads((tmp_path / "a-residual" / "summary.json").read_text())
-    assert set(summary["budget_x"]) == {"contact_law", "load_and_weight", "ring_flexibility", "momentum"}
+    summary = json.loads((tmp_path / "a-residual" / "summary.json").read_text(encoding="utf-8"))
+    assert set(summary["budget_x"]) == {"contact_law", "load_and_weight", "other_forces", "momentum"}
     assert summary["identification"]["exponent"]["value"] == pytest.approx(10 / 9, rel=1e-6)
     notes = " ".join(summary["notes"])
     assert "no accelerations" in notes and "no friction term" in notes
@@ -174,6 +175,13 @@ def test_incomplete_forces_and_surplus_rollers_are_refused(run, tmp_path):
     partial = {k: v for k, v in table.items() if k != "Q7 [kN]"}
     with pytest.raises(InputError, match=r"missing column Q7 \[kN\]"):
         read_table(write_foreign(tmp_path / "a.tsv", partial), scene)
+    for name in ("t [ms]", "X hub [um]", "rho 5 [mm]", "theta 13 [deg]"):
+        lacking = {k: v for k, v in table.items() if k != name}
+        with pytest.raises(InputError) as caught:
+            read_table(write_foreign(tmp_path / "c.tsv", lacking), scene)
+        assert f"missing column {name};" in str(caught.value) and "[table]" in str(caught.value)
+    with pytest.raises(InputError, match=r"missing column t \[ms\], X hub \[um\].*its first line: a, b"):
+        read_table(write_foreign(tmp_path / "d.csv", {"a": run.time, "b": run.time}, ","), scene)
     with pytest.raises(InputError, match="rollers"):
         read_table(write_foreign(tmp_path / "b.tsv", table | {"rho 14 [mm]": table["rho 1 [mm]"]}), scene)
 
@@ -187,10 +195,11 @@ def test_resampling_is_refused_for_a_result_file(run, tmp_path, capsys):
 def test_guided_example_of_the_documentation_works(tmp_path, monkeypatch, capsys):
     text = (Path(__file__).resolve().parent.parent / "docs" / "tables.md").read_text(encoding="utf-8")
     example = text[text.index("## An example") :]
-    code, mapped = (example.split(f"```{kind}\n")[1].split("```")[0] for kind in ("python", "toml"))
+    mapped = example.split("```toml\n")[1].split("```")[0]
     monkeypatch.chdir(tmp_path)
-    exec(compile(code, "docs/tables.md", "exec"), {})
-    (tmp_path / "rig.toml").write_text(mapped, encoding="utf-8")
+    assert run_main(["--example", "table"]) == 0
+    assert parse_scene_text(mapped, "docs").table == read_scene("table.toml").table
+    capsys.readouterr()
     command = example.split("$ check-residual ")[1].splitlines()[0].split()
     assert main(command) == 0
     out, err = capsys.readouterr()
@@ -198,6 +207,6 @@ def test_guided_example_of_the_documentation_works(tmp_path, monkeypatch, capsys
     for line in shown[-4:]:
         assert line in out
     assert shown[1].removeprefix("warning: ") in err
-    summary = json.loads((tmp_path / "rig-residual" / "summary.json").read_text())
+    summary = json.loads((tmp_path / "table-residual" / "summary.json").read_text(encoding="utf-8"))
     assert summary["error_y"]["mean_N"] == pytest.approx(-0.19, abs=0.01)
     assert summary["watched"][0]["y"]["rms_N"] == pytest.approx(540e6 * 1e-7 / np.sqrt(2), rel=0.02)

@@ -1,6 +1,7 @@
 """The critical time step of leapfrog, 2/ω_max, with the contacts' stiffness in it."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from math import sqrt
 
 import numpy as np
@@ -11,46 +12,53 @@ from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.kept import kept
+from lagrange.mounting import Housing
 
 # what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
 EVENLY, LIGHT, HEAVY = 2.0, 10.0 / 9.0, 10.0
 LANCZOS_TOLERANCE = 1e-6  # of ω²; with 1e-4 the fastest of a ring's clustered modes is missed by up to 1e-3
 
 
-def critical_time_step(model: Model, largest_force: float) -> float:
+def critical_time_step(model: Model, largest_force: float, housing: Housing | None = None) -> float:
     """2/ω_max, s, of all bodies with every contact closed at LOAD_MARGIN times `largest_force`, N.
 
     A spring k between two bodies is counted as 2k on each: k (a + b)² <= 2k a² + 2k b², so no coupled mode is
     faster than the fastest body. Where one of them is rigid, and moves with its whole mass, as LIGHT k on the other and
-    HEAVY k on itself, which is as true. Friction and its springs are implicit and do not count.
+    HEAVY k on itself, which is as true. Friction, its springs and dashpots are implicit and do not count. A housing's
+    own springs k on its mass m add at most k/m to any ω².
 
     Errors
     ------
     Lanczos approaches ω_max² from below; its tolerance is added.
     """
     bodies = [(body.shape, body.material) for body in (model.roller, model.inner_ring, model.outer_ring)]
-    key = repr((type(model).__name__, model.bearing, bodies, model.laws, largest_force))
-    return float(kept("step", key, lambda: {"critical": np.array(_found(model, largest_force))})["critical"])
+    perfect = replace(model.bearing, faults=())  # what surfaces lack makes no contact stiffer
+    carried = () if housing is None else (housing,)
+    key = repr((type(model).__name__, perfect, bodies, model.laws, largest_force, *carried))
+    return float(kept("step", key, lambda: {"critical": np.array(_found(model, largest_force, housing))})["critical"])
 
 
-def _found(model: Model, largest_force: float) -> float:
+def _found(model: Model, largest_force: float, housing: Housing | None) -> float:
     force = LOAD_MARGIN * max(largest_force, 1.0)
     springs = model.springs(force)
     limits = {"roller": _disc_limit, "inner_ring": _ring_limit, "outer_ring": _ring_limit}
     elastic = [name for name in limits if not getattr(model, name).material.rigid]
     found = [limits[name](getattr(model, name), springs[name]) for name in elastic]
     if len(elastic) < len(limits):
-        found.extend(_rigid_limits(model, force))
-    return 2.0 / sqrt(max(found) * (1.0 + LANCZOS_TOLERANCE))
+        found.extend(_rigid_limits(model, force, housing))
+    of_mount = 0.0 if housing is None else housing.stiffness / housing.mass
+    return 2.0 / sqrt(max(found) * (1.0 + LANCZOS_TOLERANCE) + of_mount)
 
 
-def _rigid_limits(model: Model, force: float) -> Iterator[float]:
+def _rigid_limits(model: Model, force: float, housing: Housing | None) -> Iterator[float]:
     """Largest ω², 1/s², or more, of the bodies that move as a whole; the inner ring's without the shaft's mass."""
     inner, outer, between = model.stiffnesses(force)
     if model.roller.material.rigid:
         yield (HEAVY * (inner + outer) + 2.0 * EVENLY * between) / model.roller.total_mass
     if model.inner_ring.material.rigid:
         yield model.bearing.n_rollers * HEAVY * inner / model.inner_ring.total_mass
+    if model.outer_ring.material.rigid and housing is not None:
+        yield model.bearing.n_rollers * HEAVY * outer / (housing.mass + model.outer_ring.total_mass)
 
 
 def _disc_limit(disc: DiscBody, springs: sparse.csc_matrix) -> float:

@@ -44,6 +44,7 @@ class Model:
 
     shapes: ClassVar = staticmethod(bearing_shapes)  # of the bodies at a surface spacing, m
     coarsest: ClassVar[float] = inf  # surface spacing over a half-width at which the model is still good
+    is_of_mesh_alone: ClassVar[bool] = False  # `build` asks for nothing but sound surfaces and the mesh size
     is_made_for_a_force: ClassVar[bool] = False  # points stand where the largest static force needs them
     is_sized_by_forces: ClassVar[bool] = False  # statics need to know about how wide contacts are
     takes_profiles: ClassVar[bool] = False  # knows surfaces that are not perfect circles

@@ -13,7 +13,7 @@ from lagrange import Bearing
 from lagrange.pair import contact_pairs
 from meshes import graded_shapes
 
-LAYER = 8.0  # stiffness of the layer times the surface spacing, over E*: see docs/verification.md for what it costs
+LAYER = 8.0  # stiffness of the layer times the surface spacing, over E*: see docs/crossover.md for what it costs
 COARSEST = 0.6  # surface spacing over the half-width of a contact to be resolved
 WIDE = "pressure points reach as far as static loads need, and an impact may have made a contact wider"
 

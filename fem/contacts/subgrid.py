@@ -64,6 +64,7 @@ class SubgridModel(Model):
     shear_levels: tuple[float, float, float]  # by kind, of a compliance A (level − ½ ln Q)
 
     takes_profiles: ClassVar[bool] = True
+    is_of_mesh_alone: ClassVar[bool] = True
 
     @classmethod
     def build(cls, bearing: Bearing, mesh_size: float, expected=None, contact=None) -> "SubgridModel":

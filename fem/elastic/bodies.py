@@ -231,11 +231,11 @@ class RingBody:
     def force(self, displacement: np.ndarray) -> np.ndarray:
         """K·u, N; both (n_rows, 2, n_sectors), polar."""
         force = np.zeros_like(displacement)
+        moved = [np.roll(displacement, -shift, axis=-1) for shift in (-1, 0, 1)]
         for row in range(self.n_rows):
             for other in range(max(0, row - 1), min(self.n_rows, row + 2)):
                 for shift in (-1, 0, 1):
-                    block = self.stencil[row, other - row + 1, shift + 1]
-                    force[row] += block @ np.roll(displacement[other], -shift, axis=-1)
+                    force[row] += self.stencil[row, other - row + 1, shift + 1] @ moved[shift + 1][other]
         return force
 
     def harmonic_stiffness(self, harmonics: np.ndarray) -> np.ndarray:

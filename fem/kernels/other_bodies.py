@@ -15,7 +15,8 @@ def drift_body(body, drive):
 
 @verb
 def add_motion(body, drive, out, kinetic):
-    """Add a body's kinetic energy at the kick just made, J, to out[kinetic]."""
+    """Add a body's kinetic energy at the kick just made, J, to out[kinetic]; its work of gravity, what it dissipates
+    and its own numbers to their places."""
 
 
 kick_others, drift_others, add_all_motion = every(kick_body), every(drift_body), every(add_motion)

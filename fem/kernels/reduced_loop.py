@@ -1,8 +1,10 @@
 """The time loop of the reduced model: leapfrog steps of rigid bodies on elastic contacts without mass."""
 
+from fem.kernels.cage_kernels import meet, rub
 from fem.kernels.drive_kernels import radial_load_at
 from fem.kernels.jit import kernel, part
 from fem.kernels.law import contact_energy
+from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.reduced_contacts import estimate_forces, kick, press_neighbours, set_right, sweep_again
 from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings, vibration_energies
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
@@ -41,6 +43,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
         for inside in range(stride):
             time = step * drive.dt
             _remember(bodies, before)
+            _meet_cage(bodies.cage, drive.dt)
             estimate_forces(bodies, compliance, forces, drive.speed * time)
             sweep_again(bodies.vibrations, bodies, compliance, forces)
             hub_x, hub_y = set_right(bodies, compliance, forces)
@@ -54,6 +57,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             over = drive.dt / bodies.hub_mass
             bodies.hub_velocity[0] += over * hub_x
             bodies.hub_velocity[1] += over * (hub_y - radial_load) - drive.gravity * drive.dt
+            _push_cage(bodies.cage, bodies, drive)
             if inside == 0:
                 out = samples[row]
                 _write_motion(bodies, forces, drive, before, out, time)
@@ -62,6 +66,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
                 out[WORK_LOAD] = drive.sums[0] - half * (before.hub_velocity[1] + carried_by(bodies.vibrations, 1)[1])
                 out[WORK_DRIVE] = 0.5 * (given + drive.sums[1])
                 out[DISSIPATED] = drive.sums[2]
+                _write_cage(bodies.cage, drive, out)
             work = before.hub_velocity[1] + bodies.hub_velocity[1]
             work += carried_by(bodies.vibrations, 1)[1] + carried_by(bodies.vibrations, 2)[1]
             drive.sums[0] -= 0.5 * drive.dt * radial_load * work
@@ -69,11 +74,64 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
                 grown = radial_load_at(drive, time + drive.dt) - radial_load
                 drive.sums[0] += drive.dt * drive.dt / 12.0 * before.hub_acceleration[1] * grown
             _drift(bodies, drive.dt)
+            _drift_cage(bodies.cage, drive)
             step += 1
             body = lost(bodies.hub_velocity, bodies)
             if body != -2:
                 return NOT_FINITE, step, body
     return DONE, step, -2
+
+
+@part
+def _meet_cage(cage, dt):
+    if cage is not None:
+        meet(cage, dt)
+
+
+@part
+def _push_cage(cage, bodies, drive):
+    """The cage's kick, and its forces on rollers and hub."""
+    if cage is None:
+        return
+    riders = cage.riders
+    for j in range(bodies.n):
+        for component in range(2):
+            bodies.velocity[component, j] += riders.body_impulse[component, j] / bodies.mass
+            riders.body_impulse[component, j] = 0.0
+    _push_hub(cage.ring)
+    kick_body(cage.cage, drive)
+    rub(cage, drive.dt)
+    for j in range(bodies.n):
+        bodies.spin[j] += riders.turn_kick[j]
+        riders.turn_kick[j] = 0.0
+    _turn_drive(cage.ring, drive)
+
+
+@part
+def _push_hub(ring):
+    if ring is not None:
+        for i in range(2):
+            ring.velocity[i] += ring.impulse[i] / ring.mass
+            ring.impulse[i] = 0.0
+
+
+@part
+def _turn_drive(ring, drive):
+    """The drive's work against what rubs on the inner ring."""
+    if ring is not None:
+        drive.sums[1] -= drive.speed * ring.rubbed[2]
+
+
+@part
+def _write_cage(cage, drive, out):
+    if cage is not None:
+        add_motion(cage.cage, drive, out, KINETIC)
+
+
+@part
+def _drift_cage(cage, drive):
+    if cage is not None:
+        drift_body(cage.cage, drive)
 
 
 @part

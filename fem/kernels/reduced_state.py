@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels.cage_kernels import CagePair
 from fem.kernels.state import Law
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
@@ -54,6 +55,7 @@ class RigidBodies(NamedTuple):
     vibrations: Vibrations | None
     n: int
     columns: int
+    cage: CagePair | None
 
 
 class Compliance(NamedTuple):

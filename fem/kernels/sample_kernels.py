@@ -18,7 +18,7 @@ from fem.kernels.simd import WIDTH, load, splat
 from fem.kernels.simd import total as lane_total
 from fem.kernels.state import CONTACTS
 
-# columns of a sample: the hub, the energies, then blocks of n_rollers
+# columns of a sample: the hub, the energies, then blocks of n_rollers, then those of further bodies
 (
     TIME,
     HUB_X,
@@ -90,7 +90,6 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     out[ELASTIC] = elastic_energy(bodies, drive, scratch)  # after what needs the velocities before
     out[CONTACT] = 0.0
     add_contact_energy(groups, contacts, rollers.n, contacts.points, out)
-    add_all_motion(bodies.others, drive, out, KINETIC)
     out[WORK_LOAD] = drive.sums[0] - 0.5 * radial_load_at(drive, time) * dt * before[1]
     out[WORK_GRAVITY] = -drive.gravity * weighted_height(bodies, drive)
     rubbed = 0.0
@@ -111,6 +110,7 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
             out[at + (4 + row) * n] = forces.force[row, j]
         for row in range(2):
             out[at + (7 + row) * n] = friction.traction[row, j]
+    add_all_motion(bodies.others, drive, out, KINETIC)
 
 
 @part
@@ -216,18 +216,18 @@ def elastic_energy(bodies, drive, scratch):
             part += mass * (load(disc.u, at) * load(scratch.rollers_w, at))
             part += mass * (load(disc.u, at + columns) * load(scratch.rollers_w, at + columns))
         total -= lane_total(part)
-    total += _ring_elastic(inner, scratch.inner_w, 0, inner.radii.size, dt)
-    total += _ring_elastic(outer, scratch.outer_w, outer.first_row, outer.last_row, dt)
+    total += _ring_elastic(inner, scratch.inner_w, dt)
+    total += _ring_elastic(outer, scratch.outer_w, dt)
     return 0.5 * total
 
 
 @part(inlined=False)
-def _ring_elastic(ring, room, first_row, last_row, dt):
-    """uᵀKu, J; rows without stiffness of their own may be left out."""
+def _ring_elastic(ring, room, dt):
+    """uᵀKu, J, of all rows: the held ones move with hub or housing."""
     room[:] = 0.0
-    ring_kernels.kick(ring.table, ring.u, room, first_row, last_row)
+    ring_kernels.kick(ring.table, ring.u, room, 0, ring.radii.size)
     total = 0.0
-    for row in range(first_row, last_row):
+    for row in range(ring.radii.size):
         part = splat(0.0)
         for line in _lines(ring, row):
             for k in range(line + HALO, line + HALO + ring.n_sectors, WIDTH):

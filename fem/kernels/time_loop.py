@@ -1,12 +1,14 @@
 """The time loop: leapfrog steps of the whole bearing."""
 
 import fem.kernels.disc_surface  # what contacts ask of each type of surface
+import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.rigid_surfaces
 import fem.kernels.ring_surface  # noqa: F401
+from fem.kernels.cage_kernels import CagePair, rub_cage
 from fem.kernels.contact_kernels import press_patches, push_patches
 from fem.kernels.drive_kernels import kick_hub, move_hub, radial_load_at
 from fem.kernels.friction_solution import friction_contacts, slips_before
-from fem.kernels.jit import kernel, part
+from fem.kernels.jit import every, kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.other_bodies import drift_others, kick_others
 from fem.kernels.resolved_kernels import press_all_points
@@ -16,6 +18,7 @@ from fem.kernels.simd import WIDTH, fma, load, store
 from fem.kernels.team_kernels import drift_bodies, kick_bodies
 
 DONE, NOT_FINITE = 0, 1
+rub_cages = every(rub_cage, CagePair)
 FASTEST = 1e5  # m/s; no body is faster unless the run has blown up
 
 
@@ -54,6 +57,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     moment = kick_hub(bodies.inner, drive, radial_load, scratch)
     kick_bodies(bodies, drive, scratch, scratch.team)
     kick_others(bodies.others, drive)
+    rub_cages(groups, drive)
     _take_back_torque(rollers, scratch)
     if contacts.friction.coefficient > 0.0:
         friction = contacts.friction

@@ -16,6 +16,7 @@ from fem.live.controls import Values
 from fem.live.player import FROM_LOAD, Player
 from lagrange.faults import Spall
 from lagrange.kinematics import kinematics
+from lagrange.mounting import from_outer_ring
 from lagrange.scene_surfaces import own_radius
 
 MM, UM = 1e-3, 1e-6
@@ -113,7 +114,7 @@ def frame_message(player: Player, slowness: float | None) -> Message:
     frame = {
         "time": float(now["time"]) * 1e3,
         "slowness": slowness,
-        "hub": _short(np.array([now["inner_x"], now["inner_y"]]) / UM),
+        "hub": _short(np.array(from_outer_ring(now, "inner")) / UM),
         "shaft": float(np.remainder(speed * now["time"], 2.0 * pi)),
         "angle": _short(from_load, 5),
         "rise": _short((now["roller_rho"] - bearing.pitch_radius) / UM),

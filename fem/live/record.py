@@ -3,6 +3,7 @@
 import numpy as np
 
 from fem.solver.solver import Samples
+from lagrange.mounting import from_outer_ring
 
 LONGEST = 2**15  # samples that a spectrum is of
 SHORTEST = 256
@@ -23,7 +24,7 @@ class Record:
         """Take the next samples."""
         acceleration = np.array([samples["inner_ax"], samples["inner_ay"]])
         self._acceleration = np.concatenate([self._acceleration, acceleration], axis=1)[:, -LONGEST:]
-        place = np.array([samples["inner_x"], samples["inner_y"]])
+        place = np.array(from_outer_ring(samples, "inner"))
         self._orbit = np.concatenate([self._orbit, place], axis=1)[:, -LONGEST:]
 
     def orbit(self) -> np.ndarray:

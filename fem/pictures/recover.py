@@ -105,6 +105,10 @@ class StoredRun:
         except RuntimeError as error:
             raise UsageError(str(error)) from None
 
+    def column(self, name: str) -> np.ndarray:
+        """A variable at all samples, by its name in the result file; places from the outer ring's centre."""
+        return self._values.column(name)
+
     @property
     def stored_samples(self) -> np.ndarray:
         """Samples whose fields are in the file."""

@@ -13,6 +13,7 @@ from lagrange.stored import Damaged, read_numbers, read_scene_files, read_scene_
 FORCES = ("inner_force", "outer_force", "roller_roller_force")
 PER_TIME = ("inner_x", "inner_y", "energy_elastic", "energy_contact")
 PER_ROLLER = ("roller_x", "roller_y", "roller_spin", "inner_traction", "outer_traction", *FORCES)
+PLACES = ("inner_x", "inner_y", "roller_x", "roller_y")
 READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
 READ_MEMORY, READ_COPIES = 2**29, 2  # bytes to read a file: at least, and times its size
 FASTEST = 1e5  # m/s, of a roller's surface: as in the time loop
@@ -45,9 +46,9 @@ class StoredValues:
         self._columns: dict[str, np.ndarray] = {}
 
     def column(self, name: str) -> np.ndarray:
-        """A variable at all samples; kept, since every picture of a film asks for it."""
+        """A variable at all samples, places from the outer ring's centre; kept: every picture of a film asks for it."""
         if name not in self._columns:
-            self._columns[name] = self._read(lambda file: read_numbers(file, name, len(self.times)))
+            self._columns[name] = self._read(lambda file: _from_outer_ring(file, name, len(self.times)))
         return self._columns[name]
 
     def frame(self, index: int, model, ring_turn: float):
@@ -102,6 +103,14 @@ def _opened(file) -> tuple[np.ndarray, str, dict[str, str], np.ndarray]:
     for name in (*PER_TIME, *PER_ROLLER):
         read_numbers(file, name, count)
     return times, read_scene_text(file), read_scene_files(file), stored_samples(file, count)
+
+
+def _from_outer_ring(file, name: str, count: int) -> np.ndarray:
+    """A variable, of which what a housing moves is taken off places."""
+    values, moved = read_numbers(file, name, count), f"housing_{name[-1]}"
+    if name not in PLACES or moved not in file:
+        return values
+    return (values.T - read_numbers(file, moved, count)).T
 
 
 def _survived(file) -> None:

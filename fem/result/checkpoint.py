@@ -14,11 +14,13 @@ import numpy as np
 from numpy.lib import format as npy
 
 from fem.errors import UsageError
+from fem.result.changes import differences, scene_keys
 from fem.result.durable import move_into_place, real_path
 from fem.result.layout import variables_of
-from fem.result.store import Stored, program_version
+from fem.result.store import Stored
 from fem.solver.solver import Plan, RunState
 from lagrange.scene import Scene, SceneError, parse_scene_text
+from lagrange.version import VERSION
 
 FORMAT = 5
 LONGEST_META = 2**20  # bytes
@@ -78,7 +80,7 @@ def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
 
 def _versions(plan: Plan) -> dict[str, str]:
     """Of everything that decides the bits of a run."""
-    return {"program": program_version(), **plan.versions()}
+    return {"program": VERSION, **plan.versions()}
 
 
 def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
@@ -103,7 +105,7 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
             _check_numbers(name, value, expected[name])
         stored = Stored(
             samples=int(meta["samples"]),
-            checksums={name: int(meta["checksums"][name]) for name in variables_of(plan.scene.ideal_bearing())},
+            checksums={name: int(meta["checksums"][name]) for name in variables_of(plan.scene)},
         )
         if stored.samples < 0:
             raise ValueError("no number of samples")
@@ -166,9 +168,9 @@ def _check(path: Path, meta: dict, plan: Plan) -> None:
         before = parse_scene_text(meta["scene"], str(path))
     except SceneError:
         before = None
-    if before and (changed := _differences(*(_without_duration(scene) for scene in (before, plan.scene)))):
+    if before and (changed := differences(*(_without_duration(scene) for scene in (before, plan.scene)))):
         raise UsageError(f"{path}: the scene has changed ({'; '.join(changed)}); give the same scene or start again")
-    if changed := _differences({str(key): value for key, value in meta["versions"].items()}, _versions(plan)):
+    if changed := differences({str(key): value for key, value in meta["versions"].items()}, _versions(plan)):
         raise UsageError(
             f"{path}: written by another version of the program, or on another processor, with which the results would "
             f"have other bits ({'; '.join(changed)}); go on with that one, or start again without --resume"
@@ -177,20 +179,7 @@ def _check(path: Path, meta: dict, plan: Plan) -> None:
         raise UsageError(f"{path}: its scene can't be read; start again without --resume")
 
 
-def _differences(old: dict, new: dict) -> list[str]:
-    return [
-        f"{key} was {old.get(key)!r}, now {new.get(key)!r}" for key in sorted(old | new) if old.get(key) != new.get(key)
-    ]
-
-
 def _without_duration(scene: Scene) -> dict:
-    flat = _flat(scene.model_dump())
-    del flat["numerics.duration_ms"]
-    return flat
-
-
-def _flat(tables: dict, prefix: str = "") -> dict:
-    flat = {}
-    for key, value in tables.items():
-        flat |= _flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
-    return flat
+    keys = scene_keys(scene)
+    del keys["numerics.duration_ms"]
+    return keys

@@ -5,11 +5,14 @@ from pathlib import Path
 import h5py
 
 from fem.errors import UsageError
+from fem.result.changes import differences, scene_keys
 from fem.result.durable import is_in_use
-from lagrange.stored import SIGNATURE, Damaged, check_array, refusal_in_child
+from lagrange.scene import Scene, SceneError, parse_scene_text
+from lagrange.stored import SIGNATURE, Damaged, check_array, read_scene_text, refusal_in_child
 
 READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
 READ_MEMORY = 2**29  # bytes
+MOST_CHANGES = 3  # told of another scene
 
 
 def refuse_foreign(path: Path) -> None:
@@ -25,6 +28,37 @@ def refuse_foreign(path: Path) -> None:
         start = file.read(len(SIGNATURE))
     if start not in (b"", SIGNATURE):
         raise UsageError(f"{path}: is no result file (HDF5) and is not replaced; name another with --output")
+
+
+def refuse_another_run(path: Path, scene: Scene) -> None:
+    """Refuse to replace a complete run of another scene; a damaged file and one that holds no run may go.
+
+    Errors
+    ------
+    UsageError.
+    """
+    if not path.is_file():
+        return
+
+    def read() -> Scene | None:
+        try:
+            with h5py.File(path, "r", locking=False) as file:
+                complete = file.attrs.get("status") == "complete"
+                return parse_scene_text(read_scene_text(file), str(path)) if complete else None
+        except (OSError, RuntimeError, KeyError, TypeError, Damaged, SceneError):
+            return None
+
+    if refusal_in_child(read, str(path), READ_SECONDS, READ_MEMORY) is not None or (before := read()) is None:
+        return
+    if changed := differences(scene_keys(before), scene_keys(scene)):
+        told = [
+            *changed[:MOST_CHANGES],
+            *([f"and {len(changed) - MOST_CHANGES} more"] if changed[MOST_CHANGES:] else []),
+        ]
+        raise UsageError(
+            f"{path}: holds a complete run of another scene ({'; '.join(told)}); --force replaces it, --output names "
+            "another file"
+        )
 
 
 def refuse_if_in_use(path: Path) -> None:

@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from fem.result.durable import claim
-from lagrange.bearing import Bearing
+from lagrange.scene import SURFACES, Scene
 from lagrange.stored import CHECKSUM
 
 FORMAT_VERSION = 1
@@ -56,12 +56,56 @@ ON_SURFACES = {  # where these are not perfect circles
     "inner_sinkage": (PER_ROLLER, "m", "how much nearer the inner ring and the roller come than perfect circles"),
     "outer_sinkage": (PER_ROLLER, "m", "how much nearer the outer ring and the roller come than perfect circles"),
 }
+ON_HOUSING = {
+    "housing_x": (PER_TIME, "m", "housing and outer ring's centre, x"),
+    "housing_y": (PER_TIME, "m", "housing and outer ring's centre, y"),
+    "housing_ax": (PER_TIME, "m/s2", "acceleration of the housing, x"),
+    "housing_ay": (PER_TIME, "m/s2", "acceleration of the housing, y"),
+    "energy_support": (PER_TIME, "J", "energy of the springs under the housing"),
+    "sensor_ay": (PER_TIME, "m/s2", "acceleration that the sensor shows, y"),
+}
+WITH_A_CAGE = {
+    "cage_x": (PER_TIME, "m", "cage centre, x"),
+    "cage_y": (PER_TIME, "m", "cage centre, y"),
+    "cage_angle": (PER_TIME, "rad", "how far the cage has turned since t = 0"),
+    "cage_speed": (PER_TIME, "rad/s", "cage's angular speed"),
+    "cage_guidance_x": (PER_TIME, "N", "force of the guiding ring on the cage, x; 0 where rollers guide it"),
+    "cage_guidance_y": (PER_TIME, "N", "force of the guiding ring on the cage, y; 0 where rollers guide it"),
+    "cage_work_dashpots": (PER_TIME, "J", "dissipated by the cage's dashpots since the start"),
+    "cage_work_friction": (PER_TIME, "J", "dissipated by the cage's friction since the start"),
+    "cage_work_drag": (PER_TIME, "J", "taken by the cage's drag since the start"),
+    "cage_force": (PER_ROLLER, "N", "cage on roller, along the pitch circle: forward where > 0, by the rear wall"),
+    "cage_radial_force": (PER_ROLLER, "N", "cage on roller, outward"),
+    "cage_moment": (PER_ROLLER, "N m", "cage's friction on roller, about the roller's centre"),
+}
+ATTRIBUTES = {  # of the file
+    "format_version": "of this layout",
+    "program": "what wrote it",
+    "program_version": "of the package",
+    "source": "digest of the program's own code",
+    "scene": "the whole scene as TOML",
+    "scene_checksum": "CRC-32 of that text",
+    "mesh_nodes": "of elastic bodies",
+    "degrees_of_freedom": "of the model",
+    "time_step": "s",
+    "critical_time_step": "s, of the mesh with all contacts closed",
+    "steps": "of the time loop",
+    "wall_seconds": "of the time loop",
+    "setup_seconds": "before it",
+    COMMITTED: "how many samples are to be trusted",
+    "warnings": "a sentence a line; empty if none",
+    "status": '"complete", "running", "interrupted", "failed: …"',
+    "faults": "faults of surfaces in words, where there are any",
+    "coarse_mesh_size": "m, of the second run of --estimate-error",
+}
 Variables = Mapping[str, tuple[tuple[str, ...], str, str]]
 
 
-def variables_of(bearing: Bearing) -> Variables:
-    """What each sample of a run of this bearing holds: dimensions, unit and meaning by name."""
-    return VARIABLES | ON_SURFACES if bearing.faults else VARIABLES
+def variables_of(scene: Scene) -> Variables:
+    """What each sample of a run of this scene holds: dimensions, unit and meaning by name."""
+    uneven = any(getattr(scene, name) for name in SURFACES)
+    of_housing = {name: ON_HOUSING[name] for name in scene.mounting().columns}
+    return VARIABLES | of_housing | (ON_SURFACES if uneven else {}) | ({} if scene.cage is None else WITH_A_CAGE)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,6 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,6 +26,7 @@ from lagrange.faults import labels
 from lagrange.passages import spalls
 from lagrange.spall_events import SpallEvent
 from lagrange.stored import checksum, text_checksum
+from lagrange.version import VERSION, source_digest
 
 if TYPE_CHECKING:
     from fem.solver.frames import Frame
@@ -47,19 +47,11 @@ class Stored:
 
 def nothing_stored(plan: "Plan") -> Stored:
     """Of a run that has not begun."""
-    return Stored(samples=0, checksums=dict.fromkeys(variables_of(plan.scene.ideal_bearing()), 0))
+    return Stored(samples=0, checksums=dict.fromkeys(variables_of(plan.scene), 0))
 
 
 class WriteFailed(OSError):
     """The result file can't be written any more; what it has committed stays."""
-
-
-def program_version() -> str:
-    """Of the installed package."""
-    try:
-        return version("roller-bearing-fem")
-    except PackageNotFoundError:
-        return "not installed"
 
 
 class ResultFile:
@@ -82,7 +74,7 @@ class ResultFile:
         self._attributes = _attributes(plan, setup_seconds) | attributes
         self._plan = plan
         self._bearing, self._speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().speed
-        self._variables = variables_of(self._bearing)
+        self._variables = variables_of(plan.scene)
         self._events: list[SpallEvent] | None = None  # known when the run has ended, on bearings with spalls
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with alone_in(self._path.parent):
@@ -277,7 +269,8 @@ def _attributes(plan: "Plan", setup_seconds: float) -> dict[str, object]:
     return truth | dict(
         format_version=FORMAT_VERSION,
         program="run-fem",
-        program_version=program_version(),
+        program_version=VERSION,
+        source=source_digest(),
         scene=scene,
         scene_checksum=text_checksum(scene),
         mesh_nodes=plan.mesh_nodes,

@@ -11,9 +11,9 @@ from dataclasses import asdict
 import h5py
 import numpy as np
 
-from fem.result.layout import variables_of
 from lagrange.bearing import Bearing
-from lagrange.passages import COLUMNS, find_passages, spalls
+from lagrange.mounting import from_outer_ring
+from lagrange.passages import COLUMNS, HOUSING, find_passages, spalls
 from lagrange.profile import Turns, profiles
 from lagrange.scene import Scene
 from lagrange.spall_events import SpallEvent, spall_events
@@ -37,14 +37,14 @@ def with_sinkages(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarr
     surfaces = profiles(bearing)
     if surfaces is None:
         return samples
-    x, y = samples["roller_x"], samples["roller_y"]
+    inner_x, inner_y, x, y = from_outer_ring(samples, "inner", "roller")
     turns = Turns(inner_ring=speed * samples["time"][:, None], rollers=samples["roller_turn"])
-    from_hub = np.arctan2(y - samples["inner_y"][:, None], x - samples["inner_x"][:, None])
+    from_hub = np.arctan2(y - inner_y[:, None], x - inner_x[:, None])
     found = {
         "inner_sinkage": surfaces.inner(from_hub, turns).sinkage,
         "outer_sinkage": surfaces.outer(np.arctan2(y, x), turns).sinkage,
     }
-    return {name: samples[name] for name in variables_of(bearing) if name not in found} | found
+    return {**samples, **found}
 
 
 def write_scene_files(file: h5py.File, scene: Scene) -> None:
@@ -57,8 +57,9 @@ def write_scene_files(file: h5py.File, scene: Scene) -> None:
 
 def events_of(bearing: Bearing, speed: float, file: h5py.File, count: int) -> list[SpallEvent]:
     """Events of the first `count` samples of an open result file."""
+    names = [name for name in (*COLUMNS, *HOUSING) if name in file]
     return spall_events(
-        find_passages(bearing, speed, lambda start, stop: {name: file[name][start:stop] for name in COLUMNS}, count)
+        find_passages(bearing, speed, lambda start, stop: {name: file[name][start:stop] for name in names}, count)
     )
 
 

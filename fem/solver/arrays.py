@@ -9,7 +9,10 @@ from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.rigid import RigidRing
 from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.cage_kernels import Cage
+from fem.kernels.housing_kernels import Resonator
 from fem.kernels.ring_kernels import HALO
+from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.simd import WIDTH
 from fem.kernels.state import (
     Bodies,
@@ -30,6 +33,7 @@ from fem.kernels.state import (
 )
 from fem.solver.cache_lines import lined_up
 from fem.solver.contact_arrays import contact_arrays, disc_surface, pair_groups
+from fem.solver.housing_arrays import housing_body
 from fem.solver.start import Start
 from lagrange import Operation
 
@@ -96,7 +100,9 @@ GIVEN = {
     Ring: ("table", "radii", "row_mass", "cosines", "sines"),
     Points: ("shift", "tangent", "rise", "sagitta", "stiffness"),
     Shear: ("level",),
+    Resonator: ("step", "half_step", "pull"),
     Spread: ("missing", "inverse"),
+    Cage: ("cosine", "sine"),
 }
 STATE_INDICES = {Patches: ("start", "place"), Spread: ("closed",)}
 
@@ -106,6 +112,13 @@ def _last_place(surface: tuple) -> int:
     if isinstance(surface, RingSurface):
         return surface.u.size - surface.cosines.size - WIDTH
     return surface.u.size - surface.columns - 1 if isinstance(surface, DiscSurface) else 0
+
+
+def changing_arrays(group: tuple, place: str) -> dict[str, np.ndarray]:
+    """Every array of a named tuple, and of those in it, that a run changes, by where it stands."""
+    found: dict[str, tuple[np.ndarray, bool]] = {}
+    _collect(group, place, found)
+    return {name: array for name, (array, given) in found.items() if not given}
 
 
 def _collect(group: tuple, place: str, found: dict[str, tuple[np.ndarray, bool]]) -> None:
@@ -145,14 +158,18 @@ def make_arrays(
     if not model.inner_ring.material.rigid:
         _place_inner(model.inner_ring, inner, start, operation.speed, dt)
     if not model.outer_ring.material.rigid:
-        _fill(outer.u, start.equilibrium.outer_ring)
+        shift = np.broadcast_to(start.housing, (len(model.outer_ring.points), 2))
+        _fill(outer.u, start.equilibrium.outer_ring + model.outer_ring.polar(shift))
         _fill(outer.w, start.outer_rate)
     _place_rollers(model.roller, rollers, disc, start, dt)
     rollers, disc, inner, outer = (lined_up(group) for group in (rollers, disc, inner, outer))
     surface = disc_surface(model, rollers, disc, data)
+    column = N_SCALARS + len(BLOCKS) * rollers.n
+    housing = housing_body(model, operation, outer, start.housing, dt, column)
+    others = () if housing is None else ((housing,),)
     return Arrays(
-        bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer),
-        groups=pair_groups(model, inner, outer, drive, data, rollers.columns),
+        bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer, others=others),
+        groups=pair_groups(model, (inner, outer), drive, housing, data, rollers.columns),
         contacts=lined_up(contacts),
         drive=drive,
         scratch=lined_up(_scratch(rollers, disc, inner, outer, threads)),
@@ -254,7 +271,7 @@ def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: flo
         return np.stack([vector[0] * cosine + vector[1] * sine, vector[1] * cosine - vector[0] * sine])
 
     deformed = start.equilibrium.inner_ring.copy()
-    _fill(ring.u, deformed + polar(start.equilibrium.hub))
+    _fill(ring.u, deformed + polar(start.equilibrium.hub + start.housing))
     position = deformed.copy()
     position[:, 0] += body.radii[:, None]
     turned = np.stack([-position[:, 1], position[:, 0]], axis=1)
@@ -267,10 +284,11 @@ def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: flo
 def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, dt: float) -> None:
     n, spin, cage = rollers.n, start.kinematics.roller, start.kinematics.cage
     rho, angle = start.equilibrium.rho, start.angle
-    rollers.centre[:, :n] = rho * np.cos(angle), rho * np.sin(angle)
+    radial = rho * np.stack([np.cos(angle), np.sin(angle)])
+    rollers.centre[:, :n] = radial + start.housing[:, None]
     rollers.centre[:, n:] = rollers.centre[:, :1]  # spare columns need a direction, or there would be a division by 0
     half_step = 0.5 * dt if start.steady else 0.0
-    rollers.velocity[:, :n] = start.roller_velocity.T + half_step * cage**2 * rollers.centre[:, :n]
+    rollers.velocity[:, :n] = start.roller_velocity.T + half_step * cage**2 * radial
     rollers.spin[:n] = spin
     rollers.increment[:n] = spin * dt
     if body.material.rigid:
@@ -287,7 +305,7 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: fl
     ring = model.inner_ring
     held = ring.total_mass if ring.material.rigid else ring.n_sectors * ring.row_mass[ring.held_row]
     return Drive(
-        hub=start.equilibrium.hub.copy(),
+        hub=start.equilibrium.hub + start.housing,
         velocity=start.hub_velocity.copy(),
         frame=np.array([0.0, 1.0, 0.0]),
         impulse=np.zeros(2),

@@ -7,6 +7,7 @@ import numba
 import numpy as np
 
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
+from fem.kernels.housing_kernels import Housing
 from fem.kernels.law import with_seam
 from fem.kernels.patches import N_NODES
 from fem.kernels.simd import WIDTH
@@ -45,24 +46,23 @@ if TYPE_CHECKING:
 REACH = 0.01  # of a roller's radius
 
 
-def pair_groups(model: "Model", inner: Ring, outer: Ring, drive: Drive, data: "KernelData", columns: int) -> tuple:
-    """All pairs of bodies that may touch, in groups of one type."""
+def pair_groups(
+    model: "Model", rings: tuple[Ring, Ring], drive: Drive, housing: Housing | None, data: "KernelData", columns: int
+) -> tuple:
+    """All pairs of bodies that may touch, in groups of one type. `housing`: of the outer ring; None: the ground."""
     bearing, (hub, ground) = model.bearing, (model.inner_ring, model.outer_ring)
     nowhere = np.zeros(2)
-    inner_surface = Hub(
-        place=drive.hub,
-        velocity=drive.velocity,
-        impulse=drive.impulse,
-        n_contacts=bearing.n_rollers,
-        mass=drive.mass,
-        speed=drive.speed,
-        radius=hub.raceway_radius,
-    )
+    held_at = nowhere if housing is None else housing.place
     if not hub.material.rigid:
-        inner_surface = _ring_surface(hub, inner, data.ripples[INNER])
-    outer_surface = Ground(radius=ground.raceway_radius)
+        inner_surface = _ring_surface(hub, rings[0], data.ripples[INNER])
+    else:
+        inner_surface = _moved_with(bearing, drive.hub, drive, drive.mass, drive.speed, hub.raceway_radius)
     if not ground.material.rigid:
-        outer_surface = _ring_surface(ground, outer, data.ripples[OUTER])
+        outer_surface = _ring_surface(ground, rings[1], data.ripples[OUTER])
+    elif housing is None:
+        outer_surface = Ground(radius=ground.raceway_radius)
+    else:
+        outer_surface = _moved_with(bearing, housing.place, housing, housing.mass, 0.0, ground.raceway_radius)
     orbit = ground.raceway_radius - model.roller.shape.radius
     inner_profiles, outer_profiles = raceway_profiles(bearing, columns)
     on_inner = Raceway(
@@ -86,15 +86,30 @@ def pair_groups(model: "Model", inner: Ring, outer: Ring, drive: Drive, data: "K
         orbit=orbit,
         law=data.laws[OUTER],
         surface=outer_surface,
-        centre=nowhere,
-        counted_from=nowhere,
+        centre=held_at,
+        counted_from=nowhere if ground.material.rigid else held_at,
         frame=np.array([0.0, 1.0, 0.0]),
-        impulse=np.zeros(2),  # the ground's, which nobody reads
+        impulse=np.zeros(2) if housing is None else housing.impulse,  # the ground's, which nobody reads
         moment=np.zeros(2),
         **outer_profiles,
     )
     between = Neighbours(row=ROLLER, law=data.laws[ROLLER])
     return tuple(tuple(group) for _, group in groupby((on_inner, on_outer, between), key=numba.typeof))
+
+
+def _moved_with(
+    bearing: Bearing, place: np.ndarray, body: Drive | Housing, mass: float, speed: float, radius: float
+) -> Hub:
+    """A rigid ring that is part of the hub, or of the housing."""
+    return Hub(
+        place=place,
+        velocity=body.velocity,
+        impulse=body.impulse,
+        n_contacts=bearing.n_rollers,
+        mass=mass,
+        speed=speed,
+        radius=radius,
+    )
 
 
 def raceway_profiles(bearing: Bearing, columns: int) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -217,12 +232,18 @@ def contact_arrays(
             mobility=np.zeros((pairs, columns)),
             coefficient=float(friction),
             overlapping=_overlapping(model, data.neighbourly),
-            whole=True if model.roller.material.rigid or model.inner_ring.material.rigid else None,
+            whole=True if _shares_rigid_bodies(model, operation) else None,
             shear=None if data.shear_levels is None else _shear(data.shear_levels, columns),
         ),
         points=data.points,
         reach=_reach(model, operation) + data.facet_depth,
     )
+
+
+def _shares_rigid_bodies(model: "Model", operation: Operation) -> bool:
+    """Whether a rigid body that moves has several contacts."""
+    moves = operation.mounting.housing is not None
+    return model.roller.material.rigid or model.inner_ring.material.rigid or (model.outer_ring.material.rigid and moves)
 
 
 def _shear(levels: tuple[float, ...], columns: int) -> Shear:

@@ -1,11 +1,14 @@
 """From a scene to its discrete model: which mesh, which contact model."""
 
+from dataclasses import replace
+from functools import lru_cache
 from importlib import import_module
 
 from fem.contacts import MODELS, ONE_PATCH
 from fem.contacts.model import Model
-from fem.solver.limits import check_contact_model, check_mesh_size, check_rollers
+from fem.solver.limits import check_contact_model, check_mesh_size, check_meshes, check_rollers
 from fem.statics.expected_forces import ExpectedForces
+from lagrange import Bearing
 from lagrange.pair import contact_pairs
 from lagrange.scene import Scene
 
@@ -29,7 +32,20 @@ def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
     kind = contact_model(scene.contact.model, mesh_size, expected)
     check_mesh_size(bearing, mesh_size, kind.shapes)
     check_contact_model(kind, scene, expected)
-    return kind.build(bearing, mesh_size, expected, scene.contact)
+    if not kind.is_of_mesh_alone:
+        model = kind.build(bearing, mesh_size, expected, scene.contact)
+        check_meshes(model)
+        return model
+    sound = replace(bearing, faults=())
+    return replace(_built(kind, sound, mesh_size), bearing=bearing)
+
+
+@lru_cache(maxsize=1)
+def _built(kind: type[Model], bearing: Bearing, mesh_size: float) -> Model:
+    """The model of a bearing without faults, the last one kept: scenes that follow differ in speed, load or faults."""
+    found = kind.build(bearing, mesh_size)
+    check_meshes(found)
+    return found
 
 
 def contact_model(name: str, mesh_size: float, expected: ExpectedForces) -> type[Model]:

@@ -7,16 +7,17 @@ from math import pi
 import numpy as np
 
 from fem.errors import UsageError
+from fem.quantities import Quantity, moving_quantities
 from fem.solver.finite_elements import ElementPlan, make_plan
 from fem.solver.simulate import run
 from fem.solver.solver import Progress
-from fem.statics.quantities import Quantity, moving_quantities, static_quantities
+from fem.statics.quantities import static_quantities
 from lagrange.scene import Scene
 from lagrange.scene_run import COMPARISONS
 
 COARSER = 2.0  # mesh size over the scene's
 LEAST_COARSER = 1.6  # below, rounding to whole layers of nodes may leave the same mesh
-ORDER = 2.0  # of every quantity in the mesh size, the step with it: docs/verification.md
+ORDER = 2.0  # of every quantity in the mesh size, the step with it: docs/convergence.md
 SAFETY = 1.25  # Roache's factor where the order is known: tests.accuracy.convergence observes it
 NEEDED = ("time", "inner_x", "inner_y", "inner_force", "roller_theta")
 

@@ -10,12 +10,13 @@ import numpy as np
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
 from fem.solver.arrays import Arrays, make_arrays
+from fem.solver.cage_arrays import critical_with_cage, with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.description import expected_seconds, mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
-from fem.solver.limits import check_contacts, check_meshes, check_speed, check_threads, check_widths
+from fem.solver.limits import check_contacts, check_speed, check_threads, check_widths
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
@@ -73,9 +74,13 @@ class ElementPlan(CompiledPlan):
         numerics = self.scene.numerics
         ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
         friction = self.scene.contact.friction_coefficient
-        return make_arrays(
+        arrays = make_arrays(
             self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force, numerics.threads
         )
+        cage, start = self.scene.ideal_cage(), self.start
+        if cage is None:
+            return arrays
+        return with_cage(arrays, self.model.bearing, cage, start, self.operation.mounting)
 
     def prepare(self, tell: Callable[[str], None] | None = None) -> None:
         """Compile the time loop, or load it compiled, without taking a step."""
@@ -111,7 +116,6 @@ def make_plan(scene: Scene) -> ElementPlan:
     check_threads(numerics.threads)
     forces = expected_forces(scene)
     model = model_of(scene, forces)
-    check_meshes(model)
     check_speed(model, kinematics(model.bearing, operation.speed))
     try:
         loaded = equilibrium_start(model, operation)
@@ -126,7 +130,12 @@ def make_plan(scene: Scene) -> ElementPlan:
         float(loaded.equilibrium.outer_force.max()),
         5.0 * operation.radial_load / model.bearing.n_rollers,
     )
-    critical = critical_time_step(model, expected)
+    critical = critical_with_cage(
+        critical_time_step(model, expected, operation.mounting.housing),
+        model.bearing,
+        scene.ideal_cage(),
+        operation.inner_mass,
+    )
     interval = 1e-6 * numerics.output_interval_us
     steps = max(1, ceil(interval / (numerics.time_step_safety * critical)))
     looks = ceil(steps / LONGEST_UNWATCHED)

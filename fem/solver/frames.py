@@ -7,6 +7,7 @@ import numpy as np
 
 from fem.contacts.model import Model
 from fem.elastic.stress import turned
+from fem.kernels.housing_kernels import Housing
 from fem.kernels.ring_kernels import HALO
 from fem.solver.arrays import Arrays
 
@@ -21,7 +22,7 @@ class Frame:
     ring_turn: float  # rad, of the inner ring
     rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass
     inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub
-    outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar
+    outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to its held circle
 
 
 def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Frame:
@@ -36,7 +37,10 @@ def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Fram
         shift = np.broadcast_to(drive.hub, (len(ring.points), 2))
         inner = arrays.bodies.inner.u[:, :, HALO:-HALO] - ring.polar(shift, turn)
     if not outer.material.rigid:
+        carried = [body.place for group in arrays.bodies.others for body in group if isinstance(body, Housing)]
         outside = arrays.bodies.outer.u[:, :, HALO:-HALO].copy()
+        for place in carried:
+            outside -= outer.polar(np.broadcast_to(place, (len(outer.points), 2)))
     return Frame(
         sample=sample,
         time=sample * interval,

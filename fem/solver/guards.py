@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.solver.solver import Samples
+from lagrange.mounting import from_outer_ring
 from lagrange.overlap import touching_distances
 from lagrange.profile import profiles
 
@@ -39,8 +40,8 @@ def n_in_place(plan: "ElementPlan", samples: Samples) -> int:
     give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.radial_load)
     surfaces = profiles(bearing)
     give += 0.0 if surfaces is None else surfaces.deepest
-    hub_x, hub_y = samples["inner_x"], samples["inner_y"]
-    from_hub = np.hypot(samples["roller_x"] - hub_x[:, None], samples["roller_y"] - hub_y[:, None]).min(axis=1)
+    hub_x, hub_y, x, y = from_outer_ring(samples, "inner", "roller")
+    from_hub = np.hypot(x - hub_x[:, None], y - hub_y[:, None]).min(axis=1)
     astray = from_hub < reach - give
     astray |= samples["roller_rho"].max(axis=1) > track + give
     astray |= np.hypot(hub_x, hub_y) > 2.0 * (abs(bearing.radial_clearance) + give)
@@ -50,9 +51,10 @@ def n_in_place(plan: "ElementPlan", samples: Samples) -> int:
 def place_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
     """What to say of a sample whose bodies are out of place."""
     step = round(samples["time"][at] / plan.time_step)
+    hub_x, hub_y = from_outer_ring(samples, "inner")
     return (
         f"the bearing has come apart at step {step}, t = {1e3 * samples['time'][at]:.5g} ms: the hub is "
-        f"{1e3 * np.hypot(samples['inner_x'][at], samples['inner_y'][at]):.3g} mm from the middle; without a cage "
+        f"{1e3 * np.hypot(hub_x[at], hub_y[at]):.3g} mm from the middle; without a cage "
         "few rollers gather on one side: take more rollers or contact.friction_coefficient above 0"
     )
 

@@ -12,7 +12,7 @@ from math import ceil
 
 import numpy as np
 
-from fem.errors import RunFailed
+from fem.errors import RunFailed, UsageError
 from fem.solver.compiling import CompiledPlan
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import Block, Numbers, RunState, Samples, sample_count
@@ -131,7 +131,13 @@ class LagrangianPlan(CompiledPlan):
 
 
 def make_plan(scene: Scene) -> LagrangianPlan:
-    """Samples and steps of a scene."""
+    """Samples and steps of a scene. UsageError: a cage that moves by the forces on it."""
+    if scene.cage is not None:
+        raise UsageError(
+            "[cage]: the Lagrangian model knows no cage but the kinematic one, which holds the rolling elements at the "
+            'angles of rolling (lagrange.angles = "kinematic"), and its bodies do not rub; leave the table out, or '
+            'take model = "reduced" or "fem"'
+        )
     options, numerics, bearing = scene.lagrange, scene.numerics, scene.ideal_bearing()
     interval = 1e-6 * numerics.output_interval_us
     too_seldom = interval_caution(bearing, scene.ideal_operation(), interval)

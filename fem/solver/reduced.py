@@ -12,6 +12,7 @@ import numpy as np
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
 from fem.kernels.simd import WIDTH
+from fem.solver.cage_arrays import critical_with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
@@ -127,6 +128,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         )
     tangential = tangential_compliance(bearing, largest)
     critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation.inner_mass)
+    critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation.inner_mass)
     interval = 1e-6 * numerics.output_interval_us
     longest = min(SHARE * critical, _time_along_a_profile(bearing, ideal), longest_with_modes(modes))
     longest *= numerics.time_step_safety

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.errors import UsageError
+from fem.quantities import moving_quantities
 from fem.solver.error_estimate import NEEDED, Estimate, SecondRun
 from fem.solver.finite_elements import make_plan as element_plan
 from fem.solver.solver import Plan, Progress
-from fem.statics.quantities import moving_quantities
 
 STRETCH_MS = 10.0  # finite elements of 1 mm take a second for it
 

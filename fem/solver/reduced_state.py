@@ -10,6 +10,8 @@ import numpy as np
 from fem.kernels.reduced_loop import advance_reduced
 from fem.kernels.reduced_state import INNER, OUTER, Before, Compliance, Modes, ReducedDrive, ReducedForces, RigidBodies
 from fem.kernels.simd import WIDTH
+from fem.solver.arrays import changing_arrays
+from fem.solver.cage_arrays import cage_state, pair_of_rigid
 from fem.solver.contact_arrays import raceway_profiles
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.samples import SampleReader
@@ -127,6 +129,8 @@ class ReducedState(RowState):
             found |= {f"{place}.{name}": array for name, array in arrays.items()}
         for place, modes in self._modes.items():
             found |= {f"{place}.{name}": getattr(modes, name) for name in ("amplitude", "rate", "before")}
+        if self.bodies.cage is not None:
+            found |= changing_arrays(self.bodies.cage.cage, "cage")
         return found
 
     @property
@@ -197,11 +201,16 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
         vibrations=vibrating,
         n=n,
         columns=columns,
+        cage=None,
     )
     bodies.centre[:, :n] = start.rho * radial
     bodies.velocity[:, :n] = start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial
     bodies.spin[:n] = start.kinematics.roller
-    return bodies
+    ideal = plan.scene.ideal_cage()
+    if ideal is None:
+        return bodies
+    state = cage_state(bearing, ideal, start.angle, cage)
+    return bodies._replace(cage=pair_of_rigid(state, ideal, bodies, float(plan.operation.speed)))
 
 
 def _compliance(plan: "ReducedPlan", columns: int) -> Compliance:

@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.errors import UsageError
 from fem.kernels import time_loop
-from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
+from fem.solver.cage_arrays import row_width
 from fem.solver.cautions import largest_forces, run_cautions
 from fem.solver.guards import energy_trouble, good_rows, n_balanced, n_in_place, place_trouble, velocity_trouble
 from fem.solver.samples import SampleReader
@@ -63,7 +63,8 @@ class RowState(RunState):
 
     @property
     def _row_width(self) -> int:
-        return N_SCALARS + len(BLOCKS) * self.plan.model.bearing.n_rollers
+        plan = self.plan
+        return row_width(plan.model.bearing.n_rollers, plan.scene.ideal_cage(), plan.operation.mounting)
 
     def _take_long_sample(self) -> tuple[np.ndarray, int, int, int] | None:
         """One sample in parts, between which the run can be stopped: then None, and the arrays are as before."""

@@ -3,7 +3,9 @@
 import numpy as np
 
 from fem.kernels import sample_kernels as row
+from fem.solver.cage_arrays import cage_columns
 from fem.solver.solver import Samples
+from lagrange.mounting import from_outer_ring
 
 TURN = 2.0 * np.pi
 
@@ -16,6 +18,8 @@ class SampleReader:
 
     def __init__(self, plan):
         self._n = plan.model.bearing.n_rollers
+        self._further = plan.operation.mounting.columns  # columns of a row behind those of the rollers
+        self._has_cage = plan.scene.cage is not None
         self._looks = plan.looks
         self._interval = plan.interval
         self._count = 0
@@ -44,15 +48,19 @@ class SampleReader:
     def read(self, rows: np.ndarray) -> Samples:
         """Quantities of the next rows."""
         n = self._n
-        blocks = rows[:, row.N_SCALARS :].reshape(len(rows), len(row.BLOCKS), n)
+        end = row.N_SCALARS + n * len(row.BLOCKS)
+        blocks = rows[:, row.N_SCALARS : end].reshape(len(rows), len(row.BLOCKS), n)
+        at = end + len(self._further)
         block = {name: blocks[:, i] for i, name in enumerate(row.BLOCKS)}
-        x, y = block["roller_x"], block["roller_y"]
+        further = {name: rows[:, end + i] for i, name in enumerate(self._further)}
+        x, y = from_outer_ring(block | further, "roller")
         works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1)
         kinetic, stored = rows[:, row.KINETIC], rows[:, row.ELASTIC] + rows[:, row.CONTACT]
+        moved = kinetic + further["energy_support"] if self._further else kinetic
         if self._base is None:
-            self._base = works[0], rows[0, row.DISSIPATED], kinetic[0], stored[0]
+            self._base = works[0], rows[0, row.DISSIPATED], moved[0], stored[0]
         work, dissipated = works - self._base[0], rows[:, row.DISSIPATED] - self._base[1]
-        gained = kinetic - self._base[2]
+        gained = moved - self._base[2]
         exchanged = np.fmax.accumulate(np.fmax(np.fmax(stored, np.abs(gained)), self._exchanged))
         self._exchanged = float(exchanged[-1])
         values = {
@@ -63,8 +71,8 @@ class SampleReader:
             "inner_vy": rows[:, row.HUB_VY],
             "inner_ax": rows[:, row.HUB_AX],
             "inner_ay": rows[:, row.HUB_AY],
-            "roller_x": x,
-            "roller_y": y,
+            "roller_x": block["roller_x"],
+            "roller_y": block["roller_y"],
             "roller_rho": np.hypot(x, y),
             "roller_theta": self._unwrap(np.arctan2(y, x)),
             "roller_spin": block["roller_spin"],
@@ -79,7 +87,10 @@ class SampleReader:
             "energy_contact": rows[:, row.CONTACT],
             "work_external": work,
             "work_dissipated": dissipated,
+            **further,
         }
+        if self._has_cage:
+            values |= cage_columns(rows, n, at)
         self._count += len(rows)
         imbalance = gained + (stored - self._base[3]) - work + dissipated
         return Samples(values=values, imbalance=imbalance, exchanged=exchanged)

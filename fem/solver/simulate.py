@@ -2,15 +2,16 @@
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
-from fem.errors import RunFailed
+from fem.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:  # the command asks for the names of models long before anything heavy is needed
     from fem.solver.frames import Frame
     from fem.solver.solver import Plan, Progress, RunState, Samples
     from lagrange.scene import Scene
 
+T = TypeVar("T")
 SOLVERS = {  # a scene's `model`: the module whose `make_plan` takes it
     "fem": "fem.solver.finite_elements",
     "reduced": "fem.solver.reduced",
@@ -28,6 +29,16 @@ def make_plan(scene: "Scene") -> "Plan":
     UsageError: the solver can't take it. RuntimeError: a program it needs is missing.
     """
     return import_module(SOLVERS[scene.model]).make_plan(scene)
+
+
+def programs_named(make: Callable[[], T]) -> T:
+    """What `make` gives. UsageError: a program it needs is missing, gmsh for instance; the text names it."""
+    try:
+        return make()
+    except RunFailed:
+        raise
+    except RuntimeError as error:
+        raise UsageError(str(error)) from None
 
 
 def run(

@@ -5,7 +5,7 @@ file, checkpoints and the command know solvers by nothing else.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, KeysView
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -33,6 +33,14 @@ class Samples:
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.values[name]
+
+    def keys(self) -> KeysView[str]:
+        """Names of the arrays."""
+        return self.values.keys()
+
+    def get(self, name: str) -> np.ndarray | None:
+        """An array, or None where such a run has none of that name."""
+        return self.values.get(name)
 
     def __len__(self) -> int:
         return len(self.imbalance)

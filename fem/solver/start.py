@@ -30,6 +30,7 @@ class Start:
     roller_rate: np.ndarray  # du/dt in the frames, (n_rollers, n_nodes, 2)
     inner_rate: np.ndarray  # (n_rows, 2, n_sectors)
     outer_rate: np.ndarray
+    housing: np.ndarray  # (2,), m, of the outer ring's centre; all other places are about it
     steady: bool = True  # forces hold every node on its circle; False: nothing is strained yet, nodes go straight on
 
 
@@ -65,14 +66,14 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
     motion, ideal = rolling_motion(model, operation, 0.0)
     speed = abs(operation.speed) * model.bearing.inner_raceway_radius
     if speed == 0.0:
-        return _still(model, middle, ideal, motion)
+        return _still(model, operation, middle, motion)
     ahead = LOOK_AHEAD * model.roller.shape.surface_spacing / speed
     try:
         before, after = at(-ahead, middle), at(ahead, middle)
     except NotFound:
-        return _still(model, middle, ideal, motion)
+        return _still(model, operation, middle, motion)
     if np.linalg.norm(after.hub - before.hub) > JUMP * 2.0 * ahead * speed:
-        return _still(model, middle, ideal, motion)
+        return _still(model, operation, middle, motion)
 
     def rate(name):
         return (getattr(after, name) - getattr(before, name)) / (2.0 * ahead)
@@ -86,16 +87,17 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
         roller_rate=rate("rollers"),
         inner_rate=rate("inner_ring"),
         outer_rate=rate("outer_ring"),
+        housing=housing_place(model, operation, motion, middle),
     )
 
 
 def rest_start(model: "Model", operation: Operation) -> Start:
     """Centred and undeformed, in rolling motion; with preload, if only on crests, the equilibrium without load."""
-    motion, ideal = rolling_motion(model, operation, 0.0)
+    motion, _ = rolling_motion(model, operation, 0.0)
     surfaces = profiles(model.bearing)
     clearance = model.bearing.radial_clearance - (0.0 if surfaces is None else 2.0 * surfaces.highest)
     if clearance < -ROUND_OFF * model.bearing.roller_radius:
-        return _still(model, equilibrium(model, motion, 0.0, 0.0, 0.0), ideal, motion)
+        return _still(model, operation, equilibrium(model, motion, 0.0, 0.0, 0.0), motion)
     n, inner, outer = model.bearing.n_rollers, model.inner_ring, model.outer_ring
     undeformed = Equilibrium(
         hub=np.zeros(2),
@@ -106,11 +108,21 @@ def rest_start(model: "Model", operation: Operation) -> Start:
         outer_ring=np.zeros((outer.n_rows, 2, outer.n_sectors)),
         rollers=np.zeros((n, model.roller.n_nodes, 2)),
     )
-    return replace(_still(model, undeformed, ideal, motion), steady=False)
+    return replace(_still(model, operation, undeformed, motion), steady=False)
 
 
-def _still(model: "Model", equilibrium: Equilibrium, ideal: Kinematics, motion: Motion) -> Start:
+def housing_place(model: "Model", operation: Operation, motion: Motion, found: Equilibrium) -> np.ndarray:
+    """Where a housing stands on its springs under the contact forces on the outer ring and both weights, (2,), m."""
+    housing = operation.mounting.housing
+    if housing is None:
+        return np.zeros(2)
+    weight = operation.gravity * (housing.mass + model.outer_ring.total_mass)
+    return (found.outer_force @ motion.radial - [0.0, weight]) / housing.stiffness
+
+
+def _still(model: "Model", operation: Operation, equilibrium: Equilibrium, motion: Motion) -> Start:
     """A start whose deformation does not change in the bodies' frames."""
+    ideal = kinematics(model.bearing, operation.speed)
     return Start(
         equilibrium=equilibrium,
         kinematics=ideal,
@@ -120,4 +132,5 @@ def _still(model: "Model", equilibrium: Equilibrium, ideal: Kinematics, motion: 
         roller_rate=np.zeros_like(equilibrium.rollers),
         inner_rate=np.zeros_like(equilibrium.inner_ring),
         outer_rate=np.zeros_like(equilibrium.outer_ring),
+        housing=housing_place(model, operation, motion, equilibrium),
     )

@@ -1,6 +1,7 @@
 """A bearing reduced to its contacts for dynamics: exact series for every body, in steady rolling motion."""
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import log
 from typing import ClassVar
 
@@ -91,14 +92,7 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, modes: BearingModes | 
 def _kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
     """`exact_contacts` of rollers from angle 0 on, and the law of rollers that meet; their series are kept on disk."""
     angle, pairs = roller_angles(bearing, 0.0), contact_pairs(bearing)
-    perfect = replace(bearing, faults=())  # what surfaces lack does not change how bodies give way
-
-    def make():
-        found = exact_contacts(perfect, angle)
-        laws = found.inner_law, found.outer_law, _between(perfect, pairs[2])
-        return {"compliance": found.compliance, "laws": np.array([(law.A, law.B, law.Q_line) for law in laws])}
-
-    arrays = kept("contact-laws", repr(perfect), make)
+    arrays = _kept_series(replace(bearing, faults=()))  # what surfaces lack does not change how bodies give way
     inner, outer, between = (
         ContactLaw(A=float(A), B=float(B), Q_line=float(line), pair=pair)
         for (A, B, line), pair in zip(arrays["laws"], pairs, strict=True)
@@ -112,6 +106,18 @@ def _kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:
         closing=np.zeros(2 * bearing.n_rollers),
     )
     return contacts, between
+
+
+@lru_cache(maxsize=1)
+def _kept_series(bearing: Bearing) -> dict[str, np.ndarray]:
+    """Series and laws, the last bearing's kept in memory: scenes that follow differ in speed, load or faults."""
+
+    def make():
+        found = exact_contacts(bearing, roller_angles(bearing, 0.0))
+        laws = found.inner_law, found.outer_law, _between(bearing, contact_pairs(bearing)[2])
+        return {"compliance": found.compliance, "laws": np.array([(law.A, law.B, law.Q_line) for law in laws])}
+
+    return kept("contact-laws", repr(bearing), make)
 
 
 def _between(bearing: Bearing, pair: Pair) -> ContactLaw:

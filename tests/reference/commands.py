@@ -10,6 +10,7 @@ ENTRIES = {
     "run-fem": "from fem.cli import run_fem as main",
     "render-fem": "from fem.render_cli import render_fem as main",
     "run-live": "from fem.live_cli import run_live as main",
+    "run-study": "from fem.study_cli import run_study as main",
     "check-residual": "from residual.cli import check_residual as main",
 }
 

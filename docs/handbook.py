@@ -1,0 +1,140 @@
+"""Pages of the handbook that are made, not written: mkdocs calls `on_files` before it builds the site.
+
+Scene keys come from the scene's own classes, the result's variables from its layout, commands from their --help, and
+Python from the packages' docstrings, so that each is described once and a new table or option is here by itself.
+"""
+
+import importlib
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+NAMES = tuple(f"reference/{name}.md" for name in ("scene", "examples", "result", "commands", "packages"))
+
+
+def pages() -> dict[str, str]:
+    """Markdown by the page's path."""
+    makers = scene_page, examples_page, result_page, commands_page, packages_page
+    return {name: make() for name, make in zip(NAMES, makers, strict=True)}
+
+
+def scene_page() -> str:
+    """Every key with its default, unit, limits and meaning."""
+    from lagrange.scene_keys import key_tables
+
+    parts = [
+        "# Scene file",
+        "TOML. Every key has a default, the paper's bearing; a scene needs only what differs. Unknown keys and "
+        "impossible values are refused by name. On the command line: `--set table.key=value`, of the first spall "
+        "`--set spall.0.key=value`. `run-fem --example all` writes this page as a scene.",
+    ]
+    for table in key_tables():
+        if table.name:
+            parts.append(f"## `{f'[[{table.name}]]' if table.many else f'[{table.name}]'}`")
+            parts.append(table.meaning if table.given else f"{table.meaning} Absent unless written.")
+        rows = []
+        for key in table.keys:
+            default = "" if key.default is None else f"`{_toml(key.default)}`"
+            rows.append((f"`{key.name}`", default, key.unit, key.limits, key.meaning))
+        if rows:
+            parts.append(_table(("key", "default", "unit", "limits", "meaning"), rows))
+    return "\n\n".join(parts) + "\n"
+
+
+def examples_page() -> str:
+    """The scenes of --example as they are."""
+    from fem.cli import EXAMPLES
+    from fem.examples import example_text
+
+    parts = ["# Examples", "`run-fem --example NAME` writes one of these. `all` has every key: [scene file](scene.md)."]
+    for name in EXAMPLES:
+        if name != "all":
+            parts.append(f"## {name}\n\n```toml\n{example_text(name)}```")
+    return "\n\n".join(parts) + "\n"
+
+
+def result_page() -> str:
+    """Variables and attributes of a result file."""
+    from fem.result import layout
+
+    variables = [table for table in vars(layout).values() if _is_variables(table)]
+    rows = []
+    for table in variables:
+        for name, (dimensions, unit, meaning) in table.items():
+            rows.append((f"`{name}`", ", ".join(dimensions), unit, meaning))
+    return "\n\n".join(
+        [
+            "# Result file",
+            "HDF5 with dimension scales: opens with h5py, netCDF4, xarray and MATLAB, while the run goes too. SI. What "
+            "of it may be trusted, and what stands in it on request: [result file, explained](../result_file.md).",
+            "## Variables",
+            _table(("variable", "dimensions", "unit", "meaning"), rows),
+            "## Attributes",
+            _table(("attribute", "meaning"), ((f"`{name}`", text) for name, text in layout.ATTRIBUTES.items())),
+        ]
+    )
+
+
+def _is_variables(table: object) -> bool:
+    """Whether it is one of the layout's tables of variables: (dimensions, unit, meaning) by name."""
+    return isinstance(table, dict) and bool(table) and all(
+        isinstance(entry, tuple) and len(entry) == 3 and isinstance(entry[0], tuple) for entry in table.values()
+    )  # fmt: skip
+
+
+def commands_page() -> str:
+    """The --help of every command that pyproject.toml declares."""
+    parts = [
+        "# Commands",
+        "Exit codes: 0 done; 1 failed numerically, or a tolerance exceeded; 2 unusable input; 130 interrupted "
+        "(143 by SIGTERM).",
+    ]
+    with open(ROOT / "pyproject.toml", "rb") as file:
+        scripts = tomllib.load(file)["project"]["scripts"]
+    for name, entry in scripts.items():
+        module, _, function = entry.partition(":")
+        program = f"import sys; sys.argv[0] = {name!r}; from {module} import {function} as main; main()"
+        done = subprocess.run(
+            [sys.executable, "-c", program, "--help"], cwd=ROOT, capture_output=True, encoding="utf-8", check=True,
+            env=_plain_environment(),
+        )  # fmt: skip
+        parts.append(f"## {name}\n\n```text\n{done.stdout.strip()}\n```")
+    return "\n\n".join(parts) + "\n"
+
+
+def _plain_environment() -> dict[str, str]:
+    return os.environ | {"COLUMNS": "130", "PYTHONUTF8": "1", "PYTHONPATH": os.pathsep.join(sys.path), "NO_COLOR": "1"}
+
+
+def packages_page() -> str:
+    """Docstrings of the packages: their maps of modules."""
+    with open(ROOT / "pyproject.toml", "rb") as file:
+        packages = tomllib.load(file)["tool"]["setuptools"]["packages"]
+    parts = ["# Packages", "Each package's own map. To use the program from Python: [from Python](../python.md)."]
+    for name in packages:
+        parts.append(f"## {name}\n\n```text\n{(importlib.import_module(name).__doc__ or '').strip()}\n```")
+    return "\n\n".join(parts) + "\n"
+
+
+def _toml(value: object) -> str:
+    import tomli_w
+
+    return tomli_w.dumps({"_": value}).strip().partition(" = ")[2]
+
+
+def _table(headings, rows) -> str:
+    lines = [headings, ["---"] * len(headings), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for cells in lines)
+
+
+def on_files(files, config):
+    """Add the pages to those that mkdocs has found."""
+    from mkdocs.structure.files import File
+
+    for path, text in pages().items():
+        files.append(File.generated(config, path, content=text))
+    return files

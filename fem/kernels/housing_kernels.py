@@ -1,0 +1,138 @@
+"""The housing that carries the outer ring, on springs and dashpots to the ground, and the sensor on it.
+
+The outer ring's held row moves with the housing as the inner ring's does with the hub. Springs are explicit; dashpots
+act by the mean of the velocities before and after a kick, so that no damping shortens the step. The sensor feels the
+housing's acceleration and gives nothing back: between two steps its motion is exact.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.kernels import ring_kernels
+from fem.kernels.jit import part, verb
+from fem.kernels.other_bodies import add_motion, drift_body, kick_body
+from fem.kernels.sample_kernels import DISSIPATED, WORK_GRAVITY
+from fem.kernels.state import Ring
+
+PLACE_X, PLACE_Y, AX, AY, STORED, SENSOR = range(6)  # of the housing's columns, from its first one on
+
+
+class Resonator(NamedTuple):
+    """A sensor on the housing; see `lagrange.mounting.Sensor`."""
+
+    motion: np.ndarray  # (2,), r, m, and ṙ, m/s, at t − dt/2
+    step: np.ndarray  # (2, 3), of dt
+    half_step: np.ndarray
+    pull: np.ndarray  # (2,), acceleration by r and by ṙ
+
+
+class Housing(NamedTuple):
+    """A rigid body with the held row of an elastic outer ring, or with a rigid one."""
+
+    place: np.ndarray  # (2,), m, of the outer ring's centre; 0 where the springs are slack
+    velocity: np.ndarray  # (2,), m/s, at t − dt/2
+    before: np.ndarray  # (2,), m/s, before the last kick
+    impulse: np.ndarray  # (2,), N s, of this step, by contacts on the outer ring as a whole
+    drag: np.ndarray  # (2,), N, of the dashpots in the last kick
+    dissipated: np.ndarray  # (1,), J, so far
+    ring: Ring | None  # None: rigid
+    line: np.ndarray  # (2, ring's width), room
+    sensor: Resonator | None
+    mass: float  # kg, with held nodes or a rigid ring
+    stiffness: float  # N/m
+    damping: float  # N s/m
+    column: int  # of a sample's row, its first
+
+
+@verb
+def held_reaction(ring, line):
+    """Impulse, N s, that an elastic ring's held row has from its nodes in a step, x and y."""
+    return 0.0, 0.0
+
+
+@held_reaction.of(Ring)
+def _held_reaction(ring, line):
+    ring_kernels.row_force(ring.table, ring.u, ring.held, line)
+    x, y = ring_kernels.resultant(line, ring.cosines, ring.sines)
+    mass = ring.row_mass[ring.held]
+    return mass * x, mass * y
+
+
+@verb
+def carry(ring, x, y):
+    """Move an elastic ring's held row to (x, y), m."""
+
+
+@carry.of(Ring)
+def _carry(ring, x, y):
+    ring_kernels.set_rigid(ring.u, 2 * ring.held * ring.cosines.size, ring.cosines, ring.sines, x, y)
+
+
+@verb
+def sense(sensor, acceleration):
+    """Move a sensor on by a step, under the housing's acceleration, m/s²."""
+
+
+@sense.of(Resonator)
+def _sense(sensor, acceleration):
+    sensor.motion[0], sensor.motion[1] = _moved(sensor.motion, sensor.step, acceleration)
+
+
+@part
+def _moved(motion, step, acceleration):
+    r, rate = motion
+    return (
+        step[0, 0] * r + step[0, 1] * rate + step[0, 2] * acceleration,
+        step[1, 0] * r + step[1, 1] * rate + step[1, 2] * acceleration,
+    )
+
+
+@verb
+def write_sensor(sensor, acceleration, out, at):
+    """Put what a sensor shows at the instant of a kick into out[at], m/s²."""
+
+
+@write_sensor.of(Resonator)
+def _write_sensor(sensor, acceleration, out, at):
+    r, rate = _moved(sensor.motion, sensor.half_step, acceleration)
+    out[at] = sensor.pull[0] * r + sensor.pull[1] * rate
+
+
+@kick_body.of(Housing)
+def _kick(body, drive):
+    dt, over = drive.dt, 1.0 / body.mass
+    reaction = held_reaction(body.ring, body.line)
+    slowed = 0.5 * dt * over * body.damping
+    for k in range(2):
+        before = body.velocity[k]
+        gained = (body.impulse[k] + reaction[k]) * over - dt * over * body.stiffness * body.place[k]
+        if k == 1:
+            gained -= drive.gravity * dt
+        body.before[k] = before
+        body.velocity[k] = (before * (1.0 - slowed) + gained) / (1.0 + slowed)
+        body.drag[k] = -0.5 * body.damping * (before + body.velocity[k])
+        body.impulse[k] = 0.0
+
+
+@drift_body.of(Housing)
+def _drift(body, drive):
+    dt = drive.dt
+    for k in range(2):
+        body.dissipated[0] -= 0.5 * dt * body.drag[k] * (body.before[k] + body.velocity[k])
+        body.place[k] += dt * body.velocity[k]
+    carry(body.ring, body.place[0], body.place[1])
+    sense(body.sensor, (body.velocity[1] - body.before[1]) / dt)
+
+
+@add_motion.of(Housing)
+def _add_motion(body, drive, out, kinetic):
+    for k in range(2):
+        out[kinetic] += 0.5 * body.mass * body.before[k] * body.velocity[k]
+    place, dt, at = body.place, drive.dt, body.column
+    out[WORK_GRAVITY] -= drive.gravity * body.mass * place[1]
+    out[DISSIPATED] += body.dissipated[0] - 0.5 * dt * (body.drag[0] * body.before[0] + body.drag[1] * body.before[1])
+    out[at + PLACE_X], out[at + PLACE_Y] = place[0], place[1]
+    out[at + AX], out[at + AY] = (body.velocity[0] - body.before[0]) / dt, (body.velocity[1] - body.before[1]) / dt
+    out[at + STORED] = 0.5 * body.stiffness * (place[0] * place[0] + place[1] * place[1])
+    write_sensor(body.sensor, out[at + AY], out, at + SENSOR)

@@ -1,0 +1,106 @@
+"""What a user reads off a run: one number each, so that two meshes, or thousands of runs, can be compared."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+
+from fem.answers import LOADED, Seen
+from lagrange import Bearing, kinematics
+from lagrange.mounting import from_outer_ring
+
+OF_MOTION = {  # unit and meaning; means are over time
+    "hub_mean_x": ("m", "mean position of the hub, x"),
+    "hub_std_x": ("m", "standard deviation of the hub's path, x"),
+    "hub_mean_y": ("m", "mean position of the hub, y"),
+    "hub_std_y": ("m", "standard deviation of the hub's path, y"),
+    "largest_force": ("N", "largest force on the inner raceway"),
+    "mean_largest_force": ("N", "force of the most loaded roller, mean"),
+    "cage_speed": ("rad/s", "speed of the cage"),
+}
+OF_START = {
+    "first_hub_x": ("m", "hub at the start, x"),
+    "first_hub_y": ("m", "hub at the start, y"),
+    "first_largest_force": ("N", "largest force on the inner raceway at the start"),
+    "first_loaded_rollers": ("1", "rollers with more than 1 % of that"),
+}
+OF_RECORD = {
+    "load_zone": ("rad", "arc in which rollers have more than 1 % of the largest force"),
+    "cage_slip": ("1", "share by which the cage is slower than rolling"),
+    "acceleration_rms_x": ("m/s2", "rms of the hub's acceleration, x"),
+    "acceleration_rms_y": ("m/s2", "rms of the hub's acceleration, y"),
+    "acceleration_kurtosis_y": ("1", "kurtosis of the hub's acceleration, y; 3 of normal noise"),
+    "peak_to_peak_x": ("m", "width of the hub's path, x"),
+    "peak_to_peak_y": ("m", "width of the hub's path, y"),
+}
+OF_RUN = OF_START | OF_MOTION | OF_RECORD  # all that a run's samples tell
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number of interest."""
+
+    name: str
+    unit: str
+    meaning: str
+    value: float
+
+
+def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
+    """Quantities of a record, by the result file's names; at least two samples. Means are over time.
+
+    The varying compliance is the standard deviation of the hub's path; the cage speed is the slope of the straight line
+    through the rollers' mean angle.
+    """
+    time, force = samples["time"], samples["inner_force"]
+
+    def mean(values):
+        return float(np.trapezoid(values, time) / (time[-1] - time[0]))
+
+    found = {}
+    for axis, path in zip("xy", from_outer_ring(samples, "inner"), strict=True):
+        middle = mean(path)
+        found[f"hub_mean_{axis}"] = middle
+        found[f"hub_std_{axis}"] = mean((path - middle) ** 2) ** 0.5
+    found["largest_force"] = float(force.max())
+    found["mean_largest_force"] = mean(force.max(axis=1))
+    found["cage_speed"] = float(np.polyfit(time, samples["roller_theta"].mean(axis=1), 1)[0])
+    return [Quantity(name, *about, found[name]) for name, about in OF_MOTION.items()]
+
+
+def run_quantities(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarray]) -> list[Quantity]:
+    """All of OF_RUN, of OF_START alone where there is one sample; `speed` of the shaft, rad/s.
+
+    NaN where a run can't tell: the load zone before rollers have been everywhere, the slip of a standing cage.
+    """
+    first = samples["inner_force"][0]
+    hub = from_outer_ring(samples, "inner")
+    start = {
+        "first_hub_x": float(hub[0][0]),
+        "first_hub_y": float(hub[1][0]),
+        "first_largest_force": float(first.max()),
+        "first_loaded_rollers": float(np.count_nonzero(first > LOADED * first.max())),
+    }
+    found = [Quantity(name, *about, start[name]) for name, about in OF_START.items()]
+    if len(samples["time"]) < 2:
+        return found
+    record = _of_record(bearing, speed, samples)
+    return [*found, *moving_quantities(samples), *(Quantity(n, *about, record[n]) for n, about in OF_RECORD.items())]
+
+
+def _of_record(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
+    seen, ideal = Seen(), kinematics(bearing, speed).cage
+    seen.add(samples)
+    zone, width = seen.load_zone(), seen.hub.high - seen.hub.low
+    off = samples["inner_ay"] - samples["inner_ay"].mean()
+    spread = float(np.mean(off**2))
+    return {
+        "load_zone": nan if zone is None else zone,
+        "cage_slip": 1.0 - seen.cage_speed / ideal if ideal else nan,
+        "acceleration_rms_x": float(np.sqrt(np.mean(samples["inner_ax"] ** 2))),
+        "acceleration_rms_y": float(np.sqrt(np.mean(samples["inner_ay"] ** 2))),
+        "acceleration_kurtosis_y": float(np.mean(off**4)) / spread**2 if spread > 0.0 else nan,
+        "peak_to_peak_x": float(width[0]),
+        "peak_to_peak_y": float(width[1]),
+    }

@@ -1,0 +1,207 @@
+"""What a run from Python gives back: its samples in memory, and what the commands make of a result file."""
+
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.labels import labels
+from fem.outcome import Outcome
+from fem.quantities import Quantity, run_quantities
+from fem.result.checkpoint import checkpoint_path, refuse_no_place
+from fem.result.layout import PER_ROLLER, variables_of
+from fem.result.store import ResultFile
+from fem.result.surface_columns import events_of, with_sinkages
+from fem.solver.solver import Plan, RunState, Samples
+from lagrange.passages import spalls
+from lagrange.scene import Scene
+from lagrange.spall_events import SpallEvent
+
+if TYPE_CHECKING:
+    import xarray
+
+    from fem.checking import Evaluation
+    from fem.solver.frames import Frame
+
+PICTURE_WIDTH = 1600  # pixels
+ENERGIES = ("energy_kinetic", "energy_elastic", "energy_contact", "work_external", "work_dissipated")
+
+
+class Memory:
+    """Takes a run's samples as they come, in the place of a result file."""
+
+    def __init__(self, plan: Plan):
+        self._count = 0
+        self._bearing, self._speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().speed
+        n, rollers = plan.n_samples, self._bearing.n_rollers
+        self._columns = {
+            name: np.empty((n, rollers) if dimensions == PER_ROLLER else n)
+            for name, (dimensions, *_) in variables_of(plan.scene).items()
+        }
+        self.frames: list[Frame] = []
+
+    def append(self, samples: Samples) -> None:
+        """Add a block of samples."""
+        values = with_sinkages(self._bearing, self._speed, samples.values)
+        end = self._count + len(samples)
+        for name, column in self._columns.items():
+            column[self._count : end] = values[name]
+        self._count = end
+
+    def keep(self, frame: "Frame") -> None:
+        """Add the fields of a sample to come."""
+        self.frames.append(frame)
+
+    def begin_again(self, reason: str) -> None:
+        """Forget all samples so far: the run goes on from its start."""
+        self._count = 0
+        self.frames.clear()
+
+    def values(self) -> dict[str, np.ndarray]:
+        """All samples, by the result file's names."""
+        return {name: column[: self._count] for name, column in self._columns.items()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """A simulated scene: samples by the result file's names, in SI, time first; `result["inner_y"]` is one of them.
+
+    Nothing of it is on a disk until `save` writes the file that `run-fem` would have written.
+    """
+
+    values: Mapping[str, np.ndarray] = field(repr=False)  # (n_times,) or (n_times, n_rollers); see README
+    status: str  # "complete", or "interrupted" where `stop` said so
+    warnings: tuple[str, ...]  # as run-fem prints them
+    setup_seconds: float  # of planning
+    wall_seconds: float  # of the time loop
+    plan: Plan = field(repr=False)
+    outcome_attributes: Mapping[str, float | str] = field(repr=False)  # of the result file, found out by the run
+    frames: tuple["Frame", ...] = field(default=(), repr=False)
+
+    @classmethod
+    def of(cls, state: RunState, memory: Memory, setup_seconds: float) -> "Result":
+        """What a run has left in memory."""
+        complete = state.done == state.plan.n_samples
+        outcome = Outcome.COMPLETE if complete else Outcome.INTERRUPTED
+        return cls(
+            values=memory.values(),
+            status=outcome.status(),
+            warnings=(*state.plan.remarks, *state.plan.cautions, *state.cautions, *state.remarks),
+            setup_seconds=setup_seconds,
+            wall_seconds=state.wall,
+            plan=state.plan,
+            outcome_attributes=state.outcome_attributes,
+            frames=tuple(memory.frames),
+        )
+
+    @property
+    def scene(self) -> Scene:
+        return self.plan.scene
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        try:
+            return self.values[name]
+        except KeyError:
+            raise KeyError(f"{name}: no variable of this run; it has {', '.join(self.values)}") from None
+
+    @property
+    def time(self) -> np.ndarray:
+        """Instants of the samples, (n_times,), s."""
+        return self.values["time"]
+
+    @property
+    def energies(self) -> dict[str, np.ndarray]:
+        """Energies and works, (n_times,), J, by name."""
+        return {name: self.values[name] for name in ENERGIES}
+
+    @cached_property
+    def events(self) -> list[SpallEvent]:
+        """Entries, strikes and exits of rollers at spalls, by time; empty without spalls."""
+        bearing = self.scene.ideal_bearing()
+        if not spalls(bearing):
+            return []
+        return events_of(bearing, self.scene.ideal_operation().speed, self.values, len(self.time))
+
+    @property
+    def labels(self) -> dict[str, float | str]:
+        """What the run is an example of: speed, load, the kinematic frequencies (Hz), and its first spall, if any."""
+        return labels(self.scene)
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity]:
+        """Numbers of interest by name, each with unit and meaning; those of motion need two samples."""
+        bearing, speed = self.scene.ideal_bearing(), self.scene.ideal_operation().speed
+        return {each.name: each for each in run_quantities(bearing, speed, self.values)}
+
+    def to_xarray(self) -> "xarray.Dataset":
+        """The samples with dimensions, units and the result file's attributes."""
+        import xarray
+
+        variables = variables_of(self.scene)
+        found = {
+            name: (dimensions, self.values[name], {"units": unit, "long_name": meaning})
+            for name, (dimensions, unit, meaning) in variables.items()
+        }
+        about = {"scene": self.scene.to_toml(), "status": self.status, **self.outcome_attributes}
+        return xarray.Dataset(found, attrs=about).set_coords("time")
+
+    def save(self, path: str | Path) -> Path:
+        """Write the result file that `run-fem` writes, its variables equal bit for bit; no checkpoint.
+
+        Errors
+        ------
+        UsageError: another program has the file open. OSError: it can't be written.
+        """
+        path = Path(path)
+        refuse_no_place(path)
+        with ResultFile(path, self.plan, self.setup_seconds, **self.outcome_attributes) as store:
+            checkpoint_path(path).unlink(missing_ok=True)  # of an earlier run in its place
+            for frame in self.frames:
+                store.keep(frame)
+            store.append(self.values)
+            store.finish(self.status, **self.outcome_attributes)
+        return path
+
+    def residual(self, law: str | None = None, start: float | None = None, order: int = 6) -> "Evaluation":
+        """Put the run into equations (22) and (23), as `check-residual` does; arguments as `residual.evaluate`.
+
+        Errors
+        ------
+        residual.InputError: fewer than 32 samples, an unknown law.
+        """
+        from fem.checking import evaluated
+
+        with self._as_file() as path:
+            return evaluated(path, law, start, order)
+
+    def render(self, target: str | Path, time: float | None = None, **request: Any) -> Path:
+        """Draw one instant, s (None: the last one), as PNG, as `render-fem` does.
+
+        `request` : fields of `fem.pictures.render_look.Request`
+
+        Errors
+        ------
+        UsageError: this machine can't draw off-screen; the request does not suit the run.
+        """
+        from fem.pictures.recover import StoredRun
+        from fem.pictures.rendering_probe import check_rendering
+
+        check_rendering()
+        from fem.pictures.render import draw
+        from fem.pictures.render_look import Request
+
+        with self._as_file() as path:
+            stored = StoredRun(path)
+            draw(stored, Path(target), Request(**{"width": PICTURE_WIDTH, **request}), stored.nearest(time))
+        return Path(target)
+
+    @contextmanager
+    def _as_file(self) -> Iterator[Path]:
+        """The result file for as long as it is needed: checker and pictures know runs by nothing else."""
+        with tempfile.TemporaryDirectory(prefix="run-fem-") as folder:
+            yield self.save(Path(folder) / f"{self.scene.name}.nc")

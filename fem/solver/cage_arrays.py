@@ -1,0 +1,178 @@
+"""A cage for the time loops: its arrays at the start, its numbers in a sample, the step that it allows."""
+
+from dataclasses import replace
+from math import sqrt
+
+import numpy as np
+
+from fem.contacts.critical_step import EVENLY
+from fem.kernels import cage_kernels
+from fem.kernels.cage_kernels import N_CAGE_SCALARS, CageContacts, CagePair, GuidingRing, Riders
+from fem.kernels.reduced_state import RigidBodies
+from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
+from fem.kernels.state import Drive, Rollers
+from fem.solver.arrays import Arrays
+from fem.solver.cache_lines import lined_up
+from fem.solver.start import Start
+from lagrange.bearing import Bearing
+from lagrange.cage import Cage
+from lagrange.mounting import HELD, Mounting
+
+SCALARS = (
+    "cage_x",
+    "cage_y",
+    "cage_angle",
+    "cage_speed",
+    "cage_guidance_x",
+    "cage_guidance_y",
+    "cage_work_dashpots",
+    "cage_work_friction",
+    "cage_work_drag",
+)
+PER_ROLLER = ("cage_force", "cage_radial_force", "cage_moment")
+GUIDE_SIDES = {"inner_ring": -1.0, "outer_ring": 1.0}  # of the cage, where it meets that ring
+
+
+def row_width(n_rollers: int, cage: Cage | None, mounting: Mounting = HELD) -> int:
+    """Numbers in a sample of the time loops."""
+    usual = N_SCALARS + len(BLOCKS) * n_rollers + len(mounting.columns)
+    return usual if cage is None else usual + N_CAGE_SCALARS + len(PER_ROLLER) * n_rollers
+
+
+def cage_columns(rows: np.ndarray, n_rollers: int, at: int) -> dict[str, np.ndarray]:
+    """What rows of a run with a cage hold of it from a column on, by the result file's names."""
+    found = {name: rows[:, at + i] for i, name in enumerate(SCALARS)}
+    at += N_CAGE_SCALARS
+    for i, name in enumerate(PER_ROLLER):
+        found[name] = rows[:, at + i * n_rollers : at + (i + 1) * n_rollers]
+    return found
+
+
+def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, start: Start, mounting: Mounting) -> Arrays:
+    """Arrays of the finite elements with a cage, concentric with its pockets around the rollers."""
+    rollers, drive = arrays.bodies.rollers, arrays.drive
+    first = row_width(bearing.n_rollers, None, mounting)
+    body = cage_state(bearing, cage, start.angle, start.kinematics.cage, first)
+    body.motion[0, :2] = start.housing
+    ring = _hub(drive) if cage.guidance == "inner_ring" else None
+    pair = CagePair(cage=body, riders=_riders(rollers), ring=ring)
+    return replace(
+        arrays,
+        bodies=arrays.bodies._replace(others=(*arrays.bodies.others, (body,))),
+        groups=((pair,), *arrays.groups),  # before impulses through nodes, which it would take for its rollers' own
+    )
+
+
+def cage_state(
+    bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float, first: int | None = None
+) -> cage_kernels.Cage:
+    """The cage at t = 0, concentric and turning with the rollers, at these angles, rad; `first` of its columns."""
+    n, side = bearing.n_rollers, GUIDE_SIDES.get(cage.guidance)
+    radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
+    return lined_up(
+        cage_kernels.Cage(
+            motion=np.array([[0.0, 0.0, 0.0], [0.0, 0.0, speed], [0.0, 0.0, speed]]),
+            impulse=np.zeros(3),
+            lost=np.zeros(3),
+            drag=np.zeros(1),
+            frame=np.array([1.0, 0.0]),
+            cosine=np.cos(angle),
+            sine=np.sin(angle),
+            pockets=_contacts(n),
+            guide=None if side is None else _contacts(1),
+            mass=float(cage.mass),
+            inertia=float(cage.inertia),
+            pitch_radius=bearing.pitch_radius,
+            roller_radius=bearing.roller_radius,
+            half_clearance=0.5 * cage.pocket_clearance,
+            play=0.5 * (cage.guidance_clearance or 0.0),
+            guide_radius=0.0 if side is None else side * radii[cage.guidance],
+            stiffness=float(cage.stiffness),
+            damping=float(cage.damping),
+            friction=float(cage.friction_coefficient),
+            drag_torque=float(cage.drag_torque),
+            at=row_width(n, None) if first is None else first,
+        )
+    )
+
+
+def _contacts(n: int) -> CageContacts:
+    return CageContacts(
+        approach=np.full(n, np.nan),
+        force=np.zeros(n),
+        kick=np.zeros(n),
+        residual=np.zeros(n),
+        normal=np.zeros((2, n)),
+        arm=np.zeros((2, n)),
+        closed=np.zeros(n),
+        rates=np.zeros((2, n)),
+        closing=np.zeros(n),
+        given=np.zeros((2, n)),
+    )
+
+
+def _riders(rollers: Rollers) -> Riders:
+    return Riders(
+        centre=rollers.centre,
+        velocity=rollers.velocity,
+        spin=rollers.spin,
+        node_impulse=rollers.node_impulse,
+        body_impulse=rollers.body_impulse,
+        turn_kick=rollers.turn_kick,
+        n=rollers.n,
+        mass=rollers.total_mass,
+        inertia=rollers.inertia,
+        radius=rollers.radius,
+    )
+
+
+def pair_of_rigid(body: cage_kernels.Cage, cage: Cage, bodies: RigidBodies, speed: float) -> CagePair:
+    """The cage among the reduced model's bodies; `speed` of the shaft, rad/s."""
+    riders = Riders(
+        centre=bodies.centre,
+        velocity=bodies.velocity,
+        spin=bodies.spin,
+        node_impulse=np.zeros_like(bodies.velocity),
+        body_impulse=np.zeros_like(bodies.velocity),
+        turn_kick=np.zeros_like(bodies.spin),
+        n=bodies.n,
+        mass=bodies.mass,
+        inertia=bodies.inertia,
+        radius=bodies.radius,
+    )
+    ring = GuidingRing(
+        place=bodies.hub,
+        velocity=bodies.hub_velocity,
+        impulse=np.zeros(2),
+        rubbed=np.zeros(3),
+        mass=bodies.hub_mass,
+        speed=speed,
+    )
+    return CagePair(cage=body, riders=riders, ring=ring if cage.guidance == "inner_ring" else None)
+
+
+def _hub(drive: Drive) -> GuidingRing:
+    return GuidingRing(
+        place=drive.hub,
+        velocity=drive.velocity,
+        impulse=drive.impulse,
+        rubbed=np.zeros(3),
+        mass=drive.mass,
+        speed=drive.speed,
+    )
+
+
+def critical_with_cage(critical: float, bearing: Bearing, cage: Cage | None, hub_mass: float) -> float:
+    """Critical step, s, of a bearing, s, with all its cage's contacts closed too.
+
+    A spring k between two bodies is counted as EVENLY k on each, as in `critical_time_step`. On the bearing's bodies,
+    which have other springs too, that adds to ω²; on the cage there is nothing else.
+    """
+    if cage is None:
+        return critical
+    spring, n, pitch = EVENLY * cage.stiffness, bearing.n_rollers, bearing.pitch_radius
+    guided = cage.guidance != "rollers"
+    on_hub = spring / hub_mass if cage.guidance == "inner_ring" else 0.0
+    of_bearing = 4.0 / critical**2 + max(spring / bearing.roller_mass, on_hub)
+    of_cage = spring * (n * (1.0 / cage.mass + pitch**2 / cage.inertia) + (1.0 / cage.mass if guided else 0.0))
+    return 2.0 / sqrt(max(of_bearing, of_cage))

@@ -1,0 +1,116 @@
+"""Points solved by the workers of dask.distributed: processes of this machine, or those of any scheduler.
+
+A task is a pure function of its scene. Few are under way at a time, so that neither this process nor the scheduler ever
+holds the study; a worker that dies is the scheduler's business, which gives its points to others.
+"""
+
+import logging
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from fem.errors import UsageError
+from fem.study.points import program
+from fem.study.solving import LOST, Solved, Wanted, solve
+from lagrange.scene import Scene
+
+AHEAD = 2  # tasks a thread of the cluster has in hand: one to solve, one to begin without waiting
+LOOK = 0.5  # s, between two looks at what has happened
+FIRST_WORKER = 60.0  # s, that the first one may take to come
+CONNECT = 20.0  # s
+COUNTING = 2.0  # s, between two looks at how many workers there are
+INSTALL = "python -m pip install 'roller-bearing-fem[study]'"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cluster:
+    """Where points are solved."""
+
+    scheduler: str | None  # address; None: processes of this machine
+    workers: int  # of them
+
+
+def task(scene: Scene, wanted: Wanted, expected_program: str) -> Solved | None:
+    """What a worker does for one point."""
+    if program() != expected_program:
+        return Solved(status=LOST, text="the worker has another version of the program or of its libraries")
+    return solve(scene, wanted)
+
+
+def solve_on_cluster(
+    where: Cluster,
+    scenes: Iterator[tuple[int, Scene]],
+    wanted: Wanted,
+    add: Callable[[int, Solved], None],
+    stop: Callable[[], bool],
+) -> None:
+    """Solve numbered scenes and hand what became of each to `add`, in the order in which they end.
+
+    Errors
+    ------
+    UsageError: dask is missing, the scheduler does not answer or has no workers. OSError: `add`'s.
+    """
+    with _client(where) as client:
+        from distributed import wait
+
+        under_way: dict[Any, int] = {}
+        room, counted = 0, -COUNTING
+        left = True
+        while not stop():
+            if time.monotonic() - counted > COUNTING:
+                room, counted = AHEAD * max(1, sum(client.nthreads().values())), time.monotonic()
+            while left and len(under_way) < room:
+                following = next(scenes, None)
+                left = following is not None
+                if following is not None:
+                    i, scene = following
+                    under_way[client.submit(task, scene, wanted, program(), pure=False)] = i
+            if not under_way:
+                return
+            try:
+                ended = wait(list(under_way), timeout=LOOK, return_when="FIRST_COMPLETED").done
+            except TimeoutError:
+                continue
+            for future in ended:
+                add(under_way.pop(future), _outcome(future))
+
+
+def _outcome(future) -> Solved:
+    """What became of a task; of one whose worker has died again and again, that it is lost."""
+    if future.status == "finished":
+        found = future.result()
+        return found if found is not None else Solved(status=LOST, text="the worker was stopped")
+    reason = future.exception() if future.status == "error" else future.status
+    return Solved(status=LOST, text=f"its worker was lost: {type(reason).__name__}: {reason}")
+
+
+@contextmanager
+def _client(where: Cluster) -> Iterator[Any]:
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError:
+        raise UsageError(f"--workers, --scheduler: dask.distributed is not installed: {INSTALL}") from None
+    if where.scheduler is None:
+        with (
+            LocalCluster(
+                n_workers=where.workers, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL
+            ) as cluster,
+            Client(cluster) as client,
+        ):
+            yield client
+        return
+    try:
+        client = Client(where.scheduler, timeout=CONNECT)
+    except (OSError, TimeoutError, ValueError) as error:
+        raise UsageError(f"--scheduler {where.scheduler}: does not answer: {error}") from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=FIRST_WORKER)
+        except TimeoutError:
+            raise UsageError(
+                f"--scheduler {where.scheduler}: no worker came in {FIRST_WORKER:g} s; start some: "
+                f"dask worker {where.scheduler} --nthreads 1"
+            ) from None
+        yield client

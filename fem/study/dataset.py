@@ -1,0 +1,187 @@
+"""The dataset of a study: one NetCDF file with labelled dimensions, for xarray and whatever else reads NetCDF.
+
+NetCDF, not Zarr: one file to hand on, the format of the result files, and nothing more to install. What speaks for
+Zarr, many writers at once, is not needed: points have files of their own and one process puts them together in pieces.
+"""
+
+import json
+from collections.abc import Callable, Iterator
+from importlib.metadata import version
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.labels import UNITS, labels
+from fem.result.layout import PER_ROLLER, variables_of
+from fem.study.folder import MISSING, PROGRAM, Folder
+from fem.study.points import LIBRARIES, Points, program
+from fem.study.solving import COMPLETE, Solved
+from fem.study.study_file import QUANTITIES
+from lagrange.scene_keys import unit_of
+from lagrange.version import VERSION
+
+PIECE = 256  # points of signals held at once
+
+
+def unit_of_key(key: str) -> str:
+    """The unit that a key of the scene spells, as other variables have it: "1" where it spells none."""
+    return unit_of(key) or "1"
+
+
+def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = lambda: None) -> dict[str, int]:
+    """Write the dataset of all points that are done; how many there are of each status. `count`: after each point.
+
+    Errors
+    ------
+    OSError: it can't be written; an earlier dataset stays.
+    """
+    import netCDF4
+
+    part = folder.dataset.with_name(folder.dataset.name + ".part")
+    try:
+        with netCDF4.Dataset(part, "w", format="NETCDF4") as file:
+            _lay_out(file, points)
+            found = _fill(file, points, folder, count)
+        part.replace(folder.dataset)
+    except RuntimeError as error:  # HDF5's own
+        raise OSError(0, f"can't be written: {error}", str(folder.dataset)) from None
+    finally:
+        part.unlink(missing_ok=True)
+    return found
+
+
+def _lay_out(file, points: Points) -> None:
+    """Dimensions, coordinates, attributes."""
+    design, study = points.design, points.study
+    for name, size in zip(design.dimensions, design.shape, strict=True):
+        file.createDimension(name, size)
+    for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True)):
+        values = [point[i] for point in design.points] if design.axes is None else list(design.axes[i])
+        where = design.dimensions if design.axes is None else (name,)
+        _variable(file, name, where, values, unit_of_key(key), f"scene key {key}")
+    libraries = {name: version(name) for name in LIBRARIES}
+    file.setncatts(
+        {
+            "title": study.name,
+            "program": PROGRAM,
+            "program_version": VERSION,
+            "program_digest": program(),
+            "libraries": json.dumps(libraries),
+            "study": study.text,
+            "scene": study.scene.to_toml(),
+            "method": study.sampling.method,
+            "seed": study.sampling.seed,
+            "points": len(points),
+            "sobol_base": design.base,
+        }
+    )
+
+
+def _variable(file, name: str, where: tuple[str, ...], values, unit: str, meaning: str):
+    data = np.array(values)
+    kind = str if data.dtype.kind in "UO" else ("i1" if data.dtype.kind == "b" else data.dtype)
+    variable = file.createVariable(name, kind, where)
+    variable.units, variable.long_name = unit, meaning
+    variable[...] = data.astype(object) if kind is str else data.reshape(variable.shape)
+    return variable
+
+
+def _fill(file, points: Points, folder: Folder, count: Callable[[], None]) -> dict[str, int]:
+    """Everything that the points tell; signals go to the disk in pieces."""
+    design, keep, n = points.design, points.study.keep, len(points)
+    numbers = {name: np.full(n, nan) for name in keep.quantities}
+    status, text, seconds = np.full(n, MISSING, dtype=object), np.full(n, "", dtype=object), np.full(n, nan)
+    marks: dict[str, list[Any]] = {name: [] for name in UNITS}
+    signals = _Signals(file, points)
+    for i, digest in enumerate(points.digests):
+        solved = folder.read(digest)
+        for name, value in labels(points.scene(i)).items():
+            marks[name].append(value)
+        if solved is not None:
+            status[i], text[i], seconds[i] = solved.status, solved.text, solved.seconds
+            for name, value in solved.quantities.items():
+                numbers[name][i] = value
+            if solved.status == COMPLETE:
+                signals.add(i, solved)
+        count()
+    signals.flush()
+
+    def put(name: str, values, unit: str, meaning: str) -> None:
+        if name not in file.variables:  # a parameter of the study tells it already
+            shaped = np.empty(n, dtype=object) if isinstance(values[0], str) else np.empty(n)
+            shaped[:] = values
+            variable = file.createVariable(name, str if shaped.dtype == object else "f8", design.dimensions)
+            variable.units, variable.long_name = unit, meaning
+            variable[...] = shaped.reshape(design.shape)
+
+    for name, values in numbers.items():
+        put(name, values, *QUANTITIES[name])
+    for name, values in marks.items():
+        put(name, values, UNITS[name], f"label: {name.replace('_', ' ')}")
+    put("status", status, "1", f"what became of the point: complete, failed, stopped (time limit) or {MISSING}")
+    put("message", text, "1", "why the point is not complete")
+    put("seconds", seconds, "s", "wall time of the point")
+    names, counts = np.unique(status.astype(str), return_counts=True)
+    return dict(zip(names.tolist(), counts.tolist(), strict=True))
+
+
+class _Signals:
+    """Signals on their way into the file, PIECE points at a time."""
+
+    def __init__(self, file, points: Points):
+        self._file, self._points = file, points
+        self._waiting: list[tuple[int, Solved]] = []
+
+    def add(self, i: int, solved: Solved) -> None:
+        if solved.signals:
+            self._waiting.append((i, solved))
+        if len(self._waiting) >= PIECE:
+            self.flush()
+
+    def flush(self) -> None:
+        if not self._waiting:
+            return
+        if "time" not in self._file.dimensions:
+            self._lay_out(self._waiting[0][1])
+        shape = self._points.design.shape
+        for i, solved in self._waiting:
+            at = tuple(int(k) for k in np.unravel_index(i, shape))
+            for name, values in solved.signals.items():
+                self._file.variables[name][at] = values
+        self._waiting.clear()
+
+    def _lay_out(self, first: Solved) -> None:
+        """Room for the signals of all points, which are as long as the first one's."""
+        file, design = self._file, self._points.design
+        scene = self._points.scene(0)
+        known = variables_of(scene)
+        length = len(next(iter(first.signals.values())))
+        file.createDimension("time", length)
+        time = file.createVariable("time", "f8", ("time",))
+        time.units, time.long_name = "s", "time of the signals' samples"
+        time[:] = first.signal_interval * np.arange(length)
+        for name, values in first.signals.items():
+            dimensions, unit, meaning = known[name]
+            if dimensions == PER_ROLLER and "roller" not in file.dimensions:
+                file.createDimension("roller", values.shape[1])
+            chunks = (*(1 for _ in design.shape), *values.shape)
+            variable = file.createVariable(
+                name, "f8", (*design.dimensions, *dimensions), chunksizes=chunks, fill_value=nan
+            )
+            variable.units, variable.long_name = unit, meaning
+
+
+def open_dataset(path: Path):
+    """A dataset as an `xarray.Dataset`."""
+    import xarray
+
+    return xarray.open_dataset(path, engine="netcdf4")
+
+
+def statuses(dataset) -> Iterator[tuple[int, str, str]]:
+    """Number, status and message of each point that is not complete."""
+    for i, (status, text) in enumerate(zip(dataset.status.values.ravel(), dataset.message.values.ravel(), strict=True)):
+        if status != COMPLETE:
+            yield i, str(status), str(text)

@@ -1,0 +1,131 @@
+"""What a study's numbers say: how much each parameter changes each quantity."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.study.dataset import unit_of_key
+from fem.study.points import Points
+from fem.study.solving import COMPLETE
+from fem.study.study_file import QUANTITIES
+
+BINS = 8  # of a parameter that takes a value of its own in each point
+FEWEST = 2  # points
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """A parameter or a quantity of all points."""
+
+    name: str
+    unit: str
+    meaning: str
+    values: np.ndarray  # (n_points,), float; of words their number among `words`
+    words: tuple[str, ...] = ()  # in their order; empty of numbers
+
+    @property
+    def label(self) -> str:
+        """Name and unit, for an axis."""
+        return self.name if self.unit == "1" else f"{self.name}, {self.unit}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Effect:
+    """Means of a quantity over the points that share a parameter's value, or lie in the same bin of it."""
+
+    at: np.ndarray  # (n_levels,), the parameter
+    mean: np.ndarray  # (n_levels,), the quantity
+    share: float  # of the quantity's variance that these means explain, 0 … 1, less what they do by chance
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """A study's points as columns."""
+
+    points: Points
+    parameters: list[Column]  # those that take more than one value
+    quantities: list[Column]
+    complete: np.ndarray  # (n_points,), bool
+
+    def effect(self, parameter: Column, quantity: Column) -> Effect | None:
+        """The effect of a parameter on a quantity; None where too few points tell of it."""
+        known = np.isfinite(quantity.values)
+        x, y = parameter.values[known], quantity.values[known]
+        if len(y) < FEWEST or not np.ptp(y) > 0.0:
+            return None
+        levels, group = np.unique(x, return_inverse=True)
+        if self.points.design.axes is None and len(levels) > BINS:
+            edges = np.quantile(x, np.linspace(0.0, 1.0, BINS + 1)[1:-1])
+            group = np.searchsorted(edges, x, side="right")
+            levels = np.array([x[group == g].mean() if (group == g).any() else np.nan for g in range(BINS)])
+        count = np.bincount(group, minlength=len(levels))
+        enough = count > 0
+        mean = np.bincount(group, y, minlength=len(levels))[enough] / count[enough]
+        share = float(np.sum(count[enough] * (mean - y.mean()) ** 2) / np.sum((y - y.mean()) ** 2))
+        n, k = len(y), len(mean)
+        if n > k:  # means of few points explain chance as well
+            share = max(0.0, 1.0 - (1.0 - share) * (n - 1) / (n - k))
+        return Effect(at=levels[enough], mean=mean, share=share)
+
+    @property
+    def telling(self) -> list[Column]:
+        """Quantities that differ between points."""
+        finite = [(each, each.values[np.isfinite(each.values)]) for each in self.quantities]
+        return [each for each, known in finite if len(known) > 1 and np.ptp(known) > 0.0]
+
+    def strongest(self, quantity: Column) -> list[tuple[Column, float]]:
+        """Parameters with the shares of the quantity's variance that they explain, the largest first."""
+        found = [(parameter, self.effect(parameter, quantity)) for parameter in self.parameters]
+        shares = [(parameter, effect.share) for parameter, effect in found if effect is not None]
+        return sorted(shares, key=lambda each: -each[1])
+
+
+def table_of(points: Points, dataset) -> Table:
+    """Columns of a study from its dataset."""
+    design = points.design
+    parameters = [
+        _column(name, unit_of_key(key), f"scene key {key}", [point[i] for point in design.points])
+        for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True))
+    ]
+    quantities = [
+        _column(name, *QUANTITIES[name], dataset[name].values.ravel().tolist()) for name in points.study.keep.quantities
+    ]
+    return Table(
+        points=points,
+        parameters=[each for each in parameters if len(np.unique(each.values)) > 1],
+        quantities=quantities,
+        complete=dataset.status.values.ravel() == COMPLETE,
+    )
+
+
+def _column(name: str, unit: str, meaning: str, values: list) -> Column:
+    words = tuple(dict.fromkeys(str(value) for value in values)) if isinstance(values[0], str | bool) else ()
+    numbers = [words.index(str(value)) for value in values] if words else values
+    return Column(name=name, unit=unit, meaning=meaning, values=np.array(numbers, dtype=float), words=words)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Indices:
+    """Sobol indices of a quantity, by parameter."""
+
+    first: np.ndarray  # (n_parameters,), of the parameter alone
+    total: np.ndarray  # (n_parameters,), with all that it does together with others
+
+
+def sobol_indices(table: Table, quantity: Column) -> Indices | None:
+    """Sobol indices of a quantity; None where the study was not sampled for them, or not every point is complete.
+
+    Errors
+    ------
+    Of the order of 1/√base; small ones may come out negative.
+
+    Source: Saltelli et al., Computer Physics Communications 181 (2010), by scipy.stats.sobol_indices.
+    """
+    n, d = table.points.design.base, len(table.points.design.keys)
+    if not n or not np.isfinite(quantity.values).all() or not np.ptp(quantity.values) > 0.0:
+        return None
+    from scipy import stats
+
+    f_A, f_B, *f_AB = quantity.values.reshape(d + 2, 1, n)
+    found = stats.sobol_indices(func={"f_A": f_A, "f_B": f_B, "f_AB": np.array(f_AB)}, n=n)
+    return Indices(first=np.ravel(found.first_order), total=np.ravel(found.total_order))

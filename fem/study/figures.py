@@ -1,0 +1,187 @@
+"""Figures of a study's page, with the look of the report."""
+
+import base64
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from fem.study.effects import Column, Effect, Indices, Table
+from residual.plotting import BLUE, GREY, ORANGE, STYLE
+from residual.tick_labels import make_plain
+
+WIDTH = 7.0  # inches
+CELL = 1.75  # inches, of a panel among many
+MOST = 6  # rows, or columns, of a figure
+LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded
+DPI = 150
+CLOUD = 3000  # points drawn one by one, at most
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figure:
+    """A figure as it stands in the page."""
+
+    name: str
+    title: str
+    caption: str
+    address: str
+
+
+def study_figures(table: Table, indices: list[tuple[Column, Indices]]) -> list[Figure]:
+    """All that the study's points can show."""
+    with plt.rc_context({**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}):
+        makers = (_main_effects, _heat_map, _scatter_matrix)
+        found = [figure for maker in makers for figure in maker(table)]
+        return [*found, *_sobol_bars(table, indices)]
+
+
+def _main_effects(table: Table) -> Iterator[Figure]:
+    parameters, quantities = table.parameters[:MOST], table.telling[:MOST]
+    if not parameters or not quantities:
+        return
+    size = max(WIDTH, CELL * len(parameters)), 1.0 + CELL * len(quantities)
+    figure, axes = plt.subplots(
+        len(quantities), len(parameters), figsize=size, squeeze=False, sharex="col", sharey="row"
+    )
+    for (row, quantity), (column, parameter) in product(enumerate(quantities), enumerate(parameters)):
+        axis, effect = axes[row, column], table.effect(parameter, quantity)
+        some = slice(None, None, 1 + len(quantity.values) // CLOUD)
+        axis.plot(parameter.values[some], quantity.values[some], ".", color=GREY, markersize=3, alpha=0.5)
+        if effect is not None:
+            axis.plot(effect.at, effect.mean, "o-", color=BLUE, markersize=4)
+            axis.set_title(_percent(effect), fontsize=8.5, loc="right")
+        if parameter.words:
+            axis.set_xticks(range(len(parameter.words)), parameter.words)
+        if column == 0:
+            axis.set_ylabel(_broken(quantity))
+        if row == len(quantities) - 1:
+            axis.set_xlabel(_broken(parameter))
+    yield _finished(
+        figure,
+        "main-effects",
+        "Main effects",
+        "Grey: every point. Blue: means over the points with the same value of the parameter, or in the same eighth of "
+        "the points. Above: the share of the quantity's variance that these means explain.",
+    )
+
+
+def _percent(effect: Effect) -> str:
+    return f"{100.0 * effect.share:.0f} %"
+
+
+def _heat_map(table: Table) -> Iterator[Figure]:
+    """Two parameters that explain most, of each quantity; means over all others."""
+    quantities = [each for each in table.telling if len(table.strongest(each)) > 1][:4]
+    if len(table.parameters) < 2 or not quantities:
+        return
+    columns = min(2, len(quantities))
+    rows = -(-len(quantities) // columns)
+    figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, 0.6 + 2.6 * rows), squeeze=False)
+    for axis, quantity in zip(axes.ravel(), quantities, strict=False):
+        (x, _), (y, _) = table.strongest(quantity)[:2]
+        known = np.isfinite(quantity.values)
+        at_x, at_y = np.unique(x.values), np.unique(y.values)
+        if len(at_x) * len(at_y) <= known.sum() * 2:
+            total = np.full((len(at_y), len(at_x)), np.nan)
+            for (j, b), (i, a) in product(enumerate(at_y), enumerate(at_x)):
+                here = known & (x.values == a) & (y.values == b)
+                total[j, i] = quantity.values[here].mean() if here.any() else np.nan
+            drawn = axis.pcolormesh(range(len(at_x)), range(len(at_y)), total, shading="nearest", cmap="viridis")
+            _levels(axis.xaxis, x, at_x)
+            _levels(axis.yaxis, y, at_y)
+        else:
+            drawn = axis.scatter(x.values[known], y.values[known], c=quantity.values[known], s=10, cmap="viridis")
+        axis.grid(visible=False)
+        axis.set(xlabel=x.label, ylabel=y.label, title=quantity.name)
+        figure.colorbar(drawn, ax=axis, label=quantity.unit)
+    for axis in axes.ravel()[len(quantities) :]:
+        axis.set_visible(False)
+    yield _finished(
+        figure,
+        "heat-map",
+        "Two parameters at a time",
+        "Each quantity over the two parameters that explain most of it, means over all others.",
+    )
+
+
+def _levels(axis, column: Column, at: np.ndarray) -> None:
+    """Ticks of a parameter that takes some values, at their numbers."""
+    chosen = np.unique(np.linspace(0, len(at) - 1, min(len(at), 6)).round().astype(int))
+    axis.set_ticks(chosen, [column.words[int(at[i])] if column.words else f"{at[i]:.5g}" for i in chosen])
+
+
+def _scatter_matrix(table: Table) -> Iterator[Figure]:
+    columns = [*table.parameters[:3], *table.telling[:4]]
+    if len(columns) < 3 or table.complete.sum() < 3:
+        return
+    n = len(columns)
+    figure, axes = plt.subplots(n, n, figsize=(max(WIDTH, 1.35 * n), 1.2 * n))
+    some = np.flatnonzero(table.complete)[:: 1 + int(table.complete.sum()) // CLOUD]
+    for (row, y), (column, x) in product(enumerate(columns), enumerate(columns)):
+        axis = axes[row, column]
+        if row == column:
+            values = x.values[np.isfinite(x.values)]
+            axis.hist(values, bins=12, color=BLUE if row < len(table.parameters[:3]) else ORANGE)
+            axis.set_yticks([])
+        else:
+            axis.plot(x.values[some], y.values[some], ".", color=GREY, markersize=2)
+        axis.tick_params(labelsize=6.5, labelbottom=row == n - 1, labelleft=column == 0 and row > 0)
+        axis.locator_params(nbins=3)
+        if row == n - 1:
+            axis.set_xlabel(_broken(x), fontsize=7)
+        if column == 0:
+            axis.set_ylabel(_broken(y), fontsize=7)
+    yield _finished(
+        figure,
+        "scatter-matrix",
+        "Everything against everything",
+        "Complete points. On the diagonal how often values occur: parameters blue, quantities orange.",
+    )
+
+
+def _sobol_bars(table: Table, indices: list[tuple[Column, Indices]]) -> Iterator[Figure]:
+    if not indices:
+        return
+    names = table.points.design.names
+    figure, axes = plt.subplots(len(indices), 1, figsize=(WIDTH, 0.8 + 1.3 * len(indices)), squeeze=False, sharex=True)
+    for axis, (quantity, found) in zip(axes[:, 0], indices, strict=True):
+        at = np.arange(len(names))
+        axis.bar(at - 0.2, found.first, 0.4, color=BLUE, label="alone")
+        axis.bar(at + 0.2, found.total, 0.4, color=ORANGE, label="with others")
+        axis.set(ylabel=quantity.name, ylim=(min(0.0, found.first.min()), 1.05))
+        axis.set_xticks(at, [name.replace("_", "\n", 1) for name in names])
+    axes[0, 0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
+    yield _finished(
+        figure,
+        "sobol-indices",
+        "Sobol indices",
+        "The share of a quantity's variance that a parameter explains alone, and with all that it does together with "
+        "others (Saltelli 2010, scipy.stats.sobol_indices).",
+    )
+
+
+def _broken(column: Column) -> str:
+    """Name and unit in lines short enough for a small panel."""
+    words, lines = column.name.split("_"), [""]
+    for word in words:
+        if lines[-1] and len(lines[-1]) + len(word) > 14:
+            lines.append("")
+        lines[-1] += ("_" if lines[-1] or len(lines) > 1 else "") + word
+    return "\n".join(lines) + ("" if column.unit == "1" else f"\n{column.unit}")
+
+
+def _finished(figure, name: str, title: str, caption: str) -> Figure:
+    make_plain(figure)
+    vectors, pixels = io.BytesIO(), io.BytesIO()
+    figure.savefig(vectors, format="svg", metadata={"Date": None})
+    kind, data = "svg+xml", vectors.getvalue()
+    if len(data) > LARGEST_SVG:
+        figure.savefig(pixels, format="png", dpi=DPI, metadata={"Software": None})
+        kind, data = "png", pixels.getvalue()
+    plt.close(figure)
+    address = f"data:image/{kind};base64,{base64.b64encode(data).decode('ascii')}"
+    return Figure(name=name, title=title, caption=caption, address=address)

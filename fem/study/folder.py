@@ -1,0 +1,177 @@
+"""A study's folder: what it is, a file for each point that is done, and what is made of them.
+
+study.json     the study, its scene and the digest of each point: enough for dataset and page without solving
+points/        a sealed file for each point, moved into place when it is whole
+runs/          result files, where they are kept
+study.nc, study.html
+"""
+
+import io
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fem.errors import UsageError
+from fem.study.points import Points
+from fem.study.sampling import Design
+from fem.study.solving import LOST, Solved
+from fem.study.study_file import study_of
+from lagrange.scene import parse_scene_text
+from lagrange.sealed import read_sealed, write_sealed
+
+PROGRAM = "run-study"
+MISSING = "missing"  # the status of a point that has not been solved
+
+
+@dataclass(frozen=True, kw_only=True)
+class Folder:
+    """Where a study is kept."""
+
+    path: Path
+
+    @property
+    def dataset(self) -> Path:
+        return self.path / "study.nc"
+
+    @property
+    def page(self) -> Path:
+        return self.path / "study.html"
+
+    @property
+    def _about(self) -> Path:
+        return self.path / "study.json"
+
+    def points(self) -> Points:
+        """The study and its points, as they were when it was begun or last gone on with.
+
+        Errors
+        ------
+        UsageError: there is none, or it is damaged.
+        """
+        try:
+            facts = json.loads(self._about.read_text(encoding="utf-8"))
+            study = study_of(self._about, facts["study"], facts["listed"])
+            scene = parse_scene_text(facts["scene"], f"{self._about}: scene", facts["files"])
+            design = Design(
+                keys=tuple(facts["keys"]),
+                points=[tuple(point) for point in facts["points"]],
+                axes=None if facts["axes"] is None else tuple(tuple(axis) for axis in facts["axes"]),
+                base=facts["base"],
+            )
+            return Points(
+                study=replace(study, name=facts["name"], scene=scene), design=design, digests=facts["digests"]
+            )
+        except OSError as error:
+            raise UsageError(f"{self.path}: no study: {error.strerror} (study.json)") from None
+        except (ValueError, KeyError, TypeError) as error:
+            raise UsageError(f"{self._about}: damaged, or not of this version: {error}") from None
+
+    def run(self, digest: str) -> Path:
+        """A point's result file."""
+        return self.path / "runs" / f"{digest}.nc"
+
+    def _point(self, digest: str) -> Path:
+        return self.path / "points" / f"{digest}.point"
+
+    def begin(self, points: Points, resume: bool) -> None:
+        """Write what the study is; refuse a folder that holds another, or one that is to go on without `resume`.
+
+        Errors
+        ------
+        UsageError. OSError: it can't be written.
+        """
+        if self.path.exists() and not self.path.is_dir():
+            raise UsageError(f"{self.path}: is a file, not a folder; choose another --output")
+        if self._about.exists() and not resume:
+            raise UsageError(f"{self.path}: holds a study; --resume goes on with it, or choose another --output")
+        if not self._about.exists() and self.path.exists() and any(self.path.iterdir()):
+            raise UsageError(f"{self.path}: not empty and no study; choose another --output or empty it")
+        with self._named():
+            (self.path / "points").mkdir(parents=True, exist_ok=True)
+            _write(self._about, json.dumps(_facts(points), ensure_ascii=False).encode())
+
+    def done(self, digest: str) -> bool:
+        """Whether a point has been solved, well or not."""
+        try:
+            return read_sealed(self._point(digest)) is not None
+        except OSError:
+            return False
+
+    def add(self, digest: str, solved: Solved) -> None:
+        """Keep what became of a point; of one lost with its worker nothing, so that it is tried again.
+
+        Errors
+        ------
+        OSError: it can't be written.
+        """
+        if solved.status == LOST:
+            return
+        facts = {
+            "status": solved.status,
+            "text": solved.text,
+            "seconds": solved.seconds,
+            "quantities": dict(solved.quantities),
+            "signal_interval": solved.signal_interval,
+        }
+        archive = io.BytesIO()
+        np.savez(archive, facts=np.frombuffer(json.dumps(facts).encode(), dtype=np.uint8), **solved.signals)
+        with self._named():
+            if solved.run is not None:
+                self.run(digest).parent.mkdir(exist_ok=True)
+                _write(self.run(digest), solved.run)
+            write_sealed(self._point(digest), archive.getvalue())
+
+    def read(self, digest: str) -> Solved | None:
+        """What became of a point; None: not solved yet, or its file is damaged."""
+        try:
+            data = read_sealed(self._point(digest))
+        except OSError:
+            return None
+        if data is None:
+            return None
+        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
+            signals = {name: archive[name] for name in archive.files if name != "facts"}
+            facts = json.loads(archive["facts"].tobytes())
+        return Solved(signals=signals, **facts)
+
+    @contextmanager
+    def _named(self) -> Iterator[None]:
+        """Say what to do where the disk fails."""
+        try:
+            yield
+        except OSError as error:
+            raise OSError(
+                error.errno, f"{error.strerror}; finished points are kept, --resume goes on", str(self.path)
+            ) from None
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Write a file that appears whole or not at all."""
+    part = path.with_name(path.name + ".part")
+    try:
+        part.write_bytes(data)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _facts(points: Points) -> dict[str, Any]:
+    study, design = points.study, points.design
+    return {
+        "program": PROGRAM,
+        "name": study.name,
+        "study": study.text,
+        "listed": study.listed,
+        "scene": study.scene.to_toml(),
+        "files": study.scene.files,
+        "keys": design.keys,
+        "points": design.points,
+        "axes": design.axes,
+        "base": design.base,
+        "digests": points.digests,
+    }

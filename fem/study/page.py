@@ -1,0 +1,144 @@
+"""The page of a study: one file, to be opened anywhere."""
+
+from pathlib import Path
+
+import numpy as np
+
+from fem.study.dataset import open_dataset, statuses
+from fem.study.effects import Column, Indices, Table, sobol_indices, table_of
+from fem.study.folder import Folder
+from fem.study.points import Points
+from lagrange.pages import render_page
+
+TEMPLATE = Path(__file__).parent / "template" / "study.html.j2"
+MOST_FAILED = 200  # rows
+TELLING = 0.05  # of a quantity's variance: parameters that explain less are not named
+
+
+def write_page(points: Points, folder: Folder) -> None:
+    """Write a study's page from its dataset.
+
+    Errors
+    ------
+    OSError: it can't be written; an earlier page stays.
+    """
+    from fem.study.figures import study_figures
+
+    with open_dataset(folder.dataset) as dataset:
+        table = table_of(points, dataset)
+        indices = [(each, found) for each in table.quantities if (found := sobol_indices(table, each)) is not None]
+        failed = [(points.design.told(i), status, text) for i, status, text in statuses(dataset)]
+        text = render_page(
+            TEMPLATE,
+            name=points.study.name,
+            verdict=_verdict(table),
+            facts=_facts(table, dataset),
+            meaning=[_sentence(table, each) for each in table.quantities],
+            ranges=[_range(each) for each in table.quantities],
+            sobol=_sobol_rows(table, indices),
+            unsampled=_unsampled(table, indices),
+            figures=study_figures(table, indices),
+            failed=failed[:MOST_FAILED],
+            left_out=max(0, len(failed) - MOST_FAILED),
+            speed=_speed(table, dataset),
+            version=dataset.attrs["program_version"],
+            study=points.study.text,
+            scene=points.study.scene.to_toml(),
+        )
+    part = folder.page.with_name(folder.page.name + ".part")
+    try:
+        part.write_text(text, encoding="utf-8")
+        part.replace(folder.page)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def number(value: float) -> str:
+    """A number for people."""
+    return f"{value:.4g}" if np.isfinite(value) else "-"
+
+
+def _verdict(table: Table) -> str:
+    n, complete = len(table.complete), int(table.complete.sum())
+    names = ", ".join(each.name for each in table.parameters) or "nothing"
+    state = f"all {n} points are complete" if complete == n else f"{complete} of {n} points are complete"
+    return f"{names} varied; {state}."
+
+
+def _facts(table: Table, dataset) -> list[tuple[str, str]]:
+    study, design = table.points.study, table.points.design
+    shape = "" if design.axes is None else ", " + " × ".join(str(size) for size in design.shape)
+    drawn = study.sampling.method in ("lhs", "sobol")
+    return [
+        ("Points", f"{len(table.complete)} ({study.sampling.method}{shape})"),
+        *([("Seed", str(study.sampling.seed))] if drawn else []),
+        ("Model", study.scene.model),
+        ("Varied", "; ".join(f"{key}: {_span(table.points, i)}" for i, key in enumerate(design.keys))),
+        ("Signals", ", ".join(study.keep.signals) or "none kept"),
+        ("Program", f"{dataset.attrs['program_version']}, text {dataset.attrs['program_digest']}"),
+    ]
+
+
+def _span(points: Points, i: int) -> str:
+    values = [point[i] for point in points.design.points]
+    if isinstance(values[0], str | bool):
+        return ", ".join(dict.fromkeys(str(value) for value in values))
+    return f"{number(float(min(values)))} to {number(float(max(values)))}"
+
+
+def _sentence(table: Table, quantity: Column) -> str:
+    """What decides a quantity."""
+    known = quantity.values[np.isfinite(quantity.values)]
+    if not len(known):
+        return f"{quantity.name}: no point tells it."
+    if not np.ptp(known) > 0.0:
+        return f"{quantity.name} is {number(known[0])} {quantity.unit} in every point."
+    told = [f"{each.name} {100 * share:.0f} %" for each, share in table.strongest(quantity) if share >= TELLING]
+    span = f"{number(known.min())} to {number(known.max())}" + ("" if quantity.unit == "1" else f" {quantity.unit}")
+    parts = ", ".join(told) or "no parameter more than a twentieth"
+    return f"{quantity.name} ({quantity.meaning}) goes from {span}; of its variance each parameter explains: {parts}."
+
+
+def _range(quantity: Column) -> tuple[str, ...]:
+    known = quantity.values[np.isfinite(quantity.values)]
+    unit = "" if quantity.unit == "1" else quantity.unit
+    if not len(known):
+        return quantity.name, unit, "-", "-", "-", "-", "0"
+    return (
+        quantity.name,
+        unit,
+        *(number(float(f(known))) for f in (np.min, np.mean, np.max, np.std)),
+        str(len(known)),
+    )
+
+
+def _sobol_rows(table: Table, indices: list[tuple[Column, Indices]]) -> list[tuple[str, ...]]:
+    rows = []
+    for quantity, found in indices:
+        for name, first, total in zip(table.points.design.names, found.first, found.total, strict=True):
+            rows.append((quantity.name, name, f"{first:.3f}", f"{total:.3f}"))
+    return rows
+
+
+def _unsampled(table: Table, indices: list[tuple[Column, Indices]]) -> str:
+    """Why there are no Sobol indices, where a reader may look for them."""
+    if indices or table.points.study.sampling.method != "sobol":
+        return ""
+    if not table.points.design.base:
+        return "There are no Sobol indices: they take points of their own, indices = true in [sampling]."
+    return "There are no Sobol indices: they need every point, and not all are complete, or nothing varies."
+
+
+def _speed(table: Table, dataset) -> list[tuple[str, str]]:
+    seconds = dataset.seconds.values.ravel()
+    seconds = seconds[np.isfinite(seconds)]
+    if not len(seconds):
+        return []
+    return [
+        ("Work, all points one after the other", f"{number(float(seconds.sum()))} s"),
+        (
+            "A point: shortest, median, longest",
+            " / ".join(f"{number(float(f(seconds)))} s" for f in (np.min, np.median, np.max)),
+        ),
+        ("Points an hour and process", number(3600.0 / float(seconds.mean()))),
+    ]

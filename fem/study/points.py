@@ -1,0 +1,104 @@
+"""The points of a study as scenes: validated before the first is solved, and named by what decides their results."""
+
+import hashlib
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import version
+
+from fem.errors import UsageError
+from fem.result.layout import PER_ROLLER, variables_of
+from fem.solver.solver import sample_count
+from fem.study.sampling import Design
+from fem.study.study_file import KeepTable, Study
+from lagrange.scene import Scene, SceneError
+from lagrange.version import source_digest
+
+FORMAT = 1  # of a point's file
+MOST_FAULTS = 10  # told at once
+LIBRARIES = ("numpy", "scipy", "numba", "pydantic")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Points:
+    """All points of a study: their values, and the digest by which each is known on disk."""
+
+    study: Study
+    design: Design
+    digests: list[str]
+
+    def __len__(self) -> int:
+        return len(self.digests)
+
+    def scene(self, i: int) -> Scene:
+        """The scene of point i, made when asked for: ten thousand of them would take a gigabyte."""
+        return self.study.scene.varied(self.design.changes(i))
+
+
+def checked_points(study: Study, design: Design, count: Callable[[], None] = lambda: None) -> Points:
+    """Validate every point; `count` is called after each.
+
+    Errors
+    ------
+    UsageError: naming points and keys that can't be used, the first few of them.
+    """
+    digests, faults = [], []
+    first: dict[str, object] = {}
+    for i in range(len(design.points)):
+        try:
+            scene = study.scene.varied(design.changes(i))
+            _check_signals(scene, study.keep, first)
+        except (SceneError, UsageError) as error:
+            reason = str(error).replace("\n", "; ").replace(f"{study.scene.name}: ", "")
+            faults.append(f"{design.told(i)}: {reason}")
+            if len(faults) == MOST_FAULTS:
+                break
+            continue
+        digests.append(digest_of(scene, study.keep))
+        count()
+    if faults:
+        raise UsageError("\n".join(faults))
+    return Points(study=study, design=design, digests=digests)
+
+
+def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> None:
+    """Refuse signals that a point does not have, or that do not fit beside those of the first point."""
+    if keep.quantities and sample_count(scene) < 2 and any(not name.startswith("first_") for name in keep.quantities):
+        raise UsageError(
+            "numerics.duration_ms = 0: at rest only the quantities first_… are told; keep others out, or run longer"
+        )
+    if not keep.signals:
+        return
+    known = variables_of(scene)
+    for name in keep.signals:
+        if name not in known or name == "time":
+            raise UsageError(f"keep.signals: {name!r} is no signal of this point; it has {', '.join(known)}")
+    sizes: dict[str, object] = {
+        "numerics.duration_ms": scene.numerics.duration_ms,
+        "numerics.output_interval_us": scene.numerics.output_interval_us,
+    }
+    if any(known[name][0] == PER_ROLLER for name in keep.signals):
+        sizes["bearing.rollers"] = scene.bearing.rollers
+    for key, value in sizes.items():
+        if first.setdefault(key, value) != value:
+            raise UsageError(f"{key} = {value}: signals are as long in every point; the first one has {first[key]}")
+    rate = 1e3 / scene.numerics.output_interval_us  # kHz
+    if keep.signal_rate_kHz is not None and keep.signal_rate_kHz > rate * (1.0 + 1e-9):
+        raise UsageError(
+            f"keep.signal_rate_kHz = {keep.signal_rate_kHz:g}: samples are stored at {rate:g} kHz "
+            "(numerics.output_interval_us); at most that"
+        )
+
+
+def digest_of(scene: Scene, keep: KeepTable) -> str:
+    """What a point's file is named by: scene, what is kept, the program's text and its libraries' versions."""
+    facts = [FORMAT, scene.to_toml(), sorted(scene.files), keep.model_dump(), program()]
+    return hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:32]
+
+
+@cache
+def program() -> str:
+    """Digest of the program's own code and of its libraries' versions."""
+    libraries = [f"{name} {version(name)}" for name in LIBRARIES]
+    return hashlib.sha256("\0".join([source_digest(), *libraries]).encode()).hexdigest()[:16]

@@ -1,0 +1,133 @@
+"""A study from its points to its dataset: here, or by the workers of a cluster."""
+
+import os
+import resource
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from fem.errors import RunFailed, UsageError
+from fem.progress import count_display
+from fem.result.layout import PER_ROLLER, variables_of
+from fem.solver.simulate import make_plan, programs_named
+from fem.study.cluster import Cluster, solve_on_cluster
+from fem.study.folder import Folder
+from fem.study.points import Points
+from fem.study.solving import Solved, Wanted, solve
+from lagrange.messages import say
+
+WORTH_A_CLUSTER = 60.0  # s of work: below, starting workers takes longer than they save
+POINT_FILE = 2500  # bytes, without signals
+SOLVING = "points"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Expected:
+    """What a study will take."""
+
+    seconds: float  # of one processor, of a point, mean
+    memory: float  # bytes, of one process
+    disk: float  # bytes, of a point: its file and its share of the dataset
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyOptions:
+    """How a study is to be run."""
+
+    workers: int | None = None  # None: as many as pay
+    scheduler: str | None = None
+    keep_runs: bool = False
+    quiet: bool = False
+
+
+def pending_points(points: Points, folder: Folder) -> list[int]:
+    """Points that have not been solved, each digest once."""
+    first = {digest: i for i, digest in reversed(list(enumerate(points.digests)))}
+    return sorted(i for digest, i in first.items() if not folder.done(digest))
+
+
+def expected(points: Points, pending: list[int]) -> Expected:
+    """What the points will take, by the plans of three of them; compiles what they need.
+
+    Errors
+    ------
+    UsageError: no plan can be made of any of the three.
+    """
+    seconds, refused = [], ""
+    for i in sorted({pending[0], pending[len(pending) // 2], pending[-1]}):
+        try:
+            scene = points.scene(i)
+            programs_named(partial(make_plan, scene)).prepare()
+            began = time.process_time()
+            plan = make_plan(scene)
+            seconds.append(time.process_time() - began + plan.expected_seconds)
+        except (RunFailed, UsageError) as error:
+            refused = refused or f"{points.design.told(i)}: {error}"
+    if not seconds:
+        raise UsageError(refused)
+    usage = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return Expected(seconds=sum(seconds) / len(seconds), memory=1024.0 * usage, disk=_disk(points))
+
+
+def _disk(points: Points) -> float:
+    keep, scene = points.study.keep, points.scene(0)
+    numerics, variables = scene.numerics, variables_of(scene)
+    rate = 1e3 / numerics.output_interval_us if keep.signal_rate_kHz is None else keep.signal_rate_kHz
+    rollers = scene.bearing.rollers
+    columns = sum(rollers if variables[name][0] == PER_ROLLER else 1 for name in keep.signals)
+    return POINT_FILE + 2.0 * 8.0 * columns * numerics.duration_ms * rate
+
+
+def workers_for(options: StudyOptions, total: float) -> int:
+    """Processes to start for so many seconds of work; 0: it is done in this one."""
+    if options.workers is not None:
+        return 0 if options.workers == 1 else options.workers
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return processors if processors > 1 and total > WORTH_A_CLUSTER else 0
+
+
+def solve_points(
+    points: Points, pending: list[int], folder: Folder, options: StudyOptions, total: float, stop: Callable[[], bool]
+) -> dict[int, Solved]:
+    """Solve points and keep them in the folder, until `stop` says so; those lost with their workers.
+
+    Errors
+    ------
+    OSError: a point can't be kept; those before it are. UsageError: no cluster.
+    """
+    keep, lost = points.study.keep, {}
+    wanted = Wanted(
+        quantities=tuple(keep.quantities),
+        signals=tuple(keep.signals),
+        signal_rate=None if keep.signal_rate_kHz is None else 1e3 * keep.signal_rate_kHz,
+        seconds=points.study.limits.seconds_per_point,
+        runs=options.keep_runs,
+    )
+    workers = workers_for(options, total)
+    with count_display(SOLVING, len(pending), options.quiet) as count:
+
+        def add(i: int, solved: Solved) -> None:
+            folder.add(points.digests[i], solved)
+            if solved.status == "lost":
+                lost[i] = solved
+            count()
+
+        if options.scheduler is not None or workers:
+            where = Cluster(scheduler=options.scheduler, workers=workers)
+            solve_on_cluster(where, ((i, points.scene(i)) for i in pending), wanted, add, stop)
+        else:
+            _solve_here(points, pending, wanted, add, stop)
+    for i, solved in lost.items():
+        say(f"warning: {points.design.told(i)}: {solved.text}; --resume tries it again")
+    return lost
+
+
+def _solve_here(points: Points, pending: list[int], wanted: Wanted, add, stop: Callable[[], bool]) -> None:
+    for i in pending:
+        if stop():
+            return
+        solved = solve(points.scene(i), wanted, stop)
+        if solved is None:
+            return
+        add(i, solved)

@@ -1,0 +1,150 @@
+"""The points of a study: values of its parameters, by the method that its file names."""
+
+import csv
+import tomllib
+from dataclasses import dataclass
+from itertools import product
+from math import isfinite, prod
+
+import numpy as np
+
+from fem.errors import UsageError
+from fem.study.parameters import Value
+from fem.study.study_file import Study
+
+MOST_POINTS = 1_000_000
+POINT = "point"  # the dimension of points that are no grid
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """The points of a study in a fixed order: on a grid the last parameter changes fastest."""
+
+    keys: tuple[str, ...]  # dotted keys of the scene
+    points: list[tuple[Value, ...]]  # values by key
+    axes: tuple[tuple[Value, ...], ...] | None  # of a grid, by key; None: the points are no grid
+    base: int = 0  # points of each of the matrices A, B and AB of Sobol indices; 0: there are none
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the parameters: the last part of each key where that is theirs alone, else the whole key."""
+        last = [key.rpartition(".")[2] for key in self.keys]
+        return tuple(
+            name if last.count(name) == 1 and name != POINT else key.replace(".", "_")
+            for name, key in zip(last, self.keys, strict=True)
+        )
+
+    @property
+    def dimensions(self) -> tuple[str, ...]:
+        return (POINT,) if self.axes is None else self.names
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return (len(self.points),) if self.axes is None else tuple(len(axis) for axis in self.axes)
+
+    def changes(self, i: int) -> dict[str, Value]:
+        """What point i changes of the scene."""
+        return dict(zip(self.keys, self.points[i], strict=True))
+
+    def told(self, i: int) -> str:
+        """Point i in words."""
+        values = ", ".join(f"{key} = {_short(value)}" for key, value in self.changes(i).items())
+        return f"point {i} ({values})"
+
+
+def _short(value: Value) -> str:
+    return f"{value:.8g}" if isinstance(value, float) else repr(value)
+
+
+def design_of(study: Study) -> Design:
+    """The points of a study; the same study gives the same points.
+
+    Errors
+    ------
+    UsageError: lengths that differ, too many points, a list that is none.
+    """
+    method, parameters = study.sampling.method, study.parameters
+    keys = tuple(parameters)
+    if method == "list":
+        return _listed(study)
+    if method in ("lhs", "sobol"):
+        return _drawn(study)
+    axes = tuple(parameter.axis(method) for parameter in parameters.values())
+    if method == "zip":
+        lengths = {key: len(axis) for key, axis in zip(keys, axes, strict=True)}
+        if len(set(lengths.values())) > 1:
+            told = ", ".join(f'"{key}" {length}' for key, length in lengths.items())
+            raise UsageError(f'parameters: method = "zip" needs as many values of each, here {told}')
+        return Design(keys=keys, points=list(zip(*axes, strict=True)), axes=None)
+    count = prod(len(axis) for axis in axes)
+    _check_count(count, "parameters")
+    return Design(keys=keys, points=list(product(*axes)), axes=axes)
+
+
+def _check_count(count: int, what: str) -> None:
+    if count > MOST_POINTS:
+        raise UsageError(f"{what}: {count:,} points; at most {MOST_POINTS:,} are taken")
+
+
+def _drawn(study: Study) -> Design:
+    """Points of a Latin hypercube or of a scrambled Sobol sequence."""
+    from scipy.stats import qmc
+
+    sampling, keys = study.sampling, tuple(study.parameters)
+    d, n = len(keys), sampling.samples or 0
+    rng = np.random.default_rng(sampling.seed)
+    if sampling.method == "lhs":
+        shares = qmc.LatinHypercube(d=d, rng=rng).random(n)
+    elif not sampling.indices:
+        shares = qmc.Sobol(d=d, rng=rng).random_base2(n.bit_length() - 1)
+    else:
+        _check_count(n * (d + 2), "sampling.samples")
+        shares = _matrices(qmc.Sobol(d=2 * d, rng=rng).random_base2(n.bit_length() - 1), d)
+    columns = [parameter.drawn(shares[:, i]) for i, parameter in enumerate(study.parameters.values())]
+    return Design(keys=keys, points=list(zip(*columns, strict=True)), axes=None, base=n if sampling.indices else 0)
+
+
+def _matrices(shares: np.ndarray, d: int) -> np.ndarray:
+    """A, B, and for each parameter A with its column of B, one below the other, ((d + 2) n, d).
+
+    Source: Saltelli et al., Computer Physics Communications 181 (2010), as scipy.stats.sobol_indices takes them.
+    """
+    A, B = shares[:, :d], shares[:, d:]
+    mixed = []
+    for i in range(d):
+        AB = A.copy()
+        AB[:, i] = B[:, i]
+        mixed.append(AB)
+    return np.concatenate([A, B, *mixed])
+
+
+def _listed(study: Study) -> Design:
+    """Points of a CSV table whose header names keys of the scene; a value is TOML, or a plain word."""
+    name, text = study.sampling.file, study.listed or ""
+    rows = [row for row in csv.reader(text.splitlines()) if any(cell.strip() for cell in row)]
+    if len(rows) < 2:
+        raise UsageError(f"{name}: holds no points; a header of scene keys and a row for each point are needed")
+    keys = tuple(cell.strip() for cell in rows[0])
+    if not all(keys) or len(set(keys)) < len(keys):
+        raise UsageError(f"{name}: its header must name a key of the scene in each column, none twice")
+    _check_count(len(rows) - 1, name or "")
+    points = []
+    for number, row in enumerate(rows[1:], start=2):
+        if len(row) != len(keys):
+            raise UsageError(f"{name}: row {number} has {len(row)} values, its header {len(keys)}")
+        points.append(tuple(_value(name or "", number, key, cell.strip()) for key, cell in zip(keys, row, strict=True)))
+    return Design(keys=keys, points=points, axes=None)
+
+
+def _value(name: str, row: int, key: str, cell: str) -> Value:
+    try:
+        found = tomllib.loads(f"value = {cell}")["value"]
+    except ValueError:
+        found = cell
+    if (
+        cell == ""
+        or not isinstance(found, float | int | str | bool)
+        or (isinstance(found, float) and not isfinite(found))
+    ):
+        raise UsageError(f"{name}: row {row}, {key} = {cell!r}: is no value of a scene")
+    return found

@@ -1,0 +1,51 @@
+"""What run-study prints: of a study that is planned, and of one that is done."""
+
+from rich.console import Console
+
+from fem.study.dataset import open_dataset, statuses
+from fem.study.folder import Folder
+from fem.study.points import Points
+from fem.study.running import Expected, StudyOptions, workers_for
+from lagrange.messages import shown
+
+MOST_TOLD = 5  # points that have failed
+
+
+def print_plan(points: Points, pending: list[int], found: Expected | None, options: StudyOptions) -> None:
+    """What a study will take; `found` is None where nothing is left to solve."""
+    console, design = Console(highlight=False), points.design
+    shape = " × ".join(str(size) for size in design.shape)
+    rows = {
+        "points": f"{len(points)} ({points.study.sampling.method}, {shape}), {len(pending)} to be solved",
+        "varied": ", ".join(design.keys),
+        "kept": ", ".join((*points.study.keep.quantities, *points.study.keep.signals)) or "nothing",
+    }
+    if found is not None:
+        total = found.seconds * len(pending)
+        processes = workers_for(options, total)
+        where = f"{processes} processes" if processes else "this process"
+        rows |= {
+            "a point takes": f"about {found.seconds:.2g} s of one processor",
+            "processor time": f"about {total / 3600.0:.2g} hours ({total:.3g} s)",
+            "solved by": where if options.scheduler is None else f"the workers of {options.scheduler}",
+            "memory": f"about {1e-6 * found.memory * (1 + processes):.0f} MB",
+            "disk": f"about {1e-6 * found.disk * len(points):.3g} MB",
+        }
+    console.print(f"Plan of the study {shown(points.study.name)}", style="italic", markup=False)
+    for name, value in rows.items():
+        console.print(f"{name + ':':16s} {shown(value)}", soft_wrap=True, markup=False)
+
+
+def print_outcome(points: Points, folder: Folder, found: dict[str, int]) -> None:
+    """How many points there are of each status, the first that failed, and where the dataset is."""
+    console = Console(highlight=False)
+    told = ", ".join(f"{count} {status}" for status, count in sorted(found.items()))
+    console.print(f"{len(points)} points: {told}")
+    with open_dataset(folder.dataset) as dataset:
+        for number, (i, status, text) in enumerate(statuses(dataset)):
+            if number == MOST_TOLD:
+                console.print("… more are on the page")
+                break
+            console.print(shown(f"{points.design.told(i)}: {status}: {text}"), soft_wrap=True, markup=False)
+    console.print(f"Dataset: {shown(folder.dataset)}", soft_wrap=True, markup=False)
+    console.print(f"Page: {shown(folder.page)}", soft_wrap=True, markup=False)

@@ -1,0 +1,25 @@
+"""Colours of curves, and which kinematic line a harmonic is of."""
+
+import re
+
+# Okabe and Ito's palette, told apart by colour-blind readers
+BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
+    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",
+)  # fmt: skip
+TERM_COLOURS = {
+    "error": "black",
+    "contact_law": RED,
+    "friction": GREEN,
+    "ring_flexibility": BLUE,
+    "other_forces": BLUE,
+    "differentiation": GREY,
+    "outer_ring": SKY,
+    "load_and_weight": ORANGE,
+    "momentum": PURPLE,
+}
+LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "BSF": ORANGE, "BPFO": RED, "BPFI": GREEN}
+
+
+def family(line: str) -> str:
+    """Kinematic line that a harmonic or sideband belongs to: "3×BPFO", "2×BPFO+shaft" -> "BPFO"."""
+    return re.split("[+−]", line)[0].rpartition("×")[2]

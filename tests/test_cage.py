@@ -1,0 +1,195 @@
+"""A cage: its contacts in closed form, its scene, and whole runs with it."""
+
+import tomllib
+
+import numpy as np
+import pytest
+from numba import njit
+
+from fem.contacts.critical_step import EVENLY
+from fem.errors import UsageError
+from fem.kernels.cage_kernels import CagePair, GuidingRing, Riders, meet, rub
+from fem.kernels.jit import OPTIONS
+from fem.solver.cage_arrays import cage_state, critical_with_cage
+from fem.solver.simulate import make_plan
+from lagrange.cage import Cage
+from lagrange.scene import SceneError, parse_scene
+from tests.reference.bearings import paper
+
+DT = 1e-7  # s
+ROLLERS = {"inertia": 2.5e-8, "mass": 0.002, "radius": 0.005}
+
+
+@njit(**OPTIONS)  # not kept: the key of kept kernels knows nothing of this module
+def step(pair, dt):
+    """A step of a cage and of rollers on which nothing else acts."""
+    cage, riders = pair.cage, pair.riders
+    meet(pair, dt)
+    for i in range(2):
+        cage.motion[1, i] += cage.impulse[i] / cage.mass
+        for j in range(riders.n):
+            riders.velocity[i, j] += riders.body_impulse[i, j] / riders.mass
+            riders.body_impulse[i, j] = 0.0
+    cage.motion[1, 2] += cage.impulse[2] / cage.inertia
+    rub(pair, dt)
+    for j in range(riders.n):
+        riders.spin[j] += riders.turn_kick[j]
+        riders.turn_kick[j] = 0.0
+    for i in range(3):
+        cage.motion[0, i] += dt * cage.motion[1, i]
+    cage.frame[0], cage.frame[1] = np.cos(cage.motion[0, 2]), np.sin(cage.motion[0, 2])
+    for i in range(2):
+        for j in range(riders.n):
+            riders.centre[i, j] += dt * riders.velocity[i, j]
+
+
+def run(pair: CagePair, steps: int, dt: float) -> tuple[float, float]:
+    """So many steps; the least force in a pocket, and the largest, N."""
+    least, most = np.inf, 0.0
+    for _ in range(steps):
+        step(pair, dt)
+        force = pair.cage.pockets.force - pair.cage.pockets.given[0]
+        least, most = min(least, force.min()), max(most, force.max())
+    return least, most
+
+
+def cage_of(**changes) -> Cage:
+    given = dict(
+        mass=0.02, inertia=1e-5, pocket_clearance=1e-4, guidance="rollers", guidance_clearance=None, stiffness=1e8,
+        damping=0.0, friction_coefficient=0.0, drag_torque=0.0,
+    )  # fmt: skip
+    return Cage(**given | changes)
+
+
+def loose_pair(cage: Cage, velocity: np.ndarray, spin: float = 0.0) -> CagePair:
+    """A cage at rest around free rollers on its pitch circle with these velocities, (2, n), m/s."""
+    bearing, n = paper(), paper().n_rollers
+    angle = 2.0 * np.pi * np.arange(n) / n
+    zero = np.zeros((2, n))
+    riders = Riders(
+        centre=bearing.pitch_radius * np.array([np.cos(angle), np.sin(angle)]), velocity=velocity.copy(),
+        spin=np.full(n, spin), node_impulse=zero.copy(), body_impulse=zero.copy(), turn_kick=np.zeros(n), n=n,
+        **ROLLERS,
+    )  # fmt: skip
+    return CagePair(cage=cage_state(bearing, cage, angle, 0.0), riders=riders, ring=None)
+
+
+def motion_of(pair: CagePair) -> dict[str, np.ndarray]:
+    """Momentum, angular momentum about the origin and kinetic energy of all."""
+    cage, riders, (place, rate, _) = pair.cage, pair.riders, pair.cage.motion
+    (x, y), (vx, vy), m = riders.centre, riders.velocity, riders.mass
+    turning = (m * (x * vy - y * vx) + riders.inertia * riders.spin).sum()
+    turning += cage.mass * (place[0] * rate[1] - place[1] * rate[0]) + cage.inertia * rate[2]
+    energy = 0.5 * (m * (vx**2 + vy**2) + riders.inertia * riders.spin**2).sum()
+    energy += 0.5 * (cage.mass * (rate[:2] ** 2).sum() + cage.inertia * rate[2] ** 2)
+    return {
+        "momentum": np.array([m * vx.sum() + cage.mass * rate[0], m * vy.sum() + cage.mass * rate[1]]),
+        "turning": turning,
+        "energy": energy,
+    }
+
+
+@pytest.mark.parametrize("guidance", ["rollers", pytest.param("outer_ring", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("damping", "friction"), [(0.0, 0.0), (30.0, 0.0), (1e6, 0.3)])
+def test_rollers_in_pockets_keep_momentum_and_lose_what_dashpots_and_friction_take(guidance, damping, friction):
+    """Free rollers thrown about in a free cage; a dashpot of 1e6 N s/m taken explicitly would be unstable."""
+    cage = cage_of(
+        guidance=guidance, guidance_clearance=None if guidance == "rollers" else 1.0, damping=damping,
+        friction_coefficient=friction,
+    )  # fmt: skip
+    pair = loose_pair(cage, np.random.default_rng(1).uniform(-1.0, 1.0, (2, 13)), spin=300.0)
+    before = motion_of(pair)
+    least, most = run(pair, 1500, 2.0 * DT)
+    after = motion_of(pair)
+    assert least == 0.0, "never pulls"
+    assert most > 10.0
+    np.testing.assert_allclose(after["momentum"], before["momentum"], atol=1e-14)
+    assert after["turning"] == pytest.approx(before["turning"], rel=1e-5)
+    stored = 0.5 * cage.stiffness * (np.maximum(pair.cage.pockets.approach, 0.0) ** 2).sum()
+    lost = pair.cage.lost
+    # the last step's work is still to be ended; and leapfrog's kinetic energy is that of half a step earlier
+    assert after["energy"] + stored + lost.sum() == pytest.approx(before["energy"], rel=2e-3)
+    assert (lost[0] > 0.01 * before["energy"]) == (damping > 0.0)
+    assert (lost[1] > 0.01 * before["energy"]) == (friction > 0.0)
+    assert lost.min() >= 0.0
+
+
+def test_a_roller_bounces_in_its_pocket_with_the_restitution_of_a_damped_spring():
+    """e = exp(−ζ(π − …)) of a dashpot that never pulls, from the exact solution of its equation."""
+    damping, mass = 60.0, 0.002
+    cage = cage_of(mass=1e5, inertia=1e5, damping=damping)
+    velocity = np.zeros((2, 13))
+    velocity[1, 0] = 0.5  # of the roller at angle 0, along the pitch circle
+    pair = loose_pair(cage, velocity)
+    for _ in range(4000):
+        step(pair, 0.5 * DT)
+        if pair.riders.velocity[1, 0] < 0.0 and pair.cage.pockets.closed[0] == 0.0:
+            break
+    omega, zeta = np.sqrt(cage.stiffness / mass), 0.5 * damping / np.sqrt(cage.stiffness * mass)
+    damped = omega * np.sqrt(1.0 - zeta**2)
+    # the force vanishes where tan(ω_d t) = 2ζ√(1 − ζ²)/(2ζ² − 1); what is left of the speed there
+    t = (np.pi - np.arctan(2.0 * zeta * np.sqrt(1.0 - zeta**2) / (1.0 - 2.0 * zeta**2))) / damped
+    left = np.exp(-zeta * omega * t) * (np.cos(damped * t) - zeta * omega / damped * np.sin(damped * t))
+    # beyond, the spring alone would go on pushing; with the dashpot the total stays 0 until the wall is left
+    assert -pair.riders.velocity[1, 0] / 0.5 == pytest.approx(-left, abs=2e-3)
+
+
+def test_a_ring_that_guides_brakes_the_cage_to_its_own_speed():
+    """Friction's impulse on the ring is the cage's, and the cage's spin settles where nothing slips."""
+    cage = cage_of(guidance="inner_ring", guidance_clearance=1e-4, damping=100.0, friction_coefficient=0.2)
+    bearing, n = paper(), 13
+    loose = loose_pair(cage, np.zeros((2, n)))
+    ring = GuidingRing(
+        place=np.zeros(2), velocity=np.zeros(2), impulse=np.zeros(2), rubbed=np.zeros(3), mass=1e6, speed=20.0
+    )
+    state = cage_state(bearing, cage, np.zeros(n), 0.0)
+    state.motion[0, 0] = 5.2e-5  # pressed against the ring, and held there
+    pair = CagePair(cage=state, riders=loose.riders._replace(n=0), ring=ring)
+    given = 0.0
+    for _ in range(1000):
+        step(pair, 10.0 * DT)
+        state.motion[:2, 0], state.motion[:2, 1] = (5.2e-5, 0.0), 0.0
+        given -= ring.rubbed[2]
+    # the bore rolls on the ring: equal surface speeds
+    assert state.motion[1, 2] == pytest.approx(20.0, rel=1e-6)
+    assert given == pytest.approx(cage.inertia * 20.0, rel=1e-6)
+
+
+def test_the_critical_step_counts_pockets_and_guide():
+    bearing = paper()
+    plain = 1e-6
+    assert critical_with_cage(plain, bearing, None, 0.078) == plain
+    soft, stiff = cage_of(stiffness=1e4), cage_of(stiffness=1e11)
+    assert critical_with_cage(plain, bearing, soft, 0.078) == pytest.approx(plain, rel=1e-5)
+    found = critical_with_cage(plain, bearing, stiff, 0.078)
+    # never longer than that of one roller between its walls and a cage that turns, whatever the bearing
+    reduced = 1.0 / (1.0 / bearing.roller_mass + 1.0 / stiff.mass + bearing.pitch_radius**2 / stiff.inertia)
+    assert found < 2.0 / np.sqrt(stiff.stiffness / reduced)
+    assert found > 2.0 / np.sqrt(EVENLY * 2 * stiff.stiffness * (14 / stiff.mass + 14 * bearing.pitch_radius**2 / 1e-5))
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ({"guidance": "inner_ring"}, "needs guidance_clearance_mm"),
+        ({"guidance_clearance_mm": 0.3}, "rollers guide a cage by its pockets"),
+        ({"pocket_clearance_mm": 1.2}, "a bar of the cage has to stand between them"),
+        ({"mas_kg": 0.1}, "did you mean mass_kg?"),
+        ({"mass_kg": 0.0}, "cage.mass_kg = 0.0: must be greater"),
+    ],
+)
+def test_cages_that_can_not_be_are_refused(table, words):
+    with pytest.raises(SceneError, match=words.replace("?", r"\?")):
+        parse_scene({"cage": table}, "scene")
+
+
+def test_the_lagrangian_model_refuses_a_cage_and_says_which_it_has():
+    with pytest.raises(UsageError, match="kinematic one"):
+        make_plan(parse_scene({"cage": {}, "model": "lagrange"}, "scene"))
+
+
+def test_an_absent_cage_leaves_no_trace_in_the_scene_and_a_given_one_comes_back():
+    assert "cage" not in parse_scene({}, "scene").to_toml()
+    scene = parse_scene({"cage": {"mass_kg": 0.05}}, "scene")
+    assert scene.ideal_cage().inertia == pytest.approx(0.05 * 0.023**2)  # a thin ring
+    assert parse_scene(tomllib.loads(scene.to_toml()), "again") == scene

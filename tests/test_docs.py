@@ -1,0 +1,166 @@
+"""README and docs: links lead somewhere, scenes are scenes, commands are commands, and print what is shown."""
+
+import importlib.util
+import re
+import shlex
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from fem.cli import run_app, run_main
+from fem.live_cli import live_app
+from fem.render_cli import render_app, render_main
+from fem.study_cli import study_app
+from lagrange.scene import parse_scene_text
+from lagrange.scene_keys import key_tables
+from residual.cli import app as check_app
+from residual.cli import main as check_main
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+APPS = {
+    "run-fem": run_app,
+    "check-residual": check_app,
+    "render-fem": render_app,
+    "run-live": live_app,
+    "run-study": study_app,
+}
+MAINS = {"run-fem": run_main, "check-residual": check_main, "render-fem": render_main}
+MOST_WORDS = 900
+
+
+def read(path):
+    return path.read_text(encoding="utf-8")
+
+
+def handbook():
+    """docs/handbook.py, which mkdocs runs."""
+    spec = importlib.util.spec_from_file_location("handbook", ROOT / "docs" / "handbook.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def blocks(path, kind):
+    return re.findall(rf"^```{kind}\n(.*?)^```", read(path), re.M | re.S)
+
+
+def anchors(path):
+    """Of a page's headings, as sites and GitHub make them."""
+    headings = re.findall(r"^#+ (.+)$", re.sub(r"^```.*?^```", "", read(path), flags=re.M | re.S), re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.name)
+def test_links_lead_somewhere(page):
+    made = set(handbook().NAMES)
+    for target in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"`[^`\n]*`", "", read(page))):
+        if target.startswith(("http:", "https:")):
+            continue
+        name, _, anchor = target.partition("#")
+        if page.parent.name == "docs" and name in made:
+            continue
+        path = (page.parent / name).resolve() if name else page
+        assert path.exists(), target
+        if page.parent.name == "docs":
+            assert path.is_relative_to(ROOT / "docs"), f"{target}: the site has the files of docs/ only"
+        if anchor:
+            assert anchor in anchors(path), target
+
+
+def test_the_sites_pages_are_there():
+    text = read(ROOT / "mkdocs.yml")
+    named = set(re.findall(r"([\w/]+\.md)", text[text.index("nav:\n  - Home") :]))
+    made = set(handbook().NAMES)
+    assert named and {name for name in named - made if not (ROOT / "docs" / name).is_file()} == set()
+    assert made <= named
+
+
+def test_the_readme_is_short():
+    assert len(read(ROOT / "README.md").split()) <= MOST_WORDS
+
+
+@pytest.mark.parametrize("name", ["README.md", "docs/first_bearing.md"])
+def test_the_scenes_shown_are_scenes(name):
+    scenes = blocks(ROOT / name, "toml")
+    assert scenes
+    for text in scenes:
+        parse_scene_text(text, name)
+
+
+def command_lines():
+    """Every command that a page shows, in a block or in the table of recipes."""
+    for page in PAGES:
+        lines = [line for block in blocks(page, "sh") for line in block.splitlines()]
+        if page.name == "recipes.md":
+            lines += re.findall(r"`([^`]+)`", read(page))
+        for line in lines:
+            words = shlex.split(line, comments=True)
+            if words and words[0] in APPS and not any(word in words for word in ("|", ">", "&&")):
+                yield pytest.param(words, id=f"{page.stem}: {' '.join(words)}"[:70])
+
+
+@pytest.mark.parametrize("words", list(command_lines()))
+def test_the_commands_shown_are_commands(words):
+    APPS[words[0]].parse_args(words[1:], exit_on_error=False, print_error=False)
+
+
+def test_the_readmes_bearing_prints_what_is_shown(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "motor.toml").write_text(blocks(ROOT / "README.md", "toml")[0], encoding="utf-8")
+    first, *shown = blocks(ROOT / "README.md", "text")[0].splitlines()
+    assert run_main(first.split()[2:]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert len(printed) == len(shown)
+    for line, expected in zip(printed, shown, strict=True):
+        assert line == expected or " s (" in expected  # how long it took
+
+
+def tutorial():
+    return [
+        shlex.split(line) for block in blocks(ROOT / "docs" / "first_bearing.md", "sh") for line in block.splitlines()
+    ]
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_the_tutorials_commands_run_in_order(tmp_path, monkeypatch, capsys):
+    """But for the picture and the spall, which the next test tries."""
+    monkeypatch.chdir(tmp_path)
+    for name, *arguments in tutorial():
+        if name != "render-fem" and "spall" not in " ".join(arguments):
+            assert MAINS[name](arguments) == 0
+    assert {path.name for path in (tmp_path / "runs").iterdir()} >= {"NU206.nc", "NU206-clearance_um-30.nc"}
+    assert (tmp_path / "runs" / "NU206-residual" / "report.html").is_file()
+
+
+@pytest.mark.slow
+def test_the_whole_tutorial_runs(tmp_path, monkeypatch, can_draw):
+    monkeypatch.chdir(tmp_path)
+    for name, *arguments in tutorial():
+        assert MAINS[name](arguments) == 0
+
+
+def test_the_handbook_knows_every_key_command_and_package():
+    module = handbook()
+    pages = module.pages()
+    assert tuple(pages) == module.NAMES
+    for table in key_tables():
+        assert not table.name or f"[{table.name}]" in pages["reference/scene.md"]
+        for key in table.keys:
+            assert f"| `{key.name}` |" in pages["reference/scene.md"]
+    project = tomllib.loads(read(ROOT / "pyproject.toml"))
+    for name in project["project"]["scripts"]:
+        assert f"## {name}\n\n```text\nUsage: {name}" in pages["reference/commands.md"]
+    for variable in ("inner_force", "roller_turn"):
+        assert f"| `{variable}` |" in pages["reference/result.md"]
+
+
+@pytest.mark.slow
+def test_the_site_builds_without_a_warning(tmp_path):
+    pytest.importorskip("material")
+    from mkdocs.commands.build import build
+    from mkdocs.config import load_config
+
+    build(load_config(str(ROOT / "mkdocs.yml"), strict=True, site_dir=str(tmp_path)))
+    assert (tmp_path / "reference" / "scene" / "index.html").is_file()

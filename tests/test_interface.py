@@ -1,0 +1,165 @@
+"""The Python interface: the same bits as the commands, in any thread, without files; what it refuses."""
+
+import subprocess
+import sys
+import threading
+
+import h5py
+import numpy as np
+import pytest
+
+from fem.checking import OF_CHECK, check_quantities
+from fem.cli import run_main
+from fem.interface import Scene, SceneError, UsageError, read_scene, simulate, statics
+from fem.quantities import OF_RUN
+from fem.result.layout import variables_of
+from fem.solver.discretise import model_of
+from fem.solver.simulate import make_plan
+
+SHORT = {"numerics.duration_ms": 1.0}
+SPALL = {"spall.0.body": "outer_ring", "spall.0.width_mm": 2.0}
+
+
+def lagrangian(**changes):
+    return Scene(model="lagrange").varied(SHORT | changes)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"model": "lagrange"} | SPALL,
+        {"model": "fem", "numerics.mesh_size_mm": 2.0},
+    ],
+)
+def test_a_result_saves_the_file_that_run_fem_writes(changes, tmp_path):
+    scene = read_scene().varied(SHORT | changes)
+    toml, ours, theirs = tmp_path / "scene.toml", tmp_path / "ours.nc", tmp_path / "theirs.nc"
+    toml.write_text(scene.to_toml())
+    assert run_main([str(toml), "--quiet", "--output", str(theirs)]) == 0
+    simulate(scene).save(ours)
+    with h5py.File(ours) as mine, h5py.File(theirs) as command:
+        for name in variables_of(scene):
+            assert mine[name][:].tobytes() == command[name][:].tobytes(), name
+        assert set(mine) == set(command)
+        own_times = {"wall_seconds", "setup_seconds"}
+        for name in set(command.attrs) - own_times:
+            assert np.array_equal(mine.attrs[name], command.attrs[name]), name
+        for name in mine.get("events", ()):
+            assert np.array_equal(mine["events"][name][:], command["events"][name][:]), name
+
+
+def test_runs_of_threads_do_not_disturb_each_other():
+    loads = (500.0, 1000.0, 1500.0, 2000.0)
+    scenes = [lagrangian(**{"operation.radial_load_N": load}) for load in loads]
+    alone = [simulate(scene)["inner_y"] for scene in scenes]
+    together: dict[int, np.ndarray] = {}
+
+    def work(i):
+        together[i] = simulate(scenes[i])["inner_y"]
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(len(scenes))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for i, found in enumerate(alone):
+        assert found.tobytes() == together[i].tobytes()
+
+
+def test_nothing_is_written_and_importing_is_cheap(tmp_path):
+    program = (
+        "import sys; from fem.interface import simulate\n"
+        "print(*(name for name in ('numba', 'scipy', 'pydantic', 'h5py', 'residual') if name in sys.modules))\n"
+        "from fem.interface import Scene\n"
+        "simulate(Scene(model='lagrange', numerics={'duration_ms': 1.0}))\n"
+        "import os; print(os.listdir('.'))"
+    )
+    # the checkout has no place on the path of a process that starts elsewhere
+    path = [entry for entry in sys.path if entry]
+    done = subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.path[:0] = {path!r}\n" + program],
+        capture_output=True, text=True, cwd=tmp_path,
+    )  # fmt: skip
+    assert done.stdout.splitlines() == ["", "[]"], done.stderr
+
+
+def test_quantities_are_those_that_their_tables_name():
+    scene = lagrangian(**{"numerics.duration_ms": 2.0})
+    result = simulate(scene)
+    assert set(result.quantities) == set(OF_RUN)
+    found = check_quantities(result.residual())
+    assert {each.name for each in found} == set(OF_CHECK)
+    # the Lagrangian model's own run leaves nothing in the equations that it solves
+    assert {each.name: each.value for each in found}["error_rms_y"] < 0.02
+
+
+def test_a_stopped_run_says_so_and_keeps_its_samples():
+    seen = []
+    result = simulate(lagrangian(), progress=seen.append, stop=lambda: len(seen) == 2)
+    assert result.status == "interrupted"
+    assert len(result.time) == seen[-1].samples < result.plan.n_samples
+
+
+def test_stiffness_is_the_slope_of_the_law():
+    """Load against displacement in two solutions 10 % apart brackets the slope between them."""
+    scene = Scene(model="lagrange")
+    found = {share: statics(scene.varied({"operation.radial_load_N": 2000.0 * share})) for share in (0.9, 1.0, 1.1)}
+    below = 200.0 / (found[0.9].hub[1] - found[1.0].hub[1])
+    above = 200.0 / (found[1.0].hub[1] - found[1.1].hub[1])
+    assert below < found[1.0].stiffness < above
+    still = found[1.0]
+    rollers = still.roller_rho * np.stack([np.cos(still.roller_theta), np.sin(still.roller_theta)])
+    towards = rollers - still.hub[:, None]
+    assert still.inner_force @ (-towards / np.hypot(*towards)).T == pytest.approx(
+        [0.0, 2000.0 + 0.078 * 9.81], abs=1e-5
+    )
+
+
+def test_labels_name_the_first_spall_and_the_lines():
+    result = simulate(lagrangian(**SPALL))
+    assert result.labels["spall_body"] == "outer_ring" and result.labels["spall_width_mm"] == 2.0
+    assert result.labels["BPFO_Hz"] == pytest.approx(13 * 75.0 * 18.0 / 46.0)
+    assert simulate(lagrangian()).labels["spall_body"] == "none"
+
+
+def test_samples_become_an_xarray_with_units():
+    result = simulate(lagrangian())
+    found = result.to_xarray()
+    assert found["inner_force"].dims == ("time", "roller") and found["inner_force"].attrs["units"] == "N"
+    assert float(found["inner_y"].sel(time=0.0)) == result["inner_y"][0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"operation.spede_rpm": 1.0}, "did you mean speed_rpm"),
+        ({"bearing.rollers": 2}, "bearing.rollers = 2"),
+        ({"operation": 1.0}, "must be a table"),
+        ({"spall.3.width_mm": 1.0}, "none of 0 tables"),
+        ({"profile.0.file": "race.csv"}, "can't be varied"),
+    ],
+)
+def test_an_unusable_variation_is_refused_by_its_key(changes, told):
+    with pytest.raises(SceneError, match=told):
+        Scene().varied(changes)
+
+
+def test_what_a_model_cannot_take_is_refused():
+    with pytest.raises(UsageError, match="takes balls"):
+        simulate(Scene(model="fem", bearing={"type": "ball"}))
+
+
+def test_a_scene_that_follows_takes_the_last_one_s_mesh_and_gets_the_same_bits():
+    """The model is kept in memory from one scene to the next; another mesh in between must not matter."""
+    coarse = read_scene().varied({"numerics.mesh_size_mm": 2.0, "numerics.duration_ms": 0.0})
+    lighter = coarse.varied({"operation.radial_load_N": 1000.0, "operation.speed_rpm": 3000.0})
+    first, after = make_plan(coarse), make_plan(lighter)
+    assert after.model.roller is first.model.roller
+    assert model_of(coarse.varied(SPALL)).bearing.faults
+    make_plan(coarse.varied({"numerics.mesh_size_mm": 2.5}))
+    alone = make_plan(lighter)
+    assert alone.model.roller is not first.model.roller
+    assert alone.critical_time_step == after.critical_time_step
+    for name in ("hub", "rho", "inner_force", "outer_force", "inner_ring", "outer_ring", "rollers"):
+        mine, other = (getattr(plan.start.equilibrium, name) for plan in (after, alone))
+        assert mine.tobytes() == other.tobytes(), name

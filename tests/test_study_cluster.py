@@ -1,0 +1,116 @@
+"""Studies on a cluster: a real scheduler with workers as processes of their own, some of which are killed."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from fem.study_cli import study_main
+from tests.test_study import GRID, many, same
+
+pytest.importorskip("distributed")
+PATIENCE = 120.0  # s, for processes to start on a busy machine
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("fem.study.figures.study_figures", lambda *_: [])
+    return tmp_path
+
+
+@pytest.fixture
+def started(tmp_path):
+    """Starts a program of dask with the tests' own import path; all are ended with the test."""
+    running = []
+
+    def start(*words):
+        path = os.pathsep.join(entry for entry in sys.path if entry)
+        log = open(tmp_path / f"log-{len(running)}", "w")
+        process = subprocess.Popen(
+            [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]], stderr=log, stdout=log,
+            env={**os.environ, "PYTHONPATH": path},
+        )  # fmt: skip
+        running.append(process)
+        return process
+
+    yield start
+    for process in reversed(running):
+        process.kill()  # they hold nothing, and a worker without its scheduler waits long
+    for process in running:
+        process.wait(30)
+
+
+@pytest.fixture
+def scheduler(started, tmp_path):
+    """Address of a scheduler."""
+    file = tmp_path / "scheduler.json"
+    started("dask_scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", str(file), "--host", "127.0.0.1")
+    until(lambda: file.exists() and file.read_text().endswith("}"))
+    return json.loads(file.read_text())["address"]
+
+
+def until(happens):
+    end = time.monotonic() + PATIENCE
+    while not happens():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.02)
+
+
+def worker(started, address):
+    return started("dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
+
+
+def test_two_workers_of_a_scheduler_give_what_one_process_gives(here, started, scheduler):
+    for _ in range(2):
+        worker(started, scheduler)
+    Path("study.toml").write_text(GRID)
+    assert study_main(["study.toml", "--quiet", "--scheduler", scheduler]) == 0
+    assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
+    same("studies/study/study.nc", "here/study.nc")
+
+
+def test_a_scheduler_that_does_not_answer_is_named(here, monkeypatch, capsys):
+    monkeypatch.setattr("fem.study.cluster.CONNECT", 0.5)
+    Path("study.toml").write_text(GRID)
+    assert study_main(["study.toml", "--quiet", "--scheduler", "tcp://127.0.0.1:9"]) == 2
+    assert "tcp://127.0.0.1:9: does not answer" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_points_of_a_killed_worker_are_solved_by_another(here, started, scheduler):
+    first, _ = worker(started, scheduler), worker(started, scheduler)
+    Path("study.toml").write_text(many(40))
+    kept = Path("studies/study/points")
+
+    def kill():
+        until(lambda: len(list(kept.glob("*.point"))) > 5)
+        first.send_signal(signal.SIGKILL)
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    assert study_main(["study.toml", "--quiet", "--scheduler", scheduler]) == 0
+    thread.join()
+    assert first.wait(10) == -signal.SIGKILL
+    assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
+    same("studies/study/study.nc", "here/study.nc")
+
+
+@pytest.mark.slow
+def test_a_local_cluster_gives_what_one_process_gives(here):
+    Path("study.toml").write_text(GRID)
+    program = (
+        f"import sys; sys.path[:0] = {[entry for entry in sys.path if entry]!r}\n"
+        "from fem.study_cli import study_main\n"
+        "if __name__ == '__main__': sys.exit(study_main(['study.toml', '--quiet', '--workers', '2']))\n"
+    )
+    Path("run.py").write_text(program)  # its workers are started from it
+    assert subprocess.run([sys.executable, "run.py"]).returncode == 0
+    assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
+    same("studies/study/study.nc", "here/study.nc")

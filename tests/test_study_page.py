@@ -1,0 +1,106 @@
+"""The page of a study and the numbers behind it, on points whose results are made up."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fem.study.dataset import open_dataset, write_dataset
+from fem.study.effects import sobol_indices, table_of
+from fem.study.folder import Folder
+from fem.study.page import write_page
+from fem.study.points import checked_points
+from fem.study.sampling import design_of
+from fem.study.solving import COMPLETE, FAILED, Solved
+from fem.study.study_file import read_study
+
+STUDY = """
+[sampling]
+method = "{method}"
+[parameters]
+"operation.speed_rpm" = {speed}
+"operation.radial_load_N" = {load}
+"bearing.roller_length_mm" = {length}
+[keep]
+quantities = ["largest_force", "hub_mean_y"]
+"""
+GRID = dict(method="grid", speed="[1, 2, 3]", load="[10, 20]", length="[8.0, 9.0, 10.0, 11.0]")
+DRAWN = dict(
+    method='sobol"\nsamples = 64\nindices = true\n#"', speed="{ from = -1.0, to = 1.0 }",
+    load="{ from = 0.0, to = 1.0 }", length="{ from = 9.0, to = 11.0 }",
+)  # fmt: skip
+
+
+@pytest.fixture
+def made_up(tmp_path, monkeypatch):
+    """Gives the table of a study whose largest force is a function of speed, load and length."""
+    monkeypatch.chdir(tmp_path)
+
+    def make(force, failed=(), **values):
+        Path("study.toml").write_text(STUDY.format(**values))
+        study = read_study(Path("study.toml"))
+        points = checked_points(study, design_of(study))
+        folder = Folder(path=Path("out"))
+        folder.begin(points, resume=False)
+        for i, digest in enumerate(points.digests):
+            quantities = {"largest_force": float(force(*points.design.points[i])), "hub_mean_y": 1.0}
+            status = dict(status=FAILED, text="<b>it broke</b>") if i in failed else dict(status=COMPLETE)
+            folder.add(digest, Solved(**status, seconds=0.1, quantities={} if i in failed else quantities))
+        write_dataset(points, folder)
+        return points, folder
+
+    return make
+
+
+def shares(points, folder):
+    with open_dataset(folder.dataset) as dataset:
+        table = table_of(points, dataset)
+        return {each.name: share for each, share in table.strongest(table.quantities[0])}, table
+
+
+def test_a_quantity_of_one_parameter_is_explained_by_it_alone(made_up):
+    found, _ = shares(*made_up(lambda speed, load, length: speed**2, **GRID))
+    assert found["speed_rpm"] == pytest.approx(1.0)
+    assert found["radial_load_N"] == found["roller_length_mm"] == 0.0
+
+
+def test_effects_of_a_sum_share_its_variance(made_up):
+    """3 s + 0.4 l of s = 1, 2, 3 and l = 10, 20: variances 9 · 2/3 and 0.16 · 25, of 10 altogether."""
+    found, _ = shares(*made_up(lambda speed, load, length: 3.0 * speed + 0.4 * load, **GRID))
+    assert found["speed_rpm"] == pytest.approx(0.6, abs=0.04)
+    assert found["radial_load_N"] == pytest.approx(0.4, abs=0.04)
+
+
+def test_sobol_indices_are_those_of_a_function_whose_variance_is_known(made_up):
+    """3 x + 2 y + z + 3 x y, each even in -1 … 1: the terms have variances 3, 4/3, 1/3 and 1."""
+
+    def known(speed, load, length):
+        x, y, z = speed, 2.0 * load - 1.0, length - 10.0
+        return 3.0 * x + 2.0 * y + z + 3.0 * x * y
+
+    points, folder = made_up(known, **DRAWN)
+    assert len(points) == 5 * 64
+    _, table = shares(points, folder)
+    found, whole = sobol_indices(table, table.quantities[0]), 3.0 + 4.0 / 3.0 + 1.0 / 3.0 + 1.0
+    assert found.first == pytest.approx(np.array([3.0, 4.0 / 3.0, 1.0 / 3.0]) / whole, abs=64**-0.5)
+    assert found.total == pytest.approx(np.array([4.0, 7.0 / 3.0, 1.0 / 3.0]) / whole, abs=64**-0.5)
+    assert sobol_indices(table, table.quantities[1]) is None  # it never changes
+
+
+def test_the_page_tells_effects_failures_and_speed(made_up):
+    points, folder = made_up(lambda speed, load, length: speed + load, failed=(5,), **GRID)
+    write_page(points, folder)
+    text = folder.page.read_text()
+    assert "23 of 24 points are complete" in text
+    assert "&lt;b&gt;it broke&lt;/b&gt;" in text and "point 5 (operation.speed_rpm = 1" in text
+    assert "hub_mean_y is 1 m in every point" in text
+    for name in ("main-effects", "heat-map", "scatter-matrix"):
+        assert f'<figure id="{name}">' in text
+    assert "http" not in text.split("<pre>")[0].replace("http://www.w3.org", "")
+
+
+def test_a_study_without_a_complete_point_has_a_page_too(made_up):
+    points, folder = made_up(lambda *_: 1.0, failed=range(24), **GRID)
+    write_page(points, folder)
+    assert "0 of 24 points are complete" in folder.page.read_text()
+    assert "Too few complete points" in folder.page.read_text()

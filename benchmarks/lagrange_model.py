@@ -18,6 +18,7 @@ from benchmarks.measuring import new_table, timed
 from fem.cli import run_main
 from fem.solver.lagrangian_steps import CompiledIntegration
 from lagrange import Trajectory, contact_laws
+from lagrange.contact_damping import ContactDamping
 from lagrange.faults import Spall
 from lagrange.integrate import Integration, NumpyIntegration
 from lagrange.problem import Problem
@@ -38,10 +39,10 @@ CASES = {
     "harris, free angles": {"angles": "free"},
     "johnson": {},
     "harris, from rest": FROM_REST,
-    "harris, from rest, 200 N s/m": FROM_REST | {"damping": 200.0},
-    "harris, 4000 N s/m": {"damping": 4000.0},
+    "harris, from rest, 200 N s/m": FROM_REST | {"damping": ContactDamping(constant=200.0)},
+    "harris, 4000 N s/m": {"damping": ContactDamping(constant=4000.0)},
     "harris, spall of 1 mm": {"faults": (SPALL,)},
-    "harris, spall of 1 mm, 200 N s/m": {"faults": (SPALL,), "damping": 200.0},
+    "harris, spall of 1 mm, 200 N s/m": {"faults": (SPALL,), "damping": ContactDamping(constant=200.0)},
 }
 
 

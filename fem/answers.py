@@ -6,10 +6,13 @@ from math import pi, tau
 
 import numpy as np
 
+from fem import cage_answers
+from fem.cage_answers import SeenCage
 from lagrange import BallBearing, Bearing, kinematics
 from lagrange.kinematics import Kinematics
 from lagrange.mounting import from_outer_ring
 from lagrange.pair import Pair, contact_pairs
+from lagrange.scene import Scene
 
 COLUMNS = ("time", "inner_x", "inner_y", "inner_force", "outer_force", "roller_theta")
 BINS = 360  # of the circle
@@ -79,11 +82,18 @@ class Seen:
         return (BINS - int(gaps.max()) + 1) * tau / BINS
 
 
+def columns_of(scene: Scene) -> tuple[str, ...]:
+    """What `first_answers` reads of a run of a scene."""
+    return COLUMNS if scene.cage is None else (*COLUMNS, *cage_answers.COLUMNS)
+
+
 def first_answers(bearing: Bearing, speed: float, blocks: Iterable[Mapping[str, np.ndarray]]) -> dict[str, str]:
     """Names and values of what is asked first, of a run in blocks of samples; `speed` of the shaft, rad/s."""
-    seen = Seen()
+    seen, caged = Seen(), SeenCage()
     for block in blocks:
         seen.add(block)
+        if "cage_x" in block:
+            caged.add(block)
     found = {"hub": str(seen.hub)}
     if seen.housing.samples:
         found = {"hub": f"{seen.hub}, from the outer ring's centre", "housing": str(seen.housing)}
@@ -95,6 +105,8 @@ def first_answers(bearing: Bearing, speed: float, blocks: Iterable[Mapping[str, 
         slip = 100.0 * (1.0 - seen.cage_speed / ideal.cage)
         found["cage"] = f"{seen.cage_speed / tau:.4g} Hz, slip {slip:.2g} % of rolling"
         found["ball passes"] = passes(ideal, seen.cage_speed)
+    if caged.samples:
+        found |= caged.rows(seen.last_time - seen.first_time, ideal.cage)
     return found
 
 

@@ -38,7 +38,7 @@ def _version() -> str:
 
 def new_app(name: str, text: str) -> App:
     """A command of this package."""
-    return App(
+    app = App(
         name=name,
         version=_version,
         suppress_keyboard_interrupt=False,
@@ -46,6 +46,17 @@ def new_app(name: str, text: str) -> App:
         help_format="plaintext",
         help=text,
     )
+
+    @app.command(name="--install-completion", help="complete options in this shell from now on: bash, zsh or fish")
+    def _install_completion() -> None:
+        from cyclopts.completion.detect import ShellDetectionError
+
+        try:
+            print(f"written: {app.install_completion()}; it works in new shells")
+        except ShellDetectionError:
+            raise UsageError("--install-completion: the shell is none of bash, zsh and fish") from None
+
+    return app
 
 
 run_app = new_app(
@@ -165,7 +176,9 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
     """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback."""
     for name in ("stdout", "stderr"):  # closed ones' numbers would go to the next file opened, and complaints into that
         if getattr(sys, name) is None:
-            setattr(sys, name, open(os.devnull, "w"))
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
+        elif hasattr(stream := getattr(sys, name), "reconfigure"):
+            stream.reconfigure(errors="replace")  # of a code page that lacks the minus sign
     try:
         _check_environment()
         result = app(arguments, exit_on_error=False, print_error=False)

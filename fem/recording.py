@@ -37,7 +37,7 @@ class Memory:
 
     def __init__(self, plan: Plan):
         self._count = 0
-        self._bearing, self._speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().speed
+        self._bearing, self._operation = plan.scene.ideal_bearing(), plan.scene.ideal_operation()
         n, rollers = plan.n_samples, self._bearing.n_rollers
         self._columns = {
             name: np.empty((n, rollers) if dimensions == PER_ROLLER else n)
@@ -47,7 +47,7 @@ class Memory:
 
     def append(self, samples: Samples) -> None:
         """Add a block of samples."""
-        values = with_sinkages(self._bearing, self._speed, samples.values)
+        values = with_sinkages(self._bearing, self._operation, samples.values)
         end = self._count + len(samples)
         for name, column in self._columns.items():
             column[self._count : end] = values[name]
@@ -125,7 +125,7 @@ class Result:
         bearing = self.scene.ideal_bearing()
         if not spalls(bearing):
             return []
-        return events_of(bearing, self.scene.ideal_operation().speed, self.values, len(self.time))
+        return events_of(bearing, self.scene.ideal_operation(), self.values, len(self.time))
 
     @property
     def labels(self) -> dict[str, float | str]:
@@ -135,7 +135,8 @@ class Result:
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
         """Numbers of interest by name, each with unit and meaning; those of motion need two samples."""
-        bearing, speed = self.scene.ideal_bearing(), self.scene.ideal_operation().speed
+        bearing = self.scene.ideal_bearing()
+        speed = self.scene.ideal_operation().mean_speed(float(self.time[-1]))
         return {each.name: each for each in run_quantities(bearing, speed, self.values)}
 
     def to_xarray(self) -> "xarray.Dataset":

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem.answers import COLUMNS
+from fem.answers import columns_of
 from fem.errors import RunFailed, UsageError
 from fem.outcome import Outcome
 from fem.progress import progress_display
@@ -133,7 +133,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     seen = state.progress
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
-            names = (*COLUMNS, *plan.scene.mounting().columns[:2])
+            names = (*columns_of(plan.scene), *plan.scene.mounting().columns[:2])
             print_run(state, read_blocks(path, names), path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 

@@ -10,10 +10,11 @@ from rich.table import Table
 
 from fem.answers import first_answers
 from fem.solver.solver import Plan, RunState
-from lagrange import kinematics
+from lagrange import Bearing, kinematics
 from lagrange.messages import shown
 from lagrange.mounting import from_outer_ring
 from lagrange.scene import Scene
+from lagrange.scene_operation import RPM
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
@@ -37,11 +38,20 @@ def _of_the_bearing(scene: Scene) -> dict[str, str]:
     """What the scene alone decides and its file does not say."""
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
     rows = {"radial clearance": f"{1e6 * bearing.radial_clearance + 1e-9:.3f} µm"}
-    ideal = kinematics(bearing, operation.speed)
-    if ideal.cage:
-        lines = ", ".join(f"{name} {value:.4g} Hz" for name, value in ideal.frequencies.items())
-        rows["frequencies, without slip"] = lines
+    if operation.course is not None:
+        rows["largest load"] = f"at most {operation.heaviest:.5g} N"
+    if operation.varies_speed:
+        low, high = operation.course.speeds
+        rows["shaft speed"] = f"{low / RPM:.6g} to {high / RPM:.6g} rpm"
+        rows |= {f"frequencies at {speed / RPM:.6g} rpm": _frequencies(bearing, speed) for speed in (low, high)}
+    elif operation.speed != 0.0:
+        rows["frequencies, without slip"] = _frequencies(bearing, operation.speed)
     return rows
+
+
+def _frequencies(bearing: Bearing, speed: float) -> str:
+    """Kinematic lines at a speed of the shaft, rad/s, in words."""
+    return ", ".join(f"{name} {value:.4g} Hz" for name, value in kinematics(bearing, speed).frequencies.items())
 
 
 def _print_choices(console: Console, plan: Plan) -> None:
@@ -84,7 +94,7 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
             sag = ", ".join(f"{axis} {1e6 * first[f'housing_{axis}'][0]:.4f} µm" for axis in "xy")
             lines[0] += f", from the outer ring's centre; housing {sag}"
     else:
-        bearing, speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().speed
+        bearing, speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().mean_speed(progress.simulated)
         lines = [f"{name + ':':14s} {value}" for name, value in first_answers(bearing, speed, blocks).items()]
         lines.append(
             f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "

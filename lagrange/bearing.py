@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 from math import inf, pi
 
+from lagrange.course import Course
 from lagrange.faults import Fault
 from lagrange.mounting import HELD, Mounting
 
@@ -130,11 +131,44 @@ class BallBearing(Bearing):
 
 @dataclass(frozen=True, kw_only=True)
 class Operation:
-    """How the bearing is run. The load acts along −y on the centre of the inner ring."""
+    """How the bearing is run. The load acts on the centre of the inner ring."""
 
     speed: float  # of the inner ring, rad/s, counter-clockwise positive
-    radial_load: float  # N
+    radial_load: float  # N, along −y
     inner_mass: float  # inner ring and shaft, m_in + m_R, kg
     gravity: float  # m/s²
     first_roller_angle: float  # of roller 0, rad from +x
     mounting: Mounting = HELD
+    side_load: float = 0.0  # N, along +x
+    course: Course | None = None  # how speed and loads, which are those at t = 0, go on; None: they stay
+
+    def going_on(self, **course) -> "Operation":
+        """With a `Course` of these entries."""
+        found = Course(**course)
+        x, y = found.force(0.0)
+        return replace(self, speed=float(found.speed(0.0)), radial_load=-float(y), side_load=float(x), course=found)
+
+    def at(self, time) -> "Operation":
+        """What acts at a time, s, without a course; at times, (n_times,), speed and loads are such arrays."""
+        if self.course is None:
+            return self
+        x, y = self.course.force(time)
+        return replace(self, speed=self.course.speed(time), radial_load=-y, side_load=x, course=None)
+
+    @property
+    def heaviest(self) -> float:
+        """The largest load, N, or a bound of it."""
+        return self.radial_load if self.course is None else self.course.heaviest
+
+    @property
+    def fastest(self) -> float:
+        """The highest speed either way, rad/s."""
+        return abs(self.speed) if self.course is None else self.course.fastest
+
+    def mean_speed(self, time: float) -> float:
+        """Of the shaft up to a time, s; rad/s."""
+        return float(self.course.turn(time)) / time if self.varies_speed and time > 0.0 else self.speed
+
+    @property
+    def varies_speed(self) -> bool:
+        return self.course is not None and self.course.varies_speed

@@ -1,8 +1,8 @@
 """Kinetic and potential energy: equations (2), (3), (14)-(17) of the paper.
 
 The paper's sums over inner ring, motor and rolling elements; inner ring and motor shaft move as one mass
-M = m_in + m_R. Rotation is kept apart: at constant speed and rolling without slip it is a constant that no equation of
-motion feels.
+M = m_in + m_R. Rotation is kept apart: by the kinematics it follows from the shaft's speed, and no equation
+of motion feels it.
 """
 
 import numpy as np
@@ -20,8 +20,8 @@ def kinetic_energy(bearing: Bearing, operation: Operation, state: State) -> np.n
     return 0.5 * (operation.inner_mass * hub + bearing.roller_mass * elements)
 
 
-def rotation_energy(bearing: Bearing, operation: Operation) -> float:
-    """Energy of shaft and rolling elements turning about their own axes, J, constant.
+def rotation_energy(bearing: Bearing, operation: Operation):
+    """Energy of shaft and rolling elements turning about their own axes, J, at the operation's speed, of its shape.
 
     The shaft is taken as a solid cylinder in the bore, with the mass that the inner ring leaves of M.
     """

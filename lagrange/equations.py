@@ -41,15 +41,16 @@ def error_forces(operation: Operation, acceleration_x, acceleration_y, resultant
 
     Parameters
     ----------
+    operation : of each time, see `Operation.at`
     acceleration_x, acceleration_y : ndarray, (n_times,), m/s², of the inner ring's centre
     resultant_x, resultant_y : ndarray, (n_times,), N, see `contact_resultant`
 
     Returns
     -------
     error_x, error_y : ndarray, (n_times,), N
-        M ẍ − ΣQ_x and M ÿ + M g − ΣQ_y + W.
+        M ẍ − ΣQ_x − the load along x, 0 of the paper's, and M ÿ + M g − ΣQ_y + W.
     """
     mass = operation.inner_mass
-    error_x = mass * acceleration_x - resultant_x
+    error_x = mass * acceleration_x - resultant_x - operation.side_load
     error_y = mass * acceleration_y + mass * operation.gravity - resultant_y + operation.radial_load
     return error_x, error_y

@@ -1,21 +1,17 @@
 """Heights of a surface around its circle, as an instrument has measured them: a text table of angles and heights.
 
-One header line with the columns angle_deg and height_um; others are left out. Commas, tabs or semicolons: the header
-tells. Lines that start with # are comments.
+One header line with the columns angle_deg and height_um: see `text_table`.
 """
 
-import csv
-import hashlib
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from lagrange.text_table import MOST_ROWS, columns
+
 ANGLE, HEIGHT = "angle_deg", "height_um"
-LARGEST_FILE = 4 * 2**20  # bytes
-MOST_POINTS = 50_000
 FEWEST_POINTS = 16
-LONGEST_LINE = 1000  # characters
 FULL_TURN = 360.0
 AGAIN = 1e-6  # degrees, µm: two values that are the same
 LARGEST_GAP = 3.0  # times the usual distance of two angles
@@ -29,11 +25,6 @@ class HeightTable:
     height: np.ndarray  # m, positive where material is added
 
 
-def digest(text: str) -> str:
-    """By which a table's text is known again: its SHA-256."""
-    return hashlib.sha256(text.encode()).hexdigest()
-
-
 @lru_cache(maxsize=16)
 def height_table(text: str) -> HeightTable:
     """The heights of a table's text.
@@ -44,8 +35,8 @@ def height_table(text: str) -> HeightTable:
     angles that do not rise, more than a turn, a gap, also at the seam, or two heights there.
     """
     angle, height = _columns(text)
-    if not FEWEST_POINTS <= len(angle) <= MOST_POINTS:
-        raise ValueError(f"it holds {len(angle)} points; at least {FEWEST_POINTS} and at most {MOST_POINTS} are taken")
+    if not FEWEST_POINTS <= len(angle) <= MOST_ROWS:
+        raise ValueError(f"it holds {len(angle)} points; at least {FEWEST_POINTS} and at most {MOST_ROWS} are taken")
     steps = np.diff(angle)
     if np.any(steps <= 0.0):
         at = int(np.argmax(steps <= 0.0))
@@ -71,30 +62,9 @@ def height_table(text: str) -> HeightTable:
     return HeightTable(angle=np.radians(angle), height=1e-6 * height)
 
 
-def delimiter_of(header: str) -> str:
-    """Tab or semicolon where a header has one, else comma."""
-    return next((character for character in "\t;" if character in header), ",")
-
-
 def _columns(text: str) -> tuple[np.ndarray, np.ndarray]:
     """Degrees and µm, as they stand there."""
-    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    if len(lines) > MOST_POINTS + 2 or any(len(line) > LONGEST_LINE for line in lines):
-        raise ValueError(f"more than {MOST_POINTS} rows, or a row of more than {LONGEST_LINE} characters")
-    delimiter = delimiter_of(lines[0]) if lines else ","
-    header = [name.strip() for name in next(csv.reader(lines[:1], delimiter=delimiter), [])]
-    for name in (ANGLE, HEIGHT):
-        if header.count(name) != 1:
-            what = "missing" if name not in header else "there twice"
-            raise ValueError(f"column {name} is {what}; its first line must name {ANGLE} and {HEIGHT}")
-    wanted = [header.index(ANGLE), header.index(HEIGHT)]
-    rows = []
-    for number, row in enumerate(csv.reader(lines[1:], delimiter=delimiter), 1):
-        try:
-            rows.append([float(row[k]) for k in wanted])
-        except (ValueError, IndexError):
-            raise ValueError(f"row {number} below the header can't be read: two numbers are needed") from None
-    found = np.array(rows).reshape(-1, 2)
+    found = columns(text, (ANGLE, HEIGHT))
     if not np.all(np.isfinite(found)) or np.any(np.abs(found[:, 0]) > 10.0 * FULL_TURN):
         raise ValueError(f"a value is not finite, or no {ANGLE} of a turn")
     return found[:, 0], found[:, 1]

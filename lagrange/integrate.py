@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lagrange.contact_damping import ContactDamping
 from lagrange.systems import Packed
 
 # Blanes and Moan 2002, RKN scheme of order 4 with six stages: kicks b, drifts a, of which half are independent
@@ -26,7 +27,7 @@ class Record:
     q: np.ndarray  # (n_times, n_rollers)
     q_rate: np.ndarray
     held_work: np.ndarray  # J, of contacts and weights against the held angles; 0 where none are held
-    ramp_work: np.ndarray  # J, ∫ Ẇ y dt
+    ramp_work: np.ndarray  # J, minus the integral of the hub's place times the load's rate
     dissipated: np.ndarray  # J
 
     def sound(self) -> "Record":
@@ -46,7 +47,7 @@ class Integration(ABC):
     holds the angles. Before the first step accelerations and power are not known yet.
     """
 
-    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: float):
+    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
         self._system, self._step, self._per_sample, self._damping = system, step, per_sample, damping
         self.done = 0  # samples
         self.memory = {
@@ -90,9 +91,9 @@ class Integration(ABC):
 class NumpyIntegration(Integration):
     """Steps in plain numpy."""
 
-    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: float):
+    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
         super().__init__(system, start, step, per_sample, damping)
-        self._advance = self._leapfrog if damping > 0.0 else self._blanes_moan
+        self._advance = self._leapfrog if damping.acts else self._blanes_moan
 
     def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
         hub, elements, sums = self.memory.values()
@@ -130,7 +131,7 @@ class NumpyIntegration(Integration):
         ]
         begin, begin_all = step * ALL_KICKS[0], step * ALL_KICKS[0] * whole
         (z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power) = self._remembered()
-        accelerations, ramping = system.accelerations, system.ramp > 0.0
+        accelerations, ramping = system.accelerations, system.load_changes
         if first % BLOCK == 0:  # anew, at a time without the round-off of the stages' sum
             time = step * first * per_sample
             z_acc, q_acc, power = accelerations(time, z, q, system.directions(np.array([time]))[0])
@@ -143,7 +144,7 @@ class NumpyIntegration(Integration):
                 q_rate = q_rate + begin_all * q_acc
                 held += begin * power
                 if ramping:
-                    ramped += begin * system.ramp_power(time, z.imag)
+                    ramped += begin * system.change_power(time, z)
                 for drift, drift_all, kick, kick_all in pairs:
                     z = z + drift * z_rate
                     q = q + drift_all * q_rate
@@ -154,7 +155,7 @@ class NumpyIntegration(Integration):
                     q_rate = q_rate + kick_all * q_acc
                     held += kick * power
                     if ramping:
-                        ramped += kick * system.ramp_power(time, z.imag)
+                        ramped += kick * system.change_power(time, z)
             self._remember((z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power))
             yield
 
@@ -175,11 +176,12 @@ class NumpyIntegration(Integration):
                 z_acc, q_acc, power = system.accelerations(times[i], z, q, turns[i])
                 z_rate, q_rate = z_rate + half * z_acc, q_rate + half * q_acc
                 held += step * power
-                if system.ramp > 0.0:
-                    ramped += step * system.ramp_power(times[i], z.imag)
-                z_slow, q_slow, _, _ = system.damper(z_rate, q_rate, q, z, turns[i], damping)
+                if system.load_changes:
+                    ramped += step * system.change_power(times[i], z)
+                dampers = system.damper_coefficients(damping)
+                z_slow, q_slow, _, _ = system.damper(z_rate, q_rate, q, z, turns[i], dampers)
                 z_slow, q_slow, loss, taken = system.damper(
-                    z_rate + half * z_slow, q_rate + half * q_slow, q, z, turns[i], damping
+                    z_rate + half * z_slow, q_rate + half * q_slow, q, z, turns[i], dampers
                 )
                 z_rate, q_rate = z_rate + step * z_slow, q_rate + step * q_slow
                 lost += step * loss

@@ -1,11 +1,11 @@
 """Kinematics of an ideal bearing: rolling without slip, outer ring fixed."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
 
-from lagrange.bearing import Bearing
+from lagrange.bearing import Bearing, Operation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +50,14 @@ def kinematics(bearing: Bearing, speed: float) -> Kinematics:
         roller=-0.5 * surface_speed / bearing.roller_radius,
         n_rollers=bearing.n_rollers,
     )
+
+
+def turned(bearing: Bearing, operation: Operation, time) -> Kinematics:
+    """How far shaft, cage and rollers have turned since t = 0 by rolling without slip, rad; `time` in s, any shape."""
+    if operation.course is not None:
+        return kinematics(bearing, operation.course.turn(time)[()])
+    ideal = kinematics(bearing, operation.speed)
+    return replace(ideal, shaft=ideal.shaft * time, cage=ideal.cage * time, roller=ideal.roller * time)
 
 
 def roller_angles(bearing: Bearing, first_roller_angle: float) -> np.ndarray:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+from lagrange.contact_damping import UNDAMPED, ContactDamping, damper_force
 from lagrange.overlap import PolarOverlaps, polar_overlaps, polar_sunk, polar_turned
 from lagrange.profile import UNTURNED, Turns, profiles
 from lagrange.raceway_laws import ContactLaws
@@ -39,6 +40,8 @@ class ContactState(PolarOverlaps):
     along_y: np.ndarray  # ∂χ/∂y
     inner_force: np.ndarray  # N, >= 0, 0 outside the load zone: (24), (25)
     outer_force: np.ndarray
+    inner_damper: np.ndarray | float = 0.0  # N, the dampers' part of them
+    outer_damper: np.ndarray | float = 0.0
     inner_compliance: np.ndarray | float = 0.0  # m/N, of edges, in series with the law
     outer_compliance: np.ndarray | float = 0.0
 
@@ -48,12 +51,14 @@ class ContactState(PolarOverlaps):
         return ContactLaws(inner=inner, outer=outer)
 
 
-def contact_state(bearing: Bearing, laws: ContactLaws, state: State, damping: float = 0.0) -> ContactState:
+def contact_state(
+    bearing: Bearing, laws: ContactLaws, state: State, damping: ContactDamping = UNDAMPED
+) -> ContactState:
     """Geometry and forces of every contact.
 
     Parameters
     ----------
-    damping : float, N s/m, of each closed contact; it never makes a contact pull
+    damping : of each closed contact; it never makes a contact pull
 
     Errors
     ------
@@ -69,8 +74,9 @@ def contact_state(bearing: Bearing, laws: ContactLaws, state: State, damping: fl
     if surfaces is not None:
         found, inner, outer = polar_sunk(surfaces, found, turns, state.theta)
         inner_soft, outer_soft = inner.compliance, outer.compliance
-    inner_force = softened(laws.inner, inner_soft).force(found.inner)
-    outer_force = softened(laws.outer, outer_soft).force(found.outer)
+    inner_law, outer_law = softened(laws.inner, inner_soft), softened(laws.outer, outer_soft)
+    inner_force, outer_force = inner_law.force(found.inner), outer_law.force(found.outer)
+    inner_damper = outer_damper = 0.0
     if surfaces is not None:
         inner, outer = inner.under(inner_force), outer.under(outer_force)
         found = polar_turned(found, inner, outer, state.rho)
@@ -78,21 +84,20 @@ def contact_state(bearing: Bearing, laws: ContactLaws, state: State, damping: fl
         passing_out = outer.passing(0.0, turns.roller_speed)
     radial, tangential = found.radial, found.tangential
     along_x, along_y = tangential * sin - radial * cos, -tangential * cos - radial * sin
-    if damping > 0.0:
+    if damping.acts:
         vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]
         closing = -(radial * state.rho_rate + tangential * state.rho * state.theta_rate + along_x * vx + along_y * vy)
         opening = state.rho_rate - found.outer_slope * state.rho * state.theta_rate
-        inner_force = damped(inner_force, closing + passing_in, damping)
-        outer_force = damped(outer_force, opening + passing_out, damping)
+        inner_rate = damping.coefficient(inner_force, inner_law.slope(found.inner))
+        outer_rate = damping.coefficient(outer_force, outer_law.slope(found.outer))
+        inner_damper = damper_force(inner_force, closing + passing_in, inner_rate)
+        outer_damper = damper_force(outer_force, opening + passing_out, outer_rate)
+        inner_force, outer_force = inner_force + inner_damper, outer_force + outer_damper
     return ContactState(
         **vars(found), along_x=along_x, along_y=along_y, inner_force=inner_force, outer_force=outer_force,
-        inner_compliance=inner_soft, outer_compliance=outer_soft,
+        inner_damper=inner_damper, outer_damper=outer_damper, inner_compliance=inner_soft,
+        outer_compliance=outer_soft,
     )  # fmt: skip
-
-
-def damped(force, closing_speed, damping: float):
-    """Force of a contact with a viscous damper beside its spring, N; 0 when open, never negative."""
-    return np.where(force > 0.0, np.maximum(force + damping * closing_speed, 0.0), 0.0)
 
 
 def radial_equations(
@@ -137,12 +142,15 @@ def angular_equations(
 
 
 def hub_equations(operation: Operation, contacts: ContactState, x_acceleration, y_acceleration):
-    """Left sides of (22) and of (23) with the load moved over, N, each (...,); 0 in a motion of the model."""
+    """Left sides of (22) and of (23) with the load moved over, N, each (...,); 0 in a motion of the model.
+
+    The operation's loads may be of the same shape: `Operation.at`.
+    """
     mass = operation.inner_mass
     push_x = np.sum(contacts.inner_force * contacts.along_x, axis=-1)
     push_y = np.sum(contacts.inner_force * contacts.along_y, axis=-1)
     return (
-        mass * x_acceleration - push_x,
+        mass * x_acceleration - push_x - operation.side_load,
         mass * (y_acceleration + operation.gravity) - push_y + operation.radial_load,
     )
 

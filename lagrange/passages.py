@@ -7,8 +7,9 @@ from typing import Literal
 
 import numpy as np
 
-from lagrange.bearing import Bearing
+from lagrange.bearing import Bearing, Operation
 from lagrange.faults import Spall
+from lagrange.kinematics import turned
 from lagrange.mounting import OF_HOUSING, from_outer_ring
 
 Raceway = Literal["inner", "outer"]
@@ -41,12 +42,12 @@ def spalls(bearing: Bearing) -> list[Spall]:
     return [fault for fault in bearing.faults if isinstance(fault, Spall)]
 
 
-def find_passages(bearing: Bearing, speed: float, read: Read, count: int) -> list[Passage]:
+def find_passages(bearing: Bearing, operation: Operation, read: Read, count: int) -> list[Passage]:
     """All passages within `count` samples, by spall, raceway, roller and time.
 
     Parameters
     ----------
-    speed : of the inner ring, rad/s
+    operation : tells how the inner ring turns
     read : gives samples; it is asked for BLOCK of them and one or two more at a time
 
     Errors
@@ -60,7 +61,7 @@ def find_passages(bearing: Bearing, speed: float, read: Read, count: int) -> lis
         low, high = max(0, start - 1), min(count, stop + 1)
         block = read(low, high)
         for raceway in {track.raceway for track in tracks}:
-            met = _contacts(bearing, speed, block, raceway)
+            met = _contacts(bearing, operation, block, raceway)
             for track in tracks:
                 if track.raceway == raceway:
                     track.gather(block["time"], met, low, slice(start - low, stop - low))
@@ -82,7 +83,7 @@ class _Contacts:
     sliding: np.ndarray  # m/s
 
 
-def _contacts(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarray], raceway: Raceway) -> _Contacts:
+def _contacts(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray], raceway: Raceway) -> _Contacts:
     time, turn = samples["time"], samples["roller_turn"]
     inner_x, inner_y, x, y = from_outer_ring(samples, "inner", "roller")
     if raceway == "inner":
@@ -93,8 +94,9 @@ def _contacts(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarray],
     if raceway == "outer":
         on_ring, on_roller, sliding = direction, direction - turn, along + turning
     else:
-        on_ring, on_roller = direction - speed * time[:, None], direction + pi - turn
-        sliding = along - turning - speed * bearing.inner_raceway_radius
+        time = time[:, None]
+        on_ring, on_roller = direction - turned(bearing, operation, time).shaft, direction + pi - turn
+        sliding = along - turning - operation.at(time).speed * bearing.inner_raceway_radius
     return _Contacts(on_ring=on_ring, on_roller=on_roller, force=samples[f"{raceway}_force"], sliding=sliding)
 
 

@@ -7,7 +7,8 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.kinematics import kinematics, roller_angles
+from lagrange.contact_damping import UNDAMPED, ContactDamping
+from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import State
 from lagrange.profile import Turns
 from lagrange.raceway_laws import ContactLaws
@@ -31,11 +32,11 @@ class Problem:
     laws: ContactLaws
     start: Literal["equilibrium", "rest"] = "equilibrium"
     angles: Literal["kinematic", "free"] = "kinematic"
-    damping: float = 0.0  # N s/m, of every closed contact
+    damping: ContactDamping = UNDAMPED  # of every closed contact
     load_ramp: float = 0.0  # s
 
     def __post_init__(self):
-        if not (self.damping >= 0.0 and self.load_ramp >= 0.0):
+        if not (min(vars(self.damping).values()) >= 0.0 and self.load_ramp >= 0.0):
             raise ValueError(f"damping = {self.damping}, load_ramp = {self.load_ramp}: both must be at least 0")
         if self.start not in ("equilibrium", "rest") or self.angles not in ("kinematic", "free"):
             raise ValueError(
@@ -61,16 +62,16 @@ class Problem:
                 x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + cage,
             )  # fmt: skip
         if self.load_ramp > 0.0:
-            operation = replace(operation, radial_load=0.0)
+            operation = replace(operation, radial_load=0.0, side_load=0.0, course=None)
         now = static_equilibrium(bearing, operation, self.laws, angles=theta)
         before, after = (
             static_equilibrium(
                 bearing,
-                operation,
+                operation.at(shift),
                 self.laws,
-                angles=theta + cage * shift,
+                angles=theta + turned(bearing, operation, shift).cage,
                 start=(now.x, now.y),
-                turns=Turns.rolling(ideal, shift),
+                turns=Turns.rolling(bearing, operation, shift),
             )
             for shift in (-DIFFERENCE, DIFFERENCE)
         )

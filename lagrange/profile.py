@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrange.bearing import Bearing
+from lagrange.bearing import Bearing, Operation
 from lagrange.closing import Meeting, measured_sinkage, points_around, sinkage
 from lagrange.edges import reach, softening
 from lagrange.faults import Body, Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
-from lagrange.kinematics import Kinematics
+from lagrange.kinematics import kinematics, turned
 from lagrange.pair import Pair, contact_pairs
 
 KNOTS_PER_SPALL = 200  # along its width; the kink in its middle is rounded within two of them, 0.3 % too low
@@ -88,13 +88,14 @@ class Turns:
     roller_speed: float = 0.0
 
     @classmethod
-    def rolling(cls, ideal: Kinematics, time) -> "Turns":
+    def rolling(cls, bearing: Bearing, operation: Operation, time) -> "Turns":
         """Of rolling without slip at a time, s."""
+        now, way = kinematics(bearing, operation.at(time).speed), turned(bearing, operation, time)
         return cls(
-            inner_ring=ideal.shaft * time,
-            rollers=ideal.roller * time,
-            inner_ring_speed=ideal.shaft,
-            roller_speed=ideal.roller,
+            inner_ring=way.shaft,
+            rollers=way.roller,
+            inner_ring_speed=now.shaft,
+            roller_speed=now.roller,
         )
 
 

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import replace
 from itertools import pairwise
-from math import pi, radians
+from math import pi
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -24,13 +24,14 @@ from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_cage import CageTable, cage_faults
 from lagrange.scene_columns import Columns
+from lagrange.scene_damping import DampingTable, with_former_name
 from lagrange.scene_faults import Check, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
+from lagrange.scene_operation import OperationTable
 from lagrange.scene_run import (
     ContactTable,
     LagrangeTable,
     NumericsTable,
-    OperationTable,
     OutputTable,
     ReducedTable,
 )
@@ -48,12 +49,11 @@ from lagrange.scene_surfaces import (
 
 LONGEST_TEXT = 2**20  # characters of a scene
 MOST_FAULTS = 15  # told at once: a file that is no scene may have thousands
-RPM = 2.0 * pi / 60.0
 MM = 1e-3
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
 SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # arrays of tables
-FILE_KEYS = ("file", "sha256", "content")  # of tables that name a file
+FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
 MOST_TABLES = 200  # of one array
 
 
@@ -79,6 +79,7 @@ class Scene(Table):
     bodies: BodiesTable = BodiesTable()
     operation: OperationTable = OperationTable()
     contact: ContactTable = ContactTable()
+    damping: DampingTable = DampingTable()
     lagrange: LagrangeTable = LagrangeTable()
     reduced: ReducedTable = ReducedTable()
     numerics: NumericsTable = NumericsTable()
@@ -115,6 +116,7 @@ class Scene(Table):
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        data = with_former_name(data)
         bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
         if not isinstance(bearing, dict):
             return data
@@ -128,7 +130,7 @@ class Scene(Table):
 
     def checks(self) -> tuple[Check, ...]:
         surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        tables = self._rigid_contacts, self._support, self._cage
+        tables = self._rigid_contacts, self._support, self._cage, self._damping, self._courses
         return self._law, self._mass, self._mesh, self._fields, *tables, *surfaces
 
     def _law(self) -> Iterator[str]:
@@ -181,6 +183,30 @@ class Scene(Table):
                 f'"{self.contact.model}", whose points of pressure sit on meshes'
             )
 
+    def _damping(self) -> Iterator[str]:
+        if self.damping.bodies_1_s > 0.0 and self.model != "fem":
+            yield (
+                f"damping.bodies_1_s = {self.damping.bodies_1_s:g}: only for bodies with meshes, which model = "
+                f"{self.model!r} has none of; leave it out, or take model = 'fem'"
+            )
+        if self.damping.bodies_1_s > 0.0 and self.mounting().housing is not None:
+            yield (
+                f"damping.bodies_1_s = {self.damping.bodies_1_s:g}: not together with a housing that moves, against "
+                "which the outer ring's own motion is not known; leave one of them out"
+            )
+        if not self.damping.contacts.acts:
+            return
+        if self.model == "fem" and self.contact.model != "subgrid":
+            yield (
+                f'[damping] of contacts: only with contact.model = "subgrid", not with "{self.contact.model}", whose '
+                "points of pressure stand for part of a contact; leave one of them out"
+            )
+        if self.model == "reduced" and self.reduced.modes_up_to_kHz > 0.0:
+            yield (
+                f"reduced.modes_up_to_kHz = {self.reduced.modes_up_to_kHz:g}: not together with [damping] of contacts, "
+                "which would feed the modes; leave one of them out"
+            )
+
     def _support(self) -> Iterator[str]:
         if self.mounting().housing is not None and self.model != "fem":
             yield (
@@ -200,6 +226,19 @@ class Scene(Table):
                     'cage.guidance = "outer_ring": not in a housing that moves; take "rollers" or "inner_ring", or '
                     "leave [support] out"
                 )
+            if self.cage.guidance == "inner_ring" and self.operation.speed_table is not None:
+                yield (
+                    f'cage.guidance = "inner_ring": only at a steady speed, not with operation.speed_table = '
+                    f'"{self.operation.speed_table}"; take "rollers" or "outer_ring"'
+                )
+
+    def _courses(self) -> Iterator[str]:
+        yield from self.operation.duration_faults(self.numerics.duration_ms)
+        if self.operation.changes and self.model == "fem" and self.contact.model != "subgrid":
+            yield (
+                f'operation.{self.operation.changes}: only with contact.model = "subgrid", not with '
+                f'"{self.contact.model}", which is there to compare contacts; leave one of them out'
+            )
 
     def _surface_models(self) -> Iterator[str]:
         given = [f"[[{name}]]" for name in SURFACES if getattr(self, name)]
@@ -258,16 +297,8 @@ class Scene(Table):
         return None if self.cage is None else self.cage.cage(self._perfect_bearing())
 
     def ideal_operation(self) -> Operation:
-        """The operating point in SI; the first roller's angle from +x."""
-        o = self.operation
-        return Operation(
-            speed=o.speed_rpm * RPM,
-            radial_load=o.radial_load_N,
-            inner_mass=o.inner_ring_and_shaft_kg,
-            gravity=o.gravity_m_s2,
-            first_roller_angle=radians(o.first_roller_deg - 90.0),
-            mounting=self.mounting(),
-        )
+        """The operating point in SI."""
+        return replace(self.operation.ideal(), mounting=self.mounting())
 
     def mounting(self) -> Mounting:
         """What the bearing stands in, in SI."""
@@ -279,7 +310,8 @@ class Scene(Table):
     @property
     def files(self) -> dict[str, str]:
         """Texts of the files that it names, by their digests, as far as they are at hand."""
-        return {table.sha256: table.content for table in self.profile if table.content is not None}
+        profiles = {table.sha256: table.content for table in self.profile if table.content is not None}
+        return profiles | self.operation.files
 
     def varied(self, changes: Mapping[str, Any]) -> "Scene":
         """This scene with other values under dotted keys, as `--set` has them; the whole is validated anew.
@@ -304,14 +336,16 @@ class Scene(Table):
     def to_toml(self) -> str:
         """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.
 
-        Defaults are spelt out, but for [table]; arrays of tables are there where they are not empty.
+        Defaults are spelt out, but for [damping] and [table], which are left out where they hold nothing else; arrays
+        of tables are there where they are not empty.
         """
         tables = self.model_dump(exclude_none=True)
         for name in SURFACES:
             if not tables[name]:
                 del tables[name]
-        if self.table == Columns():
-            del tables["table"]
+        for name, empty in (("damping", DampingTable()), ("table", Columns())):
+            if getattr(self, name) == empty:
+                del tables[name]
         return tomli_w.dumps(tables)
 
 

@@ -89,7 +89,7 @@ class Columns(BaseModel):
 
 def per_roller(quantity: str) -> bool:
     """Whether a quantity has one column per roller."""
-    return quantity.startswith("roller_") or quantity.endswith(("_force", "_traction"))
+    return quantity.startswith("roller_") or quantity.endswith(("_force", "_traction", "_moment"))
 
 
 def _split(name: str) -> tuple[str, str | None]:

@@ -4,27 +4,44 @@ A scene's own text keeps a file's name and the digest of its text; a result file
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lagrange.height_table import LARGEST_FILE, digest
+from lagrange.text_table import LARGEST_FILE, digest
+
+
+@dataclass(frozen=True)
+class _Named:
+    """Where a scene names a file: a table and its keys of name, digest and text."""
+
+    place: str
+    table: dict[str, Any]
+    name: str
+    digest: str
+    content: str
+    kind: str  # of table that the file is
+
+    @property
+    def described(self) -> str:
+        return f'{self.place}.{self.name} = "{self.table[self.name]}"'
 
 
 def content_in_place(data: dict[str, Any], folder: Path) -> None:
-    """Put the files of [[profile]] into the tables of a scene that lies in a folder.
+    """Put the files of [[profile]] and [operation] into the tables of a scene that lies in a folder.
 
     Errors
     ------
     ValueError: no such file, unreadable, too large, not text; not the one whose digest the scene gives.
     """
-    for place, table in _tables(data):
-        text = _text(f'{place}.file = "{table["file"]}"', folder / table["file"])
-        if table.setdefault("sha256", digest(text)) != digest(text):
+    for named in _named(data):
+        text = _text(named, folder / named.table[named.name])
+        if named.table.setdefault(named.digest, digest(text)) != digest(text):
             raise ValueError(
-                f'{place}.file = "{table["file"]}": its sha256 is {digest(text)}, another than the scene gives; leave '
-                "that out for this file"
+                f"{named.described}: its sha256 is {digest(text)}, another than the scene gives; leave that out for "
+                "this file"
             )
-        table["content"] = text
+        named.table[named.content] = text
 
 
 def content_of(data: dict[str, Any], files: Mapping[str, str] | None) -> None:
@@ -34,25 +51,33 @@ def content_of(data: dict[str, Any], files: Mapping[str, str] | None) -> None:
     ------
     ValueError: one is not among them.
     """
-    for place, table in _tables(data):
+    for named in _named(data):
         if files is not None:
-            if table.get("sha256") not in files:
-                raise ValueError(f'{place}.file = "{table["file"]}": its text is not here')
-            table["content"] = files[table["sha256"]]
+            if named.table.get(named.digest) not in files:
+                raise ValueError(f"{named.described}: its text is not here")
+            named.table[named.content] = files[named.table[named.digest]]
 
 
-def _tables(data: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """The tables that name a file, with their places; others are left to the scene's own checks."""
-    tables = data.get("profile")
-    for i, table in enumerate(tables if isinstance(tables, list) else ()):
-        if isinstance(table, dict):
-            if "content" in table:
-                raise ValueError(f"profile.{i}.content: unknown key; heights are read from its file")
-            if isinstance(table.get("file"), str) and table["file"]:
-                yield f"profile.{i}", table
+def _named(data: dict[str, Any]) -> Iterator[_Named]:
+    """The files that a scene names; tables of other forms are left to the scene's own checks."""
+    profiles = data.get("profile")
+    for i, table in enumerate(profiles if isinstance(profiles, list) else ()):
+        yield from _file(_Named(f"profile.{i}", table, "file", "sha256", "content", "heights"))
+    for name, kind in (("speed_table", "speeds"), ("load_table", "loads")):
+        operation = data.get("operation")
+        yield from _file(_Named("operation", operation, name, f"{name}_sha256", f"{name}_content", kind))
 
 
-def _text(what: str, path: Path) -> str:
+def _file(named: _Named) -> Iterator[_Named]:
+    if isinstance(named.table, dict):
+        if named.content in named.table:
+            raise ValueError(f"{named.place}.{named.content}: unknown key; {named.kind} are read from a file")
+        if isinstance(named.table.get(named.name), str) and named.table[named.name]:
+            yield named
+
+
+def _text(named: _Named, path: Path) -> str:
+    what, hint = named.described, f"is it a table of {named.kind}?"
     try:
         with open(path, "rb") as file:
             found = file.read(LARGEST_FILE + 1)
@@ -60,8 +85,8 @@ def _text(what: str, path: Path) -> str:
         reason = getattr(error, "strerror", None) or str(error)
         raise ValueError(f"{what}: can't be read: {reason} (looked for in {path.parent.resolve()})") from None
     if len(found) > LARGEST_FILE:
-        raise ValueError(f"{what}: larger than {LARGEST_FILE // 2**20} MiB; is it a table of heights?")
+        raise ValueError(f"{what}: larger than {LARGEST_FILE // 2**20} MiB; {hint}")
     try:
         return found.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ValueError(f"{what}: not UTF-8 text (byte {error.start}); is it a table of heights?") from None
+        raise ValueError(f"{what}: not UTF-8 text (byte {error.start}); {hint}") from None

@@ -1,4 +1,4 @@
-"""Tables of the scene that say how the bearing is run and computed: [operation], [contact], [numerics], models' own."""
+"""Tables of the scene that say how the run is computed: [contact], [numerics], [output], models' own."""
 
 from collections.abc import Iterator
 from typing import Any, Literal
@@ -9,22 +9,6 @@ from lagrange.scene_faults import Check, Table
 
 COMPARISONS = ("penalty", "faceted")  # contact models that are only there to be compared with
 STIFF_PENALTY = 1e9  # N/m, three times a contact of the paper's bearing; the mesh's nodes are no stiffer
-
-
-class OperationTable(Table):
-    """How the bearing is driven and loaded."""
-
-    speed_rpm: float = Field(
-        4500.0, ge=-200_000.0, le=200_000.0, description="of the inner ring, counter-clockwise positive"
-    )
-    radial_load_N: float = Field(2000.0, ge=0.0, le=1e7, description="at the hub, along −y")
-    inner_ring_and_shaft_kg: float = Field(
-        0.078, gt=0.0, le=1e6, description="mass of all that moves with the hub, the elastic inner ring included"
-    )
-    gravity_m_s2: float = Field(9.81, ge=0.0, le=1000.0, description="along −y")
-    first_roller_deg: float = Field(
-        0.0, ge=-360.0, le=360.0, description="roller 0 from the load's direction (−y), counter-clockwise"
-    )
 
 
 class ContactTable(Table):
@@ -89,7 +73,6 @@ class LagrangeTable(Table):
         "harris",
         description="harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; of balls hertz",
     )
-    damping_N_s_m: float = Field(0.0, ge=0.0, le=1e6, description="of every contact")
     angles: Literal["kinematic", "free"] = Field(
         "kinematic", description="rollers in a cage that rolls without slip, or free ones (solved only)"
     )

@@ -13,8 +13,9 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+from lagrange.contact_damping import UNDAMPED, ContactDamping
 from lagrange.integrate import Integration, NumpyIntegration
-from lagrange.kinematics import kinematics
+from lagrange.kinematics import kinematics, turned
 from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
 from lagrange.step_size import DAMPED_STABLE, STABLE, STEP, critical_time_step, fastest_mode, steps_per_sample
@@ -119,11 +120,12 @@ class Simulation:
             )
         if not found:
             return None
-        part = self._completion.read(record, self.interval * np.arange(first, first + found))
-        problem = self.problem
+        time, problem = self.interval * np.arange(first, first + found), self.problem
+        part = self._completion.read(record, time)
         return Trajectory(
             **part, bearing=problem.bearing, operation=problem.operation, laws=problem.laws,
-            roller_spin=kinematics(problem.bearing, problem.operation.speed).roller,
+            roller_spin=kinematics(problem.bearing, problem.operation.at(time).speed).roller,
+            roller_turn=turned(problem.bearing, problem.operation, time).roller,
             time_step=self.time_step, critical_time_step=self.critical_time_step,
             steps=self.steps_per_sample * (self.done - 1),
         )  # fmt: skip
@@ -131,7 +133,7 @@ class Simulation:
     @property
     def verdict(self) -> Verdict:
         """How the step has resolved the motion so far; its last word is at the end."""
-        stable = STABLE if self.problem.damping == 0.0 else DAMPED_STABLE
+        stable = DAMPED_STABLE if self.problem.damping.acts else STABLE
         if not fastest_mode(self.problem, *self._largest_forces) * self.time_step < stable:
             return Verdict.TOO_FAST
         return Verdict.RESOLVED if self._energy_share() <= ENERGY_TOLERANCE else Verdict.RATTLING
@@ -191,7 +193,7 @@ def simulate(
     *,
     start: Literal["equilibrium", "rest"] = "equilibrium",
     angles: Literal["kinematic", "free"] = "kinematic",
-    damping: float = 0.0,
+    damping: ContactDamping = UNDAMPED,
     load_ramp: float = 0.0,
     time_step: float | None = None,
 ) -> Trajectory:
@@ -204,7 +206,7 @@ def simulate(
         "rest": rings centred, contacts undeformed, elements at cage speed
     angles : "kinematic": θ̇ is the cage's, and the work of what holds it is accounted for; "free": no cage, no friction,
         nothing keeps the elements apart
-    damping : float, N s/m, of every closed contact; never makes it pull
+    damping : of every closed contact; never makes it pull
     load_ramp : float, s, over which the load grows from nothing, by half a cosine
     time_step : float, s, at most; default from the stiffest mode
 

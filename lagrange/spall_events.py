@@ -33,10 +33,10 @@ class SpallEvent:
 
 def interval_caution(bearing: Bearing, operation: Operation, interval: float) -> str | None:
     """A sentence where samples are too far apart, s, for the strikes of a bearing with spalls."""
-    if operation.speed == 0.0 or not spalls(bearing):
+    if operation.fastest == 0.0 or not spalls(bearing):
         return None
-    cage = kinematics(bearing, operation.speed).cage
-    force = 5.0 * (operation.radial_load + operation.inner_mass * operation.gravity) / bearing.n_rollers
+    cage = kinematics(bearing, operation.fastest).cage
+    force = 5.0 * (operation.heaviest + operation.inner_mass * operation.gravity) / bearing.n_rollers
     force += bearing.roller_mass * bearing.pitch_radius * cage**2
     laws = contact_laws("johnson", bearing)
     stiffness = sum(float(law.slope(law.approach(force))) for law in laws)

@@ -66,12 +66,13 @@ def static_equilibrium(
     """
     theta = roller_angles(bearing, operation.first_roller_angle) if angles is None else np.asarray(angles, dtype=float)
     mass = bearing.roller_mass if roller_mass is None else roller_mass
-    weight = operation.radial_load + operation.inner_mass * operation.gravity
+    load = np.array([operation.side_load, -(operation.radial_load + operation.inner_mass * operation.gravity)])
+    weight = float(np.hypot(*load))
     system = _System(bearing, operation, laws, theta, mass, turns)
     hub = np.zeros(2) if start is None else np.array(start, dtype=float)
     if start is None and weight > 0.0:
-        hub = _sink(system, weight)
-    here = system.at(hub, weight)
+        hub = _sink(system, load, load / weight)
+    here = system.at(hub, load)
     finest = ROUND_OFF * np.max(system.track) * system.typical_stiffness * bearing.n_rollers
     for _ in range(MAX_NEWTON):
         if np.max(np.abs(here.unbalance)) <= BALANCE * (weight + np.sum(here.inner_force)) + finest:
@@ -80,7 +81,7 @@ def static_equilibrium(
                 inner_force=here.inner_force, outer_force=here.outer_force,
             )  # fmt: skip
         step = _newton_step(here, system.typical_stiffness)
-        hub, here = _descend(system, hub, here, step, weight)
+        hub, here = _descend(system, hub, here, step, load)
     raise RuntimeError(
         f"no static equilibrium after {MAX_NEWTON} steps: {np.max(np.abs(here.unbalance)):.3g} N unbalanced at hub "
         f"x = {hub[0]:.3e} m, y = {hub[1]:.3e} m; check load, clearance {bearing.radial_clearance:.3e} m and law"
@@ -117,8 +118,8 @@ class _System:
         depth = 1e-4 * bearing.roller_radius
         self.typical_stiffness = float(laws.inner.slope(depth))
 
-    def at(self, hub, load: float) -> _Point:
-        """Balance the elements, then sum up their forces on the hub."""
+    def at(self, hub, load) -> _Point:
+        """Balance the elements, then sum up their forces and the load, (2,), N, on the hub."""
         s = hub[0] * self.cos + hub[1] * self.sin  # hub's offset along and across each element's radius
         t = hub[1] * self.cos - hub[0] * self.sin
         rho = self._balance(s, t)
@@ -127,8 +128,8 @@ class _System:
         radial, across = -inner * c, inner * d  # on the hub, along s and t
         unbalance = -np.array(
             [
-                np.sum(radial * self.cos - across * self.sin),
-                np.sum(radial * self.sin + across * self.cos) - load,
+                np.sum(radial * self.cos - across * self.sin) + load[0],
+                np.sum(radial * self.sin + across * self.cos) + load[1],
             ]
         )
         slope_in, slope_out = law_in.slope(depth_in), self.outer_law.slope(depth_out)
@@ -149,7 +150,7 @@ class _System:
         )  # fmt: skip
         return _Point(
             rho=rho, inner_force=inner, outer_force=outer, unbalance=unbalance,
-            stiffness=np.array([[xx, xy], [xy, yy]]), potential=float(potential) + load * hub[1],
+            stiffness=np.array([[xx, xy], [xy, yy]]), potential=float(potential) - load[1] * hub[1] - load[0] * hub[0],
         )  # fmt: skip
 
     def _overlaps(self, rho, s, t):
@@ -199,23 +200,27 @@ class _System:
         return rho
 
 
-def _sink(system: _System, weight: float) -> np.ndarray:
-    """Hub position straight below the centre where the elements first hold the load, m: by bisection."""
+def _sink(system: _System, load: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Hub position along the load's direction where the elements first hold it, m: by bisection."""
     radius = system.bearing.roller_radius
-    low, high, way = -max(system.bearing.radial_clearance, 0.0) - 1e-6 * radius, 0.0, 1e-5 * radius
+    far, near, way = max(system.bearing.radial_clearance, 0.0) + 1e-6 * radius, 0.0, 1e-5 * radius
+
+    def holds(distance: float) -> bool:
+        return float(system.at(distance * along, load).unbalance @ along) > 0.0
+
     for _ in range(20):
-        if system.at(np.array([0.0, low]), weight).unbalance[1] < 0.0:
+        if holds(far):
             break
-        high, low, way = low, low - way, 2.0 * way
+        near, far, way = far, far + way, 2.0 * way
     for _ in range(60):
-        middle = 0.5 * (low + high)
-        if system.at(np.array([0.0, middle]), weight).unbalance[1] < 0.0:
-            low = middle
+        middle = 0.5 * (near + far)
+        if holds(middle):
+            far = middle
         else:
-            high = middle
-        if high - low < 1e-5 * radius:
+            near = middle
+        if far - near < 1e-5 * radius:
             break
-    return np.array([0.0, low])
+    return far * along
 
 
 def _newton_step(here: _Point, typical: float) -> np.ndarray:
@@ -225,16 +230,16 @@ def _newton_step(here: _Point, typical: float) -> np.ndarray:
     return -vectors @ ((vectors.T @ here.unbalance) / values)
 
 
-def _descend(system: _System, hub, here: _Point, step, weight: float):
+def _descend(system: _System, hub, here: _Point, step, load: np.ndarray):
     """Go along a step as far as it lowers the potential, or the unbalance once round-off hides that."""
     size = np.linalg.norm(step)
     longest = 1e-2 * system.bearing.roller_radius
     step = step * min(1.0, longest / size) if size > 0.0 else step
     expected = float(here.unbalance @ step)  # < 0
-    forces = weight + np.sum(here.inner_force + here.outer_force)
+    forces = np.hypot(*load) + np.sum(here.inner_force + here.outer_force)
     noise = 10.0 * ROUND_OFF * (abs(here.potential) + forces * np.max(system.track))
     for _ in range(60):
-        there = system.at(hub + step, weight)
+        there = system.at(hub + step, load)
         lower = there.potential <= here.potential + 1e-4 * expected
         finer = there.potential <= here.potential + noise and (
             np.linalg.norm(there.unbalance) < np.linalg.norm(here.unbalance)

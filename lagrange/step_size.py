@@ -35,15 +35,15 @@ def fastest_mode(problem: Problem, inner_force: float, outer_force: float) -> fl
 
 def critical_time_step(problem: Problem, *largest: float) -> float:
     """Step, s, at which the scheme becomes unstable under the largest inner and outer force, N; default: expected."""
-    limit = LIMIT if problem.damping == 0.0 else DAMPED_LIMIT
+    limit = DAMPED_LIMIT if problem.damping.acts else LIMIT
     return limit / fastest_mode(problem, *(largest or 2 * [_expected_force(problem)]))
 
 
 def _expected_force(problem: Problem) -> float:
     """The largest contact force to be expected, N."""
     bearing, operation = problem.bearing, problem.operation
-    weight = operation.radial_load + operation.inner_mass * operation.gravity
-    spin = bearing.roller_mass * bearing.pitch_radius * kinematics(bearing, operation.speed).cage ** 2
+    weight = operation.heaviest + operation.inner_mass * operation.gravity
+    spin = bearing.roller_mass * bearing.pitch_radius * kinematics(bearing, operation.fastest).cage ** 2
     squeeze = float(problem.laws.inner.force(max(-0.5 * bearing.radial_clearance, 0.0)))  # of preload
     return OVERLOAD * (squeeze + spin + bearing.roller_mass * operation.gravity + 5.0 * weight / bearing.n_rollers)
 
@@ -52,13 +52,14 @@ def _longest_step(problem: Problem) -> float:
     force = _expected_force(problem)
     omega = fastest_mode(problem, force, force)
     passage = _passage(problem)
-    if problem.damping == 0.0:
+    if not problem.damping.acts:
         return min(STEP / omega, passage)
-    return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / (2.0 * problem.damping), passage)
+    dampers = sum(float(problem.damping.coefficient(force, law.slope(law.approach(force)))) for law in problem.laws)
+    return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / dampers, passage)
 
 
 def _passage(problem: Problem) -> float:
     """Time in which contacts roll over as many knots of a profile as a step may, s."""
-    surfaces, ideal = profiles(problem.bearing), kinematics(problem.bearing, problem.operation.speed)
+    surfaces, ideal = profiles(problem.bearing), kinematics(problem.bearing, problem.operation.fastest)
     speed = abs(ideal.roller - ideal.cage) * problem.bearing.roller_radius
     return inf if surfaces is None or speed == 0.0 else KNOTS_PER_STEP * surfaces.shortest / speed

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrange.height_table import LARGEST_FILE, digest
+from lagrange.text_table import LARGEST_FILE, digest
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"  # an HDF5 file's first bytes
 CHECKSUM = "checksum"  # attribute: twice a number of samples and the CRC-32 of the variable up to there
@@ -90,7 +90,7 @@ def _limit(seconds: float, memory: int) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     used = Path("/proc/self/statm")
     if used.exists():  # elsewhere the memory in use is not told in the same way
-        pages = int(used.read_text().split()[0])
+        pages = int(used.read_text(encoding="ascii").split()[0])
         most = pages * os.sysconf("SC_PAGE_SIZE") + memory
         set_before = [limit for limit in resource.getrlimit(resource.RLIMIT_AS) if limit != resource.RLIM_INFINITY]
         most = min(most, *set_before) if set_before else most

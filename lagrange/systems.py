@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrange.kinematics import kinematics
+from lagrange.contact_damping import ContactDamping, damper_force
+from lagrange.kinematics import kinematics, turned
 from lagrange.laws import PowerLaw
 from lagrange.load_ramp import load_share, load_share_rate
 from lagrange.motion import State
@@ -37,8 +38,9 @@ class _System:
         bearing, operation, laws = problem.bearing, problem.operation, problem.laws
         self.mass, self.inner_mass = bearing.roller_mass, operation.inner_mass
         self.gravity, self.load, self.ramp = operation.gravity, operation.radial_load, problem.load_ramp
+        self.course = operation.course
         self.ideal = kinematics(bearing, operation.speed)
-        self.cage = self.ideal.cage
+        self.cage, self.cage_gain = self.ideal.cage, 0.0
         self.surfaces = profiles(bearing)
         self.n = bearing.n_rollers
         # constants as whole arrays: numpy takes 0.4 µs to bring a number into an operation, as long as the operation
@@ -69,7 +71,7 @@ class _System:
 
     def surface_forces(self, time: float, inward, outward, distance) -> None:
         """Forces on such surfaces, at directions of the elements from both rings' centres, rad; as `law_forces`."""
-        turns = Turns.rolling(self.ideal, time)
+        turns = Turns.rolling(self.problem.bearing, self.problem.operation, time)
         inner, outer = self.surfaces.inner(inward, turns), self.surfaces.outer(outward, turns)
         self.depth_inner -= inner.sinkage
         self.depth_outer -= outer.sinkage
@@ -81,6 +83,17 @@ class _System:
         self.met_inner, self.met_outer = inner.under(self.force_inner), outer.under(self.force_outer)
         self.aside = 1.0 + 1j * self.met_inner.slope / distance  # turns the line of centres to the inner force
 
+    def damper_coefficients(self, damping: ContactDamping):
+        """N s/m of the inner and the outer contacts, at the positions last seen by `accelerations`."""
+        if not damping.follows_forces:
+            return damping.constant, damping.constant
+        soft = (0.0, 0.0) if self.surfaces is None else (self.met_inner.compliance, self.met_outer.compliance)
+        forces = self.force_inner, self.force_outer
+        return tuple(
+            damping.coefficient(force, softened(law, compliance).slope(depth))
+            for force, law, compliance, depth in zip(forces, self.laws, soft, self.depth, strict=True)
+        )
+
     def passing(self, frame: float):
         """Rates at which inner and outer contacts close in a frame that turns, rad/s, as surfaces pass them, m/s."""
         ring, roller = self.ideal.shaft - frame, self.ideal.roller - frame
@@ -91,14 +104,39 @@ class _System:
         inner, outer = self.passing(frame)
         return float(self.force_inner.dot(inner) + self.force_outer.dot(outer))
 
-    def hub_pull(self, time: float) -> float:
-        """Acceleration of the hub by load and weight along −y, m/s²."""
-        share = 1.0 if time >= self.ramp else float(load_share(time, self.ramp))
-        return self.gravity + share * self.load / self.inner_mass
+    def follow(self, time: float) -> None:
+        """Speeds of a time, s, where they change."""
+        if self.course is not None:
+            bearing = self.problem.bearing
+            self.ideal = kinematics(bearing, float(self.course.speed(time)))
+            self.cage = self.ideal.cage
+            self.cage_gain = kinematics(bearing, float(self.course.speed(time, 1))).cage
 
-    def ramp_power(self, time: float, y: float) -> float:
-        """Ẇ y, W."""
-        return self.load * float(load_share_rate(time, self.ramp)) * y if time < self.ramp else 0.0
+    def cage_turn(self, times):
+        """How far the cage has turned since t = 0, rad."""
+        if self.course is None:
+            return self.cage * times
+        return turned(self.problem.bearing, self.problem.operation, times).cage
+
+    def hub_pull(self, time: float) -> complex:
+        """Acceleration of the hub by load and weight, turned by −90 degrees: along −y it is real, m/s²."""
+        share = 1.0 if time >= self.ramp else float(load_share(time, self.ramp))
+        if self.course is None:
+            return self.gravity + share * self.load / self.inner_mass
+        x, y = self.course.force(time)
+        return self.gravity + share * (1j * float(x) - float(y)) / self.inner_mass
+
+    @property
+    def load_changes(self) -> bool:
+        return self.ramp > 0.0 or self.course is not None
+
+    def change_power(self, time: float, z: complex) -> float:
+        """Power of the load's change at a standing hub, W: minus its rate times the hub's place."""
+        if self.course is None:
+            return self.load * float(load_share_rate(time, self.ramp)) * z.imag if time < self.ramp else 0.0
+        share, rate = float(load_share(time, self.ramp)), float(load_share_rate(time, self.ramp))
+        (x, y), (x_rate, y_rate) = self.course.force(time), self.course.force_rate(time)
+        return -float((rate * x + share * x_rate) * z.real + (rate * y + share * y_rate) * z.imag)
 
 
 class KinematicAngles(_System):
@@ -109,30 +147,39 @@ class KinematicAngles(_System):
 
     def __init__(self, problem: Problem):
         super().__init__(problem)
-        self.cage_squared = np.full(self.n, self.cage**2)
+        self.cage_squared = np.full(self.n, self.cage**2)  # of a steady one
         self.per_mass = np.full(self.n, 1.0 / self.mass)
         self.fall = np.full(self.n, self.gravity)
         self.cage_weight = self.cage * self.mass * self.gravity
 
+    def follow(self, time: float) -> None:
+        super().follow(time)
+        if self.course is not None:
+            self.cage_squared = np.full(self.n, self.cage**2)
+            self.cage_weight = self.cage * self.mass * self.gravity
+
     def directions(self, times):
         """exp(−iθ), (n_times, n_rollers)."""
-        return np.exp(-1j * (self.first + self.spacing + self.cage * times[:, None]))
+        return np.exp(-1j * (self.first + self.spacing + self.cage_turn(times[:, None])))
 
     def pack(self, state: State) -> Packed:
         return Packed(complex(state.x, state.y), complex(state.x_rate, state.y_rate), state.rho, state.rho_rate)
 
     def unpack(self, record, time) -> State:
         """Stored samples of an `integrate.Record` at their times, s, as generalised coordinates."""
-        theta = self.first + self.spacing + self.cage * time[:, None]
+        bearing, operation = self.problem.bearing, self.problem.operation
+        theta = self.first + self.spacing + self.cage_turn(time[:, None])
+        cage = kinematics(bearing, operation.at(time[:, None]).speed).cage
         return State(
             x=record.z.real, y=record.z.imag, rho=record.q, theta=theta,
             x_rate=record.z_rate.real, y_rate=record.z_rate.imag,
-            rho_rate=record.q_rate, theta_rate=np.full_like(theta, self.cage),
-            turns=Turns.rolling(self.ideal, time[:, None]),
+            rho_rate=record.q_rate, theta_rate=np.zeros_like(theta) + cage,
+            turns=Turns.rolling(bearing, operation, time[:, None]),
         )  # fmt: skip
 
     def accelerations(self, time, z, q, turn):
         """Of hub and elements, and the power that the held angles take up, W; `turn` is exp(−iθ)."""
+        self.follow(time)
         line = q - z * turn  # from hub to element, in the element's own frame
         distance = np.abs(line)
         np.subtract(self.reach, distance, out=self.depth_inner)
@@ -140,7 +187,7 @@ class KinematicAngles(_System):
         if self.surfaces is None:
             self.law_forces()
         else:
-            outward = self.first + self.spacing + self.cage * time
+            outward = self.first + self.spacing + self.cage_turn(time)
             self.surface_forces(time, outward + np.angle(line), outward, distance)
         self.line, self.distance = line, distance
         push = self.force_inner / distance * line
@@ -156,13 +203,15 @@ class KinematicAngles(_System):
         if self.gravity > 0.0:
             q_acc += self.fall * turn.imag
             power += self.cage_weight * float(q.dot(turn.real))
+        if self.cage_gain != 0.0:  # of the elements' angular momentum; the rest of that is in `Completion`
+            power -= self.mass * self.cage * self.cage_gain * float(q.dot(q))
         return on_hub / self.inner_mass - 1j * self.hub_pull(time), q_acc, power
 
     def held_power(self, z: complex, on_hub: complex) -> float:
         """Power that held angles take up from forces on the hub, W: their moment times the cage's speed."""
         return self.cage * (z.real * on_hub.imag - z.imag * on_hub.real)
 
-    def damper(self, z_rate, q_rate, q, z, turn, damping):
+    def damper(self, z_rate, q_rate, q, z, turn, coefficients):
         """Accelerations of hub and elements by the dampers, the loss and the power held angles take up, W.
 
         At the positions last seen by `accelerations`.
@@ -176,8 +225,8 @@ class KinematicAngles(_System):
         if self.surfaces is not None:
             inner_passing, outer_passing = self.passing(self.cage)
             closing, opening = closing + inner_passing, opening + outer_passing
-        inner = _no_pull(damping * closing, self.force_inner)
-        outer = _no_pull(damping * opening, self.force_outer)
+        inner = damper_force(self.force_inner, closing, coefficients[0])
+        outer = damper_force(self.force_outer, opening, coefficients[1])
         if self.surfaces is not None:
             driven = np.dot(inner, inner_passing) + np.dot(outer, outer_passing)
         push = inner * unit
@@ -208,11 +257,12 @@ class FreeAngles(_System):
         return State(
             x=record.z.real, y=record.z.imag, rho=rho, theta=theta,
             x_rate=record.z_rate.real, y_rate=record.z_rate.imag, rho_rate=along.real, theta_rate=along.imag / rho,
-            turns=Turns.rolling(self.ideal, time[:, None]),
+            turns=Turns.rolling(self.problem.bearing, self.problem.operation, time[:, None]),
         )  # fmt: skip
 
     def accelerations(self, time, z, q, turn):
         """Of hub and elements, and the power that turning bodies takes where surfaces are not perfect, W."""
+        self.follow(time)
         line = q - z
         distance, rho = np.abs(line), np.abs(q)
         np.subtract(self.reach, distance, out=self.depth_inner)
@@ -230,7 +280,7 @@ class FreeAngles(_System):
         q_acc = (push - back) / self.mass - 1j * self.gravity
         return -complex(push.sum()) / self.inner_mass - 1j * self.hub_pull(time), q_acc, power
 
-    def damper(self, z_rate, q_rate, q, z, turn, damping):
+    def damper(self, z_rate, q_rate, q, z, turn, coefficients):
         """Accelerations of hub and elements by the dampers, the loss and the power held angles take up, W.
 
         At the positions last seen by `accelerations`.
@@ -243,8 +293,8 @@ class FreeAngles(_System):
         if self.surfaces is not None:
             inner_passing, outer_passing = self.passing(0.0)
             closing, opening = closing + inner_passing, opening + outer_passing
-        inner = _no_pull(damping * closing, self.force_inner)
-        outer = _no_pull(damping * opening, self.force_outer)
+        inner = damper_force(self.force_inner, closing, coefficients[0])
+        outer = damper_force(self.force_outer, opening, coefficients[1])
         if self.surfaces is not None:
             driven = float(np.dot(inner, inner_passing) + np.dot(outer, outer_passing))
         push = inner * unit
@@ -265,8 +315,3 @@ def _stacked(laws):
     else:
         names = ("compliance", "level", "largest_force")
     return replace(inner, **{name: np.array([[getattr(law, name)] for law in laws]) for name in names})
-
-
-def _no_pull(damper_force, spring_force):
-    """The damper's force where spring and damper together push, else what takes the spring's away."""
-    return np.where(spring_force > 0.0, np.maximum(damper_force, -spring_force), 0.0)

@@ -14,7 +14,7 @@ from lagrange.raceway_laws import ContactLaws
 
 TURN = 2.0 * np.pi
 # of the first sample, see `Completion.read`; of all samples so far: the largest, or what the name says; J and N
-FIRST = np.dtype([(name, float) for name in ("lift", "pull", "swing", "kinetic", "energy")])
+FIRST = np.dtype([(name, float) for name in ("lift", "pull", "swing", "kinetic", "energy", "turning")])
 MET = np.dtype([(name, float) for name in ("inner_force", "outer_force", "energy_contact", "energy_error",
                                            "least_kinetic", "largest_kinetic", "dissipated")])  # fmt: skip
 
@@ -37,15 +37,18 @@ class Trajectory:
     roller_theta: np.ndarray  # rad, unwrapped
     roller_rho_rate: np.ndarray
     roller_theta_rate: np.ndarray
-    roller_spin: float  # rad/s, from kinematics
+    roller_spin: float | np.ndarray  # rad/s, from kinematics
+    roller_turn: np.ndarray  # rad, that of all rollers
     inner_force: np.ndarray  # (n_times, n_rollers), N, >= 0
     outer_force: np.ndarray
-    energy_kinetic: np.ndarray  # J, translations and the constant rotation
+    inner_damper: np.ndarray  # N, the dampers' part of them
+    outer_damper: np.ndarray
+    energy_kinetic: np.ndarray  # J, translations and the rotation of kinematics
     energy_contact: np.ndarray
     energy_error: np.ndarray  # J, that the integration has made since the start: 0 in an exact solution
     work_load: np.ndarray  # J, since the start
     work_gravity: np.ndarray
-    # of what keeps the angles to the kinematics and, where surfaces are not perfect, turns the bodies; else 0
+    # of what keeps the angles to the kinematics, turns the bodies where surfaces are not perfect, and speeds them up
     work_cage: np.ndarray
     work_dissipated: np.ndarray  # by the contacts' dampers
     time_step: float  # s
@@ -90,30 +93,34 @@ class Completion:
             state = replace(state, theta=self._unwrapped(state.theta))
         touch = contact_state(bearing, laws, state, problem.damping)
         share = load_share(time, problem.load_ramp)
-        left_x, left_y = hub_equations(replace(operation, radial_load=0.0), touch, 0.0, 0.0)
-        ax, ay = -left_x / operation.inner_mass, -left_y / operation.inner_mass
-        ay = ay - share * operation.radial_load / operation.inner_mass
+        acting = operation.at(time)
+        left_x, left_y = hub_equations(replace(acting, radial_load=0.0, side_load=0.0), touch, 0.0, 0.0)
+        ax, ay = -(left_x - share * acting.side_load) / operation.inner_mass, -left_y / operation.inner_mass
+        ay = ay - share * acting.radial_load / operation.inner_mass
         lift = operation.inner_mass * state.y + bearing.roller_mass * np.sum(state.rho * np.sin(state.theta), axis=1)
-        pull = share * operation.radial_load * state.y
+        pull = share * acting.radial_load * state.y - share * acting.side_load * state.x
         # 2 m ρ̇ ω of the held elements does m ω² Δ(ρ²); their contacts and weights do the rest
         swing = bearing.roller_mass * np.sum((state.rho * state.theta_rate) ** 2, axis=1)
-        kinetic = kinetic_energy(bearing, operation, state) + rotation_energy(bearing, operation)
+        turning = rotation_energy(bearing, acting) + np.zeros_like(time)
+        kinetic = kinetic_energy(bearing, operation, state) + turning
         contact = contact_energy(laws, touch)
         energy = kinetic + contact
         first = self.first
         if np.isnan(first["energy"]):
-            first[()] = lift[0], pull[0], swing[0], kinetic[0], energy[0]
-        held = self._system.holds_angles
+            first[()] = lift[0], pull[0], swing[0], kinetic[0], energy[0], turning[0]
+        driven = record.held_work + (turning - first["turning"])
+        nothing = np.zeros(state.rho.shape)
         part = dict(
             time=time,
             inner_x=state.x, inner_y=state.y, inner_vx=state.x_rate, inner_vy=state.y_rate, inner_ax=ax, inner_ay=ay,
             roller_rho=state.rho, roller_theta=state.theta,
             roller_rho_rate=state.rho_rate, roller_theta_rate=state.theta_rate,
             inner_force=touch.inner_force, outer_force=touch.outer_force,
+            inner_damper=nothing + touch.inner_damper, outer_damper=nothing + touch.outer_damper,
             energy_kinetic=kinetic, energy_contact=contact,
             work_load=record.ramp_work - (pull - first["pull"]),
             work_gravity=-operation.gravity * (lift - first["lift"]),
-            work_cage=record.held_work + swing - first["swing"] if held else record.held_work,
+            work_cage=driven + swing - first["swing"] if self._system.holds_angles else driven,
             work_dissipated=record.dissipated,
         )  # fmt: skip
         external = part["work_load"] + part["work_gravity"] + part["work_cage"]

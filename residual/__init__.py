@@ -22,6 +22,8 @@ headline        the one sentence that a report begins with; `words`: numbers as 
 tables          rows of the report's and the terminal's tables, with `law_tables`, `line_tables`, `vibration_tables`
 report          the self-contained HTML page; `player` and `interactive`: data of its parts that move; `picture`:
                 render-fem's
+against         two runs, or two laws, beside each other, with `against_figures`
+parts           what a report is to hold; `exports`: its data as CSV, MAT and WAV; `printing`: on the terminal
 store           residual.nc, summary.json (`summary`), the report folder
 cli             the command `check-residual`
 

@@ -2,14 +2,17 @@
 
 Where the source holds the run's own contact forces, the error splits exactly:
 
-    error = differentiation + outer_ring + contact_law + friction + load_and_weight
+    error = differentiation + outer_ring + contact_law + damping + friction + cage + load_and_weight
             + ring_flexibility (or other_forces)
 
 differentiation   M (our acceleration − the integrator's), of the hub relative to the outer ring
 outer_ring        the same of the outer ring, where a housing moves it
 contact_law       − Σ (law − run's normal force): what the law costs, and that it takes each contact alone
-friction          Σ traction on the inner ring, which (22), (23) leave out
-load_and_weight   W + M g of the equations less what acted in the run: the load ramp of a start from rest
+damping           − Σ (law − run's damping force) of the inner contacts, where either has any; no part of contact_law
+friction          Σ traction on the inner ring, which (22), (23) leave out, less what the cage's forces are part of
+cage              of a run with one: the tractions that stand against its forces on the rollers, by the rollers' own
+                  equations of motion; its force on the inner ring where that guides it
+load_and_weight   loads and M g of the equations less what acted in the run: the load ramp of a start from rest
 ring_flexibility  the rest of a run of ours: inertia of the elastic ring, whose centre of mass is not the hub
 other_forces      the rest of a table from elsewhere: what acts on the hub and stands in no column, as a damper
 
@@ -24,7 +27,8 @@ from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.kinematics import kinematics
 from lagrange.load_ramp import load_share
 from lagrange.overlap import Overlaps
-from residual.fitted_laws import Law, law_force
+from residual.cage import push_on_hub, traction_against
+from residual.fitted_laws import DampedLaw, Law, spring_and_damper
 from residual.record import Record
 
 CHATTER = 0.05  # of a cage revolution
@@ -86,11 +90,12 @@ def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.nda
     )
 
 
-def missing_load(record: Record) -> np.ndarray:
-    """Load of the equations that does not act yet during the ramp of a start from rest, N, (n_times,)."""
-    numerics = record.scene.numerics
+def missing_load(record: Record) -> tuple[np.ndarray, np.ndarray]:
+    """Load of (22), and of (23), that does not act yet during the ramp of a start from rest, N, each (n_times,)."""
+    numerics, acting = record.scene.numerics, record.acting
     ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
-    return record.operation.radial_load * (1.0 - load_share(record.time, ramp))
+    missing = 1.0 - load_share(record.time, ramp)
+    return -acting.side_load * missing, acting.radial_load * missing
 
 
 def error_budget(record: Record, law: Law, accelerations: Accelerations, closing_speed) -> Budget:
@@ -104,9 +109,10 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     ------
     The terms add up to the error to round-off, about 1e-12 of the load.
     """
-    operation = record.operation
+    operation = record.acting
     contacts = record.contacts
-    force = law_force(law, contacts.inner, closing_speed, contacts.inner_compliance)
+    spring, damper = spring_and_damper(law, contacts.inner, closing_speed, contacts.inner_compliance)
+    force = spring + damper
     contacts = contacts.under(force)
     law_push = contact_resultant(contacts, force)
     errors = error_forces(operation, *accelerations.whole, *law_push)
@@ -114,24 +120,39 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
         x, y = (DirectionBudget(error=error, terms={}, momentum=None) for error in errors)
         loaded = contacts.inner > 0.0
     else:
-        run_push = contact_resultant(contacts, record.inner_force)
-        friction = (None, None)
+        friction, cage, damping = (None, None), (None, None), (None, None)
         differentiation, outer_ring = _differentiation(record, accelerations)
+        run_spring, run_damper = record.inner_force, 0.0
+        if record.inner_damping_force is not None:
+            run_spring, run_damper = record.inner_force - record.inner_damping_force, record.inner_damping_force
+        if record.inner_damping_force is not None or isinstance(law, DampedLaw):
+            damping = contact_resultant(contacts, run_damper - damper)
+        laws = contact_resultant(contacts, run_spring - spring)
         if record.inner_traction is not None:
             circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
             friction = traction_resultant(circles, record.inner_traction)
-        load = np.zeros_like(errors[0]), missing_load(record)
-        laws = run_push[0] - law_push[0], run_push[1] - law_push[1]
+            friction, cage = _cage_apart(record, circles, friction)
+        load = missing_load(record)
         rest = "ring_flexibility" if record.attributes else "other_forces"
         pairs = {
             "differentiation": differentiation, "outer_ring": outer_ring, "contact_law": laws,
-            "friction": friction, "load_and_weight": load,
+            "damping": damping, "friction": friction, "cage": cage, "load_and_weight": load,
         }  # fmt: skip
         x, y = (
             _split(error, {name: pair[axis] for name, pair in pairs.items()}, rest) for axis, error in enumerate(errors)
         )
         loaded = record.inner_force > 0.0
     return Budget(x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded)
+
+
+def _cage_apart(record: Record, circles: Overlaps, friction):
+    """Terms of friction and of the cage, x and y each, from the resultant of all tractions; no cage's are None."""
+    if record.cage is None:
+        return friction, (None, None)
+    against = traction_resultant(circles, traction_against(record.cage, record.bearing))
+    pushed = push_on_hub(record.cage, record.scene.ideal_cage())
+    rest = tuple(all_of_it - part for all_of_it, part in zip(friction, against, strict=True))
+    return rest, tuple(part + push for part, push in zip(against, pushed, strict=True))
 
 
 def _differentiation(record: Record, accelerations: Accelerations):
@@ -152,7 +173,7 @@ def _split(error, known: dict[str, np.ndarray | None], rest: str) -> DirectionBu
     """Budget of one direction. Terms for which the source holds no data are None; the term `rest` takes them over."""
     terms = {name: term for name, term in known.items() if term is not None}
     momentum = error
-    for name in ("contact_law", "friction", "load_and_weight"):
+    for name in ("contact_law", "damping", "friction", "cage", "load_and_weight"):
         if name in terms:
             momentum = momentum - terms[name]
     terms[rest] = error - sum(terms.values())
@@ -180,7 +201,8 @@ def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
 
 def chatter_gap(record: Record) -> int:
     """Longest opening within one pass through the load zone, samples: 5 % of a cage revolution."""
-    cage = kinematics(record.bearing, record.operation.speed).frequencies["FTF"]
+    speed = float(np.mean(np.abs(record.acting.speed)))
+    cage = kinematics(record.bearing, speed).frequencies["FTF"]
     samples = record.time.size // 50
     if cage > 0.0:
         samples = min(samples, int(CHATTER / cage / record.interval))

@@ -36,6 +36,16 @@ Exit codes: 0 done; 1 the verdict is "fails" (--tolerance); 2 unusable input; 13
 )
 
 
+@app.command(name="--install-completion", help="complete options in this shell from now on: bash, zsh or fish")
+def _install_completion() -> None:
+    from cyclopts.completion.detect import ShellDetectionError
+
+    try:
+        print(f"written: {app.install_completion()}; it works in new shells")
+    except ShellDetectionError:
+        raise InputError("--install-completion: the shell is none of bash, zsh and fish") from None
+
+
 @app.default
 def _command(
     run: Annotated[
@@ -65,11 +75,25 @@ def _command(
         bool, Parameter(negative="", help="look for a spall in the trajectories: body, angle, width, or none")
     ] = False,
     no_figures: Annotated[bool, Parameter(negative="", help="draw no figures, half of a report's time")] = False,
+    no_equations: Annotated[
+        bool, Parameter(negative="", help="report on the run alone, without the error forces of (22), (23)")
+    ] = False,
+    against: Annotated[
+        str | None, Parameter(help="another result file or table, or a law: both beside each other")
+    ] = None,
+    export: Annotated[
+        tuple[Literal["csv", "mat", "wav"], ...],
+        Parameter(
+            negative="", consume_multiple=False, help="also write signals (and figures' curves: csv); repeatable"
+        ),
+    ] = (),
     compare_laws: Annotated[bool, Parameter(negative="", help="print every law's error force, ranked")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="print no summary")] = False,
 ) -> int:
     from lagrange.messages import say, telling
     from residual.evaluation import evaluate
+    from residual.parts import Parts
+    from residual.printing import print_summary
     from residual.store import check_replaceable, write_report
 
     _check_number("--start", start, "ms")
@@ -83,10 +107,15 @@ def _command(
     search = _search(evaluation.record) if find_faults else None
     for note in evaluation.notes:
         say(f"warning: {path}: {note}")
-    write_report(evaluation, folder, tolerance, search, not no_figures)
+    other = None if against is None else _other(against, record, (law, start, order), (scene, resample))
+    parts = Parts(
+        tolerance=tolerance, search=search, figures=not no_figures, equations=not no_equations, exports=export,
+        other=other,
+    )  # fmt: skip
+    write_report(evaluation, folder, parts)
     if not quiet:
         with telling():
-            _print_summary(evaluation, folder, tolerance, compare_laws, search)
+            print_summary(evaluation, folder, parts, compare_laws)
     return 1 if evaluation.fails(tolerance) else 0
 
 
@@ -95,6 +124,27 @@ def _search(record):
     from residual.fault_finding import find_faults
 
     return find_faults(record)
+
+
+def _other(against: str, record, check: tuple, source: tuple):
+    """Evaluate what the run is compared with: the same run with another law, or another run.
+
+    `check`: law, start in ms and order; `source`: scene and whether to resample.
+    """
+    from lagrange.raceway_laws import law_names
+    from residual.comparison import ALIASES, FITTED
+    from residual.evaluation import evaluate
+
+    law, start, order = check
+    seconds = None if start is None else 1e-3 * start
+    if against in (*law_names(record.bearing), *FITTED, *ALIASES):
+        return evaluate(record, against, seconds, order)
+    if not Path(against).exists():
+        known = ", ".join((*law_names(record.bearing), *FITTED))
+        raise InputError(f"--against {against}: neither a file nor a contact law; laws are {known}")
+    other = _read(Path(against), *source)
+    _check_law(law, other.bearing)
+    return evaluate(other, law, seconds, order)
 
 
 def _check_number(option: str, value: float | None, unit: str) -> None:
@@ -143,75 +193,15 @@ def _read(path: Path, scene_path: Path | None, resample: bool):
     return read_table(path, scene, resample)
 
 
-def _print_summary(evaluation, folder: Path, tolerance: float | None, compare_laws: bool, search) -> None:
-    """Print a short table and the most telling sentences."""
-    from rich.console import Console
-    from rich.table import Table
-
-    from lagrange.messages import shown
-    from residual.fault_tables import search_sentences
-    from residual.headline import headline
-    from residual.law_tables import fit_sentences
-    from residual.line_tables import watched_rows
-    from residual.tables import error_rows, peak_name
-    from residual.words import hertz
-
-    console = Console(highlight=False)
-    table = Table(title=f"Residual of {shown(evaluation.record.name)}", title_justify="left")
-    table.add_column("N")
-    for heading in ("mean", "rms", "std", "largest"):
-        table.add_column(heading, justify="right")
-    for row in error_rows(evaluation):
-        table.add_row(*row)
-    console.print(table)
-    low, high = evaluation.loaded_range
-    console.print(f"Loaded rollers: {low} to {high}")
-    for direction in evaluation.directions:
-        named = [
-            f"{hertz(p.frequency)} ({_told(peak_name(p))}{'' if p.resolved else ', not resolved'})"
-            for p in direction.peaks[:4]
-        ]
-        console.print(f"Peaks of error_{direction.name}: {'; '.join(named) or 'none stands out'}", soft_wrap=True)
-    for name, rms_x, rms_y, background, resolved in watched_rows(evaluation):
-        told = "" if resolved == "yes" else ", not resolved"
-        console.print(f"{name}: {rms_x} N rms in x, {rms_y} in y (background {background}){told}", soft_wrap=True)
-    for sentence in fit_sentences(evaluation):
-        console.print(sentence, soft_wrap=True, markup=False)
-    if search is not None:
-        for sentence in search_sentences(search):
-            console.print(sentence, soft_wrap=True, markup=False)
-    if compare_laws:
-        _print_laws(console, evaluation)
-    console.print(headline(evaluation, tolerance), soft_wrap=True)
-    console.print(f"Report: {shown(folder / 'report.html')}", soft_wrap=True, markup=False)
-
-
-def _told(name: str) -> str:
-    return "no line" if name == "-" else name
-
-
-def _print_laws(console, evaluation) -> None:
-    """Print the ranking of the contact laws."""
-    from rich.table import Table
-
-    from residual.law_tables import ranking_rows, ranking_span
-
-    span = f"{ranking_span(evaluation)}; contact: rms per contact"
-    table = Table(title="Error force by contact law, N", title_justify="left", caption=span)
-    table.add_column("law", no_wrap=True)
-    for heading in ("mean x", "rms x", "mean y", "rms y", "contact"):
-        table.add_column(heading, justify="right")
-    for row in ranking_rows(evaluation):
-        table.add_row(*row)
-    console.print(table)
-
-
 def _terminated(number, frame):
     raise SystemExit(128 + number)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command and return its exit code. A user's mistake gives a few lines on stderr, never a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # of a code page that lacks the minus sign
     try:
         result = app(arguments, exit_on_error=False, print_error=False)
         if sys.stdout is not None:

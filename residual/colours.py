@@ -9,7 +9,9 @@ BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
 TERM_COLOURS = {
     "error": "black",
     "contact_law": RED,
+    "damping": PURPLE,
     "friction": GREEN,
+    "cage": SKY,
     "ring_flexibility": BLUE,
     "other_forces": BLUE,
     "differentiation": GREY,

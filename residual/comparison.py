@@ -38,10 +38,10 @@ class LawScore:
 
 
 def inner_law(name: str, record: Record) -> Law:
-    """Named law of the inner contact, with the damping that the scene's [lagrange] states."""
+    """Named law of the inner contact, with the scene's damping of contacts."""
     law = contact_laws(name, record.bearing).inner
-    damping = record.scene.lagrange.damping_N_s_m
-    return DampedLaw(spring=law, damping=damping) if damping > 0.0 else law
+    damping = record.scene.damping.contacts
+    return DampedLaw(spring=law, damping=damping) if damping.acts else law
 
 
 def identify(record: Record, approach, closing_speed, bridge: int, name: str) -> Identification:

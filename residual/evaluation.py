@@ -15,6 +15,7 @@ from residual.fitted_laws import Law
 from residual.identification import Identification
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
 from residual.moments import Statistics, rms
+from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
 from residual.quarters import Quarters, quarters
 from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import Peak, Spectrum, find_peaks, kinematic_lines, power_spectrum
@@ -23,6 +24,7 @@ from residual.words import NOISE
 
 LOADED = 0.01  # of the largest load: a roller with more is loaded
 FOLDED = 5.0  # times what differentiation errs by: a momentum balance that leaves more holds folded vibration
+MOST_FOLDED = 0.01  # of the load: more is no vibration of rollers
 SAMPLES_OF_A_MODE = 3.0  # a period of the highest mode that is to be told
 STENCIL_GAIN = 0.95  # below this gain at the ring's resonance the record is too coarse to differentiate
 
@@ -42,6 +44,7 @@ class Direction:
     envelope: Envelope | None
     term_spectra: dict[str, Spectrum]  # of each term of the budget
     vibration: Vibration  # of the hub, by the run's own acceleration where the source tells it
+    orders: OrderSpectra | None  # where the shaft's speed changes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +58,7 @@ class Evaluation:
     budget: Budget
     x: Direction
     y: Direction
-    lines: dict[str, float]  # kinematic lines, Hz
+    lines: dict[str, float]  # kinematic lines, Hz; none where the shaft stands, or its speed changes
     watched: list[tuple[LineLevel, LineLevel]]  # lines the user asked for, in x and y
     ideal_cage: float  # Hz, of rolling without slip; `lines` go by the run's own cage speed
     resonance: float  # Hz, estimate of the inner ring on its contacts
@@ -163,8 +166,10 @@ def evaluate(
     if isinstance(law, str):
         law = identified[law].law
     budget = error_budget(used, law, accelerations, closing_speed)
-    ideal = kinematics(record.bearing, record.operation.speed)
-    lines = kinematic_lines(_observed(ideal, used))
+    ideal = kinematics(record.bearing, float(np.mean(used.acting.speed)))
+    lines = {} if used.varies_speed else kinematic_lines(_observed(ideal, used))
+    tracking = tracking_of(used)
+    notes += _speed_notes(used, tracking)
     far = ~near_contact_change(budget.loaded, order // 2)
     resonance = _resonance(used, law, budget)
     noise = NOISE * _largest_force(used, budget)
@@ -183,6 +188,7 @@ def evaluate(
             envelope=envelope(part.error, interval, resonance, _slowest(lines)),
             term_spectra={name: power_spectrum(term, interval, _slowest(lines)) for name, term in part.terms.items()},
             vibration=vibration(acceleration, interval, lines),
+            orders=None if tracking is None else order_spectra(tracking, part.error, motion, acceleration),
         )
 
     x, y = (
@@ -220,6 +226,24 @@ def _first_sample(record: Record, start: float | None) -> tuple[int, list[str]]:
             f"{1e3 * (time[-1] - time[0]):g} ms, at least {FEWEST_SAMPLES} are needed; start earlier"
         )
     return first, notes
+
+
+def _speed_notes(record: Record, tracking: Tracking | None) -> list[str]:
+    """Say where lines are to be found when the speed changes."""
+    if not record.varies_speed:
+        return []
+    low, high = (60.0 * f(record.acting.speed) / (2.0 * np.pi) for f in (np.min, np.max))
+    note = f"the shaft's speed changes from {low:.5g} to {high:.5g} rpm within the record: lines in Hz would smear"
+    if tracking is None:
+        return [f"{note}, and the record is too short for orders"]
+    note += ", so they are marked in orders of the shaft"
+    if tracking.time.size < record.time.size:
+        first, last = (1e3 * tracking.time[at] for at in (0, -1))
+        note += (
+            f"; from {first:.5g} to {last:.5g} ms, the longest time in which it turns with at least an eighth of its "
+            "highest speed and does not turn back"
+        )
+    return [note]
 
 
 def _observed(ideal: Kinematics, record: Record) -> Kinematics:
@@ -260,7 +284,7 @@ def _unresolved_note(level: LineLevel, resolution: float) -> str:
 
 def _largest_force(record: Record, budget: Budget) -> float:
     """Largest of the load and the contact forces, N."""
-    return max(record.operation.radial_load, float(budget.law_force.max()))
+    return max(record.load, float(budget.law_force.max()))
 
 
 def _resonance(record: Record, law: Law, budget: Budget) -> float:
@@ -297,6 +321,8 @@ def _folding_notes(record: Record, law: Law, budget: Budget, floors: tuple[Floor
     if budget.x.momentum is None or not record.attributes:
         return []
     left = [rms(part.momentum) for part in (budget.x, budget.y)]
+    if max(left) > MOST_FOLDED * record.load:
+        return []
     told = [record.operation.inner_mass * floor.total for floor in floors]
     mode = _roller_mode(record, law, budget)
     enough = 1.0 / (SAMPLES_OF_A_MODE * mode) if mode > 0.0 else np.inf

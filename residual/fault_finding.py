@@ -90,7 +90,7 @@ def _check_sampling(record: Record, motion: RollerMotion) -> None:
     """Refuse a record whose contacts do not move, or leap over spalls."""
     ring = motion.places()[1]
     travel = float(np.median(np.abs(np.diff(motion.angles(ring, "inner"), axis=0)))) * ring.radius
-    if motion.operation.speed == 0.0 or travel == 0.0:
+    if motion.operation.fastest == 0.0 or travel == 0.0:
         raise InputError(f"{record.source}: --find-faults: the bearing stands, so rollers pass over nothing")
     if travel > FARTHEST:
         raise InputError(

@@ -3,6 +3,17 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """A line, or dots, of a figure."""
+
+    panel: str  # name of its y axis
+    name: str
+    points: np.ndarray  # (n, 2), x and y in the units of the axes
+
 
 @dataclass(frozen=True, kw_only=True)
 class SavedFigure:
@@ -13,22 +24,26 @@ class SavedFigure:
     caption: str
     png: Path
     svg: Path
+    curves: tuple[Curve, ...] = ()  # what it shows
 
 
-def draw_figures(evaluation, statics, search, folder: Path) -> dict[str, list[SavedFigure]]:
+def draw_figures(evaluation, statics, parts, folder: Path) -> dict[str, list[SavedFigure]]:
     """Draw what the run has the data for into a folder; by groups, in the page's order.
 
     Parameters
     ----------
     evaluation : Evaluation
     statics : QuasiStatic, the Lagrangian model's equilibria; None: there are none
-    search : FaultSearch, for spalls; None: none was made
+    parts : Parts, of the report
     """
     import matplotlib.pyplot as plt
 
+    from residual.against_figures import against_figures
     from residual.budget_figures import budget_figures
+    from residual.cage_figures import cage_figure
     from residual.fault_figures import fault_figures
     from residual.motion_figures import motion_figures
+    from residual.order_figures import order_figures
     from residual.paper_figures import paper_figures
     from residual.passage_figures import passage_figures
     from residual.plotting import STYLE
@@ -36,11 +51,20 @@ def draw_figures(evaluation, statics, search, folder: Path) -> dict[str, list[Sa
     from residual.vibration_figures import vibration_figures
 
     with plt.rc_context(STYLE):
-        return {
-            "motion": motion_figures(evaluation, statics, folder),
-            "spectra": spectrum_figures(evaluation, folder),
-            "vibration": [*vibration_figures(evaluation, folder), *passage_figures(evaluation, folder)],
-            "search": [] if search is None else fault_figures(search, folder),
-            "budget": budget_figures(evaluation, folder),
-            "paper": paper_figures(evaluation, folder),
+        drawn = {
+            "against": [] if parts.other is None else against_figures(evaluation, parts.other, folder),
+            "motion": [*motion_figures(evaluation, statics, folder), *filter(None, [cage_figure(evaluation, folder)])],
+            "vibration": [
+                *vibration_figures(evaluation, folder),
+                *order_figures(evaluation, folder),
+                *passage_figures(evaluation, folder),
+            ],
+            "search": [] if parts.search is None else fault_figures(parts.search, folder),
         }
+        if parts.equations:
+            drawn |= {
+                "spectra": spectrum_figures(evaluation, folder),
+                "budget": budget_figures(evaluation, folder),
+                "paper": paper_figures(evaluation, folder),
+            }
+        return drawn

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lagrange.contact_damping import ContactDamping, damper_force
 from lagrange.laws import PowerLaw
-from lagrange.motion import damped
 from lagrange.raceway_laws import LogarithmicLaw
 from lagrange.softened import softened
 
@@ -37,10 +37,10 @@ class CoupledLaw(PowerLaw):
 
 @dataclass(frozen=True, kw_only=True)
 class DampedLaw:
-    """Q = max(Q_0(δ) + d δ̇, 0) where δ > 0, else 0: a viscous damper beside a contact's spring."""
+    """Q = max(Q_0(δ) + d δ̇, 0) where δ > 0, else 0: a damper beside a contact's spring."""
 
     spring: PowerLaw | LogarithmicLaw  # Q_0
-    damping: float  # d, N s/m
+    damping: ContactDamping  # d
 
     @property
     def name(self) -> str:
@@ -48,7 +48,7 @@ class DampedLaw:
 
     @property
     def source(self) -> str:
-        return f"{self.spring.source}, damping {self.damping:.4g} N s/m"
+        return f"{self.spring.source}, damping {self.damping.words}"
 
     def slope(self, approach):
         """dQ/dδ of a contact, N/m."""
@@ -60,9 +60,17 @@ Law = PowerLaw | LogarithmicLaw | DampedLaw
 
 def law_force(law: Law, approach, closing_speed, compliance=0.0) -> np.ndarray:
     """Contact forces, N, (..., n_rollers), at approaches, m, that grow at a speed, m/s; `compliance` of edges, m/N."""
-    if isinstance(law, DampedLaw):
-        return damped(softened(law.spring, compliance).force(approach), closing_speed, law.damping)
-    return softened(law, compliance).force(approach)
+    return sum(spring_and_damper(law, approach, closing_speed, compliance))
+
+
+def spring_and_damper(law: Law, approach, closing_speed, compliance=0.0) -> tuple[np.ndarray, np.ndarray | float]:
+    """The same, springs' and dampers' apart."""
+    spring = softened(law.spring if isinstance(law, DampedLaw) else law, compliance)
+    force = spring.force(approach)
+    if not isinstance(law, DampedLaw):
+        return force, 0.0
+    coefficient = law.damping.coefficient(force, spring.slope(approach))
+    return force, damper_force(force, closing_speed, coefficient)
 
 
 def neighbours(force) -> np.ndarray:

@@ -9,9 +9,9 @@ from residual.words import share, text
 SOUND = 0.01  # of the load: what the momentum balance of sound trajectories may leave, rms
 
 
-def headline(evaluation: Evaluation, tolerance: float | None = None) -> str:
-    """The sentence; with a tolerance, N rms, it begins with the outcome."""
-    found = f"{_sound(evaluation)}; {_missed(evaluation)}."
+def headline(evaluation: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
+    """The sentence; with a tolerance, N rms, it begins with the outcome; of equations (22), (23) only where wanted."""
+    found = f"{_sound(evaluation)}; {_missed(evaluation)}." if equations else f"{_sound(evaluation)}."
     if tolerance is None:
         return found[0].upper() + found[1:]
     outcome = "Fails" if evaluation.fails(tolerance) else "Passes"
@@ -26,7 +26,7 @@ def balance(evaluation: Evaluation) -> float | None:
 
 def reference_force(evaluation: Evaluation) -> tuple[float, str]:
     """What errors are measured by, N, and its name: the load, or without one the largest contact force."""
-    load = evaluation.record.operation.radial_load
+    load = evaluation.record.load
     return (load, "load") if load > 0.0 else (max(float(evaluation.force.max()), 1e-300), "largest contact force")
 
 

@@ -13,6 +13,7 @@ from typing import Literal
 
 import numpy as np
 
+from lagrange.contact_damping import ContactDamping
 from lagrange.laws import PowerLaw
 from residual.budget import load_zones
 from residual.errors import InputError
@@ -202,7 +203,9 @@ def _law(stiffness: float, exponent: float, extras: dict[str, Interval], deepest
             )
         source = "fitted to the run's own contact forces, Q_j = K (δ_j − c (Q_j−1 + Q_j+1))^n"
         law = CoupledLaw(**about, source=source, coupling=coupling)
-    return DampedLaw(spring=law, damping=extras["damping"].value) if "damping" in extras else law
+    if "damping" in extras:
+        return DampedLaw(spring=law, damping=ContactDamping(constant=extras["damping"].value))
+    return law
 
 
 def _symmetric(value: float, reach: float) -> Interval:

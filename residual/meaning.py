@@ -19,7 +19,7 @@ def meaning(evaluation: Evaluation, statics: QuasiStatic | None) -> list[str]:
 
 
 def _mean(evaluation: Evaluation) -> str:
-    load = evaluation.record.operation.radial_load
+    load = evaluation.record.load
     if load <= 0.0:
         return ""
     missing = evaluation.y.error.mean / load
@@ -59,7 +59,7 @@ def _best(evaluation: Evaluation) -> str:
 
 
 def _omitted(evaluation: Evaluation) -> str:
-    budget, load = evaluation.budget, evaluation.record.operation.radial_load
+    budget, load = evaluation.budget, evaluation.record.load
     words = {
         "friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring",
         "other_forces": "other forces, which no column of the table tells",

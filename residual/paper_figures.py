@@ -105,7 +105,7 @@ def roller_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
 def error_signal(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
     """Draw figure 8 or 9: the left side of (22), or of (23) with its sign flipped."""
     t, error = evaluation.record, direction.budget.error
-    load = t.operation.radial_load
+    load = t.load
     if direction.name == "x":
         name, number, value, level = "fig08", "22", error, 0.0
         label, title = "left side of (22), N", "Fig. 8: error force in x"

@@ -30,7 +30,7 @@ def passage_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
     if record.inner_force is None or record.outer_force is None:
         return []
     found: dict[int, list[Passage]] = {}
-    for passage in find_passages(record.bearing, record.operation.speed, *_samples(record)):
+    for passage in find_passages(record.bearing, record.operation, *_samples(record)):
         if _is_whole(passage):
             found.setdefault(passage.spall, []).append(passage)
     hardest = sorted(found, key=lambda spall: -max(passage.force.max() for passage in found[spall]))[:MOST_SPALLS]

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 
+from lagrange.kinematics import turned
 from residual.evaluation import Evaluation
 
 MOST_FRAMES = 400
@@ -24,9 +25,9 @@ def player_json(evaluation: Evaluation) -> str:
             bearing.bore_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.outside_radius
         )],
         "roller": float(f"{1e3 * bearing.roller_radius:.6g}"),
-        "load": float(f"{t.operation.radial_load:.6g}"),
+        "load": float(f"{t.load:.6g}"),
         "time": _rounded(1e3 * t.time[shown], 6),
-        "turn": _rounded(np.mod(t.operation.speed * t.time[shown], 2.0 * np.pi), 4),
+        "turn": _rounded(np.mod(turned(bearing, t.operation, t.time[shown]).shaft, 2.0 * np.pi), 4),
         "hub": [_rounded(1e6 * t.inner_x[shown], 5), _rounded(1e6 * t.inner_y[shown], 5)],
         "angle": [_rounded(row, 5) for row in np.arctan2(t.roller_y[shown], t.roller_x[shown])],
         "force": [_rounded(row, 4) for row in evaluation.force[shown]],

@@ -12,7 +12,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.ticker import NullLocator
 
 from residual.colours import BLUE, GREY, LINE_COLOURS, ORANGE, family
-from residual.figures import SavedFigure
+from residual.figures import Curve, SavedFigure
 from residual.tick_labels import make_plain
 
 DPI = 150
@@ -66,13 +66,18 @@ def name_slim(axis) -> None:
 def save(figure, folder: Path, name: str, title: str, caption: str) -> SavedFigure:
     """Write one figure as PNG and SVG, without a date, so that the same run gives the same files."""
     png, svg = folder / f"{name}.png", folder / f"{name}.svg"
+    curves = tuple(
+        Curve(panel=axis.get_ylabel(), name=label if not (label := str(line.get_label())).startswith("_") else "",
+              points=np.column_stack(line.get_data()))
+        for axis in figure.axes for line in axis.lines if len(line.get_xdata()) > 2
+    )  # fmt: skip
     make_plain(figure)
     figure.set_dpi(DPI)
     # a canvas' own printing draws once, `savefig` twice
     FigureCanvasAgg(figure).print_png(png, metadata={"Software": None, "Title": title}, pil_kwargs=PACKED)
     FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Title": title})
     plt.close(figure)
-    return SavedFigure(name=name, title=title, caption=caption, png=png, svg=svg)
+    return SavedFigure(name=name, title=title, caption=caption, png=png, svg=svg, curves=curves)
 
 
 def log_panel(axis, frequency: np.ndarray) -> None:
@@ -114,11 +119,11 @@ def mark_lines(axis, lines: dict[str, float], low: float, high: float, labels: b
     return list(dict.fromkeys(family(name) for _, name in shown))
 
 
-def line_handles(families: list[str], lines: dict[str, float]):
-    """Make the legend's entries of kinematic lines."""
+def line_handles(families: list[str], lines: dict[str, float], unit: str = " Hz"):
+    """Make the legend's entries of kinematic lines; no unit of orders."""
     from matplotlib.lines import Line2D
 
     return [
-        Line2D([], [], color=LINE_COLOURS[name], linestyle=(0, (4, 2)), label=f"{name} {lines[name]:.4g} Hz")
+        Line2D([], [], color=LINE_COLOURS[name], linestyle=(0, (4, 2)), label=f"{name} {lines[name]:.4g}{unit}")
         for name in families
     ]

@@ -30,8 +30,10 @@ def angle_from_load(angle):
 
 
 def quasi_static(record: Record, law: str) -> QuasiStatic | None:
-    """Equilibria with a named law, for a fitted law with the usual one; None where there is no equilibrium."""
+    """Equilibria with a named law, for a fitted law with the usual one; None where there is none, or loads change."""
     bearing, operation = record.bearing, record.operation
+    if operation.course is not None:
+        return None
     known = law_names(bearing)
     name = law if law in known else known[0]
     laws = contact_laws(name, bearing)

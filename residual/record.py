@@ -8,17 +8,18 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.equations import approaches
-from lagrange.kinematics import kinematics
 from lagrange.overlap import Overlaps
 from lagrange.profile import Turns
 from lagrange.scene import Scene
 from lagrange.scene_columns import per_roller
+from residual.cage import CageMotion
 from residual.errors import InputError
 
 FEWEST_SAMPLES = 32  # fewer give no statistics and hardly a spectrum
 TIME_JITTER = 1e-3  # of the interval: what rounding times to some decimals may cost
 LARGEST = 1e15  # SI: far above any position, acceleration, force or energy of a bearing
 SHORTEST_INTERVAL = 1e-12  # s
+SAME_SPEED = 1e-3  # relative: a tenth of a bin of a record of 100 shaft turns
 SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
 
 
@@ -57,8 +58,11 @@ class Record:
     outer_force: np.ndarray | None = None
     inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ
     outer_traction: np.ndarray | None = None
+    inner_damping_force: np.ndarray | None = None  # (n_times, n_rollers), N, what damping gives of inner_force
+    outer_damping_force: np.ndarray | None = None
     roller_turn: np.ndarray | None = None  # (n_times, n_rollers), rad, of the rollers about themselves
     energies: Mapping[str, np.ndarray] = field(default_factory=dict)  # (n_times,), J
+    cage: CageMotion | None = None  # of a run with a cage
     attributes: Mapping[str, object] = field(default_factory=dict)
     stated_errors: tuple[StatedError, ...] = ()  # of the error of the discretisation
     notes: tuple[str, ...] = ()  # what a user should know about how the source was read
@@ -71,6 +75,22 @@ class Record:
     @property
     def operation(self) -> Operation:
         return self.scene.ideal_operation()
+
+    @property
+    def acting(self) -> Operation:
+        """Speed and loads of the samples, arrays (n_times,) where they change."""
+        return self.operation.at(self.time)
+
+    @property
+    def load(self) -> float:
+        """Mean load along −y, N."""
+        return float(np.mean(self.acting.radial_load))
+
+    @property
+    def varies_speed(self) -> bool:
+        """Whether the shaft's speed changes so much that no line in Hz stays where it is."""
+        speed = np.abs(self.acting.speed)
+        return bool(np.ptp(speed) > SAME_SPEED * np.max(speed))
 
     @property
     def interval(self) -> float:
@@ -86,7 +106,7 @@ class Record:
     @property
     def turns(self) -> Turns:
         """Of the inner ring, and of the rollers: told by the source, or those of rolling without slip."""
-        rolling = Turns.rolling(kinematics(self.bearing, self.operation.speed), self.time[:, None])
+        rolling = Turns.rolling(self.bearing, self.operation, self.time[:, None])
         return rolling if self.roller_turn is None else replace(rolling, rollers=self.roller_turn)
 
     @property
@@ -101,7 +121,8 @@ class Record:
             value = getattr(self, f.name)
             if isinstance(value, np.ndarray):
                 cut[f.name] = value[part]
-        return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()})
+        cage = None if self.cage is None else self.cage.samples(part)
+        return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()}, cage=cage)
 
 
 def relative(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -114,8 +135,10 @@ def relative(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     found = dict(arrays)
     for axis in "xy":
         moved = arrays.get(f"housing_{axis}")
-        for body in ("inner", "roller") if moved is not None else ():
-            place = arrays[f"{body}_{axis}"]
+        for body in ("inner", "roller", "cage") if moved is not None else ():
+            place = arrays.get(f"{body}_{axis}")
+            if place is None:
+                continue
             if place.shape[0] != moved.shape[0]:
                 raise InputError(f"housing_{axis}: {moved.shape[0]} samples, {body}_{axis} has {place.shape[0]}")
             found[f"{body}_{axis}"] = (place.T - moved).T
@@ -139,6 +162,7 @@ def checked(record: Record) -> Record:
             "store more often"
         )
     arrays = {f.name: getattr(record, f.name) for f in fields(record)} | dict(record.energies)
+    arrays |= {} if record.cage is None else record.cage.by_column
     for name, value in arrays.items():
         if isinstance(value, np.ndarray):
             _check_array(source, name, value, n_times, n_rollers)

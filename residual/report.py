@@ -3,13 +3,15 @@
 import base64
 from pathlib import Path
 
+import numpy as np
 from markupsafe import Markup
 
 from lagrange.bearing import BallBearing, Bearing
 from lagrange.messages import shown
 from lagrange.pages import as_it_is, render_page
+from lagrange.scene_operation import RPM
+from residual.against import difference_rows, named
 from residual.evaluation import Evaluation
-from residual.fault_finding import FaultSearch
 from residual.fault_tables import search_sentences
 from residual.figures import SavedFigure
 from residual.headline import headline
@@ -17,9 +19,11 @@ from residual.interactive import spectra_json
 from residual.law_tables import fit_sentences, ranking_rows, ranking_span
 from residual.line_tables import level_rows, watched_rows
 from residual.meaning import meaning
+from residual.parts import Parts
 from residual.picture import picture_of
 from residual.player import player_json
 from residual.quasistatic import QuasiStatic
+from residual.record import Record
 from residual.tables import (
     budget_rows,
     error_rows,
@@ -33,25 +37,34 @@ from residual.vibration_tables import envelope_rows, vibration_rows, vibration_s
 from residual.words import text
 
 TEMPLATES = Path(__file__).parent / "templates"
-GROUPS = ("motion", "spectra", "vibration", "search", "budget", "paper")  # of figures, by their places on the page
+GROUPS = (
+    "against",
+    "motion",
+    "spectra",
+    "vibration",
+    "search",
+    "budget",
+    "paper",
+)  # of figures, by their places on the page
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 
 def render_report(
     evaluation: Evaluation,
     figures: dict[str, list[SavedFigure]],
-    tolerance: float | None,
+    parts: Parts,
     version: str,
     statics: QuasiStatic | None = None,
-    search: FaultSearch | None = None,
 ) -> str:
     """Write the page's HTML text."""
-    t = evaluation.record
+    t, tolerance, search, other = evaluation.record, parts.tolerance, parts.search, parts.other
     return render_page(
         TEMPLATES / "report.html.j2",
         name=t.name,
         version=version,
-        verdict=headline(evaluation, tolerance),
+        verdict=headline(evaluation, tolerance, parts.equations),
+        against=[] if other is None else difference_rows(evaluation, other),
+        names=("", "") if other is None else named(evaluation, other),
         outcome=None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
         facts=_facts(evaluation),
         errors=error_rows(evaluation),
@@ -76,13 +89,13 @@ def render_report(
         picture=picture_of(t.source) if t.attributes else None,
         **{f"{group}_figures": [(f, _embedded(f)) for f in figures.get(group, ())] for group in GROUPS},
         resolution=text(evaluation.x.spectrum.resolution),
-        spectra=Markup(spectra_json(evaluation)),
+        spectra=Markup(spectra_json(evaluation, parts.equations)),
         plot_script=as_it_is(TEMPLATES / "spectra.js"),
         player=Markup(player_json(evaluation)),
         player_script=as_it_is(TEMPLATES / "player.js"),
         elsewhere=not t.attributes,
-        equations=True,
-        spectrum_of="the error forces",
+        equations=parts.equations,
+        spectrum_of="the error forces" if parts.equations else "the hub's acceleration",
         scene=t.scene.to_toml(),
     )
 
@@ -90,7 +103,7 @@ def render_report(
 def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
     """Rows of the key facts of the run and the check."""
     t = evaluation.record
-    bearing, operation, scene = t.bearing, t.operation, t.scene
+    bearing = t.bearing
     low, high = evaluation.loaded_range
     facts = [
         ("Source", shown(t.source.name)),
@@ -100,13 +113,14 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
             f"raceways Ø {text(2e3 * bearing.inner_raceway_radius)} and "
             f"{text(2e3 * bearing.outer_raceway_radius)} mm",
         ),
-        ("Operation", f"{text(scene.operation.speed_rpm)} rpm, {text(operation.radial_load)} N along −y"),
+        ("Operation", _operation(t)),
         (
             "Record",
             f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from {text(1e3 * evaluation.start)} ms",
         ),
         ("Contact law", f"{evaluation.law.name}: {evaluation.law.source}"),
         *_cage(evaluation),
+        *_ring_of_cage(evaluation),
         ("Loaded rollers", f"{low} to {high}"),
         ("Largest roller load by the law", f"{text(float(evaluation.budget.law_force.max()))} N"),
     ]
@@ -116,6 +130,16 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
         if key in t.attributes:
             facts.append((label, str(t.attributes[key])))
     return facts
+
+
+def _operation(record: Record) -> str:
+    """Speed and load in words; of what changes the range."""
+    acting, rpm = record.acting, record.scene.operation.speed_rpm
+    if record.operation.course is None:
+        return f"{text(rpm)} rpm, {text(acting.radial_load)} N along −y"
+    speed, load = acting.speed / RPM, np.hypot(acting.radial_load, acting.side_load)
+    turning = f"{text(speed.min())} to {text(speed.max())}" if record.varies_speed else text(rpm)
+    return f"{turning} rpm, {text(load.min())} to {text(load.max())} N"
 
 
 def _elements(bearing: Bearing) -> str:
@@ -134,6 +158,22 @@ def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
     slower = 100.0 * (1.0 - cage / ideal)
     return [
         ("Cage speed", f"{text(cage, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz ({text(slower, 2)} % slower)")
+    ]
+
+
+def _ring_of_cage(evaluation: Evaluation) -> list[tuple[str, str]]:
+    """Row of the cage's own motion; none for a run without one."""
+    t, cage = evaluation.record, evaluation.record.cage
+    if cage is None:
+        return []
+    off, force = 1e6 * float(np.hypot(cage.x, cage.y).max()), float(np.abs(cage.force).max())
+    turns = cage.speed(t.interval) / (2.0 * np.pi), cage.whirl(t.interval) / (2.0 * np.pi)
+    return [
+        (
+            "Cage",
+            f"turns at {text(turns[0], 5)} Hz, its centre whirls at {text(turns[1], 3)} Hz up to {text(off)} µm from "
+            f"the bearing's, pockets push with up to {text(force)} N",
+        )
     ]
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.equations import approaches
-from lagrange.kinematics import kinematics
+from lagrange.kinematics import turned
 from lagrange.raceway_laws import contact_laws
 from residual.record import Record
 
@@ -39,6 +39,7 @@ class RollerMotion:
 
     bearing: Bearing  # perfect circles
     operation: Operation
+    load: float  # N, mean, along −y
     interval: float  # s
     inner_x: np.ndarray  # (n_times,), m
     inner_y: np.ndarray
@@ -83,15 +84,17 @@ def roller_motion(record: Record) -> RollerMotion:
     found = approaches(bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
     rho = np.hypot(record.roller_x, record.roller_y)
     theta = np.unwrap(np.arctan2(record.roller_y, record.roller_x), axis=0)
-    turn, ideal = record.roller_turn, kinematics(bearing, operation.speed)
+    turn = record.roller_turn
     if turn is None:
         track = bearing.outer_raceway_radius - bearing.roller_radius
-        turn = ideal.roller * record.time[0] - (theta - theta[0]) * track / bearing.roller_radius
+        first = turned(bearing, operation, record.time[0]).roller
+        turn = first - (theta - theta[0]) * track / bearing.roller_radius
     return RollerMotion(
-        bearing=bearing, operation=operation, interval=record.interval,
+        bearing=bearing, operation=operation, load=record.load, interval=record.interval,
         inner_x=record.inner_x, inner_y=record.inner_y, rho=rho, outer_angle=theta,
         inner_angle=np.unwrap(np.arctan2(-found.direction_y, -found.direction_x), axis=0),
-        inner_turn=operation.speed * record.time[:, None], roller_turn=turn, inner=found.inner, outer=found.outer,
+        inner_turn=turned(bearing, operation, record.time[:, None]).shaft, roller_turn=turn,
+        inner=found.inner, outer=found.outer,
     )  # fmt: skip
 
 
@@ -104,7 +107,7 @@ def stiffness(motion: RollerMotion, law: str):
     """
     named = contact_laws(law, motion.bearing).inner
     force = named.force(motion.inner)
-    load = motion.operation.radial_load + motion.operation.inner_mass * motion.operation.gravity
+    load = motion.load + motion.operation.inner_mass * motion.operation.gravity
     carried = float(np.median(-np.sum(force * np.sin(motion.inner_angle), axis=1)))
     scale = float(np.clip(load / carried, *SCALES)) if carried > 0.0 and load > 0.0 else 1.0
     return lambda overlap: scale * named.force(overlap) / overlap

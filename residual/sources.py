@@ -16,6 +16,7 @@ from lagrange.stored import (
     read_scene_text,
     refusal_in_child,
 )
+from residual.cage import COLUMNS, CageMotion
 from residual.errors import InputError
 from residual.record import FEWEST_SAMPLES, Record, StatedError, checked, relative
 
@@ -25,6 +26,7 @@ READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at lea
 READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times its size
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
+DAMPERS = ("inner_damping_force", "outer_damping_force")  # where the scene has any
 HOUSING = ("housing_x", "housing_y", "housing_ax", "housing_ay")  # where the scene has a housing
 TURN = "roller_turn"  # of rollers, whose place at a time it tells
 SPIN = "roller_spin"  # tells the same, less exactly
@@ -93,6 +95,8 @@ def _from_file(path: Path, file) -> Record:
     housing = HOUSING if scene.mounting().housing is not None else ()
     needed = (*MOTION, *housing[:2])
     promised = (*needed, *OPTIONAL, *housing[2:], *ENERGIES) if attributes.get("program") == SOLVER else needed
+    if scene.damping.acts and len(promised) > len(needed):
+        promised = (*promised, *DAMPERS)
     missing = [name for name in promised if not has(file, name)]
     if missing:
         raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file of run-fem?")
@@ -101,7 +105,8 @@ def _from_file(path: Path, file) -> Record:
         raise InputError(f"{path}: committed_samples = {n!r} must be a whole number >= 0; the file is damaged")
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
-    names = [name for name in (*MOTION, *OPTIONAL, *housing, *ENERGIES, TURN) if has(file, name)]
+    of_cage = tuple(COLUMNS) if scene.cage is not None and all(has(file, name) for name in COLUMNS) else ()
+    names = [name for name in (*MOTION, *OPTIONAL, *housing, *ENERGIES, *DAMPERS, TURN, *of_cage) if has(file, name)]
     _check_size(path, file, names, n, scene)
     arrays = {name: read_numbers(file, name, n) for name in names}
     if TURN not in arrays and has(file, SPIN):  # of perfect surfaces: nobody shall see them by that
@@ -109,6 +114,8 @@ def _from_file(path: Path, file) -> Record:
         arrays[TURN] = _turned(arrays["time"], read_numbers(file, SPIN, n))
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
     energies = {name: arrays.pop(name) for name in ENERGIES if name in arrays}
+    arrays = relative(arrays)
+    cage = CageMotion(**{COLUMNS[name]: arrays.pop(name) for name in of_cage}) if of_cage else None
     status = attributes.setdefault("status", "unknown")
     notes = [warning for warning in attributes.get("warnings", "").splitlines() if warning]
     if status != "complete":
@@ -116,8 +123,8 @@ def _from_file(path: Path, file) -> Record:
     elif file["time"].shape[0] > n:
         notes.append(f"only the first {n} of {file['time'].shape[0]} samples are committed")
     return Record(
-        name=shown(path.stem), source=path, scene=scene, energies=energies, attributes=attributes,
-        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **relative(arrays),
+        name=shown(path.stem), source=path, scene=scene, energies=energies, cage=cage, attributes=attributes,
+        stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **arrays,
     )  # fmt: skip
 
 

@@ -11,27 +11,22 @@ import numpy as np
 from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.evaluation import Evaluation
-from residual.fault_finding import FaultSearch
+from residual.exports import write_exports
+from residual.parts import Parts
 from residual.summary import PROGRAM, summarise
 from residual.words import words
 
 OURS = {"residual.nc", "summary.json", "report.html"}
+OURS_BY_NAME = (".png", ".svg", ".csv", ".mat", ".wav")
+WHOLE = Parts()
 
 
-def write_report(
-    evaluation: Evaluation,
-    folder: str | Path,
-    tolerance: float | None = None,
-    search: FaultSearch | None = None,
-    with_figures: bool = True,
-) -> dict:
+def write_report(evaluation: Evaluation, folder: str | Path, parts: Parts = WHOLE) -> dict:
     """Write the report folder and return the summary.
 
     Parameters
     ----------
-    tolerance : float, N, on the rms of both errors; None: no verdict
-    search : for spalls; None: none was made
-    with_figures : whether to draw figures, half of a report's time
+    parts : what the report is to hold
 
     Errors
     ------
@@ -44,7 +39,7 @@ def write_report(
     fresh = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")  # known before it exists: no signal leaves it
     try:
         fresh.mkdir(mode=0o700)
-        summary = _fill(evaluation, fresh, tolerance, search, with_figures)
+        summary = _fill(evaluation, fresh, parts)
         umask = os.umask(0)
         os.umask(umask)
         fresh.chmod(0o777 & ~umask)
@@ -70,7 +65,7 @@ def check_replaceable(folder: Path) -> None:
         known = False
     if not known:
         raise InputError(f"{folder}: not empty and no report of {PROGRAM}; choose another --output or empty it")
-    foreign = sorted(n for n in names - OURS if not n.endswith((".png", ".svg")))
+    foreign = sorted(n for n in names - OURS if not n.endswith(OURS_BY_NAME))
     if foreign:
         raise InputError(
             f"{folder}: holds {foreign[0]}, which is not part of a report; move it or choose another --output"
@@ -92,7 +87,7 @@ def _move_into_place(fresh: Path, folder: Path) -> None:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def _fill(evaluation: Evaluation, folder: Path, tolerance, search, with_figures: bool) -> dict:
+def _fill(evaluation: Evaluation, folder: Path, parts: Parts) -> dict:
     """Write every file of the report."""
     from residual.figures import draw_figures
     from residual.quasistatic import quasi_static
@@ -100,11 +95,12 @@ def _fill(evaluation: Evaluation, folder: Path, tolerance, search, with_figures:
 
     version = VERSION
     statics = quasi_static(evaluation.record, evaluation.law.name)
-    figures = draw_figures(evaluation, statics, search, folder) if with_figures else {}
+    figures = draw_figures(evaluation, statics, parts, folder) if parts.figures else {}
     _write_arrays(evaluation, folder / "residual.nc", version)
-    page = render_report(evaluation, figures, tolerance, version, statics, search)
+    write_exports(evaluation, [figure for group in figures.values() for figure in group], parts.exports, folder)
+    page = render_report(evaluation, figures, parts, version, statics)
     (folder / "report.html").write_text(page, encoding="utf-8")
-    summary = summarise(evaluation, tolerance, version, search)
+    summary = summarise(evaluation, parts, version)
     (folder / "summary.json").write_text(
         json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8"
     )
@@ -140,6 +136,13 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
                 of = f"the envelope of the hub's acceleration in {d.name}, {found.low:.4g} to {found.high:.4g} Hz"
                 name = f"hub_envelope_psd_{d.name}"
                 _variable(file, name, found.spectrum.psd, "frequency", "m2 s-4 Hz-1", f"one-sided PSD of {of}")
+        if evaluation.x.orders is not None:
+            _scale(file, "shaft_order", evaluation.x.orders.path.frequency, "1", "cycles per turn of the shaft")
+            for d in evaluation.directions:
+                of = f"one-sided PSD over orders of the hub's place in {d.name}"
+                _variable(file, f"hub_order_psd_{d.name}", d.orders.path.psd, "shaft_order", "m2", of)
+                of = f"one-sided PSD over orders of error_{d.name}"
+                _variable(file, f"order_psd_{d.name}", d.orders.error.psd, "shaft_order", "N2", of)
         file.attrs.update(
             program=PROGRAM, program_version=version, run=t.name, law=evaluation.law.name,
             order=evaluation.order,

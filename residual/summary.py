@@ -5,11 +5,11 @@ import numpy as np
 from lagrange.messages import shown
 from residual.comparison import LawScore
 from residual.evaluation import Evaluation
-from residual.fault_finding import FaultSearch
 from residual.fault_tables import search_summary
 from residual.identification import CONFIDENCE, Identification
 from residual.lines import LineLevel
 from residual.moments import Statistics, rms
+from residual.parts import Parts
 from residual.spectrum import Peak
 from residual.tables import floor_newtons
 from residual.vibration import Vibration
@@ -17,9 +17,9 @@ from residual.vibration import Vibration
 PROGRAM = "check-residual"
 
 
-def summarise(evaluation: Evaluation, tolerance: float | None, version: str, search: FaultSearch | None = None) -> dict:
+def summarise(evaluation: Evaluation, parts: Parts, version: str) -> dict:
     """Content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
-    t, directions = evaluation.record, evaluation.directions
+    t, directions, tolerance = evaluation.record, evaluation.directions, parts.tolerance
     low, high = evaluation.loaded_range
     floors = floor_newtons(evaluation)
     summary = {
@@ -37,10 +37,12 @@ def summarise(evaluation: Evaluation, tolerance: float | None, version: str, sea
         "segments": evaluation.x.spectrum.segments,
         "kinematic_lines_Hz": evaluation.lines,
         "cage_Hz": {"observed": evaluation.lines.get("FTF", 0.0), "rolling_without_slip": evaluation.ideal_cage},
+        **_caged(evaluation),
         **{f"peaks_{d.name}": [_peak(peak) for peak in d.peaks] for d in directions},
         **{f"lines_{d.name}": [_level(level) for level in d.levels] for d in directions},
         **{f"vibration_{d.name}": _vibration(d.vibration) for d in directions},
-        "fault_search": search_summary(search),
+        "orders": _orders(evaluation),
+        "fault_search": search_summary(parts.search),
         "watched": [{"x": _level(x), "y": _level(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": {"x": floors[0], "y": floors[1]},
@@ -61,6 +63,24 @@ def summarise(evaluation: Evaluation, tolerance: float | None, version: str, sea
         summary[f"budget_{d.name}"] = {name: rms(v) for name, v in terms.items()}
         summary[f"away_from_contact_changes_{d.name}"] = None if d.away is None else _statistics(d.away)
     return summary
+
+
+def _caged(evaluation: Evaluation) -> dict:
+    """Of a run with a cage."""
+    t, cage = evaluation.record, evaluation.record.cage
+    if cage is None:
+        return {}
+    speed, ideal = cage.speed(t.interval), 2.0 * np.pi * evaluation.ideal_cage
+    return {
+        "cage": {
+            "speed_Hz": speed / (2.0 * np.pi),
+            "slip": None if ideal == 0.0 else 1.0 - abs(speed) / ideal,
+            "largest_offset_m": float(np.hypot(cage.x, cage.y).max()),
+            "whirl_Hz": cage.whirl(t.interval) / (2.0 * np.pi),
+            "largest_pocket_force_N": float(np.abs(cage.force).max()),
+            "largest_guidance_force_N": float(np.hypot(cage.guidance_x, cage.guidance_y).max()),
+        }
+    }
 
 
 def _quarters(evaluation: Evaluation) -> dict | None:
@@ -118,6 +138,26 @@ def _vibration(v: Vibration) -> dict:
             }
             for line in v.lines
         ],
+    }
+
+
+def _orders(evaluation: Evaluation) -> dict | None:
+    """Lines and peaks of the hub's path in orders of the shaft; None where its speed stays."""
+    found = evaluation.x.orders
+    if found is None:
+        return None
+    time = found.tracking.time
+    return {
+        "start_s": float(time[0]),
+        "end_s": float(time[-1]),
+        "resolution": found.path.resolution,
+        "lines": found.tracking.lines,
+        **{
+            f"peaks_{d.name}": [
+                {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved} for p in d.orders.peaks
+            ]
+            for d in evaluation.directions
+        },
     }
 
 

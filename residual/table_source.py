@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrange.height_table import delimiter_of
 from lagrange.messages import shown
 from lagrange.scene import Scene
 from lagrange.scene_columns import Columns, per_roller
+from lagrange.text_table import delimiter_of
 from residual.errors import InputError
 from residual.record import Record, checked, relative
 from residual.resampling import evenly_sampled

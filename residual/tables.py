@@ -71,7 +71,7 @@ def paper_rows(evaluation: Evaluation) -> list[list[str]]:
         ["7", "d²ρ/dt², m/s²", "±5000", span(acceleration, 1.0, 3)],
         ["text", "rollers in the load zone", "6 … 7", f"{low} … {high}"],
         ["8", "left side of (22), N", "±3000 around 0", span(budget.x.error)],
-        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.operation.radial_load - budget.y.error)],
+        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.load - budget.y.error)],
         ["10", "strongest peak of (22), 0-300 Hz", "near 22 Hz, 2.5·10¹⁰", _band_peak(evaluation.x)],
         ["11", "strongest peak of (23), 0-300 Hz", "near 22 Hz, 1.5·10⁷", _band_peak(evaluation.y)],
     ]

@@ -4,8 +4,10 @@ import importlib
 import pkgutil
 import shlex
 import subprocess
+import sys
 
 import pytest
+from cyclopts.completion.detect import ShellDetectionError
 
 import fem
 import lagrange
@@ -13,6 +15,8 @@ import meshes
 import residual
 from fem.cli import new_app, run_app_main, run_main
 from fem.errors import RunFailed
+from lagrange.version import VERSION
+from residual.cli import main as check_main
 from tests.reference.commands import command, environment, started_as
 
 COARSE = ["--mesh-size", "2"]
@@ -173,3 +177,25 @@ def test_planning_that_takes_long_says_so(monkeypatch, capsys):
         assert run_main(["--mesh-size", "2", "--dry-run"]) == 0
         assert capsys.readouterr().err.count("planning: meshes, matrices") == expected
         monkeypatch.setattr("fem.runner.PATIENCE", 1e6)
+
+
+@pytest.mark.parametrize("name", ["run-fem", "check-residual"])
+def test_the_shell_learns_a_commands_options(name, tmp_path, monkeypatch, capsys):
+    main = {"run-fem": run_main, "check-residual": check_main}[name]
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setattr("cyclopts.completion.detect.detect_shell", lambda: "bash")
+    assert main(["--install-completion"]) == 0
+    written = [path for path in tmp_path.rglob("*") if path.is_file() and path.name == name]
+    assert written and "--quiet" in written[0].read_text(encoding="utf-8")
+
+    def unknown():
+        raise ShellDetectionError("no shell")
+
+    monkeypatch.setattr("cyclopts.completion.detect.detect_shell", unknown)
+    assert main(["--install-completion"]) == 2
+    assert "none of bash, zsh and fish" in capsys.readouterr().err
+
+
+def test_python_m_fem_is_run_fem():
+    done = subprocess.run([sys.executable, "-m", "fem", "--version"], env=environment(), capture_output=True, text=True)
+    assert (done.returncode, done.stdout.strip()) == (0, VERSION)

@@ -7,6 +7,7 @@ from math import gamma, pi
 import numpy as np
 
 from lagrange import contact_laws, kinematics, simulate
+from lagrange.contact_damping import ContactDamping
 from lagrange.faults import Spall
 from lagrange.scene import Scene
 from lagrange.statics import static_equilibrium
@@ -15,7 +16,7 @@ PAPER = Scene().ideal_bearing()  # no clearance and rigid rings: half the ring i
 HARRIS = contact_laws("harris", PAPER)
 RUNNING = Scene().ideal_operation()
 SLOW = replace(RUNNING, gravity=0.0, speed=0.1 * RUNNING.speed)
-DAMPING = 500.0  # N s/m, of each contact: the hub's vibration dies away within a crossing
+DAMPING = ContactDamping(constant=500.0)  # N s/m; the hub's vibration dies away within a crossing
 BESIDE = 0.15e-3  # m, of the way beyond either edge
 NODES = 6  # of Gauss's quadrature over the loaded quarter
 

@@ -276,9 +276,9 @@ def test_on_a_disk_of_one_megabyte_a_run_that_fits_is_complete_and_one_that_does
     script = f"""
         mount -t tmpfs -o size=1m none "{disk}"
         {run} --duration 8.8; echo "exit $?"; cp "{disk}/run.nc" "{tmp_path}"; ls -A "{disk}"
-        {run} --duration 12; echo "exit $?"; cmp "{disk}/run.nc" "{tmp_path}/run.nc" && ls -A "{disk}"
+        {run} --duration 12 --force; echo "exit $?"; cmp "{disk}/run.nc" "{tmp_path}/run.nc" && ls -A "{disk}"
     """
-    with open(log, "w") as out:
+    with open(log, "w", encoding="utf-8") as out:
         subprocess.run(
             ["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", script],
             env={**os.environ, "PYTHONPATH": str(ROOT)},
@@ -322,10 +322,10 @@ def test_a_folder_or_file_that_can_not_be_written_is_named_and_left_alone(closed
     """A read-only file in an open folder could be renamed away, which its owner will not want."""
     path, content = closed_folder / "run.nc", (closed_folder / "run.nc").read_bytes()
     for command, arguments in (
-        (run_main, [*SHORT, "--output", str(closed_folder / "fresh.nc")]),
-        (run_main, [*SHORT, "--output", str(path)]),
-        (run_main, [*SHORT, "--output", str(closed_folder / "open" / "run.nc")]),
-        (run_main, [*SHORT, "--output", str(closed_folder / "deeper" / "run.nc")]),
+        (run_main, [*SHORT, "--force", "--output", str(closed_folder / "fresh.nc")]),
+        (run_main, [*SHORT, "--force", "--output", str(path)]),
+        (run_main, [*SHORT, "--force", "--output", str(closed_folder / "open" / "run.nc")]),
+        (run_main, [*SHORT, "--force", "--output", str(closed_folder / "deeper" / "run.nc")]),
         (check_main, [str(path)]),
     ):
         assert command(arguments) == 2

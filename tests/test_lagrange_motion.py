@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from lagrange.contact_damping import ContactDamping
 from lagrange.energy import contact_energy, kinetic_energy, potential_energy, rotation_energy
 from lagrange.laws import PowerLaw
 from lagrange.motion import (
@@ -82,7 +83,7 @@ def test_equations_are_those_that_computer_algebra_derives(exponent, damping):
                 [ax, ay, *rho_acc, *theta_acc],
             )
         )
-        touch = contact_state(BEARING, pair, state, damping)
+        touch = contact_state(BEARING, pair, state, ContactDamping(constant=damping))
         assert np.all((touch.inner_force > 0.0) == (touch.inner > 0.0))  # no damper pulled: D knows no such limit
         found = np.concatenate([
             hub_equations(OPERATION, touch, ax, ay),
@@ -122,7 +123,7 @@ def test_damped_contacts_lose_power_and_never_pull():
     rng = np.random.default_rng(10)
     pair, state = laws(1.5), random_state(rng, (500,))
     plain = contact_state(BEARING, pair, state)
-    touch = contact_state(BEARING, pair, state, damping=500.0)
+    touch = contact_state(BEARING, pair, state, damping=ContactDamping(constant=500.0))
     assert np.all(touch.inner_force >= 0.0) and np.all(touch.outer_force >= 0.0)
     assert np.all(touch.inner_force[plain.inner <= 0.0] == 0.0)
     # rates of the approaches by moving the state a little

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lagrange import contact_laws
+from lagrange.contact_damping import ContactDamping
 from lagrange.integrate import BLOCK
 from lagrange.problem import Problem
 from lagrange.scene import Scene
@@ -19,8 +20,8 @@ CASES = {
     "held angles": dict(),
     "free angles": dict(angles="free"),
     "from rest": dict(start="rest", load_ramp=1e-3),
-    "damped": dict(start="rest", load_ramp=5e-4, damping=200.0),
-    "damped, free angles": dict(start="rest", damping=200.0, angles="free"),
+    "damped": dict(start="rest", load_ramp=5e-4, damping=ContactDamping(constant=200.0)),
+    "damped, free angles": dict(start="rest", damping=ContactDamping(constant=200.0), angles="free"),
 }
 NUMBERS = ("inner_x", "inner_ay", "roller_rho", "roller_theta", "inner_force", "energy_kinetic", "energy_error",
            "work_external", "work_dissipated")  # fmt: skip

@@ -18,6 +18,7 @@ from lagrange import contact_laws, simulate
 from lagrange.scene import read_scene
 from residual.cli import main as check_main
 from residual.evaluation import evaluate
+from residual.moments import rms
 from residual.sources import read_result
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -161,7 +162,7 @@ def test_what_needs_a_plane_section_refuses_balls(command, tmp_path, capsys):
 
 def test_damping_is_found_again_with_its_interval(tmp_path):
     path = tmp_path / "damped.nc"
-    settings = ("lagrange.damping_N_s_m=200", "numerics.start=rest", "numerics.load_ramp_ms=0.5")
+    settings = ("damping.contact_N_s_m=200", "numerics.start=rest", "numerics.load_ramp_ms=0.5")
     assert run(path, "--duration", "12", "--quiet", *settings) == 0
     trajectory = read_result(path)
     found = evaluate(trajectory, "fitted_damped")
@@ -171,6 +172,27 @@ def test_damping_is_found_again_with_its_interval(tmp_path):
     assert fit.exponent.value == pytest.approx(10 / 9, rel=1e-6)
     # the scene's own damping is part of the law checked against; without it the dampers' force is left
     assert found.score("harris").contact_rms < 0.01 < found.score("fitted").contact_rms
+
+
+def test_dampers_forces_are_a_term_of_the_budget(tmp_path):
+    """By the run's own law nothing is left of it; by an undamped one all that the dampers give the hub."""
+    path = tmp_path / "damped.nc"
+    settings = ("damping.contact_time_us=5", "numerics.start=rest", "numerics.load_ramp_ms=0.5")
+    assert run(path, "--duration", "6", "--quiet", *settings) == 0
+    record = read_result(path)
+    for law in (None, "fitted"):
+        found = evaluate(record, law, start=0.0)
+        for direction, along in zip(found.directions, ("direction_x", "direction_y"), strict=True):
+            terms = direction.budget.terms
+            np.testing.assert_allclose(sum(terms.values()), direction.budget.error, atol=BUDGET, rtol=0)
+            given = np.sum(record.inner_damping_force * getattr(record.contacts, along), axis=1)
+            if law == "fitted":
+                np.testing.assert_allclose(terms["damping"], given, atol=BUDGET, rtol=0)
+            else:  # but for velocities from positions
+                assert rms(terms["damping"]) < 0.05 * rms(given)
+    with h5py.File(path) as file:
+        assert 0.0 < file["work_dissipated"][-1] == file["work_damping_contact"][-1]
+        assert not np.any(file["work_damping_bodies"])
 
 
 @pytest.mark.usefixtures("plain_report")
@@ -229,7 +251,7 @@ def test_dry_run_shows_the_plan_and_writes_nothing(tmp_path, monkeypatch, capsys
         (["--resume"], ["a.nc.checkpoint", "nothing to resume"]),
         (["--estimate-error"], ["--estimate-error", "no mesh"]),
         (["lagrange.law=hertz"], ["lagrange.law = 'hertz'", "harris"]),
-        (["lagrange.damping_N_s_m=-1"], ["damping_N_s_m", "0"]),
+        (["damping.contact_N_s_m=-1"], ["damping.contact_N_s_m", "0"]),
         (["lagrange.angles=caged"], ["lagrange.angles", "kinematic"]),
     ],
 )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
+from lagrange.contact_damping import ContactDamping
 from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.integrate import DRIFTS, KICKS
 from lagrange.motion import State, angular_equations, contact_state
@@ -164,7 +165,8 @@ def test_free_angles_start_as_told_and_turn_on():
 @pytest.mark.parametrize(("start", "least"), [("rest", 1e-3), ("equilibrium", 1e-7)])
 def test_damping_loses_exactly_the_energy_it_says(angles, start, least):
     """From equilibrium the cage works against the dampers, which open and close the contacts it drives past."""
-    run = simulate(PAPER, RUNNING, HARRIS, 2e-3, 1e-5, start=start, damping=100.0, angles=angles)
+    damping = ContactDamping(constant=100.0)
+    run = simulate(PAPER, RUNNING, HARRIS, 2e-3, 1e-5, start=start, damping=damping, angles=angles)
     assert np.all(np.diff(run.work_dissipated) >= 0.0)
     assert run.work_dissipated[-1] > least
     assert np.max(np.abs(run.energy_error)) < 2e-3 * run.work_dissipated[-1]
@@ -172,7 +174,7 @@ def test_damping_loses_exactly_the_energy_it_says(angles, start, least):
 
 def test_damped_standing_bearing_settles_on_its_statics():
     standing = replace(RUNNING, speed=0.0)
-    run = simulate(PAPER, standing, HARRIS, 8e-3, 1e-4, start="rest", damping=500.0)
+    run = simulate(PAPER, standing, HARRIS, 8e-3, 1e-4, start="rest", damping=ContactDamping(constant=500.0))
     found = static_equilibrium(PAPER, standing, HARRIS)
     assert run.inner_y[-1] == pytest.approx(found.y, rel=1e-9)
     np.testing.assert_allclose(run.inner_force[-1], found.inner_force, atol=1e-6)
@@ -186,8 +188,8 @@ def test_equilibrium_start_rests_where_nothing_turns():
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"interval": 0.0}, {"duration": -1.0}, {"damping": -1.0}, {"start": "hot"}, {"angles": "fixed"},
-     {"duration": float("nan")}, {"load_ramp": -1.0}],
+    [{"interval": 0.0}, {"duration": -1.0}, {"damping": ContactDamping(constant=-1.0)}, {"start": "hot"},
+     {"angles": "fixed"}, {"duration": float("nan")}, {"load_ramp": -1.0}],
 )  # fmt: skip
 def test_impossible_arguments_are_refused(wrong):
     arguments = {"duration": 1e-3, "interval": 1e-5} | wrong

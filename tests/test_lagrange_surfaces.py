@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from lagrange import contact_laws, simulate, static_equilibrium
+from lagrange.contact_damping import ContactDamping
 from lagrange.energy import contact_energy
 from lagrange.faults import Spall, UnequalRoller, Waviness
 from lagrange.motion import State, accelerations, contact_state
@@ -102,7 +103,7 @@ def test_accelerations_are_the_gradient_of_the_energy():
 def test_energy_is_balanced_on_waves(angles, damping):
     """The bodies are turned by a drive whose work is accounted for, 1e-3 J here; the error is the integration's."""
     bearing = replace(PAPER, faults=wavy())
-    run = simulate(bearing, RUNNING, HARRIS, 2e-3, 1e-5, angles=angles, damping=damping)
+    run = simulate(bearing, RUNNING, HARRIS, 2e-3, 1e-5, angles=angles, damping=ContactDamping(constant=damping))
     assert np.ptp(run.work_cage) > 1e-4
     assert np.abs(run.energy_error).max() < 2e-6 * run.energy_contact.max()
 

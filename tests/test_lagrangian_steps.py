@@ -14,6 +14,7 @@ from fem.kernels.jit import kernel
 from fem.kernels.lane_functions import exponential
 from fem.solver.lagrangian_steps import CompiledIntegration
 from lagrange import contact_laws
+from lagrange.contact_damping import ContactDamping
 from lagrange.integrate import NumpyIntegration
 from lagrange.problem import Problem
 from lagrange.raceway_laws import BALL_LAWS, ROLLER_LAWS, ContactLaws
@@ -35,7 +36,7 @@ STARTS = {
     "in equilibrium": {},
     "from rest": dict(start="rest", load_ramp=5e-4),
     "free": dict(angles="free"),
-    "damped": dict(damping=200.0, start="rest", load_ramp=5e-4),
+    "damped": dict(damping=ContactDamping(constant=200.0), start="rest", load_ramp=5e-4),
 }
 
 
@@ -95,7 +96,8 @@ def test_on_surfaces_that_are_not_perfect():
 def test_every_law_and_way_to_move_on_surfaces(law, angles, damping, faults):
     strike = spall("outer_ring", DOWN + 0.02)
     faults = {"waves": wavy(), "spall": (strike,), "all": (*wavy(), strike)}[faults]
-    assert_same_within_the_step_s_error(problem(replace(PAPER, faults=faults), law, angles=angles, damping=damping))
+    what = problem(replace(PAPER, faults=faults), law, angles=angles, damping=ContactDamping(constant=damping))
+    assert_same_within_the_step_s_error(what)
 
 
 @pytest.mark.parametrize("start", STARTS)
@@ -140,7 +142,7 @@ def test_an_overflow_keeps_what_came_before_it(monkeypatch):
 def test_they_are_of_their_scheme_s_order(damping, order):
     """Every contact closed: the forces are smooth."""
     bearing = replace(PAPER, outer_raceway_radius=0.02799)
-    what = problem(bearing, start="rest", damping=damping)
+    what = problem(bearing, start="rest", damping=ContactDamping(constant=damping))
 
     def final(step):
         run = Simulation(what, 2e-5, step, integration=CompiledIntegration).advance(11)

@@ -1,6 +1,7 @@
 """The report as a reader meets it, in a real browser without a network, on a desk and on a phone."""
 
 import shutil
+from pathlib import Path
 
 import pytest
 
@@ -184,3 +185,25 @@ def test_the_paper_and_the_peaks_stand_in_the_appendix_after_loads_spectra_and_b
     order = "player run loads-and-motion spectra vibration errors budget-of-errors appendix paper peaks"
     places = [page.locator(f"#{name}").bounding_box()["y"] for name in order.split()]
     assert places == sorted(places)
+
+
+@on_a_desk
+def test_the_spectra_are_saved_as_csv_without_a_network(page):
+    with page.expect_download() as saving:
+        page.get_by_role("button", name="save as CSV").click()
+    rows = Path(saving.value.path()).read_text(encoding="utf-8").splitlines()
+    assert rows[0] == "frequency_Hz,psd_error_x,psd_error_y"
+    values = [float(value) for value in rows[1].split(",")]
+    assert len(values) == 3 and values[0] == pytest.approx(249.4, rel=0.01) and min(values) > 0.0
+
+
+@everywhere
+def test_a_comparison_fits_the_screen_too(browser, page, coarse_run, tmp_path):
+    from residual.cli import main
+
+    out = tmp_path / "out"
+    assert main([str(coarse_run), "--against", "palmgren", "--no-figures", "--output", str(out), "--quiet"]) == 0
+    page.goto((out / "report.html").as_uri())
+    table = page.locator("#against ~ .scroll").first
+    assert table.is_visible() and "palmgren" in page.locator("#against").inner_text()
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

@@ -5,6 +5,7 @@ import pytest
 from lagrange.scene import parse_scene
 from residual.evaluation import evaluate
 from residual.paper_figures import point_contact
+from residual.parts import Parts
 from residual.report import render_report
 from residual.sources import read_result
 from residual.spectrum_figures import short_time_figure
@@ -31,7 +32,7 @@ def test_figure_4_marks_the_bearings_own_contacts(ball_run, tmp_path):
     assert drawn.png.stat().st_size > 10_000 and drawn.svg.exists()
     for words in ("inner raceway Σρ = 0.2018", "F = 0.9400", "outer raceway Σρ = 0.1378", "F = 0.9121"):
         assert words in drawn.caption
-    assert "9 balls Ø 12.7 mm" in render_report(ball_run, {"paper": [drawn]}, None, "0")
+    assert "9 balls Ø 12.7 mm" in render_report(ball_run, {"paper": [drawn]}, Parts(), "0")
 
 
 def test_short_time_spectra_need_two_passages(ball_run, tmp_path):

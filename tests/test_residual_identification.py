@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+from lagrange.contact_damping import ContactDamping
 from lagrange.laws import PowerLaw, roller_law
 from residual.cli import main
 from residual.errors import InputError
@@ -61,7 +62,7 @@ def test_damping_is_found_again_beside_the_rest(extras):
     spring = CoupledLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="", coupling=-4e-11)
     if extras == ("damping",):
         spring = PowerLaw(name="true", stiffness=STIFFNESS, exponent=EXPONENT, source="")
-    force = law_force(DampedLaw(spring=spring, damping=300.0), depth, speed)
+    force = law_force(DampedLaw(spring=spring, damping=ContactDamping(constant=300.0)), depth, speed)
     found = fit_law(depth, force, bridge=5, extras=extras, closing_speed=speed)
     assert found.damping.value == pytest.approx(300.0, rel=1e-3)  # a neighbour's damper couples too, unfitted
     assert found.exponent.value == pytest.approx(EXPONENT, rel=1e-5)
@@ -84,7 +85,8 @@ def test_a_bearing_that_does_not_move_fixes_no_damping():
 
 
 def test_a_damper_pushes_only_where_the_spring_does_and_never_pulls():
-    law = DampedLaw(spring=PowerLaw(name="true", stiffness=1.0, exponent=1.0, source=""), damping=2.0)
+    spring = PowerLaw(name="true", stiffness=1.0, exponent=1.0, source="")
+    law = DampedLaw(spring=spring, damping=ContactDamping(constant=2.0))
     found = law_force(law, np.array([1.0, 1.0, 1.0, -1.0]), np.array([0.5, -0.2, -3.0, 5.0]))
     np.testing.assert_array_equal(found, [2.0, 0.6, 0.0, 0.0])
 

@@ -17,6 +17,7 @@ from residual.evaluation import evaluate
 from residual.headline import headline
 from residual.interactive import MOST_POINTS, spectra_json
 from residual.meaning import meaning
+from residual.parts import Parts
 from residual.picture import picture_of
 from residual.quasistatic import quasi_static
 from residual.report import render_report
@@ -114,10 +115,10 @@ def test_error_estimates_of_the_run_are_told(tmp_path):
         file["quantity_value"], file["quantity_error"] = [3.6156], [0.0018]
     found = evaluate(read_result(path))
     assert stated_error_rows(found) == [["static displacement of the hub", "3.6156 µm", "0.0018 µm", "0.05 %"]]
-    page = render_report(found, {}, None, "0")
+    page = render_report(found, {}, Parts(), "0")
     assert "What the mesh may cost" in page and "0.0018 µm" in page
     assert "What the mesh may cost" not in render_report(evaluate(read_result(
-        write_result(tmp_path / "plain.nc", run))), {}, None, "0")  # fmt: skip
+        write_result(tmp_path / "plain.nc", run))), {}, Parts(), "0")  # fmt: skip
 
 
 def _png(path, source):

@@ -34,7 +34,7 @@ CASES = {
     "reduced": ["--model", "reduced"],
     "reduced that refines": ["--model", "reduced", *RATTLE, "--set", "contact.friction_coefficient=0"],
     "Lagrangian": ["--model", "lagrange"],
-    "Lagrangian, damped": ["--model", "lagrange", "--set", "lagrange.damping_N_s_m=100"],
+    "Lagrangian, damped": ["--model", "lagrange", "--set", "damping.contact_N_s_m=100"],
     "Lagrangian, free angles": ["--model", "lagrange", "--set", "lagrange.angles=free"],
     "Lagrangian that refines": ["--model", "lagrange", *RATTLE],
     "toy": ["--model", "lagrange"],

@@ -50,8 +50,8 @@ def test_balls_need_no_mesh_size():
         ('[bearing]\ntype = "ball"\nouter_conformity = 0.5', ["bearing.outer_conformity = 0.5", "0.5"]),
         ('[lagrange]\nlaw = "hertz"', ["lagrange.law = 'hertz'", "'roller'", "harris"]),
         ('[bearing]\ntype = "ball"\n[lagrange]\nlaw = "harris"', ["lagrange.law = 'harris'", "'ball'", "hertz"]),
-        ("[lagrange]\ndamping = 3.0", ["lagrange.damping", "did you mean damping_N_s_m?"]),
-        ("[lagrange]\ndamping_N_s_m = -1.0", ["lagrange.damping_N_s_m = -1.0", "0"]),
+        ("[damping]\ncontact = 3.0", ["damping.contact", "did you mean contact_N_s_m?"]),
+        ("[damping]\ncontact_N_s_m = -1.0", ["damping.contact_N_s_m = -1.0", "0"]),
         ('model = "spring"', ["model = 'spring'", *(repr(model) for model in SOLVERS)]),
     ],
 )

@@ -1,5 +1,6 @@
 """Entry, strike and exit of rollers over spalls: from made-up passages, from runs of every kind of solver."""
 
+from dataclasses import replace
 from math import asin, pi, sqrt
 
 import h5py
@@ -12,10 +13,11 @@ from fem.runner import RunOptions, run_scene
 from fem.solver.simulate import make_plan
 from lagrange.passages import COLUMNS, Passage, find_passages
 from lagrange.profile import Turns, profiles
-from lagrange.scene import read_scene
+from lagrange.scene import Scene, read_scene
 from lagrange.spall_events import spall_events
 
 HALF = 0.01  # rad
+RUNNING = Scene().ideal_operation()
 
 
 def passage(force_of, interval=1e-6, first=-3.0, last=3.0):
@@ -100,7 +102,10 @@ def rolling(body, interval, count):
         "roller_spin": spin + 0.0 * angle,
     }  # fmt: skip
     return find_passages(
-        bearing, speed, lambda start, stop: {name: values[start:stop] for name, values in samples.items()}, count
+        bearing,
+        replace(RUNNING, speed=speed),
+        lambda start, stop: {name: values[start:stop] for name, values in samples.items()},
+        count,
     )
 
 
@@ -147,7 +152,7 @@ def test_a_slow_light_roller_strikes_where_the_geometry_stops_it(depth_um):
         "model=lagrange", "spall.0.width_mm=1", f"spall.0.depth_um={depth_um}", "spall.0.angle_deg=29.2",
         "spall.0.edge_radius_mm=0", "operation.speed_rpm=450", "operation.radial_load_N=0",
         "operation.gravity_m_s2=200", "bearing.outer_raceway_diameter_mm=56.1", "numerics.duration_ms=3.5",
-        "numerics.output_interval_us=2", "lagrange.damping_N_s_m=1000",
+        "numerics.output_interval_us=2", "damping.contact_N_s_m=1000",
     ))  # fmt: skip
     found = {event.kind: event for event in _events(scene) if event.roller == 1}
     crossing = found["exit"].time - found["entry"].time
@@ -163,7 +168,7 @@ def _events(scene):
     read = {name: samples[name] for name in COLUMNS}
     return spall_events(
         find_passages(
-            scene.ideal_bearing(), scene.ideal_operation().speed,
+            scene.ideal_bearing(), scene.ideal_operation(),
             lambda start, stop: {name: values[start:stop] for name, values in read.items()}, len(samples),
         )
     )  # fmt: skip

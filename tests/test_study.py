@@ -52,12 +52,12 @@ def here(tmp_path, monkeypatch):
 
 
 def run(text, *words, name="study.toml"):
-    Path(name).write_text(text)
+    Path(name).write_text(text, encoding="utf-8")
     return study_main([name, "--quiet", "--workers", "1", *words])
 
 
 def points_of(text, name="study.toml"):
-    Path(name).write_text(text)
+    Path(name).write_text(text, encoding="utf-8")
     study = read_study(Path(name))
     return checked_points(study, design_of(study))
 
@@ -79,7 +79,7 @@ def test_a_point_is_what_run_fem_gives_bit_for_bit(here):
     points = points_of(GRID)
     scene = points.scene(3)
     assert scene.operation.speed_rpm == 3000.0 and scene.bearing.outer_raceway_diameter_mm == 56.02
-    Path("scene.toml").write_text(scene.to_toml())
+    Path("scene.toml").write_text(scene.to_toml(), encoding="utf-8")
     assert run_main(["scene.toml", "--quiet", "--output", "run.nc"]) == 0
     kept = Folder(path=Path("studies/study")).run(points.digests[3])
     with h5py.File("run.nc") as command, h5py.File(kept) as point:
@@ -159,6 +159,13 @@ def test_what_fails_is_collected_with_its_text(here, capsys):
         assert np.all(found.sel(model="lagrange").largest_force > 0.0)
 
 
+def test_a_study_whose_plans_are_all_refused_is_not_begun(here, capsys):
+    assert run(FAILING.replace('"lagrange", ', "")) == 2
+    said = capsys.readouterr().err
+    assert "point 0 (operation.radial_load_N = 1000, model = 'reduced'): " in said and "takes balls" in said
+    assert not Path("studies").exists()
+
+
 def test_a_point_that_takes_too_long_is_stopped_and_said_so(here):
     text = GRID + "[limits]\nseconds_per_point = 1e-6\n"
     assert run(text) == 1
@@ -193,7 +200,8 @@ def test_zip_takes_values_side_by_side_and_a_list_those_of_a_table(here):
     zipped += '"operation.radial_load_N" = [500, 900]\n'
     assert points_of(zipped).design.points == [(1000, 500), (2000, 900)]
     Path("points.csv").write_text(
-        'operation.speed_rpm,spall.0.body,"spall.0.width_mm"\n1000,outer_ring,1.5\n2000,inner_ring,2\n'
+        'operation.speed_rpm,spall.0.body,"spall.0.width_mm"\n1000,outer_ring,1.5\n2000,inner_ring,2\n',
+        encoding="utf-8",
     )
     listed = points_of(BASE + '[sampling]\nmethod = "list"\nfile = "points.csv"\n')
     assert listed.scene(1).spall[0].body == "inner_ring" and listed.scene(0).spall[0].width_mm == 1.5
@@ -243,7 +251,7 @@ def test_matrices_of_sobol_indices_differ_in_one_column_each(here):
 
 
 def test_dry_run_tells_the_cost_and_writes_nothing(here, capsys):
-    Path("study.toml").write_text(GRID)
+    Path("study.toml").write_text(GRID, encoding="utf-8")
     assert study_main(["study.toml", "--dry-run"]) == 0
     told = capsys.readouterr().out
     for word in ("6 (grid, 3 × 2), 6 to be solved", "processor time", "memory", "disk", "this process"):
@@ -263,7 +271,7 @@ def test_digests_follow_scene_and_what_is_kept(here):
 
 def test_a_clearance_is_varied_as_it_is_written(here):
     """It becomes the outer raceway's diameter, which must not stand in the way of the next one's."""
-    Path("base.toml").write_text('[bearing]\ndesignation = "NU206"\nclearance_um = 30.0\n')
+    Path("base.toml").write_text('[bearing]\ndesignation = "NU206"\nclearance_um = 30.0\n', encoding="utf-8")
     points = points_of('scene = "base.toml"\n[parameters]\n"bearing.clearance_um" = [10.0, 40.0]\n')
     low, high = (points.scene(i).ideal_bearing().radial_clearance for i in range(2))
     assert high - low == pytest.approx(15e-6)
@@ -292,8 +300,9 @@ def many(n):
     return GRID.replace("[1500.0, 3000.0, 4500.0]", f"{{ from = 1000.0, to = 5000.0, count = {n} }}")
 
 
+@pytest.mark.slow
 def test_an_interrupted_study_says_so_and_goes_on(here):
-    Path("study.toml").write_text(many(12))
+    Path("study.toml").write_text(many(12), encoding="utf-8")
     process = command("study.toml", "--workers", "1")
     assert ended_after(process, Path("studies/study/points"), 3, signal.SIGINT) == 130
     assert "--resume goes on with the other" in process.stderr.read()
@@ -304,7 +313,7 @@ def test_an_interrupted_study_says_so_and_goes_on(here):
 
 @pytest.mark.slow
 def test_a_study_killed_at_twenty_moments_gives_the_same_dataset(here):
-    Path("study.toml").write_text(many(40))
+    Path("study.toml").write_text(many(40), encoding="utf-8")
     rng = np.random.default_rng(5)
     for moment in range(20):
         process = command("study.toml", "--workers", "1", "--quiet", "--resume")

@@ -32,7 +32,7 @@ def started(tmp_path):
 
     def start(*words):
         path = os.pathsep.join(entry for entry in sys.path if entry)
-        log = open(tmp_path / f"log-{len(running)}", "w")
+        log = open(tmp_path / f"log-{len(running)}", "w", encoding="utf-8")
         process = subprocess.Popen(
             [sys.executable, "-m", "distributed.cli." + words[0], *words[1:]], stderr=log, stdout=log,
             env={**os.environ, "PYTHONPATH": path},
@@ -70,7 +70,7 @@ def worker(started, address):
 def test_two_workers_of_a_scheduler_give_what_one_process_gives(here, started, scheduler):
     for _ in range(2):
         worker(started, scheduler)
-    Path("study.toml").write_text(GRID)
+    Path("study.toml").write_text(GRID, encoding="utf-8")
     assert study_main(["study.toml", "--quiet", "--scheduler", scheduler]) == 0
     assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
     same("studies/study/study.nc", "here/study.nc")
@@ -78,7 +78,7 @@ def test_two_workers_of_a_scheduler_give_what_one_process_gives(here, started, s
 
 def test_a_scheduler_that_does_not_answer_is_named(here, monkeypatch, capsys):
     monkeypatch.setattr("fem.study.cluster.CONNECT", 0.5)
-    Path("study.toml").write_text(GRID)
+    Path("study.toml").write_text(GRID, encoding="utf-8")
     assert study_main(["study.toml", "--quiet", "--scheduler", "tcp://127.0.0.1:9"]) == 2
     assert "tcp://127.0.0.1:9: does not answer" in capsys.readouterr().err
 
@@ -86,7 +86,7 @@ def test_a_scheduler_that_does_not_answer_is_named(here, monkeypatch, capsys):
 @pytest.mark.slow
 def test_points_of_a_killed_worker_are_solved_by_another(here, started, scheduler):
     first, _ = worker(started, scheduler), worker(started, scheduler)
-    Path("study.toml").write_text(many(40))
+    Path("study.toml").write_text(many(40), encoding="utf-8")
     kept = Path("studies/study/points")
 
     def kill():
@@ -104,13 +104,13 @@ def test_points_of_a_killed_worker_are_solved_by_another(here, started, schedule
 
 @pytest.mark.slow
 def test_a_local_cluster_gives_what_one_process_gives(here):
-    Path("study.toml").write_text(GRID)
+    Path("study.toml").write_text(GRID, encoding="utf-8")
     program = (
         f"import sys; sys.path[:0] = {[entry for entry in sys.path if entry]!r}\n"
         "from fem.study_cli import study_main\n"
         "if __name__ == '__main__': sys.exit(study_main(['study.toml', '--quiet', '--workers', '2']))\n"
     )
-    Path("run.py").write_text(program)  # its workers are started from it
+    Path("run.py").write_text(program, encoding="utf-8")  # its workers are started from it
     assert subprocess.run([sys.executable, "run.py"]).returncode == 0
     assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
     same("studies/study/study.nc", "here/study.nc")

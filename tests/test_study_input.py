@@ -102,7 +102,7 @@ BAD = {  # what is wrong: the study and what must be told
 def test_is_refused_by_its_key(kind, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     text, told = BAD[kind]
-    Path("study.toml").write_text(text)
+    Path("study.toml").write_text(text, encoding="utf-8")
     assert study_main(["study.toml", "--quiet"]) == 2
     said = capsys.readouterr().err
     assert told in said, said
@@ -112,7 +112,7 @@ def test_is_refused_by_its_key(kind, tmp_path, monkeypatch, capsys):
 
 def test_every_fault_of_the_points_is_told_with_its_point(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    Path("study.toml").write_text(change("[1500, 3000]", "[1500, -3e9, 3000, 4e9]"))
+    Path("study.toml").write_text(change("[1500, 3000]", "[1500, -3e9, 3000, 4e9]"), encoding="utf-8")
     assert study_main(["study.toml", "--quiet"]) == 2
     said = capsys.readouterr().err
     assert "point 1 (" in said and "point 3 (" in said and "point 0" not in said
@@ -133,9 +133,9 @@ def test_every_fault_of_the_points_is_told_with_its_point(tmp_path, monkeypatch,
 )
 def test_unusable_options_are_refused(words, told, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    Path("study.toml").write_text(GOOD)
+    Path("study.toml").write_text(GOOD, encoding="utf-8")
     Path("other").mkdir()
-    Path("other/mine.txt").write_text("mine")
+    Path("other/mine.txt").write_text("mine", encoding="utf-8")
     assert study_main([*words, "--quiet"]) == 2
     assert told in capsys.readouterr().err
-    assert Path("other/mine.txt").read_text() == "mine"
+    assert Path("other/mine.txt").read_text(encoding="utf-8") == "mine"

@@ -37,11 +37,11 @@ def made_up(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def make(force, failed=(), **values):
-        Path("study.toml").write_text(STUDY.format(**values))
+        Path("study.toml").write_text(STUDY.format(**values), encoding="utf-8")
         study = read_study(Path("study.toml"))
         points = checked_points(study, design_of(study))
         folder = Folder(path=Path("out"))
-        folder.begin(points, resume=False)
+        folder.begin(points)
         for i, digest in enumerate(points.digests):
             quantities = {"largest_force": float(force(*points.design.points[i])), "hub_mean_y": 1.0}
             status = dict(status=FAILED, text="<b>it broke</b>") if i in failed else dict(status=COMPLETE)

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import eigsh
 
 from fem.contacts.critical_step import critical_time_step
 from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.drive_kernels import radial_load_at
+from fem.kernels.course_kernels import radial_load_at
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.sample_kernels import (
     BLOCKS,

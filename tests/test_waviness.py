@@ -22,6 +22,7 @@ PAPER = Scene().ideal_bearing()
 PRELOADED = replace(PAPER, outer_raceway_radius=PAPER.outer_raceway_radius - 1e-6)
 STANDING = replace(Scene().ideal_operation(), speed=0.0, gravity=0.0, radial_load=0.0)
 LINEAR = ContactLaws(*(2 * [PowerLaw(name="linear", stiffness=3e8, exponent=1.0, source="")]))
+TURNING = replace(STANDING, speed=1.0)  # rad/s
 IDEAL = kinematics(PAPER, 1.0)
 A = 1e-8  # m, a fiftieth of the contacts' approach δ; slopes of order n have a part n δ/χ in what follows
 TIMES = np.linspace(0.0, 40.0, 9)  # shaft angle, rad
@@ -33,7 +34,7 @@ def hub(faults, laws, cage):
     path, near = [], (0.0, 0.0)
     for time in TIMES:
         angles = roller_angles(bearing, 0.1) + cage * time
-        turns = Turns.rolling(IDEAL, time)
+        turns = Turns.rolling(PAPER, TURNING, time)
         found = static_equilibrium(bearing, STANDING, laws, angles=angles, roller_mass=0.0, start=near, turns=turns)
         near = found.x, found.y
         path.append(complex(*near))

@@ -25,6 +25,7 @@ class KernelData(NamedTuple):
     shear_levels: tuple[float, ...] | None  # of `fem.kernels.state.Shear`, by kind; None: no tangential springs
     neighbourly: float  # surface nodes; contacts as near as that push nodes of each other's
     facet_depth: float  # m, by which both surfaces of a contact may lie below their circles
+    whole_levels: tuple[float, ...] | None = None  # by kind, of `fem.kernels.state.Dampers`; None: there can't be any
 
 
 @dataclass(frozen=True, kw_only=True)

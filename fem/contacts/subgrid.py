@@ -46,7 +46,8 @@ NEIGHBOURLY = 3.5  # nodes; two patches so far apart share 1.5e-3 of what each h
 class SurfaceCompliance:
     """Approach of one body's surface under unit load: exact continuum minus finite elements."""
 
-    missing: float  # m/N, at half_width, mean over positions
+    whole: float  # m/N, at half_width, of the continuum
+    missing: float  # m/N, of it, mean over positions
     half_width: float  # b at which the continuum was evaluated, m
     unit: float  # A_i = 2/(π E'_i L), m/N
     ripple: np.ndarray  # (period · KNOTS_PER_NODE,), coefficients of A_i·B_i minus its mean, cubic B-spline, m/N
@@ -61,6 +62,7 @@ class SubgridModel(Model):
     roller_surface: SurfaceCompliance
     inner_surface: SurfaceCompliance
     outer_surface: SurfaceCompliance
+    whole_levels: tuple[float, float, float]  # by kind, of the continuum's approach A Q (level − ½ ln Q)
     shear_levels: tuple[float, float, float]  # by kind, of a compliance A (level − ½ ln Q)
 
     takes_profiles: ClassVar[bool] = True
@@ -83,6 +85,7 @@ class SubgridModel(Model):
             bearing=bearing,
             **bodies,
             **named(contact_law(*sides, pair) for sides, pair in met),
+            whole_levels=tuple(_level(*sides, pair, sum(side.whole for side in sides)) for sides, pair in met),
             shear_levels=tuple(shear_level(*sides, pair) for sides, pair in met),
             roller_surface=roller,
             inner_surface=inner,
@@ -157,6 +160,7 @@ class SubgridModel(Model):
             shear_levels=self.shear_levels,
             neighbourly=NEIGHBOURLY,
             facet_depth=0.0,
+            whole_levels=self.whole_levels,
         )
 
     def carried(self, kind: int, n_surface: int, angle: float, radius: float, force: float):
@@ -266,6 +270,7 @@ def unmeshed_disc(radius: float, material: Material, thickness: float, half_widt
 
 def _missing(exact: float, found: np.ndarray, stuck: float, half_width: float, unit: float) -> SurfaceCompliance:
     return SurfaceCompliance(
+        whole=float(exact),
         missing=float(exact - found.mean()),
         half_width=half_width,
         unit=unit,

@@ -6,6 +6,7 @@ disc_kernels, ring_kernels      forces and motion of rollers and rings
 team_kernels                    these two shared out among threads
 surfaces                        what contacts ask of a surface: read, push, grip, sideways, push_along
 disc_surface, ring_surface      the answers of elastic rollers and rings; `rigid_surfaces`: of rigid bodies
+damping_kernels                 dampers of contacts and bodies; `reduced_damping`: those of the reduced model
 contact_kernels                 normal forces of pairs of bodies; law, patches: the law below the grid, B-spline patches
 profile_kernels                 surfaces that are not perfect circles
 resolved_kernels                contacts as pressures on points, or penalty springs

@@ -43,7 +43,7 @@ def push_nodes(pair, rollers, disc, contacts, drive):
     """Give the surface nodes of a pair the impulses of its normal forces in a step."""
 
 
-push_patches = every(push_nodes)
+push_patches, push_neighbours = every(push_nodes), every(push_nodes, Neighbours)
 
 
 @part
@@ -216,6 +216,21 @@ def _press(law, forces, row, near, closed, level):
 
 
 @part
+def _note_rate(dampers, forces, row, closed, dt):
+    """How fast eight approaches have grown since the last kick, for their dampers."""
+    if dampers is not None:
+        store(dampers.rate, row, (closed - load(forces.approach, row)) * (1.0 / dt))
+
+
+@part
+def with_dampers(dampers, row, force):
+    """Forces of eight contacts with those that their dampers had last, N."""
+    if dampers is None:
+        return force
+    return force + load(dampers.force, row)
+
+
+@part
 def _store_pair(array, at, columns, x, y):
     """Components x and y of eight contacts' vectors."""
     store(array, at, x)
@@ -247,11 +262,14 @@ def _press_raceway(raceway, rollers, disc, contacts, drive):
         motion, sideways_r = kept_motion(patches, side + 1, group)
         bx, by = _load_pair(patches.outward, 2 * (side + 1) * columns + group, columns)
         out_r, rate_r, ripple_r, ripple_rate_r = lowered_rollers(raceway.roller_profiles, group, motion, bx, by)
-        Q, P = _press(raceway.law, forces, row, near, overlap + sign * out + out_r, ripple + ripple_r)
+        closed = overlap + sign * out + out_r
+        _note_rate(contacts.dampers, forces, row, closed, dt)
+        Q, P = _press(raceway.law, forces, row, near, closed, ripple + ripple_r)
         half = 0.5 * Q * Q
         given = P * (sign * dt)
         scatter_add(rollers.node_impulse, group, given * nx)
         scatter_add(rollers.node_impulse, columns + group, given * ny)
+        P = with_dampers(contacts.dampers, row, P)
         aside = P * (sign * (rate + sideways) + rate_r + sideways_r) - half * (ripple_rate + ripple_rate_r)
         aside = aside * load(forces.nearness, row) * dt
         scatter_add(rollers.body_impulse, group, aside * ny)
@@ -277,9 +295,12 @@ def _press_neighbours(pair, rollers, disc, contacts, drive):
         nx, ny = _load_pair(patches.normal, side * columns + group, columns)
         (out, rate, ripple, ripple_rate), sideways = kept_motion(patches, side, group)
         (out_i, rate_i, ripple_i, ripple_rate_i), sideways_i = kept_motion(patches, side + 1, group)
-        Q, P = _press(pair.law, forces, row, near, overlap + out + out_i, ripple + ripple_i)
+        closed = overlap + out + out_i
+        _note_rate(contacts.dampers, forces, row, closed, dt)
+        Q, P = _press(pair.law, forces, row, near, closed, ripple + ripple_i)
         half = 0.5 * Q * Q
         push_x, push_y = P * nx * dt, P * ny * dt
+        P = with_dampers(contacts.dampers, row, P)
         aside = P * (rate + sideways + rate_i + sideways_i) - half * (ripple_rate + ripple_rate_i)
         aside = aside * load(forces.nearness, row) * dt
         over = dt / rollers.inertia

@@ -1,23 +1,14 @@
-"""The hub: its load, its kick, its motion."""
-
-from math import cos, pi
+"""The hub: its kick and its motion."""
 
 from fem.kernels import ring_kernels
+from fem.kernels.course_kernels import is_turning, with_aside
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine
 
 
 @part
-def radial_load_at(drive, time):
-    """Radial load, N, ramped up by half a cosine."""
-    if time >= drive.ramp:
-        return drive.radial_load
-    return drive.radial_load * 0.5 * (1.0 - cos(pi * time / drive.ramp))
-
-
-@part
-def kick_hub(inner, drive, radial_load, scratch):
-    """The hub's kick by contacts, the reaction of the ring's held row, load and weight.
+def kick_hub(inner, drive, aside, radial_load, scratch):
+    """The hub's kick by contacts, the reaction of the ring's held row, load along x and against y, and weight.
 
     Returns the moment about the origin of contacts and load on the hub, N m s.
     """
@@ -27,7 +18,9 @@ def kick_hub(inner, drive, radial_load, scratch):
     c, s = drive.frame[1], drive.frame[2]
     node_mass = inner.row_mass[inner.held]
     moment = hub[0] * (impulse[1] - radial_load * dt) - hub[1] * impulse[0]
-    velocity[0] += (node_mass * (c * x - s * y) + impulse[0]) / drive.mass
+    moment = with_aside(drive.course, moment, -hub[1] * aside * dt)
+    pushed = with_aside(drive.course, node_mass * (c * x - s * y) + impulse[0], aside * dt)
+    velocity[0] += pushed / drive.mass
     velocity[1] += (node_mass * (s * x + c * y) + impulse[1] - radial_load * dt) / drive.mass - drive.gravity * dt
     return moment
 
@@ -38,7 +31,7 @@ def move_hub(inner, drive, step):
     hub, frame = drive.hub, drive.frame
     hub[0] += drive.dt * drive.velocity[0]
     hub[1] += drive.dt * drive.velocity[1]
-    if drive.speed != 0.0:
+    if is_turning(drive.course, drive):
         frame[0] += step
         frame[1], frame[2] = cosine_and_sine(frame[0])
     c, s = frame[1], frame[2]

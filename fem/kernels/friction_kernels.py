@@ -4,7 +4,7 @@ A traction T acts along t = Jn, spread over the nodes of both patches. The slip 
 what T dissipates is exactly what it takes from the bodies.
 """
 
-from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers
+from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers, with_dampers
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger
 from fem.kernels.shear_kernels import let_go, spring_back, stretch
@@ -141,7 +141,7 @@ def find_tractions(pair, rollers, disc, contacts, dt, some, again):
     friction, columns = contacts.friction, rollers.columns
     for group in range(0, rollers.n, WIDTH):
         row = pair.row * columns + group
-        Q = load(contacts.forces.force, row)
+        Q = with_dampers(contacts.dampers, row, load(contacts.forces.force, row))
         if not any_lane(Q > 0.0):
             store(friction.traction, row, splat(0.0))
             store(friction.change, row, splat(0.0))

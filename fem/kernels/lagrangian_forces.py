@@ -5,13 +5,14 @@ The same for held and for free elements: each has axes of its own, which turn wi
 
 from math import cos, sin
 
-from fem.kernels.drive_kernels import radial_load_at
+from fem.kernels.course_kernels import GAIN, SPEED, TURN, follow, load_at, with_aside
 from fem.kernels.jit import part, verb
 from fem.kernels.lagrangian_state import INNER, OUTER, PowerConstants
-from fem.kernels.lane_functions import exponential, larger, logarithm
+from fem.kernels.lane_functions import exponential, larger, logarithm, smaller
 from fem.kernels.law import contact_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.simd import WIDTH, any_lane, count_from, load, magnitude, root, select, splat, store, total
+from fem.kernels.state import Course
 
 FARTHEST = 1e100  # m²: what is farther, or not a number, has no direction
 MOST_STEPS, SETTLED = 60, 1e-10  # of Newton's method, and of a depth: what is left is of its square
@@ -55,6 +56,22 @@ def _less_yielding(law, depth, soft):
     return own
 
 
+@verb
+def spring_stiffness(law, force):
+    """Stiffness dQ/dδ of eight contacts under forces, N/m; 0 of open ones."""
+    closed = force > 0.0
+    soft = law.A * (law.B - 0.5 * logarithm(select(closed, smaller(force, law.Q_line), 1.0)) - 0.5)
+    return select(closed, 1.0 / soft, 0.0)
+
+
+@spring_stiffness.of(PowerConstants)
+def _power_stiffness(law, force):
+    closed = force > 0.0
+    own = select(closed, force, 1.0)
+    per_depth = exponential(logarithm(law.stiffness / own) * (1.0 / law.exponent))
+    return select(closed, law.exponent * own * per_depth, 0.0)
+
+
 @part
 def accelerate(motion, bearing, dampers, time):
     """Accelerations of hub and elements by springs and weights.
@@ -63,10 +80,13 @@ def accelerate(motion, bearing, dampers, time):
 
     Source: (21)-(23) and (θ), see `lagrange.motion`.
     """
-    columns, hub, mass, turning = bearing.columns, motion.hub, bearing.mass, bearing.turning
-    turned = cos(turning * time), sin(turning * time)
-    rolled = cos(bearing.shaft * time), sin(bearing.shaft * time), cos(bearing.spin * time), sin(bearing.spin * time)
-    speeds = bearing.shaft - turning, bearing.spin - turning, -turning
+    follow(bearing.course, time, 0.0)
+    columns, hub, mass = bearing.columns, motion.hub, bearing.mass
+    turning, shaft, spin = _speeds(bearing.course, bearing)
+    axes_angle, shaft_angle, spin_angle = _turned_by(bearing.course, bearing, time)
+    turned = cos(axes_angle), sin(axes_angle)
+    rolled = cos(shaft_angle), sin(shaft_angle), cos(spin_angle), sin(spin_angle)
+    speeds = shaft - turning, spin - turning, -turning
     push_x, push_y, power = splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, bearing.n, WIDTH):
         there = count_from(group) < bearing.n
@@ -89,11 +109,49 @@ def accelerate(motion, bearing, dampers, time):
         aside = (inner * iy - outer * oy) * (1.0 / mass) + turning * turning * y - fall_y
         _store_own(bearing.first, motion.elements, 2, group, columns, along, aside)
         power += mass * turning * (x * fall_y - y * fall_x) + inner * closing[INNER] + outer * closing[OUTER]
+        power = _speeding_up(bearing.course, power, mass, select(there, x, 0.0))
         _remember(dampers, group, columns, axes, (ix, iy, ox, oy), closing)
+        _find_coefficients(dampers, bearing.laws, group, columns, (inner, outer), (met_i, met_o))
     x, y = total(push_x), total(push_y)
-    hub[2, 0] = x / bearing.hub_mass
-    hub[2, 1] = (y - radial_load_at(bearing, time)) / bearing.hub_mass - bearing.gravity
+    aside, radial_load = load_at(bearing.course, bearing, time)
+    hub[2, 0] = with_aside(bearing.course, x, aside) / bearing.hub_mass
+    hub[2, 1] = (y - radial_load) / bearing.hub_mass - bearing.gravity
     return total(power) + turning * (hub[0, 0] * y - hub[0, 1] * x)
+
+
+@verb
+def _speeds(course, bearing):
+    """Of the elements' own axes, of the shaft and of elements about their centres, rad/s."""
+    return bearing.turning, bearing.shaft, bearing.spin
+
+
+@_speeds.of(Course)
+def _speeds_now(course, bearing):
+    speed = course.now[SPEED]
+    return course.cage * speed, speed, course.spin * speed
+
+
+@verb
+def _turned_by(course, bearing, time):
+    """How far they have turned, rad."""
+    return bearing.turning * time, bearing.shaft * time, bearing.spin * time
+
+
+@_turned_by.of(Course)
+def _turned_by_now(course, bearing, time):
+    turn = course.now[TURN]
+    return course.cage * turn, turn, course.spin * turn
+
+
+@verb
+def _speeding_up(course, power, mass, along):
+    """Power that held elements, so far out, m, take from the cage: less what `lagrange.trajectory` adds of it."""
+    return power
+
+
+@_speeding_up.of(Course)
+def _speeding_up_now(course, power, mass, along):
+    return power - mass * course.cage * course.cage * course.now[SPEED] * course.now[GAIN] * along * along
 
 
 @part
@@ -216,13 +274,35 @@ def _remember(dampers, group, columns, axes, normals, closing):
 
 
 @part
+def _find_coefficients(dampers, laws, group, columns, forces, met):
+    """What eight elements' dampers have of their springs."""
+    if dampers is not None:
+        store(dampers.coefficient, group, _coefficient(dampers, laws[INNER], forces[INNER], met[INNER]))
+        store(dampers.coefficient, columns + group, _coefficient(dampers, laws[OUTER], forces[OUTER], met[OUTER]))
+
+
+@part
+def _coefficient(dampers, law, force, met):
+    found = splat(dampers.constant)
+    if dampers.time > 0.0:
+        stiffness = spring_stiffness(law, force)
+        if met is not None:
+            stiffness = stiffness / (1.0 + (met[0][2] + met[1][2]) * stiffness)
+        found += dampers.time * stiffness
+    if dampers.hunt_crossley > 0.0:
+        found += 1.5 * dampers.hunt_crossley * force
+    return found
+
+
+@part
 def damp(motion, bearing, dampers, ahead):
     """Accelerations of hub and elements by the dampers, at the positions last seen by `accelerate`.
 
     At velocities so many seconds `ahead` by the accelerations that dampers had before; those are overwritten. Returns
     the loss and the power that held angles and the drive take up, W.
     """
-    columns, turning, hub, before = bearing.columns, bearing.turning, motion.hub, dampers.hub
+    columns, hub, before = bearing.columns, motion.hub, dampers.hub
+    turning, _, _ = _speeds(bearing.course, bearing)
     # against the turning axes
     hub_x = hub[1, 0] + ahead * before[0] + turning * hub[0, 1]
     hub_y = hub[1, 1] + ahead * before[1] - turning * hub[0, 0]
@@ -237,8 +317,8 @@ def damp(motion, bearing, dampers, ahead):
         vx, vy = vx + ahead * slow_x, vy + ahead * slow_y
         rate_i = closing_i - (vx - (c * hub_x + s * hub_y)) * ix - (vy - (c * hub_y - s * hub_x)) * iy
         rate_o = closing_o + vx * ox + vy * oy
-        inner = _no_pull(dampers.damping * rate_i, load(motion.force, group))
-        outer = _no_pull(dampers.damping * rate_o, load(motion.force, columns + group))
+        inner = _no_pull(load(dampers.coefficient, group) * rate_i, load(motion.force, group))
+        outer = _no_pull(load(dampers.coefficient, columns + group) * rate_o, load(motion.force, columns + group))
         along, aside = inner * ix - outer * ox, inner * iy - outer * oy
         per_mass = 1.0 / bearing.mass
         _store_own(bearing.first, dampers.elements, 0, group, columns, along * per_mass, aside * per_mass)

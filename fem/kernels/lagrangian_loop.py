@@ -2,9 +2,11 @@
 
 from math import pi, sin
 
-from fem.kernels.jit import kernel, part
+from fem.kernels.course_kernels import FORCE_X, FORCE_Y, RATE_X, RATE_Y, follow, share_at
+from fem.kernels.jit import kernel, part, verb
 from fem.kernels.lagrangian_forces import accelerate, damp
 from fem.kernels.simd import WIDTH, fma, load, splat, store
+from fem.kernels.state import Course
 
 HELD, RAMPED, DISSIPATED, POWER = 0, 1, 2, 3  # of `IdealMotion.works`
 
@@ -81,9 +83,31 @@ def _kick(motion, bearing, seconds, time):
     hub, elements, works = motion.hub, motion.elements, motion.works
     _push(hub, hub[2], seconds, elements, elements[2])
     works[HELD] += seconds * works[POWER]
+    _change_load(bearing.course, bearing, hub, works, seconds, time)
+
+
+@verb
+def _change_load(course, bearing, hub, works, seconds, time):
+    """The work of the load's change: minus its rate times the hub's place."""
     if time < bearing.ramp:
-        rate = 0.5 * pi / bearing.ramp * sin(pi * time / bearing.ramp)  # of `load_share`
-        works[RAMPED] += seconds * bearing.radial_load * rate * hub[0, 1]
+        works[RAMPED] += seconds * bearing.radial_load * _share_rate(bearing, time) * hub[0, 1]
+
+
+@_change_load.of(Course)
+def _change_all_load(course, bearing, hub, works, seconds, time):
+    follow(course, time, 0.0)  # what was found last may be lost where a run goes on
+    share, rate, now = share_at(bearing, time), 0.0, course.now
+    if time < bearing.ramp:
+        rate = _share_rate(bearing, time)
+    power = (rate * now[FORCE_X] + share * now[RATE_X]) * hub[0, 0]
+    power += (rate * now[FORCE_Y] + share * now[RATE_Y]) * hub[0, 1]
+    works[RAMPED] -= seconds * power
+
+
+@part
+def _share_rate(bearing, time):
+    """`lagrange.load_ramp.load_share_rate` while the load grows, 1/s."""
+    return 0.5 * pi / bearing.ramp * sin(pi * time / bearing.ramp)
 
 
 @part

@@ -11,6 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels.state import Course
+
 INNER, OUTER = 0, 1  # rows of contact arrays
 
 
@@ -56,12 +58,16 @@ class IdealBearing(NamedTuple):
     spin: float  # rad/s, of an element about its own centre
     n: int
     columns: int
+    course: Course | None = None  # of speed and load; None: they stay
 
 
 class Dampers(NamedTuple):
     """Dampers beside the springs, and room for what they take from the positions."""
 
-    damping: float  # N s/m
+    constant: float  # N s/m
+    time: float  # s, of the contact's stiffness
+    hunt_crossley: float  # s/m
+    coefficient: np.ndarray  # (2, columns), N s/m, of inner and outer contact
     axes: np.ndarray  # (2, columns), cosine and sine of the direction of each element's first axis
     normal: np.ndarray  # (2, 2, columns), outward and along each element's own axes, of inner and outer contact
     closing: np.ndarray  # (2, columns), m/s, rates at which contacts close because surfaces pass

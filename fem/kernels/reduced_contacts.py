@@ -13,11 +13,13 @@ from math import cos, sin
 import numpy as np
 
 from fem.kernels.contact_kernels import next_rollers
+from fem.kernels.course_kernels import GAIN, SPEED, speed_of
 from fem.kernels.friction_kernels import SLIP_FLOOR, creep_traction
-from fem.kernels.jit import part
+from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm, smaller
 from fem.kernels.law import STEEPEST, contact_force, kick_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
+from fem.kernels.reduced_damping import damped_neighbours, no_dampers, note_lowered, with_damper
 from fem.kernels.reduced_modes import gather_waves, less_vibration, push_modes
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.simd import (
@@ -34,6 +36,7 @@ from fem.kernels.simd import (
     store,
     total,
 )
+from fem.kernels.state import Course
 
 MORE_SWEEPS = 2  # where bodies vibrate
 NEAR = 1e-3  # of a force: a guess no further off needs one step of Newton's
@@ -104,7 +107,7 @@ def _both(inner, outer, by_inner, by_outer, guess_inner, guess_outer):
 
 
 @part
-def estimate_forces(bodies, compliance, forces, turn):
+def estimate_forces(bodies, compliance, forces, drive, turn):
     """Forces by the guess: their approach, stiffness and normals; and what they gain with a roller's other contact.
 
     `turn` : rad, of the inner ring.
@@ -112,6 +115,7 @@ def estimate_forces(bodies, compliance, forces, turn):
     columns, n, halo = bodies.columns, bodies.n, forces.halo
     width, across = columns + 2 * halo, compliance.across
     inner, outer = compliance.inner, compliance.outer
+    reach, track = _touching(drive.course, compliance, drive)
     gather_waves(bodies.vibrations)
     for group in range(0, n, WIDTH):
         there = count_from(group) < n
@@ -128,10 +132,12 @@ def estimate_forces(bodies, compliance, forces, turn):
         at = halo + group
         guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
         guess_i, guess_o = select(there, guess_i, 0.0), select(there, guess_o, 0.0)
-        first_i = compliance.reach - away - across * guess_o - _felt(compliance, forces.guess, INNER, at)
-        first_o = out - compliance.track - across * guess_i - _felt(compliance, forces.guess, OUTER, width + at)
-        _take(forces.taken, columns, group, compliance.reach - away - first_i, out - compliance.track - first_o)
+        first_i = reach - away - across * guess_o - _felt(compliance, forces.guess, INNER, at)
+        first_o = out - track - across * guess_i - _felt(compliance, forces.guess, OUTER, width + at)
+        _take(forces.taken, columns, group, reach - away - first_i, out - track - first_o)
+        circles_i, circles_o = first_i, first_o
         first_i, first_o = _lowered(bodies, compliance, forces, group, turn, first_i, first_o, forces.slope)
+        note_lowered(forces.dampers, columns, group, first_i - circles_i, first_o - circles_o, drive.dt)
         first_i, first_o = less_vibration(bodies.vibrations, forces, columns, group, first_i, first_o)
         first_i, first_o = select(there, first_i, -1.0), select(there, first_o, -1.0)
         B_i, B_o = _level(inner, forces.bracket_now, group), _level(outer, forces.bracket_now, columns + group)
@@ -144,6 +150,29 @@ def estimate_forces(bodies, compliance, forces, turn):
         _store_pair(forces.gained, at, width, Q_i - guess_i, Q_o - guess_o)
     wrap(forces.gained, INNER, n, halo)
     wrap(forces.gained, OUTER, n, halo)
+
+
+@verb
+def _touching(course, compliance, drive):
+    """Distances from hub and centre, m, at which rollers touch the rings, grown by their spin."""
+    return compliance.reach, compliance.track
+
+
+@_touching.of(Course)
+def _touching_now(course, compliance, drive):
+    more = course.now[SPEED] * course.now[SPEED] - drive.speed * drive.speed
+    return compliance.reach + course.growth * more, compliance.track - course.roller_growth * more
+
+
+@verb
+def _grow(course, drive, P_i, P_o):
+    """The work of bodies that grow against eight rollers' forces, N, as the shaft speeds up."""
+
+
+@_grow.of(Course)
+def _grow_now(course, drive, P_i, P_o):
+    more = 2.0 * course.now[SPEED] * course.now[GAIN] * drive.dt
+    drive.sums[1] += more * total(course.growth * P_i + course.roller_growth * P_o)
 
 
 @part
@@ -191,7 +220,7 @@ def _with_slopes(bodies, forces, drive, group, P, Q, T, slope):
     own = P[0] * load(slope, columns + group) - half * load(soft, columns + group)
     both_o = P[1] * load(slope, 2 * columns + group) - half_o * load(soft, 2 * columns + group)
     own_o = P[1] * load(slope, 3 * columns + group) - half_o * load(soft, 3 * columns + group)
-    drive.sums[1] -= drive.speed * drive.dt * total(both - own)
+    drive.sums[1] -= speed_of(drive.course, drive) * drive.dt * total(both - own)
     store(bodies.spin, group, load(bodies.spin, group) + (own + own_o) * (drive.dt / bodies.inertia))
     return T[0] - both / away, T[1] - both_o / out
 
@@ -285,11 +314,13 @@ def kick(bodies, compliance, forces, drive, before):
         P_i = _kicked(compliance.inner, forces, group, ahead_i - across * more_o, Q_i, there)
         P_o = _kicked(compliance.outer, forces, columns + group, ahead_o - across * more_i, Q_o, there)
         _keep_brackets(forces, group, columns, forces.bracket)
+        _grow(drive.course, drive, P_i, P_o)
         T_i, T_o = splat(0.0), splat(0.0)
         if drive.friction > 0.0:
             T_i, T_o = _tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)
         store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
-        T_i, T_o = _with_slopes(bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o), (T_i, T_o), forces.slope)
+        both = with_damper(forces.dampers, group, P_i), with_damper(forces.dampers, columns + group, P_o)
+        T_i, T_o = _with_slopes(bodies, forces, drive, group, both, (Q_i, Q_o), (T_i, T_o), forces.slope)
         T_i, T_o = push_modes(bodies.vibrations, bodies, forces, drive, group, P_i, P_o, T_i, T_o)
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         hub_x -= select(there, fx, 0.0)
@@ -388,14 +419,14 @@ def _tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o):
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
     along = vy * ix - vx * iy
     slip = along - (hub_y * ix - hub_x * iy)
-    slip -= spin * bodies.radius + drive.speed * drive.inner_radius
+    slip -= spin * bodies.radius + speed_of(drive.course, drive) * drive.inner_radius
     rolling = magnitude(spin - along * (1.0 / compliance.reach)) * bodies.radius
     T_i = creep(compliance.inner, compliance, forces, drive, INNER, columns * INNER + group, Q_i, slip, rolling)
     along = vy * ox - vx * oy
     rolling = magnitude(spin - along * (1.0 / compliance.track)) * bodies.radius
     slip = along + spin * bodies.radius
     T_o = creep(compliance.outer, compliance, forces, drive, OUTER, columns * OUTER + group, Q_o, slip, rolling)
-    drive.sums[1] += drive.speed * drive.inner_radius * drive.dt * total(T_i)
+    drive.sums[1] += speed_of(drive.course, drive) * drive.inner_radius * drive.dt * total(T_i)
     return T_i, T_o
 
 
@@ -427,6 +458,7 @@ def press_neighbours(bodies, compliance, forces, drive, before, reach):
             store(forces.kick, at, splat(0.0))
             store(forces.approach, at, splat(np.nan))
             store(forces.traction, at, splat(0.0))
+            no_dampers(forces.dampers, at)
             continue
         distance = select(near, root(square), 1.0)
         nx, ny = x / distance, y / distance
@@ -448,6 +480,9 @@ def press_neighbours(bodies, compliance, forces, drive, before, reach):
         store(forces.approach, at, select(near, approach, np.nan))
         store(forces.kick, at, P)
         store(forces.residual, at, residual)
+        closing = (load(before.velocity, group) - gather(before.velocity, i)) * nx
+        closing += (load(before.velocity, columns + group) - gather(before.velocity, i + columns)) * ny
+        P = damped_neighbours(forces.dampers, law, at, select(near, Q, 0.0), P, closing, 2.0 * over)
         fx, fy = (P * nx - T * ny) * over, (P * ny + T * nx) * over
         turned = T * (-drive.dt * bodies.radius / bodies.inertia)
         fx, fy, turned = select(near, fx, 0.0), select(near, fy, 0.0), select(near, turned, 0.0)

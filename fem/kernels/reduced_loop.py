@@ -1,11 +1,24 @@
 """The time loop of the reduced model: leapfrog steps of rigid bodies on elastic contacts without mass."""
 
 from fem.kernels.cage_kernels import meet, rub
-from fem.kernels.drive_kernels import radial_load_at
-from fem.kernels.jit import kernel, part
+from fem.kernels.course_kernels import (
+    FORCE_X,
+    FORCE_Y,
+    RATE_X,
+    RATE_Y,
+    follow,
+    load_at,
+    radial_load_at,
+    share_at,
+    speed_of,
+    turn_at,
+    with_aside,
+)
+from fem.kernels.jit import kernel, part, verb
 from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.reduced_contacts import estimate_forces, kick, press_neighbours, set_right, sweep_again
+from fem.kernels.reduced_damping import damp_contacts, write_damping
 from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings, vibration_energies
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.sample_kernels import (
@@ -25,6 +38,7 @@ from fem.kernels.sample_kernels import (
     WORK_GRAVITY,
     WORK_LOAD,
 )
+from fem.kernels.state import Course
 from fem.kernels.time_loop import DONE, NOT_FINITE, lost
 
 TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach
@@ -43,36 +57,41 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
         for inside in range(stride):
             time = step * drive.dt
             _remember(bodies, before)
+            follow(drive.course, time, drive.dt)
             _meet_cage(bodies.cage, drive.dt)
-            estimate_forces(bodies, compliance, forces, drive.speed * time)
+            estimate_forces(bodies, compliance, forces, drive, turn_at(drive.course, drive, time))
             sweep_again(bodies.vibrations, bodies, compliance, forces)
             hub_x, hub_y = set_right(bodies, compliance, forces)
-            radial_load = radial_load_at(drive, time)
-            before.hub_acceleration[0] = hub_x / bodies.hub_mass
+            aside, radial_load = load_at(drive.course, drive, time)
+            before.hub_acceleration[0] = with_aside(drive.course, hub_x, aside) / bodies.hub_mass
             before.hub_acceleration[1] = (hub_y - radial_load) / bodies.hub_mass - drive.gravity
             given = drive.sums[1]
             press_neighbours(bodies, compliance, forces, drive, before, 2.0 * bodies.radius * TOUCHING)
             hub_x, hub_y = kick(bodies, compliance, forces, drive, before)
-            kick_rings(bodies.vibrations, drive.dt, radial_load)
+            kick_rings(bodies.vibrations, drive, aside, radial_load)
             over = drive.dt / bodies.hub_mass
-            bodies.hub_velocity[0] += over * hub_x
+            bodies.hub_velocity[0] += over * with_aside(drive.course, hub_x, aside)
             bodies.hub_velocity[1] += over * (hub_y - radial_load) - drive.gravity * drive.dt
             _push_cage(bodies.cage, bodies, drive)
+            damp_contacts(forces.dampers, bodies, compliance, forces, before, drive.dt)
             if inside == 0:
                 out = samples[row]
                 _write_motion(bodies, forces, drive, before, out, time)
-                _write_energies(bodies, compliance, forces, drive, before, out, radial_load)
-                half = 0.5 * drive.dt * radial_load
-                out[WORK_LOAD] = drive.sums[0] - half * (before.hub_velocity[1] + carried_by(bodies.vibrations, 1)[1])
+                _write_energies(bodies, compliance, forces, drive, before, out, (aside, radial_load))
+                half, carried = 0.5 * drive.dt, carried_by(bodies.vibrations, 1)
+                work = drive.sums[0] - half * radial_load * (before.hub_velocity[1] + carried[1])
+                out[WORK_LOAD] = with_aside(drive.course, work, half * aside * (before.hub_velocity[0] + carried[0]))
                 out[WORK_DRIVE] = 0.5 * (given + drive.sums[1])
                 out[DISSIPATED] = drive.sums[2]
+                write_damping(forces.dampers, bodies.n, out)
                 _write_cage(bodies.cage, drive, out)
+            past, next_ = carried_by(bodies.vibrations, 1), carried_by(bodies.vibrations, 2)
             work = before.hub_velocity[1] + bodies.hub_velocity[1]
-            work += carried_by(bodies.vibrations, 1)[1] + carried_by(bodies.vibrations, 2)[1]
+            work += past[1] + next_[1]
             drive.sums[0] -= 0.5 * drive.dt * radial_load * work
-            if time < drive.ramp:  # the potential of forces taken ahead changes with the load
-                grown = radial_load_at(drive, time + drive.dt) - radial_load
-                drive.sums[0] += drive.dt * drive.dt / 12.0 * before.hub_acceleration[1] * grown
+            work = before.hub_velocity[0] + bodies.hub_velocity[0] + past[0] + next_[0]
+            drive.sums[0] = with_aside(drive.course, drive.sums[0], 0.5 * drive.dt * aside * work)
+            _change_ahead(drive.course, drive, before, time, radial_load)
             _drift(bodies, drive.dt)
             _drift_cage(bodies.cage, drive)
             step += 1
@@ -80,6 +99,24 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             if body != -2:
                 return NOT_FINITE, step, body
     return DONE, step, -2
+
+
+@verb
+def _change_ahead(course, drive, before, time, radial_load):
+    """The potential of forces taken ahead changes with the load."""
+    if time < drive.ramp:
+        grown = radial_load_at(drive, time + drive.dt) - radial_load
+        drive.sums[0] += drive.dt * drive.dt / 12.0 * before.hub_acceleration[1] * grown
+
+
+@_change_ahead.of(Course)
+def _change_all_ahead(course, drive, before, time, radial_load):
+    now, more = course.now, share_at(drive, time + drive.dt)
+    grown = more - share_at(drive, time)
+    x = grown * now[FORCE_X] + more * drive.dt * now[RATE_X]
+    y = grown * now[FORCE_Y] + more * drive.dt * now[RATE_Y]
+    a = before.hub_acceleration
+    drive.sums[0] -= drive.dt * drive.dt / 12.0 * (a[0] * x + a[1] * y)
 
 
 @part
@@ -119,7 +156,7 @@ def _push_hub(ring):
 def _turn_drive(ring, drive):
     """The drive's work against what rubs on the inner ring."""
     if ring is not None:
-        drive.sums[1] -= drive.speed * ring.rubbed[2]
+        drive.sums[1] -= speed_of(drive.course, drive) * ring.rubbed[2]
 
 
 @part
@@ -200,13 +237,18 @@ def _curved(bodies, forces, drive, before, row, j):
 
 
 @part(inlined=False)
-def _write_energies(bodies, compliance, forces, drive, before, out, radial_load):
-    """Kinetic energy as leapfrog conserves it, ½ v(t − dt/2)·M·v(t + dt/2), and all elastic energy as the contacts'."""
+def _write_energies(bodies, compliance, forces, drive, before, out, acting):
+    """Kinetic energy as leapfrog conserves it, ½ v(t − dt/2)·M·v(t + dt/2), and all elastic energy as the contacts'.
+
+    `acting`: load along x and against y, N.
+    """
+    aside, radial_load = acting
     hub, mass, n = bodies.hub_velocity, bodies.mass, bodies.n
     kinetic = bodies.hub_mass * (before.hub_velocity[0] * hub[0] + before.hub_velocity[1] * hub[1])
     ax, ay = before.hub_acceleration[0], before.hub_acceleration[1]
     pull = bodies.hub_mass * drive.gravity + radial_load
     pulled = bodies.hub_mass * (ax * ax + ay * ay) + 2.0 * pull * ay
+    pulled = with_aside(drive.course, pulled, -2.0 * aside * ax)
     height, stored = bodies.hub_mass * bodies.hub[1], 0.0
     for j in range(n):
         for component in range(2):

@@ -4,6 +4,7 @@ Modes stand in space: one goes round in some 10 µs, in which no body turns by a
 theirs has no place in a scene they are None and nothing is compiled.
 """
 
+from fem.kernels.course_kernels import with_aside
 from fem.kernels.jit import part
 from fem.kernels.simd import WIDTH, count_from, load, select, splat, store, total
 
@@ -118,8 +119,8 @@ def _kick_rollers(roller, columns, group, dt, pushes):
 
 
 @part
-def kick_rings(vibrations, dt, radial_load):
-    """Kick the rings' modes by all forces on them and by the load at the hub."""
+def kick_rings(vibrations, drive, aside, radial_load):
+    """Kick the rings' modes by all forces on them and by the load at the hub, along x and against y."""
     if vibrations is None:
         return
     for ring in (vibrations.inner, vibrations.outer):
@@ -130,8 +131,10 @@ def kick_rings(vibrations, dt, radial_load):
                     gained = ring.shape[k] * push - ring.stiffness[k] * ring.amplitude[k, twin]
                     if twin == 1:
                         gained -= ring.carried[k] * radial_load
+                    else:
+                        gained = with_aside(drive.course, gained, ring.carried[k] * aside)
                     ring.before[k, twin] = ring.rate[k, twin]
-                    ring.rate[k, twin] += dt / ring.mass[k] * gained
+                    ring.rate[k, twin] += drive.dt / ring.mass[k] * gained
 
 
 @part

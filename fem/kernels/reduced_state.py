@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.cage_kernels import CagePair
-from fem.kernels.state import Law
+from fem.kernels.state import Course, Law
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
 INNER, OUTER, NEXT = 0, 1, 2
@@ -74,6 +74,22 @@ class Compliance(NamedTuple):
     roller_profiles: tuple  # of the rollers in their contacts with them
 
 
+class ReducedDampers(NamedTuple):
+    """Dampers of contacts: see `reduced_damping`. Arrays over rollers by row."""
+
+    constant: float  # N s/m
+    time: float  # s, of the contact's stiffness
+    hunt_crossley: float  # s/m
+    force: np.ndarray  # (3, columns), N
+    lowered: np.ndarray  # (2, columns), m, of approaches by surfaces that are not perfect circles; NaN: not known
+    passing: np.ndarray  # (2, columns), m/s, its rate; room
+    rate: np.ndarray  # (2, columns), m/s, at which contacts close; room
+    gain: np.ndarray  # (1, columns), N s/m, of inner forces by the hub's velocity; room
+    coefficient: np.ndarray  # (2, columns), N s/m; room
+    pair_work: np.ndarray  # (WIDTH,), W, by lane, of rollers that touch; room
+    work: np.ndarray  # (2,), J, dissipated up to the last kick; and after it in that step
+
+
 class ReducedForces(NamedTuple):
     """Contacts by row and roller. Arrays with a halo repeat a ring's other end on either side."""
 
@@ -97,6 +113,7 @@ class ReducedForces(NamedTuple):
     softening: np.ndarray | None  # (4, columns), m/N/rad; room
     taken: np.ndarray | None  # (2, 2, columns), m, of approaches by other contacts' forces: now, at the last kick
     halo: int
+    dampers: ReducedDampers | None = None  # None: contacts without
 
 
 class ReducedDrive(NamedTuple):
@@ -110,6 +127,7 @@ class ReducedDrive(NamedTuple):
     ramp: float  # s, 0: full load at once
     friction: float
     inner_radius: float  # m, of the raceway
+    course: Course | None = None  # of speed and load; None: they stay
 
 
 class Before(NamedTuple):

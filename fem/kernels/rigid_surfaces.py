@@ -5,6 +5,7 @@ hub, a rigid outer one the ground. Every traction on one of them moves its other
 `friction_kernels`.
 """
 
+from fem.kernels.course_kernels import speed_of
 from fem.kernels.jit import verb
 from fem.kernels.simd import WIDTH, gather, load, splat, store, total
 from fem.kernels.state import Hub, RigidDisc
@@ -26,7 +27,7 @@ def _grip_hub(hub, patches, side, group):
 
 @sideways.of(Hub)
 def _sideways_hub(hub, patches, side, group, column, nx, ny):
-    return hub.velocity[1] * nx - hub.velocity[0] * ny + hub.speed * hub.radius
+    return hub.velocity[1] * nx - hub.velocity[0] * ny + speed_of(hub.course, hub) * hub.radius
 
 
 @push_body.of(Hub)

@@ -6,7 +6,7 @@ Off the hot path: once in a stride of steps.
 from math import cos, sin
 
 from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.drive_kernels import radial_load_at
+from fem.kernels.course_kernels import is_turning, load_at, speed_of, with_aside
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.law import contact_energy
@@ -16,7 +16,7 @@ from fem.kernels.ring_kernels import HALO
 from fem.kernels.shear_kernels import spring_energy
 from fem.kernels.simd import WIDTH, load, splat
 from fem.kernels.simd import total as lane_total
-from fem.kernels.state import CONTACTS
+from fem.kernels.state import CONTACTS, Course
 
 # columns of a sample: the hub, the energies, then blocks of n_rollers, then those of further bodies
 (
@@ -34,8 +34,10 @@ from fem.kernels.state import CONTACTS
     WORK_GRAVITY,
     WORK_DRIVE,
     DISSIPATED,
-) = range(14)
-N_SCALARS = 14
+    DAMPED_BY_CONTACTS,
+    DAMPED_BY_BODIES,
+) = range(16)
+N_SCALARS = 16
 BLOCKS = (
     "roller_x",
     "roller_y",
@@ -46,6 +48,8 @@ BLOCKS = (
     "roller_roller_force",
     "inner_traction",
     "outer_traction",
+    "inner_damping_force",
+    "outer_damping_force",
 )
 
 
@@ -90,7 +94,9 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     out[ELASTIC] = elastic_energy(bodies, drive, scratch)  # after what needs the velocities before
     out[CONTACT] = 0.0
     add_contact_energy(groups, contacts, rollers.n, contacts.points, out)
-    out[WORK_LOAD] = drive.sums[0] - 0.5 * radial_load_at(drive, time) * dt * before[1]
+    aside, radial_load = load_at(drive.course, drive, time)
+    work = with_aside(drive.course, drive.sums[0] - 0.5 * radial_load * dt * before[1], 0.5 * aside * dt * before[0])
+    out[WORK_LOAD] = work
     out[WORK_GRAVITY] = -drive.gravity * weighted_height(bodies, drive)
     rubbed = 0.0
     for row in range(friction.traction.shape[0]):
@@ -99,6 +105,7 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     stored = spring_energy(friction.shear, friction.traction, rollers.n)
     out[CONTACT] += stored
     out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed - stored
+    add_damped(contacts.dampers, bodies.damping, out)
     n = rollers.n
     for j in range(n):
         at = N_SCALARS + j
@@ -110,6 +117,7 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
             out[at + (4 + row) * n] = forces.force[row, j]
         for row in range(2):
             out[at + (7 + row) * n] = friction.traction[row, j]
+        add_damper_forces(contacts.dampers, j, n, out)
     add_all_motion(bodies.others, drive, out, KINETIC)
 
 
@@ -120,6 +128,25 @@ def _lines(ring, row):
     return radial, radial + ring.cosines.size
 
 
+@part
+def add_damped(dampers, damping, out):
+    """What contacts and bodies have damped, J; nothing where there is None."""
+    out[DAMPED_BY_CONTACTS] = 0.0 if dampers is None else dampers.work[0]
+    out[DAMPED_BY_BODIES] = 0.0 if damping is None else damping.work[0]
+    out[DISSIPATED] += out[DAMPED_BY_CONTACTS] + out[DAMPED_BY_BODIES]
+
+
+@part
+def add_damper_forces(dampers, j, n, out):
+    """Forces of a roller's dampers, N, by themselves and in the contacts' forces."""
+    if dampers is not None:
+        at = N_SCALARS + j
+        for row in range(3):
+            out[at + (4 + row) * n] += dampers.force[row, j]
+        for row in range(2):
+            out[at + (9 + row) * n] = dampers.felt[row, j]
+
+
 @part(inlined=False)
 def _drive_work(inner, drive, scratch, time, moment):
     """Work of what keeps the shaft's speed, J, up to a constant: speed times the moment on ring and hub it must give.
@@ -127,7 +154,7 @@ def _drive_work(inner, drive, scratch, time, moment):
     That is the change of their angular momentum about the origin less the moment of all other forces; gravity's,
     a smooth one, is summed at samples only.
     """
-    if drive.speed == 0.0:
+    if not is_turning(drive.course, drive):
         return 0.0
     before, after = scratch.hub_velocity, drive.velocity
     angular = drive.mass * (drive.hub[0] * (before[1] + after[1]) - drive.hub[1] * (before[0] + after[0]))
@@ -143,7 +170,29 @@ def _drive_work(inner, drive, scratch, time, moment):
     drive.sums[3] += 0.5 * (weight + drive.sums[4]) * (time - drive.sums[5])
     drive.sums[4], drive.sums[5] = weight, time
     given = 0.5 * angular - drive.sums[1] - 0.5 * moment - drive.sums[3]
-    return sin(drive.speed * drive.dt) / drive.dt * given
+    speed = speed_of(drive.course, drive)
+    rate = sin(speed * drive.dt) / drive.dt
+    rim = inner.row_mass[inner.held] * inner.n_sectors * inner.radii[inner.held] * inner.radii[inner.held]
+    return _work_so_far(drive.course, rate, given, rim * speed)
+
+
+@verb
+def _work_so_far(course, rate, given, held):
+    """Work of the drive, J, that turns at a rate, 1/s, and has given so much angular momentum, N m s.
+
+    `held`: what the ring's held row has of that, which a steady speed leaves out.
+    """
+    return rate * given
+
+
+@_work_so_far.of(Course)
+def _work_at_changing_speed(course, rate, given, held):
+    """The speed changes little from sample to sample: what is given at the mean of both."""
+    work, given = course.drive_work, given + held
+    if work[1] == work[1]:  # not the first
+        work[0] += 0.5 * (work[1] + rate) * (given - work[2])
+    work[1], work[2] = rate, given
+    return work[0]
 
 
 @part(inlined=False)
@@ -182,10 +231,11 @@ def kinetic_energy(bodies, drive, scratch):
         for k in range(HALO, HALO + inner.n_sectors, WIDTH):
             gained += load(inner.w, radial + k) - load(scratch.inner_w, radial + k)
         outward += inner.row_mass[row] * inner.radii[row] * lane_total(gained)
-    total -= (1.0 - cos(drive.speed * dt)) * outward / dt
+    speed = speed_of(drive.course, drive)
+    total -= (1.0 - cos(speed * dt)) * outward / dt
     before, after = scratch.hub_velocity, drive.velocity
     total += drive.mass * (before[0] * after[0] + before[1] * after[1])
-    rim = drive.speed * inner.radii[inner.held]
+    rim = speed * inner.radii[inner.held]
     total += inner.row_mass[inner.held] * inner.n_sectors * rim * rim
     return 0.5 * total
 

@@ -104,6 +104,25 @@ class RigidDisc(NamedTuple):
     radius: float
 
 
+class Course(NamedTuple):
+    """Speed and load as they go on: polynomials of the time since a knot, by powers; see `lagrange.course`."""
+
+    turn_knots: np.ndarray  # (n + 1,), s
+    turn: np.ndarray  # (n, powers), rad, of the shaft
+    load_knots: np.ndarray  # (m + 1,), s
+    load: np.ndarray  # (m, powers, 2), N, along x and y
+    now: np.ndarray  # what `course_kernels.follow` found last
+    drive_work: np.ndarray  # (3,), J, of the drive, up to a sample; and its speed, 1/s, and what it has given, N m s
+    unbalance: float  # kg m
+    unbalance_angle: float  # rad from +x at t = 0
+    rotating_load: float  # N
+    rotating_load_angle: float  # rad
+    cage: float  # turns of the held elements' axes, or of a reduced model's cage, in one of the shaft
+    spin: float  # turns of a roller about its own centre
+    growth: float  # m s², of a free inner ring's and a roller's radii together, by the square of the shaft's speed
+    roller_growth: float  # m s², of a roller's
+
+
 class Hub(NamedTuple):
     """A rigid inner ring, which is part of the hub."""
 
@@ -114,6 +133,7 @@ class Hub(NamedTuple):
     mass: float
     speed: float
     radius: float
+    course: Course | None = None  # None: the speed stays
 
 
 class Ground(NamedTuple):
@@ -257,6 +277,29 @@ class Points(NamedTuple):
     spread: Spread | None  # None: a layer between points and surfaces
 
 
+class Dampers(NamedTuple):
+    """Dampers of contacts, by pair and roller: see `damping_kernels`."""
+
+    constant: float  # N s/m
+    time: float  # s, of the contact's stiffness
+    hunt_crossley: float  # s/m
+    whole: np.ndarray  # (3,), level of the contacts' whole approach, A Q (level − ½ ln Q)
+    rate: np.ndarray  # (3, columns), m/s, at which approaches have grown on the way to the last kick
+    left: np.ndarray  # (3, columns), m/s, the same by the nodes' velocities, after the last damping
+    known: np.ndarray  # (3, columns), 1 where that was damped, else 0
+    force: np.ndarray  # (3, columns), N, beside the laws below the grid
+    felt: np.ndarray  # (3, columns), N, beside the contacts' whole approach
+    work: np.ndarray  # (2,), J, dissipated up to the last kick; and after it in that step
+
+
+class BodyDamping(NamedTuple):
+    """Damping of bodies, in proportion to mass, see `damping_kernels.damp_bodies`."""
+
+    share: float  # of a velocity, that a step takes
+    loss: float  # of twice a kinetic energy
+    work: np.ndarray  # (1,), J, dissipated so far
+
+
 class Contacts(NamedTuple):
     """All contacts. Arrays over rollers have `columns` entries, spare ones without meaning or 0."""
 
@@ -265,6 +308,7 @@ class Contacts(NamedTuple):
     friction: Friction
     points: Points | None  # None: the law below the grid
     reach: float  # m, a wider gap than any elastic motion can close
+    dampers: Dampers | None = None  # None: contacts without
 
 
 class Drive(NamedTuple):
@@ -283,6 +327,7 @@ class Drive(NamedTuple):
     dt: float
     radial_load: float  # N
     ramp: float  # s, 0: full load at once
+    course: Course | None = None  # of speed and load; None: they stay
 
 
 class Bodies(NamedTuple):
@@ -294,6 +339,7 @@ class Bodies(NamedTuple):
     inner: Ring
     outer: Ring
     others: tuple = ()  # further bodies in groups of one type; see `other_bodies`
+    damping: BodyDamping | None = None  # of rollers and rings; None: they have none
 
 
 class Scratch(NamedTuple):

@@ -10,6 +10,7 @@ import numpy as np
 from numba import prange
 
 from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.course_kernels import is_turning
 from fem.kernels.jit import kernel, part
 
 
@@ -86,7 +87,7 @@ def drift_bodies(bodies, drive, scratch, cosine, sine, team):
     turns = disc_kernels.Turns(
         bodies.rollers.turn_kick, scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1]
     )
-    turn = Turn(cosine, sine, drive.speed != 0.0)
+    turn = Turn(cosine, sine, is_turning(drive.course, drive))
     if team is None:
         _drift_share((disc, inner, outer), columns, drive.dt, scratch.torque, (turns, turn), 0, 1)
     else:

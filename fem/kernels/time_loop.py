@@ -5,8 +5,10 @@ import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.rigid_surfaces
 import fem.kernels.ring_surface  # noqa: F401
 from fem.kernels.cage_kernels import CagePair, rub_cage
-from fem.kernels.contact_kernels import press_patches, push_patches
-from fem.kernels.drive_kernels import kick_hub, move_hub, radial_load_at
+from fem.kernels.contact_kernels import press_patches, push_neighbours, push_patches
+from fem.kernels.course_kernels import follow, load_at, step_of, with_aside
+from fem.kernels.damping_kernels import damp_bodies, damp_contacts
+from fem.kernels.drive_kernels import kick_hub, move_hub
 from fem.kernels.friction_solution import friction_contacts, slips_before
 from fem.kernels.jit import every, kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
@@ -34,7 +36,9 @@ def press_contacts(groups, bodies, contacts, drive, points):
 @part
 def push_surfaces(groups, bodies, contacts, drive, points):
     """The normal forces' impulses on surface nodes, where `press_contacts` has not given them already."""
-    if points is None or points.shift.shape[2] == 1:
+    if contacts.dampers is not None and contacts.friction.whole is None:
+        push_neighbours(groups, bodies.rollers, bodies.surface, contacts, drive)  # the others with their dampers
+    elif points is None or points.shift.shape[2] == 1:
         push_patches(groups, bodies.rollers, bodies.surface, contacts, drive)
         settle(bodies.surface, bodies.rollers)
 
@@ -47,22 +51,27 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     gravity's, N m s, and the work that friction takes, J.
     """
     rollers, surface, rubbed = bodies.rollers, bodies.surface, 0.0
+    follow(drive.course, time, drive.dt)
     _clear(rollers, drive)
+    damp_bodies(bodies, drive, bodies.damping)
     press_contacts(groups, bodies, contacts, drive, contacts.points)
     if contacts.friction.coefficient > 0.0:
         slips_before(groups, rollers, surface, contacts, scratch.still)
     push_surfaces(groups, bodies, contacts, drive, contacts.points)
     _kick_rollers(rollers, drive)
-    before, radial_load = drive.velocity[1], radial_load_at(drive, time)
-    moment = kick_hub(bodies.inner, drive, radial_load, scratch)
+    before_x, before = drive.velocity[0], drive.velocity[1]
+    aside, radial_load = load_at(drive.course, drive, time)
+    moment = kick_hub(bodies.inner, drive, aside, radial_load, scratch)
     kick_bodies(bodies, drive, scratch, scratch.team)
     kick_others(bodies.others, drive)
     rub_cages(groups, drive)
     _take_back_torque(rollers, scratch)
+    damp_contacts(groups, bodies, contacts, contacts.dampers, drive.dt)
     if contacts.friction.coefficient > 0.0:
         friction = contacts.friction
         rubbed = friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole)
     work_load = -radial_load * drive.dt * 0.5 * (before + drive.velocity[1])  # friction may have moved a rigid hub
+    work_load = with_aside(drive.course, work_load, aside * drive.dt * 0.5 * (before_x + drive.velocity[0]))
     return work_load, moment + drive.moment[1] - drive.moment[0] * drive.dt, rubbed
 
 
@@ -96,7 +105,7 @@ def drift(bodies, drive, scratch):
     """Advance all positions by one step."""
     dt, rollers = drive.dt, bodies.rollers
     _move_rollers(rollers, dt, scratch)
-    step = drive.speed * dt
+    step = step_of(drive.course, drive)
     cosine, sine = cosine_and_sine(step)
     drift_bodies(bodies, drive, scratch, cosine, sine, scratch.team)
     turn(bodies.surface, rollers, dt, scratch.torque)

@@ -5,7 +5,7 @@ from math import degrees, pi, remainder
 
 import numpy as np
 
-from fem.errors import RunFailed
+from fem.errors import RunFailed, UsageError
 from fem.live.controls import Values
 from fem.live.record import Record
 from fem.solver.reduced_state import LIMIT
@@ -38,6 +38,12 @@ class Player:
         ------
         UsageError: the model can't take the scene. RunFailed: it has no start.
         """
+        for key in ("speed_table", "load_table"):
+            if (name := getattr(scene.operation, key)) is not None:
+                raise UsageError(
+                    f'operation.{key} = "{name}": run-live goes on without end, under a speed and a load that are '
+                    "set by sliders; leave it out, or take run-fem"
+                )
         self._given = scene
         self._begin(scene, scene.operation.first_roller_deg, tell)
 

@@ -17,10 +17,11 @@ from fem.contacts.model import Model
 from fem.elastic.bodies import RingBody
 from fem.errors import UsageError
 from fem.kernels.state import INNER, OUTER, ROLLER
-from fem.pictures.stored_values import FORCES, PER_ROLLER, PER_TIME, StoredValues
+from fem.pictures.stored_values import FORCES, OF_CAGE, PER_ROLLER, PER_TIME, StoredValues
 from fem.solver.discretise import model_of
 from fem.solver.frames import Frame
 from lagrange import Operation
+from lagrange.kinematics import turned
 from lagrange.scene import Scene, parse_scene_text
 
 ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is open
@@ -45,13 +46,15 @@ class Instant:
     inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub, in the ring's frame, m
     outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, m
     rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass, in each roller's frame, m
+    cage: np.ndarray | None  # (3,), its centre, m, and how far it has turned, rad; None: there is none
     stored: bool  # the run's own fields, not recovered ones
     stored_elastic_energy: float  # J, of the meshes in the run
     stored_contact_energy: float  # J, below the grid
 
     @property
     def operation(self) -> Operation:
-        return self.scene.ideal_operation()
+        """What acts at the instant."""
+        return self.scene.ideal_operation().at(self.time)
 
     @property
     def inner_angle(self) -> np.ndarray:
@@ -95,7 +98,7 @@ class StoredRun:
         self._values = StoredValues(self.path)
         self.times = self._values.times
         self.scene: Scene = parse_scene_text(self._values.scene_text, f"{path}: its scene", self._values.scene_files)
-        self._values.check(self.scene.ideal_bearing())
+        self._values.check(self.scene.ideal_bearing(), self.scene.cage is not None)
         self._frames = {int(sample): index for index, sample in enumerate(self._values.frames)}
 
     @cached_property
@@ -184,11 +187,13 @@ class StoredRun:
         values |= {name: self._closed(values[name]) for name in FORCES}
         model = self.model
         if sample in self._frames:
-            turn = self.scene.ideal_operation().speed * time
+            turn = float(turned(model.bearing, self.scene.ideal_operation(), time).shaft)
             frame = self._values.frame(self._frames[sample], model, turn)
         else:
             frame = _recovered(self.scene, model, values, sample, time, self._turns[sample])
+        cage = None if self.scene.cage is None else np.array([self._values.column(name)[sample] for name in OF_CAGE])
         return Instant(
+            cage=cage,
             scene=self.scene,
             model=model,
             time=time,
@@ -225,8 +230,8 @@ def _recovered(scene: Scene, model: Model, values: dict, sample: int, time: floa
     hub, centres = np.array([values["inner_x"], values["inner_y"]]), _centres(values)
     inner, outer = model.inner_ring, model.outer_ring
     operation = scene.ideal_operation()
-    speed = operation.speed
-    ring_turn = speed * time
+    speed = float(operation.at(time).speed)
+    ring_turn = float(turned(model.bearing, operation, time).shaft)
 
     inner_load = inner.body_load(operation.gravity, ring_turn, speed)
     for angle, force, traction in zip(

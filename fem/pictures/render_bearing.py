@@ -5,10 +5,22 @@ import numpy as np
 from fem.pictures.near_contacts import FIRST_ROLLER
 from fem.pictures.recover import Instant
 from fem.pictures.render_bodies import DrawnBearing
+from fem.pictures.render_cage import bars
 from fem.pictures.render_canvas import FAULT, INK, Canvas, Panel, View
 from fem.pictures.render_legend import ORBIT_DOT, draw_legend, orbit_view
 from fem.pictures.render_look import Look
-from fem.pictures.render_shapes import arrow, cells, circle, disc, line, ring, segments, strip, turning_arrow
+from fem.pictures.render_shapes import (
+    arrow,
+    cells,
+    circle,
+    disc,
+    line,
+    polygon,
+    ring,
+    segments,
+    strip,
+    turning_arrow,
+)
 from fem.pictures.render_surfaces import charts, holes, unequal_rollers
 
 PAGE = View(middle=(0.525, 0.085), tall=2.64)
@@ -17,7 +29,9 @@ FINEST = 0.5  # pixels of a page 1600 wide: the smallest triangles
 COARSEST = 0.012  # of the outside radius: larger triangles would show as corners of a circle
 RELATIVE = 0.33, 0.17  # triangles over their distance from the contact; of fringes
 HOUSING, LOAD_ZONE, SHAFT, FAINT, FORCE = "#e3e3e3", "#f5dca8", "#f4f4f4", "#8a8a8a", "#d7301f"
-COLOURS = HOUSING, LOAD_ZONE, SHAFT, FORCE, ORBIT_DOT, FAULT
+CAGE = "#c9b28a"
+COLOURS = HOUSING, LOAD_ZONE, SHAFT, FORCE, ORBIT_DOT, FAULT, CAGE
+BEHIND = -0.005  # the cage, behind rings and rollers, where these are magnified into it
 HOUSING_RADIUS = 1.09
 OUTSIDE = 3  # of a drawn bearing's circles
 OUTLINE, WIRE, FINEST_WIRES = 1.5, 0.7, 6.0  # pixels; a finer mesh is not shown
@@ -44,6 +58,7 @@ def paint(canvas: Canvas, instant: Instant, drawn: DrawnBearing, look: Look) -> 
     fine = drawn.refined(FINEST * pixels()[0] / scale, COARSEST / scale, RELATIVE[look.scale.field == "photoelastic"])
     _housing(page, instant, drawn, look)
     _bodies(page, drawn, fine, look, scale)
+    _cage(page, instant, scale)
     _surfaces(page, instant, drawn, look, scale)
     _marks(page, instant, drawn, look, scale)
     _shaft(page, instant, drawn, look)
@@ -74,6 +89,13 @@ def _bodies(page: Panel, drawn: DrawnBearing, fine: DrawnBearing, look: Look, sc
         wires = segments(scale * drawn.points(look.magnification), drawn.inner_edges(), 0.05)
         page.stroke(wires, "white", WIRE, opacity=0.22)
     page.stroke([line(scale * outline, 0.1) for outline in drawn.outlines(look.magnification)], INK, OUTLINE)
+
+
+def _cage(page: Panel, instant: Instant, scale: float) -> None:
+    found = [scale * outline for outline in bars(instant)]
+    if found:
+        page.fill([polygon(outline, BEHIND) for outline in found], CAGE)
+        page.stroke([line(np.concatenate([outline, outline[:1]]), BEHIND) for outline in found], INK, OUTLINE)
 
 
 def _surfaces(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look, scale: float) -> None:

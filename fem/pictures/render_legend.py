@@ -11,6 +11,7 @@ from fem.pictures.render_scale import Scale, rounded_down
 from fem.pictures.render_shapes import arrow, bar, border, cells, disc, frame, line
 from fem.pictures.render_surfaces import chart_factor
 from lagrange.passages import spalls
+from lagrange.scene_operation import RPM
 
 TITLE, HEADING, TEXT = 38.0, 26.0, 23.0  # pixels of 1600
 QUIET, ORBIT_DOT = "#4d4d4d", "#0072b2"
@@ -77,7 +78,8 @@ def draw_title(page: Panel, instant: Instant, look: Look, x: float, y: float, li
     if numerics.start == "rest" and 1e3 * instant.time < numerics.load_ramp_ms:
         share = 0.5 * (1.0 - cos(pi * 1e3 * instant.time / numerics.load_ramp_ms))
         load = f"W = {share * operation.radial_load:.4g} N of {operation.radial_load:g} N"
-    facts = [f"n = {signed(scene.operation.speed_rpm)} rpm", load, f"{scene.bearing.rollers} rollers"]
+    rpm = round(operation.speed / RPM, 1) if scene.operation.speed_table else scene.operation.speed_rpm
+    facts = [f"n = {signed(rpm)} rpm", load, f"{scene.bearing.rollers} rollers"]
     if scene.bodies.rigid:
         both = len(scene.bodies.rigid) == 2
         facts.append("rigid rings" if both else f"rigid {scene.bodies.rigid[0].replace('_', ' ')}")

@@ -8,12 +8,13 @@ import numpy as np
 from fem.errors import UsageError
 from fem.result.fields import read_frame, read_values, stored_samples
 from lagrange import Bearing
-from lagrange.stored import Damaged, read_numbers, read_scene_files, read_scene_text, refusal_in_child
+from lagrange.stored import Damaged, has, read_numbers, read_scene_files, read_scene_text, refusal_in_child
 
 FORCES = ("inner_force", "outer_force", "roller_roller_force")
 PER_TIME = ("inner_x", "inner_y", "energy_elastic", "energy_contact")
+OF_CAGE = ("cage_x", "cage_y", "cage_angle")  # where the scene has one
 PER_ROLLER = ("roller_x", "roller_y", "roller_spin", "inner_traction", "outer_traction", *FORCES)
-PLACES = ("inner_x", "inner_y", "roller_x", "roller_y")
+PLACES = ("inner_x", "inner_y", "roller_x", "roller_y", "cage_x", "cage_y")
 READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
 READ_MEMORY, READ_COPIES = 2**29, 2  # bytes to read a file: at least, and times its size
 FASTEST = 1e5  # m/s, of a roller's surface: as in the time loop
@@ -55,27 +56,29 @@ class StoredValues:
         """The fields of one instant."""
         return self._read(lambda file: read_frame(file, model, index, ring_turn))
 
-    def check(self, bearing: Bearing) -> None:
-        """Refuse samples that are not of such a bearing.
+    def check(self, bearing: Bearing, has_cage: bool) -> None:
+        """Refuse samples that are not of such a bearing, with a cage or without.
 
         Errors
         ------
         UsageError: other shapes, numbers that are none or absurd, bodies nowhere near their places, time that falls.
         """
         try:
-            self._check(bearing)
+            self._check(bearing, has_cage)
         except Damaged as error:
             raise UsageError(f"{self._path}: damaged: {error}") from None
 
-    def _check(self, bearing: Bearing) -> None:
+    def _check(self, bearing: Bearing, has_cage: bool) -> None:
         count, pitch = len(self.times), bearing.pitch_radius
         _check_numbers("time", self.times, LARGEST, self.times)
         if np.any(np.diff(self.times) <= 0.0):
             raise Damaged("time does not rise")
         limits = dict.fromkeys((*PER_TIME, *PER_ROLLER), LARGEST)
         limits |= {"roller_spin": FASTEST / bearing.roller_radius, "inner_x": ASTRAY * pitch, "inner_y": ASTRAY * pitch}
+        if has_cage:
+            limits |= {"cage_x": ASTRAY * pitch, "cage_y": ASTRAY * pitch, "cage_angle": LARGEST}
         for name, limit in limits.items():
-            values, wanted = self.column(name), (count, bearing.n_rollers)[: 1 if name in PER_TIME else 2]
+            values, wanted = self.column(name), (count, bearing.n_rollers)[: 2 if name in PER_ROLLER else 1]
             if values.shape != wanted:
                 raise Damaged(f"its scene has {bearing.n_rollers} rollers, {name} has shape {values.shape}")
             _check_numbers(name, values, limit, self.times)
@@ -100,7 +103,7 @@ def _opened(file) -> tuple[np.ndarray, str, dict[str, str], np.ndarray]:
     if count < 1:
         raise Damaged("it holds no sample yet")
     times = read_numbers(file, "time", count)
-    for name in (*PER_TIME, *PER_ROLLER):
+    for name in (*PER_TIME, *PER_ROLLER, *(name for name in OF_CAGE if has(file, name))):
         read_numbers(file, name, count)
     return times, read_scene_text(file), read_scene_files(file), stored_samples(file, count)
 

@@ -11,6 +11,8 @@ try:
 except ImportError:  # not a POSIX system: files are not locked there
     fcntl = None
 
+BINARY = getattr(os, "O_BINARY", 0)  # Windows would translate line ends in what is read and written
+
 
 def real_path(path: Path) -> Path:
     """Where a link leads; else the path as it was given. OSError: links that lead round in a circle."""
@@ -48,7 +50,7 @@ def is_in_use(path: Path) -> bool:
 
 def open_locked(path: Path) -> int:
     """Open a file to write it, where others may read it but see by its lock that it is in use; the handle."""
-    handle = os.open(path, os.O_RDWR)
+    handle = os.open(path, os.O_RDWR | BINARY)
     _locked(handle, exclusively=False)
     return handle
 
@@ -69,9 +71,9 @@ def _locked(handle: int, exclusively: bool) -> bool:
 def write_at(handle: int, data: bytes, place: int) -> None:
     """Write all of it there. OSError: the disk fails."""
     view = memoryview(data)
+    os.lseek(handle, place, os.SEEK_SET)  # pwrite is not on every system
     while view:
-        written = os.pwrite(handle, view, place)
-        view, place = view[written:], place + written
+        view = view[os.write(handle, view) :]
 
 
 def claim(handle: int, size: int) -> None:
@@ -90,7 +92,10 @@ def claim(handle: int, size: int) -> None:
 
 
 def move_into_place(temporary: Path, path: Path) -> None:
-    """Give a file that is on the disk its final name; a power cut leaves the old file or the new one."""
+    """Give a file that is on the disk its final name; a power cut leaves the old file or the new one.
+
+    Neither of the two may be open: not every system renames such.
+    """
     os.replace(temporary, path)
     with suppress(OSError):  # some file systems can't sync a folder
         handle = os.open(path.parent, os.O_RDONLY)

@@ -49,12 +49,18 @@ VARIABLES = {
     "energy_elastic": (PER_TIME, "J", "elastic energy of the meshes"),
     "energy_contact": (PER_TIME, "J", "elastic energy of the contacts below the grid"),
     "work_external": (PER_TIME, "J", "work of load, gravity and drive since the start"),
-    "work_dissipated": (PER_TIME, "J", "work dissipated by friction since the start"),
+    "work_dissipated": (PER_TIME, "J", "work dissipated since the start"),
 }
 ON_SURFACES = {  # where these are not perfect circles
     "roller_turn": (PER_ROLLER, "rad", "how far the roller has turned about its axis since t = 0, fixed frame"),
     "inner_sinkage": (PER_ROLLER, "m", "how much nearer the inner ring and the roller come than perfect circles"),
     "outer_sinkage": (PER_ROLLER, "m", "how much nearer the outer ring and the roller come than perfect circles"),
+}
+WITH_DAMPING = {  # where contacts or bodies have dampers
+    "inner_damping_force": (PER_ROLLER, "N", "part of inner_force that damping gives"),
+    "outer_damping_force": (PER_ROLLER, "N", "part of outer_force that damping gives"),
+    "work_damping_contact": (PER_TIME, "J", "part of work_dissipated that contacts have damped"),
+    "work_damping_bodies": (PER_TIME, "J", "part of work_dissipated that bodies have damped"),
 }
 ON_HOUSING = {
     "housing_x": (PER_TIME, "m", "housing and outer ring's centre, x"),
@@ -105,7 +111,9 @@ def variables_of(scene: Scene) -> Variables:
     """What each sample of a run of this scene holds: dimensions, unit and meaning by name."""
     uneven = any(getattr(scene, name) for name in SURFACES)
     of_housing = {name: ON_HOUSING[name] for name in scene.mounting().columns}
-    return VARIABLES | of_housing | (ON_SURFACES if uneven else {}) | ({} if scene.cage is None else WITH_A_CAGE)
+    damped = WITH_DAMPING if scene.damping.acts else {}
+    of_cage = {} if scene.cage is None else WITH_A_CAGE
+    return VARIABLES | of_housing | (ON_SURFACES if uneven else {}) | of_cage | damped
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -73,8 +73,9 @@ class ResultFile:
         self._path = real_path(path)
         self._attributes = _attributes(plan, setup_seconds) | attributes
         self._plan = plan
-        self._bearing, self._speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().speed
+        self._bearing, self._operation = plan.scene.ideal_bearing(), plan.scene.ideal_operation()
         self._variables = variables_of(plan.scene)
+        self._handle: int | None = None
         self._events: list[SpallEvent] | None = None  # known when the run has ended, on bearings with spalls
         self._path.parent.mkdir(parents=True, exist_ok=True)
         with alone_in(self._path.parent):
@@ -88,7 +89,10 @@ class ResultFile:
                 self._begin(plan.n_samples, resume)
 
     def _begin(self, capacity: int, stored: Stored) -> None:
-        """Put a new file with the samples stored in the earlier one in its place, and go on with it."""
+        """Put a new file with the samples stored in the earlier one in its place, and go on with it.
+
+        While the files change places neither is open, as not every system allows that.
+        """
         part = self._path.with_name(self._path.name + ".part")
         capacity = max(1, capacity)  # HDF5 gives nothing no place
         with self._named(), ExitStack() as undo:
@@ -97,19 +101,35 @@ class ResultFile:
                 part, self._bearing.n_rollers, capacity, self._attributes, self._variables, self._further(capacity)
             )
             handle = open_locked(part)
-            undo.callback(os.close, handle)
-            if stored.samples and self._copy(handle, places, stored.samples) != stored.checksums:
-                raise UsageError(f"{self._path}: damaged: its samples are not those that were written; start again")
-            for name, place in places.checksum.items():
-                write_at(handle, _integers(stored.samples, stored.checksums[name], -1, 0), place)
-            write_at(handle, _integers(stored.samples), places.committed)
-            os.fsync(handle)
-            move_into_place(part, self._path)
+            try:
+                if stored.samples and self._copy(handle, places, stored.samples) != stored.checksums:
+                    raise UsageError(f"{self._path}: damaged: its samples are not those that were written; start again")
+                for name, place in places.checksum.items():
+                    write_at(handle, _integers(stored.samples, stored.checksums[name], -1, 0), place)
+                write_at(handle, _integers(stored.samples), places.committed)
+                os.fsync(handle)
+            finally:
+                os.close(handle)
+            goes_on = self._handle is not None
+            self._close()
+            try:
+                move_into_place(part, self._path)
+            except OSError:
+                if goes_on:
+                    self._handle = open_locked(self._path)
+                raise
+            self._handle = open_locked(self._path)
             undo.pop_all()
-        self._handle, self._places = handle, places
+        self._places = places
         self._count, self._checksums = stored.samples, dict(stored.checksums)
         self._in_force = 0  # which of a variable's two checksums holds
         self._committed, self._committed_at, self._commit_cost = stored.samples, time.monotonic(), 0.0
+
+    def _close(self) -> None:
+        """Let go of the file, if there is one."""
+        if self._handle is not None:
+            os.close(self._handle)
+        self._handle = None
 
     def _copy(self, handle: int, places: Places, count: int) -> dict[str, int]:
         """Copy the first samples of the file in place; gives the checksums of what was copied."""
@@ -165,7 +185,7 @@ class ResultFile:
     def is_in_place(self) -> bool:
         """Whether the file still stands where it was made: nobody has moved or removed it."""
         try:
-            return os.path.samestat(os.fstat(self._handle), os.stat(self._path))
+            return self._handle is not None and os.path.samestat(os.fstat(self._handle), os.stat(self._path))
         except OSError:
             return False
 
@@ -176,7 +196,7 @@ class ResultFile:
 
     def append(self, samples: Mapping[str, np.ndarray]) -> None:
         """Add samples by variable; committed when COMMIT_SECONDS have gone by."""
-        samples = with_sinkages(self._bearing, self._speed, samples)
+        samples = with_sinkages(self._bearing, self._operation, samples)
         with self._named():
             for name in self._variables:
                 place = self._places.data[name] + self._count * self._places.width[name]
@@ -207,17 +227,15 @@ class ResultFile:
         self._replace(self._plan.n_samples, nothing_stored(self._plan))
 
     def _replace(self, capacity: int, stored: Stored) -> None:
-        working = self._handle
         with self._named(), alone_in(self._path.parent):
             self._begin(capacity, stored)
-        os.close(working)
 
     def finish(self, status: str, **attributes: float | str) -> None:
         """Write the outcome and the events, in a new file without unused room that takes this one's place."""
         self.commit()
         if spalls(self._bearing):
             with self._named(), h5py.File(self._path, "r", locking=False) as file:
-                self._events = events_of(self._bearing, self._speed, file, self._count)
+                self._events = events_of(self._bearing, self._operation, file, self._count)
         outcome = dict(attributes, status=status)
         self._attributes |= outcome
         try:
@@ -247,7 +265,7 @@ class ResultFile:
         return self
 
     def __exit__(self, *_) -> None:
-        os.close(self._handle)
+        self._close()
 
 
 def frames_of(samples: int, stride: int) -> int:

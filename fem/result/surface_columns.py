@@ -11,7 +11,8 @@ from dataclasses import asdict
 import h5py
 import numpy as np
 
-from lagrange.bearing import Bearing
+from lagrange.bearing import Bearing, Operation
+from lagrange.kinematics import turned
 from lagrange.mounting import from_outer_ring
 from lagrange.passages import COLUMNS, HOUSING, find_passages, spalls
 from lagrange.profile import Turns, profiles
@@ -32,13 +33,16 @@ EVENT_COLUMNS = {  # type, unit and meaning
 }
 
 
-def with_sinkages(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
-    """Samples with the sinkage under each contact, where surfaces are not perfect; `speed` of the inner ring, rad/s."""
+def with_sinkages(
+    bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]
+) -> Mapping[str, np.ndarray]:
+    """Samples with the sinkage under each contact, where surfaces are not perfect."""
     surfaces = profiles(bearing)
     if surfaces is None:
         return samples
     inner_x, inner_y, x, y = from_outer_ring(samples, "inner", "roller")
-    turns = Turns(inner_ring=speed * samples["time"][:, None], rollers=samples["roller_turn"])
+    turn = turned(bearing, operation, samples["time"][:, None]).shaft
+    turns = Turns(inner_ring=turn, rollers=samples["roller_turn"])
     from_hub = np.arctan2(y - inner_y[:, None], x - inner_x[:, None])
     found = {
         "inner_sinkage": surfaces.inner(from_hub, turns).sinkage,
@@ -55,11 +59,11 @@ def write_scene_files(file: h5py.File, scene: Scene) -> None:
         variable.attrs["units"], variable.attrs["long_name"] = "1", "text of a file that the scene names, UTF-8"
 
 
-def events_of(bearing: Bearing, speed: float, file: h5py.File, count: int) -> list[SpallEvent]:
+def events_of(bearing: Bearing, operation: Operation, file: h5py.File, count: int) -> list[SpallEvent]:
     """Events of the first `count` samples of an open result file."""
     names = [name for name in (*COLUMNS, *HOUSING) if name in file]
     return spall_events(
-        find_passages(bearing, speed, lambda start, stop: {name: file[name][start:stop] for name in names}, count)
+        find_passages(bearing, operation, lambda start, stop: {name: file[name][start:stop] for name in names}, count)
     )
 
 

@@ -17,6 +17,8 @@ from fem.kernels.simd import WIDTH
 from fem.kernels.state import (
     Bodies,
     Contacts,
+    Course,
+    Dampers,
     Disc,
     DiscSurface,
     Drive,
@@ -33,6 +35,7 @@ from fem.kernels.state import (
 )
 from fem.solver.cache_lines import lined_up
 from fem.solver.contact_arrays import contact_arrays, disc_surface, pair_groups
+from fem.solver.course_arrays import course_arrays
 from fem.solver.housing_arrays import housing_body
 from fem.solver.start import Start
 from lagrange import Operation
@@ -100,8 +103,10 @@ GIVEN = {
     Ring: ("table", "radii", "row_mass", "cosines", "sines"),
     Points: ("shift", "tangent", "rise", "sagitta", "stiffness"),
     Shear: ("level",),
+    Course: ("turn_knots", "turn", "load_knots", "load"),
     Resonator: ("step", "half_step", "pull"),
     Spread: ("missing", "inverse"),
+    Dampers: ("whole",),
     Cage: ("cosine", "sine"),
 }
 STATE_INDICES = {Patches: ("start", "place"), Spread: ("closed",)}
@@ -317,6 +322,7 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: fl
         dt=float(dt),
         radial_load=float(operation.radial_load),
         ramp=float(ramp),
+        course=course_arrays(model.bearing, operation),
     )
 
 

@@ -116,7 +116,7 @@ def _edges(model: "Model", equilibrium: "Equilibrium") -> str | None:
 
 def _waves(bearing: Bearing, operation: Operation, interval: float) -> str | None:
     """Samples must follow contacts over waves."""
-    ideal = kinematics(bearing, operation.speed)
+    ideal = kinematics(bearing, operation.fastest)
     speed = abs(ideal.roller - ideal.cage) * bearing.roller_radius
     waves = [pi * own_radius(bearing, f) / f.order for f in bearing.faults if isinstance(f, Waviness)]
     shortest = min(waves, default=inf)

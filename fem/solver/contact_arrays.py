@@ -56,13 +56,15 @@ def pair_groups(
     if not hub.material.rigid:
         inner_surface = _ring_surface(hub, rings[0], data.ripples[INNER])
     else:
-        inner_surface = _moved_with(bearing, drive.hub, drive, drive.mass, drive.speed, hub.raceway_radius)
+        inner_surface = _moved_with(bearing, drive.hub, drive, drive.mass, hub.raceway_radius)._replace(
+            speed=drive.speed, course=drive.course
+        )
     if not ground.material.rigid:
         outer_surface = _ring_surface(ground, rings[1], data.ripples[OUTER])
     elif housing is None:
         outer_surface = Ground(radius=ground.raceway_radius)
     else:
-        outer_surface = _moved_with(bearing, housing.place, housing, housing.mass, 0.0, ground.raceway_radius)
+        outer_surface = _moved_with(bearing, housing.place, housing, housing.mass, ground.raceway_radius)
     orbit = ground.raceway_radius - model.roller.shape.radius
     inner_profiles, outer_profiles = raceway_profiles(bearing, columns)
     on_inner = Raceway(
@@ -97,17 +99,15 @@ def pair_groups(
     return tuple(tuple(group) for _, group in groupby((on_inner, on_outer, between), key=numba.typeof))
 
 
-def _moved_with(
-    bearing: Bearing, place: np.ndarray, body: Drive | Housing, mass: float, speed: float, radius: float
-) -> Hub:
-    """A rigid ring that is part of the hub, or of the housing."""
+def _moved_with(bearing: Bearing, place: np.ndarray, body: Drive | Housing, mass: float, radius: float) -> Hub:
+    """A rigid ring that is part of the hub, or of the housing, and does not turn."""
     return Hub(
         place=place,
         velocity=body.velocity,
         impulse=body.impulse,
         n_contacts=bearing.n_rollers,
         mass=mass,
-        speed=speed,
+        speed=0.0,
         radius=radius,
     )
 
@@ -270,8 +270,8 @@ def _overlapping(model: "Model", width: float) -> int | None:
 def _reach(model: "Model", operation: Operation) -> float:
     """A gap that elastic motion can't close: far above any contact's approach, and twice the growth under rotation."""
     ring, disc = model.inner_ring, model.roller
-    growth = ring.held(ring.body_load(0.0, 0.0, operation.speed))
-    spin = kinematics(model.bearing, operation.speed).roller
+    growth = ring.held(ring.body_load(0.0, 0.0, operation.fastest))
+    spin = kinematics(model.bearing, operation.fastest).roller
     swelling = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel())
     surfaces = profiles(model.bearing)
     highest = 0.0 if surfaces is None else surfaces.highest

@@ -6,6 +6,7 @@ from rich.table import Table
 
 from fem.solver.arrays import Arrays
 from fem.statics.static_error import static_error
+from lagrange.scene import Scene
 from meshes import Mesh, quality
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
         f"{1e9 * plan.critical_time_step:.2f} ns)",
         "steps": f"{plan.steps} for {1e3 * (plan.n_samples - 1) * plan.interval:g} ms",
         "samples": f"{plan.n_samples}, one each {plan.stride} steps",
+        **damping_rows(plan.scene),
         **_fields(plan),
         "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
         "expected time": f"about {plan.expected_seconds:.2g} s",
@@ -56,6 +58,16 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
         rows["static error of the mesh"] = (
             f"hub displacement {100 * error.hub:.2g} %, loads {100 * error.largest_force:.2g} % (against exact series)"
         )
+    return rows
+
+
+def damping_rows(scene: Scene) -> dict[str, str]:
+    """How contacts and bodies are damped, where they are."""
+    rows, table = {}, scene.damping
+    if table.contacts.acts:
+        rows["damping of a contact"] = table.contacts.words
+    if table.bodies_1_s > 0.0:
+        rows["damping of the bodies"] = f"{table.bodies_1_s:g} 1/s"
     return rows
 
 

@@ -13,6 +13,7 @@ from fem.solver.arrays import Arrays, make_arrays
 from fem.solver.cage_arrays import critical_with_cage, with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
+from fem.solver.damping_arrays import with_damping
 from fem.solver.description import expected_seconds, mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
@@ -77,6 +78,7 @@ class ElementPlan(CompiledPlan):
         arrays = make_arrays(
             self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force, numerics.threads
         )
+        arrays = with_damping(arrays, self.model, self.scene.damping)
         cage, start = self.scene.ideal_cage(), self.start
         if cage is None:
             return arrays
@@ -116,7 +118,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     check_threads(numerics.threads)
     forces = expected_forces(scene)
     model = model_of(scene, forces)
-    check_speed(model, kinematics(model.bearing, operation.speed))
+    check_speed(model, kinematics(model.bearing, operation.fastest))
     try:
         loaded = equilibrium_start(model, operation)
     except NotFound:
@@ -128,7 +130,7 @@ def make_plan(scene: Scene) -> ElementPlan:
     expected = max(
         float(loaded.equilibrium.inner_force.max()),
         float(loaded.equilibrium.outer_force.max()),
-        5.0 * operation.radial_load / model.bearing.n_rollers,
+        5.0 * operation.heaviest / model.bearing.n_rollers,
     )
     critical = critical_with_cage(
         critical_time_step(model, expected, operation.mounting.housing),

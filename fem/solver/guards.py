@@ -37,7 +37,7 @@ def n_in_place(plan: "ElementPlan", samples: Samples) -> int:
     """How many samples from the first have rollers between the raceways and the hub between the rollers."""
     bearing = plan.model.bearing
     reach, track = touching_distances(bearing)
-    give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.radial_load)
+    give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.heaviest)
     surfaces = profiles(bearing)
     give += 0.0 if surfaces is None else surfaces.deepest
     hub_x, hub_y, x, y = from_outer_ring(samples, "inner", "roller")

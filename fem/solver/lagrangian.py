@@ -75,14 +75,14 @@ class LagrangianPlan(CompiledPlan):
         """Of all steps and samples, s, unless contacts rattle."""
         problem = self.problem
         times = self.steps * ceil(problem.bearing.n_rollers / 8)
-        times *= len(ALL_DRIFTS) if problem.damping == 0.0 else DAMPED
+        times *= DAMPED if problem.damping.acts else len(ALL_DRIFTS)
         times *= ON_SURFACES if problem.bearing.faults else 1.0
         looked_at = SECONDS_PER_SAMPLE * self.n_samples * problem.bearing.n_rollers
         return times * SECONDS_PER_EIGHT[isinstance(problem.laws.inner, PowerLaw)] + looked_at
 
     def static_hub(self) -> np.ndarray:
         problem = self.problem
-        alone = replace(problem.operation, gravity=0.0)
+        alone = replace(problem.operation, side_load=0.0, gravity=0.0, course=None)
         still = static_equilibrium(problem.bearing, alone, problem.laws, roller_mass=0.0)
         return np.array([still.x, still.y])
 
@@ -119,7 +119,7 @@ class LagrangianPlan(CompiledPlan):
         return {
             "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",
             "contact law": f"{options.law}, {problem.laws.inner.range}",
-            "damping of a contact": f"{options.damping_N_s_m:g} N s/m",
+            "damping of a contact": problem.damping.words,
             "time step": f"{1e6 * self.time_step:.3g} µs, halved where contacts rattle "
             f"({self.time_step / self.critical_time_step:.2f} of the critical {1e6 * self.critical_time_step:.3g} µs)",
             "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
@@ -147,7 +147,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         laws=contact_laws(options.law, bearing),
         start=numerics.start,
         angles=options.angles,
-        damping=options.damping_N_s_m,
+        damping=scene.damping.contacts,
         load_ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
     )
     return LagrangianPlan(
@@ -211,9 +211,13 @@ class LagrangianState(RunState):
             values={name: getattr(part, name) for name in SAME}
             | absent
             | {
-                "roller_spin": per_roller + part.roller_spin,
-                "roller_turn": per_roller + part.roller_spin * part.time[:, None],
+                "roller_spin": per_roller + np.reshape(part.roller_spin, (-1, 1)),
+                "roller_turn": per_roller + part.roller_turn[:, None],
                 "energy_elastic": per_time,
+                "inner_damping_force": part.inner_damper,
+                "outer_damping_force": part.outer_damper,
+                "work_damping_contact": part.work_dissipated,
+                "work_damping_bodies": per_time,
             },
             imbalance=part.energy_error,
             exchanged=exchanged,

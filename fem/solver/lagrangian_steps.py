@@ -16,6 +16,8 @@ from fem.kernels.simd import WIDTH
 from fem.kernels.state import Law
 from fem.solver.cache_lines import lined_up
 from fem.solver.contact_arrays import raceway_profiles
+from fem.solver.course_arrays import course_arrays
+from lagrange.contact_damping import ContactDamping
 from lagrange.integrate import ALL_DRIFTS, ALL_KICKS, Integration
 from lagrange.laws import PowerLaw
 from lagrange.overlap import touching_distances
@@ -26,7 +28,7 @@ from lagrange.systems import Packed
 class CompiledIntegration(Integration):
     """Steps by a kernel."""
 
-    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: float):
+    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
         super().__init__(system, start, step, per_sample, damping)
         columns = -(-system.n // WIDTH) * WIDTH
         axes = 1 if system.holds_angles else 2
@@ -39,7 +41,7 @@ class CompiledIntegration(Integration):
             )
         )
         self._bearing = lined_up(_bearing(system, columns))
-        self._dampers = lined_up(_dampers(damping, axes, columns)) if damping > 0.0 else None
+        self._dampers = lined_up(_dampers(damping, axes, columns)) if damping.acts else None
 
     def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
         motion, (hub, elements, sums), n = self._motion, self.memory.values(), self._system.n
@@ -109,6 +111,7 @@ def _bearing(system, columns: int) -> IdealBearing:
         spin=float(ideal.roller),
         n=bearing.n_rollers,
         columns=columns,
+        course=course_arrays(bearing, operation, held=system.holds_angles),
     )
 
 
@@ -122,9 +125,12 @@ def _constants(law) -> PowerConstants | Law:
     raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `lagrangian_forces.spring_force`")
 
 
-def _dampers(damping: float, axes: int, columns: int) -> Dampers:
+def _dampers(damping: ContactDamping, axes: int, columns: int) -> Dampers:
     return Dampers(
-        damping=float(damping),
+        constant=float(damping.constant),
+        time=float(damping.time),
+        hunt_crossley=float(damping.hunt_crossley),
+        coefficient=np.zeros((2, columns)),
         axes=np.zeros((2, columns)),
         normal=np.zeros((2, 2, columns)),
         closing=np.zeros((2, columns)),

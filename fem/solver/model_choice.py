@@ -1,6 +1,5 @@
 """What each model would take for a scene and what it errs by: --dry-run shows it beside the plan."""
 
-import tomllib
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,7 @@ from fem.solver.simulate import SOLVERS, make_plan
 from fem.solver.solver import Plan
 from fem.statics.contact_balance import NotFound
 from fem.statics.exact_statics import exact_statics
-from lagrange.scene import Scene, SceneError, parse_scene
+from lagrange.scene import Scene, SceneError, parse_scene_text
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +49,7 @@ def _choice(plan: Plan, name: str, exact: np.ndarray | None) -> Choice:
 
 
 def _with_model(scene: Scene, name: str) -> Scene:
-    return parse_scene(tomllib.loads(scene.to_toml()) | {"model": name}, scene.name)
+    return parse_scene_text(scene.model_copy(update={"model": name}).to_toml(), scene.name, scene.files)
 
 
 def _exact_hub(scene: Scene) -> np.ndarray | None:

@@ -115,11 +115,12 @@ def make_plan(scene: Scene) -> ReducedPlan:
     highest = 2e3 * pi * scene.reduced.modes_up_to_kHz
     modes = bearing_modes(bearing, operation.inner_mass, highest)
     model = reduced_bearing(bearing, ideal, modes)
-    check_speed(model, ideal)
+    fastest = kinematics(bearing, operation.fastest)
+    check_speed(model, fastest)
     loaded = equilibrium_start(model, operation)
     static = max(float(loaded.inner_force.max()), float(loaded.outer_force.max()))
     check_widths(bearing, static)
-    load = operation.radial_load + operation.inner_mass * operation.gravity
+    load = operation.heaviest + operation.inner_mass * operation.gravity
     largest = max(static, 5.0 * load / bearing.n_rollers, 1.0)
     if modes is not None and min(model.inner_law.Q_line, model.outer_law.Q_line) < LOAD_MARGIN * largest:
         raise UsageError(
@@ -130,7 +131,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation.inner_mass)
     critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation.inner_mass)
     interval = 1e-6 * numerics.output_interval_us
-    longest = min(SHARE * critical, _time_along_a_profile(bearing, ideal), longest_with_modes(modes))
+    longest = min(SHARE * critical, _time_along_a_profile(bearing, fastest), longest_with_modes(modes))
     longest *= numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
     looks = ceil(steps / LONGEST_UNWATCHED)

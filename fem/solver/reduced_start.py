@@ -18,7 +18,7 @@ from fem.statics.contact_balance import (
 )
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
 from lagrange import Kinematics, Operation, kinematics
-from lagrange.kinematics import roller_angles
+from lagrange.kinematics import roller_angles, turned
 from lagrange.profile import UNTURNED, Turns
 
 NEWTON_STEPS = 20
@@ -50,14 +50,12 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
     NotFound: no equilibrium.
     """
     bearing = model.bearing
-    ideal = kinematics(bearing, operation.speed)
-    load = operation.radial_load + operation.inner_mass * operation.gravity
-    place, forces = _balanced(model, operation, ideal, load, 0.0, None)
+    place, forces = _balanced(model, operation, 0.0, None)
     speed, rate = abs(operation.speed) * bearing.inner_raceway_radius, np.zeros_like(place)
     if speed > 0.0:
         ahead = LOOK_AHEAD * bearing.roller_radius / speed
         try:
-            before, after = (_balanced(model, operation, ideal, load, t, place)[0] for t in (-ahead, ahead))
+            before, after = (_balanced(model, operation, t, place)[0] for t in (-ahead, ahead))
         except NotFound:
             before = after = place
         found = (after - before) / (2.0 * ahead)
@@ -73,12 +71,8 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     """
     bearing, n = model.bearing, model.bearing.n_rollers
     if bearing.radial_clearance < -ROUND_OFF * bearing.roller_radius:
-        ideal = kinematics(bearing, operation.speed)
-        unloaded = Operation(
-            speed=operation.speed, radial_load=0.0, inner_mass=operation.inner_mass, gravity=0.0,
-            first_roller_angle=operation.first_roller_angle,
-        )  # fmt: skip
-        place, forces = _balanced(model, unloaded, ideal, 0.0, 0.0, None)
+        unloaded = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, course=None)
+        place, forces = _balanced(model, unloaded, 0.0, None)
         return _start(model, operation, place, np.zeros_like(place), forces)
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
     angle = roller_angles(bearing, operation.first_roller_angle)
@@ -91,9 +85,9 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
 
 def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
     """Hub under the radial load alone, standing, weightless, (2,), m. NotFound: no equilibrium."""
-    alone = replace(operation, speed=0.0, gravity=0.0)
+    alone = replace(operation, speed=0.0, side_load=0.0, gravity=0.0, course=None)
     still = reduced_bearing(model.bearing, kinematics(model.bearing, 0.0))
-    return _balanced(still, alone, kinematics(model.bearing, 0.0), operation.radial_load, 0.0, None)[0][:2]
+    return _balanced(still, alone, 0.0, None)[0][:2]
 
 
 def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
@@ -112,12 +106,15 @@ def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
     return found
 
 
-def _balanced(model, operation, ideal, load, time, near) -> tuple[np.ndarray, np.ndarray]:
+def _balanced(model, operation, time, near) -> tuple[np.ndarray, np.ndarray]:
     """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s."""
-    angle = roller_angles(model.bearing, operation.first_roller_angle) + ideal.cage * time
-    contacts = model.at(angle, Turns.rolling(ideal, time))
-    start = first_guess(model.bearing, contacts.radial, load) if near is None else near
-    return balance(contacts, Loads(load, operation.gravity, ideal.cage), start)
+    bearing, acting = model.bearing, operation.at(time)
+    angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
+    contacts = model.at(angle, Turns.rolling(bearing, operation, time))
+    load, aside = float(acting.radial_load) + operation.inner_mass * operation.gravity, float(acting.side_load)
+    start = first_guess(bearing, contacts.radial, load, aside) if near is None else near
+    cage = kinematics(bearing, operation.speed).cage
+    return balance(contacts, Loads(load, operation.gravity, cage, aside), start)
 
 
 def _start(model, operation, place, rate, forces, steady=True) -> ReducedStart:

@@ -8,16 +8,29 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.kernels.reduced_loop import advance_reduced
-from fem.kernels.reduced_state import INNER, OUTER, Before, Compliance, Modes, ReducedDrive, ReducedForces, RigidBodies
+from fem.kernels.reduced_state import (
+    INNER,
+    OUTER,
+    Before,
+    Compliance,
+    Modes,
+    ReducedDampers,
+    ReducedDrive,
+    ReducedForces,
+    RigidBodies,
+)
 from fem.kernels.simd import WIDTH
 from fem.solver.arrays import changing_arrays
 from fem.solver.cage_arrays import cage_state, pair_of_rigid
 from fem.solver.contact_arrays import raceway_profiles
+from fem.solver.course_arrays import course_arrays
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.samples import SampleReader
 from fem.solver.solver import Block, Numbers
 from fem.solver.vibrations import vibrations
-from lagrange import Bearing
+from fem.statics.reduced_bearing import growths
+from lagrange import Bearing, kinematics
+from lagrange.contact_damping import ContactDamping
 from lagrange.overlap import touching_distances
 from lagrange.profile import profiles
 
@@ -127,6 +140,8 @@ class ReducedState(RowState):
         for place, group in (("bodies", self.bodies), ("forces", self.forces), ("drive", self.drive)):
             arrays = {name: value for name, value in group._asdict().items() if isinstance(value, np.ndarray)}
             found |= {f"{place}.{name}": array for name, array in arrays.items()}
+        if self.forces.dampers is not None:
+            found |= {f"dampers.{name}": getattr(self.forces.dampers, name) for name in ("force", "lowered", "work")}
         for place, modes in self._modes.items():
             found |= {f"{place}.{name}": getattr(modes, name) for name in ("amplitude", "rate", "before")}
         if self.bodies.cage is not None:
@@ -184,7 +199,7 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
     radial = np.array([np.cos(start.angle), np.sin(start.angle)])
     around = np.array([-radial[1], radial[0]])
     cage, half = start.kinematics.cage, 0.5 * dt if start.steady else 0.0
-    load = plan.operation.radial_load if start.steady else 0.0
+    load = (plan.operation.side_load, -plan.operation.radial_load) if start.steady else (0.0, 0.0)
     vibrating = vibrations(plan.model, start, load, columns, dt)
     carried = np.zeros(2) if vibrating is None else vibrating.inner.carried @ vibrating.inner.amplitude
     bodies = RigidBodies(
@@ -255,6 +270,7 @@ def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         softening=np.zeros((4, columns)) if uneven else None,
         taken=None if plan.model.modes is None else np.zeros((2, 2, columns)),
         halo=halo,
+        dampers=_dampers(plan.scene.damping.contacts, columns),
     )
     for row, force in ((INNER, start.inner_force), (OUTER, start.outer_force)):
         found.force[row, :n] = force
@@ -263,9 +279,28 @@ def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
     return found
 
 
+def _dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:
+    if not damping.acts:
+        return None
+    return ReducedDampers(
+        constant=float(damping.constant),
+        time=float(damping.time),
+        hunt_crossley=float(damping.hunt_crossley),
+        force=np.zeros((3, columns)),
+        lowered=np.full((2, columns), np.nan),
+        passing=np.zeros((2, columns)),
+        rate=np.zeros((2, columns)),
+        gain=np.zeros((1, columns)),
+        coefficient=np.zeros((2, columns)),
+        pair_work=np.zeros(WIDTH),
+        work=np.zeros(2),
+    )
+
+
 def _drive(plan: "ReducedPlan") -> ReducedDrive:
     bearing: Bearing = plan.model.bearing
     numerics, operation = plan.scene.numerics, plan.operation
+    inner, roller = growths(bearing, kinematics(bearing, 1.0))
     return ReducedDrive(
         sums=np.zeros(3),
         speed=float(operation.speed),
@@ -275,4 +310,5 @@ def _drive(plan: "ReducedPlan") -> ReducedDrive:
         ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
         friction=float(plan.scene.contact.friction_coefficient),
         inner_radius=float(bearing.inner_raceway_radius),
+        course=course_arrays(bearing, operation, growth=inner + roller, roller_growth=roller),
     )

@@ -87,6 +87,10 @@ class SampleReader:
             "energy_contact": rows[:, row.CONTACT],
             "work_external": work,
             "work_dissipated": dissipated,
+            "inner_damping_force": block["inner_damping_force"],
+            "outer_damping_force": block["outer_damping_force"],
+            "work_damping_contact": rows[:, row.DAMPED_BY_CONTACTS],
+            "work_damping_bodies": rows[:, row.DAMPED_BY_BODIES],
             **further,
         }
         if self._has_cage:

@@ -9,7 +9,7 @@ from fem.contacts.reduction import Motion
 from fem.statics.contact_balance import JUMP, ROUND_OFF, NotFound
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from lagrange import Kinematics, Operation, kinematics
-from lagrange.kinematics import roller_angles
+from lagrange.kinematics import roller_angles, turned
 from lagrange.profile import profiles
 
 if TYPE_CHECKING:
@@ -36,16 +36,17 @@ class Start:
 
 def rolling_motion(model: "Model", operation: Operation, time: float) -> tuple[Motion, Kinematics]:
     """Angles at a time if everything rolls without slip."""
-    ideal = kinematics(model.bearing, operation.speed)
+    ideal = kinematics(model.bearing, operation.at(time).speed)
+    way = turned(model.bearing, operation, time)
     angle = roller_angles(model.bearing, operation.first_roller_angle)
     n = model.bearing.n_rollers
     motion = Motion(
-        roller_angle=angle + ideal.cage * time,
-        roller_turn=np.full(n, ideal.roller * time),
-        ring_turn=operation.speed * time,
+        roller_angle=angle + way.cage,
+        roller_turn=np.full(n, way.roller),
+        ring_turn=way.shaft,
         cage_speed=ideal.cage,
         roller_speed=ideal.roller,
-        ring_speed=operation.speed,
+        ring_speed=ideal.shaft,
     )
     return motion, ideal
 
@@ -59,8 +60,9 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
     weight = operation.inner_mass * operation.gravity
 
     def at(time, near=None):
-        motion, _ = rolling_motion(model, operation, time)
-        return equilibrium(model, motion, operation.radial_load, weight, operation.gravity, near)
+        (motion, _), acting = rolling_motion(model, operation, time), operation.at(time)
+        load, aside = float(acting.radial_load), float(acting.side_load)
+        return equilibrium(model, motion, load, weight, operation.gravity, near, aside)
 
     middle = at(0.0)
     motion, ideal = rolling_motion(model, operation, 0.0)

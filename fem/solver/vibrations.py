@@ -78,8 +78,10 @@ def _coupled(model: ReducedBearing, force: float, hub_mass: float) -> tuple[np.n
     return stiffness, np.concatenate([[hub_mass] * 2, np.full(n, model.bearing.roller_mass)]), frequency
 
 
-def vibrations(model: ReducedBearing, start: ReducedStart, load: float, columns: int, dt: float) -> Vibrations | None:
-    """Modes at rest as far out as the start's forces hold them, and the load at the hub, N, if any yet."""
+def vibrations(
+    model: ReducedBearing, start: ReducedStart, load: tuple[float, float], columns: int, dt: float
+) -> Vibrations | None:
+    """Modes at rest as far out as the start's forces hold them, and the load at the hub, x and y, N, if any yet."""
     if model.modes is None:
         return None
     n = model.bearing.n_rollers
@@ -88,12 +90,12 @@ def vibrations(model: ReducedBearing, start: ReducedStart, load: float, columns:
     to_hub = np.arctan2(*(start.rho * np.array([np.sin(start.angle), np.cos(start.angle)]) - start.hub[::-1, None]))
     rings = []
     for modes, angle, force, hub in (
-        (model.modes.inner, to_hub, inner, -load), (model.modes.outer, start.angle, outer, 0.0)
+        (model.modes.inner, to_hub, inner, load), (model.modes.outer, start.angle, outer, (0.0, 0.0))
     ):  # fmt: skip
         found = _arrays(modes, (), dt)
         for twin, turned in enumerate((np.cos, np.sin)):
             push = modes.shape * (turned(np.multiply.outer(modes.order, angle)) @ force)
-            found.amplitude[:, twin] = (push + twin * hub * modes.carried) / modes.frequency**2
+            found.amplitude[:, twin] = (push + hub[twin] * modes.carried) / modes.frequency**2
         rings.append(found)
     modes = model.modes.roller
     roller = _arrays(modes, (columns,), dt)

@@ -38,6 +38,7 @@ class Loads(NamedTuple):
     hub: float  # N, downwards
     gravity: float  # m/s²
     cage_speed: float  # rad/s
+    aside: float = 0.0  # N, on the hub along +x
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,10 +54,14 @@ class Condensed:
     turns: Turns = UNTURNED  # of the bodies, which matter where their surfaces are not perfect
 
 
-def first_guess(bearing: Bearing, radial, load) -> np.ndarray:
-    """Hub and radii, (n_rollers + 2,): the hub pushed down until rigid rollers would touch, rollers midway."""
-    down = max(bearing.radial_clearance, 0.0) + (1e-7 * bearing.roller_radius if load > 0.0 else 0.0)
-    hub = np.array([0.0, -down if load > 0.0 else 0.0])
+def first_guess(bearing: Bearing, radial, load: float, aside: float = 0.0) -> np.ndarray:
+    """Hub and radii, (n_rollers + 2,): the hub pushed until rigid rollers would touch, rollers midway.
+
+    `load`, `aside` : N, downwards and along +x
+    """
+    size, hub = np.hypot(load, aside), np.zeros(2)
+    if size > 0.0:
+        hub = (max(bearing.radial_clearance, 0.0) + 1e-7 * bearing.roller_radius) * np.array([aside, -load]) / size
     return np.concatenate([hub, bearing.pitch_radius + 0.5 * (radial @ hub)])
 
 
@@ -107,7 +112,7 @@ def _convex(contacts: Condensed, loads: Loads, position, last: np.ndarray) -> tu
     overlap, compliance = overlap + contacts.closing, contacts.compliance + np.diag(soft)
     applied = np.concatenate(
         [
-            [0.0, -loads.hub],
+            [loads.aside, -loads.hub],
             # the centrifugal force's own growth is left out: a roller in clearance would be sent the wrong way
             bearing.roller_mass * (loads.cage_speed**2 * position[2:] - loads.gravity * contacts.radial[:, 1]),
         ]

@@ -36,9 +36,20 @@ class Pressures:
 
 
 def equilibrium(
-    model: Model, motion: Motion, radial_load: float, weight: float, gravity: float, start: Equilibrium | None = None
+    model: Model,
+    motion: Motion,
+    radial_load: float,
+    weight: float,
+    gravity: float,
+    start: Equilibrium | None = None,
+    side_load: float = 0.0,
 ) -> Equilibrium:
-    """Solve for the equilibrium under a load, N, and the weight, N, of hub and inner ring; `start`: one that is near.
+    """Solve for the equilibrium under a load, N, and the weight, N, of hub and inner ring.
+
+    Parameters
+    ----------
+    start : one that is near
+    side_load : N, along +x
 
     Steady rotation acts as centrifugal load on rollers and ring. Friction and the rollers' balance along the raceway
     are left out: their angles are given.
@@ -47,7 +58,9 @@ def equilibrium(
     ------
     NotFound: no equilibrium. The contact balance is exact to about 1e-9 of the load.
     """
-    reduced, place, pressed = _solved(model, motion, radial_load + weight, gravity, start)
+    reduced, place, pressed = _solved(
+        model, motion, Loads(radial_load + weight, gravity, motion.cage_speed, side_load), start
+    )
     inner_force, outer_force = _sums(reduced, pressed, model.bearing.n_rollers).reshape(2, -1)
     inner_ring, outer_ring, rollers = reduced.fields(pressed)
     return Equilibrium(
@@ -58,7 +71,7 @@ def equilibrium(
 
 def contact_pressures(model: Model, motion: Motion, radial_load: float) -> list[Pressures]:
     """Pressures at the points of all contacts under a load, N, weightless: inner ones by roller, then outer ones."""
-    points, _, forces = _solved(model, motion, radial_load, 0.0, None)
+    points, _, forces = _solved(model, motion, Loads(radial_load, 0.0, motion.cage_speed), None)
     found = []
     for contact in range(2 * model.bearing.n_rollers):
         law = model.laws[contact // model.bearing.n_rollers]
@@ -68,16 +81,15 @@ def contact_pressures(model: Model, motion: Motion, radial_load: float) -> list[
 
 
 def _solved(
-    model: Model, motion: Motion, load: float, gravity: float, start: Equilibrium | None
+    model: Model, motion: Motion, loads: Loads, start: Equilibrium | None
 ) -> tuple[Reduced, np.ndarray, np.ndarray]:
     """The bearing reduced to points, hub and radii, and the forces of the points in equilibrium."""
-    bearing, radial, forces = model.bearing, motion.radial, None
-    loads = Loads(load, gravity, motion.cage_speed)
+    bearing, radial, forces, gravity = model.bearing, motion.radial, None, loads.gravity
     if start is not None:
         place = np.concatenate([start.hub, start.rho])
         forces = np.concatenate([start.inner_force, start.outer_force])
     else:
-        place = first_guess(bearing, radial, load)
+        place = first_guess(bearing, radial, loads.hub, loads.aside)
         if model.is_sized_by_forces:
             place, forces = balance(exact_contacts(bearing, motion.roller_angle), loads, place)
     for _ in range(model.static_passes):
@@ -92,7 +104,8 @@ def _solved(
             pressed = closed_forces(pressed)
         else:
             outward = bearing.roller_mass * (motion.cage_speed**2 * place[2:] - gravity * radial[:, 1])
-            place, pressed = balance_pressures(bearing, radial, reduced, load, outward, place)
+            on_hub = np.array([loads.aside, -loads.hub])
+            place, pressed = balance_pressures(bearing, radial, reduced, on_hub, outward, place)
         forces = _sums(reduced, pressed, bearing.n_rollers)
     return reduced, place, pressed
 

@@ -37,9 +37,9 @@ class ExpectedForces:
 
     @property
     def _load(self) -> float:
-        return self.operation.radial_load + self.operation.inner_mass * self.operation.gravity
+        return self.operation.heaviest + self.operation.inner_mass * self.operation.gravity
 
     @property
     def _centrifugal(self) -> float:
-        cage = 0.5 * abs(self.operation.speed)  # or less
+        cage = 0.5 * self.operation.fastest  # or less
         return self.bearing.roller_mass * cage**2 * self.bearing.pitch_radius

@@ -18,13 +18,13 @@ ENOUGH = 1e-9  # of the load
 
 
 def balance_pressures(
-    bearing: Bearing, radial: np.ndarray, points: PressurePoints, hub_load: float, outward: np.ndarray, start
+    bearing: Bearing, radial: np.ndarray, points: PressurePoints, hub_load: np.ndarray, outward: np.ndarray, start
 ) -> tuple[np.ndarray, np.ndarray]:
     """Hub and radii in equilibrium, (n_rollers + 2,), and the forces of all points, N.
 
     Parameters
     ----------
-    radial : (n_rollers, 2), unit, from the outer ring's centre to the rollers; hub_load : N, downwards
+    radial : (n_rollers, 2), unit, from the outer ring's centre to the rollers; hub_load : (2,), N
     outward : (n_rollers,), N, other forces on the rollers along `radial`; start : (n_rollers + 2,), m
 
     Errors
@@ -33,7 +33,7 @@ def balance_pressures(
     """
     n = bearing.n_rollers
     active = np.zeros(points.contact.size, dtype=bool)
-    applied = np.concatenate([[0.0, -hub_load], outward])
+    applied = np.concatenate([hub_load, outward])
     middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
 
     def system(place, active):
@@ -46,7 +46,8 @@ def balance_pressures(
 
     place = start
     residual, jacobian, force, active = system(place, active)
-    enough = ENOUGH * max(hub_load, 1.0)
+    size = float(np.hypot(*hub_load))
+    enough = ENOUGH * max(size, 1.0)
     for _ in range(MAX_NEWTON):
         norm = np.linalg.norm(residual)
         if norm <= enough:
@@ -62,7 +63,7 @@ def balance_pressures(
             break
         place, (residual, jacobian, force, active) = trial, found
     if norm > 100.0 * enough + 2.0 * LOOSE_SPRING * abs(bearing.radial_clearance):
-        raise NotFound(f"static equilibrium not found: residual {norm:.2e} N under {hub_load:.4g} N, contacts resolved")
+        raise NotFound(f"static equilibrium not found: residual {norm:.2e} N under {size:.4g} N, contacts resolved")
     return place, force
 
 

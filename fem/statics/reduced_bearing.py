@@ -72,8 +72,7 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, modes: BearingModes | 
         along -= np.array([ring.compliance(2.0 * np.pi / n * distance) for ring in rings])
         across -= modes.across
     felt = np.abs(along).max(axis=0) > FAINT * own
-    inner_growth = spinning_growth(bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring, motion.shaft)
-    roller_growth = spinning_growth(bearing.roller_radius, 0.0, bearing.roller, motion.roller)
+    inner_growth, roller_growth = growths(bearing, motion)
     closing = np.repeat([inner_growth + roller_growth, roller_growth], n)
     return ReducedBearing(
         contacts=replace(contacts, closing=closing),
@@ -87,6 +86,12 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, modes: BearingModes | 
         inner_growth=inner_growth,
         roller_growth=roller_growth,
     )
+
+
+def growths(bearing: Bearing, motion: Kinematics) -> tuple[float, float]:
+    """How much the radii of the inner raceway and of free rollers grow as they spin, m."""
+    inner = spinning_growth(bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring, motion.shaft)
+    return inner, spinning_growth(bearing.roller_radius, 0.0, bearing.roller, motion.roller)
 
 
 def _kept_contacts(bearing: Bearing) -> tuple[Condensed, ContactLaw]:

@@ -80,7 +80,8 @@ def _lay_out(file, points: Points) -> None:
 
 
 def _variable(file, name: str, where: tuple[str, ...], values, unit: str, meaning: str):
-    data = np.array(values)
+    words = any(isinstance(value, str) for value in values)
+    data = np.array([("" if words else nan) if value is None else value for value in values])
     kind = str if data.dtype.kind in "UO" else ("i1" if data.dtype.kind == "b" else data.dtype)
     variable = file.createVariable(name, kind, where)
     variable.units, variable.long_name = unit, meaning

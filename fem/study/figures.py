@@ -16,6 +16,7 @@ from residual.tick_labels import make_plain
 WIDTH = 7.0  # inches
 CELL = 1.75  # inches, of a panel among many
 MOST = 6  # rows, or columns, of a figure
+MOST_TICKS = 4  # of a small axis
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded
 DPI = 150
 CLOUD = 3000  # points drawn one by one, at most
@@ -83,8 +84,8 @@ def _heat_map(table: Table) -> Iterator[Figure]:
     figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, 0.6 + 2.6 * rows), squeeze=False)
     for axis, quantity in zip(axes.ravel(), quantities, strict=False):
         (x, _), (y, _) = table.strongest(quantity)[:2]
-        known = np.isfinite(quantity.values)
-        at_x, at_y = np.unique(x.values), np.unique(y.values)
+        known = np.isfinite(quantity.values) & np.isfinite(x.values) & np.isfinite(y.values)
+        at_x, at_y = np.unique(x.values[known]), np.unique(y.values[known])
         if len(at_x) * len(at_y) <= known.sum() * 2:
             total = np.full((len(at_y), len(at_x)), np.nan)
             for (j, b), (i, a) in product(enumerate(at_y), enumerate(at_x)):
@@ -110,7 +111,7 @@ def _heat_map(table: Table) -> Iterator[Figure]:
 
 def _levels(axis, column: Column, at: np.ndarray) -> None:
     """Ticks of a parameter that takes some values, at their numbers."""
-    chosen = np.unique(np.linspace(0, len(at) - 1, min(len(at), 6)).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(at) - 1, min(len(at), MOST_TICKS)).round().astype(int))
     axis.set_ticks(chosen, [column.words[int(at[i])] if column.words else f"{at[i]:.5g}" for i in chosen])
 
 

@@ -80,8 +80,8 @@ def _facts(table: Table, dataset) -> list[tuple[str, str]]:
 
 
 def _span(points: Points, i: int) -> str:
-    values = [point[i] for point in points.design.points]
-    if isinstance(values[0], str | bool):
+    values = [point[i] for point in points.design.points if point[i] is not None]
+    if not values or isinstance(values[0], str | bool):
         return ", ".join(dict.fromkeys(str(value) for value in values))
     return f"{number(float(min(values)))} to {number(float(max(values)))}"
 

@@ -1,11 +1,11 @@
 """A study from its points to its dataset: here, or by the workers of a cluster."""
 
 import os
-import resource
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from math import nan
 
 from fem.errors import RunFailed, UsageError
 from fem.progress import count_display
@@ -47,8 +47,8 @@ def pending_points(points: Points, folder: Folder) -> list[int]:
     return sorted(i for digest, i in first.items() if not folder.done(digest))
 
 
-def expected(points: Points, pending: list[int]) -> Expected:
-    """What the points will take, by the plans of three of them; compiles what they need.
+def expected(points: Points, pending: list[int], tell: Callable[[str], None] | None = None) -> Expected:
+    """What the points will take, by the plans of three of them; compiles what they need, and tells if that takes long.
 
     Errors
     ------
@@ -58,7 +58,7 @@ def expected(points: Points, pending: list[int]) -> Expected:
     for i in sorted({pending[0], pending[len(pending) // 2], pending[-1]}):
         try:
             scene = points.scene(i)
-            programs_named(partial(make_plan, scene)).prepare()
+            programs_named(partial(make_plan, scene)).prepare(tell)
             began = time.process_time()
             plan = make_plan(scene)
             seconds.append(time.process_time() - began + plan.expected_seconds)
@@ -66,8 +66,16 @@ def expected(points: Points, pending: list[int]) -> Expected:
             refused = refused or f"{points.design.told(i)}: {error}"
     if not seconds:
         raise UsageError(refused)
-    usage = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return Expected(seconds=sum(seconds) / len(seconds), memory=1024.0 * usage, disk=_disk(points))
+    return Expected(seconds=sum(seconds) / len(seconds), memory=_memory(), disk=_disk(points))
+
+
+def _memory() -> float:
+    """Largest of this process so far, bytes; nan on systems that do not tell."""
+    try:
+        import resource
+    except ImportError:
+        return nan
+    return 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def _disk(points: Points) -> float:

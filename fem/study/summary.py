@@ -1,5 +1,7 @@
 """What run-study prints: of a study that is planned, and of one that is done."""
 
+from math import isnan
+
 from rich.console import Console
 
 from fem.study.dataset import open_dataset, statuses
@@ -9,6 +11,10 @@ from fem.study.running import Expected, StudyOptions, workers_for
 from lagrange.messages import shown
 
 MOST_TOLD = 5  # points that have failed
+
+
+def _megabytes(size: float) -> str:
+    return "unknown here" if isnan(size) else f"about {1e-6 * size:.0f} MB"
 
 
 def print_plan(points: Points, pending: list[int], found: Expected | None, options: StudyOptions) -> None:
@@ -28,7 +34,7 @@ def print_plan(points: Points, pending: list[int], found: Expected | None, optio
             "a point takes": f"about {found.seconds:.2g} s of one processor",
             "processor time": f"about {total / 3600.0:.2g} hours ({total:.3g} s)",
             "solved by": where if options.scheduler is None else f"the workers of {options.scheduler}",
-            "memory": f"about {1e-6 * found.memory * (1 + processes):.0f} MB",
+            "memory": _megabytes(found.memory * (1 + processes)),
             "disk": f"about {1e-6 * found.disk * len(points):.3g} MB",
         }
     console.print(f"Plan of the study {shown(points.study.name)}", style="italic", markup=False)

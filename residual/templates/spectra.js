@@ -76,12 +76,12 @@
       scales: { x: { time: false, distr: kind, range: (u, low, high) => [low, high] }, y: { distr: kind } },
       axes: [
         { ...axis, ...ticks, label: "frequency, Hz" },
-        { ...axis, ...ticks, label: "PSD, N²/Hz", size: 62 },
+        { ...axis, ...ticks, label: "PSD, " + data.unit, size: 62 },
       ],
       series: [
         { label: "Hz", value: (u, value) => short(value) },
-        { label: "error_x", stroke: "#0072b2", width: 1, value: (u, value) => short(value) },
-        { label: "error_y", stroke: "#d55e00", width: 1, value: (u, value) => short(value) },
+        { label: data.names[0], stroke: "#0072b2", width: 1, value: (u, value) => short(value) },
+        { label: data.names[1], stroke: "#d55e00", width: 1, value: (u, value) => short(value) },
       ],
       cursor: { drag: { x: true, y: false } },
       hooks: { draw: [markLines] },
@@ -112,6 +112,15 @@
     out: () => look((a, b) => [a - 0.5 * (b - a), b + 0.5 * (b - a)]),
     left: () => look((a, b) => [a - 0.3 * (b - a), Math.max(b - 0.3 * (b - a), to(band[0]))]),
     right: () => look((a, b) => [Math.min(a + 0.3 * (b - a), to(band[1])), b + 0.3 * (b - a)]),
+    csv: () => {
+      const rows = data.frequency.map((frequency, i) => [frequency, data.x[i], data.y[i]].join(","));
+      const head = ["frequency_Hz", ...data.names.map((name) => "psd_" + name)].join(",");
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(new Blob([head + "\n" + rows.join("\n") + "\n"], { type: "text/csv" }));
+      link.download = "spectra.csv";
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    },
     axes: () => {
       const { min, max } = plot.scales.x;
       logarithmic = !logarithmic;

@@ -150,7 +150,7 @@ def keep(folder: Path, number: int) -> None:
 
 def kept(path: Path) -> Pair:
     """Read what `keep` wrote."""
-    values = json.loads(path.read_text())
+    values = json.loads(path.read_text(encoding="utf-8"))
     return Pair(number=values["number"], fem=Found(**values["fem"]), reduced=Found(**values["reduced"]))
 
 

@@ -114,9 +114,10 @@ def _refused(error: Exception) -> bool:
 def _evaluated(trajectory) -> None:
     """Check that what the reader takes can be evaluated, and the numbers be written."""
     from residual.evaluation import evaluate
+    from residual.parts import Parts
     from residual.summary import summarise
 
-    json.dumps(summarise(evaluate(trajectory), None, "0"), allow_nan=False)
+    json.dumps(summarise(evaluate(trajectory), Parts(), "0"), allow_nan=False)
 
 
 _PLANS: list = []

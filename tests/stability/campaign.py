@@ -178,7 +178,7 @@ def append_csv(path: Path, outcome: Outcome) -> None:
     line |= {k: f"{v:.6g}" if isinstance(v, float) else v for k, v in scene.items() if k != "name"}
     path.parent.mkdir(parents=True, exist_ok=True)
     fresh = not path.exists() or path.stat().st_size == 0
-    with path.open("a", newline="") as file:
+    with path.open("a", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, list(line), lineterminator="\n")
         if fresh:
             writer.writeheader()
@@ -190,7 +190,7 @@ def read_csv(path: Path) -> list[Outcome]:
     if not path.exists():
         return []
     types = {f.name: f.type for f in fields(Outcome) if f.name != "scene"}
-    with path.open(newline="") as file:
+    with path.open(encoding="utf-8", newline="") as file:
         return [
             Outcome(
                 **{name: kind(line[name]) for name, kind in types.items()},

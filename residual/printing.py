@@ -1,0 +1,84 @@
+"""What check-residual prints: a short table and the most telling sentences."""
+
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from lagrange.messages import shown
+from residual.against import difference_rows, named
+from residual.evaluation import Evaluation
+from residual.fault_tables import search_sentences
+from residual.headline import headline
+from residual.law_tables import fit_sentences, ranking_rows, ranking_span
+from residual.line_tables import watched_rows
+from residual.parts import Parts
+from residual.tables import error_rows, peak_name
+from residual.words import hertz
+
+
+def print_summary(evaluation: Evaluation, folder: Path, parts: Parts, compare_laws: bool) -> None:
+    """Print what was found, and where the report is."""
+    console = Console(highlight=False)
+    if parts.equations:
+        _print_errors(console, evaluation)
+    if parts.search is not None:
+        for sentence in search_sentences(parts.search):
+            console.print(sentence, soft_wrap=True, markup=False)
+    if compare_laws:
+        _print_laws(console, evaluation)
+    if parts.other is not None:
+        _print_differences(console, evaluation, parts.other)
+    console.print(headline(evaluation, parts.tolerance, parts.equations), soft_wrap=True)
+    console.print(f"Report: {shown(folder / 'report.html')}", soft_wrap=True, markup=False)
+
+
+def _print_errors(console: Console, evaluation: Evaluation) -> None:
+    """Print the error forces, their peaks and what a fitted law is worth."""
+    table = Table(title=f"Residual of {shown(evaluation.record.name)}", title_justify="left")
+    table.add_column("N")
+    for heading in ("mean", "rms", "std", "largest"):
+        table.add_column(heading, justify="right")
+    for row in error_rows(evaluation):
+        table.add_row(*row)
+    console.print(table)
+    low, high = evaluation.loaded_range
+    console.print(f"Loaded rollers: {low} to {high}")
+    for direction in evaluation.directions:
+        found = [
+            f"{hertz(p.frequency)} ({_told(peak_name(p))}{'' if p.resolved else ', not resolved'})"
+            for p in direction.peaks[:4]
+        ]
+        console.print(f"Peaks of error_{direction.name}: {'; '.join(found) or 'none stands out'}", soft_wrap=True)
+    for name, rms_x, rms_y, background, resolved in watched_rows(evaluation):
+        told = "" if resolved == "yes" else ", not resolved"
+        console.print(f"{name}: {rms_x} N rms in x, {rms_y} in y (background {background}){told}", soft_wrap=True)
+    for sentence in fit_sentences(evaluation):
+        console.print(sentence, soft_wrap=True, markup=False)
+
+
+def _told(name: str) -> str:
+    return "no line" if name == "-" else name
+
+
+def _print_laws(console: Console, evaluation: Evaluation) -> None:
+    """Print the ranking of the contact laws."""
+    span = f"{ranking_span(evaluation)}; contact: rms per contact"
+    table = Table(title="Error force by contact law, N", title_justify="left", caption=span)
+    table.add_column("law", no_wrap=True)
+    for heading in ("mean x", "rms x", "mean y", "rms y", "contact"):
+        table.add_column(heading, justify="right")
+    for row in ranking_rows(evaluation):
+        table.add_row(*row)
+    console.print(table)
+
+
+def _print_differences(console: Console, evaluation: Evaluation, other: Evaluation) -> None:
+    """Print two checks beside each other."""
+    table = Table(title="Beside each other", title_justify="left")
+    table.add_column("")
+    for heading in (*map(shown, named(evaluation, other)), "more by", ""):
+        table.add_column(heading, justify="right")
+    for row in difference_rows(evaluation, other):
+        table.add_row(*row)
+    console.print(table)

@@ -1,0 +1,188 @@
+"""What a cage does, beside what theory says: python -m tests.accuracy.cage [--random N]. Minutes.
+
+Slip, spacing and whirl; tractions of frictionless pockets under drag and where rollers begin to slide; slip of lightly
+loaded bearings; with --random so many bearings with cages on coarse meshes, whose energies are judged.
+"""
+
+import argparse
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from fem.errors import RunFailed, UsageError
+from fem.solver.simulate import make_plan
+from lagrange.kinematics import kinematics
+from lagrange.scene import Scene, SceneError, parse_scene
+
+FRICTION = 0.1
+PRELOADED = {"outer_raceway_diameter_mm": 55.99}
+# a heavy cage falls softly into tight pockets, and a heavy hub does not whirl by the friction of rollers that slide
+STIFF_POCKETS = {"pocket_clearance_mm": 0.002, "damping_N_s_m": 1000.0, "friction_coefficient": 0.0, "mass_kg": 1.0}
+HEAVY_HUB = {"radial_load_N": 0.0, "gravity_m_s2": 0.0, "inner_ring_and_shaft_kg": 1000.0}
+LIMIT = 1e-3  # of the exchanged energy and of the dissipated one: more is a run not to be trusted
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """All samples of a run."""
+
+    scene: Scene
+    values: dict[str, np.ndarray]
+    imbalance: float  # over the exchanged and the dissipated energy
+    trouble: str | None
+
+    def slip(self, first: float, name: str = "cage") -> float:
+        """Of the cage, or of the rollers' mean, after a share of the run."""
+        angle = self.values["cage_angle"] if name == "cage" else self.values["roller_theta"].mean(axis=1)
+        time, start = self.values["time"], int(first * len(angle))
+        speed = (angle[-1] - angle[start]) / (time[-1] - time[start])
+        return 1.0 - speed / kinematics(self.scene.ideal_bearing(), self.scene.ideal_operation().speed).cage
+
+    @property
+    def spacing(self) -> float:
+        """The most that neighbouring rollers' distance along the pitch circle, seen from the cage, is off, m."""
+        x = self.values["roller_x"] - self.values["cage_x"][:, None]
+        y = self.values["roller_y"] - self.values["cage_y"][:, None]
+        angle, bearing = np.unwrap(np.arctan2(y, x), axis=0), self.scene.ideal_bearing()
+        apart = np.diff(np.concatenate([angle, angle[:, :1] + 2.0 * pi], axis=1), axis=1)
+        apart = (apart + pi) % (2.0 * pi) - pi
+        return float(np.abs(apart - 2.0 * pi / bearing.n_rollers).max()) * bearing.pitch_radius
+
+
+def run(scene: dict) -> Run:
+    """Run a scene in this process."""
+    parsed = parse_scene(scene, "scene")
+    plan = make_plan(parsed)
+    state, blocks, trouble = plan.first_state(), [], None
+    while state.done < plan.n_samples and trouble is None:
+        block = state.advance(min(500, plan.n_samples - state.done))
+        if block.begins_again:
+            blocks = []
+            continue
+        trouble = block.trouble
+        if block.samples is not None and len(block.samples):
+            blocks.append(block.samples)
+    values = {name: np.concatenate([block.values[name] for block in blocks]) for name in blocks[0].values}
+    imbalance = np.abs(np.concatenate([block.imbalance for block in blocks])).max()
+    passed = max(block.exchanged.max() for block in blocks) + values["work_dissipated"].max()
+    return Run(scene=parsed, values=values, imbalance=float(imbalance / passed), trouble=trouble)
+
+
+def caged(model: str, duration: float, cage: dict, **tables) -> Run:
+    """The paper's bearing with a cage; ms."""
+    numerics = {"duration_ms": duration} | tables.pop("numerics", {})
+    return run({"model": model, "cage": cage, "numerics": numerics, **tables})
+
+
+def print_free_running() -> None:
+    print("\nWithout drag: slip of cage and rollers, spacing, how far the centre goes (0.1 mm pockets), 340 ms")
+    print(
+        "| guidance | friction | gravity, m/s2 | cage's slip, % | rollers' slip, % | spacing off by, µm | centre, µm |"
+    )
+    print("|---|---|---|---|---|---|---|")
+    for guidance in ({"guidance": "rollers"}, {"guidance": "outer_ring", "guidance_clearance_mm": 0.1}):
+        for friction, gravity in ((0.0, 0.0), (0.05, 0.0), (0.0, 9.81), (0.05, 9.81)):
+            cage = {"pocket_clearance_mm": 0.1, "friction_coefficient": friction, **guidance}
+            found = caged("reduced", 340.0, cage, operation={"gravity_m_s2": gravity})
+            off = np.hypot(found.values["cage_x"], found.values["cage_y"]).max()
+            print(
+                f"| {guidance['guidance']} | {friction} | {gravity} | {100 * found.slip(0.0):.4f} | "
+                f"{100 * found.slip(0.0, 'rollers'):.4f} | {1e6 * found.spacing:.1f} | {1e6 * off:.1f} |"
+            )
+
+
+def print_shared_tractions() -> None:
+    print("\nPreloaded, no load, no weight, frictionless pockets: tractions under drag, and where gross slip begins")
+    scene = {
+        "bearing": PRELOADED,
+        "contact": {"friction_coefficient": FRICTION},
+        "operation": HEAVY_HUB,
+    }
+    still = caged("reduced", 1.0, STIFF_POCKETS, **scene)
+    bearing = still.scene.ideal_bearing()
+    load = float(0.5 * (still.values["inner_force"][0] + still.values["outer_force"][0]).mean())
+    limit = 2.0 * FRICTION * load
+    torque = limit * bearing.n_rollers * bearing.pitch_radius
+    print(f"Q = {load:.1f} N, 2 mu Q = {limit:.2f} N, torque {torque:.3f} N m")
+    print("| F over 2 mu Q | inner traction over F | outer | cage slows down, rad/s2 |")
+    print("|---|---|---|---|")
+    sliding = []
+    for share in (0.25, 0.5, 0.9, 0.98, 1.05, 1.1, 1.2, 1.3):
+        found = caged("reduced", 4.0, STIFF_POCKETS | {"drag_torque_N_m": share * torque}, **scene)
+        values, late = found.values, slice(len(found.values["time"]) // 2, None)
+        force = share * limit
+        inner, outer = (values[name][late].mean() / force for name in ("inner_traction", "outer_traction"))
+        slowing = -np.polyfit(values["time"][late], values["cage_speed"][late], 1)[0]
+        if share > 1.0:
+            sliding.append((share, slowing))
+        print(f"| {share} | {inner:.4f} | {outer:.4f} | {slowing:.4g} |")
+    slope, offset = np.polyfit(*np.array(sliding).T, 1)
+    print(f"gross slip begins at {-offset / slope:.4f} of 2 mu Q (straight line through the sliding ones)")
+
+
+def print_light_loads() -> None:
+    print("\n23 rollers at 10 000 rpm, drag 0.3 N m: slip over the radial load")
+    print("| load, N | cage's slip, % |")
+    print("|---|---|")
+    bearing = {"rollers": 23, "roller_diameter_mm": 10.0, "inner_raceway_diameter_mm": 70.0,
+               "outer_raceway_diameter_mm": 90.01, "bore_diameter_mm": 55.0, "outside_diameter_mm": 105.0}  # fmt: skip
+    for load in (50.0, 100.0, 200.0, 500.0, 2000.0):
+        operation = {"speed_rpm": 10000.0, "radial_load_N": load, "inner_ring_and_shaft_kg": 0.5}
+        cage = {"guidance": "outer_ring", "guidance_clearance_mm": 0.05, "drag_torque_N_m": 0.3}
+        found = caged("reduced", 300.0, cage, bearing=bearing, operation=operation)
+        print(f"| {load:g} | {100 * found.slip(0.5):.3g} |{' ' + found.trouble if found.trouble else ''}")
+
+
+def random_scene(random: np.random.Generator) -> dict:
+    """A bearing with a cage, on a mesh of 2.5 mm."""
+
+    def between(low, high):
+        return float(low * (high / low) ** random.random())
+
+    guidance = str(random.choice(["rollers", "inner_ring", "outer_ring"]))
+    cage = {
+        "mass_kg": between(2e-3, 0.2), "pocket_clearance_mm": between(0.02, 0.6), "guidance": guidance,
+        "stiffness_N_per_m": between(1e6, 1e9), "damping_N_s_m": between(0.1, 1e4),
+        "friction_coefficient": between(0.01, 0.5), "drag_torque_N_m": between(1e-3, 5.0),
+    }  # fmt: skip
+    if guidance != "rollers":
+        cage["guidance_clearance_mm"] = between(0.02, 0.6)
+    operation = {"speed_rpm": between(100.0, 20000.0), "radial_load_N": between(50.0, 5000.0)}
+    numerics = {"mesh_size_mm": 2.5, "duration_ms": 5.0}
+    clearance = {"outer_raceway_diameter_mm": 56.0 + float(random.choice([-0.01, 0.0, 0.02]))}
+    return {"cage": cage, "operation": operation, "numerics": numerics, "bearing": clearance}
+
+
+def print_random(count: int) -> None:
+    print(f"\n{count} random bearings with cages, mesh of 2.5 mm, 5 ms (seed 17)")
+    print("| guidance | rpm | load, N | drag, N m | imbalance | cage's slip, % | outcome |")
+    print("|---|---|---|---|---|---|---|")
+    random, silent, worst = np.random.default_rng(17), 0, 0.0
+    for _ in range(count):
+        scene = random_scene(random)
+        cage, operation = scene["cage"], scene["operation"]
+        told = f"| {cage['guidance']} | {operation['speed_rpm']:.0f} | {operation['radial_load_N']:.0f} "
+        told += f"| {cage['drag_torque_N_m']:.2g} "
+        try:
+            found = run({"model": "fem", **scene})
+        except (SceneError, UsageError, RunFailed) as error:
+            print(f"{told}| - | - | refused: {error} |", flush=True)
+            continue
+        wrong = found.trouble is None and not found.imbalance <= LIMIT
+        silent, worst = silent + wrong, max(worst, found.imbalance)
+        outcome = found.trouble or ("SILENTLY WRONG" if wrong else "sound")
+        print(f"{told}| {found.imbalance:.1e} | {100 * found.slip(0.5):.2g} | {outcome} |", flush=True)
+    print(f"silently wrong: {silent}; largest imbalance {worst:.1e} of what was exchanged and dissipated")
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--random", type=int, default=0, help="number of random bearings, and nothing else")
+    chosen = parser.parse_args()
+    if chosen.random:
+        print_random(chosen.random)
+    else:
+        print_free_running()
+        print_shared_tractions()
+        print_light_loads()

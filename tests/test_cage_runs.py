@@ -1,0 +1,99 @@
+"""Whole runs with a cage."""
+
+import numpy as np
+import pytest
+
+from fem.solver.simulate import make_plan
+from lagrange.scene import parse_scene
+from tests.accuracy.cage import FRICTION, HEAVY_HUB, PRELOADED, STIFF_POCKETS, caged
+
+pytestmark = pytest.mark.slow  # each compiles a time loop
+GUIDED = {"guidance": "inner_ring", "guidance_clearance_mm": 0.05, "pocket_clearance_mm": 0.1, "drag_torque_N_m": 0.5}
+COARSE = {"mesh_size_mm": 2.0}
+
+
+@pytest.mark.parametrize(("model", "limit"), [("fem", 1e-5), ("reduced", 1e-3)])
+@pytest.mark.parametrize("cage", [{"pocket_clearance_mm": 0.1}, GUIDED], ids=["rollers", "inner_ring"])
+def test_energy_balances_with_a_cage(model, limit, cage):
+    """Finite elements: friction's work is off by how much the rollers swell and bend, 2e-6; contacts by less."""
+    found = caged(model, 12.0, cage, numerics=COARSE)
+    assert found.trouble is None
+    assert found.imbalance < limit
+    lost = sum(found.values[f"cage_work_{name}"][-1] for name in ("dashpots", "friction", "drag"))
+    assert 0.0 < lost < found.values["work_dissipated"][-1]
+
+
+def test_rollers_keep_their_distance_within_the_clearance_and_the_cage_turns_with_them():
+    found = caged("reduced", 340.0, {"pocket_clearance_mm": 0.1})
+    deepest = np.hypot(found.values["cage_force"], found.values["cage_radial_force"]).max() / 1e8  # m, into walls
+    assert 2e-5 < found.spacing < 1e-4 + 2.0 * deepest
+    assert abs(found.slip(0.0) - found.slip(0.0, "rollers")) < 1e-4
+
+
+def test_without_drag_and_weight_the_cage_turns_at_ftf_less_creep():
+    found = caged("reduced", 100.0, {}, operation={"gravity_m_s2": 0.0})
+    assert 0.0 <= found.slip(0.0, "rollers") < 1e-3  # Carter: full slip at 1.3e-3
+
+
+def test_a_cage_under_its_own_weight_is_driven_from_the_shorter_arm():
+    """Its centre hangs d below the bearing's, loaded rollers below that drive it: faster by up to d over the pitch."""
+    found = caged("reduced", 340.0, {"pocket_clearance_mm": 0.1, "friction_coefficient": 0.0})
+    hangs = -found.values["cage_y"][len(found.values["time"]) // 10 :].mean() / 0.023
+    assert 1e-3 < hangs < 2.2e-3
+    assert -hangs < found.slip(0.0) < -0.5 * hangs
+
+
+def drag_runs(shares, duration=4.0):
+    scene = {"bearing": PRELOADED, "contact": {"friction_coefficient": FRICTION}, "operation": HEAVY_HUB}
+    still = caged("reduced", 0.1, STIFF_POCKETS, **scene).values
+    limit = FRICTION * float((still["inner_force"] + still["outer_force"])[0].mean())
+    for share in shares:
+        torque = share * limit * 13 * 0.5 * (0.018 + 0.027995)
+        yield share * limit, caged("reduced", duration, STIFF_POCKETS | {"drag_torque_N_m": torque}, **scene).values
+
+
+def test_frictionless_pockets_share_the_drag_equally_between_the_raceways():
+    for force, values in drag_runs((0.25, 0.5, 0.9)):
+        late = slice(len(values["time"]) // 2, None)
+        for name in ("inner_traction", "outer_traction"):
+            np.testing.assert_allclose(values[name][late], 0.5 * force, rtol=2e-3)
+
+
+def test_rollers_slide_from_twice_the_friction_of_a_contact_on():
+    """F = 2 μ Q within 2 %: by the cage's slowing down, in a straight line from sliding rollers back to none."""
+    slowing = []
+    for _, values in drag_runs((1.05, 1.2)):
+        late = slice(len(values["time"]) // 2, None)
+        slowing.append(-np.polyfit(values["time"][late], values["cage_speed"][late], 1)[0])
+    assert slowing[0] > 1e3  # rad/s²
+    assert 1.05 - 0.15 * slowing[0] / (slowing[1] - slowing[0]) == pytest.approx(1.0, abs=0.02)
+    ((_, held),) = drag_runs((0.97,), 8.0)
+    assert held["cage_speed"][-1] == pytest.approx(held["cage_speed"][0], rel=2e-3)
+
+
+def test_many_rollers_under_light_load_slip_more_than_loaded_ones():
+    bearing = {"rollers": 23, "inner_raceway_diameter_mm": 70.0, "outer_raceway_diameter_mm": 90.01,
+               "bore_diameter_mm": 55.0, "outside_diameter_mm": 105.0}  # fmt: skip
+    cage = {"guidance": "outer_ring", "guidance_clearance_mm": 0.05, "drag_torque_N_m": 0.3}
+    slips = []
+    for load in (50.0, 2000.0):
+        operation = {"speed_rpm": 10000.0, "radial_load_N": load, "inner_ring_and_shaft_kg": 0.5}
+        slips.append(caged("reduced", 150.0, cage, bearing=bearing, operation=operation).slip(0.5))
+    assert slips[0] > 2e-3  # 0.2 %: where published slips begin
+    assert slips[0] > 2.0 * slips[1] > 0.0
+
+
+@pytest.mark.parametrize("model", ["fem", "reduced"])
+def test_a_run_with_a_cage_goes_on_bit_for_bit(model):
+    scene = parse_scene({"model": model, "cage": GUIDED, "numerics": {"duration_ms": 2.0, **COARSE}}, "scene")
+    plan = make_plan(scene)
+    whole, half, later = (plan.first_state() for _ in range(3))
+    expected = [whole.advance(100).samples, whole.advance(101).samples][1]
+    half.advance(100)
+    arrays, numbers = half.to_keep()
+    later.done = half.done
+    later.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
+    found = later.advance(101).samples
+    assert np.ptp(expected["cage_x"]) > 0.0
+    for name in expected.values:
+        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)

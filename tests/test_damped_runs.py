@@ -1,0 +1,190 @@
+"""Damped runs of the finite elements and of the reduced model; each compiles loops of its own: all are slow tests."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import curve_fit
+
+from fem.solver import finite_elements, reduced
+from fem.statics.static_error import static_equilibrium
+from lagrange.scene import read_scene
+
+pytestmark = pytest.mark.slow
+PLANS = {"fem": finite_elements.make_plan, "reduced": reduced.make_plan}
+ROLLING = ("numerics.mesh_size_mm=2", "numerics.duration_ms=1", "numerics.output_interval_us=5")
+STILL = (
+    "numerics.mesh_size_mm=2", "numerics.duration_ms=0.6", "numerics.output_interval_us=1", "operation.speed_rpm=0",
+    "operation.gravity_m_s2=0", "contact.friction_coefficient=0",
+)  # fmt: skip
+LAWS = [(300.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.5)]  # N s/m, µs, s/m
+PUSH = 1e-3  # m/s
+
+
+def setting(constant, time, hunt_crossley):
+    names = "contact_N_s_m", "contact_time_us", "hunt_crossley_s_m"
+    return tuple(f"damping.{name}={value}" for name, value in zip(names, (constant, time, hunt_crossley), strict=True))
+
+
+def plan_of(model, *settings):
+    return PLANS[model](read_scene(None, (f"model={model}", *settings)))
+
+
+def samples(state, count):
+    """The next so many samples of a state, one array each."""
+    found, first = [], state.done
+    while state.done < first + count:
+        block = state.advance(min(100, first + count - state.done))
+        assert block.trouble is None and block.begins_again is None
+        found.append(block.samples)
+    values = {name: np.concatenate([part.values[name] for part in found]) for name in found[0].values}
+    return values | {"imbalance": np.concatenate([part.imbalance for part in found])}, found[-1].exchanged[-1]
+
+
+def statics_around(plan):
+    """Equilibria under a newton less and more than the load, and under the load."""
+    loads = plan.operation.radial_load + np.array([-1.0, 1.0, 0.0])
+    return [static_equilibrium(plan.model, replace(plan.operation, radial_load=load)) for load in loads]
+
+
+def log_decrement_by_statics(plan, constant, time, hunt_crossley):
+    """Of the hub's vertical mode, by what its contacts' whole approaches do in statics; and the rollers' part in it."""
+    less, more, now = statics_around(plan)
+    moved = more.hub[1] - less.hub[1]
+    shape = (more.rho - less.rho) / moved
+    lost, bearing = 0.0, plan.model.bearing
+    for kind, name in enumerate(("inner_force", "outer_force")):
+        force, law, level = getattr(now, name), plan.model.laws[kind], plan.model.whole_levels[kind]
+        closed = force > 0.0
+        soft = law.A * (level - 0.5 * np.log(force[closed]) - 0.5)
+        rate = (getattr(more, name) - getattr(less, name))[closed] / moved * soft
+        lost += np.sum((constant + 1e-6 * time / soft + 1.5 * hunt_crossley * force[closed]) * rate**2)
+    mass = plan.operation.inner_mass + bearing.roller_mass * np.sum(shape**2)
+    stiffness = 2.0 / abs(moved)
+    return np.pi * lost / np.sqrt(mass * stiffness), shape
+
+
+def log_decrement_by_modes(plan, constant, time, hunt_crossley):
+    """Of the slowest mode of hub and rollers as masses on linear contacts, by eigenvalues."""
+    model, start, n = plan.model, plan.start, plan.model.bearing.n_rollers
+    force = np.concatenate([start.inner_force, start.outer_force])
+    closed = force > 0.0
+    soft = np.concatenate([law.softness(np.maximum(q, 1e-9)) for law, q in
+                           ((model.inner_law, start.inner_force), (model.outer_law, start.outer_force))])  # fmt: skip
+    stiff = np.linalg.inv((np.diag(soft) + model.contacts.compliance)[np.ix_(closed, closed)])
+    overlap, j = np.zeros((2 * n, 2 + n)), np.arange(n)
+    overlap[j, 0], overlap[j, 1], overlap[j, 2 + j], overlap[n + j, 2 + j] = (
+        np.cos(start.angle), np.sin(start.angle), -1.0, 1.0,
+    )  # fmt: skip
+    overlap = overlap[closed]
+    used = np.any(overlap != 0.0, axis=0)
+    overlap = overlap[:, used]
+    mass = np.concatenate([np.full(2, plan.operation.inner_mass), np.full(n, model.bearing.roller_mass)])[used, None]
+    damping = constant + 1e-6 * time / soft[closed] + 1.5 * hunt_crossley * force[closed]
+    forces = overlap.T @ stiff @ overlap, overlap.T @ (damping[:, None] * overlap)
+    size = len(mass)
+    first_order = np.block([[np.zeros((size, size)), np.eye(size)], [-forces[0] / mass, -forces[1] / mass]])
+    values = np.linalg.eigvals(first_order)
+    slowest = min(values[values.imag > 1e4], key=abs)
+    return -2.0 * np.pi * slowest.real / slowest.imag
+
+
+def push(state, shape):
+    """Give the hub, the inner ring and the rollers the velocities of the hub's vertical mode."""
+    if hasattr(state, "arrays"):
+        bodies, ring = state.arrays.bodies.rollers, state.arrays.bodies.inner
+        ring.w[:, 0, :] += PUSH * ring.sines
+        ring.w[:, 1, :] += PUSH * ring.cosines
+        state.arrays.drive.velocity[1] = PUSH
+    else:
+        bodies = state.bodies
+        bodies.hub_velocity[1] = PUSH
+    centre = bodies.centre[:, : bodies.n]
+    bodies.velocity[:, : bodies.n] += PUSH * shape * centre / np.hypot(*centre)
+
+
+def log_decrement(height):
+    """Of a vibration about a place that drifts, sampled each µs, but for the first 0.1 ms, when rollers vibrate too."""
+
+    def vibration(t, a, b, c, d, along, across, decay, frequency):
+        swing = along * np.cos(frequency * t) + across * np.sin(frequency * t)
+        return a + b * t + c * t**2 + d * t**3 + np.exp(-decay * t) * swing
+
+    t = 1e-3 * np.arange(100, len(height))  # ms
+    y = 1e9 * (height[100:] - height[0])
+    found, _ = curve_fit(vibration, t, y, p0=[0.0, 0.0, 0.0, 0.0, 0.0, np.max(y), 3.0, 85.8])
+    return 2.0 * np.pi * found[6] / found[7]
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("model", ["fem", "reduced"])
+def test_the_hub_s_free_vibration_dies_at_the_rate_that_theory_gives(model, law):
+    by_statics, shape = log_decrement_by_statics(plan_of("fem", *STILL), *law)
+    plan = plan_of(model, *STILL, *setting(*law))
+    state = plan.first_state()
+    push(state, shape)
+    found = log_decrement(samples(state, 601)[0]["inner_y"])
+    if model == "fem":
+        assert found == pytest.approx(by_statics, rel=0.01)
+    else:
+        assert found == pytest.approx(log_decrement_by_modes(plan, *law), rel=1e-3)
+        assert found == pytest.approx(by_statics, rel=0.03)  # neighbours on a ring are part of neither approach
+
+
+@pytest.mark.parametrize("model", ["fem", "reduced"])
+def test_energy_is_balanced_with_the_dissipated_work_of_each_kind(model):
+    """From rest under a sudden load: contacts close, open and lose half of what they exchange."""
+    bodies = ("damping.bodies_1_s=20000",) if model == "fem" else ()
+    start = "numerics.start=rest", "numerics.load_ramp_ms=0.05"
+    found, exchanged = samples(
+        plan_of(model, *ROLLING, *start, "damping.contact_N_s_m=2000", *bodies).first_state(), 201
+    )
+    still, also = samples(plan_of(model, *ROLLING, *start).first_state(), 201)
+    unbalanced = np.abs(found["imbalance"]).max() / exchanged
+    assert unbalanced < max(1.5 * np.abs(still["imbalance"]).max() / also, 2e-5)
+    total, contacts, of_bodies = (found[f"work_{name}"] for name in ("dissipated", "damping_contact", "damping_bodies"))
+    assert contacts[-1] > 0.2 * exchanged
+    assert np.all(np.diff(contacts) >= -1e-12) and np.all(np.diff(of_bodies) >= 0.0)
+    assert (of_bodies[-1] > 0.0) == (model == "fem")
+    assert np.all(total - contacts - of_bodies > -1e-9)  # friction's
+    assert found["inner_force"].min() >= 0.0 and found["outer_force"].min() >= 0.0
+
+
+@pytest.mark.parametrize("model", ["fem", "reduced"])
+def test_the_statics_are_those_without_damping_and_a_hub_that_was_pushed_comes_back_there(model):
+    damped, plain = plan_of(model, *STILL, "damping.contact_N_s_m=2000"), plan_of(model, *STILL)
+    np.testing.assert_array_equal(damped.static_hub(), plain.static_hub())
+    assert damped.critical_time_step == plain.critical_time_step
+    state = damped.first_state()
+    push(state, np.zeros(damped.model.bearing.n_rollers))
+    found, _ = samples(state, 601)
+    assert np.ptp(found["inner_y"]) > 5e-9
+    assert found["inner_y"][-1] == pytest.approx(samples(plain.first_state(), 1)[0]["inner_y"][0], abs=1e-10)
+    assert np.abs(found["inner_damping_force"][-1]).max() < 0.5
+
+
+@pytest.mark.parametrize("model", ["fem", "reduced"])
+def test_a_damped_run_goes_on_from_its_state_with_the_same_bits(model):
+    plan = plan_of(
+        model, *ROLLING, "damping.hunt_crossley_s_m=2", *(("damping.bodies_1_s=500",) if model == "fem" else ())
+    )
+    whole, _ = samples(plan.first_state(), 60)
+    first = plan.first_state()
+    samples(first, 25)
+    arrays, numbers = first.to_keep()
+    second = plan.first_state()
+    second.done = 25
+    second.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
+    rest, _ = samples(second, 35)
+    for name in ("inner_y", "roller_x", "inner_damping_force", "work_dissipated"):
+        np.testing.assert_array_equal(rest[name], whole[name][25:])
+
+
+def test_a_body_that_moves_and_turns_as_a_whole_is_not_damped():
+    """No load, no friction, no gravity: spinning rings and rollers only grow, and keep their energy."""
+    free = "operation.radial_load_N=0", "operation.gravity_m_s2=0", "contact.friction_coefficient=0"
+    damped = "damping.bodies_1_s=1e4", "damping.contact_N_s_m=1"
+    found, _ = samples(plan_of("fem", *ROLLING, *free, *damped).first_state(), 201)
+    kinetic = found["energy_kinetic"]
+    assert found["work_damping_bodies"][-1] < 1e-9 * kinetic[0]
+    assert np.ptp(kinetic) < 1e-7 * kinetic[0]

@@ -1,0 +1,205 @@
+"""Speed and load that change: their functions of time, what is refused, and the Lagrangian model under them."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from lagrange import contact_laws, simulate, static_equilibrium
+from lagrange.contact_damping import ContactDamping
+from lagrange.course import smooth
+from lagrange.kinematics import kinematics, turned
+from lagrange.scene import Scene, SceneError, parse_scene_text, read_scene
+from lagrange.scene_operation import RPM
+from residual.evaluation import evaluate
+from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with
+
+TURNING = ("operation.unbalance_g_mm=50", "operation.unbalance_deg=20", "operation.rotating_load_N=100")
+
+
+def solved(scene, duration, **choices):
+    """A Lagrangian run in plain numpy."""
+    bearing = scene.ideal_bearing()
+    return simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), duration, 2e-5, **choices)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_smooth_function_goes_through_its_points_and_nowhere_beyond_them(seed):
+    random = np.random.default_rng(seed)
+    time = np.cumsum(random.uniform(0.1, 1.0, 12))
+    values = np.round(random.uniform(-3.0, 3.0, (12, 1)))  # with equal neighbours among them
+    found = smooth(time, values)
+    np.testing.assert_allclose(found(time), values, atol=1e-12)
+    for (a, p), (b, q) in pairwise(zip(time, values[:, 0], strict=True)):
+        between = found(np.linspace(a, b, 101))[:, 0]
+        assert np.all(np.diff(between) * np.sign(q - p) >= -1e-12)
+        np.testing.assert_allclose(between, np.clip(between, min(p, q), max(p, q)), atol=1e-12)
+    for order in (1, 2):  # continuous at the points
+        before, after = found(time[1:-1] - 1e-11, order), found(time[1:-1] + 1e-11, order)
+        np.testing.assert_allclose(before, after, atol=1e-4)
+
+
+def test_points_on_a_straight_line_stay_on_it():
+    time = np.array([0.0, 1.0, 3.0, 4.0])
+    between = np.linspace(0.0, 4.0, 41)
+    np.testing.assert_allclose(smooth(time, 2.0 - 3.0 * time[:, None])(between)[:, 0], 2.0 - 3.0 * between, atol=1e-12)
+
+
+def test_the_shaft_turns_by_the_integral_of_its_speed(tmp_path):
+    scene = scene_with(tmp_path, "numerics.duration_ms=8", speeds=RAMP)
+    operation, bearing = scene.ideal_operation(), scene.ideal_bearing()
+    assert operation.speed == pytest.approx(1000 * RPM)
+    assert operation.course.speeds == pytest.approx((1000 * RPM, 6000 * RPM))
+    expected = sum(quad(operation.course.speed, a, b)[0] for a, b in ((0.0, 2e-3), (2e-3, 6e-3), (6e-3, 7e-3)))
+    way = turned(bearing, operation, 7e-3)
+    assert way.shaft == pytest.approx(expected, rel=1e-10)
+    assert way.cage / way.shaft == pytest.approx(9 / 23, rel=1e-12)  # 0.3913
+
+
+def test_an_unbalance_is_a_mass_that_the_hub_must_accelerate(tmp_path):
+    """Against differences of its own path; and rates of all loads against differences of the loads."""
+    scene = scene_with(tmp_path, *TURNING, "numerics.duration_ms=8", speeds=RAMP, loads=LOADS)
+    course = scene.ideal_operation().course
+    alone = replace(course, rotating_load=0.0)
+    h, times = 2e-6, np.array([0.5e-3, 3e-3, 5.1e-3])
+
+    def moment(time):  # mass times place, 50 g mm, 20° from −y
+        return 50e-6 * np.exp(1j * (course.turn(time) + np.radians(20.0 - 90.0)))
+
+    acceleration = (moment(times + h) - 2.0 * moment(times) + moment(times - h)) / h**2
+    x, y = alone.force(times)
+    load_x, load_y = np.moveaxis(course.load(times), -1, 0)
+    np.testing.assert_allclose(x - load_x + 1j * (y - load_y), -acceleration, rtol=1e-4)
+    before, after = np.array(course.force(times - h)), np.array(course.force(times + h))
+    np.testing.assert_allclose(np.array(course.force_rate(times)), (after - before) / (2.0 * h), rtol=1e-4)
+
+
+def test_a_table_s_points_are_the_load(tmp_path):
+    course = scene_with(tmp_path, "numerics.duration_ms=8", loads=LOADS).ideal_operation().course
+    np.testing.assert_allclose(np.array(course.force(4e-3)), (500.0, -2500.0), rtol=1e-12)
+
+
+BAD = {
+    "time_ms,speed_rpm\n0,1000\n5,2000\n5,3000\n9,1": "time_ms must rise by at least 0.001 from row to row: after 5",
+    "time_ms,speed_rpm\n0,1000\n9,nan": "row 2 holds a value that is not finite",
+    "time_ms,speed_rpm\n0,1000\n9,2e6": "speed_rpm = 2e+06 at 9 ms; at most 200000 either way",
+    "time_ms,speed_rpm\n0,1000": "it holds 1 rows; at least 2 are needed",
+    "time_ms,speed_rpm\n1,1000\n9,2000": "it begins at time_ms = 1, after the run; at most 0",
+    "time_ms,speed_rpm\n0,1000\n5,2000": "it ends at time_ms = 5, before the run (numerics.duration_ms = 8)",
+    "time_ms,rpm\n0,1000\n9,2000": "column speed_rpm is missing; its first line must name time_ms and speed_rpm",
+    "time_ms,speed_rpm\n0,fast\n9,2000": "row 1 below the header can't be read: two numbers are needed",
+    "time_ms,speed_rpm\n" + 50_010 * "0,1\n": "more than 50000 rows",
+    "#" + 5 * 2**20 * "x": "larger than 4 MiB; is it a table of speeds?",
+}
+
+
+@pytest.mark.parametrize("text", BAD, ids=lambda text: BAD[text][:30])
+def test_bad_tables_are_refused_by_name(text, tmp_path):
+    with pytest.raises(SceneError) as caught:
+        scene_with(tmp_path, "numerics.duration_ms=8", speeds=text)
+    (line,) = str(caught.value).splitlines()
+    assert 'speed_table = "speed_table.csv": ' in line and BAD[text] in line
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        (("operation.speed_rpm=3000",), "speed_table.csv\" says 1000 at the start; leave speed_rpm out"),
+        (("operation.radial_load_N=100",), "is the whole load; leave out one of them"),
+        (("operation.unbalance_deg=100",), "of what? give unbalance_g_mm, or leave it out"),
+        (('contact.model="faceted"',), 'operation.speed_table: only with contact.model = "subgrid"'),
+        (("operation.load_table_sha256=" + 64 * "0",), "another than the scene gives"),
+        (("operation.load_table_content=x",), "unknown key; loads are read from a file"),
+        (("operation.load_table=no.csv",), "can't be read: No such file or directory"),
+    ],
+)  # fmt: skip
+def test_contradictions_are_refused(settings, told, tmp_path):
+    with pytest.raises(SceneError) as caught:
+        scene_with(tmp_path, "numerics.duration_ms=8", *settings, speeds=RAMP, loads=LOADS)
+    assert told in str(caught.value)
+
+
+def test_a_scene_s_text_and_its_files_give_it_back(tmp_path):
+    scene = scene_with(tmp_path, *TURNING, "numerics.duration_ms=8", speeds=RAMP, loads=LOADS)
+    text = scene.to_toml()
+    assert parse_scene_text(text, "again", scene.files) == scene
+    assert parse_scene_text(text, "shown").operation.speed_rpm == 1000.0
+    with pytest.raises(SceneError, match="its text is not here"):
+        parse_scene_text(text, "elsewhere", {})
+    assert "table" not in Scene().to_toml() and "unbalance" not in Scene().to_toml()
+
+
+def test_statics_hold_a_load_of_any_direction():
+    """The load turned by so many roller pitches turns the answer."""
+    bearing, operation = Scene().ideal_bearing(), replace(Scene().ideal_operation(), gravity=0.0)
+    laws, pitch = contact_laws("harris", bearing), 2.0 * np.pi / bearing.n_rollers
+    down = static_equilibrium(bearing, operation, laws)
+    force = 2000.0 * np.exp(1j * (5 * pitch - 0.5 * np.pi))
+    turned_load = replace(operation, side_load=force.real, radial_load=-force.imag)
+    found = static_equilibrium(bearing, turned_load, laws)
+    hub = (down.x + 1j * down.y) * np.exp(5j * pitch)
+    assert found.x + 1j * found.y == pytest.approx(hub, rel=1e-9)
+    np.testing.assert_allclose(found.inner_force, np.roll(down.inner_force, 5), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "choices", [{}, {"angles": "free"}, {"damping": ContactDamping(constant=200.0), "start": "rest", "load_ramp": 5e-4}]
+)
+def test_energy_balances_under_everything_that_changes(choices, tmp_path):
+    scene = scene_with(tmp_path, *TURNING, "numerics.duration_ms=8", speeds=RAMP, loads=LOADS)
+    run = solved(scene, 5e-4, **choices)
+    assert np.ptp(run.work_load) > 1e-5 and np.ptp(run.work_cage) > 1e-3  # J
+    assert np.abs(run.energy_error).max() < (1e-5 if "damping" in choices else 1e-7) * run.energy_contact.max()
+
+
+def test_the_drive_gives_what_the_bodies_turn_with(tmp_path):
+    """Without load: ½ J ω² of ring, shaft and rollers, and of the cage's turn, against formulas."""
+    still = ("operation.radial_load_N=0", "operation.gravity_m_s2=0", "bearing.outer_raceway_diameter_mm=55.99")
+    scene = scene_with(tmp_path, *still, "numerics.duration_ms=1", speeds="time_ms,speed_rpm\n0,-2000\n1,6000\n")
+    bearing, run = scene.ideal_bearing(), solved(scene, 1e-3)
+    speed = np.array([-2000.0, 6000.0]) * RPM
+    roller, ring = 7850 * np.pi * 5e-3**2 * 0.01, 7850 * np.pi * (18e-3**2 - 12.5e-3**2) * 0.01
+    inertia = 0.5 * ring * (12.5e-3**2 + 18e-3**2) + 0.5 * (0.078 - ring) * 12.5e-3**2
+    inertia += 13 * 0.5 * roller * 5e-3**2 * (18 / 10) ** 2
+    around = 13 * roller * (9 / 22.9975 * run.roller_rho[[0, -1], 0]) ** 2
+    expected = 0.5 * np.diff((inertia + around) * speed**2)[0] + np.diff(run.energy_contact[[0, -1]])[0]
+    assert run.work_cage[-1] == pytest.approx(expected, rel=1e-6)
+    standing = np.interp(0.25e-3, run.time, run.roller_theta_rate[:, 0])  # where it turns back
+    assert abs(standing) < 1e-9 * abs(run.roller_theta_rate[0, 0])
+    assert kinematics(bearing, speed[1]).cage == pytest.approx(run.roller_theta_rate[-1, 0], rel=1e-9)
+
+
+def test_an_unbalance_drives_a_circle():
+    """F/(k − M ω²), k by statics: a preloaded bearing without load has the same stiffness in all directions."""
+    scene = read_scene(None, (
+        "bearing.outer_raceway_diameter_mm=55.98", "operation.radial_load_N=0", "operation.gravity_m_s2=0",
+        "operation.speed_rpm=40000", "operation.inner_ring_and_shaft_kg=5", "operation.unbalance_g_mm=20",
+    ))  # fmt: skip
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    force, laws = 20e-6 * operation.speed**2, contact_laws("harris", bearing)
+    still = replace(operation, course=None, radial_load=0.0, side_load=0.0)
+    hub = [static_equilibrium(bearing, replace(still, side_load=push), laws).x for push in (-force, force)]
+    stiffness, inertia = 2.0 * force / (hub[1] - hub[0]), 5.0 * operation.speed**2
+    assert 0.05 < inertia / stiffness < 0.1
+    run = solved(scene, 2 * 60.0 / 40000)
+    window = np.sin(np.pi * run.time / run.time[-1]) ** 2
+    place = (run.inner_x + 1j * run.inner_y) * window / window.sum()
+    ahead, back = (np.sum(place * np.exp(sign * 1j * operation.speed * run.time)) for sign in (-1, 1))
+    assert abs(ahead) == pytest.approx(force / (stiffness - inertia), rel=1e-3)
+    assert np.angle(ahead) == pytest.approx(-0.5 * np.pi, abs=1e-3)  # below resonance the heavy side flies out
+    assert abs(back) < 1e-3 * abs(ahead)
+
+
+def test_the_checker_knows_every_load(tmp_path):
+    """The model's own run leaves what differentiation leaves, and the budget adds up."""
+    scene = scene_with(
+        tmp_path, *TURNING, "numerics.duration_ms=8", "damping.contact_N_s_m=100", speeds=RAMP, loads=LOADS
+    )
+    found = evaluate(record_of(scene, solved(scene, 1e-3, damping=ContactDamping(constant=100.0))), "harris")
+    for direction in found.directions:
+        terms = direction.budget.terms
+        np.testing.assert_allclose(sum(terms.values()), direction.budget.error, rtol=0.0, atol=1e-9 * 2000.0)
+        assert np.abs(terms["ring_flexibility"]).max() < 1e-9 * 2000.0  # nothing of the load is missing
+        assert np.ptp(found.record.acting.side_load) > 100.0

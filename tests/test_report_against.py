@@ -1,0 +1,94 @@
+"""Two runs or two laws beside each other, a report without equations, the data for other programs."""
+
+import csv
+
+import numpy as np
+import pytest
+from scipy.io import loadmat, wavfile
+
+from residual.against import difference_rows
+from residual.cli import main
+from residual.evaluation import evaluate
+from residual.sources import read_result
+from tests.reference.synthetic_run import make_run, write_result
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs")
+    quiet, loud = make_run(n_times=401), make_run(n_times=401, amplitude=6e-7)
+    return write_result(folder / "quiet.nc", quiet), write_result(folder / "loud.nc", loud)
+
+
+def test_the_differences_of_two_runs_are_those_of_their_motion(runs):
+    here, there = (evaluate(read_result(path)) for path in runs)
+    rows = {row[0]: row[1:] for row in difference_rows(here, there)}
+    for axis, place in (("x", "inner_x"), ("y", "inner_y")):
+        stds = [1e9 * getattr(each.record, place).std() for each in (here, there)]
+        told = [float(cell.replace("−", "-")) for cell in rows[f"hub {axis}, std, nm"][:3]]
+        assert told[:2] == pytest.approx(stds, rel=1e-4)
+        assert told[2] == pytest.approx(stds[1] - stds[0], rel=5e-3)
+        assert rows[f"hub {axis}, std, nm"][3] == "200 %"  # of thrice the amplitude
+    assert rows["largest roller load, N"][2:] == ["0", "0 %"]
+
+
+def test_two_laws_of_one_run_share_its_motion_and_differ_in_their_errors(runs, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main([str(runs[0]), "--against", "palmgren", "--no-figures", "--output", str(out)]) == 0
+    printed = capsys.readouterr().out
+    assert "harris" in printed and "palmgren" in printed
+    here, there = (evaluate(read_result(runs[0]), law) for law in ("harris", "palmgren"))
+    rows = {row[0]: row[1:] for row in difference_rows(here, there)}
+    assert rows["hub y, mean, µm"][2] == "0"
+    change = there.y.error.rms - here.y.error.rms
+    assert abs(change) > 1.0
+    assert float(rows["error_y, rms, N"][2].replace("−", "-")) == pytest.approx(change, rel=5e-3)
+
+
+@pytest.mark.parametrize("other", ["nothing.nc", "hariss"])
+def test_what_is_neither_a_file_nor_a_law_is_refused_by_name(runs, tmp_path, capsys, other):
+    assert main([str(runs[0]), "--against", other, "--output", str(tmp_path / "out")]) == 2
+    assert f"--against {other}: neither a file nor a contact law" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_report_without_equations_speaks_of_the_run_alone(runs, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main([str(runs[0]), "--no-equations", "--no-figures", "--output", str(out)]) == 0
+    page, printed = (out / "report.html").read_text(encoding="utf-8"), capsys.readouterr().out
+    assert "(22)" not in printed and "harris" not in printed and "The trajectories are" in printed
+    body = page.partition("<script")[0].partition("<footer>")[0].partition("<details>")[0]
+    assert 'id="vibration"' in body and 'id="player"' in body
+    assert not any(word in body for word in ("error_x", 'id="budget-of-errors"', 'id="laws"', 'id="paper"'))
+    assert '"unit":"m²/s⁴/Hz"' in page or "m\\u00b2/s\\u2074/Hz" in page
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_signals_are_exported_as_csv_mat_and_wav(runs, tmp_path):
+    out = tmp_path / "out"
+    assert main([str(runs[0]), *("--export", "csv", "--export", "mat", "--export", "wav"), "--output", str(out)]) == 0
+    record = read_result(runs[0])
+    table = np.genfromtxt(out / "signals.csv", delimiter=",", names=True)
+    np.testing.assert_allclose(table["inner_y"], record.inner_y, rtol=1e-11)
+    np.testing.assert_allclose(table["inner_force_5"], record.inner_force[:, 5], rtol=1e-11)
+    matrix = loadmat(out / "signals.mat")
+    np.testing.assert_array_equal(matrix["inner_x"][:, 0], record.inner_x)
+    assert matrix["roller_y"].shape == (401, 13)
+    rate, sound = wavfile.read(out / "hub_acceleration.wav")
+    assert rate == 100_000
+    np.testing.assert_allclose(sound, np.column_stack([record.inner_ax, record.inner_ay]), rtol=1e-6)
+    assert main([str(runs[0]), "--no-figures", "--output", str(out), "--quiet"]) == 0  # they are an earlier report's
+    assert not (out / "signals.csv").exists()
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_curves_of_a_comparison_are_exported(runs, tmp_path):
+    out = tmp_path / "out"
+    assert main([str(runs[0]), "--against", str(runs[1]), "--export", "csv", "--output", str(out), "--quiet"]) == 0
+    with (out / "against.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    x = [(float(row["x"]), float(row["y"])) for row in rows if (row["panel"], row["curve"]) == ("hub x, µm", "loud")]
+    other = read_result(runs[1])
+    np.testing.assert_allclose(x, np.column_stack([1e3 * other.time, 1e6 * other.inner_x]), rtol=1e-7, atol=1e-12)
+    page = (out / "report.html").read_text(encoding="utf-8")
+    assert "quiet against loud" in page and 'id="against"' in page

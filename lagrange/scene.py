@@ -208,12 +208,20 @@ class Scene(Table):
             )
 
     def _support(self) -> Iterator[str]:
-        if self.mounting().housing is not None and self.model != "fem":
+        mounting = self.mounting()
+        if (mounting.housing is not None or mounting.points is not None) and self.model != "fem":
             yield (
                 f'support.kind = "{self.support.kind}": only with model = "fem", not with "{self.model}", whose outer '
-                "ring stands still; leave one of them out"
+                "ring is held all around by the ground; leave one of them out"
             )
-        if self.sensor is not None and self.mounting().housing is None:
+        if mounting.points is not None and self.bodies.outer_ring == "rigid":
+            yield 'support.kind = "points": a rigid outer ring is held as well by any; leave one of them out'
+        if mounting.points is not None and self.contact.model != "subgrid":
+            yield (
+                f'support.kind = "points": only with contact.model = "subgrid", not with "{self.contact.model}"; leave '
+                "one of them out"
+            )
+        if self.sensor is not None and mounting.housing is None:
             yield (
                 '[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'
             )
@@ -303,6 +311,7 @@ class Scene(Table):
     def mounting(self) -> Mounting:
         """What the bearing stands in, in SI."""
         return Mounting(
+            points=None if self.support is None else self.support.points(),
             housing=None if self.support is None else self.support.housing(),
             sensor=None if self.sensor is None else self.sensor.sensor(),
         )

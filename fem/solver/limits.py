@@ -72,6 +72,15 @@ def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable = be
         )
 
 
+def check_points(kind: "type[Model]", scene: Scene) -> None:
+    """Refuse an outer ring held at points on a mesh so fine that the contact model does not know such rings."""
+    if scene.mounting().points is not None and not kind.is_of_mesh_alone:
+        raise UsageError(
+            f'support.kind = "points": numerics.mesh_size_mm = {scene.numerics.mesh_size_mm:g} is so fine that '
+            "contacts are spread over points, which takes rings that are held all around; take a coarser mesh"
+        )
+
+
 def check_contact_model(kind: "type[Model]", scene: Scene, expected: ExpectedForces) -> None:
     """Refuse what a contact model is not made for, before it is built.
 

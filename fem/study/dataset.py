@@ -119,8 +119,8 @@ def _fill(file, points: Points, folder: Folder, count: Callable[[], None]) -> di
 
     for name, values in numbers.items():
         put(name, values, *QUANTITIES[name])
-    for name, values in marks.items():
-        put(name, values, UNITS[name], f"label: {name.replace('_', ' ')}")
+    for name, marked in marks.items():
+        put(name, marked, UNITS[name], f"label: {name.replace('_', ' ')}")
     put("status", status, "1", f"what became of the point: complete, failed, stopped (time limit) or {MISSING}")
     put("message", text, "1", "why the point is not complete")
     put("seconds", seconds, "s", "wall time of the point")

@@ -5,6 +5,7 @@ import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -34,7 +35,8 @@ class Figure:
 
 def study_figures(table: Table, indices: list[tuple[Column, Indices]]) -> list[Figure]:
     """All that the study's points can show."""
-    with plt.rc_context({**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}):
+    look: dict[Any, Any] = {**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}
+    with plt.rc_context(look):
         makers = (_main_effects, _heat_map, _scatter_matrix)
         found = [figure for maker in makers for figure in maker(table)]
         return [*found, *_sobol_bars(table, indices)]

@@ -34,6 +34,7 @@ OF_RECORD = {
     "peak_to_peak_x": ("m", "width of the hub's path, x"),
     "peak_to_peak_y": ("m", "width of the hub's path, y"),
 }
+OF_STATICS = {"static_stiffness": ("N/m", "radial stiffness against the load, rollers as at the start")}
 OF_RUN = OF_START | OF_MOTION | OF_RECORD  # all that a run's samples tell
 
 

@@ -160,7 +160,7 @@ class Result:
         """
         path = Path(path)
         refuse_no_place(path)
-        with ResultFile(path, self.plan, self.setup_seconds, **self.outcome_attributes) as store:
+        with ResultFile(path, self.plan, self.setup_seconds, None, **self.outcome_attributes) as store:
             checkpoint_path(path).unlink(missing_ok=True)  # of an earlier run in its place
             for frame in self.frames:
                 store.keep(frame)

@@ -77,7 +77,7 @@ def _study(
     options = StudyOptions(workers=workers, scheduler=scheduler, keep_runs=keep_runs, quiet=quiet)
     if dry_run:
         return _show(points, folder, options)
-    folder.begin(points, resume)
+    folder.refuse_foreign(resume)
     return _solve(points, folder, options)
 
 
@@ -100,8 +100,10 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
     from lagrange.messages import say
 
     pending, lost = pending_points(points, folder), {}
+    tell = None if options.quiet else say
+    total = expected(points, pending, tell).seconds * len(pending) if pending else 0.0
+    folder.begin(points)
     if pending:
-        total = expected(points, pending).seconds * len(pending)
         with stop_signals() as stopped:
             lost = solve_points(points, pending, folder, options, total, lambda: bool(stopped))
         if stopped:

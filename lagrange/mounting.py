@@ -49,9 +49,18 @@ class Sensor:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mounting:
-    """How the bearing is held. Without a housing the outer ring is held all around by the ground."""
+class Points:
+    """Arcs of its outside in which the ground holds the outer ring, which is free between them."""
 
+    angles: tuple[float, ...]  # rad from +x, of their middles
+    width: float  # m, of each, along the outside
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mounting:
+    """How the bearing is held. Without points and without a housing the ground holds the outer ring all around."""
+
+    points: Points | None = None
     housing: Housing | None = None
     sensor: Sensor | None = None
 

@@ -1,14 +1,18 @@
 """Tables of the scene that say what the bearing stands in: [support] of the outer ring, [sensor]."""
 
 from collections.abc import Iterator
+from math import radians
 from typing import Any, Literal
 
 from pydantic import Field
 
-from lagrange.mounting import Housing, Sensor
+from lagrange.mounting import Housing, Points, Sensor
 from lagrange.scene_faults import Check, Table
 
+THREE_POINTS = {"angles_deg": [0.0, 120.0, 240.0], "width_mm": 6.0}
 PEDESTAL = {"mass_kg": 12.638, "stiffness_N_per_m": 15.1e6, "damping_N_s_m": 2210.7}
+
+OF_KINDS = {"points": THREE_POINTS, "housing": PEDESTAL}  # keys of each kind, with their defaults
 
 
 class SupportTable(Table):
@@ -19,8 +23,14 @@ class SupportTable(Table):
     Source: Sawalhi and Randall, Simulating gear and bearing interactions in the presence of faults, part I (2008).
     """
 
-    kind: Literal["held", "housing"] = Field(
-        "held", description="all around by the ground; by a rigid mass on springs and dashpots along x and y"
+    kind: Literal["held", "points", "housing"] = Field(
+        "held", description="all around by the ground; in some arcs of the outside; by a rigid mass on springs"
+    )
+    angles_deg: list[float] | None = Field(
+        None, min_length=1, max_length=100, description="of points from the load's direction; 0, 120, 240 if left out"
+    )
+    width_mm: float | None = Field(
+        None, gt=0.0, le=1e4, description="of each point along the outside, two nodes at least; 6 if left out"
     )
     mass_kg: float | None = Field(
         None, ge=1e-3, le=1e6, description="of a housing without the outer ring; 12.638 if left out"
@@ -34,15 +44,28 @@ class SupportTable(Table):
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        return PEDESTAL | data if data.get("kind") == "housing" else data
+        return OF_KINDS.get(data.get("kind"), {}) | data if isinstance(data.get("kind"), str) else data
 
     def checks(self) -> tuple[Check, ...]:
-        return (self._housing_alone,)
+        return self._of_other_kinds, self._angles
 
-    def _housing_alone(self) -> Iterator[str]:
-        for name in PEDESTAL:
-            if self.kind != "housing" and getattr(self, name) is not None:
-                yield f'{name} = {getattr(self, name):g}: only with kind = "housing", not "{self.kind}"; leave it out'
+    def _of_other_kinds(self) -> Iterator[str]:
+        for kind, keys in OF_KINDS.items():
+            for name in keys if kind != self.kind else ():
+                if getattr(self, name) is not None:
+                    yield f'{name} = {getattr(self, name)}: only with kind = "{kind}", not "{self.kind}"; leave it out'
+
+    def _angles(self) -> Iterator[str]:
+        for angle in self.angles_deg or ():
+            if not -360.0 <= angle <= 360.0:
+                yield f"angles_deg = {self.angles_deg}: {angle:g} is not between -360 and 360"
+
+    def points(self) -> Points | None:
+        """The points in SI."""
+        if self.kind != "points":
+            return None
+        angles = tuple(radians(angle - 90.0) for angle in self.angles_deg)
+        return Points(angles=angles, width=1e-3 * self.width_mm)
 
     def housing(self) -> Housing | None:
         """The housing in SI."""

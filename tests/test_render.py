@@ -280,7 +280,7 @@ def test_photoelastic_pictures_are_grey_inside_the_bodies(can_draw, run):
 
 
 def test_the_probe_refuses_a_blank_picture(can_draw, monkeypatch):
-    blank = PROBE.replace("plotter.add_mesh(pyvista.Sphere())", "")
+    blank = PROBE.replace("renderer.AddActor(actor)", "")
     assert blank != PROBE
     monkeypatch.setattr("fem.pictures.rendering_probe.PROBE", blank)
     with pytest.raises(UsageError, match="the picture is blank"):

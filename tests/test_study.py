@@ -159,6 +159,13 @@ def test_what_fails_is_collected_with_its_text(here, capsys):
         assert np.all(found.sel(model="lagrange").largest_force > 0.0)
 
 
+def test_a_study_whose_plans_are_all_refused_is_not_begun(here, capsys):
+    assert run(FAILING.replace('"lagrange", ', "")) == 2
+    said = capsys.readouterr().err
+    assert "point 0 (operation.radial_load_N = 1000, model = 'reduced'): " in said and "takes balls" in said
+    assert not Path("studies").exists()
+
+
 def test_a_point_that_takes_too_long_is_stopped_and_said_so(here):
     text = GRID + "[limits]\nseconds_per_point = 1e-6\n"
     assert run(text) == 1
@@ -293,6 +300,7 @@ def many(n):
     return GRID.replace("[1500.0, 3000.0, 4500.0]", f"{{ from = 1000.0, to = 5000.0, count = {n} }}")
 
 
+@pytest.mark.slow
 def test_an_interrupted_study_says_so_and_goes_on(here):
     Path("study.toml").write_text(many(12), encoding="utf-8")
     process = command("study.toml", "--workers", "1")

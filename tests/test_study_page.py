@@ -41,7 +41,7 @@ def made_up(tmp_path, monkeypatch):
         study = read_study(Path("study.toml"))
         points = checked_points(study, design_of(study))
         folder = Folder(path=Path("out"))
-        folder.begin(points, resume=False)
+        folder.begin(points)
         for i, digest in enumerate(points.digests):
             quantities = {"largest_force": float(force(*points.design.points[i])), "hub_mean_y": 1.0}
             status = dict(status=FAILED, text="<b>it broke</b>") if i in failed else dict(status=COMPLETE)
@@ -87,6 +87,7 @@ def test_sobol_indices_are_those_of_a_function_whose_variance_is_known(made_up):
     assert sobol_indices(table, table.quantities[1]) is None  # it never changes
 
 
+@pytest.mark.slow
 def test_the_page_tells_effects_failures_and_speed(made_up):
     points, folder = made_up(lambda speed, load, length: speed + load, failed=(5,), **GRID)
     write_page(points, folder)

@@ -34,6 +34,8 @@ def critical_time_step(model: Model, largest_force: float, housing: Housing | No
     bodies = [(body.shape, body.material) for body in (model.roller, model.inner_ring, model.outer_ring)]
     perfect = replace(model.bearing, faults=())  # what surfaces lack makes no contact stiffer
     carried = () if housing is None else (housing,)
+    if len(model.outer_ring.free_rows) == model.outer_ring.n_rows:  # held at points: all of it counts as free
+        carried = (*carried, "free outer ring")
     key = repr((type(model).__name__, perfect, bodies, model.laws, largest_force, *carried))
     return float(kept("step", key, lambda: {"critical": np.array(_found(model, largest_force, housing))})["critical"])
 
@@ -73,7 +75,7 @@ def _disc_limit(disc: DiscBody, springs: sparse.csc_matrix) -> float:
 
 
 def _ring_limit(ring: RingBody, springs: sparse.csc_matrix) -> float:
-    """Largest ω², 1/s², of a held ring on springs."""
+    """Largest ω², 1/s², of a held ring on springs; held at points, of a free one, which is not less."""
     rows = ring.free_rows
     scale = 1.0 / np.sqrt(ring.row_mass[rows])[:, None, None]
 

@@ -115,7 +115,7 @@ class Model:
     @property
     def degrees_of_freedom(self) -> int:
         """Number of free ones: two per node off the held circles, two of the hub, three of a rigid roller."""
-        rings = sum((ring.n_rows - 1) * ring.n_sectors for ring in self._elastic_rings)
+        rings = sum(ring.n_free_nodes for ring in self._elastic_rings)
         of_a_roller = 3 if self.roller.material.rigid else 2 * self.roller.n_nodes
         return self.bearing.n_rollers * of_a_roller + 2 * rings + 2
 

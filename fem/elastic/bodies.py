@@ -197,6 +197,10 @@ class RingBody:
         return np.delete(np.arange(self.n_rows), self.held_row)
 
     @property
+    def n_free_nodes(self) -> int:
+        return (self.n_rows - 1) * self.n_sectors
+
+    @property
     def total_mass(self) -> float:
         return float(self.n_sectors * self.row_mass.sum())
 

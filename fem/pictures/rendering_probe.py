@@ -6,11 +6,25 @@ import sys
 
 from fem.errors import UsageError
 
+# VTK alone, since the libraries are what may be missing: importing pyvista would take most of the time
 PROBE = """
-import pyvista
-plotter = pyvista.Plotter(off_screen=True, window_size=(32, 32))
-plotter.add_mesh(pyvista.Sphere())
-assert plotter.screenshot(return_img=True).std() > 0.0, "the picture is blank"
+import vtkmodules.vtkRenderingOpenGL2
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer
+from vtkmodules.vtkRenderingCore import vtkRenderWindow, vtkWindowToImageFilter
+sphere, mapper, actor = vtkSphereSource(), vtkPolyDataMapper(), vtkActor()
+mapper.SetInputConnection(sphere.GetOutputPort())
+actor.SetMapper(mapper)
+renderer, window, image = vtkRenderer(), vtkRenderWindow(), vtkWindowToImageFilter()
+renderer.AddActor(actor)
+window.SetOffScreenRendering(True)
+window.SetSize(32, 32)
+window.AddRenderer(renderer)
+window.Render()
+image.SetInput(window)
+image.Update()
+low, high = image.GetOutput().GetPointData().GetScalars().GetRange(0)
+assert high > low, "the picture is blank"
 """
 CURE = "apt-get install --no-install-recommends libgl1 libegl1"
 PATIENCE = 60.0  # s

@@ -2,7 +2,7 @@
 
 solver             what every solver answers: plan, first state, blocks of samples, what a checkpoint keeps
 simulate           the registry of solvers, and the loop that advances a run of any of them; `model_choice`: what each
-                   would take for a scene and err by
+                   would take for a scene and err by; `pace`: how fast this machine is
 row_state          states that a compiled time loop advances; `guards`: looks at the samples that no sound run fails
 samples            rows of a time loop as quantities; `compiling`: plans whose loop is compiled
 lagrangian         the Lagrangian model as a solver; `lagrangian_steps`: its integration, compiled

@@ -8,6 +8,7 @@ import numpy as np
 from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.rigid import RigidRing
+from fem.elastic.supported import SupportedRing
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.cage_kernels import Cage
 from fem.kernels.housing_kernels import Resonator
@@ -32,6 +33,7 @@ from fem.kernels.state import (
     Shear,
     Spread,
 )
+from fem.kernels.support_kernels import HeldNodes
 from fem.solver.cache_lines import lined_up
 from fem.solver.contact_arrays import contact_arrays, disc_surface, pair_groups
 from fem.solver.course_arrays import course_arrays
@@ -163,6 +165,9 @@ def make_arrays(
     column = N_SCALARS + len(BLOCKS) * rollers.n
     housing = housing_body(model, operation, outer, start.housing, dt, column)
     others = () if housing is None else ((housing,),)
+    if isinstance(model.outer_ring, SupportedRing):
+        held = model.outer_ring.held_sectors.astype(np.int64)
+        others = (*others, (HeldNodes(w=outer.w, sectors=held, row=outer.held),))
     return Arrays(
         bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer, others=others),
         groups=pair_groups(model, (inner, outer), drive, housing, data, rollers.columns),
@@ -218,7 +223,7 @@ def _ring(ring: RingBody, dt: float) -> Ring:
     width = ring.n_sectors + 2 * HALO
     angle = 2.0 * np.pi * (np.arange(width) - HALO) / ring.n_sectors
     table = ring_kernels.coefficients(ring.stencil)
-    first = 1 if ring.held_row == 0 else 0
+    first = int(ring.free_rows[0])
     return Ring(
         table=-dt * table / ring.row_mass[:, None],
         u=np.zeros((ring.n_rows, 2, width)),
@@ -229,7 +234,7 @@ def _ring(ring: RingBody, dt: float) -> Ring:
         sines=np.sin(angle),
         n_sectors=ring.n_sectors,
         first_row=first,
-        last_row=first + ring.n_rows - 1,
+        last_row=first + len(ring.free_rows),
         raceway=ring.raceway_row,
         held=ring.held_row,
     )

@@ -6,7 +6,8 @@ from importlib import import_module
 
 from fem.contacts import MODELS, ONE_PATCH
 from fem.contacts.model import Model
-from fem.solver.limits import check_contact_model, check_mesh_size, check_meshes, check_rollers
+from fem.elastic.supported import supported_ring
+from fem.solver.limits import check_contact_model, check_mesh_size, check_meshes, check_points, check_rollers
 from fem.statics.expected_forces import ExpectedForces
 from lagrange import Bearing
 from lagrange.pair import contact_pairs
@@ -32,12 +33,15 @@ def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
     kind = contact_model(scene.contact.model, mesh_size, expected)
     check_mesh_size(bearing, mesh_size, kind.shapes)
     check_contact_model(kind, scene, expected)
+    check_points(kind, scene)
     if not kind.is_of_mesh_alone:
         model = kind.build(bearing, mesh_size, expected, scene.contact)
         check_meshes(model)
         return model
     sound = replace(bearing, faults=())
-    return replace(_built(kind, sound, mesh_size), bearing=bearing)
+    model, points = replace(_built(kind, sound, mesh_size), bearing=bearing), scene.mounting().points
+    # calibrated held all around: what a mesh lacks at a contact is the same wherever the ring is held
+    return model if points is None else replace(model, outer_ring=supported_ring(model.outer_ring, points))
 
 
 @lru_cache(maxsize=1)

@@ -80,7 +80,8 @@ def _lay_out(file, points: Points) -> None:
 
 
 def _variable(file, name: str, where: tuple[str, ...], values, unit: str, meaning: str):
-    data = np.array(values)
+    words = any(isinstance(value, str) for value in values)
+    data = np.array([("" if words else nan) if value is None else value for value in values])
     kind = str if data.dtype.kind in "UO" else ("i1" if data.dtype.kind == "b" else data.dtype)
     variable = file.createVariable(name, kind, where)
     variable.units, variable.long_name = unit, meaning
@@ -118,8 +119,8 @@ def _fill(file, points: Points, folder: Folder, count: Callable[[], None]) -> di
 
     for name, values in numbers.items():
         put(name, values, *QUANTITIES[name])
-    for name, values in marks.items():
-        put(name, values, UNITS[name], f"label: {name.replace('_', ' ')}")
+    for name, marked in marks.items():
+        put(name, marked, UNITS[name], f"label: {name.replace('_', ' ')}")
     put("status", status, "1", f"what became of the point: complete, failed, stopped (time limit) or {MISSING}")
     put("message", text, "1", "why the point is not complete")
     put("seconds", seconds, "s", "wall time of the point")

@@ -49,7 +49,7 @@ class Table:
 
     def effect(self, parameter: Column, quantity: Column) -> Effect | None:
         """The effect of a parameter on a quantity; None where too few points tell of it."""
-        known = np.isfinite(quantity.values)
+        known = np.isfinite(quantity.values) & np.isfinite(parameter.values)
         x, y = parameter.values[known], quantity.values[known]
         if len(y) < FEWEST or not np.ptp(y) > 0.0:
             return None
@@ -99,8 +99,9 @@ def table_of(points: Points, dataset) -> Table:
 
 
 def _column(name: str, unit: str, meaning: str, values: list) -> Column:
-    words = tuple(dict.fromkeys(str(value) for value in values)) if isinstance(values[0], str | bool) else ()
-    numbers = [words.index(str(value)) for value in values] if words else values
+    wordy = any(isinstance(value, str | bool) for value in values)
+    words = tuple(dict.fromkeys(str(value) for value in values)) if wordy else ()
+    numbers = [words.index(str(value)) for value in values] if words else values  # None becomes NaN
     return Column(name=name, unit=unit, meaning=meaning, values=np.array(numbers, dtype=float), words=words)
 
 

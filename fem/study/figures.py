@@ -5,6 +5,7 @@ import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -16,6 +17,7 @@ from residual.tick_labels import make_plain
 WIDTH = 7.0  # inches
 CELL = 1.75  # inches, of a panel among many
 MOST = 6  # rows, or columns, of a figure
+MOST_TICKS = 4  # of a small axis
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded
 DPI = 150
 CLOUD = 3000  # points drawn one by one, at most
@@ -33,7 +35,8 @@ class Figure:
 
 def study_figures(table: Table, indices: list[tuple[Column, Indices]]) -> list[Figure]:
     """All that the study's points can show."""
-    with plt.rc_context({**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}):
+    look: dict[Any, Any] = {**STYLE, "figure.constrained_layout.use": True, "font.size": 9, "axes.labelsize": 9}
+    with plt.rc_context(look):
         makers = (_main_effects, _heat_map, _scatter_matrix)
         found = [figure for maker in makers for figure in maker(table)]
         return [*found, *_sobol_bars(table, indices)]
@@ -83,8 +86,8 @@ def _heat_map(table: Table) -> Iterator[Figure]:
     figure, axes = plt.subplots(rows, columns, figsize=(WIDTH, 0.6 + 2.6 * rows), squeeze=False)
     for axis, quantity in zip(axes.ravel(), quantities, strict=False):
         (x, _), (y, _) = table.strongest(quantity)[:2]
-        known = np.isfinite(quantity.values)
-        at_x, at_y = np.unique(x.values), np.unique(y.values)
+        known = np.isfinite(quantity.values) & np.isfinite(x.values) & np.isfinite(y.values)
+        at_x, at_y = np.unique(x.values[known]), np.unique(y.values[known])
         if len(at_x) * len(at_y) <= known.sum() * 2:
             total = np.full((len(at_y), len(at_x)), np.nan)
             for (j, b), (i, a) in product(enumerate(at_y), enumerate(at_x)):
@@ -110,7 +113,7 @@ def _heat_map(table: Table) -> Iterator[Figure]:
 
 def _levels(axis, column: Column, at: np.ndarray) -> None:
     """Ticks of a parameter that takes some values, at their numbers."""
-    chosen = np.unique(np.linspace(0, len(at) - 1, min(len(at), 6)).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(at) - 1, min(len(at), MOST_TICKS)).round().astype(int))
     axis.set_ticks(chosen, [column.words[int(at[i])] if column.words else f"{at[i]:.5g}" for i in chosen])
 
 

@@ -78,19 +78,22 @@ class Folder:
     def _point(self, digest: str) -> Path:
         return self.path / "points" / f"{digest}.point"
 
-    def begin(self, points: Points, resume: bool) -> None:
-        """Write what the study is; refuse a folder that holds another, or one that is to go on without `resume`.
-
-        Errors
-        ------
-        UsageError. OSError: it can't be written.
-        """
+    def refuse_foreign(self, resume: bool) -> None:
+        """Refuse a folder that holds something else, or a study that is to go on without `resume`: UsageError."""
         if self.path.exists() and not self.path.is_dir():
             raise UsageError(f"{self.path}: is a file, not a folder; choose another --output")
         if self._about.exists() and not resume:
             raise UsageError(f"{self.path}: holds a study; --resume goes on with it, or choose another --output")
         if not self._about.exists() and self.path.exists() and any(self.path.iterdir()):
             raise UsageError(f"{self.path}: not empty and no study; choose another --output or empty it")
+
+    def begin(self, points: Points) -> None:
+        """Write what the study is.
+
+        Errors
+        ------
+        OSError: it can't be written.
+        """
         with self._named():
             (self.path / "points").mkdir(parents=True, exist_ok=True)
             _write(self._about, json.dumps(_facts(points), ensure_ascii=False).encode())
@@ -119,7 +122,8 @@ class Folder:
             "signal_interval": solved.signal_interval,
         }
         archive = io.BytesIO()
-        np.savez(archive, facts=np.frombuffer(json.dumps(facts).encode(), dtype=np.uint8), **solved.signals)
+        arrays: dict[str, Any] = {"facts": np.frombuffer(json.dumps(facts).encode(), dtype=np.uint8), **solved.signals}
+        np.savez(archive, **arrays)
         with self._named():
             if solved.run is not None:
                 self.run(digest).parent.mkdir(exist_ok=True)

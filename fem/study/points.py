@@ -64,9 +64,11 @@ def checked_points(study: Study, design: Design, count: Callable[[], None] = lam
 
 def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> None:
     """Refuse signals that a point does not have, or that do not fit beside those of the first point."""
-    if keep.quantities and sample_count(scene) < 2 and any(not name.startswith("first_") for name in keep.quantities):
+    moving = [name for name in keep.quantities if not name.startswith(("first_", "static_"))]
+    if moving and sample_count(scene) < 2:
         raise UsageError(
-            "numerics.duration_ms = 0: at rest only the quantities first_… are told; keep others out, or run longer"
+            "numerics.duration_ms = 0: at rest only the quantities first_… and static_… are told; keep no others, or "
+            "run longer"
         )
     if not keep.signals:
         return

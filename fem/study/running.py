@@ -47,8 +47,8 @@ def pending_points(points: Points, folder: Folder) -> list[int]:
     return sorted(i for digest, i in first.items() if not folder.done(digest))
 
 
-def expected(points: Points, pending: list[int]) -> Expected:
-    """What the points will take, by the plans of three of them; compiles what they need.
+def expected(points: Points, pending: list[int], tell: Callable[[str], None] | None = None) -> Expected:
+    """What the points will take, by the plans of three of them; compiles what they need, and tells if that takes long.
 
     Errors
     ------
@@ -58,7 +58,7 @@ def expected(points: Points, pending: list[int]) -> Expected:
     for i in sorted({pending[0], pending[len(pending) // 2], pending[-1]}):
         try:
             scene = points.scene(i)
-            programs_named(partial(make_plan, scene)).prepare()
+            programs_named(partial(make_plan, scene)).prepare(tell)
             began = time.process_time()
             plan = make_plan(scene)
             seconds.append(time.process_time() - began + plan.expected_seconds)

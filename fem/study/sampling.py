@@ -21,7 +21,7 @@ class Design:
     """The points of a study in a fixed order: on a grid the last parameter changes fastest."""
 
     keys: tuple[str, ...]  # dotted keys of the scene
-    points: list[tuple[Value, ...]]  # values by key
+    points: list[tuple[Value | None, ...]]  # values by key
     axes: tuple[tuple[Value, ...], ...] | None  # of a grid, by key; None: the points are no grid
     base: int = 0  # points of each of the matrices A, B and AB of Sobol indices; 0: there are none
 
@@ -43,8 +43,8 @@ class Design:
         return (len(self.points),) if self.axes is None else tuple(len(axis) for axis in self.axes)
 
     def changes(self, i: int) -> dict[str, Value]:
-        """What point i changes of the scene."""
-        return dict(zip(self.keys, self.points[i], strict=True))
+        """What point i changes of the scene: keys of cells left empty stay as they are."""
+        return {key: value for key, value in zip(self.keys, self.points[i], strict=True) if value is not None}
 
     def told(self, i: int) -> str:
         """Point i in words."""
@@ -119,7 +119,7 @@ def _matrices(shares: np.ndarray, d: int) -> np.ndarray:
 
 
 def _listed(study: Study) -> Design:
-    """Points of a CSV table whose header names keys of the scene; a value is TOML, or a plain word."""
+    """Points of a CSV table whose header names keys of the scene; a value is TOML, or a plain word, or left empty."""
     name, text = study.sampling.file, study.listed or ""
     rows = [row for row in csv.reader(text.splitlines()) if any(cell.strip() for cell in row)]
     if len(rows) < 2:
@@ -136,15 +136,13 @@ def _listed(study: Study) -> Design:
     return Design(keys=keys, points=points, axes=None)
 
 
-def _value(name: str, row: int, key: str, cell: str) -> Value:
+def _value(name: str, row: int, key: str, cell: str) -> Value | None:
+    if not cell:
+        return None
     try:
         found = tomllib.loads(f"value = {cell}")["value"]
     except ValueError:
         found = cell
-    if (
-        cell == ""
-        or not isinstance(found, float | int | str | bool)
-        or (isinstance(found, float) and not isfinite(found))
-    ):
+    if not isinstance(found, float | int | str | bool) or (isinstance(found, float) and not isfinite(found)):
         raise UsageError(f"{name}: row {row}, {key} = {cell!r}: is no value of a scene")
     return found

@@ -10,7 +10,8 @@ import numpy as np
 
 from fem.checking import OF_CHECK, check_quantities
 from fem.errors import RunFailed, UsageError
-from fem.interface import simulate
+from fem.interface import simulate, statics
+from fem.quantities import OF_STATICS, Quantity
 from fem.recording import Result
 from lagrange.scene import Scene, SceneError
 
@@ -81,6 +82,9 @@ def _quantities(result: Result, names: tuple[str, ...]) -> dict[str, float]:
     found = dict(result.quantities)
     if any(name in OF_CHECK for name in names):
         found |= {each.name: each for each in check_quantities(result.residual())}
+    if any(name in OF_STATICS for name in names):
+        stiffness = statics(result.scene).stiffness
+        found["static_stiffness"] = Quantity("static_stiffness", *OF_STATICS["static_stiffness"], stiffness)
     return {name: float(found[name].value) for name in names}
 
 

@@ -12,14 +12,14 @@ from pydantic import Field, ValidationError
 
 from fem.checking import OF_CHECK
 from fem.errors import UsageError
-from fem.quantities import OF_RUN
+from fem.quantities import OF_RUN, OF_STATICS
 from fem.study.parameters import Parameter, read_parameter
 from lagrange.scene import Scene, SceneError, read_scene
 from lagrange.scene_faults import Check, Table, all_faults, likely_of, printable
 
 LARGEST_FILE = 2**24  # bytes of a list of points
 MOST_NAMES = 1000  # quantities or signals
-QUANTITIES = OF_RUN | OF_CHECK  # unit and meaning by name
+QUANTITIES = OF_RUN | OF_STATICS | OF_CHECK  # unit and meaning by name
 USUAL = ("hub_mean_x", "hub_mean_y", "largest_force", "mean_largest_force", "load_zone")
 
 

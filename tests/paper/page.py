@@ -9,7 +9,6 @@ from lagrange import contact_laws
 from lagrange.ball_contact import delta_star
 from lagrange.scene import read_scene
 from residual import paper
-from residual.paper_figures import HARRIS_POINTS
 from tests.pages import markdown_table
 from tests.paper.supports import HALF_SUPPORT, Held
 from tests.paper.variants import COARSE, Measured, Range, Variant
@@ -46,6 +45,12 @@ def sinking_frequency() -> float:
 def harris_force() -> float:
     """Force of the lowest roller by Harris' law if the hub's SINK is shared by its two contacts, N."""
     return float(contact_laws("harris", read_scene().ideal_bearing()).inner.force(np.array(0.5 * SINK)))
+
+
+HARRIS_POINTS = (  # F and δ* of figure 4. Source: Harris, Rolling Bearing Analysis, table of dimensionless quantities
+    (0.0, 1.0), (0.1075, 0.9974), (0.3204, 0.9761), (0.5916, 0.9077), (0.7332, 0.8394), (0.87366, 0.7169),
+    (0.93657, 0.6112), (0.9729, 0.4960), (0.990902, 0.3745), (0.9973, 0.2705), (0.9998527, 0.11995),
+)  # fmt: skip
 
 
 def rattle() -> float:
@@ -88,6 +93,17 @@ def support_rows(cases: list[Held]) -> list[list[str]]:
     ]
 
 
+def supported_rows(measured: list[tuple[Variant, Measured]]) -> list[list[str]]:
+    """Runs in time of rings held at points."""
+    return [
+        [
+            v.title, span(m.x, 1e6), span(m.y, 1e6), span(m.rho, 1e3, digits=6), *(span(side) for side in m.fitted),
+            str(m.usual), text(m.frequency, 4), text(m.cage, 4),
+        ]
+        for v, m in measured
+    ]  # fmt: skip
+
+
 def coarse_rows(pairs: list[tuple[str, Measured, Measured]]) -> list[list[str]]:
     rows = []
     for title, fine, coarse in pairs:
@@ -99,8 +115,18 @@ def coarse_rows(pairs: list[tuple[str, Measured, Measured]]) -> list[list[str]]:
     return rows
 
 
+def supported_table(measured: list[tuple[Variant, Measured]]) -> str:
+    """The table of those runs."""
+    heading = ["ring", "x, µm", "y, µm", "ρ, mm", "(22) fitted, N", "(23) fitted, N", "loaded, usually",
+               "y moves at, Hz", "cage, Hz"]  # fmt: skip
+    return markdown_table(heading, supported_rows(measured))
+
+
 def page(
-    measured: list[tuple[Variant, Measured]], cases: list[Held], pairs: list[tuple[str, Measured, Measured]]
+    measured: list[tuple[Variant, Measured]],
+    cases: list[Held],
+    pairs: list[tuple[str, Measured, Measured]],
+    supported: list[tuple[Variant, Measured]],
 ) -> str:
     """Write the whole page."""
     by = {variant.name: m for variant, m in measured}
@@ -164,6 +190,7 @@ def page(
             ["outside diameter, mm", "held", "x, µm", "y, µm", "rollers loaded", "raceway moves, µm"],
             support_rows(cases),
         ),
+        supported=supported_table(supported),
         half=text(2e3 * HALF_SUPPORT),
         alone=span(alone.y),
         hanging=span(hanging.y),

@@ -10,6 +10,7 @@ from residual import Record, evaluate, read_result
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation
 from residual.paper_figures import chosen_roller
+from tests.paper.supports import settings_held
 
 SOFT = 8.3e6  # N/m, of each contact: the hub sinks by the paper's 0.15 mm
 SKIPPED = 1e-3  # s: left out of every range
@@ -55,6 +56,13 @@ VARIANTS = (
         settings=_faceted(1.0, "contact.penalty_stiffness_N_per_m=2e7"),
     ),
 )  # fmt: skip
+
+SUPPORTED = tuple(
+    Variant(name=f"held-{i}", title=f"{outside:g} mm, {name}", settings=settings_held(outside, name))
+    for i, (outside, name) in enumerate(
+        ((65.0, "both sides"), (65.0, "top and 120° off"), (65.0, "top"), (60.0, "top"))
+    )
+)  # rings held at points
 
 Range = tuple[float, float]
 

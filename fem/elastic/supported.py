@@ -1,0 +1,83 @@
+"""A ring held at some nodes of its outer circle only: it bends as a whole between them."""
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from fem.elastic.bodies import RingBody
+from lagrange.mounting import Points
+
+FEWEST = 2  # nodes of a point: one would be a hinge
+
+
+@dataclass(frozen=True, kw_only=True)
+class SupportedRing(RingBody):
+    """A `RingBody` of whose held row some nodes stand still, and the others are as free as those of other rows."""
+
+    held_sectors: np.ndarray  # (n_held,), whole
+
+    @property
+    def free_rows(self) -> np.ndarray:
+        return np.arange(self.n_rows)
+
+    @property
+    def n_free_nodes(self) -> int:
+        return self.n_rows * self.n_sectors - len(self.held_sectors)
+
+    @cached_property
+    def matrix(self) -> sparse.csc_matrix:
+        """Stiffness of the ring held nowhere, N/m; rows (node row, component, sector), polar."""
+        size, sectors = self.n_rows * 2 * self.n_sectors, np.arange(self.n_sectors)
+        rows, columns, values = [], [], []
+        for row in range(self.n_rows):
+            for other in range(max(0, row - 1), min(self.n_rows, row + 2)):
+                for shift in (-1, 0, 1):
+                    for a, b in np.ndindex(2, 2):
+                        rows.append((2 * row + a) * self.n_sectors + sectors)
+                        columns.append((2 * other + b) * self.n_sectors + (sectors + shift) % self.n_sectors)
+                        value = self.stencil[row, other - row + 1, shift + 1, a, b]
+                        values.append(np.full(self.n_sectors, value))
+        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+        return sparse.csc_matrix(entries, shape=(size, size))
+
+    @cached_property
+    def _free(self) -> np.ndarray:
+        """Places of the free components in such a row."""
+        held = ((2 * self.held_row + np.arange(2))[:, None] * self.n_sectors + self.held_sectors).ravel()
+        return np.setdiff1d(np.arange(self.matrix.shape[0]), held)
+
+    @cached_property
+    def _factor(self):
+        return splu(self.matrix[self._free][:, self._free])
+
+    def held(self, force: np.ndarray) -> np.ndarray:
+        """As `RingBody.held`: displacement under nodal forces, (n_rows, 2, n_sectors, ...), polar, m and N."""
+        flat = force.reshape(self.matrix.shape[0], -1)
+        displacement = np.zeros_like(flat)
+        displacement[self._free] = self._factor.solve(np.ascontiguousarray(flat[self._free]))
+        return displacement.reshape(force.shape)
+
+    def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
+        """As `RingBody.surface_influence`."""
+        nodes = np.asarray(nodes)
+        force = np.zeros((self.n_rows, 2, self.n_sectors, 2 * nodes.size))
+        each = np.arange(nodes.size)
+        for component in range(2):
+            force[self.raceway_row, component, nodes, 2 * each + component] = 1.0
+        found = self.held(force)[self.raceway_row][:, nodes]  # (component, node, unit force)
+        return found.transpose(1, 0, 2).reshape(2 * nodes.size, 2 * nodes.size)
+
+
+def supported_ring(ring: RingBody, points: Points) -> SupportedRing:
+    """An outer ring held at points: all nodes within their width, and the FEWEST nearest of each."""
+    radius = float(ring.radii[ring.held_row])
+    held: set[int] = set()
+    for angle in points.angles:
+        apart = radius * np.abs(np.angle(np.exp(1j * (ring.angles - angle))))
+        held |= set(np.flatnonzero(apart <= 0.5 * points.width * (1.0 + 1e-9)).tolist())
+        held |= set(np.argsort(apart, kind="stable")[:FEWEST].tolist())
+    own = {field.name: getattr(ring, field.name) for field in fields(RingBody)}
+    return SupportedRing(**own, held_sectors=np.array(sorted(held)))

@@ -1,0 +1,188 @@
+"""An outer ring held at points: the free ring's modes, the pinched ring, reactions, statics, and runs in time."""
+
+import numpy as np
+import pytest
+
+from fem.contacts.patch import patch
+from fem.elastic.continuum import annulus_modes, cubic_bspline_patch, kolosov
+from fem.elastic.supported import FEWEST, supported_ring
+from fem.errors import UsageError
+from fem.solver.discretise import model_of
+from fem.solver.simulate import make_plan, run
+from lagrange.mounting import Points
+from lagrange.scene import SceneError, parse_scene, parse_scene_text
+from tests.reference.bearings import LENGTH, STEEL, ring
+from tests.reference.free_vibration import ring_frequency
+
+INNER, OUTER = 0.028, 0.0325  # m, the paper's outer ring
+FINE = 16  # layers of elements, 0.3 mm
+SIDES = Points(angles=(0.0, np.pi), width=2e-3)
+
+
+def outer_ring(layers: int):
+    """The paper's outer ring with elements about as long as they are high."""
+    return ring(INNER, OUTER, 48 * layers, layers, False)
+
+
+def free_modes(body, order: int) -> np.ndarray:
+    """Frequencies, Hz, of so many waves around, of the ring held nowhere, the lowest ones first."""
+    stiffness = body.harmonic_stiffness(np.array([order]))[0]
+    scale = 1.0 / np.sqrt(np.repeat(body.row_mass, 2))
+    values = np.linalg.eigvalsh(scale[:, None] * stiffness * scale)
+    return np.sqrt(np.maximum(values, 0.0)) / (2.0 * np.pi)
+
+
+def thin_ring(order: int) -> float:
+    """Bending frequency, Hz, of a thin ring in plane strain. Source: Love (1927), article 293, E/(1 − ν²) for E."""
+    R, t = 0.5 * (INNER + OUTER), OUTER - INNER
+    modulus = STEEL.youngs_modulus / (1.0 - STEEL.poisson_ratio**2)
+    n2 = order**2
+    return order * (n2 - 1.0) / np.sqrt(n2 + 1.0) * t / R**2 * np.sqrt(modulus / (12.0 * STEEL.density)) / (2.0 * np.pi)
+
+
+@pytest.mark.parametrize(("order", "thin"), [(2, 3287.0), (3, 9297.0), (4, 17827.0)])
+def test_the_free_ring_vibrates_at_the_exact_frequencies(order, thin):
+    """Within 0.2 % of the exact equation with sixteen layers; the thin ring's formula is some per cent high."""
+    assert thin_ring(order) == pytest.approx(thin, rel=1e-3)
+    bounds = 2.0 * np.pi * thin * np.array([0.85, 1.02])
+    exact = ring_frequency(order, INNER, OUTER, *bounds, STEEL) / (2.0 * np.pi)
+    assert 1.005 < thin / exact < 1.12
+    assert free_modes(outer_ring(FINE), order)[0] == pytest.approx(exact, rel=2e-3)
+
+
+def pinched(orders: np.ndarray, half_width: float) -> np.ndarray:
+    """Fourier coefficients cos nθ of the outward motion of the outer circle of a free ring, m per N/m, pinched at 0 and
+    π by forces inward spread as a cubic B-spline; n even, from 2 on: Michell's series."""
+    shape = 2.0 * cubic_bspline_patch(orders, half_width, OUTER) / (np.pi * OUTER)  # of both; odd orders cancel
+    inner = INNER / OUTER
+    outside, inside = (annulus_modes(orders, r, inner, kolosov(STEEL)) for r in (1.0, inner))
+    tractions = np.concatenate([outside[:, 2:], inside[:, 2:]], axis=1)  # σ_rr, σ_rθ of both circles by four solutions
+    coefficients = np.linalg.solve(tractions, np.broadcast_to([[-1.0], [0.0], [0.0], [0.0]], (len(orders), 4, 1)))
+    return (outside[:, :1] @ coefficients)[:, 0, 0] * OUTER / (2.0 * STEEL.lame_mu) * shape
+
+
+def test_the_ring_pinched_at_two_points_is_the_exact_one():
+    """Its oval shape between two opposite forces, within 0.3 % of the exact ring; a thin one: 215.8 and 235.0 µm/kN."""
+    body = outer_ring(FINE)
+    force = np.zeros((body.n_rows, 2, body.n_sectors))
+    for angle in (0.0, np.pi):
+        nodes, weight, offset = patch(body.n_sectors, angle)
+        force[-1, 0, nodes] -= weight * np.cos(offset)
+        force[-1, 1, nodes] -= weight * np.sin(offset)
+    spacing = 2.0 * np.pi * OUTER / body.n_sectors
+    orders = np.arange(2, 141, 2)
+    series = pinched(orders, 2.0 * spacing)
+    across = 2.0 * (series * np.cos(0.5 * np.pi * orders)).sum() / LENGTH
+    along = 2.0 * (series * cubic_bspline_patch(orders, 2.0 * spacing, OUTER)).sum() / LENGTH
+    moved = bent(body, force)
+    quarter = body.n_sectors // 4
+    assert across == pytest.approx(215.8e-9, rel=0.03) and along == pytest.approx(-235.0e-9, rel=0.06)
+    assert moved[-1, 0, quarter] + moved[-1, 0, 3 * quarter] == pytest.approx(across, rel=3e-3)
+    assert -np.vdot(force, moved) == pytest.approx(along, rel=3e-3)
+
+
+def bent(body, force: np.ndarray) -> np.ndarray:
+    """Displacement of the ring held nowhere, (n_rows, 2, n_sectors), m; even orders from 2 on."""
+    spectrum = np.fft.rfft(force, axis=2)
+    solved = np.zeros_like(spectrum)
+    for n in range(2, spectrum.shape[2], 2):
+        column = np.linalg.solve(body.harmonic_stiffness(np.array([n]))[0], spectrum[:, :, n].reshape(-1))
+        solved[:, :, n] = column.reshape(-1, 2)
+    return np.fft.irfft(solved, n=body.n_sectors, axis=2)
+
+
+def test_supports_carry_what_is_put_on_the_ring():
+    body = supported_ring(outer_ring(3), Points(angles=(0.5 * np.pi, 3.6, 5.8), width=6e-3))
+    rng = np.random.default_rng(3)
+    force = rng.standard_normal((body.n_rows, 2, body.n_sectors, 2))
+    moved = body.held(force)
+    assert np.abs(moved[-1][:, body.held_sectors]).max() == 0.0 and np.abs(moved).max() > 0.0
+    for k in range(2):
+        left = body.force(moved[..., k]) - force[..., k]
+        carried = left[-1][:, body.held_sectors].copy()
+        left[-1][:, body.held_sectors] = 0.0
+        assert np.abs(left).max() < 1e-9 * np.abs(force).max() * 100
+        resultant = (body.cartesian(force[..., k]) + body.cartesian(_only(body, carried))).sum(axis=0)
+        np.testing.assert_allclose(resultant, 0.0, atol=1e-8)
+
+
+def _only(body, carried):
+    force = np.zeros((body.n_rows, 2, body.n_sectors))
+    force[-1][:, body.held_sectors] = carried
+    return force
+
+
+def test_nodes_within_the_width_are_held_and_two_of_each_point_at_least():
+    body = outer_ring(3)
+    spacing = 2.0 * np.pi * OUTER / body.n_sectors
+    narrow = supported_ring(body, Points(angles=(1.0, 4.0), width=1e-6))
+    assert len(narrow.held_sectors) == 2 * FEWEST
+    wide = supported_ring(body, Points(angles=(0.0,), width=10.0 * spacing))
+    assert len(wide.held_sectors) == 11 and 0 in wide.held_sectors
+    assert narrow.n_free_nodes == body.n_rows * body.n_sectors - 4
+    ends = supported_ring(body, Points(angles=(0.0,), width=2.0 * np.pi * OUTER))
+    np.testing.assert_allclose(
+        ends.held(np.ones((4, 2, body.n_sectors))), body.held(np.ones((4, 2, body.n_sectors))), atol=1e-20
+    )
+
+
+def test_influence_of_surface_nodes_is_that_of_unit_forces():
+    body = supported_ring(outer_ring(3), SIDES)
+    nodes = np.array([5, 40])
+    found = body.surface_influence(nodes)
+    force = np.zeros((body.n_rows, 2, body.n_sectors))
+    force[body.raceway_row, 1, 40] = 1.0
+    moved = body.held(force)[body.raceway_row][:, nodes]
+    np.testing.assert_allclose(found[:, 3], moved.T.ravel(), rtol=1e-12)
+    np.testing.assert_allclose(found, found.T, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("tables", "words"),
+    [
+        ({"support": {"kind": "points", "angles_deg": []}}, ["support.angles_deg"]),
+        ({"support": {"kind": "points", "angles_deg": [400.0]}}, ["angles_deg", "-360 and 360"]),
+        ({"support": {"kind": "points", "width_mm": 0.0}}, ["support.width_mm"]),
+        ({"support": {"kind": "points", "mass_kg": 1.0}}, ['mass_kg = 1.0: only with kind = "housing", not "points"']),
+        ({"support": {"kind": "housing", "width_mm": 1.0}}, ['width_mm = 1.0: only with kind = "points"']),
+        ({"support": {"kind": "points"}, "model": "lagrange"}, ['support.kind = "points"', '"lagrange"']),
+        ({"support": {"kind": "points"}, "bodies": {"outer_ring": "rigid"}}, ["rigid outer ring"]),
+        ({"support": {"kind": "points"}, "contact": {"model": "resolved"}}, ['"resolved"']),
+        ({"support": {"kind": "points"}, "sensor": {}}, ["[sensor]"]),
+    ],
+)
+def test_what_makes_no_sense_is_refused_by_name(tables, words):
+    with pytest.raises(SceneError) as error:
+        parse_scene(tables, "scene.toml")
+    for word in words:
+        assert word in str(error.value)
+
+
+def test_points_survive_as_text():
+    scene = parse_scene({"support": {"kind": "points", "angles_deg": [0.0, 90.0]}}, "")
+    assert parse_scene_text(scene.to_toml(), "") == scene
+    assert scene.mounting().points.angles == pytest.approx((-0.5 * np.pi, 0.0))
+
+
+def test_a_mesh_for_spread_contacts_refuses_points():
+    tables = {"support": {"kind": "points"}, "numerics": {"mesh_size_mm": 0.05}}
+    with pytest.raises(UsageError, match=r"support\.kind.*mesh_size_mm = 0\.05"):
+        model_of(parse_scene(tables, ""))
+
+
+@pytest.mark.slow
+def test_a_run_held_at_three_points_keeps_its_energy_and_its_points():
+    """Balanced as well as one held all around; the ring is oval, its held nodes stand."""
+    tables = {
+        "support": {"kind": "points", "angles_deg": [180.0, 60.0, 300.0]},
+        "numerics": {"mesh_size_mm": 2.0, "duration_ms": 2.0},
+    }
+    plan, blocks = make_plan(parse_scene(tables, "")), []
+    state = plan.first_state()
+    run(plan, blocks.append, state=state)
+    assert max(np.abs(block.relative_imbalance()).max() for block in blocks) < 1e-6
+    ring_now = state.frame().outer_ring
+    assert np.abs(ring_now[-1][:, plan.model.outer_ring.held_sectors]).max() < 1e-18
+    assert np.abs(ring_now[-1]).max() > 1e-6
+    hub = np.concatenate([block["inner_y"] for block in blocks])
+    assert hub.mean() == pytest.approx(-7.5e-6, abs=0.5e-6)  # docs/paper.md, statics

@@ -17,7 +17,7 @@ element_state      their state
 discretise         the model of a scene: mesh, contact model, width of the patches
 limits, cautions   what is refused; what is warned of
 start, arrays      the state a run starts from; the time loop's arrays filled with it, `contact_arrays` the contacts',
-                   `damping_arrays` the dampers'
+                   `damping_arrays` the dampers', `cage_arrays` the cage's, of the reduced model too
 frames             displacements at an instant
 processor          what the compiler makes the kernels for
 error_estimate     what a scene's results may be off by, from a second mesh

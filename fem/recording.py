@@ -117,7 +117,7 @@ class Result:
     @property
     def energies(self) -> dict[str, np.ndarray]:
         """Energies and works, (n_times,), J, by name."""
-        return {name: self.values[name] for name in ENERGIES}
+        return {name: self.values[name] for name in (*ENERGIES, "energy_support") if name in self.values}
 
     @cached_property
     def events(self) -> list[SpallEvent]:
@@ -160,7 +160,7 @@ class Result:
         """
         path = Path(path)
         refuse_no_place(path)
-        with ResultFile(path, self.plan, self.setup_seconds, **self.outcome_attributes) as store:
+        with ResultFile(path, self.plan, self.setup_seconds, None, **self.outcome_attributes) as store:
             checkpoint_path(path).unlink(missing_ok=True)  # of an earlier run in its place
             for frame in self.frames:
                 store.keep(frame)

@@ -16,6 +16,7 @@ from fem.progress import progress_display
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, refuse_no_place, save_checkpoint
 from fem.result.estimate_columns import read_blocks, read_columns, write_estimates
 from fem.result.store import ResultFile, Stored, WriteFailed, nothing_stored
+from fem.solver.pace import remember
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, RunState
 from fem.stopping import stop_signals
@@ -131,6 +132,8 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     for sentence in state.remarks:
         say(f"warning: {sentence}")
     seen = state.progress
+    if outcome is Outcome.COMPLETE and not options.resume:
+        remember(plan.scene.model, plan.expected_seconds, seen.wall)
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
             names = (*columns_of(plan.scene), *plan.scene.mounting().columns[:2])

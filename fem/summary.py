@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from fem.answers import first_answers
@@ -67,7 +68,7 @@ def _print_choices(console: Console, plan: Plan) -> None:
     for each in choices:
         seconds = "-" if each.seconds is None else f"{each.seconds:.2g} s"
         error = _percent(each.hub_error)
-        table.add_row(each.model, seconds, error, shown(each.lacks))
+        table.add_row(each.model, seconds, error, escape(shown(each.lacks)))
     console.print(table)
     console.print(begin, soft_wrap=True, markup=False)
 

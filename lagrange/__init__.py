@@ -7,6 +7,7 @@ ball_contact  Hertz point contact (4)-(11): curvatures, δ*(F), K of a ball on a
 raceway_laws  laws that know the raceways: johnson (= tripp), houpert, teutsch_sauer; `contact_laws(name, bearing)`
 cage          the cage as a rigid body
 faults        spalls, waviness, unequal rollers, measured heights: facts; `closing`: how far a roller sinks into them
+film          a lubricant's film: how thick, on which raceway
 contact_damping  dampers beside the contacts' springs
 edges         how much softer contacts are at a spall's edges; `softened`: a law with a compliance in series
 profile       surfaces as contacts meet them: sinkage and its slope, for all that knows the bearing
@@ -25,7 +26,7 @@ simulate      forward solution, at once or in parts that can be kept and gone on
 trajectory    its result: motion, forces, energies, works
 scene         the TOML scene file: validated, in the bearing engineer's units; gives the objects above in SI
 scene_bearing its tables of the bearing; `scene_run`: of how it is run; `scene_surfaces`: [[spall]], [[waviness]] ...
-scene_damping [damping]
+scene_damping [damping]; `scene_lubricant`: [lubricant]
 scene_cage    [cage]
 scene_columns columns of tables made elsewhere; `catalogue`: standard bearings
 scene_files   files that a scene names; `height_table`: what is in those of measured heights

@@ -68,11 +68,21 @@ class MeasuredSurface:
     table: HeightTable = field(compare=False, repr=False)
 
 
-Fault = Spall | Waviness | UnequalRoller | MeasuredSurface
+@dataclass(frozen=True, kw_only=True)
+class Film:
+    """A lubricant's film on a raceway, as thick everywhere: no fault, but surfaces meet that much earlier."""
+
+    body: Body
+    thickness: float  # m
+
+    roller: None = None
+
+
+Fault = Spall | Waviness | UnequalRoller | MeasuredSurface | Film
 
 
 def labels(faults: tuple[Fault, ...]) -> str:
     """The faults as JSON, a list of objects: `kind`, and what the class of that name holds but for tables, SI."""
     kinds = {Spall: "spall", Waviness: "waviness", UnequalRoller: "unequal_roller", MeasuredSurface: "profile"}
-    facts = [{"kind": kinds[type(fault)]} | asdict(fault) for fault in faults]
+    facts = [{"kind": kinds[type(fault)]} | asdict(fault) for fault in faults if not isinstance(fault, Film)]
     return json.dumps([{name: value for name, value in fact.items() if name != "table"} for fact in facts])

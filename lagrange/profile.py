@@ -17,7 +17,7 @@ import numpy as np
 from lagrange.bearing import Bearing, Operation
 from lagrange.closing import Meeting, measured_sinkage, points_around, sinkage
 from lagrange.edges import reach, softening
-from lagrange.faults import Body, Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
+from lagrange.faults import Body, Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
 from lagrange.kinematics import kinematics, turned
 from lagrange.pair import Pair, contact_pairs
 
@@ -247,6 +247,8 @@ def _sinkages(
             found -= 0.5 * fault.diameter_deviation
         elif isinstance(fault, Waviness):
             found -= fault.amplitude * np.cos(fault.order * angle + fault.phase)
+        elif isinstance(fault, Film):
+            found -= fault.thickness
         elif isinstance(fault, MeasuredSurface):
             found += measured_sinkage(fault, own, other, meeting, n)
         else:

@@ -19,6 +19,7 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.cage import Cage
 from lagrange.catalogue import designations, inner_ring_and_shaft
+from lagrange.film import films
 from lagrange.mounting import Mounting
 from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
@@ -27,6 +28,7 @@ from lagrange.scene_columns import Columns
 from lagrange.scene_damping import DampingTable, with_former_name
 from lagrange.scene_faults import Check, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
+from lagrange.scene_lubricant import LubricantTable
 from lagrange.scene_operation import OperationTable
 from lagrange.scene_run import (
     ContactTable,
@@ -87,6 +89,7 @@ class Scene(Table):
     support: SupportTable | None = None
     sensor: SensorTable | None = None
     cage: CageTable | None = None
+    lubricant: LubricantTable | None = None
     spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
     waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
     unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
@@ -250,6 +253,7 @@ class Scene(Table):
 
     def _surface_models(self) -> Iterator[str]:
         given = [f"[[{name}]]" for name in SURFACES if getattr(self, name)]
+        given += [] if self.lubricant is None else ["[lubricant]"]
         if given and self.bearing.type == "ball":
             yield f'{given[0]}: only for rollers, not with bearing.type = "ball"; leave it out'
         if given and self.model == "fem" and self.contact.model != "subgrid":
@@ -274,9 +278,22 @@ class Scene(Table):
             yield from profile_faults(self._perfect_bearing(), self.profile)
 
     def ideal_bearing(self) -> Bearing:
-        """The bearing in SI, with the faults of its surfaces."""
+        """The bearing in SI, with the faults of its surfaces and the films on them."""
         faults = tuple(table.fault() for name in SURFACES for table in getattr(self, name))
-        return replace(self._perfect_bearing(), faults=faults)
+        perfect = self._perfect_bearing()
+        if self.lubricant is not None:
+            faults += films(perfect, self.ideal_operation(), self.lubricant.lubricant())
+        return replace(perfect, faults=faults)
+
+    @property
+    def has_faults(self) -> bool:
+        """Whether surfaces are not perfect, but for films."""
+        return any(getattr(self, name) for name in SURFACES)
+
+    @property
+    def friction_coefficient(self) -> float:
+        """Of the contacts, dry or under a film."""
+        return self.contact.friction_coefficient if self.lubricant is None else self.lubricant.traction_coefficient
 
     def _perfect_bearing(self) -> Bearing:
         b = self.bearing

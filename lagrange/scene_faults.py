@@ -12,6 +12,7 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
 LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
+MISSPELT = 0.8  # of difflib's ratio: the same word with a slip
 Check = Callable[[], Iterator[str]]
 Place = tuple[str | int, ...]  # keys from the scene down
 
@@ -111,13 +112,15 @@ def _keys(model: type[BaseModel]) -> list[str]:
 
 
 def _likely(place: Place, model: type[Table]) -> list[str]:
-    """Keys that were probably meant: of the same name elsewhere in the scene, dotted, or alike in the same table."""
-    key, elsewhere = str(place[-1]), []
+    """Keys that were probably meant: alike in the same table, else of the same name elsewhere in the scene, dotted."""
+    key, elsewhere, known = str(place[-1]), [], _keys(_table_at(place[:-1], model))
+    if near := difflib.get_close_matches(key, known, n=1, cutoff=MISSPELT):
+        return near
     for name in model.model_fields:
         kind = (_tables(model) | _arrays(model)).get(name)
-        if kind is not None and key in _keys(kind):
+        if kind is not None and key in _keys(kind) and key not in _tables(kind):
             elsewhere.append(f"{name}.0.{key}" if name in _arrays(model) else f"{name}.{key}")
-    alike = likely_of(key, _keys(_table_at(place[:-1], model)))
+    alike = likely_of(key, known)
     return elsewhere or ([] if alike is None else [alike])
 
 

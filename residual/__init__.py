@@ -4,7 +4,7 @@ record          `Record`: the arrays all else works on, and their checks
 sources         result file -> `Record`
 table_source    trajectory table -> `Record`; `resampling` evens out its steps
 differentiate   accelerations by central stencils of high order, with their error floor
-budget          error forces of equations (22) and (23) and what they are made of
+budget          error forces of equations (22) and (23) and what they are made of; `cage`: what of it is the cage's
 identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
 fitted_laws     laws with coupling between contacts, with damping
 spectrum        power spectral density, peaks, kinematic lines
@@ -15,8 +15,9 @@ fault_finding   a spall found in trajectories alone: `roller_motion` what it may
                 angle, `passages` and how rollers would move there; `fault_tables`, `fault_figures`
 evaluation      the whole check as one call -> `Evaluation`
 figures         all figures, by groups: `motion_figures`, `spectrum_figures`, `vibration_figures`, `passage_figures`,
-                `budget_figures`, `paper_figures` (beside the ranges of `paper`); `panels` places them, `plotting` and
-                `colours` give them one look, `tick_labels` plain numbers; `one_roller`: which, and its motion
+                `budget_figures`, `cage_figures`, `paper_figures` (beside the ranges of `paper`); `panels` places them,
+                `plotting` and `colours` give them one look, `tick_labels` plain numbers; `one_roller`: which, and its
+                motion
 quasistatic     the Lagrangian model's equilibria at every angle; `meaning`: what the numbers say of that model
 headline        the one sentence that a report begins with; `words`: numbers as a person reads them
 tables          rows of the report's and the terminal's tables, with `law_tables`, `line_tables`, `vibration_tables`

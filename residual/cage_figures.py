@@ -35,8 +35,8 @@ def cage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
     legend_above(forces, 3)
     ideal = kinematics(t.bearing, float(np.mean(t.acting.speed))).cage
     caption = (
-        "Above: path of the cage's centre about that of the bearing, or of the inner ring where that guides it; dashed "
-        "the circle that its clearance leaves. Middle: the largest force of all "
+        "Above: path of the cage's centre about that of the bearing, or of the inner ring where that guides it; "
+        "dashed: the circle that its clearance leaves. Middle: the largest force of all "
         f"pockets along the pitch circle at each time, at most {text(float(np.abs(t.cage.force).max()))} N."
     )
     if ideal:

@@ -1,6 +1,6 @@
 """Rows and sentences about the hub's vibration, for the report."""
 
-from lagrange.faults import Fault, MeasuredSurface, Spall, Waviness
+from lagrange.faults import Fault, Film, MeasuredSurface, Spall, Waviness
 from lagrange.messages import shown
 from residual.evaluation import Evaluation
 from residual.vibration import ENVELOPE_FROM, STANDS_OUT, FaultLine
@@ -37,7 +37,7 @@ def _cells(line: FaultLine) -> list[str]:
 
 def vibration_sentences(evaluation: Evaluation) -> list[str]:
     """Say what the scene's surfaces are, which lines stand out, and how the envelope was taken."""
-    faults = evaluation.record.bearing.faults
+    faults = tuple(fault for fault in evaluation.record.bearing.faults if not isinstance(fault, Film))
     scene = (
         f"The scene has {_listed([_named(f) for f in faults])}."
         if faults

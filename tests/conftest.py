@@ -12,6 +12,8 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 _CACHE = tempfile.TemporaryDirectory(prefix="test-cache-")  # a user's cache neither helps a test nor is changed by one
 mock.patch("meshes.cache.cache_folder", lambda: Path(_CACHE.name) / "meshes").start()
 
+mock.patch("fem.solver.pace.pace_file", lambda: Path(_CACHE.name) / "pace.json").start()
+
 BROWSERS = ("chromium", "chromium-browser", "chromium-headless-shell", "google-chrome")
 
 

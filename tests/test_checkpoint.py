@@ -121,6 +121,7 @@ def of_another_type(arrays, meta):
 FORGERIES = {
     "patches beyond the surface": (poke("contacts.patches.start", 10**12), "damaged"),
     "patches before the surface": (poke("contacts.patches.start", -(10**12)), "damaged"),
+    "nodes beyond the body": (poke("contacts.patches.place", 10**12), "damaged"),
     "displacements without number": (poke("bodies.disc.u", np.nan), "damaged"),
     "infinite approaches": (poke("contacts.forces.approach", np.inf), "damaged"),
     "a hub of three coordinates": (reshaped, "damaged"),

@@ -69,7 +69,7 @@ def test_keys_are_told_with_unit_and_limits():
     speed, size = keys["operation.speed_rpm"], keys["numerics.mesh_size_mm"]
     assert (speed.unit, speed.default, speed.limits) == ("rpm", 4500.0, "from -200 000 to 200 000")
     assert (size.unit, size.limits) == ("mm", "above 0 to 100")
-    assert keys["lagrange.damping_N_s_m"].unit == "N s/m"
+    assert keys["support.damping_N_s_m"].unit == "N s/m"
     assert keys["numerics.start"].limits == '"equilibrium", "rest"'
     assert keys["spall.width_mm"].default == 1.0 and keys["profile.file"].default is None
 

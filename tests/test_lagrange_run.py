@@ -32,7 +32,7 @@ BALLS = next(block for block in PAGE.split("```toml\n") if block.startswith('nam
 def run(path, *arguments):
     """The command with settings table.key=value; its exit code."""
     words = [word for setting in arguments for word in (("--set", setting) if "=" in setting else (setting,))]
-    return run_main(["--model", "lagrange", "--output", str(path), *words])
+    return run_main(["--model", "lagrange", "--output", str(path), "--force", *words])
 
 
 @pytest.fixture(scope="module")
@@ -154,7 +154,7 @@ def test_what_needs_a_plane_section_refuses_balls(command, tmp_path, capsys):
         assert render_main([str(path)]) == 2
     else:
         options = ["--dry-run"] if command == "dry run" else []
-        assert run_main([str(scene), "--model", "fem", "--output", str(path), *options]) == 2
+        assert run_main([str(scene), "--model", "fem", "--output", str(path), "--force", *options]) == 2
         assert not path.exists()
     error = capsys.readouterr().err
     assert 'bearing.type = "ball"' in error and "--model lagrange" in error
@@ -270,5 +270,5 @@ def test_a_law_measured_on_steel_is_warned_of_on_other_materials(tmp_path, capsy
     assert "harris" in warning and "roller has 310 GPa" in warning and "johnson" in warning
     assert any("310 GPa" in note for note in evaluate(read_result(path)).notes)
     assert not any("310 GPa" in note for note in evaluate(read_result(path), "johnson").notes)
-    assert run(path, "--duration", "1", "--quiet", ceramic, "lagrange.law=johnson") == 0
+    assert run(path, "--duration", "1", "--quiet", "--force", ceramic, "lagrange.law=johnson") == 0
     assert capsys.readouterr().err == ""

@@ -37,6 +37,8 @@ STARTS = {
     "from rest": dict(start="rest", load_ramp=5e-4),
     "free": dict(angles="free"),
     "damped": dict(damping=ContactDamping(constant=200.0), start="rest", load_ramp=5e-4),
+    "damped by a time": dict(damping=ContactDamping(time=2e-6), start="rest", load_ramp=5e-4),
+    "Hunt and Crossley": dict(damping=ContactDamping(hunt_crossley=1.0), start="rest", load_ramp=5e-4),
 }
 
 

@@ -56,7 +56,7 @@ each_model = pytest.mark.parametrize("case", MODELS, indirect=True)
 
 def run(case, path, *options, duration="2"):
     """The command's exit code."""
-    return run_main([*case, "--duration", duration, "--output", str(path), *options])
+    return run_main([*case, "--duration", duration, "--output", str(path), "--force", *options])
 
 
 def content(path):

@@ -67,6 +67,7 @@ def worker(started, address):
     return started("dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
 
 
+@pytest.mark.slow
 def test_two_workers_of_a_scheduler_give_what_one_process_gives(here, started, scheduler):
     for _ in range(2):
         worker(started, scheduler)

@@ -14,16 +14,16 @@ from fem.elastic.bodies import disc_body
 from fem.elastic.continuum import ring_hertz_approach
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
 from fem.kernels.jit import OPTIONS
-from fem.kernels.law import STEEPEST, contact_force, ripple_at
+from fem.kernels.law import STEEPEST, contact_force, ripple_at, with_seam
 from fem.kernels.patches import N_NODES, ONE, weights
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import count_from, load, store
 from fem.kernels.state import DiscSurface, Patches, RingSurface
-from fem.kernels.surfaces import read
+from fem.kernels.surfaces import put_down, read
 from lagrange import Material
 from meshes import Disc
 from tests.reference.bearings import LENGTH, STEEL, disc, model, paper, ring
-from tests.reference.compiled import kick_force, place, stored_energy, weight_slopes
+from tests.reference.compiled import kick_force, next_force, place, stored_energy, weight_slopes
 from tests.reference.line_contact import half_width, squeezed_disc_approach
 from tests.verification.contact_statics import POSITIONS, law_on_rigid, squeezed
 
@@ -187,6 +187,33 @@ def test_contact_force_inverts_the_approach(name):
 
 
 @every_law
+def test_the_next_force_inverts_the_approach_and_level_whatever_the_last_was(name):
+    """Tiny, usual and wild changes, with the ripple moving too; forces above Q_line and contacts that open or close."""
+    law, rng = laws()[name], np.random.default_rng(5)
+    forces = np.concatenate([np.geomspace(1e-9, 0.999, 20) * law.Q_line, law.Q_line * np.array([1.0, 1.5, 30.0])])
+    for before in forces:
+        for change in (0.0, 1e-12, 1e-6, -1e-3, 0.05, -0.3, 1.0, 40.0):
+            level_before, level = law.B + 0.05 * rng.uniform(-1.0, 1.0, 2)
+            known = stored_approach(law, before, level_before)
+            force = before * (1.0 + change)
+            approach = stored_approach(law, force, level)
+            found = next_force(approach, law.A, level, law.Q_line, before, known, level_before)
+            assert found == pytest.approx(force, rel=1e-12)
+            for unknown in ((0.0, np.nan), (0.0, -1e-6)):
+                found = next_force(approach, law.A, level, law.Q_line, *unknown, level_before)
+                assert found == pytest.approx(force, rel=1e-12)
+            assert next_force(-1e-9, law.A, level, law.Q_line, before, known, level_before) == 0.0
+        assert np.isnan(next_force(np.nan, law.A, law.B, law.Q_line, before, known, level_before))
+
+
+def stored_approach(law, force, level):
+    """δ = A Q (B − ½ ln Q), and the straight line above Q_line, m."""
+    q = min(force, law.Q_line)
+    bracket = level - 0.5 * np.log(q)
+    return law.A * (q * bracket + (force - q) * (bracket - 0.5))
+
+
+@every_law
 def test_contact_never_pulls(name):
     law = laws()[name]
     for approach in (0.0, -1e-20, -1e-6, -1.0):
@@ -320,15 +347,11 @@ FRACTIONS = np.append(np.linspace(0.0, 1.0, 41)[:-1], np.nextafter(1.0, 0.0))
 
 
 def weights_at(t):
-    out = np.empty(N_NODES)
-    weights(t, out, 0, 1)
-    return out
+    return np.array(weights(t))
 
 
 def slopes_at(t):
-    out = np.empty(N_NODES)
-    weight_slopes(t, out, 0, 1)
-    return out
+    return np.array(weight_slopes(t))
 
 
 def test_weights_are_schoenbergs_quintic_spline():
@@ -388,18 +411,22 @@ GROUP, COLUMNS = 8, 16
 
 @njit(**OPTIONS)
 def read_group(surface, patches, bx, by, out):
-    found = read(surface, patches, 1, GROUP, count_from(GROUP), load(bx, 0), load(by, 0))
+    for component, b in enumerate((bx, by)):
+        store(patches.outward, (2 + component) * COLUMNS + GROUP, load(b, 0))
+    put_down(surface, patches, 1, GROUP)
+    found = read(surface, patches, 1, GROUP, count_from(GROUP))
     for k in range(5):
         store(out, 8 * k, found[k])
 
 
 def some_patches():
-    weight, along, across = (np.zeros((2, N_NODES, COLUMNS)) for _ in range(3))
-    nothing = np.zeros((2, COLUMNS))
+    weight, along, across, traction_x, traction_y, lightness = (np.zeros((2, N_NODES, COLUMNS)) for _ in range(6))
+    position, beyond = np.zeros((2, COLUMNS)), np.zeros((2, COLUMNS))
     return Patches(
-        normal=np.zeros((1, 2, COLUMNS)), start=np.zeros((2, COLUMNS), dtype=np.int64), weight=weight,
-        outward=np.zeros((2, 2, COLUMNS)), along=along, across=across, scale=nothing, slope=nothing,
-        weight_slope=np.zeros((N_NODES, 8)), columns=COLUMNS, units=ONE,
+        normal=np.zeros((1, 2, COLUMNS)), start=np.zeros((2, COLUMNS), dtype=np.int64), position=position,
+        beyond=beyond, motion=np.zeros((2, 5, COLUMNS)), place=np.zeros((2, N_NODES, COLUMNS), dtype=np.int64),
+        weight=weight, outward=np.zeros((2, 2, COLUMNS)), along=along, across=across, traction_x=traction_x,
+        traction_y=traction_y, lightness=lightness, columns=COLUMNS, units=ONE,
     )  # fmt: skip
 
 
@@ -408,8 +435,9 @@ def test_kernels_and_matrices_use_the_same_roller_patches():
     u = np.random.default_rng(1).standard_normal((body.n_nodes, 2, COLUMNS))
     ripples = np.random.default_rng(2).standard_normal(3 * 8)
     surface = DiscSurface(
-        u=u.ravel(), w=u.ravel(), points=body.points.ravel(), lightness=1.0 / body.mass, impulse=np.zeros((2, COLUMNS)),
-        ripple=ripples, first=body.first_surface_node, n_nodes=body.shape.surface_nodes, columns=COLUMNS, radius=RADIUS,
+        u=u.ravel(), w=u.ravel(), points=body.points.ravel(), lightness=np.ones(body.n_nodes + 8),
+        impulse=np.zeros((2, COLUMNS)), ripple=with_seam(ripples), first=body.first_surface_node,
+        n_nodes=body.shape.surface_nodes, columns=COLUMNS, radius=RADIUS,
     )  # fmt: skip
 
     def read(at):
@@ -440,8 +468,8 @@ def test_kernels_and_matrices_use_the_same_ring_patches():
     ripples = np.random.default_rng(4).standard_normal(8)
     sector = 2.0 * np.pi * (np.arange(56 + 2 * HALO) - HALO) / 56
     surface = RingSurface(
-        u=padded, w=padded, cosines=np.cos(sector), sines=np.sin(sector), ripple=ripples, row=body.raceway_row,
-        n_nodes=56, node_mass=1.0, radius=0.018,
+        u=padded, w=padded, cosines=np.cos(sector), sines=np.sin(sector), ripple=with_seam(ripples),
+        row=body.raceway_row, n_nodes=56, node_mass=1.0, radius=0.018,
     )  # fmt: skip
 
     def read(at):

@@ -16,8 +16,7 @@ def patch(n_surface: int, angle: float) -> tuple[np.ndarray, np.ndarray, np.ndar
     """Nodes, weights and angular offsets (contact minus node, rad) of the patch at an angle; each (6,)."""
     position = angle * n_surface / (2.0 * pi)
     base = int(np.floor(position))
-    weight = np.empty(N_NODES)
-    weights(position - base, weight, 0, 1)
+    weight = np.array(weights(position - base))
     nodes = first_node(base) + np.arange(N_NODES)
     return nodes % n_surface, weight, (position - nodes) * (2.0 * pi / n_surface)
 

@@ -14,7 +14,7 @@ Eight contacts at a time: lanes are rollers, of which the last may be spare. Arr
 import numpy as np
 
 from fem.kernels.jit import every, part, verb
-from fem.kernels.law import contact_force, kick_force
+from fem.kernels.law import kick_force, next_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.simd import (
     WIDTH,
@@ -29,8 +29,8 @@ from fem.kernels.simd import (
     store,
     total,
 )
-from fem.kernels.state import Neighbours, Raceway
-from fem.kernels.surfaces import push, read
+from fem.kernels.state import CONTACTS, Neighbours, Raceway
+from fem.kernels.surfaces import gather_seam, keep_motion, kept_motion, push, put_down, read, unseal
 
 
 @verb
@@ -43,8 +43,16 @@ def push_nodes(pair, rollers, disc, contacts, drive):
     """Give the surface nodes of a pair the impulses of its normal forces in a step."""
 
 
-press_patches = every(press)
 push_patches, push_neighbours = every(push_nodes), every(push_nodes, Neighbours)
+
+
+@part
+def press_patches(groups, rollers, disc, contacts, drive):
+    """Normal forces of all pairs. Contacts go through it step by step together: one alone waits for its own numbers."""
+    meet_all(groups, rollers, disc, contacts)
+    place_all(groups, rollers, disc, contacts)
+    read_all(groups, rollers, disc, contacts)
+    press_all(groups, rollers, disc, contacts, drive)
 
 
 @verb
@@ -76,6 +84,13 @@ def next_roller(j, n):
 
 
 @part
+def _met(contacts, row):
+    """Overlaps of eight circles, and whether they are near; the others' are not a number."""
+    overlap = load(contacts.forces.overlap, row)
+    return overlap, overlap == overlap
+
+
+@part
 def _open(forces, row):
     """Eight contacts out of reach."""
     store(forces.force, row, splat(0.0))
@@ -83,15 +98,112 @@ def _open(forces, row):
     store(forces.approach, row, splat(np.nan))
 
 
+@verb
+def meet(pair, rollers, disc, contacts):
+    """Overlaps of a pair's undeformed circles, normals and outward directions on both sides."""
+
+
+@meet.of(Raceway)
+def _meet_raceway(raceway, rollers, disc, contacts):
+    forces, patches, centre, columns, n = contacts.forces, contacts.patches, rollers.centre, rollers.columns, rollers.n
+    sign, ring_c, ring_s = raceway.sign, raceway.frame[1], raceway.frame[2]
+    ring_x, ring_y, side = raceway.centre[0], raceway.centre[1], 2 * raceway.row
+    for group in range(0, n, WIDTH):
+        row = raceway.row * columns + group
+        x, y = load(centre, group) - ring_x, load(centre, columns + group) - ring_y
+        distance = root(x * x + y * y)
+        overlap = sign * (raceway.radius - distance) + rollers.radius
+        near = (overlap >= -contacts.reach) & (count_from(group) < n)
+        store(forces.overlap, row, select(near, overlap, np.nan))
+        if not any_lane(near):
+            _open(forces, row)
+            continue
+        scale = 1.0 / select(near, distance, 1.0)
+        nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
+        store(forces.nearness, row, scale)
+        _store_pair(patches.normal, side * columns + group, columns, nx, ny)
+        bx, by = ring_c * nx + ring_s * ny, ring_c * ny - ring_s * nx
+        _store_pair(patches.outward, 2 * side * columns + group, columns, bx, by)
+        c, s = load(rollers.cosine, group), load(rollers.sine, group)
+        bx, by = -sign * (c * nx + s * ny), sign * (s * nx - c * ny)
+        _store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
+
+
+@meet.of(Neighbours)
+def _meet_neighbours(pair, rollers, disc, contacts):
+    forces, patches, centre, columns, n = contacts.forces, contacts.patches, rollers.centre, rollers.columns, rollers.n
+    cosine, sine, side = rollers.cosine, rollers.sine, 2 * pair.row
+    touching = 2.0 * rollers.radius + contacts.reach
+    for group in range(0, n, WIDTH):
+        row, i = pair.row * columns + group, next_rollers(group, n)
+        x = gather(centre, i) - load(centre, group)
+        y = gather(centre, i + columns) - load(centre, columns + group)
+        square = x * x + y * y
+        near = (square <= touching * touching) & (count_from(group) < n)
+        if not any_lane(near):
+            store(forces.overlap, row, splat(np.nan))
+            _open(forces, row)
+            continue
+        distance = select(near, root(square), 1.0)
+        scale = 1.0 / distance
+        store(forces.overlap, row, select(near, 2.0 * rollers.radius - distance, np.nan))
+        store(forces.nearness, row, scale)
+        nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
+        _store_pair(patches.normal, side * columns + group, columns, nx, ny)
+        c, s, c_i, s_i = load(cosine, group), load(sine, group), gather(cosine, i), gather(sine, i)
+        _store_pair(patches.outward, 2 * side * columns + group, columns, c * nx + s * ny, c * ny - s * nx)
+        bx, by = -(c_i * nx + s_i * ny), s_i * nx - c_i * ny
+        _store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
+
+
+@part
+def _place(pair, rollers, disc, contacts):
+    """Where the patches of a pair's contacts lie."""
+    surface, patches, columns = first_surface(pair, disc), contacts.patches, rollers.columns
+    for group in range(0, rollers.n, WIDTH):
+        if any_lane(_met(contacts, pair.row * columns + group)[1]):
+            put_down(surface, patches, 2 * pair.row, group)
+            put_down(disc, patches, 2 * pair.row + 1, group)
+
+
+@part
+def _read(pair, rollers, disc, contacts):
+    """Motion of the patches of a pair's contacts."""
+    surface, patches, columns = first_surface(pair, disc), contacts.patches, rollers.columns
+    for group in range(0, rollers.n, WIDTH):
+        if any_lane(_met(contacts, pair.row * columns + group)[1]):
+            keep_motion(patches, 2 * pair.row, group, read(surface, patches, 2 * pair.row, group, count_from(group)))
+    for group in range(0, rollers.n, WIDTH):
+        if any_lane(_met(contacts, pair.row * columns + group)[1]):
+            found = read(disc, patches, 2 * pair.row + 1, group, second_rollers(pair, group, rollers.n))
+            keep_motion(patches, 2 * pair.row + 1, group, found)
+
+
+meet_all, place_all, read_all = every(meet), every(_place, *CONTACTS), every(_read, *CONTACTS)
+press_all = every(press)
+
+
+@verb
+def second_rollers(pair, group, n):
+    """The rollers on side 1 of eight contacts, lanes."""
+    return count_from(group)
+
+
+@second_rollers.of(Neighbours)
+def _second_of_neighbours(pair, group, n):
+    return next_rollers(group, n)
+
+
 @part
 def _press(law, forces, row, near, closed, level):
     """Forces of eight contacts and what a kick gives, N; 0 where they are not near."""
     level = law.B + level * (1.0 / law.A)
     inside = select(near, closed, -1.0)
-    before = load(forces.force, row)
-    Q = contact_force(inside, law.A, level, law.Q_line, before)
+    before, approach_before = load(forces.force, row), load(forces.approach, row)
+    level_before = load(forces.bracket, row)
+    Q = next_force(inside, law.A, level, law.Q_line, before, approach_before, level_before)
     P, residual = kick_force(
-        load(forces.approach, row), before, load(forces.bracket, row), load(forces.kick, row),
+        approach_before, before, level_before, load(forces.kick, row),
         load(forces.residual, row), inside, Q, level, law.A, law.Q_line,
     )  # fmt: skip
     P = select(near, P, 0.0)
@@ -119,65 +231,50 @@ def with_dampers(dampers, row, force):
 
 
 @part
-def _add(array, at, lanes):
-    """array[at : at + 8] += lanes."""
-    store(array, at, load(array, at) + lanes)
-
-
-@part
 def _store_pair(array, at, columns, x, y):
     """Components x and y of eight contacts' vectors."""
     store(array, at, x)
     store(array, at + columns, y)
 
 
+@part
+def _load_pair(array, at, columns):
+    """What `_store_pair` has stored."""
+    return load(array, at), load(array, at + columns)
+
+
 @press.of(Raceway)
 def _press_raceway(raceway, rollers, disc, contacts, drive):
-    forces, patches, reach = contacts.forces, contacts.patches, contacts.reach
-    columns, n, radius, centre, dt = rollers.columns, rollers.n, rollers.radius, rollers.centre, drive.dt
-    sign, ring_c, ring_s = raceway.sign, raceway.frame[1], raceway.frame[2]
-    ring_x, ring_y = raceway.centre[0], raceway.centre[1]
+    forces, patches, columns, dt, sign = contacts.forces, contacts.patches, rollers.columns, drive.dt, raceway.sign
     away_x, away_y = raceway.counted_from[0], raceway.counted_from[1]
     ring_tilt_x, ring_tilt_y, moment = splat(0.0), splat(0.0), splat(0.0)
-    for group in range(0, n, WIDTH):
+    for group in range(0, rollers.n, WIDTH):
         row, side = raceway.row * columns + group, 2 * raceway.row
-        x, y = load(centre, group) - ring_x, load(centre, columns + group) - ring_y
-        distance = root(x * x + y * y)
-        overlap = sign * (raceway.radius - distance) + radius
-        near = (overlap >= -reach) & (count_from(group) < n)
+        overlap, near = _met(contacts, row)
         if not any_lane(near):
-            _open(forces, row)
             continue
-        scale = 1.0 / select(near, distance, 1.0)
-        nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
-        bx, by = ring_c * nx + ring_s * ny, ring_c * ny - ring_s * nx
-        out, sideways, rate, ripple, ripple_rate = read(raceway.surface, patches, side, group, 0, bx, by)
-        motion = out, rate, ripple, ripple_rate
+        nx, ny = _load_pair(patches.normal, side * columns + group, columns)
+        motion, sideways = kept_motion(patches, side, group)
+        bx, by = _load_pair(patches.outward, 2 * side * columns + group, columns)
         out, rate, ripple, ripple_rate = lowered_ring(raceway.profile, sign, motion, bx, by)
         out -= away_x * nx + away_y * ny
         sideways -= away_y * nx - away_x * ny
-        c, s = load(rollers.cosine, group), load(rollers.sine, group)
-        bx, by = -sign * (c * nx + s * ny), sign * (s * nx - c * ny)
-        out_r, sideways_r, rate_r, ripple_r, ripple_rate_r = read(
-            disc, patches, side + 1, group, count_from(group), bx, by
-        )
-        motion = out_r, rate_r, ripple_r, ripple_rate_r
+        motion, sideways_r = kept_motion(patches, side + 1, group)
+        bx, by = _load_pair(patches.outward, 2 * (side + 1) * columns + group, columns)
         out_r, rate_r, ripple_r, ripple_rate_r = lowered_rollers(raceway.roller_profiles, group, motion, bx, by)
         closed = overlap + sign * out + out_r
         _note_rate(contacts.dampers, forces, row, closed, dt)
         Q, P = _press(raceway.law, forces, row, near, closed, ripple + ripple_r)
-        _store_pair(patches.normal, side * columns + group, columns, nx, ny)
-        _store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
         half = 0.5 * Q * Q
         given = P * (sign * dt)
-        _add(rollers.node_impulse, group, given * nx)
-        _add(rollers.node_impulse, columns + group, given * ny)
+        scatter_add(rollers.node_impulse, group, given * nx)
+        scatter_add(rollers.node_impulse, columns + group, given * ny)
         P = with_dampers(contacts.dampers, row, P)
         aside = P * (sign * (rate + sideways) + rate_r + sideways_r) - half * (ripple_rate + ripple_rate_r)
-        aside = aside * scale * dt
-        _add(rollers.body_impulse, group, aside * ny)
-        _add(rollers.body_impulse, columns + group, -(aside * nx))
-        _add(rollers.turn_kick, group, (P * rate_r - half * ripple_rate_r) * (dt / rollers.inertia))
+        aside = aside * load(forces.nearness, row) * dt
+        scatter_add(rollers.body_impulse, group, aside * ny)
+        scatter_add(rollers.body_impulse, columns + group, -(aside * nx))
+        scatter_add(rollers.turn_kick, group, (P * rate_r - half * ripple_rate_r) * (dt / rollers.inertia))
         ring_tilt_x -= aside * ny
         ring_tilt_y += aside * nx
         moment += half * ripple_rate - P * rate
@@ -188,68 +285,55 @@ def _press_raceway(raceway, rollers, disc, contacts, drive):
 
 @press.of(Neighbours)
 def _press_neighbours(pair, rollers, disc, contacts, drive):
-    forces, patches = contacts.forces, contacts.patches
-    columns, n, radius, centre, dt = rollers.columns, rollers.n, rollers.radius, rollers.centre, drive.dt
-    cosine, sine = rollers.cosine, rollers.sine
+    forces, patches, columns, dt = contacts.forces, contacts.patches, rollers.columns, drive.dt
     impulse, body_impulse, turn_kick = rollers.node_impulse, rollers.body_impulse, rollers.turn_kick
-    touching = 2.0 * radius + contacts.reach
-    for group in range(0, n, WIDTH):
-        row, side, j, i = pair.row * columns + group, 2 * pair.row, count_from(group), next_rollers(group, n)
-        x = gather(centre, i) - load(centre, group)
-        y = gather(centre, i + columns) - load(centre, columns + group)
-        square = x * x + y * y
-        near = (square <= touching * touching) & (j < n)
+    for group in range(0, rollers.n, WIDTH):
+        row, side, i = pair.row * columns + group, 2 * pair.row, next_rollers(group, rollers.n)
+        overlap, near = _met(contacts, row)
         if not any_lane(near):
-            _open(forces, row)
             continue
-        distance = select(near, root(square), 1.0)
-        scale = 1.0 / distance
-        nx, ny = select(near, x * scale, 1.0), select(near, y * scale, 0.0)
-        c, s, c_i, s_i = load(cosine, group), load(sine, group), gather(cosine, i), gather(sine, i)
-        ax, ay = c * nx + s * ny, c * ny - s * nx
-        bx, by = -(c_i * nx + s_i * ny), s_i * nx - c_i * ny
-        out, sideways, rate, ripple, ripple_rate = read(disc, patches, side, group, j, ax, ay)
-        out_i, sideways_i, rate_i, ripple_i, ripple_rate_i = read(disc, patches, side + 1, group, i, bx, by)
-        closed = 2.0 * radius - distance + out + out_i
+        nx, ny = _load_pair(patches.normal, side * columns + group, columns)
+        (out, rate, ripple, ripple_rate), sideways = kept_motion(patches, side, group)
+        (out_i, rate_i, ripple_i, ripple_rate_i), sideways_i = kept_motion(patches, side + 1, group)
+        closed = overlap + out + out_i
         _note_rate(contacts.dampers, forces, row, closed, dt)
         Q, P = _press(pair.law, forces, row, near, closed, ripple + ripple_i)
-        _store_pair(patches.normal, side * columns + group, columns, nx, ny)
-        _store_pair(patches.outward, 2 * side * columns + group, columns, ax, ay)
-        _store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
         half = 0.5 * Q * Q
         push_x, push_y = P * nx * dt, P * ny * dt
         P = with_dampers(contacts.dampers, row, P)
         aside = P * (rate + sideways + rate_i + sideways_i) - half * (ripple_rate + ripple_rate_i)
-        aside = aside * scale * dt
+        aside = aside * load(forces.nearness, row) * dt
         over = dt / rollers.inertia
         scatter_add(impulse, i, push_x)
         scatter_add(impulse, i + columns, push_y)
         scatter_add(body_impulse, i, aside * ny)
         scatter_add(body_impulse, i + columns, -(aside * nx))
         scatter_add(turn_kick, i, (P * rate_i - half * ripple_rate_i) * over)
-        _add(impulse, group, -push_x)
-        _add(impulse, columns + group, -push_y)
-        _add(body_impulse, group, -(aside * ny))
-        _add(body_impulse, columns + group, aside * nx)
-        _add(turn_kick, group, (P * rate - half * ripple_rate) * over)
+        scatter_add(impulse, group, -push_x)
+        scatter_add(impulse, columns + group, -push_y)
+        scatter_add(body_impulse, group, -(aside * ny))
+        scatter_add(body_impulse, columns + group, aside * nx)
+        scatter_add(turn_kick, group, (P * rate - half * ripple_rate) * over)
 
 
 @push_nodes.of(Raceway)
 def _push_raceway(raceway, rollers, disc, contacts, drive):
-    patches, kick, side, moment = contacts.patches, contacts.forces.kick, 2 * raceway.row, 0.0
-    for j in range(rollers.n):
-        if kick[raceway.row, j] != 0.0:
-            given = -kick[raceway.row, j] * drive.dt
-            moment += push(raceway.surface, patches, side, j, j, raceway.sign * given)
-            push(disc, patches, side + 1, j, j, given)
-    raceway.moment[1] += moment
+    patches, kick, side, moment = contacts.patches, contacts.forces.kick, 2 * raceway.row, splat(0.0)
+    unseal(raceway.surface)
+    for group in range(0, rollers.n, WIDTH):
+        given = load(kick, raceway.row * rollers.columns + group) * -drive.dt
+        if any_lane(given != 0.0):
+            moment += push(raceway.surface, patches, side, group, given * raceway.sign)
+            push(disc, patches, side + 1, group, given)
+    gather_seam(raceway.surface)
+    raceway.moment[1] += total(moment)
 
 
 @push_nodes.of(Neighbours)
 def _push_neighbours(pair, rollers, disc, contacts, drive):
     patches, kick, side = contacts.patches, contacts.forces.kick, 2 * pair.row
-    for j in range(rollers.n):
-        if kick[pair.row, j] != 0.0:
-            given = -kick[pair.row, j] * drive.dt
-            push(disc, patches, side, j, j, given)
-            push(disc, patches, side + 1, j, next_roller(j, rollers.n), given)
+    for group in range(0, rollers.n, WIDTH):
+        given = load(kick, pair.row * rollers.columns + group) * -drive.dt
+        if any_lane(given != 0.0):
+            push(disc, patches, side, group, given)
+            push(disc, patches, side + 1, group, given)

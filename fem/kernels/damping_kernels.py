@@ -22,7 +22,7 @@ from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.simd import WIDTH, any_lane, count_from, gather, gather_pair, load, select, splat, store, total
 from fem.kernels.state import CONTACTS, DiscSurface, Hub, Neighbours, Raceway, RigidDisc, RingSurface
-from fem.kernels.surfaces import first_weight, next_node, push, push_body
+from fem.kernels.surfaces import first_weight, gather_seam, next_node, push, push_body, unseal
 
 
 @verb
@@ -71,6 +71,13 @@ def _rigid_roller(disc, patches, side, j, column):
     return 0.0, 1.0 / disc.total_mass
 
 
+@part
+def _alone(j, impulse):
+    """The first of eight contacts that contact j is among, and an impulse on it alone."""
+    group = j - j % WIDTH
+    return group, select(count_from(group) == j, impulse, 0.0)
+
+
 @verb
 def push_late(surface, patches, side, j, column, impulse, x, y):
     """`push` once bodies have had their kick; (x, y) is the impulse in fixed axes, N s. Returns its moment, N m s."""
@@ -79,14 +86,19 @@ def push_late(surface, patches, side, j, column, impulse, x, y):
 
 @push_late.of(RingSurface)
 def _push_ring(ring, patches, side, j, column, impulse, x, y):
-    return push(ring, patches, side, j, column, impulse)
+    group, given = _alone(j, impulse)
+    unseal(ring)
+    moment = total(push(ring, patches, side, group, given))
+    gather_seam(ring)
+    return moment
 
 
 @push_late.of(DiscSurface)
 def _push_disc(disc, patches, side, j, column, impulse, x, y):
     disc.impulse[0, column] += x
     disc.impulse[1, column] += y
-    return push(disc, patches, side, j, column, impulse)
+    group, given = _alone(j, impulse)
+    return push(disc, patches, side, group, given)
 
 
 @push_late.of(Hub, RigidDisc)
@@ -102,7 +114,7 @@ def out_of_surface(surface, patches, side, group, column):
 
 @out_of_surface.of(RingSurface)
 def _eight_of_ring(ring, patches, side, group, column):
-    at, columns, width = first_weight(patches, side, group, patches.units), patches.columns, ring.w.shape[2]
+    at, columns, width = first_weight(patches, side, group), patches.columns, ring.w.shape[2]
     first = 2 * ring.row * width + HALO
     out, light, node = splat(0.0), splat(0.0), load(patches.start, side * columns + group)
     for k in range(N_NODES * len(patches.units)):
@@ -117,7 +129,7 @@ def _eight_of_ring(ring, patches, side, group, column):
 
 @out_of_surface.of(DiscSurface)
 def _eight_of_rollers(disc, patches, side, group, column):
-    at, columns, first = first_weight(patches, side, group, patches.units), patches.columns, 2 * side * patches.columns
+    at, columns, first = first_weight(patches, side, group), patches.columns, 2 * side * patches.columns
     x, y, light, node = splat(0.0), splat(0.0), splat(0.0), load(patches.start, side * columns + group)
     column = column + 2 * columns * disc.first
     for k in range(N_NODES * len(patches.units)):
@@ -179,13 +191,16 @@ def _damp_eights(raceway, rollers, disc, contacts, dampers, dt):
         store(impulse, columns + group, load(impulse, columns + group) + given * ny)
     dampers.work[0] += 0.5 * dt * total(before)
     dampers.work[1] += 0.5 * dt * total(after)
-    moment = 0.0
-    for j in range(rollers.n):
-        given = -(forces.kick[raceway.row, j] + dampers.force[raceway.row, j]) * dt
-        if given != 0.0:
-            moment += push(raceway.surface, patches, side, j, j, sign * given)
-            push(disc, patches, side + 1, j, j, given)
-    raceway.moment[1] += moment
+    moment = splat(0.0)
+    unseal(raceway.surface)
+    for group in range(0, rollers.n, WIDTH):
+        row = raceway.row * columns + group
+        given = (load(forces.kick, row) + load(dampers.force, row)) * -dt
+        if any_lane(given != 0.0):
+            moment += push(raceway.surface, patches, side, group, given * sign)
+            push(disc, patches, side + 1, group, given)
+    gather_seam(raceway.surface)
+    raceway.moment[1] += total(moment)
 
 
 @part

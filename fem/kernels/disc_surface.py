@@ -3,46 +3,82 @@
 from math import pi
 
 from fem.kernels.jit import part
-from fem.kernels.law import ripple_at
-from fem.kernels.patches import N_NODES, ONE
-from fem.kernels.simd import WIDTH, gather, gather_pair, load, splat, store
+from fem.kernels.law import seamless
+from fem.kernels.patches import N_NODES, dot, put, take, weight_slopes, weights
+from fem.kernels.simd import (
+    add_at_places,
+    gather_pair,
+    gather_places,
+    gather_rows,
+    load,
+    scatter_add,
+    select,
+    splat,
+    store,
+)
 from fem.kernels.state import DiscSurface
-from fem.kernels.surfaces import first_weight, grip, next_node, place_patch, push, push_along, read, sideways
+from fem.kernels.surfaces import (
+    count_impulse,
+    first_weight,
+    grip,
+    place_patch,
+    push,
+    push_along,
+    put_down,
+    read,
+    sideways,
+)
+
+
+@part
+def _take_pairs(array, patches, at):
+    """x and y of the six nodes of eight patches."""
+    place, step = patches.place, patches.columns
+    x0, y0 = gather_places(array, place, at, step)
+    x1, y1 = gather_places(array, place, at + step, step)
+    x2, y2 = gather_places(array, place, at + 2 * step, step)
+    x3, y3 = gather_places(array, place, at + 3 * step, step)
+    x4, y4 = gather_places(array, place, at + 4 * step, step)
+    x5, y5 = gather_places(array, place, at + 5 * step, step)
+    return (x0, x1, x2, x3, x4, x5), (y0, y1, y2, y3, y4, y5)
+
+
+@put_down.of(DiscSurface)
+def _put_down(disc, patches, side, group):
+    place_patch(patches, side, group, disc.n_nodes)
 
 
 @read.of(DiscSurface)
-def _read(disc, patches, side, group, column, bx, by):
-    position, _, node = place_patch(patches, side, group, bx, by, disc.n_nodes)
+def _read(disc, patches, side, group, column):
     columns = patches.columns
-    at = first_weight(patches, side, group, ONE)
-    column = column + 2 * columns * disc.first
-    ux, uy, sx, sy = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    at, stride = first_weight(patches, side, group), 2 * columns
+    put(patches.lightness, at, columns, gather_rows(disc.lightness, patches.start, side * columns + group, disc.first))
+    around, place = disc.n_nodes * stride, (load(patches.start, side * columns + group) + disc.first) * stride + column
     for k in range(N_NODES):
-        i = node * (2 * columns) + column
-        x, y = gather_pair(disc.u, i, columns)
-        share, change = load(patches.weight, at + k * columns), load(patches.weight_slope, k * WIDTH)
-        ux += share * x
-        uy += share * y
-        sx += change * x
-        sy += change * y
-        node = next_node(node, disc.n_nodes)
-    ripple, ripple_slope = ripple_at(position, disc.ripple)
+        store(patches.place, at + k * columns, place)
+        place += stride
+        place = select(place >= disc.first * stride + around, place - around, place)
+    t = load(patches.beyond, side * columns + group)
+    share, change = weights(t), weight_slopes(t)
+    put(patches.weight, at, columns, share)
+    x, y = _take_pairs(disc.u, patches, at)
+    ux, uy, sx, sy = dot(share, x), dot(share, y), dot(change, x), dot(change, y)
+    ripple, ripple_slope = seamless(load(patches.position, side * columns + group), disc.ripple)
+    out = 2 * side * columns + group
+    bx, by = load(patches.outward, out), load(patches.outward, out + columns)
     per_radian = disc.n_nodes / (2.0 * pi)
     return ux * bx + uy * by, uy * bx - ux * by, (sx * bx + sy * by) * per_radian, ripple, ripple_slope * per_radian
 
 
 @push.of(DiscSurface)
-def _push(disc, patches, side, j, column, impulse):
-    w, weight, columns = disc.w, patches.weight, patches.columns
-    x, y = impulse * patches.outward[side, 0, j], impulse * patches.outward[side, 1, j]
-    node = patches.start[side, j]
+def _push(disc, patches, side, group, impulse):
+    at, columns = first_weight(patches, side, group), patches.columns
+    out = 2 * side * columns + group
+    x, y = impulse * load(patches.outward, out), impulse * load(patches.outward, out + columns)
     for k in range(N_NODES * len(patches.units)):
-        i = disc.first + node
-        share = weight[side, k, j] * disc.lightness[i]
-        at = i * 2 * columns + column
-        w[at] += share * x
-        w[at + columns] += share * y
-        node = next_node(node, disc.n_nodes)
+        i = at + k * columns
+        share = load(patches.weight, i) * load(patches.lightness, i)
+        add_at_places(disc.w, patches.place, i, columns, share * x, share * y)
     return 0.0
 
 
@@ -64,65 +100,55 @@ def _turned(disc, k, first_x, first_y):
 
 @grip.of(DiscSurface)
 def _grip(disc, patches, side, group):
-    at, columns = first_weight(patches, side, group, patches.units), patches.columns
+    at, columns = first_weight(patches, side, group), patches.columns
     out = 2 * side * columns + group
     bx, by = load(patches.outward, out), load(patches.outward, out + columns)
-    node = load(patches.start, side * columns + group)
-    first_x, first_y = _directions(disc, node)
-    x, y, light, light_x, light_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    first_x, first_y = _directions(disc, load(patches.start, side * columns + group))
+    x, y = splat(0.0), splat(0.0)
     for k in range(N_NODES * len(patches.units)):
+        i = at + k * columns
         node_x, node_y = _turned(disc, k, first_x, first_y)
-        share = load(patches.weight, at + k * columns)
+        store(patches.traction_x, i, node_x)
+        store(patches.traction_y, i, node_y)
+        share = load(patches.weight, i)
         x += share * node_x
         y += share * node_y
-        share = share * share * gather(disc.lightness, node + disc.first)
-        light += share
-        light_x += share * node_x
-        light_y += share * node_y
-        node = next_node(node, disc.n_nodes)
     scale, slope = 1.0 / (1.0 + (bx * x + by * y)), bx * y - by * x
-    store(patches.scale, side * columns + group, scale)
-    store(patches.slope, side * columns + group, slope)
-    across = (slope * by + bx) * light_x - (slope * bx - by) * light_y
-    return scale * scale * ((2.0 + slope * slope) * light + 2.0 * across)
+    x, y, mobility = slope * bx - by, slope * by + bx, splat(0.0)
+    for k in range(N_NODES * len(patches.units)):
+        i = at + k * columns
+        share = scale * load(patches.weight, i)
+        along_x = share * (x - load(patches.traction_y, i))
+        along_y = share * (y + load(patches.traction_x, i))
+        store(patches.traction_x, i, along_x)
+        store(patches.traction_y, i, along_y)
+        mobility += (along_x * along_x + along_y * along_y) * load(patches.lightness, i)
+    return mobility
 
 
 @sideways.of(DiscSurface)
 def _sideways(disc, patches, side, group, column, nx, ny):
-    at, columns = first_weight(patches, side, group, patches.units), patches.columns
-    out = 2 * side * columns + group
-    bx, by = load(patches.outward, out), load(patches.outward, out + columns)
-    node = load(patches.start, side * columns + group)
-    first_x, first_y = _directions(disc, node)
-    column = column + 2 * columns * disc.first
-    x, y, around = splat(0.0), splat(0.0), splat(0.0)
-    for k in range(N_NODES * len(patches.units)):
-        node_x, node_y = _turned(disc, k, first_x, first_y)
-        i = node * (2 * columns) + column
-        share = load(patches.weight, at + k * columns)
-        vx, vy = gather_pair(disc.w, i, columns)
-        vx, vy = share * vx, share * vy
-        x += vx
-        y += vy
-        around += node_x * vy - node_y * vx
-        node = next_node(node, disc.n_nodes)
-    scale, slope = load(patches.scale, side * columns + group), load(patches.slope, side * columns + group)
-    return scale * (x * (slope * bx - by) + y * (slope * by + bx) + around)
+    at, columns = first_weight(patches, side, group), patches.columns
+    found = splat(0.0)
+    for unit in range(len(patches.units)):
+        i = at + unit * N_NODES * columns
+        x, y = _take_pairs(disc.w, patches, i)
+        found += dot(take(patches.traction_x, i, columns), x) + dot(take(patches.traction_y, i, columns), y)
+    return found
 
 
 @push_along.of(DiscSurface)
-def _push_along(disc, patches, side, j, column, impulse, x, y):
-    disc.impulse[0, column] += x
-    disc.impulse[1, column] += y
-    w, points, weight, columns = disc.w, disc.points, patches.weight, patches.columns
-    bx, by, slope = patches.outward[side, 0, j], patches.outward[side, 1, j], patches.slope[side, j]
-    x, y, over = slope * bx - by, slope * by + bx, 1.0 / disc.radius
-    node, impulse = patches.start[side, j], impulse * patches.scale[side, j]
+def _push_along(disc, patches, side, group, impulse):
+    at, columns = first_weight(patches, side, group), patches.columns
     for k in range(N_NODES * len(patches.units)):
-        i = disc.first + node
-        speed = impulse * weight[side, k, j] * disc.lightness[i]
-        at = i * 2 * columns + column
-        w[at] += speed * (x - points[2 * i + 1] * over)
-        w[at + columns] += speed * (y + points[2 * i] * over)
-        node = next_node(node, disc.n_nodes)
+        i = at + k * columns
+        speed = impulse * load(patches.lightness, i)
+        x, y = speed * load(patches.traction_x, i), speed * load(patches.traction_y, i)
+        add_at_places(disc.w, patches.place, i, columns, x, y)
     return 0.0
+
+
+@count_impulse.of(DiscSurface)
+def _count(disc, column, x, y):
+    scatter_add(disc.impulse, column, x)
+    scatter_add(disc.impulse, column + disc.columns, y)

@@ -1,10 +1,9 @@
 """The hub: its kick and its motion."""
 
-from math import cos, sin
-
 from fem.kernels import ring_kernels
 from fem.kernels.course_kernels import is_turning, with_aside
 from fem.kernels.jit import part
+from fem.kernels.lane_functions import cosine_and_sine
 
 
 @part
@@ -34,7 +33,7 @@ def move_hub(inner, drive, step):
     hub[1] += drive.dt * drive.velocity[1]
     if is_turning(drive.course, drive):
         frame[0] += step
-        frame[1], frame[2] = cos(frame[0]), sin(frame[0])
+        frame[1], frame[2] = cosine_and_sine(frame[0])
     c, s = frame[1], frame[2]
     x, y = c * hub[0] + s * hub[1], c * hub[1] - s * hub[0]
     ring_kernels.set_rigid(inner.u, 2 * inner.held * inner.cosines.size, inner.cosines, inner.sines, x, y)

@@ -20,11 +20,22 @@ from fem.kernels.simd import (
     select,
     splat,
     store,
+    total,
     whole,
     with_sign,
 )
 from fem.kernels.state import Neighbours, Raceway
-from fem.kernels.surfaces import body_mobility, grip, push_along, push_body, sideways
+from fem.kernels.surfaces import (
+    body_mobility,
+    count_impulse,
+    gather_seam,
+    grip,
+    push_along,
+    push_body,
+    seal,
+    sideways,
+    unseal,
+)
 
 SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
 EVEN, ODD, ALL = 0, 1, 2  # contacts of a pair that are solved for at once
@@ -90,6 +101,7 @@ def slip_pair(pair, rollers, disc, contacts, turn_kick, out):
 @slip_pair.of(Raceway)
 def _slip_raceway(raceway, rollers, disc, contacts, turn_kick, out):
     velocity, columns, side = rollers.velocity, rollers.columns, 2 * raceway.row
+    seal(raceway.surface)
     for group in range(0, rollers.n, WIDTH):
         row = raceway.row * columns + group
         if _closed(contacts, row):
@@ -198,29 +210,34 @@ def drag(pair, rollers, disc, contacts, share, dt):
 
 @drag.of(Raceway)
 def _drag_raceway(raceway, rollers, disc, contacts, share, dt):
-    patches, row, moment = contacts.patches, raceway.row, 0.0
-    for j in range(rollers.n):
-        given, changed = share[row, j] * dt, contacts.friction.change[row, j] * dt  # along t on side 1
-        if given == 0.0 and changed == 0.0:
-            continue
-        nx, ny = patches.normal[row, 0, j], patches.normal[row, 1, j]
-        push_along(disc, patches, 2 * row + 1, j, j, -raceway.sign * given, -given * ny, given * nx)
-        moment += push_along(raceway.surface, patches, 2 * row, j, j, -given, given * ny, -given * nx)
-        moment += _drag_ring_and_roller(raceway, disc, j, changed, nx, ny)
-    raceway.moment[1] += moment
+    patches, side, moment = contacts.patches, 2 * raceway.row, splat(0.0)
+    unseal(raceway.surface)
+    for group in range(0, rollers.n, WIDTH):
+        given = load(share, raceway.row * rollers.columns + group) * dt  # along t on side 1
+        if any_lane(given != 0.0):
+            nx, ny = normals(contacts, raceway, group)
+            push_along(disc, patches, side + 1, group, given * -raceway.sign)
+            count_impulse(disc, group, -given * ny, given * nx)
+            moment += push_along(raceway.surface, patches, side, group, -given)
+    gather_seam(raceway.surface)
+    raceway.moment[1] += total(moment)
+    if contacts.friction.whole is not None:
+        drag_bodies(raceway, rollers, disc, contacts, dt)
 
 
 @drag.of(Neighbours)
 def _drag_neighbours(pair, rollers, disc, contacts, share, dt):
-    patches, row = contacts.patches, pair.row
-    for j in range(rollers.n):
-        given, changed = share[row, j] * dt, contacts.friction.change[row, j] * dt
-        if given == 0.0 and changed == 0.0:
-            continue
-        i, nx, ny = next_roller(j, rollers.n), patches.normal[row, 0, j], patches.normal[row, 1, j]
-        push_along(disc, patches, 2 * row + 1, j, i, -given, -given * ny, given * nx)
-        push_along(disc, patches, 2 * row, j, j, -given, given * ny, -given * nx)
-        _drag_rollers(disc, j, i, changed, nx, ny)
+    patches, side = contacts.patches, 2 * pair.row
+    for group in range(0, rollers.n, WIDTH):
+        given = load(share, pair.row * rollers.columns + group) * dt
+        if any_lane(given != 0.0):
+            nx, ny = normals(contacts, pair, group)
+            push_along(disc, patches, side + 1, group, -given)
+            count_impulse(disc, next_rollers(group, rollers.n), -given * ny, given * nx)
+            push_along(disc, patches, side, group, -given)
+            count_impulse(disc, group, given * ny, -given * nx)
+    if contacts.friction.whole is not None:
+        drag_bodies(pair, rollers, disc, contacts, dt)
 
 
 @verb
@@ -229,7 +246,7 @@ def drag_bodies(pair, rollers, disc, contacts, dt):
 
 
 @drag_bodies.of(Raceway)
-def drag_bodies_on_raceway(raceway, rollers, disc, contacts, dt):
+def _drag_bodies_on_raceway(raceway, rollers, disc, contacts, dt):
     normal, change, row, moment = contacts.patches.normal, contacts.friction.change, raceway.row, 0.0
     for j in range(rollers.n):
         moment += _drag_ring_and_roller(raceway, disc, j, change[row, j] * dt, normal[row, 0, j], normal[row, 1, j])
@@ -237,7 +254,7 @@ def drag_bodies_on_raceway(raceway, rollers, disc, contacts, dt):
 
 
 @drag_bodies.of(Neighbours)
-def drag_bodies_of_neighbours(pair, rollers, disc, contacts, dt):
+def _drag_bodies_of_neighbours(pair, rollers, disc, contacts, dt):
     normal, change, row = contacts.patches.normal, contacts.friction.change, pair.row
     for j in range(rollers.n):
         i = next_roller(j, rollers.n)

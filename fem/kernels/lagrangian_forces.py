@@ -111,7 +111,8 @@ def accelerate(motion, bearing, dampers, time):
         power += mass * turning * (x * fall_y - y * fall_x) + inner * closing[INNER] + outer * closing[OUTER]
         power = _speeding_up(bearing.course, power, mass, select(there, x, 0.0))
         _remember(dampers, group, columns, axes, (ix, iy, ox, oy), closing)
-        _find_coefficients(dampers, bearing.laws, group, columns, (inner, outer), (met_i, met_o))
+        _keep_coefficients(dampers, bearing.laws[INNER], group, inner, met_i)
+        _keep_coefficients(dampers, bearing.laws[OUTER], columns + group, outer, met_o)
     x, y = total(push_x), total(push_y)
     aside, radial_load = load_at(bearing.course, bearing, time)
     hub[2, 0] = with_aside(bearing.course, x, aside) / bearing.hub_mass
@@ -274,24 +275,21 @@ def _remember(dampers, group, columns, axes, normals, closing):
 
 
 @part
-def _find_coefficients(dampers, laws, group, columns, forces, met):
-    """What eight elements' dampers have of their springs."""
+def _keep_coefficients(dampers, law, at, force, met):
+    """N s/m of eight contacts' dampers, by their springs' forces, N, and by what they meet."""
     if dampers is not None:
-        store(dampers.coefficient, group, _coefficient(dampers, laws[INNER], forces[INNER], met[INNER]))
-        store(dampers.coefficient, columns + group, _coefficient(dampers, laws[OUTER], forces[OUTER], met[OUTER]))
+        stiffness = _softened(spring_stiffness(law, force), met)
+        found = dampers.constant + dampers.time * stiffness + 1.5 * dampers.hunt_crossley * force
+        store(dampers.coefficient, at, found)
 
 
 @part
-def _coefficient(dampers, law, force, met):
-    found = splat(dampers.constant)
-    if dampers.time > 0.0:
-        stiffness = spring_stiffness(law, force)
-        if met is not None:
-            stiffness = stiffness / (1.0 + (met[0][2] + met[1][2]) * stiffness)
-        found += dampers.time * stiffness
-    if dampers.hunt_crossley > 0.0:
-        found += 1.5 * dampers.hunt_crossley * force
-    return found
+def _softened(stiffness, met):
+    """Stiffnesses of eight contacts with the compliance of edges in series, N/m."""
+    if met is None:
+        return stiffness
+    (_, _, soft, _), (_, _, own_soft, _) = met
+    return stiffness / (1.0 + (soft + own_soft) * stiffness)
 
 
 @part

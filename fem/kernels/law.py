@@ -5,12 +5,15 @@ All but the energy take scalars or eight lanes (contacts).
 
 from math import log
 
+import numpy as np
+
 from fem.kernels.jit import kernel, part
 from fem.kernels.lane_functions import larger, logarithm, smaller
-from fem.kernels.simd import any_lane, gather, magnitude, real, select, whole
+from fem.kernels.simd import any_lane, gather, gather_quads, magnitude, real, select, whole
 
 KNOTS_PER_NODE = 8  # the ripple's highest wave is one node spacing long
 STANDING = 1e-4  # of its value: an approach that changes less works as a constant force
+NEAR = 1e-5  # relative: a step of third order from so near leaves less than round-off
 STEEPEST = 0.25  # at this bracket less a half the mesh resolves the contact; the law goes on as a straight line
 REPAID, MOST_REPAID = 0.25, 0.01  # of a contact's residual energy, in a step; of its force, at most
 
@@ -46,6 +49,43 @@ def contact_force(approach, A, B, Q_line, guess):
         line = (approach * (1.0 / A) - 0.5 * Q_line) / _slope_of_line(B, Q_line)
         Q = select(Q >= Q_line, larger(line, Q_line), Q)
     return select(apart, 0.0, Q + (approach - approach))
+
+
+@part
+def next_force(approach, A, B, Q_line, before, approach_before, B_before):
+    """`contact_force` a step after the force `before` at an approach and a level of then, not a number where not known.
+
+    The last force's logarithm follows from its approach, ½ ln Q = B − δ/(A Q). From there one step of third order
+    brings the error to the third power of the relative change, a second one with a logarithm of its own below
+    round-off; what changes more goes the long way.
+    """
+    apart = approach <= 0.0
+    known = (before > 0.0) & (before < Q_line) & (approach_before > 0.0) & (approach > 0.0)
+    guess = select(known, before, 1.0)
+    level = B + select(known, approach_before / (A * guess) - B_before, 0.0)
+    delta = approach * (1.0 / A)
+    Q = guess + _third_order(delta, guess, level)
+    Q = smaller(larger(Q, 0.5 * guess), 2.0 * guess)
+    step = _third_order(delta, Q, B - 0.5 * logarithm(Q))
+    sure = known & (magnitude(step) < NEAR * Q) & (Q < 0.99 * Q_line)
+    Q = select(apart, 0.0, Q + step)
+    if any_lane(select(apart, 0.0, select(sure, 0.0, 1.0)) != 0.0):  # what is not a number is neither
+        return _long_way(approach, A, B, Q_line, before)
+    return Q
+
+
+@part
+def _third_order(delta, Q, bracket):
+    """Step of Halley's method for Q (B − ½ ln Q) = δ/A."""
+    slope = bracket - 0.5
+    double = 4.0 * Q * slope
+    left = delta - Q * bracket
+    return double * left / (double * slope - left)
+
+
+@part(inlined=False)
+def _long_way(approach, A, B, Q_line, guess):
+    return contact_force(approach, A, B, Q_line, guess)
 
 
 @part
@@ -119,11 +159,40 @@ def ripple_at(position, coefficients):
 
 
 @part
+def seamless(position, coefficients):
+    """`ripple_at` of eight positions with the coefficients of `with_seam`."""
+    n = coefficients.size - 3
+    x = position * (1.0 * KNOTS_PER_NODE)
+    base = whole(x)
+    t = x - real(base)
+    base = base - whole(real(base) * (1.0 / n)) * n
+    base = select((base >= 0) & (base < n), base, 0)  # round-off may leave it n
+    value, slope = _spline(t, gather_quads(coefficients, base))
+    return value, slope * (1.0 * KNOTS_PER_NODE)
+
+
+def with_seam(coefficients: np.ndarray) -> np.ndarray:
+    """Periodic coefficients with one more in front and two behind, so that any four neighbours stand in a row."""
+    return np.concatenate([coefficients[-1:], coefficients, coefficients[:2]])
+
+
+@part
+def _spline(t, coefficients):
+    """A cubic B-spline and its slope per knot a fraction t beyond the second of four knots."""
+    r = 1.0 - t
+    c0, c1, c2, c3 = coefficients
+    value = (
+        r * r * r * c0 + (4.0 - 3.0 * t * t * (2.0 - t)) * c1 + (4.0 - 3.0 * r * r * (2.0 - r)) * c2 + t * t * t * c3
+    ) * (1.0 / 6.0)
+    slope = 0.5 * (t * (3.0 * t - 4.0) * c1 - r * r * c0 - r * (3.0 * r - 4.0) * c2 + t * t * c3)
+    return value, slope
+
+
+@part
 def spline_at(x, coefficients, first, n):
     """A periodic cubic B-spline and its slope per knot at x knots, >= 0; its n coefficients stand from `first` on."""
     base = whole(x)
     t = x - real(base)
-    r = 1.0 - t
     base = base - whole(real(base) * (1.0 / n)) * n  # round-off may leave it n or −1
     base = select(base >= n, base - n, select(base < 0, base + n, base))
     before = select(base < 1, base + (n - 1), base - 1)
@@ -131,8 +200,4 @@ def spline_at(x, coefficients, first, n):
     beyond = select(after >= n - 1, after + (1 - n), after + 1)
     c0, c1 = gather(coefficients, before + first), gather(coefficients, base + first)
     c2, c3 = gather(coefficients, after + first), gather(coefficients, beyond + first)
-    value = (
-        r * r * r * c0 + (4.0 - 3.0 * t * t * (2.0 - t)) * c1 + (4.0 - 3.0 * r * r * (2.0 - r)) * c2 + t * t * t * c3
-    ) * (1.0 / 6.0)
-    slope = 0.5 * (t * (3.0 * t - 4.0) * c1 - r * r * c0 - r * (3.0 * r - 4.0) * c2 + t * t * c3)
-    return value, slope
+    return _spline(t, (c0, c1, c2, c3))

@@ -8,7 +8,7 @@ the body's frame.
 import numpy as np
 
 from fem.kernels.jit import part, verb
-from fem.kernels.patches import N_NODES, first_node, weight_slopes, weights
+from fem.kernels.patches import N_NODES, first_node, put, weight_slopes, weights
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import DiscSurface, RingSurface
 
@@ -63,8 +63,8 @@ def place_point(x, points, side, q, spread):
     if spread is not None:
         at = (side * points.closing.size + q) * N_NODES
         t = x - np.floor(x)
-        weights(t, spread.share, at, 1)
-        weight_slopes(t, spread.slope, side * N_NODES, 1)
+        put(spread.share, at, 1, weights(t))
+        put(spread.slope, side * N_NODES, 1, weight_slopes(t))
 
 
 @part

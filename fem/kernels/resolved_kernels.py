@@ -372,7 +372,7 @@ def _lever(x, n_nodes, radius):
 
 @verb
 def _share(surface, patches, side, j, total):
-    """Shares of a patch's nodes in a contact's force, for friction; of a ring by its nodes' directions too."""
+    """Where a patch's nodes stand and their shares in a contact's force; of a ring by their directions too."""
 
 
 @part
@@ -385,6 +385,10 @@ def _share_nodes(patches, side, j, n_nodes, total):
 @_share.of(DiscSurface)
 def _share_disc(disc, patches, side, j, total):
     _share_nodes(patches, side, j, disc.n_nodes, total)
+    for k in range(patches.weight.shape[1]):
+        node = disc.first + (side.start + k) % disc.n_nodes
+        patches.place[side.patch, k, j] = node * 2 * disc.columns + side.column
+        patches.lightness[side.patch, k, j] = disc.lightness[node]
 
 
 @_share.of(RingSurface)
@@ -394,5 +398,6 @@ def _share_ring(ring, patches, side, j, total):
     for k in range(weight.shape[1]):
         at = HALO + (side.start + k) % ring.n_nodes
         c, s = ring.cosines[at], ring.sines[at]
+        patches.place[side.patch, k, j] = 2 * ring.row * ring.cosines.size + at
         patches.along[side.patch, k, j] = weight[side.patch, k, j] * (bx * c + by * s)
         patches.across[side.patch, k, j] = weight[side.patch, k, j] * (by * c - bx * s)

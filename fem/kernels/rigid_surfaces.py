@@ -7,15 +7,16 @@ hub, a rigid outer one the ground. Every traction on one of them moves its other
 
 from fem.kernels.course_kernels import speed_of
 from fem.kernels.jit import verb
-from fem.kernels.simd import WIDTH, gather, load, splat, store
+from fem.kernels.simd import WIDTH, gather, load, splat, store, total
 from fem.kernels.state import Hub, RigidDisc
 from fem.kernels.surfaces import body_mobility, body_motion, grip, push, push_body, sideways
 
 
 @push.of(Hub)
-def _push_hub(hub, patches, side, j, column, impulse):
-    hub.impulse[0] += impulse * patches.normal[side // 2, 0, j]
-    hub.impulse[1] += impulse * patches.normal[side // 2, 1, j]
+def _push_hub(hub, patches, side, group, impulse):
+    at = side * patches.columns + group  # of the pair's normals: the hub is on side 0
+    hub.impulse[0] += total(impulse * load(patches.normal, at))
+    hub.impulse[1] += total(impulse * load(patches.normal, at + patches.columns))
     return 0.0
 
 

@@ -1,8 +1,9 @@
 """Rings: one sector's stencil run along contiguous sectors, eight per register.
 
 State in polar components in the ring's own frame, about the outer ring's centre: `u` displacement (rigid motion of the
-hub included), `w` absolute velocity. Arrays (n_rows, 2, HALO + n_sectors + HALO), n_sectors a multiple of 8; the
-nearest halo columns repeat the other end so that the stencil needs no wrap.
+hub included), `w` absolute velocity. Arrays (n_rows, 2, HALO + n_sectors + HALO), n_sectors a multiple of 8. Halos of
+`u` repeat the other end, one column on the left, all on the right, so that neither the stencil nor patches need a wrap;
+those of `w` are room, see `ring_surface`.
 """
 
 import numpy as np
@@ -124,10 +125,10 @@ def drift_still(u, w, dt, first_row, last_row):
 
 @part(inlined=False)
 def wrap(u, at, width):
-    """Repeat the first and last sector of the line of `width` from index `at` on in its halo."""
+    """Repeat the first eight sectors and the last one of the line of `width` from index `at` on in its halo."""
     last = at + width - HALO
     store(u, at + HALO - 1, gather(u, last - 1))
-    store(u, last, gather(u, at + HALO))
+    store(u, last, load(u, at + HALO))
 
 
 @part(inlined=False)

@@ -2,101 +2,147 @@
 
 from math import pi
 
-from fem.kernels.law import ripple_at
-from fem.kernels.patches import N_NODES, ONE
+from fem.kernels.jit import part
+from fem.kernels.law import seamless
+from fem.kernels.patches import N_NODES, combined, dot, products, put, take, times, weight_slopes, weights
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.simd import WIDTH, gather, gather_pair, load, splat, store
+from fem.kernels.simd import add_to_rows, gather, gather_rows, load, splat, store
 from fem.kernels.state import RingSurface
-from fem.kernels.surfaces import first_weight, grip, next_node, place_patch, push, push_along, read, sideways
+from fem.kernels.surfaces import (
+    first_weight,
+    gather_seam,
+    grip,
+    place_patch,
+    push,
+    push_along,
+    put_down,
+    read,
+    seal,
+    sideways,
+    unseal,
+)
+
+
+@part
+def _ahead(ring, bx, by, node):
+    """Cosines and sines of the angles from the nodes of patches to the contacts; `node`, the patches' first ones."""
+    cosines, sines = ring.cosines, ring.sines
+    first_c, first_s = gather(cosines, node + HALO), gather(sines, node + HALO)
+    c, s = bx * first_c + by * first_s, by * first_c - bx * first_s
+    h = HALO
+    steps_c = cosines[h], cosines[h + 1], cosines[h + 2], cosines[h + 3], cosines[h + 4], cosines[h + 5]
+    steps_s = sines[h], sines[h + 1], sines[h + 2], sines[h + 3], sines[h + 4], sines[h + 5]
+    return combined(c, steps_c, s, steps_s), combined(s, steps_c, -c, steps_s)
+
+
+@put_down.of(RingSurface)
+def _put_down(ring, patches, side, group):
+    place_patch(patches, side, group, ring.n_nodes)
 
 
 @read.of(RingSurface)
-def _read(ring, patches, side, group, column, bx, by):
-    _, t, node = place_patch(patches, side, group, bx, by, ring.n_nodes)
-    cosines, sines, columns = ring.cosines, ring.sines, patches.columns
-    at = first_weight(patches, side, group, ONE)
-    width = cosines.size
-    radial = 2 * ring.row * width + HALO
-    first_c, first_s = gather(cosines, node + HALO), gather(sines, node + HALO)
-    ahead_c, ahead_s = bx * first_c + by * first_s, by * first_c - bx * first_s  # of the angle from the first node to b
-    out, sideways, rate = splat(0.0), splat(0.0), splat(0.0)
-    for k in range(N_NODES):
-        j = at + k * columns
-        step_c, step_s = cosines[HALO + k], sines[HALO + k]
-        c, s = ahead_c * step_c + ahead_s * step_s, ahead_s * step_c - ahead_c * step_s
-        a, b = gather_pair(ring.u, node + radial, width)
-        share = load(patches.weight, j)
-        outward = a * c + b * s
-        out += share * outward
-        sideways += share * (b * c - a * s)
-        rate += load(patches.weight_slope, k * WIDTH) * outward
-        store(patches.along, j, share * c)
-        store(patches.across, j, share * s)
-        node = next_node(node, ring.n_nodes)
-    ripple, ripple_slope = ripple_at(t, ring.ripple)
+def _read(ring, patches, side, group, column):
+    columns, width = patches.columns, ring.cosines.size
+    at, out = first_weight(patches, side, group), 2 * side * columns + group
+    bx, by = load(patches.outward, out), load(patches.outward, out + columns)
+    t, node = load(patches.beyond, side * columns + group), load(patches.start, side * columns + group)
+    store(patches.place, at, node + (2 * ring.row * width + HALO))
+    c, s = _ahead(ring, bx, by, node)
+    share = weights(t)
+    along, across = products(share, c), products(share, s)
+    put(patches.weight, at, columns, share)
+    put(patches.along, at, columns, along)
+    put(patches.across, at, columns, across)
+    a, b = gather_rows(ring.u, patches.place, at, 0), gather_rows(ring.u, patches.place, at, width)
+    change = weight_slopes(t)
+    out, sideways = dot(along, a) + dot(across, b), dot(along, b) - dot(across, a)
+    rate = dot(products(change, c), a) + dot(products(change, s), b)
+    ripple, ripple_slope = seamless(t, ring.ripple)
     per_radian = ring.n_nodes / (2.0 * pi)
     return out, sideways, rate * per_radian, ripple, ripple_slope * per_radian
 
 
+@part
+def _give(ring, patches, at, radial, around, impulse):
+    """Give six nodes of eight patches what an impulse does to them; moments about the origin, N m s."""
+    speed, width = impulse * (1.0 / ring.node_mass), ring.cosines.size
+    add_to_rows(ring.w, patches.place, at, 0, times(speed, radial))
+    add_to_rows(ring.w, patches.place, at, width, times(speed, around))
+    a, b = gather_rows(ring.u, patches.place, at, 0), gather_rows(ring.u, patches.place, at, width)
+    p, q, r, s, t, u = around
+    total = ((p + q) + (r + s)) + (t + u)
+    return impulse * (ring.radius * total + (dot(a, around) - dot(b, radial)))
+
+
 @push.of(RingSurface)
-def _push(ring, patches, side, j, column, impulse):
-    u, w, row = ring.u, ring.w, ring.row
-    speed, moment, node = impulse / ring.node_mass, 0.0, patches.start[side, j]
-    for k in range(N_NODES * len(patches.units)):
-        at = node + HALO
-        radial, around = patches.along[side, k, j], patches.across[side, k, j]
-        w[row, 0, at] += speed * radial
-        w[row, 1, at] += speed * around
-        moment += (ring.radius + u[row, 0, at]) * around - u[row, 1, at] * radial
-        node = next_node(node, ring.n_nodes)
-    return impulse * moment
+def _push(ring, patches, side, group, impulse):
+    at, columns, moment = first_weight(patches, side, group), patches.columns, splat(0.0)
+    for unit in range(len(patches.units)):
+        i = at + unit * N_NODES * columns
+        radial, around = take(patches.along, i, columns), take(patches.across, i, columns)
+        moment += _give(ring, patches, i, radial, around, impulse)
+    return moment
 
 
 @grip.of(RingSurface)
 def _grip(ring, patches, side, group):
-    at, columns = first_weight(patches, side, group, patches.units), patches.columns
-    x, y, light, light_x, light_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    at, columns = first_weight(patches, side, group), patches.columns
+    x, slope, mobility = splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES * len(patches.units)):
-        j = at + k * columns
-        share, c, s = load(patches.weight, j), load(patches.along, j), load(patches.across, j)
-        x += c
-        y -= s
-        light += share * share
-        light_x += share * c
-        light_y += share * s
+        i = at + k * columns
+        x += load(patches.along, i)
+        slope -= load(patches.across, i)
     scale = 1.0 / (1.0 + x)
-    store(patches.scale, side * columns + group, scale)
-    store(patches.slope, side * columns + group, y)
-    return scale * scale * ((2.0 + y * y) * light + 2.0 * (light_x + y * light_y)) * (1.0 / ring.node_mass)
+    for k in range(N_NODES * len(patches.units)):
+        i = at + k * columns
+        c, s = load(patches.along, i), load(patches.across, i)
+        radial, around = scale * (slope * c - s), scale * (load(patches.weight, i) + c + slope * s)
+        store(patches.traction_x, i, radial)
+        store(patches.traction_y, i, around)
+        mobility += radial * radial + around * around
+    return mobility * (1.0 / ring.node_mass)
 
 
 @sideways.of(RingSurface)
 def _sideways(ring, patches, side, group, column, nx, ny):
-    at, columns, width = first_weight(patches, side, group, patches.units), patches.columns, ring.w.shape[2]
-    radial = 2 * ring.row * width + HALO
-    node = load(patches.start, side * columns + group)
-    outward, around = splat(0.0), splat(0.0)
-    for k in range(N_NODES * len(patches.units)):
-        j = at + k * columns
-        p, q = gather_pair(ring.w, node + radial, width)
-        c, s = load(patches.along, j), load(patches.across, j)
-        outward += c * p + s * q
-        around += (c + load(patches.weight, j)) * q - s * p
-        node = next_node(node, ring.n_nodes)
-    scale, slope = load(patches.scale, side * columns + group), load(patches.slope, side * columns + group)
-    return scale * (slope * outward + around)
+    at, columns, width = first_weight(patches, side, group), patches.columns, ring.cosines.size
+    found = splat(0.0)
+    for unit in range(len(patches.units)):
+        i = at + unit * N_NODES * columns
+        found += dot(take(patches.traction_x, i, columns), gather_rows(ring.w, patches.place, i, 0))
+        found += dot(take(patches.traction_y, i, columns), gather_rows(ring.w, patches.place, i, width))
+    return found
 
 
 @push_along.of(RingSurface)
-def _push_along(ring, patches, side, j, column, impulse, x, y):
-    u, w, row = ring.u, ring.w, ring.row
-    impulse *= patches.scale[side, j]
-    slope, speed, moment, node = patches.slope[side, j], impulse / ring.node_mass, 0.0, patches.start[side, j]
-    for k in range(N_NODES * len(patches.units)):
-        at, c, s = node + HALO, patches.along[side, k, j], patches.across[side, k, j]
-        x, y = slope * c - s, patches.weight[side, k, j] + c + slope * s
-        w[row, 0, at] += speed * x
-        w[row, 1, at] += speed * y
-        moment += (ring.radius + u[row, 0, at]) * y - u[row, 1, at] * x
-        node = next_node(node, ring.n_nodes)
-    return impulse * moment
+def _push_along(ring, patches, side, group, impulse):
+    at, columns, moment = first_weight(patches, side, group), patches.columns, splat(0.0)
+    for unit in range(len(patches.units)):
+        i = at + unit * N_NODES * columns
+        radial, around = take(patches.traction_x, i, columns), take(patches.traction_y, i, columns)
+        moment += _give(ring, patches, i, radial, around, impulse)
+    return moment
+
+
+@seal.of(RingSurface)
+def _seal(ring):
+    w, width = ring.w, ring.cosines.size
+    for component in range(2):
+        line = (2 * ring.row + component) * width
+        store(w, line + width - HALO, load(w, line + HALO))
+
+
+@unseal.of(RingSurface)
+def _unseal(ring):
+    w, width = ring.w, ring.cosines.size
+    for component in range(2):
+        line = (2 * ring.row + component) * width
+        store(w, line + width - HALO, splat(0.0))
+
+
+@gather_seam.of(RingSurface)
+def _gather_seam(ring):
+    w, width = ring.w, ring.cosines.size
+    for component in range(2):
+        line = (2 * ring.row + component) * width
+        store(w, line + HALO, load(w, line + HALO) + load(w, line + width - HALO))

@@ -122,6 +122,13 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
 
 
 @part
+def _lines(ring, row):
+    """Where the radial and the tangential components of a row of a ring's nodes begin."""
+    radial = 2 * row * ring.cosines.size
+    return radial, radial + ring.cosines.size
+
+
+@part
 def add_damped(dampers, damping, out):
     """What contacts and bodies have damped, J; nothing where there is None."""
     out[DAMPED_BY_CONTACTS] = 0.0 if dampers is None else dampers.work[0]
@@ -152,12 +159,13 @@ def _drive_work(inner, drive, scratch, time, moment):
     before, after = scratch.hub_velocity, drive.velocity
     angular = drive.mass * (drive.hub[0] * (before[1] + after[1]) - drive.hub[1] * (before[0] + after[0]))
     for row in range(inner.first_row, inner.last_row):
-        part = 0.0
-        for k in range(HALO, HALO + inner.n_sectors):
-            x, y = inner.radii[row] + inner.u[row, 0, k], inner.u[row, 1, k]
-            part += x * (scratch.inner_w[row, 1, k] + inner.w[row, 1, k])
-            part -= y * (scratch.inner_w[row, 0, k] + inner.w[row, 0, k])
-        angular += inner.row_mass[row] * part
+        radial, tangential = _lines(inner, row)
+        part = splat(0.0)
+        for k in range(HALO, HALO + inner.n_sectors, WIDTH):
+            x, y = inner.radii[row] + load(inner.u, radial + k), load(inner.u, tangential + k)
+            part += x * (load(scratch.inner_w, tangential + k) + load(inner.w, tangential + k))
+            part -= y * (load(scratch.inner_w, radial + k) + load(inner.w, radial + k))
+        angular += inner.row_mass[row] * lane_total(part)
     weight = -drive.gravity * (drive.mass * drive.hub[0] + _ring_place(inner, drive.frame[1], drive.frame[2])[0])
     drive.sums[3] += 0.5 * (weight + drive.sums[4]) * (time - drive.sums[5])
     drive.sums[4], drive.sums[5] = weight, time
@@ -218,9 +226,11 @@ def kinetic_energy(bodies, drive, scratch):
     total += _ring_kinetic(inner, scratch.inner_w) + _ring_kinetic(bodies.outer, scratch.outer_w)
     outward = 0.0
     for row in range(inner.first_row, inner.last_row):
-        for k in range(HALO, HALO + inner.n_sectors):
-            gained = inner.w[row, 0, k] - scratch.inner_w[row, 0, k]
-            outward += inner.row_mass[row] * inner.radii[row] * gained
+        radial, _ = _lines(inner, row)
+        gained = splat(0.0)
+        for k in range(HALO, HALO + inner.n_sectors, WIDTH):
+            gained += load(inner.w, radial + k) - load(scratch.inner_w, radial + k)
+        outward += inner.row_mass[row] * inner.radii[row] * lane_total(gained)
     speed = speed_of(drive.course, drive)
     total -= (1.0 - cos(speed * dt)) * outward / dt
     before, after = scratch.hub_velocity, drive.velocity
@@ -234,11 +244,11 @@ def kinetic_energy(bodies, drive, scratch):
 def _ring_kinetic(ring, before):
     total = 0.0
     for row in range(ring.first_row, ring.last_row):
-        part = 0.0
-        for component in range(2):
-            for k in range(HALO, HALO + ring.n_sectors):
-                part += before[row, component, k] * ring.w[row, component, k]
-        total += ring.row_mass[row] * part
+        part = splat(0.0)
+        for line in _lines(ring, row):
+            for k in range(line + HALO, line + HALO + ring.n_sectors, WIDTH):
+                part += load(before, k) * load(ring.w, k)
+        total += ring.row_mass[row] * lane_total(part)
     return total
 
 
@@ -268,11 +278,11 @@ def _ring_elastic(ring, room, dt):
     ring_kernels.kick(ring.table, ring.u, room, 0, ring.radii.size)
     total = 0.0
     for row in range(ring.radii.size):
-        part = 0.0
-        for component in range(2):
-            for k in range(HALO, HALO + ring.n_sectors):
-                part += ring.u[row, component, k] * room[row, component, k]
-        total -= ring.row_mass[row] / dt * part
+        part = splat(0.0)
+        for line in _lines(ring, row):
+            for k in range(line + HALO, line + HALO + ring.n_sectors, WIDTH):
+                part += load(ring.u, k) * load(room, k)
+        total -= ring.row_mass[row] / dt * lane_total(part)
     return total
 
 
@@ -310,9 +320,14 @@ def _ring_place(ring, c, s):
     """Σ m x and Σ m y of the free nodes, kg m; c, s of the ring's turn."""
     total_x, total_y = 0.0, 0.0
     for row in range(ring.first_row, ring.last_row):
-        for k in range(HALO, HALO + ring.n_sectors):
-            x = ring.u[row, 0, k] * ring.cosines[k] - ring.u[row, 1, k] * ring.sines[k]
-            y = ring.u[row, 0, k] * ring.sines[k] + ring.u[row, 1, k] * ring.cosines[k]
-            total_x += ring.row_mass[row] * (c * x - s * y)
-            total_y += ring.row_mass[row] * (s * x + c * y)
+        radial, tangential = _lines(ring, row)
+        x, y = splat(0.0), splat(0.0)
+        for k in range(HALO, HALO + ring.n_sectors, WIDTH):
+            a, b = load(ring.u, radial + k), load(ring.u, tangential + k)
+            cosine, sine = load(ring.cosines, k), load(ring.sines, k)
+            x += a * cosine - b * sine
+            y += a * sine + b * cosine
+        sum_x, sum_y = ring.row_mass[row] * lane_total(x), ring.row_mass[row] * lane_total(y)
+        total_x += c * sum_x - s * sum_y
+        total_y += s * sum_x + c * sum_y
     return total_x, total_y

@@ -148,16 +148,153 @@ def gather_pair(typingctx, array, at, apart):
 
 @intrinsic
 def scatter_add(typingctx, array, at, lanes):
-    """Add lanes at eight indices one after the other, so that the same index may come twice."""
+    """Add lanes at eight indices one after the other, so that the same may come twice; at a number side by side."""
 
     def codegen(context, builder, signature, arguments):
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        if not isinstance(at, LanesType):
+            pointer = builder.bitcast(builder.gep(data, [arguments[1]]), LANES.vector.as_pointer())
+            builder.store(builder.fadd(builder.load(pointer, align=8), arguments[2]), pointer, align=8)
+            return context.get_dummy_value()
         for k in range(WIDTH):
             pointer = builder.gep(data, [builder.extract_element(arguments[1], _lane(k))])
             builder.store(builder.fadd(builder.load(pointer), builder.extract_element(arguments[2], _lane(k))), pointer)
         return context.get_dummy_value()
 
-    return types.void(array, WHOLE, LANES), codegen
+    return types.void(array, _like(WHOLE, at), LANES), codegen
+
+
+def _element(context, builder, array_type, array, places, where, offset=None):
+    """Pointers to eight elements of an array, at indices read from `places`, from `where` on."""
+    data = context.make_array(array_type)(context, builder, array).data
+    indices = builder.gep(places, [where])
+    for k in range(WIDTH):
+        index = builder.load(builder.gep(indices, [_lane(k)]))
+        yield builder.gep(data, [index if offset is None else builder.add(index, offset)])
+
+
+@intrinsic
+def gather_places(typingctx, array, places, where, apart):
+    """Lanes from the eight indices that stand in `places` from `where` on, and from those `apart` further.
+
+    Indices from memory: to take them out of a register costs more.
+    """
+
+    def codegen(context, builder, signature, arguments):
+        array, places, where, apart = arguments
+        places = context.make_array(signature.args[1])(context, builder, places).data
+        found = [ir.Constant(LANES.vector, ir.Undefined)] * 2
+        for k, first in enumerate(_element(context, builder, signature.args[0], array, places, where)):
+            for i, pointer in enumerate((first, builder.gep(first, [apart]))):
+                found[i] = builder.insert_element(found[i], builder.load(pointer), _lane(k))
+        return context.make_tuple(builder, types.UniTuple(LANES, 2), found)
+
+    return types.UniTuple(LANES, 2)(array, places, types.intp, types.intp), codegen
+
+
+@intrinsic
+def add_at_places(typingctx, array, places, where, apart, first, second):
+    """Add lanes to what `gather_places` reads, one after the other."""
+
+    def codegen(context, builder, signature, arguments):
+        array, places, where, apart, *both = arguments
+        places = context.make_array(signature.args[1])(context, builder, places).data
+        for k, pointer in enumerate(_element(context, builder, signature.args[0], array, places, where)):
+            for at, lanes in zip((pointer, builder.gep(pointer, [apart])), both, strict=True):
+                builder.store(builder.fadd(builder.load(at), builder.extract_element(lanes, _lane(k))), at)
+        return context.get_dummy_value()
+
+    return types.void(array, places, types.intp, types.intp, LANES, LANES), codegen
+
+
+def _shuffled(builder, one, other, chosen):
+    return builder.shuffle_vector(one, other, ir.Constant(ir.VectorType(ir.IntType(32), len(chosen)), list(chosen)))
+
+
+def _transposed(builder, rows):
+    """Eight lanes of eight registers: the k-th lanes of all of them, for every k."""
+    even, odd = (0, 8, 2, 10, 4, 12, 6, 14), (1, 9, 3, 11, 5, 13, 7, 15)
+    first, second = (0, 1, 8, 9, 4, 5, 12, 13), (2, 3, 10, 11, 6, 7, 14, 15)
+    low, high = (0, 1, 2, 3, 8, 9, 10, 11), (4, 5, 6, 7, 12, 13, 14, 15)
+    columns = [None] * WIDTH
+    for parity, chosen in enumerate((even, odd)):
+        pairs = [_shuffled(builder, rows[k], rows[k + 1], chosen) for k in range(0, WIDTH, 2)]
+        for next_two, of_pairs in enumerate((first, second)):
+            top, bottom = (_shuffled(builder, pairs[k], pairs[k + 1], of_pairs) for k in (0, 2))
+            at = parity + 2 * next_two
+            columns[at] = _shuffled(builder, top, bottom, low)
+            columns[at + 4] = _shuffled(builder, top, bottom, high)
+    return columns
+
+
+@intrinsic
+def gather_rows(typingctx, array, places, where, offset):
+    """Six entries in a row from each of the eight indices in `places` from `where` on plus `offset`: six lanes.
+
+    Eight are read. A register for each and their transpose cost a third of six times `gather_places`.
+    """
+
+    def codegen(context, builder, signature, arguments):
+        array, places, where, offset = arguments
+        places = context.make_array(signature.args[1])(context, builder, places).data
+        rows = [
+            builder.load(builder.bitcast(pointer, LANES.vector.as_pointer()), align=8)
+            for pointer in _element(context, builder, signature.args[0], array, places, where, offset)
+        ]
+        return context.make_tuple(builder, types.UniTuple(LANES, 6), _transposed(builder, rows)[:6])
+
+    return types.UniTuple(LANES, 6)(array, places, types.intp, types.intp), codegen
+
+
+@intrinsic
+def gather_quads(typingctx, array, at):
+    """Four entries in a row from each of eight indices, or from one: four lanes, or scalars."""
+    kind = _like(LANES, at)
+
+    def codegen(context, builder, signature, arguments):
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        if not isinstance(at, LanesType):
+            first = builder.gep(data, [arguments[1]])
+            found = [builder.load(builder.gep(first, [_lane(k)])) for k in range(4)]
+            return context.make_tuple(builder, types.UniTuple(kind, 4), found)
+        four, rows = ir.VectorType(_DOUBLE, 4), []
+        for k in range(WIDTH):
+            pointer = builder.gep(data, [builder.extract_element(arguments[1], _lane(k))])
+            rows.append(builder.load(builder.bitcast(pointer, four.as_pointer()), align=8))
+        # rows k and k + 4 side by side, then each half transposed
+        rows = [_shuffled(builder, rows[k], rows[k + 4], range(WIDTH)) for k in range(4)]
+        found = []
+        for even_odd in ((0, 8, 2, 10, 4, 12, 6, 14), (1, 9, 3, 11, 5, 13, 7, 15)):
+            pairs = [_shuffled(builder, rows[k], rows[k + 1], even_odd) for k in (0, 2)]
+            found += [_shuffled(builder, *pairs, which)
+                      for which in ((0, 1, 8, 9, 4, 5, 12, 13), (2, 3, 10, 11, 6, 7, 14, 15))]  # fmt: skip
+        found = [found[k] for k in (0, 2, 1, 3)]
+        return context.make_tuple(builder, types.UniTuple(kind, 4), found)
+
+    return types.UniTuple(kind, 4)(array, _like(WHOLE, at)), codegen
+
+
+@intrinsic
+def add_to_rows(typingctx, array, places, where, offset, six):
+    """Add six lanes to what `gather_rows` reads, one row after the other: first the even lanes', then the odd ones'.
+
+    Neighbouring rows may overlap, and a row that is read right after a part of it was written waits.
+    """
+
+    def codegen(context, builder, signature, arguments):
+        array, places, where, offset, six = arguments
+        places = context.make_array(signature.args[1])(context, builder, places).data
+        lanes = [builder.extract_value(six, k) for k in range(6)]
+        rows = _transposed(builder, lanes + [ir.Constant(LANES.vector, [0.0] * WIDTH)] * 2)
+        pointers = list(_element(context, builder, signature.args[0], array, places, where, offset))
+        for k in (*range(0, WIDTH, 2), *range(1, WIDTH, 2)):
+            for first, size in ((0, 4), (4, 2)):
+                part = _shuffled(builder, rows[k], rows[k], range(first, first + size))
+                at = builder.bitcast(builder.gep(pointers[k], [_lane(first)]), part.type.as_pointer())
+                builder.store(builder.fadd(builder.load(at, align=8), part), at, align=8)
+        return context.get_dummy_value()
+
+    return types.void(array, places, types.intp, types.intp, types.UniTuple(LANES, 6)), codegen
 
 
 # ---- making and taking apart

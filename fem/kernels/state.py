@@ -69,9 +69,9 @@ class DiscSurface(NamedTuple):
     u: np.ndarray
     w: np.ndarray
     points: np.ndarray
-    lightness: np.ndarray  # (n_nodes,), 1/kg, inverse masses
+    lightness: np.ndarray  # (n_nodes + 8,), 1/kg, inverse masses; the surface's first eight once more
     impulse: np.ndarray  # (2, columns), N s, of this step, through nodes
-    ripple: np.ndarray  # of the law below the grid; empty without one
+    ripple: np.ndarray  # of the law below the grid, `law.with_seam`; empty without one
     first: int
     n_nodes: int  # on the surface
     columns: int
@@ -203,6 +203,8 @@ class Forces(NamedTuple):
     approach: np.ndarray  # (3, columns), m, below the grid, at the last kick; negative: apart; NaN: far apart
     residual: np.ndarray  # (3, columns), J, stored beyond what the kicks have taken: see `law.kick_force`
     bracket: np.ndarray  # (3, columns), B with the ripples of the present positions
+    overlap: np.ndarray  # (3, columns), m, of the undeformed circles; NaN: far apart
+    nearness: np.ndarray  # (3, columns), 1/m, over the distance of the centres
 
 
 class Patches(NamedTuple):
@@ -210,13 +212,17 @@ class Patches(NamedTuple):
 
     normal: np.ndarray  # (3, 2, columns), by pair, unit, from side 0 to side 1 (outer raceway: outward)
     start: np.ndarray  # (6, columns), first surface node or sector
+    position: np.ndarray  # (6, columns), in node spacings
+    beyond: np.ndarray  # (6, columns), of it past a node
+    motion: np.ndarray  # (6, 5, columns), see `surfaces.read`
+    place: np.ndarray  # (6, 6 m, columns), of nodes in the bodies' arrays; of a ring the first of every six
     weight: np.ndarray  # (6, 6 m, columns)
     outward: np.ndarray  # (6, 2, columns), of a roller, unit, in its frame
     along: np.ndarray  # (6, 6 m, columns), of a ring: weight times the cosine of the angle to the node's radius
     across: np.ndarray  # times the sine
-    scale: np.ndarray  # (6, columns), of the tangential directions
-    slope: np.ndarray  # (6, columns)
-    weight_slope: np.ndarray  # (6, 8), room
+    traction_x: np.ndarray  # (6, 6 m, columns), what a unit traction does to nodes, W g: radial on a ring, else x
+    traction_y: np.ndarray  # tangential or y
+    lightness: np.ndarray  # (6, 6 m, columns), of a roller's nodes, 1/kg
     columns: int
     units: tuple[int, ...]  # m entries: what nodes carry of a contact is kept for 6 m of them
 

@@ -1,9 +1,8 @@
 """What contacts ask of a surface and do to it. The code for each type of surface is in the module of its body.
 
-Eight contacts at a time are read (lanes), side by side from roller `group` on; pushing is one contact's, for two
-contacts may push one node. `side` is 2·row + 0 or 1; `column`, lanes or a number, is the roller whose surface it is,
-which rings don't look at. A patch is its first node, the others follow, and weights (side, node of the patch, roller);
-a ring's has them also times cosine and sine of the angle from each node to the contact.
+Eight contacts at a time (lanes), side by side from roller `group` on; `side` is 2·row + 0 or 1; `column`, lanes, is
+the roller whose surface it is, which rings don't look at. A patch is the places of its nodes and weights (side, node of
+the patch, roller); a ring's has them also times cosine and sine of the angle from each node to the contact.
 
 Tangential motion and force of a patch: along the contact's tangent t alone it would miss a share 1 − Σ W cos φ of a
 rotation and of the moment (φ from the contact to the node), along the nodes' own tangents as much of a translation and
@@ -16,13 +15,18 @@ from math import pi
 
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import arc_tangent
-from fem.kernels.patches import N_NODES, ONE, first_node, weight_slopes, weights
-from fem.kernels.simd import WIDTH, real, select, splat, store, whole
+from fem.kernels.patches import N_NODES, first_node
+from fem.kernels.simd import load, real, select, splat, store, whole
 
 
 @verb
-def read(surface, patches, side, group, column, bx, by):
-    """Place patches around outward directions b (of a ring: radial ones) in the body's frame and read the motion there.
+def put_down(surface, patches, side, group):
+    """Put patches around their outward directions b, of a ring radial ones: positions and first nodes."""
+
+
+@verb
+def read(surface, patches, side, group, column):
+    """Weights of patches that have been put down, and the motion there.
 
     Returns outward motion U·b, sideways motion U·Jb, dU/ds·b per rad, ripple of A·B, its slope per rad. That is the
     motion of nodes: of a rigid body nothing.
@@ -31,15 +35,35 @@ def read(surface, patches, side, group, column, bx, by):
     return zero, zero, zero, zero, zero
 
 
+@part
+def keep_motion(patches, side, group, found):
+    """Keep what `read` has found."""
+    out, sideways, rate, ripple, ripple_rate = found
+    at, columns = 5 * side * patches.columns + group, patches.columns
+    store(patches.motion, at, out)
+    store(patches.motion, at + columns, sideways)
+    store(patches.motion, at + 2 * columns, rate)
+    store(patches.motion, at + 3 * columns, ripple)
+    store(patches.motion, at + 4 * columns, ripple_rate)
+
+
+@part
+def kept_motion(patches, side, group):
+    """Outward motion, its slope, ripple and its slope, and sideways motion."""
+    at, columns, motion = 5 * side * patches.columns + group, patches.columns, patches.motion
+    out, sideways, rate = load(motion, at), load(motion, at + columns), load(motion, at + 2 * columns)
+    return (out, rate, load(motion, at + 3 * columns), load(motion, at + 4 * columns)), sideways
+
+
 @verb
-def push(surface, patches, side, j, column, impulse):
-    """Spread an impulse, N s, along b over the patch of contact j; returns its moment about the origin, N m s."""
+def push(surface, patches, side, group, impulse):
+    """Spread impulses, N s, along b over patches; returns their moments about the origin, N m s."""
     return 0.0
 
 
 @verb
 def grip(surface, patches, side, group):
-    """Mobilities of patches, 1/kg; keeps their scale and slope for what follows."""
+    """Mobilities of patches, 1/kg; keeps what a unit traction does to their nodes, W g, for what follows."""
     return splat(0.0)
 
 
@@ -50,12 +74,30 @@ def sideways(surface, patches, side, group, column, nx, ny):
 
 
 @verb
-def push_along(surface, patches, side, j, column, impulse, x, y):
-    """Spread an impulse, N s, counter-clockwise along a surface over the patch of contact j; (x, y) in fixed axes.
-
-    Returns its moment about the origin, N m s.
-    """
+def push_along(surface, patches, side, group, impulse):
+    """Spread impulses, N s, counter-clockwise along surfaces over patches; their moments about the origin, N m s."""
     return 0.0
+
+
+@verb
+def count_impulse(surface, column, x, y):
+    """Count an impulse, N s, that nodes of rollers are given to their centres' motion; `column`: the first of eight,
+    or lanes."""
+
+
+@verb
+def seal(surface):
+    """Repeat the velocities of a raceway's first nodes behind its last."""
+
+
+@verb
+def unseal(surface):
+    """Empty the room behind a raceway's last node, where impulses on its first ones may go."""
+
+
+@verb
+def gather_seam(surface):
+    """Give the first nodes of a raceway what has gone behind its last."""
 
 
 @verb
@@ -94,24 +136,20 @@ def next_node(i, n_nodes):
 
 
 @part
-def first_weight(patches, side, group, units):
+def first_weight(patches, side, group):
     """Flat index of eight patches' first weights."""
-    return side * N_NODES * len(units) * patches.columns + group
+    return side * N_NODES * len(patches.units) * patches.columns + group
 
 
 @part
-def place_patch(patches, side, group, bx, by, n_nodes):
-    """Put patches around directions b of circles of nodes: their first nodes, weights and the weights' slopes.
-
-    Returns positions in node spacings, how far they are beyond a node, and the first nodes.
-    """
-    position = place(bx, by, n_nodes)
+def place_patch(patches, side, group, n_nodes):
+    """Put patches down on circles of nodes."""
+    columns = patches.columns
+    out = 2 * side * columns + group
+    position = place(load(patches.outward, out), load(patches.outward, out + columns), n_nodes)
     base = whole(position)
     base = select((base >= 0) & (base < n_nodes), base, 0)  # where it is not a number memory would be read elsewhere
-    t = position - real(base)
-    weights(t, patches.weight, first_weight(patches, side, group, ONE), patches.columns)
-    weight_slopes(t, patches.weight_slope, 0, WIDTH)
     node = first_node(base)
-    node = select(node < 0, node + n_nodes, node)
-    store(patches.start, side * patches.columns + group, node)
-    return position, t, node
+    store(patches.position, side * columns + group, position)
+    store(patches.beyond, side * columns + group, position - real(base))
+    store(patches.start, side * columns + group, select(node < 0, node + n_nodes, node))

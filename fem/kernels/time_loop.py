@@ -1,7 +1,5 @@
 """The time loop: leapfrog steps of the whole bearing."""
 
-from math import cos, sin
-
 import fem.kernels.disc_surface  # what contacts ask of each type of surface
 import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.rigid_surfaces
@@ -109,7 +107,8 @@ def drift(bodies, drive, scratch):
     dt, rollers = drive.dt, bodies.rollers
     _move_rollers(rollers, dt, scratch)
     step = step_of(drive.course, drive)
-    drift_bodies(bodies, drive, scratch, cos(step), sin(step), scratch.team)
+    cosine, sine = cosine_and_sine(step)
+    drift_bodies(bodies, drive, scratch, cosine, sine, scratch.team)
     turn(bodies.surface, rollers, dt, scratch.torque)
     _turn_rollers(rollers, dt, scratch)
     move_hub(bodies.inner, drive, step)

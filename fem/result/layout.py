@@ -19,7 +19,7 @@ import h5py
 import numpy as np
 
 from fem.result.durable import claim
-from lagrange.scene import SURFACES, Scene
+from lagrange.scene import Scene
 from lagrange.stored import CHECKSUM
 
 FORMAT_VERSION = 1
@@ -109,7 +109,7 @@ Variables = Mapping[str, tuple[tuple[str, ...], str, str]]
 
 def variables_of(scene: Scene) -> Variables:
     """What each sample of a run of this scene holds: dimensions, unit and meaning by name."""
-    uneven = any(getattr(scene, name) for name in SURFACES)
+    uneven = scene.has_faults or scene.lubricant is not None
     of_housing = {name: ON_HOUSING[name] for name in scene.mounting().columns}
     damped = WITH_DAMPING if scene.damping.acts else {}
     of_cage = {} if scene.cage is None else WITH_A_CAGE

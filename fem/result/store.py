@@ -282,8 +282,8 @@ def _integers(*values: int) -> bytes:
 
 
 def _attributes(plan: "Plan", setup_seconds: float) -> dict[str, object]:
-    scene, faults = plan.scene.to_toml(), plan.scene.ideal_bearing().faults
-    truth = {"faults": labels(faults)} if faults else {}
+    scene = plan.scene.to_toml()
+    truth = {"faults": labels(plan.scene.ideal_bearing().faults)} if plan.scene.has_faults else {}
     return truth | dict(
         format_version=FORMAT_VERSION,
         program="run-fem",

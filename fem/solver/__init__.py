@@ -2,7 +2,7 @@
 
 solver             what every solver answers: plan, first state, blocks of samples, what a checkpoint keeps
 simulate           the registry of solvers, and the loop that advances a run of any of them; `model_choice`: what each
-                   would take for a scene and err by
+                   would take for a scene and err by; `pace`: how fast this machine is
 row_state          states that a compiled time loop advances; `guards`: looks at the samples that no sound run fails
 samples            rows of a time loop as quantities; `compiling`: plans whose loop is compiled
 lagrangian         the Lagrangian model as a solver; `lagrangian_steps`: its integration, compiled
@@ -17,7 +17,7 @@ element_state      their state
 discretise         the model of a scene: mesh, contact model, width of the patches
 limits, cautions   what is refused; what is warned of
 start, arrays      the state a run starts from; the time loop's arrays filled with it, `contact_arrays` the contacts',
-                   `damping_arrays` the dampers'
+                   `damping_arrays` the dampers', `cage_arrays` the cage's, of the reduced model too
 frames             displacements at an instant
 processor          what the compiler makes the kernels for
 error_estimate     what a scene's results may be off by, from a second mesh

@@ -28,6 +28,7 @@ from fem.kernels.state import (
     Points,
     Raceway,
     Ring,
+    RingSurface,
     Rollers,
     Scratch,
     Shear,
@@ -88,6 +89,7 @@ class Arrays:
             sides = (pair.surface if isinstance(pair, Raceway) else self.bodies.surface), self.bodies.surface
             for side, surface in enumerate(sides):
                 _check_between("patches.start", patches.start[2 * pair.row + side], getattr(surface, "n_nodes", 1) - 1)
+                _check_between("patches.place", patches.place[2 * pair.row + side], _last_place(surface))
         if points is not None and points.spread is not None:
             closed, most = points.spread.closed, points.closing.size
             _check_between("closed", closed[..., 0], closed[..., 1])
@@ -109,7 +111,14 @@ GIVEN = {
     Dampers: ("whole",),
     Cage: ("cosine", "sine"),
 }
-STATE_INDICES = {Patches: ("start",), Spread: ("closed",)}
+STATE_INDICES = {Patches: ("start", "place"), Spread: ("closed",)}
+
+
+def _last_place(surface: tuple) -> int:
+    """The last place in a surface's arrays where a node may stand, with what is read beside and behind it."""
+    if isinstance(surface, RingSurface):
+        return surface.u.size - surface.cosines.size - WIDTH
+    return surface.u.size - surface.columns - 1 if isinstance(surface, DiscSurface) else 0
 
 
 def changing_arrays(group: tuple, place: str) -> dict[str, np.ndarray]:
@@ -261,7 +270,7 @@ def _rigid_ring(ring: RigidRing) -> Ring:
 def _fill(target: np.ndarray, values: np.ndarray) -> None:
     target[:, :, HALO:-HALO] = values
     target[:, :, HALO - 1] = target[:, :, -HALO - 1]
-    target[:, :, -HALO] = target[:, :, HALO]
+    target[:, :, -HALO:] = target[:, :, HALO : 2 * HALO]
 
 
 def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: float) -> None:

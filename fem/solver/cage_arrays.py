@@ -5,7 +5,6 @@ from math import sqrt
 
 import numpy as np
 
-from fem.contacts.critical_step import EVENLY
 from fem.kernels import cage_kernels
 from fem.kernels.cage_kernels import N_CAGE_SCALARS, CageContacts, CagePair, GuidingRing, Riders
 from fem.kernels.reduced_state import RigidBodies
@@ -170,6 +169,8 @@ def critical_with_cage(critical: float, bearing: Bearing, cage: Cage | None, hub
     """
     if cage is None:
         return critical
+    from fem.contacts.critical_step import EVENLY  # and with it scipy.sparse.linalg, which runs without a cage save
+
     spring, n, pitch = EVENLY * cage.stiffness, bearing.n_rollers, bearing.pitch_radius
     guided = cage.guidance != "rollers"
     on_hub = spring / hub_mass if cage.guidance == "inner_ring" else 0.0

@@ -9,6 +9,7 @@ import numpy as np
 from fem.elastic.supported import SupportedRing
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.housing_kernels import Housing
+from fem.kernels.law import with_seam
 from fem.kernels.patches import N_NODES
 from fem.kernels.simd import WIDTH
 from fem.kernels.state import (
@@ -164,9 +165,9 @@ def disc_surface(model: "Model", rollers: Rollers, disc: Disc, data: "KernelData
         u=disc.u,
         w=disc.w,
         points=disc.points,
-        lightness=at_line(1.0 / disc.mass),
+        lightness=at_line(1.0 / np.append(disc.mass, np.resize(disc.mass[model.roller.first_surface_node :], WIDTH))),
         impulse=rollers.node_impulse,
-        ripple=at_line(data.ripples[ROLLER]),
+        ripple=at_line(with_seam(data.ripples[ROLLER])),
         first=model.roller.first_surface_node,
         n_nodes=model.roller.shape.surface_nodes,
         columns=rollers.columns,
@@ -181,7 +182,7 @@ def _ring_surface(body: "RingBody", ring: Ring, ripple: np.ndarray) -> RingSurfa
         w=ring.w,
         cosines=ring.cosines,
         sines=ring.sines,
-        ripple=at_line(ripple),
+        ripple=at_line(with_seam(ripple)),
         row=ring.raceway,
         n_nodes=ring.n_sectors,
         node_mass=float(ring.row_mass[ring.raceway]),
@@ -205,17 +206,23 @@ def contact_arrays(
             approach=np.full((pairs, columns), np.nan),
             residual=np.zeros((pairs, columns)),
             bracket=np.zeros((pairs, columns)),
+            overlap=np.full((pairs, columns), np.nan),
+            nearness=np.zeros((pairs, columns)),
         ),
         patches=Patches(
             normal=np.zeros((pairs, 2, columns)),
             start=np.zeros((2 * pairs, columns), dtype=np.int64),
+            position=np.zeros((2 * pairs, columns)),
+            beyond=np.zeros((2 * pairs, columns)),
+            motion=np.zeros((2 * pairs, 5, columns)),
+            place=np.zeros((2 * pairs, width, columns), dtype=np.int64),
             weight=np.zeros((2 * pairs, width, columns)),
             outward=np.zeros((2 * pairs, 2, columns)),
             along=np.zeros((2 * pairs, width, columns)),
             across=np.zeros((2 * pairs, width, columns)),
-            scale=np.zeros((2 * pairs, columns)),
-            slope=np.zeros((2 * pairs, columns)),
-            weight_slope=np.zeros((N_NODES, WIDTH)),
+            traction_x=np.zeros((2 * pairs, width, columns)),
+            traction_y=np.zeros((2 * pairs, width, columns)),
+            lightness=np.zeros((2 * pairs, width, columns)),
             columns=columns,
             units=data.units,
         ),

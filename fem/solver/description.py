@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from fem.solver.arrays import Arrays
+from fem.solver.pace import in_words, pace
 from fem.statics.static_error import static_error
 from lagrange.scene import Scene
 from meshes import Mesh, quality
@@ -49,7 +50,7 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
         **damping_rows(plan.scene),
         **_fields(plan),
         "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
-        "expected time": f"about {plan.expected_seconds:.2g} s",
+        "expected time": in_words("fem", plan.expected_seconds),
         "largest static contact force": f"{force:.1f} N, "
         f"{1e-6 * model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
     }
@@ -74,7 +75,8 @@ def damping_rows(scene: Scene) -> dict[str, str]:
 def expected_seconds(plan: "ElementPlan") -> float:
     """Of the time loop."""
     model = plan.model
-    return plan.steps * (SECONDS_PER_DOF * model.degrees_of_freedom + SECONDS_PER_ROLLER * model.bearing.n_rollers)
+    each = SECONDS_PER_DOF * model.degrees_of_freedom + SECONDS_PER_ROLLER * model.bearing.n_rollers
+    return pace("fem") * each * plan.steps
 
 
 def _fields(plan: "ElementPlan") -> dict[str, str]:

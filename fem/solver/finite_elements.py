@@ -74,7 +74,7 @@ class ElementPlan(CompiledPlan):
         """Fresh arrays at the start."""
         numerics = self.scene.numerics
         ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
-        friction = self.scene.contact.friction_coefficient
+        friction = self.scene.friction_coefficient
         arrays = make_arrays(
             self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force, numerics.threads
         )

@@ -52,10 +52,13 @@ def place_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
     """What to say of a sample whose bodies are out of place."""
     step = round(samples["time"][at] / plan.time_step)
     hub_x, hub_y = from_outer_ring(samples, "inner")
+    hint = "without a cage few rollers gather on one side: give the scene a [cage], take more rollers or "
+    if plan.scene.cage is not None:
+        hint = "take a lighter load, more rollers, stiffer pockets of the cage or "
     return (
         f"the bearing has come apart at step {step}, t = {1e3 * samples['time'][at]:.5g} ms: the hub is "
-        f"{1e3 * np.hypot(hub_x[at], hub_y[at]):.3g} mm from the middle; without a cage "
-        "few rollers gather on one side: take more rollers or contact.friction_coefficient above 0"
+        f"{1e3 * np.hypot(hub_x[at], hub_y[at]):.3g} mm from the middle; "
+        f"{hint}contact.friction_coefficient above 0"
     )
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from fem.errors import RunFailed, UsageError
 from fem.solver.compiling import CompiledPlan
+from fem.solver.pace import in_words, pace
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import Block, Numbers, RunState, Samples, sample_count
 from lagrange import Trajectory, contact_laws, static_equilibrium
@@ -78,7 +79,8 @@ class LagrangianPlan(CompiledPlan):
         times *= DAMPED if problem.damping.acts else len(ALL_DRIFTS)
         times *= ON_SURFACES if problem.bearing.faults else 1.0
         looked_at = SECONDS_PER_SAMPLE * self.n_samples * problem.bearing.n_rollers
-        return times * SECONDS_PER_EIGHT[isinstance(problem.laws.inner, PowerLaw)] + looked_at
+        steps = times * SECONDS_PER_EIGHT[isinstance(problem.laws.inner, PowerLaw)]
+        return pace("lagrange") * (steps + looked_at)
 
     def static_hub(self) -> np.ndarray:
         problem = self.problem
@@ -125,7 +127,7 @@ class LagrangianPlan(CompiledPlan):
             "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
             "samples": f"{self.n_samples}, one each {self.steps_per_sample} steps",
             "memory of a block of samples": f"{memory:.1f} MB",
-            "expected time": f"about {self.expected_seconds:.2g} s",
+            "expected time": in_words("lagrange", self.expected_seconds),
             "largest static contact force": f"{max(statics.inner_force.max(), statics.outer_force.max()):.1f} N",
         }
 

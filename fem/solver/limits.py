@@ -93,9 +93,10 @@ def check_contact_model(kind: "type[Model]", scene: Scene, expected: ExpectedFor
     bearing, mesh_size, force = expected.bearing, 1e-3 * scene.numerics.mesh_size_mm, expected.largest
     widths = [pair.half_width(force) for pair in contact_pairs(bearing)[:2]]
     if bearing.faults and not kind.takes_profiles:
+        given = next((f"[[{name}]]" for name in SURFACES if getattr(scene, name)), "[lubricant]")
         raise UsageError(
-            f"[[{next(name for name in SURFACES if getattr(scene, name))}]]: numerics.mesh_size_mm = "
-            f"{1e3 * mesh_size:g} is so fine that contacts are spread over points, which lie on perfect circles; at "
+            f"{given}: numerics.mesh_size_mm = {1e3 * mesh_size:g} is so fine that contacts are spread over points, "
+            "which lie on perfect circles; at "
             f"least {1e3 * kind.coarsest * max(widths):.3g}"
         )
     if not kind.is_made_for_a_force:

@@ -16,6 +16,7 @@ from fem.solver.cage_arrays import critical_with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
+from fem.solver.pace import in_words, pace
 from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start, standing_hub
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
@@ -73,7 +74,7 @@ class ReducedPlan(CompiledPlan):
     def expected_seconds(self) -> float:
         n, modes = self.model.bearing.n_rollers, self.model.modes
         each = SECONDS_PER_LANES * ceil(n / WIDTH) + (0.0 if modes is None else SECONDS_PER_MODE * modes.count(n))
-        return each * self.steps
+        return pace("reduced") * each * self.steps
 
     def static_hub(self) -> np.ndarray:
         return standing_hub(self.model, self.operation)
@@ -96,7 +97,7 @@ class ReducedPlan(CompiledPlan):
             f"critical {1e6 * self.critical_time_step:.3g} µs)",
             "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
             "samples": f"{self.n_samples}, one each {self.stride} steps",
-            "expected time": f"about {self.expected_seconds:.2g} s",
+            "expected time": in_words("reduced", self.expected_seconds),
             "largest static contact force": f"{force:.1f} N, "
             f"{1e-6 * self.model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
         }

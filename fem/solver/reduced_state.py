@@ -308,7 +308,7 @@ def _drive(plan: "ReducedPlan") -> ReducedDrive:
         dt=float(plan.time_step),
         radial_load=float(operation.radial_load),
         ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
-        friction=float(plan.scene.contact.friction_coefficient),
+        friction=float(plan.scene.friction_coefficient),
         inner_radius=float(bearing.inner_raceway_radius),
         course=course_arrays(bearing, operation, growth=inner + roller, roller_growth=roller),
     )

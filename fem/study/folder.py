@@ -122,7 +122,8 @@ class Folder:
             "signal_interval": solved.signal_interval,
         }
         archive = io.BytesIO()
-        np.savez(archive, facts=np.frombuffer(json.dumps(facts).encode(), dtype=np.uint8), **solved.signals)
+        arrays: dict[str, Any] = {"facts": np.frombuffer(json.dumps(facts).encode(), dtype=np.uint8), **solved.signals}
+        np.savez(archive, **arrays)
         with self._named():
             if solved.run is not None:
                 self.run(digest).parent.mkdir(exist_ok=True)
@@ -177,4 +178,5 @@ def _facts(points: Points) -> dict[str, Any]:
         "axes": design.axes,
         "base": design.base,
         "digests": points.digests,
+        "made_by": points.made_by,
     }

@@ -80,10 +80,11 @@ def _facts(table: Table, dataset) -> list[tuple[str, str]]:
 
 
 def _span(points: Points, i: int) -> str:
-    values = [point[i] for point in points.design.points if point[i] is not None]
-    if not values or isinstance(values[0], str | bool):
-        return ", ".join(dict.fromkeys(str(value) for value in values))
-    return f"{number(float(min(values)))} to {number(float(max(values)))}"
+    values = [point[i] for point in points.design.points]
+    numbers = [value for value in values if isinstance(value, float | int) and not isinstance(value, bool)]
+    if numbers:
+        return f"{number(float(min(numbers)))} to {number(float(max(numbers)))}"
+    return ", ".join(dict.fromkeys(str(value) for value in values if value is not None))
 
 
 def _sentence(table: Table, quantity: Column) -> str:
@@ -113,7 +114,7 @@ def _range(quantity: Column) -> tuple[str, ...]:
 
 
 def _sobol_rows(table: Table, indices: list[tuple[Column, Indices]]) -> list[tuple[str, ...]]:
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for quantity, found in indices:
         for name, first, total in zip(table.points.design.names, found.first, found.total, strict=True):
             rows.append((quantity.name, name, f"{first:.3f}", f"{total:.3f}"))

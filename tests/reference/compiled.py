@@ -25,6 +25,7 @@ drift_ring, drift_still_ring = kernel(ring_kernels.drift), kernel(ring_kernels.d
 row_force, resultant = kernel(ring_kernels.row_force), kernel(ring_kernels.resultant)
 wrap, set_rigid = kernel(ring_kernels.wrap), kernel(ring_kernels.set_rigid)
 kick_force, stored_energy = kernel(law.kick_force), kernel(law.contact_energy)
+next_force = kernel(law.next_force)
 weight_slopes, place = kernel(patches.weight_slopes), kernel(surfaces.place)
 creep_traction = kernel(friction_kernels.creep_traction)
 

@@ -26,7 +26,7 @@ def roller_field(state, flat):
 def fill_ring(field, values):
     """Put values into (rows, 2, n + 2 HALO) and close the seam."""
     field[:, :, HALO:-HALO] = values
-    field[:, :, HALO - 1], field[:, :, -HALO] = field[:, :, -HALO - 1], field[:, :, HALO]
+    field[:, :, HALO - 1], field[:, :, -HALO:] = field[:, :, -HALO - 1], field[:, :, HALO : 2 * HALO]
 
 
 def random_state(seed, resolved=False, mesh_size=1e-3):

@@ -117,7 +117,7 @@ class Result:
     @property
     def energies(self) -> dict[str, np.ndarray]:
         """Energies and works, (n_times,), J, by name."""
-        return {name: self.values[name] for name in ENERGIES}
+        return {name: self.values[name] for name in (*ENERGIES, "energy_support") if name in self.values}
 
     @cached_property
     def events(self) -> list[SpallEvent]:

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from residual.budget import load_zones
-from residual.colours import BLUE, GREEN, GREY, ORANGE, PURPLE, RED
+from residual.colours import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY
 from residual.evaluation import Evaluation
 from residual.figures import SavedFigure
 from residual.one_roller import chosen_roller
@@ -110,16 +110,18 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
         "energy_kinetic": ("kinetic", BLUE),
         "energy_elastic": ("elastic", RED),
         "energy_contact": ("contact", PURPLE),
+        "energy_support": ("support", SKY),
         "work_external": ("external work", GREEN),
         "work_dissipated": ("dissipated", GREY),
     }
     figure, axes = panels(2, 4.8)
-    for key, (label, colour) in names.items():
+    shown = {key: style for key, style in names.items() if key in t.energies}
+    for key, (label, colour) in shown.items():
         change = t.energies[key] - t.energies[key][0]
         axes[0].plot(1e3 * t.time, 1e3 * change, label=label, color=colour)
     axes[0].margins(x=0.0)
     axes[0].set_ylabel("change, mJ")
-    legend_above(axes[0], 5, columnspacing=1.2)
+    legend_above(axes[0], len(shown), columnspacing=0.9, handlelength=1.1)
     imbalance = energy_imbalance(t.energies)
     scale = float(np.mean(t.energies["energy_elastic"] + t.energies["energy_contact"]))
     axes[1].plot(1e3 * t.time, 1e6 * imbalance, color="black")
@@ -128,8 +130,8 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
         f"; at most {100 * np.max(np.abs(imbalance)) / scale:.2g} % of the mean strain energy" if scale > 0.0 else ""
     )
     caption = (
-        "Energies and works since the first sample shown. Imbalance: kinetic + elastic + contact − external work + "
-        f"dissipated, all as changes{share}."
+        "Energies and works since the first sample shown. Imbalance: all energies − external work + dissipated, as "
+        f"changes{share}."
     )
     return save(figure, folder, "energy", "Energy balance of the run", caption)
 
@@ -137,6 +139,7 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
 def energy_imbalance(energies) -> np.ndarray:
     """Change of the energies minus external work plus dissipation since the first sample, J, (n_times,)."""
     total = energies["energy_kinetic"] + energies["energy_elastic"] + energies["energy_contact"]
+    total = total + energies.get("energy_support", 0.0)
     total = total - energies["work_external"] + energies["work_dissipated"]
     return total - total[0]
 

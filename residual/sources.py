@@ -28,6 +28,7 @@ MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
 DAMPERS = ("inner_damping_force", "outer_damping_force")  # where the scene has any
 HOUSING = ("housing_x", "housing_y", "housing_ax", "housing_ay")  # where the scene has a housing
+OF_SUPPORT = "energy_support"  # likewise
 TURN = "roller_turn"  # of rollers, whose place at a time it tells
 SPIN = "roller_spin"  # tells the same, less exactly
 MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
@@ -92,7 +93,7 @@ def _from_file(path: Path, file) -> Record:
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
         )
     scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene", read_scene_files(file))
-    housing = HOUSING if scene.mounting().housing is not None else ()
+    housing = (*HOUSING, OF_SUPPORT) if scene.mounting().housing is not None else ()
     needed = (*MOTION, *housing[:2])
     promised = (*needed, *OPTIONAL, *housing[2:], *ENERGIES) if attributes.get("program") == SOLVER else needed
     if scene.damping.acts and len(promised) > len(needed):
@@ -113,7 +114,7 @@ def _from_file(path: Path, file) -> Record:
         _check_size(path, file, [SPIN], n, scene)
         arrays[TURN] = _turned(arrays["time"], read_numbers(file, SPIN, n))
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
-    energies = {name: arrays.pop(name) for name in ENERGIES if name in arrays}
+    energies = {name: arrays.pop(name) for name in (*ENERGIES, OF_SUPPORT) if name in arrays}
     arrays = relative(arrays)
     cage = CageMotion(**{COLUMNS[name]: arrays.pop(name) for name in of_cage}) if of_cage else None
     status = attributes.setdefault("status", "unknown")

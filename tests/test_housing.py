@@ -17,6 +17,7 @@ from lagrange.mounting import Sensor, from_outer_ring
 from lagrange.scene import SceneError, parse_scene, parse_scene_text
 from residual.errors import InputError
 from residual.evaluation import evaluate
+from residual.motion_figures import energy_imbalance
 from residual.sources import read_result
 from tests.reference.synthetic_run import make_run, run_variables, write_result
 
@@ -174,6 +175,7 @@ def test_the_checker_knows_a_moving_outer_ring(tmp_path):
     variables["inner_ay"] = variables["inner_ay"] + swings
     variables |= {"housing_x": 0.0 * moved, "housing_y": moved - 130e-6, "housing_ax": 0.0 * moved}
     variables["housing_ay"] = swings
+    variables["energy_support"] = 1e-3 + 2e-4 * np.sin(omega * still.time)
     before = evaluate(read_result(write_result(tmp_path / "still.nc", still)))
     after = evaluate(read_result(write_result(tmp_path / "moving.nc", swinging, variables)))
     force = still.scene.ideal_operation().inner_mass * swings
@@ -185,6 +187,8 @@ def test_the_checker_knows_a_moving_outer_ring(tmp_path):
         terms = direction.budget.terms
         np.testing.assert_allclose(sum(terms.values()), direction.budget.error, rtol=0.0, atol=1e-9 * 2000.0)
     assert "outer_ring" in after.y.budget.terms and "outer_ring" not in before.y.budget.terms
+    gained = energy_imbalance(after.record.energies) - energy_imbalance(before.record.energies)
+    np.testing.assert_allclose(gained, 2e-4 * np.sin(omega * still.time), rtol=0.0, atol=1e-12)
     # the differentiation of a cosine of 250 samples a period, by a scheme of sixth order
     assert 0.0 < np.abs(after.y.budget.terms["outer_ring"][inside]).max() < 1e-4 * np.abs(force).max()
 

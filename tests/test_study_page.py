@@ -105,3 +105,22 @@ def test_a_study_without_a_complete_point_has_a_page_too(made_up):
     write_page(points, folder)
     assert "0 of 24 points are complete" in folder.page.read_text()
     assert "Too few complete points" in folder.page.read_text()
+
+
+def test_an_empty_cell_is_no_value_of_its_parameter(tmp_path, monkeypatch):
+    """A point without a spall has no width, and its body is a word of its own."""
+    monkeypatch.chdir(tmp_path)
+    Path("points.csv").write_text(
+        "operation.speed_rpm,spall.0.body,spall.0.width_mm\n1000,,\n1000,outer_ring,1.0\n1000,outer_ring,2.0\n"
+    )
+    Path("study.toml").write_text('[sampling]\nmethod = "list"\nfile = "points.csv"\n')
+    study = read_study(Path("study.toml"))
+    points = checked_points(study, design_of(study))
+    assert not points.scene(0).spall and points.scene(2).spall[0].width_mm == 2.0
+    folder = Folder(path=Path("out"))
+    folder.begin(points)
+    write_dataset(points, folder)
+    with open_dataset(folder.dataset) as dataset:
+        body, width = table_of(points, dataset).parameters
+        assert dataset.body.values.tolist() == ["", "outer_ring", "outer_ring"]
+    assert body.words == ("-", "outer_ring") and np.isnan(width.values[0]) and width.values[2] == 2.0

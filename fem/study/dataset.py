@@ -16,7 +16,7 @@ import numpy as np
 from fem.labels import UNITS, labels
 from fem.result.layout import PER_ROLLER, variables_of
 from fem.study.folder import MISSING, PROGRAM, Folder
-from fem.study.points import LIBRARIES, Points, program
+from fem.study.points import LIBRARIES, Points
 from fem.study.solving import COMPLETE, Solved
 from fem.study.study_file import QUANTITIES
 from lagrange.scene_keys import unit_of
@@ -67,7 +67,7 @@ def _lay_out(file, points: Points) -> None:
             "title": study.name,
             "program": PROGRAM,
             "program_version": VERSION,
-            "program_digest": program(),
+            "program_digest": points.made_by,
             "libraries": json.dumps(libraries),
             "study": study.text,
             "scene": study.scene.to_toml(),

@@ -11,6 +11,7 @@ from fem.study.study_file import QUANTITIES
 
 BINS = 8  # of a parameter that takes a value of its own in each point
 FEWEST = 2  # points
+NOTHING = "-"  # the word of a cell that a list of points has left empty
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +93,7 @@ def table_of(points: Points, dataset) -> Table:
     ]
     return Table(
         points=points,
-        parameters=[each for each in parameters if len(np.unique(each.values)) > 1],
+        parameters=[each for each in parameters if len(np.unique(each.values[np.isfinite(each.values)])) > 1],
         quantities=quantities,
         complete=dataset.status.values.ravel() == COMPLETE,
     )
@@ -100,8 +101,9 @@ def table_of(points: Points, dataset) -> Table:
 
 def _column(name: str, unit: str, meaning: str, values: list) -> Column:
     wordy = any(isinstance(value, str | bool) for value in values)
-    words = tuple(dict.fromkeys(str(value) for value in values)) if wordy else ()
-    numbers = [words.index(str(value)) for value in values] if words else values  # None becomes NaN
+    given = [NOTHING if value is None else str(value) for value in values]
+    words = tuple(dict.fromkeys(given)) if wordy else ()
+    numbers = [words.index(value) for value in given] if words else values  # None becomes NaN
     return Column(name=name, unit=unit, meaning=meaning, values=np.array(numbers, dtype=float), words=words)
 
 

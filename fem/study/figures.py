@@ -58,7 +58,7 @@ def _main_effects(table: Table) -> Iterator[Figure]:
             axis.plot(effect.at, effect.mean, "o-", color=BLUE, markersize=4)
             axis.set_title(_percent(effect), fontsize=8.5, loc="right")
         if parameter.words:
-            axis.set_xticks(range(len(parameter.words)), parameter.words)
+            axis.set_xticks(range(len(parameter.words)), parameter.words, rotation=40, ha="right")
         if column == 0:
             axis.set_ylabel(_broken(quantity))
         if row == len(quantities) - 1:
@@ -98,9 +98,12 @@ def _heat_map(table: Table) -> Iterator[Figure]:
             _levels(axis.yaxis, y, at_y)
         else:
             drawn = axis.scatter(x.values[known], y.values[known], c=quantity.values[known], s=10, cmap="viridis")
+            for side, column in ((axis.xaxis, x), (axis.yaxis, y)):
+                if column.words:
+                    side.set_ticks(range(len(column.words)), column.words)
         axis.grid(visible=False)
         axis.set(xlabel=x.label, ylabel=y.label, title=quantity.name)
-        figure.colorbar(drawn, ax=axis, label=quantity.unit)
+        figure.colorbar(drawn, ax=axis, label="" if quantity.unit == "1" else quantity.unit)
     for axis in axes.ravel()[len(quantities) :]:
         axis.set_visible(False)
     yield _finished(

@@ -178,4 +178,5 @@ def _facts(points: Points) -> dict[str, Any]:
         "axes": design.axes,
         "base": design.base,
         "digests": points.digests,
+        "made_by": points.made_by,
     }

@@ -27,6 +27,7 @@ class Points:
     study: Study
     design: Design
     digests: list[str]
+    made_by: str  # `program` that solves them, or has
 
     def __len__(self) -> int:
         return len(self.digests)
@@ -59,7 +60,7 @@ def checked_points(study: Study, design: Design, count: Callable[[], None] = lam
         count()
     if faults:
         raise UsageError("\n".join(faults))
-    return Points(study=study, design=design, digests=digests)
+    return Points(study=study, design=design, digests=digests, made_by=program())
 
 
 def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> None:

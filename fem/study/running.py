@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from importlib.util import find_spec
 from math import nan
 
 from fem.errors import RunFailed, UsageError
@@ -14,7 +15,7 @@ from fem.solver.simulate import make_plan, programs_named
 from fem.study.cluster import Cluster, solve_on_cluster
 from fem.study.folder import Folder
 from fem.study.points import Points
-from fem.study.solving import Solved, Wanted, solve
+from fem.study.solving import LOST, Solved, Wanted, solve
 from lagrange.messages import say
 
 WORTH_A_CLUSTER = 60.0  # s of work: below, starting workers takes longer than they save
@@ -92,7 +93,8 @@ def workers_for(options: StudyOptions, total: float) -> int:
     if options.workers is not None:
         return 0 if options.workers == 1 else options.workers
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return processors if processors > 1 and total > WORTH_A_CLUSTER else 0
+    pays = processors > 1 and total > WORTH_A_CLUSTER and find_spec("distributed") is not None
+    return processors if pays else 0
 
 
 def solve_points(
@@ -117,7 +119,7 @@ def solve_points(
 
         def add(i: int, solved: Solved) -> None:
             folder.add(points.digests[i], solved)
-            if solved.status == "lost":
+            if solved.status == LOST:
                 lost[i] = solved
             count()
 

@@ -29,7 +29,8 @@ scene_bearing its tables of the bearing; `scene_run`: of how it is run; `scene_s
 scene_damping [damping]; `scene_lubricant`: [lubricant]
 scene_cage    [cage]
 scene_columns columns of tables made elsewhere; `catalogue`: standard bearings
-scene_files   files that a scene names; `height_table`: what is in those of measured heights
+course        speed and load that change: smooth functions of time; `scene_operation`: [operation] of the scene
+scene_files   files that a scene names; `text_table`: columns of numbers in them; `height_table`: measured heights
 scene_faults  what is wrong with a scene, all at once; `scene_keys`: what its keys mean
 stored        numbers out of HDF5 files that may be damaged or hostile
 sealed        files of caches, known when they are damaged; `messages`: what commands print, always printable; `pages`:

@@ -245,6 +245,11 @@ class Scene(Table):
 
     def _courses(self) -> Iterator[str]:
         yield from self.operation.duration_faults(self.numerics.duration_ms)
+        if self.lubricant is not None and self.operation.speed_table is not None:
+            yield (
+                "[lubricant]: only at a steady speed, not with operation.speed_table = "
+                f'"{self.operation.speed_table}": its film is as thick as at one speed; leave one of them out'
+            )
         if self.operation.changes and self.model == "fem" and self.contact.model != "subgrid":
             yield (
                 f'operation.{self.operation.changes}: only with contact.model = "subgrid", not with '

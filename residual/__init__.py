@@ -10,6 +10,7 @@ fitted_laws     laws with coupling between contacts, with damping
 spectrum        power spectral density, peaks, kinematic lines
 quarters        what varies in each quarter of a record: transients
 lines           levels of lines and sidebands; `envelope` spectrum of a band; `short_time` spectra
+orders          order tracking: spectra over the shaft's angle where its speed changes
 vibration       the hub's acceleration: levels, fault lines in its envelope
 fault_finding   a spall found in trajectories alone: `roller_motion` what it may see, `sinkage_maps` by each body's
                 angle, `passages` and how rollers would move there; `fault_tables`, `fault_figures`

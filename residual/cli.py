@@ -74,7 +74,7 @@ def _command(
     find_faults: Annotated[
         bool, Parameter(negative="", help="look for a spall in the trajectories: body, angle, width, or none")
     ] = False,
-    no_figures: Annotated[bool, Parameter(negative="", help="draw no figures, half of a report's time")] = False,
+    no_figures: Annotated[bool, Parameter(negative="", help="draw no figures, most of a report's time")] = False,
     no_equations: Annotated[
         bool, Parameter(negative="", help="report on the run alone, without the error forces of (22), (23)")
     ] = False,

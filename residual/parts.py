@@ -15,7 +15,7 @@ class Parts:
 
     tolerance: float | None = None  # N, on the rms of both errors; None: no verdict
     search: FaultSearch | None = None  # for spalls; None: none was made
-    figures: bool = True  # half of a report's time
+    figures: bool = True  # most of a report's time
     equations: bool = True  # False: of the run alone, without the error forces of (22) and (23)
     exports: tuple[Export, ...] = ()  # the data in other formats
     other: Evaluation | None = None  # what the run is compared with

@@ -270,5 +270,5 @@ def test_a_law_measured_on_steel_is_warned_of_on_other_materials(tmp_path, capsy
     assert "harris" in warning and "roller has 310 GPa" in warning and "johnson" in warning
     assert any("310 GPa" in note for note in evaluate(read_result(path)).notes)
     assert not any("310 GPa" in note for note in evaluate(read_result(path), "johnson").notes)
-    assert run(path, "--duration", "1", "--quiet", "--force", ceramic, "lagrange.law=johnson") == 0
+    assert run(path, "--duration", "1", "--quiet", ceramic, "lagrange.law=johnson") == 0
     assert capsys.readouterr().err == ""

@@ -112,6 +112,7 @@ def test_bad_tables_are_refused_by_name(text, tmp_path):
         (('contact.model="faceted"',), 'operation.speed_table: only with contact.model = "subgrid"'),
         (("operation.load_table_sha256=" + 64 * "0",), "another than the scene gives"),
         (("operation.load_table_content=x",), "unknown key; loads are read from a file"),
+        (("lubricant.viscosity_Pa_s=0.02",), "[lubricant]: only at a steady speed, not with operation.speed_table"),
         (("operation.load_table=no.csv",), "can't be read: No such file or directory"),
     ],
 )  # fmt: skip

@@ -1,7 +1,7 @@
 """What runs in the time loop: numba over plain arrays.
 
 state                           the arrays, as named tuples: bodies, surfaces, pairs, contacts
-time_loop, drive_kernels        leapfrog steps; the hub
+time_loop, drive_kernels        leapfrog steps; the hub; `course_kernels`: speed and load that change
 disc_kernels, ring_kernels      forces and motion of rollers and rings
 team_kernels                    these two shared out among threads
 surfaces                        what contacts ask of a surface: read, push, grip, sideways, push_along

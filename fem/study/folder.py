@@ -64,7 +64,10 @@ class Folder:
                 base=facts["base"],
             )
             return Points(
-                study=replace(study, name=facts["name"], scene=scene), design=design, digests=facts["digests"]
+                study=replace(study, name=facts["name"], scene=scene),
+                design=design,
+                digests=facts["digests"],
+                made_by=facts["made_by"],
             )
         except OSError as error:
             raise UsageError(f"{self.path}: no study: {error.strerror} (study.json)") from None

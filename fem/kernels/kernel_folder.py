@@ -20,7 +20,8 @@ remarks: list[str] = []  # sentences on what was wrong with folders and files so
 @cache
 def version() -> str:
     """Of all kernels: two programs of one version compute the same bits on one machine."""
-    return digest(Path(__file__).parent)
+    checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # `simd`
+    return digest(Path(__file__).parent) + ("-checked" if checked else "")
 
 
 @cache

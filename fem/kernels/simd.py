@@ -4,13 +4,15 @@ LLVM's loop vectoriser does not trust a gather over many rows (it must prove tha
 back to scalar code, 5 times slower. A value of eight lanes says what is meant. LLVM lowers it to whatever the processor
 has: one AVX-512 register, two AVX, four SSE2 or NEON. A scalar beside lanes stands for all of them; products and sums
 may be fused. All functions but `load`, `scatter_add` and those of neighbours also take scalars for lanes, so that a
-kernel can be called for one value. Memory is addressed by a flat index into a C-ordered array of any shape, unchecked.
+kernel can be called for one value. Memory is addressed by a flat index into a C-ordered array of any shape: unchecked,
+but with numba's own NUMBA_BOUNDSCHECK=1, which then holds for lanes as for single numbers.
 """
 
 import operator
 
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils, config
 from numba.core.typing.templates import AbstractTemplate, infer_global
 from numba.extending import intrinsic, lower_builtin, models, overload, register_model
 
@@ -42,8 +44,24 @@ def _of(array_type):
     return LANES if array_type.dtype == types.float64 else WHOLE
 
 
-def _data(context, builder, array_type, array, index):
-    return builder.gep(context.make_array(array_type)(context, builder, array).data, [index])
+class _Memory:
+    """An array's numbers."""
+
+    def __init__(self, context, builder, array_type, array):
+        self._context, self._builder = context, builder
+        self._array = context.make_array(array_type)(context, builder, array)
+
+    def at(self, index, count=1, beyond=None):
+        """Where a number is, `beyond` another, with as many as `count` from there on."""
+        builder, data = self._builder, self._array.data
+        self.check(index if beyond is None else builder.add(index, beyond), count)
+        return builder.gep(data if beyond is None else builder.gep(data, [beyond]), [index])
+
+    def check(self, index, count=1):
+        """End the kernel with an IndexError unless `count` numbers from an index on are the array's; if asked for."""
+        if config.BOUNDSCHECK:
+            for each in (index, self._builder.add(index, ir.Constant(_LONG, count - 1))):
+                cgutils.do_boundscheck(self._context, self._builder, each, self._array.nitems)
 
 
 def _splat(builder, scalar, vector):
@@ -87,7 +105,7 @@ def load(typingctx, array, index):
     lanes = _of(array)
 
     def codegen(context, builder, signature, arguments):
-        pointer = _data(context, builder, signature.args[0], *arguments)
+        pointer = _Memory(context, builder, array, arguments[0]).at(arguments[1], WIDTH)
         return builder.load(builder.bitcast(pointer, lanes.vector.as_pointer()), align=8)
 
     return lanes(array, types.intp), codegen
@@ -98,7 +116,8 @@ def store(typingctx, array, index, lanes):
     """Write lanes to index ... index + 7, a scalar to index."""
 
     def codegen(context, builder, signature, arguments):
-        pointer = _data(context, builder, signature.args[0], *arguments[:2])
+        memory, count = _Memory(context, builder, array, arguments[0]), WIDTH if isinstance(lanes, LanesType) else 1
+        pointer = memory.at(arguments[1], count)
         builder.store(arguments[2], builder.bitcast(pointer, arguments[2].type.as_pointer()), align=8)
         return context.get_dummy_value()
 
@@ -111,13 +130,13 @@ def gather(typingctx, array, at):
     lanes = _of(array)
 
     def codegen(context, builder, signature, arguments):
-        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        memory = _Memory(context, builder, array, arguments[0])
         if not isinstance(at, LanesType):
-            return builder.load(builder.gep(data, [arguments[1]]))
+            return builder.load(memory.at(arguments[1]))
         found = ir.Constant(lanes.vector, ir.Undefined)
         for k in range(WIDTH):
             index = builder.extract_element(arguments[1], _lane(k))
-            found = builder.insert_element(found, builder.load(builder.gep(data, [index])), _lane(k))
+            found = builder.insert_element(found, builder.load(memory.at(index)), _lane(k))
         return found
 
     return _like(lanes, at)(array, _like(WHOLE, at)), codegen
@@ -130,16 +149,15 @@ def gather_pair(typingctx, array, at, apart):
     kind = _like(lanes, at)
 
     def codegen(context, builder, signature, arguments):
-        first = context.make_array(signature.args[0])(context, builder, arguments[0]).data
-        second = builder.gep(first, [arguments[2]])
+        memory, places = _Memory(context, builder, array, arguments[0]), (None, arguments[2])
         if not isinstance(at, LanesType):
-            found = [builder.load(builder.gep(data, [arguments[1]])) for data in (first, second)]
+            found = [builder.load(memory.at(arguments[1], beyond=beyond)) for beyond in places]
         else:
             found = [ir.Constant(lanes.vector, ir.Undefined)] * 2
             for k in range(WIDTH):
                 index = builder.extract_element(arguments[1], _lane(k))
-                for i, data in enumerate((first, second)):
-                    value = builder.load(builder.gep(data, [index]))
+                for i, beyond in enumerate(places):
+                    value = builder.load(memory.at(index, beyond=beyond))
                     found[i] = builder.insert_element(found[i], value, _lane(k))
         return context.make_tuple(builder, types.UniTuple(kind, 2), found)
 
@@ -151,26 +169,33 @@ def scatter_add(typingctx, array, at, lanes):
     """Add lanes at eight indices one after the other, so that the same may come twice; at a number side by side."""
 
     def codegen(context, builder, signature, arguments):
-        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        memory = _Memory(context, builder, array, arguments[0])
         if not isinstance(at, LanesType):
-            pointer = builder.bitcast(builder.gep(data, [arguments[1]]), LANES.vector.as_pointer())
+            pointer = builder.bitcast(memory.at(arguments[1], WIDTH), LANES.vector.as_pointer())
             builder.store(builder.fadd(builder.load(pointer, align=8), arguments[2]), pointer, align=8)
             return context.get_dummy_value()
         for k in range(WIDTH):
-            pointer = builder.gep(data, [builder.extract_element(arguments[1], _lane(k))])
+            pointer = memory.at(builder.extract_element(arguments[1], _lane(k)))
             builder.store(builder.fadd(builder.load(pointer), builder.extract_element(arguments[2], _lane(k))), pointer)
         return context.get_dummy_value()
 
     return types.void(array, _like(WHOLE, at), LANES), codegen
 
 
-def _element(context, builder, array_type, array, places, where, offset=None):
-    """Pointers to eight elements of an array, at indices read from `places`, from `where` on."""
-    data = context.make_array(array_type)(context, builder, array).data
-    indices = builder.gep(places, [where])
+def _elements(context, builder, kinds, array, places, where, offset=None, count=1, apart=None):
+    """Eight elements of an array, at indices read from `places`, from `where` on, plus `offset`.
+
+    Gives pairs of pointers: to an element, with `count` numbers from there on, and to what lies `apart` from it.
+    """
+    memory, indices = (_Memory(context, builder, *each) for each in zip(kinds, (array, places), strict=False))
+    first = indices.at(where, WIDTH)
     for k in range(WIDTH):
-        index = builder.load(builder.gep(indices, [_lane(k)]))
-        yield builder.gep(data, [index if offset is None else builder.add(index, offset)])
+        index = builder.load(builder.gep(first, [_lane(k)]))
+        index = index if offset is None else builder.add(index, offset)
+        pointer = memory.at(index, count)
+        if apart is not None:
+            memory.check(builder.add(index, apart))
+        yield pointer, pointer if apart is None else builder.gep(pointer, [apart])
 
 
 @intrinsic
@@ -182,10 +207,9 @@ def gather_places(typingctx, array, places, where, apart):
 
     def codegen(context, builder, signature, arguments):
         array, places, where, apart = arguments
-        places = context.make_array(signature.args[1])(context, builder, places).data
         found = [ir.Constant(LANES.vector, ir.Undefined)] * 2
-        for k, first in enumerate(_element(context, builder, signature.args[0], array, places, where)):
-            for i, pointer in enumerate((first, builder.gep(first, [apart]))):
+        for k, both in enumerate(_elements(context, builder, signature.args, array, places, where, apart=apart)):
+            for i, pointer in enumerate(both):
                 found[i] = builder.insert_element(found[i], builder.load(pointer), _lane(k))
         return context.make_tuple(builder, types.UniTuple(LANES, 2), found)
 
@@ -197,10 +221,9 @@ def add_at_places(typingctx, array, places, where, apart, first, second):
     """Add lanes to what `gather_places` reads, one after the other."""
 
     def codegen(context, builder, signature, arguments):
-        array, places, where, apart, *both = arguments
-        places = context.make_array(signature.args[1])(context, builder, places).data
-        for k, pointer in enumerate(_element(context, builder, signature.args[0], array, places, where)):
-            for at, lanes in zip((pointer, builder.gep(pointer, [apart])), both, strict=True):
+        array, places, where, apart, *more = arguments
+        for k, both in enumerate(_elements(context, builder, signature.args, array, places, where, apart=apart)):
+            for at, lanes in zip(both, more, strict=True):
                 builder.store(builder.fadd(builder.load(at), builder.extract_element(lanes, _lane(k))), at)
         return context.get_dummy_value()
 
@@ -236,10 +259,9 @@ def gather_rows(typingctx, array, places, where, offset):
 
     def codegen(context, builder, signature, arguments):
         array, places, where, offset = arguments
-        places = context.make_array(signature.args[1])(context, builder, places).data
         rows = [
             builder.load(builder.bitcast(pointer, LANES.vector.as_pointer()), align=8)
-            for pointer in _element(context, builder, signature.args[0], array, places, where, offset)
+            for pointer, _ in _elements(context, builder, signature.args, array, places, where, offset, WIDTH)
         ]
         return context.make_tuple(builder, types.UniTuple(LANES, 6), _transposed(builder, rows)[:6])
 
@@ -252,14 +274,14 @@ def gather_quads(typingctx, array, at):
     kind = _like(LANES, at)
 
     def codegen(context, builder, signature, arguments):
-        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        memory = _Memory(context, builder, array, arguments[0])
         if not isinstance(at, LanesType):
-            first = builder.gep(data, [arguments[1]])
+            first = memory.at(arguments[1], 4)
             found = [builder.load(builder.gep(first, [_lane(k)])) for k in range(4)]
             return context.make_tuple(builder, types.UniTuple(kind, 4), found)
         four, rows = ir.VectorType(_DOUBLE, 4), []
         for k in range(WIDTH):
-            pointer = builder.gep(data, [builder.extract_element(arguments[1], _lane(k))])
+            pointer = memory.at(builder.extract_element(arguments[1], _lane(k)), 4)
             rows.append(builder.load(builder.bitcast(pointer, four.as_pointer()), align=8))
         # rows k and k + 4 side by side, then each half transposed
         rows = [_shuffled(builder, rows[k], rows[k + 4], range(WIDTH)) for k in range(4)]
@@ -283,10 +305,9 @@ def add_to_rows(typingctx, array, places, where, offset, six):
 
     def codegen(context, builder, signature, arguments):
         array, places, where, offset, six = arguments
-        places = context.make_array(signature.args[1])(context, builder, places).data
         lanes = [builder.extract_value(six, k) for k in range(6)]
         rows = _transposed(builder, lanes + [ir.Constant(LANES.vector, [0.0] * WIDTH)] * 2)
-        pointers = list(_element(context, builder, signature.args[0], array, places, where, offset))
+        pointers = [p for p, _ in _elements(context, builder, signature.args, array, places, where, offset, 6)]
         for k in (*range(0, WIDTH, 2), *range(1, WIDTH, 2)):
             for first, size in ((0, 4), (4, 2)):
                 part = _shuffled(builder, rows[k], rows[k], range(first, first + size))

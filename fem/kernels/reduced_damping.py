@@ -150,7 +150,7 @@ def _give(dampers, bodies, forces, before, dt, hub_x, hub_y):
 
 @part
 def write_damping(dampers, n, out):
-    """What contacts have damped, J, and the dampers' forces, N, by themselves and in the contacts'."""
+    """What contacts have damped, J, and the dampers' forces, N: see `sample_kernels.add_damper_forces`."""
     out[DAMPED_BY_CONTACTS] = out[DAMPED_BY_BODIES] = 0.0
     if dampers is None:
         return
@@ -159,6 +159,6 @@ def write_damping(dampers, n, out):
     for j in range(n):
         at = N_SCALARS + j
         for row in range(3):
-            out[at + (4 + row) * n] += dampers.force[row, j]
+            out[at + (4 + row) * n] = max(out[at + (4 + row) * n] + dampers.force[row, j], 0.0)
         for row in (INNER, OUTER):
             out[at + (9 + row) * n] = dampers.force[row, j]

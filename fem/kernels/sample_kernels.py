@@ -138,11 +138,14 @@ def add_damped(dampers, damping, out):
 
 @part
 def add_damper_forces(dampers, j, n, out):
-    """Forces of a roller's dampers, N, by themselves and in the contacts' forces."""
+    """Forces of a roller's dampers, N, by themselves and in the contacts' forces.
+
+    Kicks never pull. They settle owed energy, by which the law's own force with a damper's could be below 0.
+    """
     if dampers is not None:
         at = N_SCALARS + j
         for row in range(3):
-            out[at + (4 + row) * n] += dampers.force[row, j]
+            out[at + (4 + row) * n] = max(out[at + (4 + row) * n] + dampers.force[row, j], 0.0)
         for row in range(2):
             out[at + (9 + row) * n] = dampers.felt[row, j]
 

@@ -112,6 +112,7 @@ def moved(name, stiffness, friction):
     return values, np.abs(imbalance).max() / kept[-1].exchanged[-1]
 
 
+@pytest.mark.slow  # two time loops of their own to compile
 @pytest.mark.parametrize(("name", "limit"), [("penalty", 1e-3), ("faceted", 3e-3)])
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 def test_runs_balance_their_energy(name, limit, friction):

@@ -154,6 +154,7 @@ def test_a_run_balances_its_energy(friction, most):
     assert abs(seen.imbalance) < most
 
 
+@pytest.mark.slow
 def test_points_and_one_patch_give_the_same_run():
     hub = {}
     for size in (0.25, 0.8):

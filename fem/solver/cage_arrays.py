@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from math import sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,12 +11,14 @@ from fem.kernels.cage_kernels import N_CAGE_SCALARS, CageContacts, CagePair, Gui
 from fem.kernels.reduced_state import RigidBodies
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.state import Drive, Rollers
-from fem.solver.arrays import Arrays
 from fem.solver.cache_lines import lined_up
-from fem.solver.start import Start
+from fem.solver.run_arrays import Arrays
 from lagrange.bearing import Bearing
 from lagrange.cage import Cage
 from lagrange.mounting import HELD, Mounting
+
+if TYPE_CHECKING:  # needs the finite elements' libraries
+    from fem.solver.start import Start
 
 SCALARS = (
     "cage_x",
@@ -47,7 +50,7 @@ def cage_columns(rows: np.ndarray, n_rollers: int, at: int) -> dict[str, np.ndar
     return found
 
 
-def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, start: Start, mounting: Mounting) -> Arrays:
+def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, start: "Start", mounting: Mounting) -> Arrays:
     """Arrays of the finite elements with a cage, concentric with its pockets around the rollers."""
     rollers, drive = arrays.bodies.rollers, arrays.drive
     first = row_width(bearing.n_rollers, None, mounting)

@@ -7,8 +7,8 @@ import numpy as np
 
 from fem.contacts.model import Model
 from fem.kernels.state import BodyDamping, Dampers
-from fem.solver.arrays import Arrays
 from fem.solver.cache_lines import lined_up
+from fem.solver.run_arrays import Arrays
 from lagrange.contact_damping import ContactDamping
 from lagrange.scene_damping import DampingTable
 

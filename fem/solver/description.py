@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from fem.solver.arrays import Arrays
 from fem.solver.pace import in_words, pace
+from fem.solver.run_arrays import Arrays
 from fem.statics.static_error import static_error
 from lagrange.scene import Scene
 from meshes import Mesh, quality

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
-from fem.solver.arrays import Arrays, make_arrays
+from fem.solver.arrays import make_arrays
 from fem.solver.cage_arrays import critical_with_cage, with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
@@ -19,6 +19,7 @@ from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
 from fem.solver.limits import check_contacts, check_speed, check_threads, check_widths
 from fem.solver.row_state import LONGEST_UNWATCHED
+from fem.solver.run_arrays import Arrays
 from fem.solver.solver import sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
 from fem.statics.contact_balance import NotFound

@@ -9,7 +9,7 @@ from fem.contacts.model import Model
 from fem.elastic.stress import turned
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.ring_kernels import HALO
-from fem.solver.arrays import Arrays
+from fem.solver.run_arrays import Arrays
 
 
 @dataclass(frozen=True, kw_only=True)

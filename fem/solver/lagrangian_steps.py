@@ -15,8 +15,8 @@ from fem.kernels.lagrangian_state import (
 from fem.kernels.simd import WIDTH
 from fem.kernels.state import Law
 from fem.solver.cache_lines import lined_up
-from fem.solver.contact_arrays import raceway_profiles
 from fem.solver.course_arrays import course_arrays
+from fem.solver.profile_arrays import raceway_profiles
 from lagrange.contact_damping import ContactDamping
 from lagrange.integrate import ALL_DRIFTS, ALL_KICKS, Integration
 from lagrange.laws import PowerLaw

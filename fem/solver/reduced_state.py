@@ -20,11 +20,11 @@ from fem.kernels.reduced_state import (
     RigidBodies,
 )
 from fem.kernels.simd import WIDTH
-from fem.solver.arrays import changing_arrays
 from fem.solver.cage_arrays import cage_state, pair_of_rigid
-from fem.solver.contact_arrays import raceway_profiles
 from fem.solver.course_arrays import course_arrays
+from fem.solver.profile_arrays import raceway_profiles
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
+from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader
 from fem.solver.solver import Block, Numbers
 from fem.solver.vibrations import vibrations

@@ -13,7 +13,8 @@ from fem.contacts.subgrid import SubgridModel
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.time_loop import advance
-from fem.solver.arrays import Arrays, make_arrays
+from fem.solver.arrays import make_arrays
+from fem.solver.run_arrays import Arrays
 from fem.solver.start import Start, equilibrium_start, rest_start
 from lagrange import Bearing, Material, Operation
 from lagrange.scene import read_scene

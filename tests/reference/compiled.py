@@ -17,7 +17,7 @@ from fem.kernels import (
 )
 from fem.kernels.jit import kernel
 from fem.kernels.simd import splat
-from fem.solver.arrays import Arrays
+from fem.solver.run_arrays import Arrays
 
 kick_disc, drift_disc = kernel(disc_kernels.kick), kernel(disc_kernels.drift)
 kick_ring, kick_ring_and_add = kernel(ring_kernels.kick), kernel(ring_kernels.kick_and_add)

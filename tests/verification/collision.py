@@ -7,7 +7,8 @@ import numpy as np
 
 from fem.contacts.critical_step import critical_time_step
 from fem.kernels.state import ROLLER
-from fem.solver.arrays import Arrays, make_arrays
+from fem.solver.arrays import make_arrays
+from fem.solver.run_arrays import Arrays
 from fem.solver.start import rest_start
 from lagrange import Bearing, Operation
 from tests.reference.bearings import LENGTH, STEEL_ON_STEEL, model

@@ -1,0 +1,129 @@
+"""All arrays of a run: which of them it changes, which the model determines, what is looked at before they are used."""
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.kernels.cage_kernels import Cage
+from fem.kernels.housing_kernels import Resonator
+from fem.kernels.simd import WIDTH
+from fem.kernels.state import (
+    Bodies,
+    Contacts,
+    Course,
+    Dampers,
+    Disc,
+    DiscSurface,
+    Drive,
+    Neighbours,
+    Patches,
+    Points,
+    Raceway,
+    Ring,
+    RingSurface,
+    Scratch,
+    Shear,
+    Spread,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Arrays:
+    """All state of a run: what the kernels change in place."""
+
+    bodies: Bodies
+    groups: tuple[tuple[Raceway | Neighbours, ...], ...]  # pairs of bodies; see `fem.kernels.jit.every`
+    contacts: Contacts
+    drive: Drive
+    scratch: Scratch
+
+    def named(self) -> dict[str, np.ndarray]:
+        """Every array that a run changes, once, by where it stands; surfaces and pairs share those of bodies."""
+        return {name: array for name, (array, given) in self._all().items() if not given}
+
+    def digest(self) -> str:
+        """Of the arrays that the model determines, which no run changes."""
+        text = hashlib.sha256()
+        for name, (array, given) in self._all().items():
+            if given:
+                text.update(f"{name} {array.dtype} {array.shape} ".encode() + array.tobytes())
+        return text.hexdigest()
+
+    @property
+    def nbytes(self) -> int:
+        """Of all arrays that outlive a step."""
+        return sum(array.nbytes for array, _ in self._all().values())
+
+    def _all(self) -> dict[str, tuple[np.ndarray, bool]]:
+        """Every array that outlives a step, and whether the model determines it."""
+        found: dict[str, tuple[np.ndarray, bool]] = {}
+        for name in ("bodies", "contacts", "drive"):
+            _collect(getattr(self, name), name, found)
+        return found
+
+    def check(self) -> None:
+        """Refuse places in arrays that are outside of them: kernels look there unseen; springs that push when pulled.
+
+        Errors
+        ------
+        ValueError.
+        """
+        patches, points, shear = self.contacts.patches, self.contacts.points, self.contacts.friction.shear
+        for pair in (pair for group in self.groups for pair in group if hasattr(pair, "row")):
+            sides = (pair.surface if isinstance(pair, Raceway) else self.bodies.surface), self.bodies.surface
+            for side, surface in enumerate(sides):
+                _check_between("patches.start", patches.start[2 * pair.row + side], getattr(surface, "n_nodes", 1) - 1)
+                _check_between("patches.place", patches.place[2 * pair.row + side], _last_place(surface))
+        if points is not None and points.spread is not None:
+            closed, most = points.spread.closed, points.closing.size
+            _check_between("closed", closed[..., 0], closed[..., 1])
+            _check_between("closed", closed[..., 1], most)
+        if shear is not None and np.any(shear.compliance <= 0.0):
+            raise ValueError("springs without a compliance")
+
+
+# What the model determines, beside whole numbers, which are places in arrays: all but those in STATE_INDICES.
+GIVEN = {
+    Disc: ("blocks", "points", "mass"),
+    DiscSurface: ("lightness", "ripple"),
+    Ring: ("table", "radii", "row_mass", "cosines", "sines"),
+    Points: ("shift", "tangent", "rise", "sagitta", "stiffness"),
+    Shear: ("level",),
+    Course: ("turn_knots", "turn", "load_knots", "load"),
+    Resonator: ("step", "half_step", "pull"),
+    Spread: ("missing", "inverse"),
+    Dampers: ("whole",),
+    Cage: ("cosine", "sine"),
+}
+STATE_INDICES = {Patches: ("start", "place"), Spread: ("closed",)}
+
+
+def _last_place(surface: tuple) -> int:
+    """The last place in a surface's arrays where a node may stand, with what is read beside and behind it."""
+    if isinstance(surface, RingSurface):
+        return surface.u.size - surface.cosines.size - WIDTH
+    return surface.u.size - surface.columns - 1 if isinstance(surface, DiscSurface) else 0
+
+
+def changing_arrays(group: tuple, place: str) -> dict[str, np.ndarray]:
+    """Every array of a named tuple, and of those in it, that a run changes, by where it stands."""
+    found: dict[str, tuple[np.ndarray, bool]] = {}
+    _collect(group, place, found)
+    return {name: array for name, (array, given) in found.items() if not given}
+
+
+def _collect(group: tuple, place: str, found: dict[str, tuple[np.ndarray, bool]]) -> None:
+    given, indices = GIVEN.get(type(group), ()), STATE_INDICES.get(type(group), ())
+    for name, entry in zip(getattr(group, "_fields", range(len(group))), group, strict=True):
+        if isinstance(entry, np.ndarray):
+            if not any(entry is other for other, _ in found.values()):
+                determined = name in given or (entry.dtype.kind != "f" and name not in indices)
+                found[f"{place}.{name}"] = entry, determined
+        elif isinstance(entry, tuple):
+            _collect(entry, f"{place}.{name}", found)
+
+
+def _check_between(name: str, found: np.ndarray, most: np.ndarray | int) -> None:
+    if np.any(found < 0) or np.any(found > most):
+        raise ValueError(f"{name} lies outside of its array")

@@ -17,8 +17,8 @@ element_state      their state
 discretise         the model of a scene: mesh, contact model, width of the patches
 limits, cautions   what is refused; what is warned of
 start, arrays      the state a run starts from; the time loop's arrays filled with it, `contact_arrays` the contacts',
-                   `damping_arrays` the dampers'; `cage_arrays` the cage's and `profile_arrays` the surfaces', of the reduced
-                   model too; `run_arrays`: which of all arrays a run changes
+                   `damping_arrays` the dampers'; `cage_arrays` the cage's, `profile_arrays` the surfaces', of the
+                   reduced model too; `run_arrays`: which of all arrays a run changes
 frames             displacements at an instant
 processor          what the compiler makes the kernels for
 error_estimate     what a scene's results may be off by, from a second mesh

@@ -81,6 +81,7 @@ def test_the_step_limit_knows_the_spring():
     assert limits[1] / limits[2] == pytest.approx(np.sqrt(10.0), rel=0.02)
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 @pytest.mark.parametrize("faceted", [False, True])
 def test_the_start_carries_the_load_on_the_same_springs(faceted):
     how = operation(speed=0.0, gravity=0.0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from fem.contacts.reduction import Motion
+from fem.kernels.ring_kernels import HALO
 from fem.statics.contact_balance import LOOSE_SPRING
 from fem.statics.equilibrium import equilibrium
 from lagrange import Bearing
@@ -251,8 +252,8 @@ def test_the_time_loop_stays_in_static_equilibrium():
     # a surface node of 3e-5 kg under one newton more would run at 3e-3 m/s after one step
     assert np.abs(state.drive.velocity).max() < 1e-7
     assert np.abs(state.bodies.disc.w).max() < 1e-6
-    assert np.abs(state.bodies.inner.w).max() < 1e-6
-    assert np.abs(state.bodies.outer.w).max() < 1e-6
+    for ring in (state.bodies.inner, state.bodies.outer):
+        assert np.abs(ring.w[..., HALO:-HALO]).max() < 1e-6  # beside them what contacts put across the seam is left
 
 
 @pytest.mark.parametrize("load", [500.0, LOAD])

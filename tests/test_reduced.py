@@ -253,6 +253,7 @@ def test_energy_balances_on_surfaces_that_are_not_perfect(tables, limit):
     assert np.abs(found["inner_y"] - perfect["inner_y"]).max() > 1e-8  # and they do something
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 def test_a_wave_of_the_inner_ring_moves_a_preloaded_hub_as_in_finite_elements():
     tables = (
         '[bearing]\nouter_raceway_diameter_mm = 55.98\n[operation]\nradial_load_N = 0.0\ngravity_m_s2 = 0.0\n'

@@ -89,7 +89,7 @@ def test_the_command_on_a_machine_that_cannot_draw_exits_2_and_leaves_no_picture
         (["--fringe", "0"], "--fringe 0: must lie between"),
         (["--output", "."], "is a folder"),
         (["--animation", "film.avi"], "must end in .mp4 or .gif"),
-        (["--export", "mesh.stl"], "must end in .vtkhdf, .pvd or a format of meshio: .vtu"),
+        (["--export", "mesh.stl"], "must end in .vtkhdf, .pvd, .csv, .wav, .mat or a format of meshio: .vtu"),
         (["--animation", "film.mp4", "--export", "mesh.vtu"], "one of them at a time"),
         (["--animation", "film.mp4", "--time", "1"], "--time: one instant"),
         (["--start", "1"], "--start, --stop, --frames: of a film"),

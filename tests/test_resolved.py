@@ -105,6 +105,7 @@ def advanced(state, n_samples, stride):
     return samples
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 def test_the_resolved_start_stands_still():
     """Forces of the time loop at t = 0 are those of the equilibrium; nothing pushes the hub."""
     model = resolved_model(five(), 1.2e-4)

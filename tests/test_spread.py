@@ -136,6 +136,7 @@ def rolling_scene(friction, mesh_size, duration):
     )
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 def test_the_start_stands_still():
     model = spread_model(2.5e-4)
     how = operation(speed=0.0, gravity=0.0, radial_load=LOAD)
@@ -164,6 +165,7 @@ def test_points_and_one_patch_give_the_same_run():
     assert np.abs(hub[0.25] - hub[0.8]).max() < 5e-3 * np.abs(hub[0.8][1]).mean()
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 def test_the_step_limit_is_on_its_safe_side_and_close():
     model = spread_model(2.5e-4)
     how = operation(speed=0.0, gravity=0.0, radial_load=LOAD)

@@ -5,6 +5,7 @@ from math import gamma, pi, sqrt
 import numpy as np
 
 from lagrange import BallBearing, Operation, contact_laws
+from lagrange.contact_damping import UNDAMPED
 from lagrange.integrate import NumpyIntegration
 from lagrange.motion import State
 from lagrange.problem import Problem
@@ -118,7 +119,7 @@ def ball_impact():
         x_rate=0.0, y_rate=0.0, rho_rate=zero + speed, theta_rate=zero,
     )  # fmt: skip
     step = 2e-8
-    record = NumpyIntegration(system, system.pack(start), step, 1, 0.0).advance(2000)
+    record = NumpyIntegration(system, system.pack(start), step, 1, UNDAMPED).advance(2000)
     depth = np.abs(record.q[:, 0]) - track
     law = laws.outer
     touching = np.flatnonzero(depth > 0.0)
@@ -142,4 +143,4 @@ def ball_impact():
         )  # fmt: skip
 
 
-CASES = tuple(Case(checks=case) for case in (bouncing_bar, thrown_roller, ball_impact))
+CASES = (Case(checks=bouncing_bar), Case(checks=thrown_roller, fast=False), Case(checks=ball_impact))

@@ -87,4 +87,4 @@ def rolled_some_degrees():
     )  # fmt: skip
 
 
-CASES = (Case(checks=cylinder_on_a_block), Case(checks=rolled_some_degrees, fast=False))
+CASES = (Case(checks=cylinder_on_a_block, fast=False), Case(checks=rolled_some_degrees, fast=False))

@@ -3,15 +3,15 @@
 import pytest
 
 from lagrange.scene import read_scene
-from tests.reference.live_server import served
+from tests.reference.live_server import command_served
 
 WIDTHS = (390, 1280)
 
 
 @pytest.fixture(scope="module")
 def live():
-    with served() as running:
-        yield running
+    with command_served() as address:
+        yield address
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +23,7 @@ def page(browser, live, request):
     page.on("request", lambda asked: page.asked.append(asked.url))
     page.on("console", lambda message: page.complaints.append(message.text))
     page.on("pageerror", lambda error: page.complaints.append(str(error)))
-    page.goto(live.address)
+    page.goto(live)
     wait_for_frames(page)
     yield page
     assert page.complaints == []
@@ -61,7 +61,7 @@ def coloured(page, canvas: str) -> int:
 
 @everywhere
 def test_all_is_drawn_and_read_and_nothing_comes_from_elsewhere(page, live):
-    assert [url for url in page.asked if not url.startswith(("data:", "blob:"))] == [live.address]
+    assert [url for url in page.asked if not url.startswith(("data:", "blob:"))] == [live]
     wide, screen = page.evaluate("[document.documentElement.scrollWidth, innerWidth]")
     assert wide <= screen
     sizes = page.locator("p, label, dt, dd, button, small, figcaption").evaluate_all(
@@ -142,9 +142,9 @@ def test_it_can_be_paused_slowed_down_and_taken_step_by_step(page):
 
 @pytest.mark.slow  # another server and page
 def test_the_page_says_when_the_program_has_ended(browser):
-    with served() as running:
+    with command_served() as address:
         page = browser.new_page()
-        page.goto(running.address)
+        page.goto(address)
         wait_for_frames(page, 1)
     page.locator("#ended").wait_for()
     assert "The program has ended" in page.locator("#ended").inner_text()

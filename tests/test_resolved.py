@@ -145,6 +145,7 @@ def test_a_resolved_run_balances_its_energy(friction):
     assert np.all(np.isfinite(force)) and force.max() < 1.1 * LOAD
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 def test_both_contact_models_give_the_same_run():
     hub = {}
     for model, size in (("resolved", 0.08), ("subgrid", 1.0)):

@@ -193,6 +193,7 @@ def across(vectors):
     return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 @pytest.mark.parametrize("slides", [False, True], ids=["rolling", "sliding"])
 def test_rigid_rollers_obey_newton_and_euler_at_every_step(slides):
     """m a and I dΩ/dt from the stored forces and tractions alone: no force is lost, none acts beside the contacts."""

@@ -1,7 +1,9 @@
-"""A live server of this process, and what its viewers do, without a browser."""
+"""Live servers, of this process and of one of their own, and what viewers do without a browser."""
 
 import asyncio
 import json
+import signal
+import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -14,6 +16,7 @@ from websockets.sync.client import ClientConnection, connect
 from fem.live.player import Player
 from fem.live.server import LiveServer
 from lagrange.scene import read_scene
+from tests.reference.commands import environment, started_as
 
 SECONDS = 60.0  # that an answer may take, where kernels are still to be compiled
 
@@ -55,6 +58,21 @@ def served(*settings: str) -> Iterator[Served]:
         server.end()
         thread.join(SECONDS)
         assert not thread.is_alive()
+
+
+@contextmanager
+def command_served(*arguments: str) -> Iterator[str]:
+    """The address of a `run-live` in a process of its own, which a browser's tests leave alone."""
+    process = subprocess.Popen(
+        [*started_as("run-live"), *arguments], env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True,
+    )  # fmt: skip
+    try:
+        yield process.stdout.readline().split()[1]
+        assert process.poll() is None, process.communicate()[1]
+    finally:
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=SECONDS)
 
 
 def told(viewer: ClientConnection, kind: str):

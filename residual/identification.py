@@ -102,6 +102,8 @@ def fit_law(
     parameters, jacobian, miss = _least_squares(
         extras, depth / units["depth"], load / units["load"], {name: v / units[name] for name, v in causes.items()}
     )
+    if np.linalg.matrix_rank(jacobian) < n_parameters:
+        raise InputError("the run's forces do not fix all numbers of the law; use a longer run, or a named law")
     covariance = _clustered_covariance(jacobian, miss, passage)
     return _identified(
         extras, parameters, covariance, units, samples=samples, contacts=load.size, passages=n_passages,

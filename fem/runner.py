@@ -132,8 +132,8 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     for sentence in state.remarks:
         say(f"warning: {sentence}")
     seen = state.progress
-    if outcome is Outcome.COMPLETE and not options.resume:
-        remember(plan.scene.model, plan.expected_seconds, seen.wall)
+    if outcome is Outcome.COMPLETE and not options.resume and plan.scene.numerics.threads == 1:
+        remember(plan.scene.model, plan.expected_seconds, state.processor)
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
             names = (*columns_of(plan.scene), *plan.scene.mounting().columns[:2])

@@ -15,8 +15,11 @@ facet_kernels                   polygons in place of circles
 friction_kernels                Carter's creep and Coulomb's limit; `friction_solution`: of all contacts together
 shear_kernels                   tangential springs of contacts, in series with creep
 sample_kernels                  what a stored sample holds
-reduced_loop                    the reduced model's steps; `reduced_contacts` its forces, `reduced_modes` its bodies'
-                                vibrations, `reduced_state` its arrays
+cage_kernels                    a cage in a step: `cage_pockets` rollers in it, `cage_guide` its guide,
+                                `cage_contacts` a contact of either, `cage_state` its arrays
+reduced_loop                    the reduced model's steps; `reduced_contacts` its normal forces, `reduced_kick` what
+                                they give, `reduced_friction` tractions and rollers that touch each other,
+                                `reduced_modes` its bodies' vibrations, `reduced_state` its arrays
 lagrangian_loop                 the Lagrangian model's; `lagrangian_forces` and `lagrangian_state` likewise
 simd, lane_functions            eight lanes as one value, and functions of them
 kernel_cache                    compiled kernels on disk; kernel_folder: where, and of which version of these modules

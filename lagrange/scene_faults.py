@@ -17,6 +17,10 @@ Check = Callable[[], Iterator[str]]
 Place = tuple[str | int, ...]  # keys from the scene down
 
 
+class SceneError(ValueError):
+    """The scene can't be used; the text names file, key, value and limit, one fault a line."""
+
+
 class Table(BaseModel):
     """A table of the scene, or the scene itself."""
 

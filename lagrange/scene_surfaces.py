@@ -17,13 +17,12 @@ from lagrange.height_table import height_table
 from lagrange.scene_faults import Check, Table
 
 MM, UM = 1e-3, 1e-6
+SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # their arrays in the scene
 FROM_LOAD = -0.5 * pi  # rad, of the load's direction from +x
 WIDEST = 0.8  # half an opening over the radius of the roller, or of the body it is in
 LARGEST_DEVIATION = 0.005  # of a roller's diameter, as much as its preload may be
 STEEPEST_WAVE = 0.1  # curvature of a wave over that of the contact: circle and surface still touch in one place
 NARROWEST = {"inner_ring": 1e-4, "outer_ring": 1e-4, "roller": 5e-4}  # of the circumference: profiles are tables
-
-
 DEEPEST_PROFILE = 0.1  # from its highest to its lowest point, of the roller's radius: contacts then stay in one place
 COARSEST_PROFILE = 0.1  # of the roller's radius, between two points
 STEEPEST_PROFILE = 2.0  # between two points: no stylus follows more, and an edge would lie anywhere between them

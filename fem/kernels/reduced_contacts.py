@@ -13,23 +13,13 @@ from math import cos, sin
 from fem.kernels.course_kernels import SPEED
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
 from fem.kernels.law import STEEPEST, contact_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.reduced_damping import note_lowered
 from fem.kernels.reduced_modes import gather_waves, less_vibration
 from fem.kernels.reduced_state import INNER, OUTER
-from fem.kernels.simd import (
-    WIDTH,
-    any_lane,
-    count_from,
-    load,
-    magnitude,
-    root,
-    select,
-    splat,
-    store,
-    total,
-)
 from fem.kernels.state import Course
 
 MORE_SWEEPS = 2  # where bodies vibrate

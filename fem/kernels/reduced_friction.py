@@ -10,23 +10,11 @@ from fem.kernels.course_kernels import speed_of
 from fem.kernels.friction_kernels import SLIP_FLOOR, creep_traction
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import larger
+from fem.kernels.lane_memory import gather, load, scatter_add, store
+from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
 from fem.kernels.law import contact_force, kick_force
 from fem.kernels.reduced_damping import damped_neighbours, no_dampers
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
-from fem.kernels.simd import (
-    WIDTH,
-    any_lane,
-    count_from,
-    gather,
-    load,
-    magnitude,
-    root,
-    scatter_add,
-    select,
-    splat,
-    store,
-    total,
-)
 
 
 @part

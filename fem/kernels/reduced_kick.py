@@ -5,13 +5,14 @@ import numpy as np
 from fem.kernels.course_kernels import GAIN, SPEED, speed_of
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger, smaller
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, count_from, magnitude, select, splat, total
 from fem.kernels.law import kick_force
 from fem.kernels.reduced_contacts import both_forces, level, store_pair, take_more, wrap
 from fem.kernels.reduced_damping import with_damper
 from fem.kernels.reduced_friction import tractions
 from fem.kernels.reduced_modes import push_modes
 from fem.kernels.reduced_state import INNER, OUTER
-from fem.kernels.simd import WIDTH, count_from, load, magnitude, select, splat, store, total
 from fem.kernels.state import Course
 
 TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken

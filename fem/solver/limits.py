@@ -13,7 +13,8 @@ from fem.errors import UsageError
 from fem.statics.expected_forces import ExpectedForces
 from lagrange import Bearing, Kinematics
 from lagrange.pair import Pair, contact_pairs
-from lagrange.scene import SURFACES, Scene
+from lagrange.scene import Scene
+from lagrange.scene_surfaces import SURFACES
 from meshes import Mesh, bearing_shapes, quality
 
 if TYPE_CHECKING:

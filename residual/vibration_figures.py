@@ -46,9 +46,10 @@ def hub_envelope(evaluation: Evaluation, envelopes: list[Envelope], folder: Path
     axes[1].set_xlabel("frequency, Hz")
     caption = (
         f"Hub's acceleration within {text(1e-3 * loudest.low, 3)} to {text(1e-3 * loudest.high, 3)} kHz: in "
-        f"{loud.name} over {PASSAGES_SHOWN:g} roller passages with its envelope, and amplitude spectra of the envelopes (Δf = "
-        f"{text(loudest.spectrum.resolution, 3)} Hz). Dashed: FTF, shaft, BPFO, BPFI; dotted: multiples, sidebands of "
-        "BPFI by the shaft, and 2×BSF with sidebands by the cage. Dots: lines that stand out, as in the table."
+        f"{loud.name} over {PASSAGES_SHOWN:g} roller passages with its envelope, and amplitude spectra of the "
+        f"envelopes (Δf = {text(loudest.spectrum.resolution, 3)} Hz). Dashed: FTF, shaft, BPFO, BPFI; dotted: "
+        "multiples, sidebands of BPFI by the shaft, and 2×BSF with sidebands by the cage. Dots: lines that stand out, "
+        "as in the table."
     )
     return save(figure, folder, "hub_envelope", "Envelope spectra of the hub's acceleration", caption)
 

@@ -100,9 +100,10 @@ class OperationTable(Table):
 
     def springs(self) -> Shaft | None:
         """What holds the shaft beside the bearing, in SI; None: nothing."""
-        if self.shaft != "springs":
+        stiffness = self.shaft_stiffness_N_per_m
+        if self.shaft != "springs" or stiffness is None:
             return None
-        return Shaft(stiffness=self.shaft_stiffness_N_per_m, damping=self.shaft_damping_N_s_m or 0.0)
+        return Shaft(stiffness=stiffness, damping=self.shaft_damping_N_s_m or 0.0)
 
     def _angles(self) -> Iterator[str]:
         for of, angle in (("unbalance_g_mm", "unbalance_deg"), ("rotating_load_N", "rotating_load_deg")):

@@ -18,7 +18,7 @@ from lagrange.load_ramp import load_share, load_share_rate
 from lagrange.motion import State
 from lagrange.overlap import touching_distances
 from lagrange.problem import Problem
-from lagrange.profile import Turns, profiles
+from lagrange.profile import Profiles, Turns, profiles
 from lagrange.softened import softened
 
 
@@ -40,7 +40,9 @@ class _System:
         self.mass, self.inner_mass = bearing.roller_mass, operation.inner_mass
         self.gravity, self.load, self.ramp = operation.gravity, operation.radial_load, problem.load_ramp
         self.course = operation.course
-        self.shaft = operation.mounting.shaft
+        shaft = operation.mounting.shaft
+        self.spring_rate = 0.0 if shaft is None else shaft.stiffness / self.inner_mass  # 1/s²
+        self.dashpot_rate = 0.0 if shaft is None else shaft.damping / self.inner_mass  # 1/s
         self.ideal = kinematics(bearing, operation.speed)
         self.cage, self.cage_gain = self.ideal.cage, 0.0
         self.surfaces = profiles(bearing)
@@ -71,10 +73,10 @@ class _System:
             self.force_inner[:] = self.laws.inner.force(self.depth_inner)
             self.force_outer[:] = self.laws.outer.force(self.depth_outer)
 
-    def surface_forces(self, time: float, inward, outward, distance) -> None:
+    def surface_forces(self, surfaces: Profiles, time: float, inward, outward, distance) -> None:
         """Forces on such surfaces, at directions of the elements from both rings' centres, rad; as `law_forces`."""
         turns = Turns.rolling(self.problem.bearing, self.problem.operation, time)
-        inner, outer = self.surfaces.inner(inward, turns), self.surfaces.outer(outward, turns)
+        inner, outer = surfaces.inner(inward, turns), surfaces.outer(outward, turns)
         self.depth_inner -= inner.sinkage
         self.depth_outer -= outer.sinkage
         if not (inner.soft or outer.soft):
@@ -131,21 +133,21 @@ class _System:
     def hub_acceleration(self, on_hub: complex, z: complex, time: float) -> complex:
         """Of the hub by its contacts' force, N, the shaft's springs, load and weight, m/s²."""
         found = on_hub / self.inner_mass - 1j * self.hub_pull(time)
-        if self.shaft is not None:
-            found -= self.shaft.stiffness / self.inner_mass * z
+        if self.spring_rate > 0.0:
+            found -= self.spring_rate * z
         return found
 
     @property
     def has_dashpots(self) -> bool:
         """Whether what holds the shaft takes energy."""
-        return self.shaft is not None and self.shaft.damping > 0.0
+        return self.dashpot_rate > 0.0
 
     def slowed(self, z_rate: complex, z_acc: complex, seconds: float) -> tuple[complex, float]:
         """The hub's velocity after so long a kick, had its dashpots acted as well: exactly; and what they take, J.
 
         Called after the kick, at frozen positions; they take what their mean force does on leapfrog's way.
         """
-        rate = self.shaft.damping / self.inner_mass
+        rate = self.dashpot_rate
         left, before = exp(-rate * seconds), z_rate - seconds * z_acc
         slower = left * before - expm1(-rate * seconds) / rate * z_acc
         lost = 0.5 * self.inner_mass * (slower - z_rate).conjugate() * (before + slower)
@@ -213,7 +215,7 @@ class KinematicAngles(_System):
             self.law_forces()
         else:
             outward = self.first + self.spacing + self.cage_turn(time)
-            self.surface_forces(time, outward + np.angle(line), outward, distance)
+            self.surface_forces(self.surfaces, time, outward + np.angle(line), outward, distance)
         self.line, self.distance = line, distance
         push = self.force_inner / distance * line
         if self.surfaces is not None:
@@ -295,7 +297,7 @@ class FreeAngles(_System):
         if self.surfaces is None:
             self.law_forces()
         else:
-            self.surface_forces(time, np.angle(line), np.angle(q), distance)
+            self.surface_forces(self.surfaces, time, np.angle(line), np.angle(q), distance)
         self.line, self.distance, self.out, power = line, distance, q / rho, 0.0
         push, back = self.force_inner / distance * line, self.force_outer / rho * q
         if self.surfaces is not None:

@@ -151,14 +151,13 @@ def evaluate(
     interval = record.interval
     first, why = _first_sample(record, start)
     notes += why
-    accelerations = Accelerations(
-        hub=tuple(derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y)),
-        outer_ring=tuple(
-            None if place is None else derivative(place, interval, order=order)[first:]
-            for place in (record.housing_x, record.housing_y)
-        ),
-        velocity=tuple(derivative(place, interval, 1, order)[first:] for place in record.hub),
+    hub_x, hub_y = (derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y))
+    ring_x, ring_y = (
+        None if place is None else derivative(place, interval, order=order)[first:]
+        for place in (record.housing_x, record.housing_y)
     )
+    speed_x, speed_y = (derivative(place, interval, 1, order)[first:] for place in record.hub)
+    accelerations = Accelerations(hub=(hub_x, hub_y), outer_ring=(ring_x, ring_y), velocity=(speed_x, speed_y))
     approach = record.contacts.inner
     closing_speed = derivative(approach, interval, 1, order)[first:]
     used = record.samples(slice(first, None))

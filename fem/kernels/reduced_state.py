@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.cage_kernels import CagePair
+from fem.kernels.cage_state import CagePair
 from fem.kernels.shaft_kernels import Shaft
 from fem.kernels.state import Course, Law
 

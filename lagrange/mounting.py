@@ -1,4 +1,4 @@
-"""What a bearing stands in: the housing of its outer ring, and a sensor on it; facts, SI."""
+"""What a bearing stands in: the housing of its outer ring, the fit of the ring in it, and a sensor; facts, SI."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,6 +8,9 @@ import numpy as np
 
 OF_HOUSING = ("housing_x", "housing_y", "housing_ax", "housing_ay", "energy_support")  # what samples tell of it
 OF_SENSOR = ("sensor_ay",)
+OF_BORE = (
+    "outer_ring_x", "outer_ring_y", "outer_ring_ax", "outer_ring_ay", "bore_force_x", "bore_force_y", "bore_arc"
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,30 +60,66 @@ class Points:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Bore:
+    """A round bore around the outer ring, of a housing or of the ground, that pushes where they touch and never pulls.
+
+    It gives way in proportion to the pressure, each place for itself (Winkler's bed), and has no friction; only the
+    ring's turning as a whole is held.
+    """
+
+    clearance: float  # m, its diameter less the ring's; negative: a press fit
+    stiffness: float | None = None  # N/m³, pressure over displacement; None: of a thick wall
+
+    def stiffness_around(self, radius: float, lame_mu: float) -> float:
+        """Its stiffness, N/m³, around a ring of an outside radius, m; without one of its own that of a thick wall.
+
+        That wall is much thicker than the radius R and, for one of the ring's material, has its shear modulus μ, Pa:
+        pushed all around by p it widens by p R/2μ.
+
+        Source: Timoshenko and Goodier, Theory of Elasticity (1970), section 28, thick tube (Lamé), outside → ∞.
+        """
+        return 2.0 * lame_mu / radius if self.stiffness is None else self.stiffness
+
+
+@dataclass(frozen=True, kw_only=True)
 class Mounting:
-    """How the bearing is held. Without points and without a housing the ground holds the outer ring all around."""
+    """How the bearing is held. Without points, housing and bore the ground holds the outer ring all around."""
 
     points: Points | None = None
     housing: Housing | None = None
+    bore: Bore | None = None  # of the housing, or of the ground; None: the ring is held all around, without play
     sensor: Sensor | None = None
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of what samples tell of it, as they stand behind each other."""
-        if self.housing is None:
-            return ()
-        return OF_HOUSING if self.sensor is None else (*OF_HOUSING, *OF_SENSOR)
+        of_housing = () if self.housing is None else OF_HOUSING
+        of_sensor = () if self.housing is None or self.sensor is None else OF_SENSOR
+        return of_housing + of_sensor + (() if self.bore is None else OF_BORE)
+
+    @property
+    def centre(self) -> tuple[str, ...]:
+        """Names of the outer ring's centre, x and y, and of its accelerations; none where it does not move."""
+        if self.bore is not None:
+            return OF_BORE[:4]
+        return () if self.housing is None else OF_HOUSING[:4]
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """Names of where housing and outer ring are, as far as they move."""
+        return tuple(name for name in self.columns if name in (*OF_HOUSING[:2], *OF_BORE[:2]))
 
 
 HELD = Mounting()
 
 
 def from_outer_ring(samples: Mapping[str, np.ndarray], *bodies: str) -> list[np.ndarray]:
-    """Places <body>_x, <body>_y, ... of samples from the outer ring's centre, which a housing may move, m."""
+    """Places <body>_x, <body>_y, ... of samples from the outer ring's centre, which its mounting may move, m."""
     found = []
     for body in bodies:
         for axis in "xy":
             place = samples[f"{body}_{axis}"]
-            moved = samples.get(f"housing_{axis}")
+            moved = samples.get(f"outer_ring_{axis}")
+            moved = samples.get(f"housing_{axis}") if moved is None else moved
             found.append(place if moved is None else (place.T - moved).T)
     return found

@@ -11,7 +11,9 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.bored import BoredRing
 from fem.elastic.kept import kept
+from fem.elastic.supported import LooseRing
 from lagrange.mounting import Housing
 
 # what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
@@ -34,7 +36,9 @@ def critical_time_step(model: Model, largest_force: float, housing: Housing | No
     bodies = [(body.shape, body.material) for body in (model.roller, model.inner_ring, model.outer_ring)]
     perfect = replace(model.bearing, faults=())  # what surfaces lack makes no contact stiffer
     carried = () if housing is None else (housing,)
-    if len(model.outer_ring.free_rows) == model.outer_ring.n_rows:  # held at points: all of it counts as free
+    if isinstance(model.outer_ring, BoredRing):
+        carried = (*carried, model.outer_ring.stiffness)
+    elif isinstance(model.outer_ring, LooseRing):  # held at points: all of it counts as free
         carried = (*carried, "free outer ring")
     key = repr((type(model).__name__, perfect, bodies, model.laws, largest_force, *carried))
     return float(kept("step", key, lambda: {"critical": np.array(_found(model, largest_force, housing))})["critical"])
@@ -42,13 +46,16 @@ def critical_time_step(model: Model, largest_force: float, housing: Housing | No
 
 def _found(model: Model, largest_force: float, housing: Housing | None) -> float:
     force = LOAD_MARGIN * max(largest_force, 1.0)
-    springs = model.springs(force)
+    springs, ring = model.springs(force), model.outer_ring
+    of_mount = 0.0 if housing is None else housing.stiffness / housing.mass
+    if isinstance(ring, BoredRing):
+        springs["outer_ring"] = sparse.hstack([springs["outer_ring"], ring.springs(LIGHT)])
+        of_mount += 0.0 if housing is None else HEAVY * 0.5 * ring.n_sectors * ring.stiffness / housing.mass
     limits = {"roller": _disc_limit, "inner_ring": _ring_limit, "outer_ring": _ring_limit}
     elastic = [name for name in limits if not getattr(model, name).material.rigid]
     found = [limits[name](getattr(model, name), springs[name]) for name in elastic]
     if len(elastic) < len(limits):
         found.extend(_rigid_limits(model, force, housing))
-    of_mount = 0.0 if housing is None else housing.stiffness / housing.mass
     return 2.0 / sqrt(max(found) * (1.0 + LANCZOS_TOLERANCE) + of_mount)
 
 

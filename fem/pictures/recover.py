@@ -248,7 +248,7 @@ def _recovered(scene: Scene, model: Model, values: dict, sample: int, time: floa
         ring_turn=ring_turn,
         rollers=_roller_fields(model, hub, centres, turns, values),
         inner_ring=inner.held(inner_load),
-        outer_ring=outer.held(outer_load),
+        outer_ring=outer.rested(outer_load),
     )
 
 

@@ -1,5 +1,7 @@
 """Fill the time loop's arrays from a model, a start and a time step."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from fem.contacts.model import Model
@@ -19,6 +21,7 @@ from fem.kernels.state import (
     Scratch,
 )
 from fem.kernels.support_kernels import HeldNodes
+from fem.solver.bore_arrays import bore_body
 from fem.solver.cache_lines import lined_up
 from fem.solver.contact_arrays import contact_arrays, disc_surface, pair_groups
 from fem.solver.course_arrays import course_arrays
@@ -57,7 +60,9 @@ def make_arrays(
     surface = disc_surface(model, rollers, disc, data)
     column = N_SCALARS + len(BLOCKS) * rollers.n
     housing = housing_body(model, operation, outer, start.housing, dt, column)
-    others = () if housing is None else ((housing,),)
+    after_housing = column + len(replace(operation.mounting, bore=None).columns)
+    bore = bore_body(model.outer_ring, outer, start.outer_rate, housing, after_housing)
+    others = tuple((body,) for body in (bore, housing) if body is not None)  # the housing has what the bore gives it
     if isinstance(model.outer_ring, SupportedRing):
         held = model.outer_ring.held_sectors.astype(np.int64)
         others = (*others, (HeldNodes(w=outer.w, sectors=held, row=outer.held),))

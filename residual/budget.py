@@ -159,13 +159,13 @@ def _differentiation(record: Record, accelerations: Accelerations):
     """M times what our accelerations differ by from the integrator's, N: of the hub relative to the outer ring, and of
     the outer ring; each for x and y, None where the source holds none."""
     mass, hub, outer_ring = record.operation.inner_mass, [], []
-    own = (record.inner_ax, record.housing_ax), (record.inner_ay, record.housing_ay)
-    for whole, ours, moved, (inner, housing) in zip(
+    own = (record.inner_ax, record.outer_ring_ax), (record.inner_ay, record.outer_ring_ay)
+    for whole, ours, moved, (inner, outer) in zip(
         accelerations.whole, accelerations.hub, accelerations.outer_ring, own, strict=True
     ):
-        known = inner is not None and moved is not None and housing is not None
-        hub.append(None if inner is None else mass * (ours - (inner - housing) if known else whole - inner))
-        outer_ring.append(mass * (moved - housing) if known else None)
+        known = inner is not None and moved is not None and outer is not None
+        hub.append(None if inner is None else mass * (ours - (inner - outer) if known else whole - inner))
+        outer_ring.append(mass * (moved - outer) if known else None)
     return hub, outer_ring
 
 

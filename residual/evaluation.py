@@ -155,7 +155,7 @@ def evaluate(
         hub=tuple(derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y)),
         outer_ring=tuple(
             None if place is None else derivative(place, interval, order=order)[first:]
-            for place in (record.housing_x, record.housing_y)
+            for place in (record.outer_ring_x, record.outer_ring_y)
         ),
     )
     approach = record.contacts.inner

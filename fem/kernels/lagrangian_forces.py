@@ -9,9 +9,10 @@ from fem.kernels.course_kernels import GAIN, SPEED, TURN, follow, load_at, with_
 from fem.kernels.jit import part, verb
 from fem.kernels.lagrangian_state import INNER, OUTER, PowerConstants
 from fem.kernels.lane_functions import exponential, larger, logarithm, smaller
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
 from fem.kernels.law import contact_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
-from fem.kernels.simd import WIDTH, any_lane, count_from, load, magnitude, root, select, splat, store, total
 from fem.kernels.state import Course
 
 FARTHEST = 1e100  # m²: what is farther, or not a number, has no direction

@@ -5,7 +5,8 @@ from math import pi, sin
 from fem.kernels.course_kernels import FORCE_X, FORCE_Y, RATE_X, RATE_Y, follow, share_at
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.lagrangian_forces import accelerate, damp
-from fem.kernels.simd import WIDTH, fma, load, splat, store
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, fma, splat
 from fem.kernels.state import Course
 
 HELD, RAMPED, DISSIPATED, POWER = 0, 1, 2, 3  # of `IdealMotion.works`

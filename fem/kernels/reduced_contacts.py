@@ -17,25 +17,13 @@ from fem.kernels.course_kernels import GAIN, SPEED, speed_of
 from fem.kernels.friction_kernels import SLIP_FLOOR, creep_traction
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm, smaller
+from fem.kernels.lane_memory import gather, load, scatter_add, store
+from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
 from fem.kernels.law import STEEPEST, contact_force, kick_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.reduced_damping import damped_neighbours, no_dampers, note_lowered, with_damper
 from fem.kernels.reduced_modes import gather_waves, less_vibration, push_modes
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
-from fem.kernels.simd import (
-    WIDTH,
-    any_lane,
-    count_from,
-    gather,
-    load,
-    magnitude,
-    root,
-    scatter_add,
-    select,
-    splat,
-    store,
-    total,
-)
 from fem.kernels.state import Course
 
 MORE_SWEEPS = 2  # where bodies vibrate

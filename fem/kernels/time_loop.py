@@ -14,11 +14,12 @@ from fem.kernels.drive_kernels import kick_hub, move_hub
 from fem.kernels.friction_solution import friction_contacts, slips_before
 from fem.kernels.jit import every, kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, fma
 from fem.kernels.other_bodies import drift_others, kick_others
 from fem.kernels.resolved_kernels import press_all_points
 from fem.kernels.rigid_surfaces import settle, turn
 from fem.kernels.sample_kernels import remember, write_sample
-from fem.kernels.simd import WIDTH, fma, load, store
 from fem.kernels.team_kernels import drift_bodies, kick_bodies
 
 DONE, NOT_FINITE = 0, 1

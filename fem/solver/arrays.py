@@ -9,9 +9,9 @@ from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.rigid import RigidRing
 from fem.elastic.supported import SupportedRing
 from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.lanes import WIDTH
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
-from fem.kernels.simd import WIDTH
 from fem.kernels.state import (
     Bodies,
     Disc,

@@ -9,9 +9,9 @@ import numpy as np
 from fem.elastic.supported import LooseRing
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.housing_kernels import Housing
+from fem.kernels.lanes import WIDTH
 from fem.kernels.law import with_seam
 from fem.kernels.patches import N_NODES
-from fem.kernels.simd import WIDTH
 from fem.kernels.state import (
     INNER,
     OUTER,

@@ -12,7 +12,7 @@ from fem.kernels.lagrangian_state import (
     Rows,
     Surfaces,
 )
-from fem.kernels.simd import WIDTH
+from fem.kernels.lanes import WIDTH
 from fem.kernels.state import Law
 from fem.solver.cache_lines import lined_up
 from fem.solver.course_arrays import course_arrays

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
-from fem.kernels.simd import WIDTH
+from fem.kernels.lanes import WIDTH
 from fem.solver.cage_arrays import critical_with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_loop import advance_reduced
 from fem.kernels.reduced_state import (
     INNER,
@@ -19,7 +20,6 @@ from fem.kernels.reduced_state import (
     ReducedForces,
     RigidBodies,
 )
-from fem.kernels.simd import WIDTH
 from fem.solver.cage_arrays import cage_state, pair_of_rigid
 from fem.solver.course_arrays import course_arrays
 from fem.solver.profile_arrays import raceway_profiles

@@ -128,9 +128,7 @@ def _bore(scene: "Scene") -> Iterator[str]:
     if scene.bodies.outer_ring == "rigid":
         yield f'{given}: only for an elastic outer ring, bodies.outer_ring is "rigid"; leave one of them out'
     if scene.contact.model != "subgrid":
-        yield (
-            f'{given}: only with contact.model = "subgrid", not with "{scene.contact.model}"; leave one of them out'
-        )
+        yield (f'{given}: only with contact.model = "subgrid", not with "{scene.contact.model}"; leave one of them out')
     if abs(bore.clearance) > 1e-6 * most:
         yield (
             f"{given}: more than {LARGEST_FIT:g} of the outer ring's outside diameter, {diameter:g} mm; between "

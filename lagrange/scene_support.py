@@ -100,15 +100,12 @@ class SupportTable(Table):
             return None
         return Housing(mass=self.mass_kg, stiffness=self.stiffness_N_per_m, damping=self.damping_N_s_m)
 
-
     def bore(self) -> Bore | None:
         """The bore in SI."""
         if self.fit_clearance_um is None:
             return None
         stiffness = self.bore_stiffness_N_per_mm3
-        return Bore(
-            clearance=UM * self.fit_clearance_um, stiffness=None if stiffness is None else PER_MM3 * stiffness
-        )
+        return Bore(clearance=UM * self.fit_clearance_um, stiffness=None if stiffness is None else PER_MM3 * stiffness)
 
 
 class SensorTable(Table):

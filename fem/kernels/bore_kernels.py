@@ -1,9 +1,8 @@
 """The bore around an outer ring with play, or pressed in: springs at the nodes of its outside, which only push.
 
-A step moves each node by less than springs or their neighbours could turn back, so that the springs' energy
-½ k (u_r − play)² changes by what the kicks before and after give, but for the step in which a node meets or leaves the
-bore: that step is off by at most ⅛ k (ẋ dt)², either way. Without friction nothing but the bore's hold keeps the ring
-from turning: an impulse around the circle that leaves no mean velocity around, and so does no work.
+Kicks are those of contacts, `law.kick_force`, so that a node that meets or leaves the bore within a step costs no
+energy. Without friction nothing keeps the ring from turning but an impulse around the circle, the same at all nodes,
+that leaves their velocities around a mean of 0, and so does no work.
 """
 
 from typing import NamedTuple
@@ -11,10 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.jit import part
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, select, splat, total
+from fem.kernels.law import kick_force
 from fem.kernels.other_bodies import add_motion, kick_body
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.sample_kernels import CONTACT
-from fem.kernels.simd import WIDTH, load, select, splat, store, total
 from fem.kernels.state import Ring
 
 PLACE_X, PLACE_Y, AX, AY, FORCE_X, FORCE_Y, ARC = range(7)  # of the bore's columns, from its first one on
@@ -28,6 +29,9 @@ class Bore(NamedTuple):
     impulse: np.ndarray  # (2,), N s, of this step on the housing
     velocity: np.ndarray  # (2,), m/s, mean of the ring's outside, at t − dt/2
     before: np.ndarray  # (2,), m/s, before the last kick
+    depth: np.ndarray  # (n_sectors,), m, of the nodes in the bore at the last kick; below 0: apart, NaN: not known
+    kick: np.ndarray  # (n_sectors,), N, that the last kick gave them
+    residual: np.ndarray  # (n_sectors,), J, stored beyond what kicks have taken
     play: float  # m, radial; negative: what the ring is larger by
     stiffness: float  # N/m, at one node
     column: int  # of a sample's row, its first
@@ -60,21 +64,35 @@ def _mean(ring, polar):
     return total(x) / ring.n_sectors, total(y) / ring.n_sectors
 
 
+@part
+def _pushed(bore, i, depth):
+    """What a kick gives eight nodes from node i on inward, N."""
+    before = load(bore.depth, i)
+    last = select(before > 0.0, bore.stiffness * before, 0.0)
+    force = select(depth > 0.0, bore.stiffness * depth, 0.0)
+    kick, residual = kick_force(
+        before, last, 0.0, load(bore.kick, i), load(bore.residual, i), depth, force, 0.0, 1.0, 0.0
+    )  # fmt: skip
+    store(bore.depth, i, depth)
+    store(bore.kick, i, kick)
+    store(bore.residual, i, residual)
+    return kick
+
+
 @kick_body.of(Bore)
 def _kick(bore, drive):
     ring, dt = bore.ring, drive.dt
     radial, around = _lines(ring)
-    gain = bore.stiffness * dt / ring.row_mass[ring.held]
+    over = dt / ring.row_mass[ring.held]
     x, y, turning = splat(0.0), splat(0.0), splat(0.0)
     for k in range(HALO, HALO + ring.n_sectors, WIDTH):
-        depth = _depths(bore, radial, k)
-        pushed = select(depth > 0.0, depth, 0.0)
-        store(ring.w, radial + k, load(ring.w, radial + k) - gain * pushed)
-        x += pushed * load(ring.cosines, k)
-        y += pushed * load(ring.sines, k)
+        kick = _pushed(bore, k - HALO, _depths(bore, radial, k))
+        store(ring.w, radial + k, load(ring.w, radial + k) - over * kick)
+        x += kick * load(ring.cosines, k)
+        y += kick * load(ring.sines, k)
         turning += load(ring.w, around + k)
-    bore.impulse[0] += bore.stiffness * dt * total(x)
-    bore.impulse[1] += bore.stiffness * dt * total(y)
+    bore.impulse[0] += dt * total(x)
+    bore.impulse[1] += dt * total(y)
     mean = total(turning) / ring.n_sectors
     for k in range(HALO, HALO + ring.n_sectors, WIDTH):
         store(ring.w, around + k, load(ring.w, around + k) - mean)

@@ -42,8 +42,8 @@ def make_arrays(
     threads: int,
 ) -> Arrays:
     """Positions at t = 0 and velocities at −dt/2. `ramp` in s; the largest static contact force in N."""
-    inner = _ring(model.inner_ring, dt)
-    outer = _ring(model.outer_ring, dt)
+    inner = ring_nodes(model.inner_ring, dt)
+    outer = ring_nodes(model.outer_ring, dt)
     rollers = _rollers(model.roller, model.bearing.n_rollers)
     disc = disc_nodes(model.roller, dt, rollers.columns)
     drive = _drive(model, operation, start, dt, ramp)
@@ -115,7 +115,8 @@ def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
     )
 
 
-def _ring(ring: RingBody, dt: float) -> Ring:
+def ring_nodes(ring: RingBody, dt: float) -> Ring:
+    """Nodes at rest of a ring, for steps of `dt`, s."""
     if isinstance(ring, RigidRing):
         return _rigid_ring(ring)
     width = ring.n_sectors + 2 * HALO

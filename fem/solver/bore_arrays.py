@@ -24,6 +24,9 @@ def bore_body(body: RingBody, ring: Ring, outer_rate: np.ndarray, housing: Housi
         impulse=np.zeros(2) if housing is None else housing.impulse,  # the ground's, which nobody reads
         velocity=body.cartesian(outer_rate).reshape(body.n_rows, -1, 2)[body.held_row].mean(axis=0),
         before=np.zeros(2),
+        depth=np.full(body.n_sectors, np.nan),
+        kick=np.zeros(body.n_sectors),
+        residual=np.zeros(body.n_sectors),
         play=float(body.play),
         stiffness=float(body.stiffness),
         column=column,

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -117,7 +118,7 @@ class Record:
 
     def samples(self, part: slice) -> "Record":
         """Restrict the record to some samples."""
-        cut = {}
+        cut: dict[str, Any] = {}
         for f in fields(self):
             value = getattr(self, f.name)
             if isinstance(value, np.ndarray):
@@ -141,7 +142,9 @@ def relative(arrays: dict[str, np.ndarray], centre: Sequence[str]) -> dict[str, 
     found = {called.get(name, name): array for name, array in arrays.items()}
     for axis in "xy":
         moved = found.get(f"outer_ring_{axis}")
-        for body in ("inner", "roller", "cage") if moved is not None else ():
+        if moved is None:
+            continue
+        for body in ("inner", "roller", "cage"):
             place = arrays.get(f"{body}_{axis}")
             if place is None:
                 continue

@@ -3,6 +3,7 @@
 import csv
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -100,7 +101,8 @@ def _shown(text: str) -> str:
 
 def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: bool) -> Record:
     """Make the record: Cartesian, evenly sampled, checked, with notes on what the table lacks."""
-    notes, centre = [], scene.mounting().centre
+    notes: list[str] = []
+    centre = scene.mounting().centre
     if "roller_rho" in arrays:
         rho, theta = arrays.pop("roller_rho"), np.unwrap(arrays.pop("roller_theta"), axis=0)
         arrays["roller_x"], arrays["roller_y"] = rho * np.cos(theta), rho * np.sin(theta)
@@ -116,8 +118,8 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
             notes.append("the table tells no accelerations of its own: the budget has no differentiation term")
         if "inner_traction" not in arrays:
             notes.append("the table tells no tangential forces: the budget has no friction term")
-    arrays = relative(arrays, centre)
-    return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **arrays))
+    columns: dict[str, Any] = relative(arrays, centre)  # fields of a record by their names
+    return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **columns))
 
 
 def _columns_found(path: Path, header: list[str], scene: Scene) -> dict[str, tuple[list[int], float]]:

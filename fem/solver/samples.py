@@ -19,7 +19,7 @@ class SampleReader:
     def __init__(self, plan):
         self._n = plan.model.bearing.n_rollers
         self._further = plan.operation.mounting.columns  # columns of a row behind those of the rollers
-        self._pressed = getattr(plan.model.outer_ring, "pressed_energy", 0.0)  # J, which no run takes out again
+        self._pressed = plan.pressed_energy
         self._has_cage = plan.scene.cage is not None
         self._looks = plan.looks
         self._interval = plan.interval

@@ -70,12 +70,13 @@ class Columns(BaseModel):
     def _usable(cls, name: str, info: ValidationInfo) -> str:
         if not name.strip() or len(name) > LONGEST_NAME:
             raise ValueError(f"must be a column's name of at most {LONGEST_NAME} characters")
-        unit, units = _split(name)[1], UNITS[info.field_name]
+        quantity = str(info.field_name)  # which a field's validator always has
+        unit, units = _split(name)[1], UNITS[quantity]
         if unit is not None and unit not in units:
             raise ValueError(f"the unit [{unit}] is unknown; known are {', '.join(units)}")
-        if per_roller(info.field_name) != ("{j}" in name):
+        if per_roller(quantity) != ("{j}" in name):
             wanted = "needs {j} where the roller's number stands"
-            raise ValueError(wanted if per_roller(info.field_name) else "has one column, without {j}")
+            raise ValueError(wanted if per_roller(quantity) else "has one column, without {j}")
         return name
 
     def header(self, quantity: str, roller: int | None = None) -> tuple[list[str], float]:

@@ -96,10 +96,10 @@ def _damping(scene: "Scene") -> Iterator[str]:
 
 
 def _support(scene: "Scene") -> Iterator[str]:
-    mounting = scene.mounting()
-    if (mounting.housing is not None or mounting.points is not None) and scene.model != "fem":
+    mounting, support = scene.mounting(), scene.support
+    if support is not None and support.kind != "held" and scene.model != "fem":
         yield (
-            f'support.kind = "{scene.support.kind}": only with model = "fem", not with "{scene.model}", whose outer '
+            f'support.kind = "{support.kind}": only with model = "fem", not with "{scene.model}", whose outer '
             "ring is held all around by the ground; leave one of them out"
         )
     if mounting.points is not None and scene.bodies.outer_ring == "rigid":

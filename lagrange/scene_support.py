@@ -12,7 +12,10 @@ from lagrange.scene_faults import Check, Table
 THREE_POINTS = {"angles_deg": [0.0, 120.0, 240.0], "width_mm": 6.0}
 PEDESTAL = {"mass_kg": 12.638, "stiffness_N_per_m": 15.1e6, "damping_N_s_m": 2210.7}
 
-OF_KINDS = {"points": THREE_POINTS, "housing": PEDESTAL}  # keys of each kind, with their defaults
+OF_KINDS: dict[str, dict[str, Any]] = {
+    "points": THREE_POINTS,
+    "housing": PEDESTAL,
+}  # keys of each kind, with their defaults
 
 
 class SupportTable(Table):
@@ -44,7 +47,8 @@ class SupportTable(Table):
 
     @classmethod
     def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
-        return OF_KINDS.get(data.get("kind"), {}) | data if isinstance(data.get("kind"), str) else data
+        kind = data.get("kind")
+        return OF_KINDS.get(kind, {}) | data if isinstance(kind, str) else data
 
     def checks(self) -> tuple[Check, ...]:
         return self._of_other_kinds, self._angles
@@ -64,6 +68,8 @@ class SupportTable(Table):
         """The points in SI."""
         if self.kind != "points":
             return None
+        if self.angles_deg is None or self.width_mm is None:
+            raise ValueError('kind = "points" without angles_deg or width_mm; leave None out')
         angles = tuple(radians(angle - 90.0) for angle in self.angles_deg)
         return Points(angles=angles, width=1e-3 * self.width_mm)
 
@@ -71,6 +77,8 @@ class SupportTable(Table):
         """The housing in SI."""
         if self.kind != "housing":
             return None
+        if self.mass_kg is None or self.stiffness_N_per_m is None or self.damping_N_s_m is None:
+            raise ValueError('kind = "housing" without a mass, a stiffness or a damping; leave None out')
         return Housing(mass=self.mass_kg, stiffness=self.stiffness_N_per_m, damping=self.damping_N_s_m)
 
 

@@ -125,7 +125,7 @@ class Simulation:
         return Trajectory(
             **part, bearing=problem.bearing, operation=problem.operation, laws=problem.laws,
             roller_spin=kinematics(problem.bearing, problem.operation.at(time).speed).roller,
-            roller_turn=turned(problem.bearing, problem.operation, time).roller,
+            roller_turn=np.asarray(turned(problem.bearing, problem.operation, time).roller),
             time_step=self.time_step, critical_time_step=self.critical_time_step,
             steps=self.steps_per_sample * (self.done - 1),
         )  # fmt: skip
@@ -232,7 +232,7 @@ def simulate(
     simulation = Simulation(problem, interval, time_step)
     while True:
         trajectory = simulation.advance(int(duration / interval + 1e-9) + 1)
-        if simulation.trouble:
+        if trajectory is None or simulation.trouble:
             raise RuntimeError(simulation.trouble)
         if simulation.verdict is Verdict.RESOLVED:
             return trajectory

@@ -17,7 +17,7 @@ from lagrange.load_ramp import load_share, load_share_rate
 from lagrange.motion import State
 from lagrange.overlap import touching_distances
 from lagrange.problem import Problem
-from lagrange.profile import Turns, profiles
+from lagrange.profile import Profiles, Turns, profiles
 from lagrange.softened import softened
 
 
@@ -69,10 +69,10 @@ class _System:
             self.force_inner[:] = self.laws.inner.force(self.depth_inner)
             self.force_outer[:] = self.laws.outer.force(self.depth_outer)
 
-    def surface_forces(self, time: float, inward, outward, distance) -> None:
+    def surface_forces(self, surfaces: Profiles, time: float, inward, outward, distance) -> None:
         """Forces on such surfaces, at directions of the elements from both rings' centres, rad; as `law_forces`."""
         turns = Turns.rolling(self.problem.bearing, self.problem.operation, time)
-        inner, outer = self.surfaces.inner(inward, turns), self.surfaces.outer(outward, turns)
+        inner, outer = surfaces.inner(inward, turns), surfaces.outer(outward, turns)
         self.depth_inner -= inner.sinkage
         self.depth_outer -= outer.sinkage
         if not (inner.soft or outer.soft):
@@ -188,7 +188,7 @@ class KinematicAngles(_System):
             self.law_forces()
         else:
             outward = self.first + self.spacing + self.cage_turn(time)
-            self.surface_forces(time, outward + np.angle(line), outward, distance)
+            self.surface_forces(self.surfaces, time, outward + np.angle(line), outward, distance)
         self.line, self.distance = line, distance
         push = self.force_inner / distance * line
         if self.surfaces is not None:
@@ -270,7 +270,7 @@ class FreeAngles(_System):
         if self.surfaces is None:
             self.law_forces()
         else:
-            self.surface_forces(time, np.angle(line), np.angle(q), distance)
+            self.surface_forces(self.surfaces, time, np.angle(line), np.angle(q), distance)
         self.line, self.distance, self.out, power = line, distance, q / rho, 0.0
         push, back = self.force_inner / distance * line, self.force_outer / rho * q
         if self.surfaces is not None:

@@ -32,6 +32,7 @@ from residual.fitted_laws import DampedLaw, Law, spring_and_damper
 from residual.record import Record
 
 CHATTER = 0.05  # of a cage revolution
+Term = tuple[np.ndarray | None, np.ndarray | None]  # of x and y, (n_times,), N; None where the source does not tell it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,10 +43,11 @@ class Accelerations:
     outer_ring: tuple[np.ndarray | None, np.ndarray | None] = (None, None)  # None: it stands still
 
     @property
-    def whole(self) -> list[np.ndarray]:
+    def whole(self) -> tuple[np.ndarray, np.ndarray]:
         """Of the hub in the fixed frame."""
         pairs = zip(self.hub, self.outer_ring, strict=True)
-        return [hub if moved is None else hub + moved for hub, moved in pairs]
+        x, y = (hub if moved is None else hub + moved for hub, moved in pairs)
+        return x, y
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,9 +122,12 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
         x, y = (DirectionBudget(error=error, terms={}, momentum=None) for error in errors)
         loaded = contacts.inner > 0.0
     else:
-        friction, cage, damping = (None, None), (None, None), (None, None)
+        friction: Term = (None, None)
+        cage: Term = (None, None)
+        damping: Term = (None, None)
         differentiation, outer_ring = _differentiation(record, accelerations)
-        run_spring, run_damper = record.inner_force, 0.0
+        run_spring = record.inner_force
+        run_damper: np.ndarray | float = 0.0
         if record.inner_damping_force is not None:
             run_spring, run_damper = record.inner_force - record.inner_damping_force, record.inner_damping_force
         if record.inner_damping_force is not None or isinstance(law, DampedLaw):
@@ -145,7 +150,7 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     return Budget(x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded)
 
 
-def _cage_apart(record: Record, circles: Overlaps, friction):
+def _cage_apart(record: Record, circles: Overlaps, friction: Term) -> tuple[Term, Term]:
     """Terms of friction and of the cage, x and y each, from the resultant of all tractions; no cage's are None."""
     if record.cage is None:
         return friction, (None, None)
@@ -158,14 +163,19 @@ def _cage_apart(record: Record, circles: Overlaps, friction):
 def _differentiation(record: Record, accelerations: Accelerations):
     """M times what our accelerations differ by from the integrator's, N: of the hub relative to the outer ring, and of
     the outer ring; each for x and y, None where the source holds none."""
-    mass, hub, outer_ring = record.operation.inner_mass, [], []
+    mass = record.operation.inner_mass
+    hub: list[np.ndarray | None] = []
+    outer_ring: list[np.ndarray | None] = []
     own = (record.inner_ax, record.housing_ax), (record.inner_ay, record.housing_ay)
     for whole, ours, moved, (inner, housing) in zip(
         accelerations.whole, accelerations.hub, accelerations.outer_ring, own, strict=True
     ):
-        known = inner is not None and moved is not None and housing is not None
-        hub.append(None if inner is None else mass * (ours - (inner - housing) if known else whole - inner))
-        outer_ring.append(mass * (moved - housing) if known else None)
+        if inner is None or moved is None or housing is None:
+            hub.append(None if inner is None else mass * (whole - inner))
+            outer_ring.append(None)
+        else:
+            hub.append(mass * (ours - (inner - housing)))
+            outer_ring.append(mass * (moved - housing))
     return hub, outer_ring
 
 

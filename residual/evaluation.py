@@ -151,13 +151,12 @@ def evaluate(
     interval = record.interval
     first, why = _first_sample(record, start)
     notes += why
-    accelerations = Accelerations(
-        hub=tuple(derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y)),
-        outer_ring=tuple(
-            None if place is None else derivative(place, interval, order=order)[first:]
-            for place in (record.housing_x, record.housing_y)
-        ),
+    hub_x, hub_y = (derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y))
+    ring_x, ring_y = (
+        None if place is None else derivative(place, interval, order=order)[first:]
+        for place in (record.housing_x, record.housing_y)
     )
+    accelerations = Accelerations(hub=(hub_x, hub_y), outer_ring=(ring_x, ring_y))
     approach = record.contacts.inner
     closing_speed = derivative(approach, interval, 1, order)[first:]
     used = record.samples(slice(first, None))

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -116,7 +117,7 @@ class Record:
 
     def samples(self, part: slice) -> "Record":
         """Restrict the record to some samples."""
-        cut = {}
+        cut: dict[str, Any] = {}
         for f in fields(self):
             value = getattr(self, f.name)
             if isinstance(value, np.ndarray):
@@ -135,7 +136,9 @@ def relative(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     found = dict(arrays)
     for axis in "xy":
         moved = arrays.get(f"housing_{axis}")
-        for body in ("inner", "roller", "cage") if moved is not None else ():
+        if moved is None:
+            continue
+        for body in ("inner", "roller", "cage"):
             place = arrays.get(f"{body}_{axis}")
             if place is None:
                 continue

@@ -3,6 +3,7 @@
 import csv
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -117,7 +118,8 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
             notes.append("the table tells no accelerations of its own: the budget has no differentiation term")
         if "inner_traction" not in arrays:
             notes.append("the table tells no tangential forces: the budget has no friction term")
-    return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **relative(arrays)))
+    columns: dict[str, Any] = relative(arrays)  # fields of a record by their names
+    return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **columns))
 
 
 def _columns_found(path: Path, header: list[str], scene: Scene) -> dict[str, tuple[list[int], float]]:

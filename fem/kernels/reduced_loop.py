@@ -17,8 +17,10 @@ from fem.kernels.course_kernels import (
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
-from fem.kernels.reduced_contacts import estimate_forces, kick, press_neighbours, set_right, sweep_again
+from fem.kernels.reduced_contacts import estimate_forces, set_right, sweep_again
 from fem.kernels.reduced_damping import damp_contacts, write_damping
+from fem.kernels.reduced_friction import press_neighbours
+from fem.kernels.reduced_kick import kick
 from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings, vibration_energies
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.sample_kernels import (

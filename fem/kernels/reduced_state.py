@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.cage_kernels import CagePair
+from fem.kernels.cage_state import CagePair
 from fem.kernels.state import Course, Law
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1

@@ -5,7 +5,8 @@ import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.rigid_surfaces
 import fem.kernels.ring_surface
 import fem.kernels.support_kernels  # noqa: F401
-from fem.kernels.cage_kernels import CagePair, rub_cage
+from fem.kernels.cage_kernels import rub_cage
+from fem.kernels.cage_state import CagePair
 from fem.kernels.contact_kernels import press_patches, push_neighbours, push_patches
 from fem.kernels.course_kernels import follow, load_at, step_of, with_aside
 from fem.kernels.damping_kernels import damp_bodies, damp_contacts

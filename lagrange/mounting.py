@@ -1,6 +1,6 @@
-"""What a bearing stands in: the housing of its outer ring, and a sensor on it; facts, SI."""
+"""What holds a bearing in its machine: its outer ring's housing with a sensor on it, its shaft's springs; facts, SI."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 
@@ -8,6 +8,11 @@ import numpy as np
 
 OF_HOUSING = ("housing_x", "housing_y", "housing_ax", "housing_ay", "energy_support")  # what samples tell of it
 OF_SENSOR = ("sensor_ay",)
+OF_SHAFT = ("energy_shaft",)
+ENERGIES = ("energy_support", "energy_shaft")  # among them, J
+
+LOOK_AROUND = 1e-8  # relative, for derivatives, of what statics are exact to 1e-10 of
+SETTLED, FINEST = 1e-7, 1e-7  # of the way that a housing sinks, m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,6 +22,10 @@ class Housing:
     mass: float  # kg, without the outer ring
     stiffness: float  # N/m, along either axis
     damping: float  # N s/m
+
+    @property
+    def words(self) -> str:
+        return f"{self.mass:.4g} kg without the ring, on {self.stiffness:.4g} N/m, {self.damping:.4g} N s/m"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +58,25 @@ class Sensor:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Shaft:
+    """Springs and dashpots between hub and ground, along x and along y: what else holds the shaft.
+
+    They are slack where the hub's centre is at the origin. The dashpots stand still; they do not turn with the shaft.
+    """
+
+    stiffness: float  # N/m, along either axis
+    damping: float  # N s/m
+
+    @property
+    def words(self) -> str:
+        return f"{self.stiffness:.4g} N/m, {self.damping:.4g} N s/m beside the bearing"
+
+    def force(self, place, velocity):
+        """On the hub along an axis, N, at its place, m, and velocity, m/s, along it; any shape."""
+        return -self.stiffness * place - self.damping * velocity
+
+
+@dataclass(frozen=True, kw_only=True)
 class Points:
     """Arcs of its outside in which the ground holds the outer ring, which is free between them."""
 
@@ -63,16 +91,58 @@ class Mounting:
     points: Points | None = None
     housing: Housing | None = None
     sensor: Sensor | None = None
+    shaft: Shaft | None = None  # None: the bearing alone carries the hub
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of what samples tell of it, as they stand behind each other."""
-        if self.housing is None:
-            return ()
-        return OF_HOUSING if self.sensor is None else (*OF_HOUSING, *OF_SENSOR)
+        parts = ((self.housing, OF_HOUSING), (self.sensor, OF_SENSOR), (self.shaft, OF_SHAFT))
+        return tuple(name for part, names in parts if part is not None for name in names)
+
+    @property
+    def rows(self) -> dict[str, str]:
+        """What --dry-run shows of it, name and value."""
+        parts = {"housing": self.housing, "springs of the shaft": self.shaft}
+        return {name: part.words for name, part in parts.items() if part is not None}
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """Names of the columns that tell where the outer ring's centre is; none where it stands still."""
+        return () if self.housing is None else OF_HOUSING[:2]
 
 
 HELD = Mounting()
+
+
+def ring_place(mounting: Mounting, weight: float, force_at: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Where the outer ring's centre stands in its housing, (2,), m; 0 without one.
+
+    Parameters
+    ----------
+    weight : N, of housing and ring
+    force_at : the contacts' force on the ring, (2,), N, by its place; that matters with a shaft's springs alone, which
+        pull the more the further ring and hub have sunk
+
+    Errors
+    ------
+    RuntimeError: no such place is found.
+    """
+    housing = mounting.housing
+    if housing is None:
+        return np.zeros(2)
+
+    def beyond(place):
+        return place - (force_at(place) - np.array([0.0, weight])) / housing.stiffness
+
+    first = -beyond(np.zeros(2))
+    if mounting.shaft is None:
+        return first
+    from scipy.optimize import root
+
+    found = root(beyond, first, options={"xtol": 1e-12, "eps": LOOK_AROUND})
+    if np.abs(found.fun).max() > SETTLED * max(np.abs(found.x).max(), FINEST):
+        raise RuntimeError(f"the housing does not settle between its springs and the shaft's: {found.message}")
+    return found.x
 
 
 def from_outer_ring(samples: Mapping[str, np.ndarray], *bodies: str) -> list[np.ndarray]:

@@ -173,6 +173,7 @@ class Scene(Table):
             points=None if self.support is None else self.support.points(),
             housing=None if self.support is None else self.support.housing(),
             sensor=None if self.sensor is None else self.sensor.sensor(),
+            shaft=self.operation.springs(),
         )
 
     @property

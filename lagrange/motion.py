@@ -145,14 +145,17 @@ def angular_equations(
     return rho * (m * (inertia + weight) - aside)
 
 
-def hub_equations(operation: Operation, contacts: ContactState, x_acceleration, y_acceleration):
+def hub_equations(operation: Operation, state: State, contacts: ContactState, x_acceleration, y_acceleration):
     """Left sides of (22) and of (23) with the load moved over, N, each (...,); 0 in a motion of the model.
 
-    The operation's loads may be of the same shape: `Operation.at`.
+    The operation's loads may be of the same shape: `Operation.at`. A shaft's springs and dashpots act beside the load.
     """
-    mass = operation.inner_mass
+    mass, shaft = operation.inner_mass, operation.mounting.shaft
     push_x = np.sum(contacts.inner_force * contacts.along_x, axis=-1)
     push_y = np.sum(contacts.inner_force * contacts.along_y, axis=-1)
+    if shaft is not None:
+        push_x = push_x + shaft.force(state.x, state.x_rate)
+        push_y = push_y + shaft.force(state.y, state.y_rate)
     return (
         mass * x_acceleration - push_x - operation.side_load,
         mass * (y_acceleration + operation.gravity) - push_y + operation.radial_load,
@@ -165,7 +168,7 @@ def accelerations(bearing: Bearing, operation: Operation, state: State, contacts
     The equations are linear in the accelerations, and each holds one of them. With angles from kinematics (20) leave
     θ̈ unused: it is what the element would do without a cage.
     """
-    error_x, error_y = hub_equations(operation, contacts, 0.0, 0.0)
+    error_x, error_y = hub_equations(operation, state, contacts, 0.0, 0.0)
     radial = radial_equations(bearing, operation, state, contacts, 0.0)
     angular = angular_equations(bearing, operation, state, contacts, 0.0)
     m = bearing.roller_mass

@@ -174,6 +174,7 @@ class Scene(Table):
             housing=None if self.support is None else self.support.housing(),
             bore=None if self.support is None else self.support.bore(),
             sensor=None if self.sensor is None else self.sensor.sensor(),
+            shaft=self.operation.springs(),
         )
 
     @property

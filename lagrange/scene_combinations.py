@@ -110,6 +110,17 @@ def _support(scene: "Scene") -> Iterator[str]:
             f'support.kind = "points": only with contact.model = "subgrid", not with "{scene.contact.model}"; leave '
             "one of them out"
         )
+    if mounting.shaft is not None and scene.model == "fem" and scene.contact.model != "subgrid":
+        yield (
+            f'operation.shaft = "springs": only with contact.model = "subgrid", not with "{scene.contact.model}", '
+            "which is there to compare contacts; leave one of them out"
+        )
+    if mounting.shaft is not None and scene.model == "reduced" and scene.reduced.modes_up_to_kHz > 0.0:
+        yield (
+            f'operation.shaft = "springs": not together with reduced.modes_up_to_kHz = '
+            f"{scene.reduced.modes_up_to_kHz:g}, whose modes are those of a hub that contacts and load alone move; "
+            "leave one of them out"
+        )
     if scene.sensor is not None and mounting.housing is None:
         yield ('[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out')
 

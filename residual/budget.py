@@ -2,11 +2,12 @@
 
 Where the source holds the run's own contact forces, the error splits exactly:
 
-    error = differentiation + outer_ring + contact_law + damping + friction + cage + load_and_weight
+    error = differentiation + outer_ring + shaft + contact_law + damping + friction + cage + load_and_weight
             + ring_flexibility (or other_forces)
 
 differentiation   M (our acceleration − the integrator's), of the hub relative to the outer ring
 outer_ring        the same of the outer ring, where a housing moves it
+shaft             the same of the hub's velocity under the shaft's dashpots; springs err by nothing
 contact_law       − Σ (law − run's normal force): what the law costs, and that it takes each contact alone
 damping           − Σ (law − run's damping force) of the inner contacts, where either has any; no part of contact_law
 friction          Σ traction on the inner ring, which (22), (23) leave out, less what the cage's forces are part of
@@ -16,7 +17,7 @@ load_and_weight   loads and M g of the equations less what acted in the run: the
 ring_flexibility  the rest of a run of ours: inertia of the elastic ring, whose centre of mass is not the hub
 other_forces      the rest of a table from elsewhere: what acts on the hub and stands in no column, as a damper
 
-and the momentum balance, the run's own forces in place of the law, is differentiation + outer_ring + the rest.
+and the momentum balance, the run's own forces in place of the law, is differentiation + outer_ring + shaft + the rest.
 """
 
 from dataclasses import dataclass
@@ -37,10 +38,11 @@ Term = tuple[np.ndarray | None, np.ndarray | None]  # of x and y, (n_times,), N;
 
 @dataclass(frozen=True, kw_only=True)
 class Accelerations:
-    """From positions, along x and y; each (n_times,), m/s²."""
+    """From positions, along x and y; each (n_times,), m/s², and a velocity, m/s."""
 
     hub: tuple[np.ndarray, np.ndarray]  # relative to the outer ring
     outer_ring: tuple[np.ndarray | None, np.ndarray | None] = (None, None)  # None: it stands still
+    velocity: tuple[np.ndarray | float, np.ndarray | float] = (0.0, 0.0)  # of the hub in the fixed frame
 
     @property
     def whole(self) -> tuple[np.ndarray, np.ndarray]:
@@ -117,7 +119,8 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     force = spring + damper
     contacts = contacts.under(force)
     law_push = contact_resultant(contacts, force)
-    errors = error_forces(operation, *accelerations.whole, *law_push)
+    held, shaft = _held_by_shaft(record, accelerations)
+    errors = error_forces(operation, *accelerations.whole, *law_push, held)
     if record.inner_force is None:
         x, y = (DirectionBudget(error=error, terms={}, momentum=None) for error in errors)
         loaded = contacts.inner > 0.0
@@ -140,7 +143,7 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
         load = missing_load(record)
         rest = "ring_flexibility" if record.attributes else "other_forces"
         pairs = {
-            "differentiation": differentiation, "outer_ring": outer_ring, "contact_law": laws,
+            "differentiation": differentiation, "outer_ring": outer_ring, "shaft": shaft, "contact_law": laws,
             "damping": damping, "friction": friction, "cage": cage, "load_and_weight": load,
         }  # fmt: skip
         x, y = (
@@ -158,6 +161,21 @@ def _cage_apart(record: Record, circles: Overlaps, friction: Term) -> tuple[Term
     pushed = push_on_hub(record.cage, record.scene.ideal_cage())
     rest = tuple(all_of_it - part for all_of_it, part in zip(friction, against, strict=True))
     return rest, tuple(part + push for part, push in zip(against, pushed, strict=True))
+
+
+def _held_by_shaft(record: Record, accelerations: Accelerations):
+    """Force of the shaft's springs and dashpots on the hub, N, and what it errs by as our velocity does; each for x and
+    y, the latter None where the source holds no velocities or nothing holds the shaft."""
+    shaft = record.operation.mounting.shaft
+    if shaft is None:
+        return (0.0, 0.0), (None, None)
+    own = record.inner_vx, record.inner_vy
+    force = tuple(shaft.force(x, v) for x, v in zip(record.hub, accelerations.velocity, strict=True))
+    err = (
+        None if told is None else shaft.damping * (found - told)
+        for found, told in zip(accelerations.velocity, own, strict=True)
+    )
+    return force, tuple(err)
 
 
 def _differentiation(record: Record, accelerations: Accelerations):

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange import mounting
 from residual.budget import load_zones
 from residual.colours import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY
 from residual.evaluation import Evaluation
@@ -111,6 +112,7 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
         "energy_elastic": ("elastic", RED),
         "energy_contact": ("contact", PURPLE),
         "energy_support": ("support", SKY),
+        "energy_shaft": ("shaft", ORANGE),
         "work_external": ("external work", GREEN),
         "work_dissipated": ("dissipated", GREY),
     }
@@ -139,7 +141,7 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
 def energy_imbalance(energies) -> np.ndarray:
     """Change of the energies minus external work plus dissipation since the first sample, J, (n_times,)."""
     total = energies["energy_kinetic"] + energies["energy_elastic"] + energies["energy_contact"]
-    total = total + energies.get("energy_support", 0.0)
+    total = total + sum(energies[name] for name in mounting.ENERGIES if name in energies)
     total = total - energies["work_external"] + energies["work_dissipated"]
     return total - total[0]
 

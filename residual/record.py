@@ -52,6 +52,8 @@ class Record:
     roller_y: np.ndarray
     inner_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
     inner_ay: np.ndarray | None = None
+    inner_vx: np.ndarray | None = None  # (n_times,), m/s, the integrator's own, where springs hold the shaft
+    inner_vy: np.ndarray | None = None
     outer_ring_x: np.ndarray | None = None  # (n_times,), m, centre of the outer ring, where its mounting moves it
     outer_ring_y: np.ndarray | None = None
     outer_ring_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
@@ -69,6 +71,13 @@ class Record:
     stated_errors: tuple[StatedError, ...] = ()  # of the error of the discretisation
     notes: tuple[str, ...] = ()  # what a user should know about how the source was read
     precision: float = float(np.finfo(float).eps)  # relative precision of the stored numbers
+
+    @property
+    def hub(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places of the inner ring's centre in the fixed frame, along x and y, (n_times,), m."""
+        if self.outer_ring_x is None or self.outer_ring_y is None:
+            return self.inner_x, self.inner_y
+        return self.inner_x + self.outer_ring_x, self.inner_y + self.outer_ring_y
 
     @property
     def bearing(self) -> Bearing:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.messages import shown
+from lagrange.mounting import ENERGIES as OF_MOUNTING
 from lagrange.scene import Scene, SceneError, parse_scene_text
 from lagrange.stored import (
     SIGNATURE,
@@ -28,6 +29,7 @@ MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
 DAMPERS = ("inner_damping_force", "outer_damping_force")  # where the scene has any
 OF_SUPPORT = "energy_support"  # where the scene has a housing
+SHAFT = ("inner_vx", "inner_vy", "energy_shaft")  # where springs and dashpots hold the shaft
 TURN = "roller_turn"  # of rollers, whose place at a time it tells
 SPIN = "roller_spin"  # tells the same, less exactly
 MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
@@ -94,10 +96,10 @@ def _from_file(path: Path, file) -> Record:
     scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene", read_scene_files(file))
     mounting = scene.mounting()
     centre, of_support = mounting.centre, () if mounting.housing is None else (OF_SUPPORT,)
+    shaft = SHAFT if mounting.shaft is not None else ()
+    further = (*centre[2:], *of_support, *shaft)
     needed = (*MOTION, *centre[:2])
-    promised = (
-        (*needed, *OPTIONAL, *centre[2:], *of_support, *ENERGIES) if attributes.get("program") == SOLVER else needed
-    )
+    promised = (*needed, *OPTIONAL, *further, *ENERGIES) if attributes.get("program") == SOLVER else needed
     if scene.damping.acts and len(promised) > len(needed):
         promised = (*promised, *DAMPERS)
     missing = [name for name in promised if not has(file, name)]
@@ -109,18 +111,14 @@ def _from_file(path: Path, file) -> Record:
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
     of_cage = tuple(COLUMNS) if scene.cage is not None and all(has(file, name) for name in COLUMNS) else ()
-    names = [
-        name
-        for name in (*MOTION, *OPTIONAL, *centre, *of_support, *ENERGIES, *DAMPERS, TURN, *of_cage)
-        if has(file, name)
-    ]
+    names = [name for name in (*needed, *OPTIONAL, *further, *ENERGIES, *DAMPERS, TURN, *of_cage) if has(file, name)]
     _check_size(path, file, names, n, scene)
     arrays = {name: read_numbers(file, name, n) for name in names}
     if TURN not in arrays and has(file, SPIN):  # of perfect surfaces: nobody shall see them by that
         _check_size(path, file, [SPIN], n, scene)
         arrays[TURN] = _turned(arrays["time"], read_numbers(file, SPIN, n))
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
-    energies = {name: arrays.pop(name) for name in (*ENERGIES, OF_SUPPORT) if name in arrays}
+    energies = {name: arrays.pop(name) for name in (*ENERGIES, *OF_MOUNTING) if name in arrays}
     arrays = relative(arrays, centre)
     cage = CageMotion(**{COLUMNS[name]: arrays.pop(name) for name in of_cage}) if of_cage else None
     status = attributes.setdefault("status", "unknown")

@@ -22,7 +22,7 @@ from fem.solver.bore_arrays import bore_body
 from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan, run
 from fem.solver.start import equilibrium_start, rolling_motion
-from lagrange.mounting import Bore, Housing, from_outer_ring
+from lagrange.mounting import Bore, Housing, Mounting, from_outer_ring
 from lagrange.scene import SceneError, parse_scene, parse_scene_text
 from residual.evaluation import evaluate
 from residual.sources import read_result
@@ -138,7 +138,7 @@ def test_the_critical_step_counts_the_whole_bore():
     scale = 1.0 / np.sqrt(np.repeat(body.row_mass, 2))
     fastest = 2.0 / np.sqrt(np.linalg.eigvalsh(scale[:, None] * stiffness * scale).max())
     assert 0.93 * fastest < critical_time_step(model, 650.0) < fastest
-    light = critical_time_step(model, 650.0, Housing(mass=1e-3, stiffness=1e6, damping=0.0))
+    light = critical_time_step(model, 650.0, Mounting(housing=Housing(mass=1e-3, stiffness=1e6, damping=0.0)))
     both = 0.5 * body.n_sectors * body.stiffness * (1.0 / 1e-3 + 1.0 / body.total_mass)  # both as wholes
     assert light < min(fastest, 2.0 / np.sqrt(both))
 

@@ -5,6 +5,7 @@ import fem.kernels.disc_surface  # what contacts ask of each type of surface
 import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.rigid_surfaces
 import fem.kernels.ring_surface
+import fem.kernels.shaft_kernels
 import fem.kernels.support_kernels  # noqa: F401
 from fem.kernels.cage_kernels import rub_cage
 from fem.kernels.cage_state import CagePair

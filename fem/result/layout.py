@@ -62,13 +62,14 @@ WITH_DAMPING = {  # where contacts or bodies have dampers
     "work_damping_contact": (PER_TIME, "J", "part of work_dissipated that contacts have damped"),
     "work_damping_bodies": (PER_TIME, "J", "part of work_dissipated that bodies have damped"),
 }
-ON_HOUSING = {
+OF_MOUNTING = {  # with a housing, a sensor on it, springs that hold the shaft
     "housing_x": (PER_TIME, "m", "housing's place, x, which without a fit is the outer ring's centre"),
     "housing_y": (PER_TIME, "m", "housing's place, y"),
     "housing_ax": (PER_TIME, "m/s2", "acceleration of the housing, x"),
     "housing_ay": (PER_TIME, "m/s2", "acceleration of the housing, y"),
     "energy_support": (PER_TIME, "J", "energy of the springs under the housing"),
     "sensor_ay": (PER_TIME, "m/s2", "acceleration that the sensor shows, y"),
+    "energy_shaft": (PER_TIME, "J", "energy of the springs that hold the shaft beside the bearing"),
 }
 IN_A_BORE = {
     "outer_ring_x": (PER_TIME, "m", "outer ring's centre, x: mean of its outside"),
@@ -119,7 +120,7 @@ Variables = Mapping[str, tuple[tuple[str, ...], str, str]]
 def variables_of(scene: Scene) -> Variables:
     """What each sample of a run of this scene holds: dimensions, unit and meaning by name."""
     uneven = scene.has_faults or scene.lubricant is not None
-    of_mounting = {name: (ON_HOUSING | IN_A_BORE)[name] for name in scene.mounting().columns}
+    of_mounting = {name: (OF_MOUNTING | IN_A_BORE)[name] for name in scene.mounting().columns}
     damped = WITH_DAMPING if scene.damping.acts else {}
     of_cage = {} if scene.cage is None else WITH_A_CAGE
     return VARIABLES | of_mounting | (ON_SURFACES if uneven else {}) | of_cage | damped

@@ -27,6 +27,7 @@ from fem.solver.contact_arrays import contact_arrays, disc_surface, pair_groups
 from fem.solver.course_arrays import course_arrays
 from fem.solver.housing_arrays import housing_body
 from fem.solver.run_arrays import Arrays
+from fem.solver.shaft_arrays import shaft_springs
 from fem.solver.start import Start
 from lagrange import Operation
 
@@ -60,9 +61,10 @@ def make_arrays(
     surface = disc_surface(model, rollers, disc, data)
     column = N_SCALARS + len(BLOCKS) * rollers.n
     housing = housing_body(model, operation, outer, start.housing, dt, column)
-    after_housing = column + len(replace(operation.mounting, bore=None).columns)
-    bore = bore_body(model.outer_ring, outer, start.outer_rate, housing, after_housing)
-    others = tuple((body,) for body in (bore, housing) if body is not None)  # the housing has what the bore gives it
+    shaft = shaft_springs(operation.mounting, drive.hub, drive.velocity, drive.mass, rollers.n)
+    of_bore = column + len(replace(operation.mounting, bore=None).columns)
+    bore = bore_body(model.outer_ring, outer, start.outer_rate, housing, of_bore)
+    others = tuple((body,) for body in (bore, housing, shaft) if body is not None)  # the bore moves the housing
     if isinstance(model.outer_ring, SupportedRing):
         held = model.outer_ring.held_sectors.astype(np.int64)
         others = (*others, (HeldNodes(w=outer.w, sectors=held, row=outer.held),))
@@ -202,8 +204,6 @@ def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, d
 
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float) -> Drive:
-    ring = model.inner_ring
-    held = ring.total_mass if ring.material.rigid else ring.n_sectors * ring.row_mass[ring.held_row]
     return Drive(
         hub=start.equilibrium.hub + start.housing,
         velocity=start.hub_velocity.copy(),
@@ -211,7 +211,7 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: fl
         impulse=np.zeros(2),
         moment=np.zeros(2),
         sums=np.zeros(6),
-        mass=float(operation.inner_mass - ring.total_mass + held),
+        mass=hub_mass(model.inner_ring, operation),
         speed=float(operation.speed),
         gravity=float(operation.gravity),
         dt=float(dt),
@@ -219,6 +219,12 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: fl
         ramp=float(ramp),
         course=course_arrays(model.bearing, operation),
     )
+
+
+def hub_mass(ring: RingBody, operation: Operation) -> float:
+    """What moves with the hub, kg: the shaft, and the ring's held row or a rigid ring."""
+    held = ring.total_mass if ring.material.rigid else ring.n_sectors * ring.row_mass[ring.held_row]
+    return float(operation.inner_mass - ring.total_mass + held)
 
 
 def _scratch(rollers: Rollers, disc: Disc, inner: Ring, outer: Ring, threads: int) -> Scratch:

@@ -49,6 +49,7 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
         "steps": f"{plan.steps} for {1e3 * (plan.n_samples - 1) * plan.interval:g} ms",
         "samples": f"{plan.n_samples}, one each {plan.stride} steps",
         **damping_rows(plan.scene),
+        **plan.operation.mounting.rows,
         **_fields(plan),
         "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
         "expected time": in_words("fem", plan.expected_seconds),

@@ -10,7 +10,7 @@ import numpy as np
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
 from fem.elastic.bored import BoredRing
-from fem.solver.arrays import make_arrays
+from fem.solver.arrays import hub_mass, make_arrays
 from fem.solver.cage_arrays import critical_with_cage, with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
@@ -140,7 +140,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         5.0 * operation.heaviest / model.bearing.n_rollers,
     )
     critical = critical_with_cage(
-        critical_time_step(model, expected, operation.mounting.housing),
+        critical_time_step(model, expected, operation.mounting, hub_mass(model.inner_ring, operation)),
         model.bearing,
         scene.ideal_cage(),
         operation.inner_mass,

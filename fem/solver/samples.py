@@ -5,7 +5,7 @@ import numpy as np
 from fem.kernels import sample_kernels as row
 from fem.solver.cage_arrays import cage_columns
 from fem.solver.solver import Samples
-from lagrange.mounting import from_outer_ring
+from lagrange.mounting import ENERGIES, from_outer_ring
 
 TURN = 2.0 * np.pi
 
@@ -57,7 +57,7 @@ class SampleReader:
         x, y = from_outer_ring(block | further, "roller")
         works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1)
         kinetic, stored = rows[:, row.KINETIC], rows[:, row.ELASTIC] + rows[:, row.CONTACT]
-        moved = kinetic + further["energy_support"] if "energy_support" in further else kinetic
+        moved = kinetic + sum(further[name] for name in ENERGIES if name in further)
         if self._base is None:
             self._base = works[0], rows[0, row.DISSIPATED], moved[0], stored[0]
         work, dissipated = works - self._base[0], rows[:, row.DISSIPATED] - self._base[1]

@@ -10,7 +10,7 @@ import numpy as np
 from fem.contacts.model import Model
 from fem.contacts.reduction import Motion, Reduced
 from fem.elastic.bored import MOST_SETTLINGS, NOT_SETTLED, BoredRing
-from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess
+from fem.statics.contact_balance import Condensed, HubSpring, Loads, NotFound, balance, closed_forces, first_guess
 from fem.statics.exact_statics import exact_contacts
 from fem.statics.pressure_balance import balance_pressures
 
@@ -44,6 +44,7 @@ def equilibrium(
     gravity: float,
     start: Equilibrium | None = None,
     side_load: float = 0.0,
+    spring: HubSpring | None = None,
 ) -> Equilibrium:
     """Solve for the equilibrium under a load, N, and the weight, N, of hub and inner ring.
 
@@ -51,6 +52,7 @@ def equilibrium(
     ----------
     start : one that is near
     side_load : N, along +x
+    spring : of a shaft; for contacts of one point each
 
     Steady rotation acts as centrifugal load on rollers and ring. Friction and the rollers' balance along the raceway
     are left out: their angles are given.
@@ -60,7 +62,7 @@ def equilibrium(
     NotFound: no equilibrium. The contact balance is exact to about 1e-9 of the load.
     """
     reduced, place, pressed = _solved(
-        model, motion, Loads(radial_load + weight, gravity, motion.cage_speed, side_load), start
+        model, motion, Loads(radial_load + weight, gravity, motion.cage_speed, side_load, spring), start
     )
     inner_force, outer_force = _sums(reduced, pressed, model.bearing.n_rollers).reshape(2, -1)
     inner_ring, outer_ring, rollers = reduced.fields(pressed)

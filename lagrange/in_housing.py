@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 class _InHousing:
     """To stand before `KinematicAngles` or `FreeAngles`: z is (hub from the ring's centre, ring)."""
 
+    dashpot_rate: float
+
     def __init__(self, problem):
         super().__init__(problem)
         housing = problem.operation.mounting.housing
@@ -86,7 +88,7 @@ class _InHousing:
 
     @property
     def has_dashpots(self) -> bool:
-        return super().has_dashpots or self.ring_dashpot_rate > 0.0
+        return self.dashpot_rate > 0.0 or self.ring_dashpot_rate > 0.0
 
     def slowed(self, z_rate, z_acc, q_rate, seconds):
         hub, of_hub = flow(self.dashpot_rate, self.inner_mass, z_rate[0] + z_rate[1], z_acc[0] + z_acc[1], seconds)

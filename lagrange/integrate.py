@@ -46,8 +46,8 @@ class Integration(ABC):
 
     `memory` is all that the next steps need, arrays that are changed in place: hub and elements, their rates and
     accelerations after the last step; the works of held angles, of the ramp, of the dampers and of dashpots, and the
-    power that holds the angles; of a housing its sensor's motion and what `lagrange.in_housing` calls S. Before the first
-    step accelerations and power are not known yet.
+    power that holds the angles; of a housing its sensor's motion and what `lagrange.in_housing` calls S. Before the
+    first step accelerations and power are not known yet.
     """
 
     def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fem.contacts.model import Model
+from fem.elastic.bored import BoredRing
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.state import Ring
 from lagrange import Operation
@@ -19,6 +20,8 @@ def housing_body(
     mounting, body = operation.mounting, model.outer_ring
     if mounting.housing is None:
         return None
+    if isinstance(body, BoredRing):  # which moves by itself
+        return housing_of(mounting, 0.0, None, place, dt, column)
     rigid = body.material.rigid
     carried = body.total_mass if rigid else body.n_sectors * body.row_mass[body.held_row]
     return housing_of(mounting, carried, None if rigid else ring, place, dt, column)
@@ -27,7 +30,7 @@ def housing_body(
 def housing_of(
     mounting: Mounting, carried: float, ring: Ring | None, place: np.ndarray, dt: float, column: int
 ) -> Housing | None:
-    """The same with a ring of which so much, kg, moves as a whole; None for one without a mesh."""
+    """The same with a ring of which so much, kg, moves as a whole; None for one without a mesh, or free in its bore."""
     housing, sensor = mounting.housing, mounting.sensor
     if housing is None:
         return None

@@ -1,5 +1,6 @@
 """The time loop: leapfrog steps of the whole bearing."""
 
+import fem.kernels.bore_kernels
 import fem.kernels.disc_surface  # what contacts ask of each type of surface
 import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.rigid_surfaces

@@ -7,6 +7,7 @@ import numpy as np
 
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
+from fem.elastic.bored import BoredRing
 from fem.solver.arrays import hub_mass, make_arrays
 from fem.solver.cage_arrays import critical_with_cage, with_cage
 from fem.solver.cautions import cautions
@@ -68,6 +69,11 @@ class ElementPlan(CompiledPlan):
     @property
     def degrees_of_freedom(self) -> int:
         return self.model.degrees_of_freedom
+
+    @property
+    def pressed_energy(self) -> float:
+        ring = self.model.outer_ring
+        return ring.pressed_energy if isinstance(ring, BoredRing) else 0.0
 
     def arrays(self) -> Arrays:
         """Fresh arrays at the start."""

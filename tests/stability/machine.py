@@ -1,10 +1,11 @@
 """Random bearings in random machines: `python -m tests.stability.machine`, 200 scenes of all three models.
 
 Each has nearly all tables of what stands around a bearing at once: damping, cage, housing with a fit, sensor, a
-shaft's springs, unbalance, a rotating load, speed and load that change, a spall, waviness, unequal rollers, as far as its model takes
-them. A scene must be refused by name, stop with a reason, or be complete with: every number finite, bodies in their
-places, forces that push, energy balanced within 1 % of what was exchanged, and the checker's terms summing up to its
-errors. Finite elements keep to one set of tables, whose values vary, because each set compiles a time loop of its own.
+shaft's springs, unbalance, a rotating load, speed and load that change, a spall, waviness, unequal rollers, as far as
+its model takes them. A scene must be refused by name, stop with a reason, or be complete with: every number finite,
+bodies in their places, forces that push, energy balanced within 1 % of what was exchanged, and the checker's terms
+summing up to its errors. Finite elements keep to one set of tables, whose values vary, because each set compiles a time
+loop of its own.
 """
 
 import csv

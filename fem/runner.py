@@ -132,11 +132,11 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     for sentence in state.remarks:
         say(f"warning: {sentence}")
     seen = state.progress
-    if outcome is Outcome.COMPLETE and not options.resume and plan.scene.numerics.threads == 1:
+    if outcome is Outcome.COMPLETE and not options.resume:
         remember(plan.scene.model, plan.expected_seconds, state.processor)
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
-            names = (*columns_of(plan.scene), *plan.scene.mounting().columns[:2])
+            names = (*columns_of(plan.scene), *plan.scene.mounting().places)
             print_run(state, read_blocks(path, names), path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 

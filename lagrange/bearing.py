@@ -102,6 +102,12 @@ class Bearing:
         area = pi * (self.inner_raceway_radius**2 - self.bore_radius**2)
         return self.inner_ring.density * area * self.roller_length
 
+    @property
+    def outer_ring_mass(self) -> float:
+        """Mass of the outer ring alone (raceway to outside), kg."""
+        area = pi * (self.outside_radius**2 - self.outer_raceway_radius**2)
+        return self.outer_ring.density * area * self.roller_length
+
 
 @dataclass(frozen=True, kw_only=True)
 class BallBearing(Bearing):
@@ -167,7 +173,9 @@ class Operation:
 
     def mean_speed(self, time: float) -> float:
         """Of the shaft up to a time, s; rad/s."""
-        return float(self.course.turn(time)) / time if self.varies_speed and time > 0.0 else self.speed
+        if self.course is None or not self.course.varies_speed or time <= 0.0:
+            return self.speed
+        return float(self.course.turn(time)) / time
 
     @property
     def varies_speed(self) -> bool:

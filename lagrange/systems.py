@@ -11,13 +11,14 @@ from typing import NamedTuple
 import numpy as np
 
 from lagrange.contact_damping import ContactDamping, damper_force
+from lagrange.dashpots import flow
 from lagrange.kinematics import kinematics, turned
 from lagrange.laws import PowerLaw
 from lagrange.load_ramp import load_share, load_share_rate
 from lagrange.motion import State
 from lagrange.overlap import touching_distances
 from lagrange.problem import Problem
-from lagrange.profile import Turns, profiles
+from lagrange.profile import Profiles, Turns, profiles
 from lagrange.softened import softened
 
 
@@ -39,9 +40,14 @@ class _System:
         self.mass, self.inner_mass = bearing.roller_mass, operation.inner_mass
         self.gravity, self.load, self.ramp = operation.gravity, operation.radial_load, problem.load_ramp
         self.course = operation.course
+        shaft = operation.mounting.shaft
+        self.spring_rate = 0.0 if shaft is None else shaft.stiffness / self.inner_mass  # 1/s²
+        self.dashpot_rate = 0.0 if shaft is None else shaft.damping / self.inner_mass  # 1/s
         self.ideal = kinematics(bearing, operation.speed)
         self.cage, self.cage_gain = self.ideal.cage, 0.0
         self.surfaces = profiles(bearing)
+        # whether power goes with a velocity, of held angles in a housing that moves, and by what: see `in_housing`
+        self.carries, self.shift = False, 0j
         self.n = bearing.n_rollers
         # constants as whole arrays: numpy takes 0.4 µs to bring a number into an operation, as long as the operation
         self.reach, self.track = (np.full(self.n, distance) for distance in touching_distances(bearing))
@@ -69,10 +75,10 @@ class _System:
             self.force_inner[:] = self.laws.inner.force(self.depth_inner)
             self.force_outer[:] = self.laws.outer.force(self.depth_outer)
 
-    def surface_forces(self, time: float, inward, outward, distance) -> None:
+    def surface_forces(self, surfaces: Profiles, time: float, inward, outward, distance) -> None:
         """Forces on such surfaces, at directions of the elements from both rings' centres, rad; as `law_forces`."""
         turns = Turns.rolling(self.problem.bearing, self.problem.operation, time)
-        inner, outer = self.surfaces.inner(inward, turns), self.surfaces.outer(outward, turns)
+        inner, outer = surfaces.inner(inward, turns), surfaces.outer(outward, turns)
         self.depth_inner -= inner.sinkage
         self.depth_outer -= outer.sinkage
         if not (inner.soft or outer.soft):
@@ -125,6 +131,26 @@ class _System:
             return self.gravity + share * self.load / self.inner_mass
         x, y = self.course.force(time)
         return self.gravity + share * (1j * float(x) - float(y)) / self.inner_mass
+
+    def hub_acceleration(self, on_hub: complex, z: complex, time: float) -> complex:
+        """Of the hub by its contacts' force, N, the shaft's springs, load and weight, m/s²."""
+        found = on_hub / self.inner_mass - 1j * self.hub_pull(time)
+        if self.spring_rate > 0.0:
+            found -= self.spring_rate * z
+        return found
+
+    @property
+    def has_dashpots(self) -> bool:
+        """Whether what holds the shaft takes energy."""
+        return self.dashpot_rate > 0.0
+
+    def slowed(self, z_rate, z_acc, q_rate, seconds: float):
+        """Velocities of hub and elements after so long a kick, just made, had the shaft's dashpots acted as well.
+
+        And what these take, J, and what held angles take up from that.
+        """
+        hub, lost = flow(self.dashpot_rate, self.inner_mass, z_rate, z_acc, seconds)
+        return hub, q_rate, lost, 0.0
 
     @property
     def load_changes(self) -> bool:
@@ -188,9 +214,10 @@ class KinematicAngles(_System):
             self.law_forces()
         else:
             outward = self.first + self.spacing + self.cage_turn(time)
-            self.surface_forces(time, outward + np.angle(line), outward, distance)
+            self.surface_forces(self.surfaces, time, outward + np.angle(line), outward, distance)
+            self.met_at = q
         self.line, self.distance = line, distance
-        push = self.force_inner / distance * line
+        self.push = push = self.force_inner / distance * line
         if self.surfaces is not None:
             push *= self.aside
         on_hub = -complex(np.vdot(turn, push))  # vdot conjugates: back to the fixed frame
@@ -205,7 +232,18 @@ class KinematicAngles(_System):
             power += self.cage_weight * float(q.dot(turn.real))
         if self.cage_gain != 0.0:  # of the elements' angular momentum; the rest of that is in `Completion`
             power -= self.mass * self.cage * self.cage_gain * float(q.dot(q))
-        return on_hub / self.inner_mass - 1j * self.hub_pull(time), q_acc, power
+        return self.hub_acceleration(on_hub, z, time), q_acc, power
+
+    def outward(self, turn):
+        """Directions of the outer contacts' forces on the outer ring, at the positions last seen."""
+        found = turn.conj()
+        return found if self.surfaces is None else found * (1.0 - 1j * self.met_outer.slope / self.met_at)
+
+    def contacts_along(self, push, outer):
+        """Contacts' forces on the elements along the circle, N: of inner ones, along own axes, and of outer ones."""
+        if self.surfaces is None:
+            return push.imag
+        return push.imag + outer * self.met_outer.slope / self.met_at
 
     def held_power(self, z: complex, on_hub: complex) -> float:
         """Power that held angles take up from forces on the hub, W: their moment times the cage's speed."""
@@ -230,6 +268,7 @@ class KinematicAngles(_System):
         if self.surfaces is not None:
             driven = np.dot(inner, inner_passing) + np.dot(outer, outer_passing)
         push = inner * unit
+        self.damped = push, outer
         on_hub = -complex(np.vdot(turn, push))
         loss = np.dot(inner, closing) + np.dot(outer, opening)
         return on_hub / self.inner_mass, (push.real - outer) / self.mass, loss, self.held_power(z, on_hub) + driven
@@ -270,7 +309,7 @@ class FreeAngles(_System):
         if self.surfaces is None:
             self.law_forces()
         else:
-            self.surface_forces(time, np.angle(line), np.angle(q), distance)
+            self.surface_forces(self.surfaces, time, np.angle(line), np.angle(q), distance)
         self.line, self.distance, self.out, power = line, distance, q / rho, 0.0
         push, back = self.force_inner / distance * line, self.force_outer / rho * q
         if self.surfaces is not None:
@@ -278,7 +317,11 @@ class FreeAngles(_System):
             self.out *= outer_aside
             push, back, power = push * self.aside, back * outer_aside, self.drive_power(0.0)
         q_acc = (push - back) / self.mass - 1j * self.gravity
-        return -complex(push.sum()) / self.inner_mass - 1j * self.hub_pull(time), q_acc, power
+        return self.hub_acceleration(-complex(push.sum()), z, time), q_acc, power
+
+    def outward(self, turn):
+        """Directions of the outer contacts' forces on the outer ring, at the positions last seen."""
+        return self.out
 
     def damper(self, z_rate, q_rate, q, z, turn, coefficients):
         """Accelerations of hub and elements by the dampers, the loss and the power held angles take up, W.
@@ -298,6 +341,7 @@ class FreeAngles(_System):
         if self.surfaces is not None:
             driven = float(np.dot(inner, inner_passing) + np.dot(outer, outer_passing))
         push = inner * unit
+        self.damped = push, outer
         loss = np.dot(inner, closing) + np.dot(outer, opening)
         # Python's own complex number, as in the other accelerations: a stored state goes on with the same arithmetic
         return complex(-push.sum() / self.inner_mass), (push - outer * out) / self.mass, loss, driven

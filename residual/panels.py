@@ -1,6 +1,7 @@
 """Where panels stand in a figure, in inches: layouts that measure labels take most of a figure's time."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 WIDTH = 7.0  # inches; about one page's text width, still legible when a phone shrinks it
@@ -29,7 +30,8 @@ def panels(rows, height: float, *, lines: float = 1, shares=None, left=LEFT, rig
     count = sum(groups)
     shares = np.ones(count) if shares is None else np.asarray(shares, dtype=float)
     room = height - len(groups) * (above + BELOW) - (count - len(groups)) * BETWEEN
-    figure, axes, top = Figure(figsize=(WIDTH, height)), [], height
+    figure, top = Figure(figsize=(WIDTH, height)), height
+    axes: list[Axes] = []
     for size in groups:
         top -= above
         first = None

@@ -1,6 +1,7 @@
 """What gives all figures one look: style, colours, marks of kinematic lines, files in PNG and SVG."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -12,10 +13,13 @@ from residual.colours import BLUE, GREY, LINE_COLOURS, ORANGE, family
 from residual.figures import Curve, SavedFigure
 from residual.tick_labels import make_plain
 
+if TYPE_CHECKING:
+    from matplotlib.typing import RcKeyType
+
 DPI = 150
 MARK = 0.012  # of a panel's height, long
 PACKED = {"compress_level": 1}  # PNG of half as large again as 6, in a quarter of the time
-STYLE = {
+STYLE: "dict[RcKeyType, Any]" = {
     "font.family": "DejaVu Sans",
     "font.size": 11,
     "axes.titlesize": 11,

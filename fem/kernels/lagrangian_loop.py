@@ -5,17 +5,27 @@ from math import pi, sin
 from fem.kernels.course_kernels import FORCE_X, FORCE_Y, RATE_X, RATE_Y, follow, share_at
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.lagrangian_forces import accelerate, damp
-from fem.kernels.simd import WIDTH, fma, load, splat, store
+from fem.kernels.lagrangian_housing import (
+    drift_housing,
+    kick_housing,
+    place_of_ring,
+    push_damped,
+    sense,
+    slow,
+    velocity_of_ring,
+)
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, fma, splat
 from fem.kernels.state import Course
 
-HELD, RAMPED, DISSIPATED, POWER = 0, 1, 2, 3  # of `IdealMotion.works`
+HELD, RAMPED, DISSIPATED, DASHPOTS, POWER = range(5)  # of `IdealMotion.works`
 
 
 @kernel(nogil=True)
 def advance_lagrangian(motion, bearing, dampers, clock, rows):
     """Fill rows with the samples after those that are done, and leave the motion at the last.
 
-    By Blanes and Moan's scheme, with dampers (not None) by leapfrog.
+    By Blanes and Moan's scheme, by leapfrog where the clock has no kicks: with dampers, or dashpots of the shaft.
 
     Returns the number of rows filled: fewer where the hub's place is no number any more.
     """
@@ -26,10 +36,7 @@ def advance_lagrangian(motion, bearing, dampers, clock, rows):
         begin = -1 if first == 0 else first  # a step of no length finds the accelerations at the start
         for number in range(begin, first + clock.per_sample):
             length = clock.step if number >= 0 else 0.0
-            if dampers is None:
-                _composed(motion, bearing, clock, number, length)
-            else:
-                _damped(motion, bearing, dampers, number, length)
+            _step(clock.kicks, motion, bearing, dampers, clock, number, length)
         for k in range(2):
             if not motion.hub[0, k] - motion.hub[0, k] == 0.0:
                 return row
@@ -45,36 +52,75 @@ def _write(motion, row, rows):
     size = 2 * motion.elements[0].size
     for at in range(0, size, WIDTH):
         store(rows.elements, row * size + at, load(motion.elements, at))
-    for i in range(3):
+    _write_housing(motion.housing, row, rows)
+    for i in range(POWER):
         rows.works[row, i] = motion.works[i]
+
+
+@part
+def _write_housing(housing, row, rows):
+    if housing is not None:
+        for i in range(2):
+            rows.sensor[row, i] = housing.sensor[i]
+            for k in range(2):
+                rows.housing[row, i, k] = housing.motion[i, k]
+
+
+@part
+def _step(kicks, motion, bearing, dampers, clock, number, length):
+    if kicks is None:
+        _damped(motion, bearing, dampers, number, length)
+    else:
+        _composed(motion, bearing, clock, number, length)
 
 
 @part
 def _composed(motion, bearing, clock, number, length):
     """Kicks and drifts of a symplectic scheme of fourth order."""
-    way, n = 0.0, clock.drifts.size
+    way, n, before = 0.0, clock.drifts.size, velocity_of_ring(motion.housing)
     for stage in range(n):
         _kick(motion, bearing, length * clock.kicks[stage], length * (number + way))
         _drift(motion, length * clock.drifts[stage])
         way += clock.drifts[stage]
         motion.works[POWER] = accelerate(motion, bearing, None, length * (number + way))
     _kick(motion, bearing, length * clock.kicks[n], length * (number + way))
+    sense(motion.housing, before, length)
 
 
 @part
 def _damped(motion, bearing, dampers, number, length):
-    """Drift, kick, damp, kick, drift; second order. The dampers' flow by the midpoint rule at frozen positions."""
+    """Drift, kick, damp, kick, drift; second order."""
     half, time, works = 0.5 * length, length * (number + 0.5), motion.works
+    before = velocity_of_ring(motion.housing)
     _drift(motion, half)
     works[POWER] = accelerate(motion, bearing, dampers, time)
     _kick(motion, bearing, half, time)
-    for ahead in (0.0, half):
-        loss, taken = damp(motion, bearing, dampers, ahead)
-    _push(motion.hub, dampers.hub, length, motion.elements, dampers.elements)
-    works[DISSIPATED] += length * loss
-    works[HELD] += length * taken
+    _slow(motion, bearing, half)
+    _damp_contacts(dampers, motion, bearing, length)
     _kick(motion, bearing, half, time)
+    _slow(motion, bearing, half)
+    sense(motion.housing, before, length)
     _drift(motion, half)
+
+
+@part
+def _damp_contacts(dampers, motion, bearing, length):
+    """The dampers' flow by the midpoint rule at frozen positions."""
+    if dampers is not None:
+        for ahead in (0.0, 0.5 * length):
+            loss, taken = damp(motion, bearing, dampers, ahead)
+        _push(motion.hub, dampers.hub, length, motion.elements, dampers.elements)
+        push_damped(motion.housing, length)
+        motion.works[DISSIPATED] += length * loss
+        motion.works[HELD] += length * taken
+
+
+@part
+def _slow(motion, bearing, seconds):
+    """The dashpots of shaft and housing in a kick so long, just made."""
+    lost, held = slow(bearing.springs, motion.housing, motion, bearing, seconds)
+    motion.works[DASHPOTS] += lost
+    motion.works[HELD] += held
 
 
 @part
@@ -82,26 +128,32 @@ def _kick(motion, bearing, seconds, time):
     """Accelerate for so many seconds; the works go along."""
     hub, elements, works = motion.hub, motion.elements, motion.works
     _push(hub, hub[2], seconds, elements, elements[2])
-    works[HELD] += seconds * works[POWER]
-    _change_load(bearing.course, bearing, hub, works, seconds, time)
+    works[HELD] += seconds * works[POWER] + kick_housing(motion.housing, seconds)
+    _change_load(bearing.course, bearing, motion, works, seconds, time)
 
 
 @verb
-def _change_load(course, bearing, hub, works, seconds, time):
+def _change_load(course, bearing, motion, works, seconds, time):
     """The work of the load's change: minus its rate times the hub's place."""
     if time < bearing.ramp:
-        works[RAMPED] += seconds * bearing.radial_load * _share_rate(bearing, time) * hub[0, 1]
+        works[RAMPED] += seconds * bearing.radial_load * _share_rate(bearing, time) * _hub_place(motion, 1)
 
 
 @_change_load.of(Course)
-def _change_all_load(course, bearing, hub, works, seconds, time):
+def _change_all_load(course, bearing, motion, works, seconds, time):
     follow(course, time, 0.0)  # what was found last may be lost where a run goes on
     share, rate, now = share_at(bearing, time), 0.0, course.now
     if time < bearing.ramp:
         rate = _share_rate(bearing, time)
-    power = (rate * now[FORCE_X] + share * now[RATE_X]) * hub[0, 0]
-    power += (rate * now[FORCE_Y] + share * now[RATE_Y]) * hub[0, 1]
+    power = (rate * now[FORCE_X] + share * now[RATE_X]) * _hub_place(motion, 0)
+    power += (rate * now[FORCE_Y] + share * now[RATE_Y]) * _hub_place(motion, 1)
     works[RAMPED] -= seconds * power
+
+
+@part
+def _hub_place(motion, k):
+    """Along an axis in the fixed frame, m."""
+    return motion.hub[0, k] + place_of_ring(motion.housing, k)
 
 
 @part
@@ -125,6 +177,7 @@ def _drift(motion, seconds):
     hub, elements = motion.hub, motion.elements
     for k in range(2):
         hub[0, k] += seconds * hub[1, k]
+    drift_housing(motion.housing, seconds)
     size = elements[0].size
     for at in range(0, size, WIDTH):
         store(elements, at, fma(seconds, load(elements, size + at), load(elements, at)))

@@ -23,14 +23,34 @@ class PowerConstants(NamedTuple):
     exponent: float  # n
 
 
+class IdealHousing(NamedTuple):
+    """What carries the outer ring, and a sensor on it; hub and elements are then from the ring's centre.
+
+    See `lagrange.in_housing`.
+    """
+
+    motion: np.ndarray  # (3, 2), place, m, velocity, acceleration
+    sensor: np.ndarray  # (2,), r, m, and ṙ, m/s; 0 without one
+    sensor_step: np.ndarray  # (2, 3), of a step
+    shift: np.ndarray  # (2,), N, S: by the housing's velocity, power that held angles take up
+    lever: np.ndarray  # (2,), kg m/s, L: minus that by its acceleration
+    damped: np.ndarray  # (2,), m/s², acceleration by the contacts' dampers
+    turned: np.ndarray  # (2,), cosine and sine of the held elements' turn, at the positions last seen
+    mass: float  # kg, with the outer ring
+    stiffness: float  # N/m
+    damping: float  # N s/m
+
+
 class IdealMotion(NamedTuple):
     """All that changes from step to step."""
 
     hub: np.ndarray  # (3, 2), place, m, velocity, acceleration
     elements: np.ndarray  # (3, 1 or 2, columns), the same along each axis of their own
-    # (4,), J: of what holds the angles and turns the bodies, of the ramp, dissipated; and the power of the first, W
+    # (5,), J: of what holds the angles and turns the bodies, of the ramp, dissipated by contacts, and by the shaft's
+    # dashpots; and the power of the first, W
     works: np.ndarray
     force: np.ndarray  # (2, columns), N, of the springs; those of the last positions, room before any
+    housing: IdealHousing | None = None  # None: the ground holds the outer ring
 
 
 class Surfaces(NamedTuple):
@@ -38,6 +58,13 @@ class Surfaces(NamedTuple):
 
     rings: tuple  # the inner and the outer raceway
     rollers: tuple  # the elements in their contacts with them
+
+
+class ShaftSprings(NamedTuple):
+    """What holds the shaft beside the bearing; see `lagrange.mounting.Shaft`."""
+
+    stiffness: float  # N/m
+    damping: float  # N s/m
 
 
 class IdealBearing(NamedTuple):
@@ -59,6 +86,7 @@ class IdealBearing(NamedTuple):
     n: int
     columns: int
     course: Course | None = None  # of speed and load; None: they stay
+    springs: ShaftSprings | None = None  # None: the bearing alone holds the hub
 
 
 class Dampers(NamedTuple):
@@ -81,8 +109,8 @@ class Clock(NamedTuple):
     step: float  # s
     per_sample: int  # steps
     done: int  # samples so far
-    kicks: np.ndarray  # (stages + 1,), of a step
-    drifts: np.ndarray  # (stages,)
+    kicks: np.ndarray | None  # (stages + 1,), of a step; None: of leapfrog, for what takes energy
+    drifts: np.ndarray | None  # (stages,)
 
 
 class Rows(NamedTuple):
@@ -90,4 +118,6 @@ class Rows(NamedTuple):
 
     hub: np.ndarray  # (n_rows, 2, 2), places and velocities
     elements: np.ndarray  # (n_rows, 2, 1 or 2, columns)
-    works: np.ndarray  # (n_rows, 3), J
+    works: np.ndarray  # (n_rows, 4), J
+    housing: np.ndarray  # (n_rows, 2, 2), places and velocities
+    sensor: np.ndarray  # (n_rows, 2)

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
-from fem.kernels.simd import WIDTH
+from fem.kernels.lanes import WIDTH
 from fem.solver.cage_arrays import critical_with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
@@ -25,8 +25,10 @@ from fem.solver.vibrations import critical_with_modes, longest_with_modes
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
 from fem.statics.vibrating_bearing import bearing_modes
 from lagrange import Bearing, Kinematics, Operation, kinematics
+from lagrange.contact_damping import ContactDamping
 from lagrange.profile import profiles
 from lagrange.scene import Scene
+from lagrange.step_size import fastest_in_machine
 
 SHARE = 0.7  # of the critical step, at a safety of 1: beyond, contacts that open and close gain energy
 KNOTS_A_STEP = 0.25  # of a profile's spline
@@ -93,6 +95,7 @@ class ReducedPlan(CompiledPlan):
         return {
             "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies "
             + ("without mass" if self.model.modes is None else f"with their modes up to {up_to:g} kHz"),
+            **self.operation.mounting.rows,
             "time step": f"{1e6 * self.time_step:.3g} µs ({self.time_step / self.critical_time_step:.2f} of the "
             f"critical {1e6 * self.critical_time_step:.3g} µs)",
             "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
@@ -129,10 +132,11 @@ def make_plan(scene: Scene) -> ReducedPlan:
             f"give way by under {LOAD_MARGIN * largest:.4g} N, ten times the largest static force; take fewer"
         )
     tangential = tangential_compliance(bearing, largest)
-    critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation.inner_mass)
+    critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation)
     critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation.inner_mass)
     interval = 1e-6 * numerics.output_interval_us
     longest = min(SHARE * critical, _time_along_a_profile(bearing, fastest), longest_with_modes(modes))
+    longest = min(longest, _time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts))
     longest *= numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
     looks = ceil(steps / LONGEST_UNWATCHED)
@@ -171,7 +175,19 @@ def _time_along_a_profile(bearing: Bearing, ideal: Kinematics) -> float:
     return inf if surfaces is None or speed == 0.0 else KNOTS_A_STEP * surfaces.shortest / speed
 
 
-def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, hub_mass: float) -> float:
+def _time_of_dampers(model: ReducedBearing, force: float, operation: Operation, damping: ContactDamping) -> float:
+    """The longest step, s, in which contacts' dampers, under forces of so many N, take half of a housing's motion.
+
+    It feels them after rollers and hub, which is only as stable as that is short; infinite where the ring stands still.
+    """
+    housing, bearing = operation.mounting.housing, model.bearing
+    if housing is None or not damping.acts:
+        return inf
+    coefficient = float(damping.coefficient(force, 1.0 / float(model.outer_law.softness(force))))
+    return 2.0 * (housing.mass + bearing.outer_ring_mass) / (bearing.n_rollers * coefficient)
+
+
+def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, operation: Operation) -> float:
     """2/ω_max, s, with all contacts closed under a force, N, that stick: of a roller, or of all with their modes."""
     bearing = model.bearing
     soft = np.array([law.softness(force) for law in (model.inner_law, model.outer_law)])
@@ -180,5 +196,6 @@ def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarr
     radial = float(pushed @ stiff @ pushed) + 2.0 / float(model.between.softness(force))
     # of a traction the roller's own surface gives way by 3/m, and the other contact's by −1/m
     rocking = 4.0 / float(tangential.min())
-    rigid = 2.0 / sqrt(max(radial, rocking) / bearing.roller_mass)
-    return rigid if model.modes is None else min(rigid, critical_with_modes(model, force, hub_mass))
+    in_machine = fastest_in_machine(bearing, operation, *np.diag(stiff).tolist())
+    rigid = 2.0 / sqrt(max(max(radial, rocking) / bearing.roller_mass, in_machine**2))
+    return rigid if model.modes is None else min(rigid, critical_with_modes(model, force, operation.inner_mass))

@@ -27,10 +27,9 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
         d.name: {"error": d.budget.error, **{name: d.budget.terms[name] for name in acting}}
         for d in evaluation.directions
     }
-    sizes = {
-        d.name: {name: rms(term) for name, term in terms[d.name].items()} | {"momentum": d.balance.rms}
-        for d in evaluation.directions
-    }
+    sizes = {name: {term: rms(values) for term, values in found.items()} for name, found in terms.items()}
+    for d in evaluation.directions:
+        sizes[d.name]["momentum"] = 0.0 if d.balance is None else d.balance.rms
     figure, (*axes, bars) = panels((2, 1), 8.4, lines=2, shares=(1.0, 1.0, 1.4), left=NAMES)
     for axis, direction in zip(axes, evaluation.directions, strict=True):
         for name in ("error", *acting):

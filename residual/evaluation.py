@@ -323,10 +323,9 @@ def _folding_notes(record: Record, law: Law, budget: Budget, directions: tuple[D
 
     Such vibration is folded down: at a false, lower frequency the second derivative of a position is another one.
     """
-    balances = [d.balance for d in directions]
-    if not record.attributes or None in balances:
+    left = [d.balance.rms for d in directions if d.balance is not None]
+    if not record.attributes or not left:
         return []
-    left = [each.rms for each in balances]
     if max(left) > MOST_FOLDED * record.load:
         return []
     told = [record.operation.inner_mass * d.floor.total for d in directions]

@@ -6,7 +6,6 @@ from math import inf, sqrt
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.model import Model
@@ -101,6 +100,8 @@ def _ring_limit(ring: RingBody, springs: sparse.csc_matrix) -> float:
 
 
 def _largest(apply, size: int) -> float:
+    from scipy.sparse.linalg import LinearOperator, eigsh  # takes its time to load, and a step that is kept needs none
+
     operator = LinearOperator((size, size), matvec=apply, dtype=float)
     start = np.random.default_rng(0).standard_normal(size)  # seeded: the same scene gets the same step
     return float(eigsh(operator, k=1, which="LA", v0=start, tol=LANCZOS_TOLERANCE, return_eigenvectors=False)[0])

@@ -137,7 +137,7 @@ class Scene(Table):
     def perfect_bearing(self) -> Bearing:
         """The bearing in SI, without faults of its surfaces."""
         b = self.bearing
-        shape = dict(
+        shape: dict[str, Any] = dict(
             n_rollers=b.rollers,
             roller_radius=0.5 * MM * b.roller_diameter_mm,
             roller_length=MM * b.roller_length_mm,
@@ -151,6 +151,8 @@ class Scene(Table):
         )
         if b.type == "roller":
             return Bearing(**shape)
+        if b.inner_conformity is None or b.outer_conformity is None:
+            raise ValueError('bearing.type = "ball" without inner_conformity or outer_conformity; leave None out')
         return BallBearing(
             **shape,
             inner_groove_radius=MM * b.inner_conformity * b.roller_diameter_mm,
@@ -170,13 +172,16 @@ class Scene(Table):
         return Mounting(
             points=None if self.support is None else self.support.points(),
             housing=None if self.support is None else self.support.housing(),
+            bore=None if self.support is None else self.support.bore(),
             sensor=None if self.sensor is None else self.sensor.sensor(),
+            shaft=self.operation.springs(),
         )
 
     @property
     def files(self) -> dict[str, str]:
         """Texts of the files that it names, by their digests, as far as they are at hand."""
-        profiles = {table.sha256: table.content for table in self.profile if table.content is not None}
+        profiles = {table.sha256: table.content for table in self.profile
+                    if table.sha256 is not None and table.content is not None}  # fmt: skip
         return profiles | self.operation.files
 
     def varied(self, changes: Mapping[str, Any]) -> "Scene":

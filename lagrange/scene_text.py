@@ -29,10 +29,10 @@ def apply_override(data: dict[str, Any], override: str) -> None:
     if not equals or not all(part.strip() for part in key.split(".")):
         raise SceneError(f"--set {override!r}: must read table.key=value, e.g. --set operation.speed_rpm=3000")
     try:
-        value = load(f"value = {text}", "")
+        found = load(f"value = {text}", "")
     except SceneError:
-        value = {}
-    value = value["value"] if set(value) == {"value"} else text.strip()  # more than one: a string with line breaks
+        found = {}
+    value = found["value"] if set(found) == {"value"} else text.strip()  # more than one: a string with line breaks
     set_key(data, key, value, f"--set {override!r}")
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.kernels.cage_kernels import Cage
+from fem.kernels.cage_state import Cage
 from fem.kernels.housing_kernels import Resonator
 from fem.kernels.lanes import WIDTH
 from fem.kernels.state import (

@@ -4,7 +4,6 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from fem.elastic.bodies import RingBody
@@ -26,22 +25,6 @@ class SupportedRing(RingBody):
     @property
     def n_free_nodes(self) -> int:
         return self.n_rows * self.n_sectors - len(self.held_sectors)
-
-    @cached_property
-    def matrix(self) -> sparse.csc_matrix:
-        """Stiffness of the ring held nowhere, N/m; rows (node row, component, sector), polar."""
-        size, sectors = self.n_rows * 2 * self.n_sectors, np.arange(self.n_sectors)
-        rows, columns, values = [], [], []
-        for row in range(self.n_rows):
-            for other in range(max(0, row - 1), min(self.n_rows, row + 2)):
-                for shift in (-1, 0, 1):
-                    for a, b in np.ndindex(2, 2):
-                        rows.append((2 * row + a) * self.n_sectors + sectors)
-                        columns.append((2 * other + b) * self.n_sectors + (sectors + shift) % self.n_sectors)
-                        value = self.stencil[row, other - row + 1, shift + 1, a, b]
-                        values.append(np.full(self.n_sectors, value))
-        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        return sparse.csc_matrix(entries, shape=(size, size))
 
     @cached_property
     def _free(self) -> np.ndarray:

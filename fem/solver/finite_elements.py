@@ -7,7 +7,7 @@ from math import ceil
 import numba
 import numpy as np
 
-from fem.contacts.critical_step import critical_time_step
+from fem.contacts.critical_step import critical_time_step, next_rung
 from fem.contacts.model import Model
 from fem.solver.arrays import make_arrays
 from fem.solver.cage_arrays import critical_with_cage, with_cage
@@ -134,7 +134,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         5.0 * operation.heaviest / model.bearing.n_rollers,
     )
     critical = critical_with_cage(
-        critical_time_step(model, expected, operation.mounting.housing),
+        critical_time_step(model, next_rung(expected), operation.mounting.housing),
         model.bearing,
         scene.ideal_cage(),
         operation.inner_mass,

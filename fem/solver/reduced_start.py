@@ -50,12 +50,12 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
     NotFound: no equilibrium.
     """
     bearing = model.bearing
-    place, forces = _balanced(model, operation, 0.0, None)
+    place, forces = middle = _balanced(model, operation, 0.0)
     speed, rate = abs(operation.speed) * bearing.inner_raceway_radius, np.zeros_like(place)
     if speed > 0.0:
         ahead = LOOK_AHEAD * bearing.roller_radius / speed
         try:
-            before, after = (_balanced(model, operation, t, place)[0] for t in (-ahead, ahead))
+            before, after = (_balanced(model, operation, t, middle)[0] for t in (-ahead, ahead))
         except NotFound:
             before = after = place
         found = (after - before) / (2.0 * ahead)
@@ -72,7 +72,7 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     bearing, n = model.bearing, model.bearing.n_rollers
     if bearing.radial_clearance < -ROUND_OFF * bearing.roller_radius:
         unloaded = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, course=None)
-        place, forces = _balanced(model, unloaded, 0.0, None)
+        place, forces = _balanced(model, unloaded, 0.0)
         return _start(model, operation, place, np.zeros_like(place), forces)
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
     angle = roller_angles(bearing, operation.first_roller_angle)
@@ -87,7 +87,7 @@ def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
     """Hub under the radial load alone, standing, weightless, (2,), m. NotFound: no equilibrium."""
     alone = replace(operation, speed=0.0, side_load=0.0, gravity=0.0, course=None)
     still = reduced_bearing(model.bearing, kinematics(model.bearing, 0.0))
-    return _balanced(still, alone, 0.0, None)[0][:2]
+    return _balanced(still, alone, 0.0)[0][:2]
 
 
 def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
@@ -106,15 +106,15 @@ def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
     return found
 
 
-def _balanced(model, operation, time, near) -> tuple[np.ndarray, np.ndarray]:
-    """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s."""
+def _balanced(model, operation, time, middle=None) -> tuple[np.ndarray, np.ndarray]:
+    """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s; `middle`: one near."""
     bearing, acting = model.bearing, operation.at(time)
     angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
     contacts = model.at(angle, Turns.rolling(bearing, operation, time))
     load, aside = float(acting.radial_load) + operation.inner_mass * operation.gravity, float(acting.side_load)
-    start = first_guess(bearing, contacts.radial, load, aside) if near is None else near
+    start, near = (first_guess(bearing, contacts.radial, load, aside), None) if middle is None else middle
     cage = kinematics(bearing, operation.speed).cage
-    return balance(contacts, Loads(load, operation.gravity, cage, aside), start)
+    return balance(contacts, Loads(load, operation.gravity, cage, aside), start, near)
 
 
 def _start(model, operation, place, rate, forces, steady=True) -> ReducedStart:

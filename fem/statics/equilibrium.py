@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.contacts.model import Model
-from fem.contacts.reduction import Motion, Reduced
+from fem.contacts.reduction import Motion, Reduced, unloaded
 from fem.statics.contact_balance import Condensed, Loads, balance, closed_forces, first_guess
 from fem.statics.exact_statics import exact_contacts
 from fem.statics.pressure_balance import balance_pressures
@@ -92,15 +92,16 @@ def _solved(
         place = first_guess(bearing, radial, loads.hub, loads.aside)
         if model.is_sized_by_forces:
             place, forces = balance(exact_contacts(bearing, motion.roller_angle), loads, place)
-    for _ in range(model.static_passes):
-        reduced = model.reduced(motion, gravity, place, forces)
+    free, passes = unloaded(model, motion, gravity), model.static_passes
+    for _ in range(passes if start is None else max(1, passes - 1)):
+        reduced = model.reduced(motion, free, place, forces)
         if reduced.contact.size == 2 * bearing.n_rollers:
             # one point each: laws of the contact as a whole, and facets which leave load to three rollers
             contacts = Condensed(
                 bearing=bearing, radial=radial, inner_law=model.inner_law, outer_law=model.outer_law,
                 compliance=reduced.compliance, closing=reduced.closing, turns=motion.turns,
             )  # fmt: skip
-            place, pressed = balance(contacts, loads, place)
+            place, pressed = balance(contacts, loads, place, forces)
             pressed = closed_forces(pressed)
         else:
             outward = bearing.roller_mass * (motion.cage_speed**2 * place[2:] - gravity * radial[:, 1])

@@ -16,7 +16,7 @@ from lagrange.mounting import Housing
 
 # what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
 EVENLY, LIGHT, HEAVY = 2.0, 10.0 / 9.0, 10.0
-RUNGS = 8  # an octave of forces: a step under the next rung's is shorter by 0.3 % in the mean
+RUNGS = 8  # an octave of forces: under the next rung's the paper's bearing has a step that is at most 1e-3 shorter
 LANCZOS_TOLERANCE = 1e-6  # of ω²; with 1e-4 the fastest of a ring's clustered modes is missed by up to 1e-3
 
 

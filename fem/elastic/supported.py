@@ -43,9 +43,19 @@ class SupportedRing(RingBody):
         displacement[self._free] = self._factor.solve(np.ascontiguousarray(flat[self._free]))
         return displacement.reshape(force.shape)
 
+    @cached_property
+    def _influences(self) -> dict[bytes, np.ndarray]:
+        return {}
+
     def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
-        """As `RingBody.surface_influence`."""
+        """As `RingBody.surface_influence`; kept: contacts stay over their nodes while an equilibrium is found."""
         nodes = np.asarray(nodes)
+        key = nodes.tobytes()
+        if key not in self._influences:
+            self._influences[key] = self._influence(nodes)
+        return self._influences[key]
+
+    def _influence(self, nodes: np.ndarray) -> np.ndarray:
         force = np.zeros((self.n_rows, 2, self.n_sectors, 2 * nodes.size))
         each = np.arange(nodes.size)
         for component in range(2):

@@ -198,10 +198,10 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
     raceway, roller = abs(pair.radii[0]), bearing.roller_radius
     own, other = (roller, raceway) if body == "roller" else (raceway, roller)
     n = max([FEWEST_KNOTS, *(_knots(fault, own, other, meeting) for fault in faults)])
-    numbers = [None, *sorted({fault.roller for fault in faults})] if body == "roller" else [None]
-    rows = [[fault for fault in faults if fault.roller == number] for number in numbers]
+    rollers = sorted({fault.roller for fault in faults if fault.roller is not None})
+    rows = [[fault for fault in faults if fault.roller == number] for number in (None, *rollers)]
     row = np.zeros(bearing.n_rollers, dtype=np.int64)
-    for k, number in enumerate(numbers[1:], 1):
+    for k, number in enumerate(rollers, 1):
         row[number] = k
     compliance = None
     if any(isinstance(fault, Spall) for fault in faults):

@@ -62,8 +62,8 @@ def passages(motion: RollerMotion, place: Place, angle: float, half: float, most
     if not kept or length > LONGEST:
         return None
     roller, outside, first = (np.array(column) for column in zip(*kept, strict=True))
-    ahead = first[:, None] + np.arange(QUIET), roller[:, None]
-    inner, outer = motion.inner[ahead], motion.outer[ahead]
+    before = first[:, None] + np.arange(QUIET), roller[:, None]
+    inner, outer = motion.inner[before], motion.outer[before]
     sunk = np.where(outside[:, None], outer - np.maximum(inner, 0.0), inner - np.maximum(outer, 0.0))
     rest, load = np.sqrt(np.mean(sunk**2, axis=1)), np.maximum(np.median(inner + outer, axis=1), 0.0)
     unrest = (rest + CLOSEST) / (np.sqrt(load / max(load.max(), CLOSEST)) + UNLOADED)

@@ -117,3 +117,16 @@ def test_unreadable_files_are_refused(tmp_path):
     ):
         with pytest.raises(SceneError, match=word):
             read_scene(path)
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"bearing": {"type": "ball", "inner_conformity": None}},
+        {"support": {"kind": "points", "width_mm": None}},
+        {"support": {"kind": "housing", "mass_kg": None}},
+    ],
+)
+def test_none_from_python_where_a_kind_needs_a_value_is_refused(tables):
+    with pytest.raises(SceneError, match="leave None out"):
+        parse_scene(tables, "scene")

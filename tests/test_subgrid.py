@@ -14,10 +14,11 @@ from fem.elastic.bodies import disc_body
 from fem.elastic.continuum import ring_hertz_approach
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
 from fem.kernels.jit import OPTIONS
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import count_from
 from fem.kernels.law import STEEPEST, contact_force, ripple_at, with_seam
 from fem.kernels.patches import N_NODES, ONE, weights
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.simd import count_from, load, store
 from fem.kernels.state import DiscSurface, Patches, RingSurface
 from fem.kernels.surfaces import put_down, read
 from lagrange import Material

@@ -67,7 +67,7 @@ class Unloaded:
     """What the bodies of finite elements do without forces at their contacts."""
 
     inner_growth: np.ndarray  # (n_rows, 2, n_sectors), m, by centrifugal load and own weight
-    outer_sag: np.ndarray  # (n_rows, 2, n_sectors), m, by own weight
+    outer_sag: np.ndarray  # (n_rows, 2, n_sectors), m, by own weight and by how it is held
     roller_growth: np.ndarray  # (2 n_nodes,), m
 
 
@@ -87,6 +87,6 @@ def unloaded(model, motion: Motion, gravity: float) -> Unloaded:
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
     return Unloaded(
         inner_growth=inner.held(inner.body_load(gravity, motion.ring_turn, motion.ring_speed)),
-        outer_sag=outer.held(outer.body_load(gravity)),
+        outer_sag=outer.sag(gravity),
         roller_growth=disc.relaxed(motion.roller_speed**2 * (disc.mass[:, None] * disc.points).ravel()),
     )

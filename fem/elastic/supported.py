@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy.sparse.linalg import splu
@@ -13,35 +14,16 @@ FEWEST = 2  # nodes of a point: one would be a hinge
 
 
 @dataclass(frozen=True, kw_only=True)
-class SupportedRing(RingBody):
-    """A `RingBody` of whose held row some nodes stand still, and the others are as free as those of other rows."""
-
-    held_sectors: np.ndarray  # (n_held,), whole
+class LooseRing(RingBody):
+    """A `RingBody` of whose held row not all nodes stand still: those that do not are as free as any."""
 
     @property
     def free_rows(self) -> np.ndarray:
         return np.arange(self.n_rows)
 
-    @property
-    def n_free_nodes(self) -> int:
-        return self.n_rows * self.n_sectors - len(self.held_sectors)
-
-    @cached_property
-    def _free(self) -> np.ndarray:
-        """Places of the free components in such a row."""
-        held = ((2 * self.held_row + np.arange(2))[:, None] * self.n_sectors + self.held_sectors).ravel()
-        return np.setdiff1d(np.arange(self.matrix.shape[0]), held)
-
-    @cached_property
-    def _factor(self):
-        return splu(self.matrix[self._free][:, self._free])
-
-    def held(self, force: np.ndarray) -> np.ndarray:
-        """As `RingBody.held`: displacement under nodal forces, (n_rows, 2, n_sectors, ...), polar, m and N."""
-        flat = force.reshape(self.matrix.shape[0], -1)
-        displacement = np.zeros_like(flat)
-        displacement[self._free] = self._factor.solve(np.ascontiguousarray(flat[self._free]))
-        return displacement.reshape(force.shape)
+    def on_held_row(self, component: int) -> np.ndarray:
+        """Places of one component of the held row's nodes among the rows of `matrix`, (n_sectors,)."""
+        return (2 * self.held_row + component) * self.n_sectors + np.arange(self.n_sectors)
 
     @cached_property
     def _influences(self) -> dict[bytes, np.ndarray]:
@@ -64,6 +46,34 @@ class SupportedRing(RingBody):
         return found.transpose(1, 0, 2).reshape(2 * nodes.size, 2 * nodes.size)
 
 
+@dataclass(frozen=True, kw_only=True)
+class SupportedRing(LooseRing):
+    """A ring of whose held row some nodes stand still."""
+
+    held_sectors: np.ndarray  # (n_held,), whole
+
+    @property
+    def n_free_nodes(self) -> int:
+        return self.n_rows * self.n_sectors - len(self.held_sectors)
+
+    @cached_property
+    def _free(self) -> np.ndarray:
+        """Places of the free components among the rows of `matrix`."""
+        held = np.concatenate([self.on_held_row(component)[self.held_sectors] for component in range(2)])
+        return np.setdiff1d(np.arange(self.matrix.shape[0]), held)
+
+    @cached_property
+    def _factor(self):
+        return splu(self.matrix[self._free][:, self._free])
+
+    def held(self, force: np.ndarray) -> np.ndarray:
+        """As `RingBody.held`: displacement under nodal forces, (n_rows, 2, n_sectors, ...), polar, m and N."""
+        flat = force.reshape(self.matrix.shape[0], -1)
+        displacement = np.zeros_like(flat)
+        displacement[self._free] = self._factor.solve(np.ascontiguousarray(flat[self._free]))
+        return displacement.reshape(force.shape)
+
+
 def supported_ring(ring: RingBody, points: Points) -> SupportedRing:
     """An outer ring held at points: all nodes within their width, and the FEWEST nearest of each."""
     radius = float(ring.radii[ring.held_row])
@@ -72,5 +82,9 @@ def supported_ring(ring: RingBody, points: Points) -> SupportedRing:
         apart = radius * np.abs(np.angle(np.exp(1j * (ring.angles - angle))))
         held |= set(np.flatnonzero(apart <= 0.5 * points.width * (1.0 + 1e-9)).tolist())
         held |= set(np.argsort(apart, kind="stable")[:FEWEST].tolist())
-    own = {field.name: getattr(ring, field.name) for field in fields(RingBody)}
-    return SupportedRing(**own, held_sectors=np.array(sorted(held)))
+    return SupportedRing(**own_fields(ring), held_sectors=np.array(sorted(held)))
+
+
+def own_fields(ring: RingBody) -> dict[str, Any]:
+    """What a `RingBody` is made of."""
+    return {field.name: getattr(ring, field.name) for field in fields(RingBody)}

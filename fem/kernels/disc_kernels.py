@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.jit import part
-from fem.kernels.simd import fma, gather, load, splat, store
+from fem.kernels.lane_memory import gather, load, store
+from fem.kernels.lanes import fma, splat
 
 COLUMNS = 16  # handled together
 

@@ -9,13 +9,14 @@ from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.course_kernels import is_turning, load_at, speed_of, with_aside
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import cosine_and_sine
+from fem.kernels.lane_memory import load
+from fem.kernels.lanes import WIDTH, splat
+from fem.kernels.lanes import total as lane_total
 from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_all_motion
 from fem.kernels.rigid_surfaces import turning_energy
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.shear_kernels import spring_energy
-from fem.kernels.simd import WIDTH, load, splat
-from fem.kernels.simd import total as lane_total
 from fem.kernels.state import CONTACTS, Course
 
 # columns of a sample: the hub, the energies, then blocks of n_rollers, then those of further bodies

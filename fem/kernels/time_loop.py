@@ -1,11 +1,14 @@
 """The time loop: leapfrog steps of the whole bearing."""
 
+import fem.kernels.bore_kernels
 import fem.kernels.disc_surface  # what contacts ask of each type of surface
 import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.rigid_surfaces
 import fem.kernels.ring_surface
+import fem.kernels.shaft_kernels
 import fem.kernels.support_kernels  # noqa: F401
-from fem.kernels.cage_kernels import CagePair, rub_cage
+from fem.kernels.cage_kernels import rub_cage
+from fem.kernels.cage_state import CagePair
 from fem.kernels.contact_kernels import press_patches, push_neighbours, push_patches
 from fem.kernels.course_kernels import follow, load_at, step_of, with_aside
 from fem.kernels.damping_kernels import damp_bodies, damp_contacts
@@ -13,11 +16,12 @@ from fem.kernels.drive_kernels import kick_hub, move_hub
 from fem.kernels.friction_solution import friction_contacts, slips_before
 from fem.kernels.jit import every, kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, fma
 from fem.kernels.other_bodies import drift_others, kick_others
 from fem.kernels.resolved_kernels import press_all_points
 from fem.kernels.rigid_surfaces import settle, turn
 from fem.kernels.sample_kernels import remember, write_sample
-from fem.kernels.simd import WIDTH, fma, load, store
 from fem.kernels.team_kernels import drift_bodies, kick_bodies
 
 DONE, NOT_FINITE = 0, 1

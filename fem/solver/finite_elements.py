@@ -9,7 +9,8 @@ import numpy as np
 
 from fem.contacts.critical_step import critical_time_step, next_rung
 from fem.contacts.model import Model
-from fem.solver.arrays import make_arrays
+from fem.elastic.bored import BoredRing
+from fem.solver.arrays import hub_mass, make_arrays
 from fem.solver.cage_arrays import critical_with_cage, with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
@@ -70,6 +71,11 @@ class ElementPlan(CompiledPlan):
     @property
     def degrees_of_freedom(self) -> int:
         return self.model.degrees_of_freedom
+
+    @property
+    def pressed_energy(self) -> float:
+        ring = self.model.outer_ring
+        return ring.pressed_energy if isinstance(ring, BoredRing) else 0.0
 
     def arrays(self) -> Arrays:
         """Fresh arrays at the start."""
@@ -134,7 +140,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         5.0 * operation.heaviest / model.bearing.n_rollers,
     )
     critical = critical_with_cage(
-        critical_time_step(model, next_rung(expected), operation.mounting.housing),
+        critical_time_step(model, next_rung(expected), operation.mounting, hub_mass(model.inner_ring, operation)),
         model.bearing,
         scene.ideal_cage(),
         operation.inner_mass,

@@ -4,6 +4,7 @@ Every body is condensed to the compliance between its contacts; where that comes
 not known here.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,7 +12,8 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw, NoLaw
 from fem.errors import UsageError
-from lagrange import Bearing
+from lagrange import Bearing, Operation
+from lagrange.mounting import ring_place
 from lagrange.overlap import overlaps, sunk
 from lagrange.profile import UNTURNED, Turns, profiles
 
@@ -33,6 +35,14 @@ class NotFound(UsageError):
     """No static equilibrium was found: the load is more than the contacts bear."""
 
 
+class HubSpring(NamedTuple):
+    """Springs on the hub along x and y: of a shaft, see `lagrange.mounting.Shaft`."""
+
+    stiffness: float  # N/m
+    x: float = 0.0  # m, of the hub where they are slack
+    y: float = 0.0
+
+
 class Loads(NamedTuple):
     """What the contacts must carry."""
 
@@ -40,6 +50,21 @@ class Loads(NamedTuple):
     gravity: float  # m/s²
     cage_speed: float  # rad/s
     aside: float = 0.0  # N, on the hub along +x
+    spring: HubSpring | None = None
+
+
+def hub_spring(operation: Operation, ring: np.ndarray) -> HubSpring | None:
+    """The shaft's springs about the outer ring's centre, which is at (2,), m; None where nothing holds the shaft."""
+    shaft = operation.mounting.shaft
+    return None if shaft is None else HubSpring(shaft.stiffness, -float(ring[0]), -float(ring[1]))
+
+
+def standing_ring(operation: Operation, weight: float, force_at: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """`lagrange.mounting.ring_place`, (2,), m. NotFound: there is none."""
+    try:
+        return ring_place(operation.mounting, weight, force_at)
+    except RuntimeError as error:
+        raise NotFound(str(error)) from None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,6 +144,8 @@ class _Held:
     directions: np.ndarray  # (2 n_rollers, n_rollers + 2), its derivatives
     compliance: np.ndarray  # (2 n_rollers, 2 n_rollers), m/N, without the laws'
     applied: np.ndarray  # (n_rollers + 2,), N
+    springs: np.ndarray  # (n_rollers + 2,), N/m, to `middle`
+    middle: np.ndarray  # (n_rollers + 2,), m
 
     @classmethod
     def at(cls, contacts: Condensed, loads: Loads, position: np.ndarray, last: np.ndarray) -> "_Held":
@@ -127,7 +154,12 @@ class _Held:
         overlap, directions = geometry(bearing, radial, position, turns, last)
         soft = edge_compliances(bearing, radial, position, turns)
         # the centrifugal force's own growth is left out: a roller in clearance would be sent the wrong way
+        n, spring = bearing.n_rollers, loads.spring
         on_rollers = bearing.roller_mass * (loads.cage_speed**2 * position[2:] - loads.gravity * radial[:, 1])
+        middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
+        springs = np.full(n + 2, LOOSE_SPRING)
+        if spring is not None and spring.stiffness > LOOSE_SPRING:
+            springs[:2], middle[:2] = spring.stiffness, (spring.x, spring.y)
         return cls(
             contacts=contacts,
             position=position,
@@ -135,6 +167,8 @@ class _Held:
             directions=directions,
             compliance=contacts.compliance + np.diag(soft),
             applied=np.concatenate([[loads.aside, -loads.hub], on_rollers]),
+            springs=springs,
+            middle=middle,
         )
 
     @property
@@ -144,9 +178,7 @@ class _Held:
 
     def unbalanced(self, moved: np.ndarray, force: np.ndarray) -> np.ndarray:
         """Forces on hub and rollers that are left, (n_rollers + 2,), N."""
-        bearing = self.contacts.bearing
-        middle = np.concatenate([np.zeros(2), np.full(bearing.n_rollers, bearing.pitch_radius)])
-        return self.applied - LOOSE_SPRING * (moved - middle) - self.directions.T @ force
+        return self.applied - self.springs * (moved - self.middle) - self.directions.T @ force
 
     def through(self, moved: np.ndarray, force: np.ndarray, approach: np.ndarray) -> np.ndarray:
         """How far the bodies' surfaces would lie in each other under these forces, (2 n_rollers,), m."""
@@ -163,7 +195,7 @@ def _closed_alone(held: _Held, near: np.ndarray) -> tuple[np.ndarray, np.ndarray
         return None
     n, m = bearing.n_rollers + 2, closed.size
     matrix = np.zeros((n + m, n + m))
-    matrix[range(n), range(n)] = LOOSE_SPRING
+    matrix[range(n), range(n)] = held.springs
     matrix[:n, n:], matrix[n:, :n] = held.directions[closed].T, -held.directions[closed]
     own, is_open = held.compliance[np.ix_(closed, closed)], near <= 0.0
     moved, force = held.position, near.copy()
@@ -213,7 +245,7 @@ def _convex(held: _Held, loads: Loads) -> tuple[np.ndarray, np.ndarray]:
         soft = held.compliance + np.diag(softness + gap / force)
         solved = np.linalg.solve(soft, np.column_stack([directions, wanted]))
         step = np.linalg.solve(
-            LOOSE_SPRING * np.eye(n + 2) + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1]
+            np.diag(held.springs) + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1]
         )
         force_step = solved[:, :-1] @ step + solved[:, -1]
         gap_step = (barrier - force * gap - gap * force_step) / force

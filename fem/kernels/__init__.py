@@ -3,7 +3,7 @@
 state                           the arrays, as named tuples: bodies, surfaces, pairs, contacts
 time_loop, drive_kernels        leapfrog steps; the hub; `course_kernels`: speed and load that change
 disc_kernels, ring_kernels      forces and motion of rollers and rings
-team_kernels                    these two shared out among threads
+node_kernels                    both in a step, of all bodies
 surfaces                        what contacts ask of a surface: read, push, grip, sideways, push_along
 disc_surface, ring_surface      the answers of elastic rollers and rings; `rigid_surfaces`: of rigid bodies
 other_bodies                    what steps ask of every further body; `housing_kernels`: what carries the outer ring;

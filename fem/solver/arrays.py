@@ -40,7 +40,6 @@ def make_arrays(
     friction: float,
     ramp: float,
     largest_force: float,
-    threads: int,
 ) -> Arrays:
     """Positions at t = 0 and velocities at −dt/2. `ramp` in s; the largest static contact force in N."""
     inner = ring_nodes(model.inner_ring, dt)
@@ -73,7 +72,7 @@ def make_arrays(
         groups=pair_groups(model, (inner, outer), drive, housing, data, rollers.columns),
         contacts=lined_up(contacts),
         drive=drive,
-        scratch=lined_up(_scratch(rollers, disc, inner, outer, threads)),
+        scratch=lined_up(_scratch(rollers, disc, inner, outer)),
     )
 
 
@@ -227,13 +226,12 @@ def hub_mass(ring: RingBody, operation: Operation) -> float:
     return float(operation.inner_mass - ring.total_mass + held)
 
 
-def _scratch(rollers: Rollers, disc: Disc, inner: Ring, outer: Ring, threads: int) -> Scratch:
+def _scratch(rollers: Rollers, disc: Disc, inner: Ring, outer: Ring) -> Scratch:
     columns = rollers.columns
     return Scratch(
         bore=np.zeros((2, inner.u.shape[2])),
         line=np.zeros((2, outer.u.shape[2])),
-        team=None if threads == 1 else np.zeros(threads),
-        torque=np.zeros(threads * columns),
+        torque=np.zeros(columns),
         still=np.zeros(columns),
         shift=np.zeros((2, columns)),
         cosine=np.ones(columns),

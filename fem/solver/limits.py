@@ -7,8 +7,6 @@ from collections.abc import Callable
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING
 
-import numba
-
 from fem.errors import UsageError
 from fem.statics.expected_forces import ExpectedForces
 from lagrange import Bearing, Kinematics
@@ -27,15 +25,6 @@ LARGEST_STRAIN = 0.01  # linear elasticity errs by about the strain itself
 MOST_NODES = 1_000_000  # take about 3 GB to mesh and assemble
 HOPELESS = 2.0  # a contact so many times too wide, by a force that may be a bound, is refused before it is meshed
 WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
-
-
-def check_threads(threads: int) -> None:
-    """Refuse more threads than the machine runs at once: they would wait for each other in every step."""
-    most = numba.config.NUMBA_NUM_THREADS
-    if threads > most:
-        raise UsageError(
-            f"numerics.threads = {threads}: this machine, or NUMBA_NUM_THREADS, has {most}; at most {most}"
-        )
 
 
 def check_rollers(scene: Scene) -> None:

@@ -85,7 +85,12 @@ def drift_bodies(bodies, drive, scratch, cosine, sine, team):
     """Move all nodes by a step; `cosine`, `sine` of the inner ring's turn; the rollers' lead in `scratch.torque`."""
     disc, inner, outer, columns = bodies.disc, _nodes(bodies.inner), _nodes(bodies.outer), bodies.rollers.columns
     turns = disc_kernels.Turns(
-        bodies.rollers.turn_kick, scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1]
+        bodies.rollers.turn_kick,
+        scratch.cosine,
+        scratch.sine,
+        scratch.shift[0],
+        scratch.shift[1],
+        bodies.rollers.swelling,
     )
     turn = Turn(cosine, sine, is_turning(drive.course, drive))
     if team is None:
@@ -93,6 +98,7 @@ def drift_bodies(bodies, drive, scratch, cosine, sine, team):
     else:
         _drift_shares(disc, inner, outer, columns, drive.dt, scratch.torque, turns, turn, team.size)
         _add_up(scratch.torque, columns, team.size)
+        _add_up_swelling(turns.swelling, columns, team.size)
 
 
 @kernel(parallel=True)
@@ -121,6 +127,12 @@ def _part(first, end, share, shares):
     """The rows or nodes of a share: the first and the one after the last."""
     count = end - first
     return first + count * share // shares, first + count * (share + 1) // shares
+
+
+@part
+def _add_up_swelling(swelling, columns, shares):
+    if swelling is not None:
+        _add_up(swelling, columns, shares)
 
 
 @part

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+from lagrange.cage import Cage
 from lagrange.contact_damping import UNDAMPED, ContactDamping
 from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import State
@@ -34,6 +35,7 @@ class Problem:
     angles: Literal["kinematic", "free"] = "kinematic"
     damping: ContactDamping = UNDAMPED  # of every closed contact
     load_ramp: float = 0.0  # s
+    cage: Cage | None = None  # free angles: a body of its own, for compiled steps; else what holds the angles
 
     def __post_init__(self):
         if not (min(vars(self.damping).values()) >= 0.0 and self.load_ramp >= 0.0):
@@ -44,10 +46,15 @@ class Problem:
             )
 
     @property
+    def free_cage(self) -> Cage | None:
+        """The cage, where it moves by the forces on it."""
+        return self.cage if self.angles == "free" else None
+
+    @property
     def is_damped(self) -> bool:
-        """Whether contacts or what holds the shaft take energy."""
+        """Whether contacts, a cage or what holds the shaft take energy."""
         shaft = self.operation.mounting.shaft
-        return self.damping.acts or (shaft is not None and shaft.damping > 0.0)
+        return self.damping.acts or self.free_cage is not None or (shaft is not None and shaft.damping > 0.0)
 
     @cached_property
     def first_state(self) -> State:

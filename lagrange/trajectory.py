@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+from lagrange.cage_motion import CageRows, CageSamples, free_cage, holding_cage
 from lagrange.energy import contact_energy, kinetic_energy, rotation_energy
 from lagrange.integrate import Record
 from lagrange.load_ramp import load_share
@@ -53,6 +54,7 @@ class Trajectory:
     work_cage: np.ndarray
     work_dissipated: np.ndarray  # by the contacts' dampers and the shaft's dashpots
     work_damping: np.ndarray  # by the contacts' dampers alone
+    cage: CageSamples | None  # of a bearing with one
     time_step: float  # s
     critical_time_step: float  # s, stability limit of the stiffest mode met
     steps: int
@@ -113,6 +115,14 @@ class Completion:
         contact = contact_energy(laws, touch)
         shaft = operation.mounting.shaft
         bent = np.zeros_like(time) if shaft is None else 0.5 * shaft.stiffness * (state.x**2 + state.y**2)
+        dissipated, cage = record.dissipated + record.by_dashpots, None
+        if problem.free_cage is not None:
+            free = free_cage(bearing, problem.free_cage, state, CageRows.of(record.cage), self._system.first)
+            cage, kinetic, contact, lift = free.samples, kinetic + free.kinetic, contact + free.stored, lift + free.lift
+            dissipated = dissipated + free.dissipated
+            ax, ay = ax + free.push_x / operation.inner_mass, ay + free.push_y / operation.inner_mass
+        elif problem.cage is not None:
+            cage = holding_cage(bearing, operation, time, state, touch)
         energy = kinetic + contact + bent
         first = self.first
         if np.isnan(first["energy"]):
@@ -130,7 +140,7 @@ class Completion:
             work_load=record.ramp_work - (pull - first["pull"]),
             work_gravity=-operation.gravity * (lift - first["lift"]),
             work_cage=driven + swing - first["swing"] if self._system.holds_angles else driven,
-            work_dissipated=record.dissipated + record.by_dashpots, work_damping=record.dissipated,
+            work_dissipated=dissipated, work_damping=record.dissipated, cage=cage,
         )  # fmt: skip
         external = part["work_load"] + part["work_gravity"] + part["work_cage"]
         part["energy_error"] = energy - first["energy"] - external + part["work_dissipated"]

@@ -172,6 +172,7 @@ class Scene(Table):
         return Mounting(
             points=None if self.support is None else self.support.points(),
             housing=None if self.support is None else self.support.housing(),
+            bore=None if self.support is None else self.support.bore(),
             sensor=None if self.sensor is None else self.sensor.sensor(),
             shaft=self.operation.springs(),
         )

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
+LARGEST_FIT = 2e-3  # of the outside diameter: strains of a press fit, and slopes of a ring in play, are about as large
 
 
 def _law(scene: "Scene") -> Iterator[str]:
@@ -124,6 +125,30 @@ def _support(scene: "Scene") -> Iterator[str]:
         yield ('[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out')
 
 
+def _bore(scene: "Scene") -> Iterator[str]:
+    bore = scene.mounting().bore
+    if bore is None:
+        return
+    given, diameter = f"support.fit_clearance_um = {1e6 * bore.clearance:g}", scene.bearing.outside_diameter_mm
+    most = 1e3 * LARGEST_FIT * diameter  # µm
+    if scene.model != "fem":
+        yield (
+            f'{given}: only with model = "fem", not with "{scene.model}", whose outer ring is held without play; leave '
+            "it out"
+        )
+    if scene.bodies.outer_ring == "rigid":
+        yield f'{given}: only for an elastic outer ring, bodies.outer_ring is "rigid"; leave one of them out'
+    if scene.contact.model != "subgrid":
+        yield (f'{given}: only with contact.model = "subgrid", not with "{scene.contact.model}"; leave one of them out')
+    if abs(bore.clearance) > 1e-6 * most:
+        yield (
+            f"{given}: more than {LARGEST_FIT:g} of the outer ring's outside diameter, {diameter:g} mm; between "
+            f"{-most:g} and {most:g}"
+        )
+    if scene.cage is not None and scene.cage.guidance == "outer_ring":
+        yield f'cage.guidance = "outer_ring": not with {given}, in which that ring moves; take another guidance'
+
+
 def _cage(scene: "Scene") -> Iterator[str]:
     if scene.cage is not None:
         yield from cage_faults(scene.perfect_bearing(), scene.cage)
@@ -191,6 +216,7 @@ COMBINATIONS: tuple[Callable[["Scene"], Iterator[str]], ...] = (
     _fields,
     _rigid_contacts,
     _support,
+    _bore,
     _cage,
     _damping,
     _courses,

@@ -186,16 +186,16 @@ def _differentiation(record: Record, accelerations: Accelerations):
     mass = record.operation.inner_mass
     hub: list[np.ndarray | None] = []
     outer_ring: list[np.ndarray | None] = []
-    own = (record.inner_ax, record.housing_ax), (record.inner_ay, record.housing_ay)
-    for whole, ours, moved, (inner, housing) in zip(
+    own = (record.inner_ax, record.outer_ring_ax), (record.inner_ay, record.outer_ring_ay)
+    for whole, ours, moved, (inner, outer) in zip(
         accelerations.whole, accelerations.hub, accelerations.outer_ring, own, strict=True
     ):
-        if inner is None or moved is None or housing is None:
+        if inner is None or moved is None or outer is None:
             hub.append(None if inner is None else mass * (whole - inner))
             outer_ring.append(None)
         else:
-            hub.append(mass * (ours - (inner - housing)))
-            outer_ring.append(mass * (moved - housing))
+            hub.append(mass * (ours - (inner - outer)))
+            outer_ring.append(mass * (moved - outer))
     return hub, outer_ring
 
 

@@ -154,7 +154,7 @@ def evaluate(
     hub_x, hub_y = (derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y))
     ring_x, ring_y = (
         None if place is None else derivative(place, interval, order=order)[first:]
-        for place in (record.housing_x, record.housing_y)
+        for place in (record.outer_ring_x, record.outer_ring_y)
     )
     speed_x, speed_y = (derivative(place, interval, 1, order)[first:] for place in record.hub)
     accelerations = Accelerations(hub=(hub_x, hub_y), outer_ring=(ring_x, ring_y), velocity=(speed_x, speed_y))

@@ -11,7 +11,9 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.bored import BoredRing
 from fem.elastic.kept import kept
+from fem.elastic.supported import LooseRing
 from lagrange.mounting import HELD, Housing, Mounting
 
 # what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
@@ -39,7 +41,9 @@ def critical_time_step(model: Model, largest_force: float, mounting: Mounting = 
     of_mount = 0.0 if housing is None else housing.stiffness / housing.mass
     if shaft is not None:
         of_mount, carried = max(of_mount, shaft.stiffness / hub_mass), (*carried, hub_mass)
-    if len(model.outer_ring.free_rows) == model.outer_ring.n_rows:  # held at points: all of it counts as free
+    if isinstance(model.outer_ring, BoredRing):
+        carried = (*carried, model.outer_ring.stiffness)
+    elif isinstance(model.outer_ring, LooseRing):  # held at points: all of it counts as free
         carried = (*carried, "free outer ring")
     key = repr((type(model).__name__, perfect, bodies, model.laws, largest_force, *carried))
     found = kept("step", key, lambda: {"critical": np.array(_found(model, largest_force, housing, of_mount))})
@@ -48,7 +52,10 @@ def critical_time_step(model: Model, largest_force: float, mounting: Mounting = 
 
 def _found(model: Model, largest_force: float, housing: Housing | None, of_mount: float) -> float:
     force = LOAD_MARGIN * max(largest_force, 1.0)
-    springs = model.springs(force)
+    springs, ring = model.springs(force), model.outer_ring
+    if isinstance(ring, BoredRing):
+        springs["outer_ring"] = sparse.hstack([springs["outer_ring"], ring.springs(LIGHT)])
+        of_mount += 0.0 if housing is None else HEAVY * 0.5 * ring.n_sectors * ring.stiffness / housing.mass
     limits = {"roller": _disc_limit, "inner_ring": _ring_limit, "outer_ring": _ring_limit}
     elastic = [name for name in limits if not getattr(model, name).material.rigid]
     found = [limits[name](getattr(model, name), springs[name]) for name in elastic]

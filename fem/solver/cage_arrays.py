@@ -57,9 +57,8 @@ def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, start: "Start", moun
     first = row_width(bearing.n_rollers, None, mounting)
     body = cage_state(bearing, cage, start.angle, start.kinematics.cage, first)
     body.motion[0, :2] = start.housing
-    team = arrays.scratch.team
     if arrays.bodies.disc.mass.size:
-        rollers = rollers._replace(swelling=np.zeros((1 if team is None else team.size) * rollers.columns))
+        rollers = rollers._replace(swelling=np.zeros(rollers.columns))
     ring = _hub(drive) if cage.guidance == "inner_ring" else None
     pair = CagePair(cage=body, riders=_riders(rollers), ring=ring)
     return replace(

@@ -11,7 +11,7 @@ import numpy as np
 from lagrange.bearing import Bearing, Operation
 from lagrange.cage import Cage
 from lagrange.kinematics import kinematics
-from lagrange.motion import ContactState, State, angular_equations
+from lagrange.motion import ContactState, State, angular_equations, housing_accelerations
 
 SMALLEST = 1e-30  # m
 LOSSES = ("dashpots", "friction", "drag")
@@ -149,9 +149,13 @@ def holding_cage(bearing: Bearing, operation: Operation, time, state: State, tou
     nothing, per_roller = np.zeros(len(time)), np.zeros(state.rho.shape)
     course = operation.course
     gain = 0.0 if course is None else kinematics(bearing, course.speed(time, 1)[:, None]).cage
-    moment = angular_equations(bearing, operation, state, touch, gain)
+    force = angular_equations(bearing, operation, state, touch, gain) / state.rho
+    if operation.mounting.housing is not None:
+        x, y = housing_accelerations(bearing, operation, state, touch)
+        force = force + bearing.roller_mass * (y[:, None] * np.cos(state.theta) - x[:, None] * np.sin(state.theta))
     return CageSamples(
-        x=nothing, y=nothing, angle=state.theta[:, 0] - operation.first_roller_angle, speed=state.theta_rate[:, 0],
-        guidance_x=nothing, guidance_y=nothing, force=moment / state.rho, radial_force=per_roller, moment=per_roller,
+        x=nothing + state.ring_x, y=nothing + state.ring_y, angle=state.theta[:, 0] - operation.first_roller_angle,
+        speed=state.theta_rate[:, 0],
+        guidance_x=nothing, guidance_y=nothing, force=force, radial_force=per_roller, moment=per_roller,
         **{f"work_{name}": nothing for name in LOSSES},
     )  # fmt: skip

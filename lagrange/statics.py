@@ -48,7 +48,7 @@ def static_equilibrium(
     roller_mass: float | None = None,
     start: tuple[float, float] | None = None,
     turns: Turns = UNTURNED,
-    ring: tuple[float, float] = (0.0, 0.0),
+    ring: np.ndarray | tuple[float, float] = (0.0, 0.0),
 ) -> Statics:
     """Equilibrium under load, weights and the elements' centrifugal force at cage speed.
 

@@ -65,9 +65,10 @@ class LagrangianPlan(CompiledPlan):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """N_b + 2, or 2 N_b + 2 where the angles are free, and a free cage's three."""
-        of_cage = 0 if self.problem.free_cage is None else 3
-        return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2 + of_cage
+        """N_b + 2, or 2 N_b + 2 where the angles are free; 2 more with a housing, 3 with a free cage."""
+        more = 0 if self.problem.operation.mounting.housing is None else 2
+        more += 0 if self.problem.free_cage is None else 3
+        return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2 + more
 
     @property
     def steps(self) -> int:
@@ -207,6 +208,7 @@ class LagrangianState(RunState):
         self._exchanged = float(exchanged[-1])
         per_time, per_roller = np.zeros(part.time.shape), np.zeros(part.roller_rho.shape)
         absent = {name: per_roller for name in ("inner_traction", "outer_traction", "roller_roller_force")}
+        problem = self.plan.problem
         return Samples(
             values={name: getattr(part, name) for name in SAME}
             | absent
@@ -218,8 +220,8 @@ class LagrangianState(RunState):
                 "outer_damping_force": part.outer_damper,
                 "work_damping_contact": part.work_damping,
                 "work_damping_bodies": per_time,
-                "energy_shaft": part.energy_shaft,
             }
+            | {name: getattr(part, name) for name in problem.operation.mounting.columns}
             | ({} if part.cage is None else {f"cage_{name}": value for name, value in vars(part.cage).items()}),
             imbalance=part.energy_error,
             exchanged=exchanged,

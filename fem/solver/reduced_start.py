@@ -59,15 +59,15 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
     radial = np.array([np.cos(angle), np.sin(angle)])
 
     def force_at(where):
-        return radial @ closed_forces(_balanced(model, operation, 0.0, None, where)[1])[bearing.n_rollers :]
+        return radial @ closed_forces(_balanced(model, operation, 0.0, ring=where)[1])[bearing.n_rollers :]
 
     ring = standing_ring(operation, _weight_on_springs(bearing, operation), force_at)
-    place, forces = _balanced(model, operation, 0.0, None, ring)
+    place, forces = middle = _balanced(model, operation, 0.0, ring=ring)
     speed, rate = abs(operation.speed) * bearing.inner_raceway_radius, np.zeros_like(place)
     if speed > 0.0:
         ahead = LOOK_AHEAD * bearing.roller_radius / speed
         try:
-            before, after = (_balanced(model, operation, t, place, ring)[0] for t in (-ahead, ahead))
+            before, after = (_balanced(model, operation, t, middle, ring)[0] for t in (-ahead, ahead))
         except NotFound:
             before = after = place
         found = (after - before) / (2.0 * ahead)
@@ -92,7 +92,7 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     ring = standing_ring(at_rest, _weight_on_springs(bearing, operation), lambda _: np.zeros(2))
     if bearing.radial_clearance < -ROUND_OFF * bearing.roller_radius:
         unloaded = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
-        place, forces = _balanced(model, unloaded, 0.0, None)
+        place, forces = _balanced(model, unloaded, 0.0)
         return replace(_start(model, operation, place, np.zeros_like(place), forces), ring=ring)
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
     angle = roller_angles(bearing, operation.first_roller_angle)
@@ -107,7 +107,7 @@ def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
     """Hub of the bearing alone under the radial load, standing, weightless, (2,), m. NotFound: no equilibrium."""
     alone = replace(operation, speed=0.0, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
     still = reduced_bearing(model.bearing, kinematics(model.bearing, 0.0))
-    return _balanced(still, alone, 0.0, None)[0][:2]
+    return _balanced(still, alone, 0.0)[0][:2]
 
 
 def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
@@ -126,16 +126,16 @@ def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
     return found
 
 
-def _balanced(model, operation, time, near, ring=NOWHERE) -> tuple[np.ndarray, np.ndarray]:
-    """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s."""
+def _balanced(model, operation, time, middle=None, ring=NOWHERE) -> tuple[np.ndarray, np.ndarray]:
+    """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s; `middle`: one near."""
     bearing, acting = model.bearing, operation.at(time)
     angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
     contacts = model.at(angle, Turns.rolling(bearing, operation, time))
     load, aside = float(acting.radial_load) + operation.inner_mass * operation.gravity, float(acting.side_load)
-    start = first_guess(bearing, contacts.radial, load, aside) if near is None else near
+    start, near = (first_guess(bearing, contacts.radial, load, aside), None) if middle is None else middle
     cage = kinematics(bearing, operation.speed).cage
     spring = hub_spring(operation, ring)
-    return balance(contacts, Loads(load, operation.gravity, cage, aside, spring), start)
+    return balance(contacts, Loads(load, operation.gravity, cage, aside, spring), start, near)
 
 
 def _start(model, operation, place, rate, forces, steady=True) -> ReducedStart:

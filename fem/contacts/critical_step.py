@@ -6,7 +6,6 @@ from math import ceil, inf, log2, sqrt
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.model import Model
@@ -99,6 +98,7 @@ def _ring_limit(ring: RingBody, springs: sparse.csc_matrix) -> float:
 
 def _largest(stiffness: sparse.csr_matrix, springs: sparse.csc_matrix, scale: np.ndarray) -> float:
     """Largest eigenvalue of stiffness, springs with it, scaled by 1/√mass on either side."""
+    from scipy.sparse.linalg import LinearOperator, eigsh  # takes its time to load, and a step that is kept needs none
 
     def apply(vector):
         u = scale * vector.ravel()

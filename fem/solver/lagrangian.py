@@ -5,7 +5,6 @@ mesh and time step safety of the scene play no part. No mesh; steps are compiled
 is loaded.
 """
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil
@@ -183,10 +182,9 @@ class LagrangianState(RunState):
 
     def advance(self, most: int) -> Block:
         simulation = self._simulation
-        began = time.perf_counter()
-        part = simulation.advance(most)
-        samples = None if part is None else self._samples(part)
-        self.wall += time.perf_counter() - began
+        with self.timed():
+            part = simulation.advance(most)
+            samples = None if part is None else self._samples(part)
         self.done = simulation.done
         if samples is not None:
             self.imbalance = float(samples.relative_imbalance()[-1])

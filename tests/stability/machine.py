@@ -219,6 +219,8 @@ def tried(seed: int, number: int, models: tuple[str, ...]) -> tuple[str, str, st
         (folder / "scene.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
         done = forked.run(["run-fem", "scene.toml", "--output", "run.nc", "--quiet"], folder, TIME_LIMIT)
         ending, what = ENDINGS.get(done.code, FAILED), done.said
+        if done.code and not done.said:
+            ending = FAILED  # without a reason
         if "Traceback" in done.said or ending == FAILED:
             ending, what = FAILED, f"exit {done.code}: {done.said[-400:]}"
         elif ending == COMPLETE and (faults := faults_of(folder / "run.nc")):

@@ -63,7 +63,6 @@ SCENES = (
     _scene("resumed", 1.0, "numerics.mesh_size_mm=2", resumed=True),
     _scene("from-rest", 1.0, "numerics.mesh_size_mm=2 numerics.start=rest numerics.load_ramp_ms=0.2"),
     _scene("frictionless", 1.0, "numerics.mesh_size_mm=2 contact.friction_coefficient=0"),
-    _scene("threads", 0.3, "numerics.threads=2"),
     _scene("fields", 0.5, "numerics.mesh_size_mm=2 output.fields_every_ms=0.1"),
     _scene("fast", 0.5, "numerics.mesh_size_mm=2 operation.speed_rpm=40000"),
     _scene("backward", 0.5, "numerics.mesh_size_mm=1.5 operation.speed_rpm=-900 operation.gravity_m_s2=0"),

@@ -1,4 +1,4 @@
-"""What holds a bearing in its machine: its outer ring's housing with a sensor on it, its shaft's springs; facts, SI."""
+"""What holds a bearing in its machine: its outer ring's housing and fit, a sensor on it, its shaft's springs; SI."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -8,6 +8,9 @@ import numpy as np
 
 OF_HOUSING = ("housing_x", "housing_y", "housing_ax", "housing_ay", "energy_support")  # what samples tell of it
 OF_SENSOR = ("sensor_ay",)
+OF_BORE = (
+    "outer_ring_x", "outer_ring_y", "outer_ring_ax", "outer_ring_ay", "bore_force_x", "bore_force_y", "bore_arc"
+)  # fmt: skip
 OF_SHAFT = ("energy_shaft",)
 ENERGIES = ("energy_support", "energy_shaft")  # among them, J
 
@@ -85,30 +88,64 @@ class Points:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Bore:
+    """A round bore around the outer ring, of a housing or of the ground, that pushes where they touch and never pulls.
+
+    It gives way in proportion to the pressure, each place for itself (Winkler's bed), and has no friction; only the
+    ring's turning as a whole is held.
+    """
+
+    clearance: float  # m, its diameter less the ring's; negative: a press fit
+    stiffness: float | None = None  # N/m³, pressure over displacement; None: of a thick wall
+
+    @property
+    def words(self) -> str:
+        return f"{1e6 * abs(self.clearance):.4g} µm of {'play' if self.clearance >= 0.0 else 'press fit'} in its bore"
+
+    def stiffness_around(self, radius: float, lame_mu: float) -> float:
+        """Its stiffness, N/m³, around a ring of an outside radius, m; without one of its own that of a thick wall.
+
+        That wall is much thicker than the radius R and, for one of the ring's material, has its shear modulus μ, Pa:
+        pushed all around by p it widens by p R/2μ.
+
+        Source: Timoshenko and Goodier, Theory of Elasticity (1970), section 28, thick tube (Lamé), outside → ∞.
+        """
+        return 2.0 * lame_mu / radius if self.stiffness is None else self.stiffness
+
+
+@dataclass(frozen=True, kw_only=True)
 class Mounting:
-    """How the bearing is held. Without points and without a housing the ground holds the outer ring all around."""
+    """How the bearing is held. Without points, housing and bore the ground holds the outer ring all around."""
 
     points: Points | None = None
     housing: Housing | None = None
+    bore: Bore | None = None  # of the housing, or of the ground; None: the ring is held all around, without play
     sensor: Sensor | None = None
     shaft: Shaft | None = None  # None: the bearing alone carries the hub
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of what samples tell of it, as they stand behind each other."""
-        parts = ((self.housing, OF_HOUSING), (self.sensor, OF_SENSOR), (self.shaft, OF_SHAFT))
+        parts = ((self.housing, OF_HOUSING), (self.sensor, OF_SENSOR), (self.shaft, OF_SHAFT), (self.bore, OF_BORE))
         return tuple(name for part, names in parts if part is not None for name in names)
 
     @property
     def rows(self) -> dict[str, str]:
         """What --dry-run shows of it, name and value."""
-        parts = {"housing": self.housing, "springs of the shaft": self.shaft}
+        parts = {"housing": self.housing, "fit of the outer ring": self.bore, "springs of the shaft": self.shaft}
         return {name: part.words for name, part in parts.items() if part is not None}
 
     @property
+    def centre(self) -> tuple[str, ...]:
+        """Names of the outer ring's centre, x and y, and of its accelerations; none where it stands still."""
+        if self.bore is not None:
+            return OF_BORE[:4]
+        return () if self.housing is None else OF_HOUSING[:4]
+
+    @property
     def places(self) -> tuple[str, ...]:
-        """Names of the columns that tell where the outer ring's centre is; none where it stands still."""
-        return () if self.housing is None else OF_HOUSING[:2]
+        """Names of the columns that tell where housing and outer ring are, as far as they move."""
+        return tuple(name for name in self.columns if name in (*OF_HOUSING[:2], *OF_BORE[:2]))
 
 
 HELD = Mounting()
@@ -146,11 +183,12 @@ def ring_place(mounting: Mounting, weight: float, force_at: Callable[[np.ndarray
 
 
 def from_outer_ring(samples: Mapping[str, np.ndarray], *bodies: str) -> list[np.ndarray]:
-    """Places <body>_x, <body>_y, ... of samples from the outer ring's centre, which a housing may move, m."""
+    """Places <body>_x, <body>_y, ... of samples from the outer ring's centre, which its mounting may move, m."""
     found = []
     for body in bodies:
         for axis in "xy":
             place = samples[f"{body}_{axis}"]
-            moved = samples.get(f"housing_{axis}")
+            moved = samples.get(f"outer_ring_{axis}")
+            moved = samples.get(f"housing_{axis}") if moved is None else moved
             found.append(place if moved is None else (place.T - moved).T)
     return found

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
 FINEST_OTHERWISE = 400.0
+LARGEST_FIT = 2e-3  # of the outside diameter: strains of a press fit, and slopes of a ring in play, are about as large
 
 
 def _law(scene: "Scene") -> Iterator[str]:
@@ -96,11 +97,11 @@ def _damping(scene: "Scene") -> Iterator[str]:
 
 
 def _support(scene: "Scene") -> Iterator[str]:
-    mounting, support = scene.mounting(), scene.support
-    if support is not None and support.kind != "held" and scene.model != "fem":
+    mounting = scene.mounting()
+    if mounting.points is not None and scene.model != "fem":
         yield (
-            f'support.kind = "{support.kind}": only with model = "fem", not with "{scene.model}", whose outer '
-            "ring is held all around by the ground; leave one of them out"
+            f'support.kind = "points": only with model = "fem", not with "{scene.model}", whose outer ring does not '
+            'bend as a whole; take kind = "housing", or leave one of them out'
         )
     if mounting.points is not None and scene.bodies.outer_ring == "rigid":
         yield 'support.kind = "points": a rigid outer ring is held as well by any; leave one of them out'
@@ -114,19 +115,49 @@ def _support(scene: "Scene") -> Iterator[str]:
             f'operation.shaft = "springs": only with contact.model = "subgrid", not with "{scene.contact.model}", '
             "which is there to compare contacts; leave one of them out"
         )
-    if mounting.shaft is not None and scene.model == "reduced" and scene.reduced.modes_up_to_kHz > 0.0:
-        yield (
-            f'operation.shaft = "springs": not together with reduced.modes_up_to_kHz = '
-            f"{scene.reduced.modes_up_to_kHz:g}, whose modes are those of a hub that contacts and load alone move; "
-            "leave one of them out"
-        )
+    given = {'operation.shaft = "springs"': mounting.shaft, 'support.kind = "housing"': mounting.housing}
+    for name, part in given.items():
+        if part is not None and scene.model == "reduced" and scene.reduced.modes_up_to_kHz > 0.0:
+            yield (
+                f"{name}: not together with reduced.modes_up_to_kHz = {scene.reduced.modes_up_to_kHz:g}, whose modes "
+                "are those of rings that contacts and load alone move; leave one of them out"
+            )
     if scene.sensor is not None and mounting.housing is None:
         yield ('[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out')
+
+
+def _bore(scene: "Scene") -> Iterator[str]:
+    bore = scene.mounting().bore
+    if bore is None:
+        return
+    given, diameter = f"support.fit_clearance_um = {1e6 * bore.clearance:g}", scene.bearing.outside_diameter_mm
+    most = 1e3 * LARGEST_FIT * diameter  # µm
+    if scene.model != "fem":
+        yield (
+            f'{given}: only with model = "fem", not with "{scene.model}", whose outer ring is held without play; leave '
+            "it out"
+        )
+    if scene.bodies.outer_ring == "rigid":
+        yield f'{given}: only for an elastic outer ring, bodies.outer_ring is "rigid"; leave one of them out'
+    if scene.contact.model != "subgrid":
+        yield (f'{given}: only with contact.model = "subgrid", not with "{scene.contact.model}"; leave one of them out')
+    if abs(bore.clearance) > 1e-6 * most:
+        yield (
+            f"{given}: more than {LARGEST_FIT:g} of the outer ring's outside diameter, {diameter:g} mm; between "
+            f"{-most:g} and {most:g}"
+        )
+    if scene.cage is not None and scene.cage.guidance == "outer_ring":
+        yield f'cage.guidance = "outer_ring": not with {given}, in which that ring moves; take another guidance'
 
 
 def _cage(scene: "Scene") -> Iterator[str]:
     if scene.cage is not None:
         yield from cage_faults(scene.perfect_bearing(), scene.cage)
+        if scene.model == "lagrange" and scene.lagrange.angles == "free" and scene.mounting().housing is not None:
+            yield (
+                '[cage]: not with lagrange.angles = "free" in a housing that moves; take "kinematic" angles, another '
+                "model, or leave one of the tables out"
+            )
         if scene.cage.guidance == "outer_ring" and scene.mounting().housing is not None:
             yield (
                 'cage.guidance = "outer_ring": not in a housing that moves; take "rollers" or "inner_ring", or '
@@ -191,6 +222,7 @@ COMBINATIONS: tuple[Callable[["Scene"], Iterator[str]], ...] = (
     _fields,
     _rigid_contacts,
     _support,
+    _bore,
     _cage,
     _damping,
     _courses,

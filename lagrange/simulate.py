@@ -8,18 +8,18 @@ damper's own flow in the middle of the step. The hub is one complex number x + i
 import warnings
 from enum import Enum
 from math import pi
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact_damping import UNDAMPED, ContactDamping
+from lagrange.in_housing import system_of
 from lagrange.integrate import Integration, NumpyIntegration
 from lagrange.kinematics import kinematics, turned
 from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
 from lagrange.step_size import DAMPED_STABLE, STABLE, STEP, critical_time_step, fastest_mode, steps_per_sample
-from lagrange.systems import FreeAngles, KinematicAngles
 from lagrange.trajectory import Completion, Trajectory
 
 ENERGY_TOLERANCE = 1e-2  # where contacts rattle, each impact lasting a few steps; else errors are 1e-5 of it
@@ -74,7 +74,7 @@ class Simulation:
 
     def _begin(self) -> None:
         problem = self.problem
-        system = (KinematicAngles if problem.angles == "kinematic" else FreeAngles)(problem)
+        system = system_of(problem)
         start = system.pack(self._start)
         self._integration = self._kind(system, start, self.time_step, self.steps_per_sample, problem.damping)
         self._completion = Completion(problem, system)
@@ -121,7 +121,7 @@ class Simulation:
         if not found:
             return None
         time, problem = self.interval * np.arange(first, first + found), self.problem
-        part = self._completion.read(record, time)
+        part: dict[str, Any] = self._completion.read(record, time)  # fields of a trajectory by their names
         return Trajectory(
             **part, bearing=problem.bearing, operation=problem.operation, laws=problem.laws,
             roller_spin=kinematics(problem.bearing, problem.operation.at(time).speed).roller,

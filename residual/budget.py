@@ -157,8 +157,10 @@ def _cage_apart(record: Record, circles: Overlaps, friction: Term) -> tuple[Term
     """Terms of friction and of the cage, x and y each, from the resultant of all tractions; no cage's are None."""
     if record.cage is None:
         return friction, (None, None)
-    against = traction_resultant(circles, traction_against(record.cage, record.bearing))
     pushed = push_on_hub(record.cage, record.scene.ideal_cage())
+    if record.scene.model == "lagrange":  # its raceways do not rub, and pockets' forces move rollers alone
+        return friction, pushed
+    against = traction_resultant(circles, traction_against(record.cage, record.bearing))
     rest = tuple(all_of_it - part for all_of_it, part in zip(friction, against, strict=True))
     return rest, tuple(part + push for part, push in zip(against, pushed, strict=True))
 
@@ -184,16 +186,16 @@ def _differentiation(record: Record, accelerations: Accelerations):
     mass = record.operation.inner_mass
     hub: list[np.ndarray | None] = []
     outer_ring: list[np.ndarray | None] = []
-    own = (record.inner_ax, record.housing_ax), (record.inner_ay, record.housing_ay)
-    for whole, ours, moved, (inner, housing) in zip(
+    own = (record.inner_ax, record.outer_ring_ax), (record.inner_ay, record.outer_ring_ay)
+    for whole, ours, moved, (inner, outer) in zip(
         accelerations.whole, accelerations.hub, accelerations.outer_ring, own, strict=True
     ):
-        if inner is None or moved is None or housing is None:
+        if inner is None or moved is None or outer is None:
             hub.append(None if inner is None else mass * (whole - inner))
             outer_ring.append(None)
         else:
-            hub.append(mass * (ours - (inner - housing)))
-            outer_ring.append(mass * (moved - housing))
+            hub.append(mass * (ours - (inner - outer)))
+            outer_ring.append(mass * (moved - outer))
     return hub, outer_ring
 
 

@@ -1,6 +1,6 @@
 """`Record`, the sampled motion of a run: the arrays every other module works on, and their checks."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ TIME_JITTER = 1e-3  # of the interval: what rounding times to some decimals may 
 LARGEST = 1e15  # SI: far above any position, acceleration, force or energy of a bearing
 SHORTEST_INTERVAL = 1e-12  # s
 SAME_SPEED = 1e-3  # relative: a tenth of a bin of a record of 100 shaft turns
+OF_OUTER_RING = ("outer_ring_x", "outer_ring_y", "outer_ring_ax", "outer_ring_ay")
 SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
 
 
@@ -53,10 +54,10 @@ class Record:
     inner_ay: np.ndarray | None = None
     inner_vx: np.ndarray | None = None  # (n_times,), m/s, the integrator's own, where springs hold the shaft
     inner_vy: np.ndarray | None = None
-    housing_x: np.ndarray | None = None  # (n_times,), m, centre of the outer ring, where a housing moves it
-    housing_y: np.ndarray | None = None
-    housing_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
-    housing_ay: np.ndarray | None = None
+    outer_ring_x: np.ndarray | None = None  # (n_times,), m, centre of the outer ring, where its mounting moves it
+    outer_ring_y: np.ndarray | None = None
+    outer_ring_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
+    outer_ring_ay: np.ndarray | None = None
     inner_force: np.ndarray | None = None  # (n_times, n_rollers), N, normal, >= 0
     outer_force: np.ndarray | None = None
     inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ
@@ -74,9 +75,9 @@ class Record:
     @property
     def hub(self) -> tuple[np.ndarray, np.ndarray]:
         """Places of the inner ring's centre in the fixed frame, along x and y, (n_times,), m."""
-        if self.housing_x is None or self.housing_y is None:
+        if self.outer_ring_x is None or self.outer_ring_y is None:
             return self.inner_x, self.inner_y
-        return self.inner_x + self.housing_x, self.inner_y + self.housing_y
+        return self.inner_x + self.outer_ring_x, self.inner_y + self.outer_ring_y
 
     @property
     def bearing(self) -> Bearing:
@@ -135,16 +136,21 @@ class Record:
         return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()}, cage=cage)
 
 
-def relative(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Arrays of a source with all places from the outer ring's centre, which a housing may move.
+def relative(arrays: dict[str, np.ndarray], centre: Sequence[str]) -> dict[str, np.ndarray]:
+    """Arrays of a source by the names of a `Record`, with all places from the outer ring's centre.
+
+    Parameters
+    ----------
+    centre : what the source calls the outer ring's places and accelerations, `Mounting.centre`
 
     Errors
     ------
     InputError: arrays that do not fit each other.
     """
-    found = dict(arrays)
+    called = dict(zip(centre, OF_OUTER_RING, strict=False))
+    found = {called.get(name, name): array for name, array in arrays.items()}
     for axis in "xy":
-        moved = arrays.get(f"housing_{axis}")
+        moved = found.get(f"outer_ring_{axis}")
         if moved is None:
             continue
         for body in ("inner", "roller", "cage"):
@@ -152,7 +158,9 @@ def relative(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
             if place is None:
                 continue
             if place.shape[0] != moved.shape[0]:
-                raise InputError(f"housing_{axis}: {moved.shape[0]} samples, {body}_{axis} has {place.shape[0]}")
+                raise InputError(
+                    f"the outer ring's {axis}: {moved.shape[0]} samples, {body}_{axis} has {place.shape[0]}"
+                )
             found[f"{body}_{axis}"] = (place.T - moved).T
     return found
 

@@ -15,6 +15,7 @@ Q) with a B_i of its own. It is fixed in the same way, by a free disc and a held
 mean over positions alone.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import log, pi, sqrt
 from typing import ClassVar
@@ -25,10 +26,21 @@ from scipy import sparse
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.critical_step import EVENLY, LIGHT
 from fem.contacts.model import KernelData, Model, assembled_bodies, named
-from fem.contacts.patch import disc_patch_force, disc_patch_traction, patch, ring_patch_force, ring_patch_traction
-from fem.contacts.reduction import Motion, Reduced, unloaded
+from fem.contacts.patch import (
+    disc_patch_force,
+    disc_patch_traction,
+    disc_push,
+    patch,
+    patches,
+    ring_patch_force,
+    ring_patch_traction,
+    ring_push,
+)
+from fem.contacts.points import PointResponses
+from fem.contacts.reduction import Motion, Unloaded
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
+from fem.elastic.kept import kept
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
 from fem.kernels.law import KNOTS_PER_NODE, ripple_at
 from fem.kernels.patches import ONE
@@ -74,9 +86,9 @@ class SubgridModel(Model):
         bodies = assembled_bodies(bearing, bearing_shapes(bearing, mesh_size))
         thickness = bearing.roller_length
         half_width = REFERENCE_HALF_WIDTH * bearing.roller_radius
-        roller = disc_surface_compliance(bodies["roller"], thickness, half_width)
-        inner = ring_surface_compliance(bodies["inner_ring"], thickness, half_width)
-        outer = ring_surface_compliance(bodies["outer_ring"], thickness, half_width)
+        roller, inner, outer = (
+            _kept_surface(calibrate, bodies[name], thickness, half_width) for name, calibrate in CALIBRATIONS.items()
+        )
         between = roller
         if bearing.roller.rigid:  # two of them need a compliance to meet with: their material's own
             between = unmeshed_disc(bearing.roller_radius, bearing.roller.elastic, thickness, half_width)
@@ -92,44 +104,36 @@ class SubgridModel(Model):
             outer_surface=outer,
         )
 
-    def reduced(self, motion: Motion, gravity: float, place: np.ndarray, forces=None) -> "PatchResponses":
+    def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces=None) -> PointResponses:
         """See `Model.reduced`: a point for each contact, which stands for a patch."""
-        n, inner, outer, disc = self.bearing.n_rollers, self.inner_ring, self.outer_ring, self.roller
-        inner_angle, outer_angle = motion.lines_of_centres(place).reshape(2, n)
-        inner_load = np.stack([ring_patch_force(inner, a - motion.ring_turn) for a in inner_angle], axis=-1)
-        outer_load = np.stack([ring_patch_force(outer, a) for a in outer_angle], axis=-1)
-        near = np.stack([disc_patch_force(disc, a) for a in inner_angle + pi - motion.roller_turn], axis=-1)
-        far = np.stack([disc_patch_force(disc, a) for a in outer_angle - motion.roller_turn], axis=-1)
-        inner_response, outer_response = inner.held(inner_load), outer.held(outer_load)
-        responses = disc.relaxed(near), disc.relaxed(far)
-
-        compliance = np.zeros((2 * n, 2 * n))
-        compliance[:n, :n] = np.einsum("rcki,rckj->ij", inner_load, inner_response)
-        compliance[n:, n:] = np.einsum("rcki,rckj->ij", outer_load, outer_response)
-        j, nodes = np.arange(n), disc.shape.surface_nodes
-        for row, load in enumerate((near, far)):
-            for column, response in enumerate(responses):
-                compliance[row * n + j, column * n + j] += np.einsum("di,di->i", load, response)
-        compliance[j, j] += _ripples(self.inner_surface, inner_angle - motion.ring_turn, inner.n_sectors)
-        compliance[j, j] += _ripples(self.roller_surface, inner_angle + pi - motion.roller_turn, nodes)
-        compliance[n + j, n + j] += _ripples(self.outer_surface, outer_angle, outer.n_sectors)
-        compliance[n + j, n + j] += _ripples(self.roller_surface, outer_angle - motion.roller_turn, nodes)
-
-        free = unloaded(self, motion, gravity)
-        closing = np.concatenate(
-            [
-                np.einsum("rcki,rck->i", inner_load, free["inner_growth"]) + near.T @ free["roller_growth"],
-                far.T @ free["roller_growth"] - np.einsum("rcki,rck->i", outer_load, free["outer_sag"]),
-            ]
-        )
-        return PatchResponses(
+        n, disc, rings = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring)
+        on_rings = motion.lines_of_centres(place).reshape(2, n) - [[motion.ring_turn], [0.0]]
+        on_roller = motion.lines_of_centres(place) + np.repeat([pi, 0.0], n) - np.tile(motion.roller_turn, 2)
+        j = np.arange(n)
+        compliance, closing, loads = np.zeros((2 * n, 2 * n)), np.zeros(2 * n), []
+        fields, surfaces = (free.inner_growth, free.outer_sag), (self.inner_surface, self.outer_surface)
+        for k, (ring, field, surface) in enumerate(zip(rings, fields, surfaces, strict=True)):
+            mine, outward = k * n + j, 1.0 if k == INNER else -1.0
+            nodes, push = ring_push(ring, on_rings[k], outward, patches)
+            compliance[k * n : (k + 1) * n, k * n : (k + 1) * n] = push.T @ ring.surface_influence(nodes) @ push
+            compliance[mine, mine] += _ripples(surface, on_rings[k], ring.n_sectors)
+            closing[mine] = push.T @ field[ring.raceway_row][:, nodes].T.ravel()
+            loads.append((mine, nodes, push))
+        nodes, push = disc_push(disc, on_roller, 1.0, patches)
+        of_roller = push.T @ disc.surface_influence(nodes) @ push
+        of_roller[np.diag_indices(2 * n)] += _ripples(self.roller_surface, on_roller, disc.shape.surface_nodes)
+        closing += push.T @ free.roller_growth.reshape(-1, 2)[disc.first_surface_node + nodes].ravel()
+        for row, column in np.ndindex(2, 2):
+            compliance[row * n + j, column * n + j] += of_roller[row * n + j, column * n + j]
+        loads.extend((mine, nodes, push[:, mine]) for mine in np.arange(2 * n).reshape(2, n).T)
+        return PointResponses(
             contact=np.arange(2 * n),
             closing=closing,
             compliance=compliance,
-            inner_response=inner_response,
-            outer_response=outer_response,
-            roller_response=responses,
-            **free,
+            across=np.zeros(2 * n),
+            bodies=(disc, *rings),
+            loads=loads,
+            free=free,
         )
 
     def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
@@ -176,24 +180,6 @@ class SubgridModel(Model):
         return self.laws[kind].approach(force) * (force > 0.0)
 
 
-@dataclass(frozen=True, kw_only=True)
-class PatchResponses(Reduced):
-    """Elastic responses to a unit force at every contact."""
-
-    inner_response: np.ndarray  # (n_rows, 2, n_sectors, n_rollers)
-    outer_response: np.ndarray
-    roller_response: tuple[np.ndarray, np.ndarray]  # inner, outer contact; each (2 n_nodes, n_rollers)
-
-    def fields(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """See `Reduced.fields`: sums of the responses."""
-        inner_force, outer_force = forces.reshape(2, -1)
-        inner_ring = self.inner_growth - np.einsum("rckn,n->rck", self.inner_response, inner_force)
-        outer_ring = self.outer_sag + np.einsum("rckn,n->rck", self.outer_response, outer_force)
-        near, far = self.roller_response
-        rollers = self.roller_growth[None, :] - (inner_force[:, None] * near.T + outer_force[:, None] * far.T)
-        return inner_ring, outer_ring, rollers.reshape(inner_force.size, -1, 2)
-
-
 def contact_law(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair) -> ContactLaw:
     """Law of two calibrated surfaces, ripples apart."""
     missing = first.missing + second.missing
@@ -238,6 +224,28 @@ def disc_surface_compliance(disc: DiscBody, thickness: float, half_width: float)
     stuck = disc_stick_approach(disc.shape.radius, disc.material, half_width) / thickness
     stuck -= _sheared(disc, angles[:: KNOTS_PER_NODE // PLACES_PER_NODE])
     return _missing(exact, found, stuck, half_width, line_compliance(disc.material, thickness))
+
+
+CALIBRATIONS = {
+    "roller": disc_surface_compliance,
+    "inner_ring": ring_surface_compliance,
+    "outer_ring": ring_surface_compliance,
+}
+
+
+def _kept_surface(
+    calibrate: Callable, body: DiscBody | RingBody, thickness: float, half_width: float
+) -> SurfaceCompliance:
+    """A body's `SurfaceCompliance`, kept from an earlier start where there was one."""
+    if body.material.rigid:
+        return rigid_surface(half_width)
+    key = repr((body.shape, getattr(body, "held_row", None), body.material, thickness, half_width))
+
+    def make():
+        return {name: np.asarray(value) for name, value in vars(calibrate(body, thickness, half_width)).items()}
+
+    found = kept("surface", key, make)
+    return SurfaceCompliance(**{name: value if value.ndim else float(value) for name, value in found.items()})
 
 
 def _squeezed(disc: DiscBody, angles: np.ndarray) -> np.ndarray:

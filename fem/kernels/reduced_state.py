@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.cage_state import CagePair
+from fem.kernels.housing_kernels import Housing
 from fem.kernels.shaft_kernels import Shaft
 from fem.kernels.state import Course, Law
 
@@ -58,6 +59,7 @@ class RigidBodies(NamedTuple):
     columns: int
     cage: CagePair | None
     shaft: Shaft | None = None  # None: the bearing alone holds the hub
+    housing: Housing | None = None  # None: the ground holds the outer ring
 
 
 class Compliance(NamedTuple):
@@ -116,6 +118,9 @@ class ReducedForces(NamedTuple):
     taken: np.ndarray | None  # (2, 2, columns), m, of approaches by other contacts' forces: now, at the last kick
     halo: int
     dampers: ReducedDampers | None = None  # None: contacts without
+    # (2, 2, columns), where rollers rattle in a cage, of the last kick: how far forces were ahead, m, and what the kick
+    # gave beyond forces that are not, N; None: not asked for
+    ahead: np.ndarray | None = None
 
 
 class ReducedDrive(NamedTuple):
@@ -140,3 +145,4 @@ class Before(NamedTuple):
     spin: np.ndarray  # (columns,)
     acceleration: np.ndarray  # (2, columns), m/s²
     hub_acceleration: np.ndarray  # (2,)
+    ring_acceleration: np.ndarray  # (2,), of the outer ring in a housing

@@ -262,7 +262,7 @@ def elastic_energy(bodies, drive, scratch):
     disc, inner, outer = bodies.disc, bodies.inner, bodies.outer
     total, dt, columns = 0.0, drive.dt, bodies.rollers.columns
     scratch.rollers_w[:] = 0.0
-    disc_kernels.kick(disc, scratch.rollers_w, columns, scratch.torque, 0, disc.mass.size, 0)
+    disc_kernels.kick(disc, scratch.rollers_w, columns, scratch.torque)
     for j in range(0, bodies.rollers.n, WIDTH):
         part = splat(0.0)
         for i in range(disc.mass.size):

@@ -3,7 +3,7 @@
 A body has nodes, and a surface by which its contacts know it: `DiscSurface`, `RingSurface`, `RigidDisc`, `Hub` or
 `Ground`. A pair of bodies is a `Raceway` (a ring's surface and the rollers) or `Neighbours` (roller j and j + 1); its
 row is where its contacts stand in the arrays of `Contacts`. Surfaces and pairs share their arrays with the bodies. What
-a scene's bodies, contacts and threads do not need is thereby not compiled.
+a scene's bodies and contacts do not need is thereby not compiled.
 """
 
 from typing import NamedTuple
@@ -32,6 +32,7 @@ class Rollers(NamedTuple):
     total_mass: float
     inertia: float
     radius: float
+    swelling: np.ndarray | None = None  # (columns,), kg m², inertia gained by deformation; None: not asked for
 
 
 class Disc(NamedTuple):
@@ -244,8 +245,10 @@ class Friction(NamedTuple):
     slip: np.ndarray  # (3, columns), m/s, before the step's kick
     slip_left: np.ndarray  # (3, columns), m/s, after it
     mobility: np.ndarray  # (3, columns), 1/kg, of both sides together
+    coupling: np.ndarray  # (3, columns), 1/kg, slip against t per impulse that pushes both sides apart
     coefficient: float
     overlapping: int | None  # when patches of neighbouring contacts overlap, see `friction_kernels`; None: never
+    apart: bool  # whether no two contacts ever share a node; see `friction_solution.pushes_later`
     whole: bool | None  # None: no contacts share rigid bodies
     shear: Shear | None  # None: surfaces give way tangentially as the mesh does
 
@@ -347,8 +350,7 @@ class Scratch(NamedTuple):
 
     bore: np.ndarray  # (2, inner n_sectors + 2 HALO)
     line: np.ndarray  # (2, outer n_sectors + 2 HALO)
-    team: np.ndarray | None  # (threads,); None: one
-    torque: np.ndarray  # (threads · columns,)
+    torque: np.ndarray  # (columns,)
     still: np.ndarray  # (columns,), 0
     shift: np.ndarray  # (2, columns)
     cosine: np.ndarray  # (columns,), of the frames' turn in a step

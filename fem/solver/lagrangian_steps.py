@@ -2,11 +2,13 @@
 
 import numpy as np
 
+from fem.kernels.cage_state import CagePair, GuidingRing, Riders
 from fem.kernels.lagrangian_loop import advance_lagrangian
 from fem.kernels.lagrangian_state import (
     Clock,
     Dampers,
     IdealBearing,
+    IdealHousing,
     IdealMotion,
     PowerConstants,
     Rows,
@@ -16,10 +18,13 @@ from fem.kernels.lagrangian_state import (
 from fem.kernels.lanes import WIDTH
 from fem.kernels.state import Law
 from fem.solver.cache_lines import lined_up
+from fem.solver.cage_arrays import cage_state
 from fem.solver.course_arrays import course_arrays
 from fem.solver.profile_arrays import raceway_profiles
+from fem.solver.run_arrays import changing_arrays
+from lagrange.cage import Cage
 from lagrange.contact_damping import ContactDamping
-from lagrange.integrate import ALL_DRIFTS, ALL_KICKS, Integration
+from lagrange.integrate import ALL_DRIFTS, ALL_KICKS, MOTION, Integration
 from lagrange.laws import PowerLaw
 from lagrange.overlap import touching_distances
 from lagrange.raceway_laws import LogarithmicLaw
@@ -39,16 +44,29 @@ class CompiledIntegration(Integration):
                 elements=np.zeros((3, axes, columns)),
                 works=np.zeros(5),
                 force=np.zeros((2, columns)),
+                housing=_housing(system, step),
             )
         )
         self._bearing = lined_up(_bearing(system, columns))
         self._leaps = system.problem.is_damped
         self._dampers = lined_up(_dampers(damping, axes, columns)) if damping.acts else None
+        cage = system.problem.free_cage
+        if cage is not None:
+            pair = _cage(system, cage, self._motion, self._bearing)
+            self._motion = self._motion._replace(cage=pair)
+            self.memory |= changing_arrays(pair.cage, "cage")
 
-    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
-        motion, (hub, elements, sums), n = self._motion, self.memory.values(), self._system.n
-        axes = motion.elements.shape[1]
-        motion.hub[:] = _parts(hub, 2)
+    def _fill(
+        self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray, cage: np.ndarray
+    ) -> int:
+        motion, n = self._motion, self._system.n
+        hub, elements, sums, of_housing = (self.memory[name] for name in MOTION)
+        axes, housing = motion.elements.shape[1], motion.housing
+        if housing is None:
+            motion.hub[:] = _parts(hub, 2)
+        else:
+            motion.hub[:], housing.motion[:] = _parts(hub[:, 0], 2), _parts(hub[:, 1], 2)
+            housing.sensor[:], housing.shift[:] = of_housing[:2], of_housing[2:]
         motion.elements[:, :, :n] = np.moveaxis(_parts(elements, axes), 2, 1)
         motion.works[:] = sums
         clock = Clock(
@@ -62,12 +80,20 @@ class CompiledIntegration(Integration):
             hub=np.empty((z.shape[1], 2, 2)),
             elements=np.empty((z.shape[1], *motion.elements[:2].shape)),
             works=np.empty((z.shape[1], 4)),
+            cage=cage,
+            housing=np.zeros((z.shape[1], 2, 2)),
+            sensor=np.zeros((z.shape[1], 2)),
         )
         there = advance_lagrangian(motion, self._bearing, self._dampers, clock, rows)
-        z[:, :there] = _whole(rows.hub[:there]).T
+        if housing is None:
+            z[:, :there], hub[:] = _whole(rows.hub[:there]).T, _whole(motion.hub)
+        else:
+            z[:, :there] = np.stack([_whole(rows.hub[:there]), _whole(rows.housing[:there])], axis=-1).swapaxes(0, 1)
+            hub[:] = np.stack([_whole(motion.hub), _whole(housing.motion)], axis=-1)
+            of_housing[:2], of_housing[2:] = housing.sensor, housing.shift
+            sensor[:there] = rows.sensor[:there]
         q[:, :there] = np.moveaxis(_whole(np.moveaxis(rows.elements[:there, :, :, :n], 2, 3)), 0, 1)
         works[:, :there] = rows.works[:there].T
-        hub[:] = _whole(motion.hub)
         elements[:] = _whole(np.moveaxis(motion.elements[:, :, :n], 1, 2))
         sums[:] = motion.works
         return there
@@ -115,6 +141,53 @@ def _bearing(system, columns: int) -> IdealBearing:
         columns=columns,
         course=course_arrays(bearing, operation, held=system.holds_angles),
         springs=None if shaft is None else ShaftSprings(float(shaft.stiffness), float(shaft.damping)),
+    )
+
+
+def _cage(system, cage: Cage, motion: IdealMotion, bearing: IdealBearing) -> CagePair:
+    """A free cage; its riders and its guide are the motion's own arrays."""
+    columns, ideal = bearing.columns, system.problem.bearing
+    riders = Riders(
+        centre=motion.elements[0],
+        velocity=motion.elements[1],
+        spin=np.zeros(columns),
+        node_impulse=np.zeros((2, columns)),
+        body_impulse=np.zeros((2, columns)),
+        turn_kick=np.zeros(columns),
+        n=bearing.n,
+        mass=bearing.mass,
+        inertia=np.inf,  # their spin is prescribed
+        radius=float(ideal.roller_radius),
+        swelling=None,
+    )
+    ring = GuidingRing(
+        place=motion.hub[0],
+        velocity=motion.hub[1],
+        impulse=np.zeros(2),
+        rubbed=np.zeros(3),
+        mass=bearing.hub_mass,
+        speed=np.array([bearing.shaft]),
+    )
+    body = cage_state(ideal, cage, system.first + system.spacing, float(system.ideal.cage))
+    return CagePair(cage=body, riders=riders, ring=ring if cage.guidance == "inner_ring" else None)
+
+
+def _housing(system, step: float) -> IdealHousing | None:
+    """The housing and a sensor on it, None where the ground holds the outer ring; `step` in s."""
+    mounting = system.problem.operation.mounting
+    if mounting.housing is None:
+        return None
+    return IdealHousing(
+        motion=np.zeros((3, 2)),
+        sensor=np.zeros(2),
+        sensor_step=np.zeros((2, 3)) if mounting.sensor is None else np.ascontiguousarray(mounting.sensor.step(step)),
+        shift=np.zeros(2),
+        lever=np.zeros(2),
+        damped=np.zeros(2),
+        turned=np.array([1.0, 0.0]),
+        mass=float(system.ring_mass),
+        stiffness=float(mounting.housing.stiffness),
+        damping=float(mounting.housing.damping),
     )
 
 

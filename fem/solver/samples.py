@@ -19,6 +19,7 @@ class SampleReader:
     def __init__(self, plan):
         self._n = plan.model.bearing.n_rollers
         self._further = plan.operation.mounting.columns  # columns of a row behind those of the rollers
+        self._pressed = plan.pressed_energy
         self._has_cage = plan.scene.cage is not None
         self._looks = plan.looks
         self._interval = plan.interval
@@ -61,7 +62,7 @@ class SampleReader:
             self._base = works[0], rows[0, row.DISSIPATED], moved[0], stored[0]
         work, dissipated = works - self._base[0], rows[:, row.DISSIPATED] - self._base[1]
         gained = moved - self._base[2]
-        exchanged = np.fmax.accumulate(np.fmax(np.fmax(stored, np.abs(gained)), self._exchanged))
+        exchanged = np.fmax.accumulate(np.fmax(np.fmax(stored - self._pressed, np.abs(gained)), self._exchanged))
         self._exchanged = float(exchanged[-1])
         values = {
             "time": (self._count + np.arange(len(rows))) / self._looks * self._interval,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.contacts.reduction import Motion
+from fem.elastic.bored import BoredRing
 from fem.statics.contact_balance import JUMP, ROUND_OFF, NotFound, hub_spring, standing_ring
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from lagrange import Kinematics, Operation, kinematics
@@ -101,11 +102,12 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
 
 
 def rest_start(model: "Model", operation: Operation) -> Start:
-    """Centred and undeformed, in rolling motion; with preload, if only on crests, the equilibrium without load."""
+    """Centred and undeformed, in rolling motion; with preload, by crests or a press fit, at rest without load."""
     motion, _ = rolling_motion(model, operation, 0.0)
     surfaces = profiles(model.bearing)
     clearance = model.bearing.radial_clearance - (0.0 if surfaces is None else 2.0 * surfaces.highest)
-    if clearance < -ROUND_OFF * model.bearing.roller_radius:
+    pressed = isinstance(model.outer_ring, BoredRing) and model.outer_ring.play < 0.0
+    if pressed or clearance < -ROUND_OFF * model.bearing.roller_radius:
         return _still(model, operation, equilibrium(model, motion, 0.0, 0.0, 0.0), motion)
     n, inner, outer = model.bearing.n_rollers, model.inner_ring, model.outer_ring
     undeformed = Equilibrium(

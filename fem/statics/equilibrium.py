@@ -3,13 +3,14 @@
 The contact model reduces the bodies to points of the contacts; `contact_balance` and `pressure_balance` do the rest.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fem.contacts.model import Model
-from fem.contacts.reduction import Motion, Reduced
-from fem.statics.contact_balance import Condensed, HubSpring, Loads, balance, closed_forces, first_guess
+from fem.contacts.reduction import Motion, Reduced, unloaded
+from fem.elastic.bored import MOST_SETTLINGS, NOT_SETTLED, BoredRing
+from fem.statics.contact_balance import Condensed, HubSpring, Loads, NotFound, balance, closed_forces, first_guess
 from fem.statics.exact_statics import exact_contacts
 from fem.statics.pressure_balance import balance_pressures
 
@@ -88,28 +89,43 @@ def _solved(
     """The bearing reduced to points, hub and radii, and the forces of the points in equilibrium."""
     bearing, radial, forces, gravity = model.bearing, motion.radial, None, loads.gravity
     if start is not None:
+        if isinstance(model.outer_ring, BoredRing):
+            model = _settled(model, start.outer_ring)
         place = np.concatenate([start.hub, start.rho])
         forces = np.concatenate([start.inner_force, start.outer_force])
     else:
         place = first_guess(bearing, radial, loads.hub, loads.aside)
         if model.is_sized_by_forces:
             place, forces = balance(exact_contacts(bearing, motion.roller_angle), loads, place)
-    for _ in range(model.static_passes):
-        reduced = model.reduced(motion, gravity, place, forces)
+    free = unloaded(model, motion, gravity)
+    passes = model.static_passes if start is None else max(1, model.static_passes - 1)  # from near one less will do
+    for turn in range(MOST_SETTLINGS):
+        reduced = model.reduced(motion, free, place, forces)
         if reduced.contact.size == 2 * bearing.n_rollers:
             # one point each: laws of the contact as a whole, and facets which leave load to three rollers
             contacts = Condensed(
                 bearing=bearing, radial=radial, inner_law=model.inner_law, outer_law=model.outer_law,
                 compliance=reduced.compliance, closing=reduced.closing, turns=motion.turns,
             )  # fmt: skip
-            place, pressed = balance(contacts, loads, place)
+            place, pressed = balance(contacts, loads, place, forces)
             pressed = closed_forces(pressed)
         else:
             outward = bearing.roller_mass * (motion.cage_speed**2 * place[2:] - gravity * radial[:, 1])
             on_hub = np.array([loads.aside, -loads.hub])
             place, pressed = balance_pressures(bearing, radial, reduced, on_hub, outward, place)
         forces = _sums(reduced, pressed, bearing.n_rollers)
-    return reduced, place, pressed
+        found = _settled(model, reduced.fields(pressed)[1]) if isinstance(model.outer_ring, BoredRing) else model
+        if found is not model:
+            model, free = found, unloaded(found, motion, gravity)
+        elif turn + 1 >= passes:
+            return reduced, place, pressed
+    raise NotFound(NOT_SETTLED)
+
+
+def _settled(model: Model, outer_ring: np.ndarray) -> Model:
+    """The model with an outer ring that touches its bore where its displacement, (n_rows, 2, n_sectors), m, says so."""
+    ring = model.outer_ring.settled(outer_ring)
+    return model if ring is model.outer_ring else replace(model, outer_ring=ring)
 
 
 def _sums(reduced: Reduced, pressed: np.ndarray, n_rollers: int) -> np.ndarray:

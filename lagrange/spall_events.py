@@ -9,8 +9,8 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.kinematics import kinematics
-from lagrange.passages import Passage, Raceway, spalls
 from lagrange.raceway_laws import contact_laws
+from lagrange.spall_passages import Passage, Raceway, spalls
 
 Kind = Literal["entry", "strike", "exit"]
 LARGE = 0.5  # a rise of the force: of the largest in the passage, and of the force on entry

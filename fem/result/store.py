@@ -23,8 +23,8 @@ from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
 from fem.result.layout import FORMAT_VERSION, Places, create, variables_of
 from fem.result.surface_columns import events_of, with_sinkages, write_events, write_scene_files
 from lagrange.faults import labels
-from lagrange.passages import spalls
 from lagrange.spall_events import SpallEvent
+from lagrange.spall_passages import spalls
 from lagrange.stored import checksum, text_checksum
 from lagrange.version import VERSION, source_digest
 

@@ -5,7 +5,6 @@ phases          the phases of a step, timed, and the work they need at least
 machine         the ceilings, measured
 skips           what a scene does not need it does not pay for
 footprint       memory and start-up time of a process
-threads         time of a step on one thread and on more
 checkpoint_cost what checkpoints and commits cost, as paired ratios
 work_precision  run time against error over meshes
 lagrange_model  the Lagrangian model solved: its time, its energy, the checker on its own output

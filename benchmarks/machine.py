@@ -7,7 +7,8 @@ import numpy as np
 from numba import njit
 
 from benchmarks.measuring import median_seconds
-from fem.kernels.simd import fma, load, splat, store
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import fma, splat
 
 CACHES = {"L1": 32 << 10, "L2": 1 << 20, "L3": 32 << 20}  # bytes, where the system does not tell
 

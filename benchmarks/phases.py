@@ -114,12 +114,12 @@ def time_phases(plan: ElementPlan) -> dict[str, float]:
     a = plan.arrays()
     r, d, i, o, x = a.bodies.rollers, a.bodies.disc, a.bodies.inner, a.bodies.outer, a.scratch
     still, turn = np.zeros(r.columns), np.full(r.columns, 1e-12)
-    out["rollers' forces"] = _seconds(disc_kernels.kick, d, d.w, r.columns, x.torque, 0, d.mass.size, 0)
+    out["rollers' forces"] = _seconds(disc_kernels.kick, d, d.w, r.columns, x.torque)
     out["rings' forces"] = _seconds(_rings_kick, _rows(i), _rows(o))
     a = plan.arrays()
     r, d, i, o, x = a.bodies.rollers, a.bodies.disc, a.bodies.inner, a.bodies.outer, a.scratch
     turns = disc_kernels.Turns(still, np.ones(r.columns), turn, still, still)
-    out["rollers' motion"] = _seconds(disc_kernels.drift, d, turns, r.columns, 1e-12, x.torque, 0, d.mass.size, 0)
+    out["rollers' motion"] = _seconds(disc_kernels.drift, d, turns, r.columns, 1e-12, x.torque)
     inner, outer = _rows(i), _rows(o)
     out["rings' motion"] = _seconds(_rings_drift, inner, outer, i.radii)
     lines = (i.cosines, o.cosines), (i.sines, o.sines), (x.bore, x.line)

@@ -50,6 +50,7 @@ class Seen:
     last_angle: float = 0.0
     hub: Path = field(default_factory=Path)  # from the outer ring's centre
     housing: Path = field(default_factory=Path)
+    outer_ring: Path = field(default_factory=Path)  # where it has a fit, from the bore's middle
     largest: np.ndarray = field(default_factory=lambda: np.zeros(2))  # force at the inner and the outer raceway, N
     by_angle: np.ndarray = field(default_factory=lambda: np.full(BINS, np.nan))  # largest force there, N; NaN: unseen
 
@@ -63,6 +64,10 @@ class Seen:
         self.hub.add(np.stack(from_outer_ring(samples, "inner")))
         if "housing_x" in samples:
             self.housing.add(np.stack([samples["housing_x"], samples["housing_y"]]))
+        if "outer_ring_x" in samples:
+            bore = (samples.get(f"housing_{axis}", 0.0) for axis in "xy")
+            ring = (samples[f"outer_ring_{axis}"] for axis in "xy")
+            self.outer_ring.add(np.stack([place - moved for place, moved in zip(ring, bore, strict=True)]))
         forces = samples["inner_force"], samples["outer_force"]
         self.largest = np.fmax(self.largest, [force.max() for force in forces])
         place = (samples["roller_theta"] * (BINS / tau)).astype(np.int64) % BINS
@@ -95,8 +100,12 @@ def first_answers(bearing: Bearing, speed: float, blocks: Iterable[Mapping[str, 
         if "cage_x" in block:
             caged.add(block)
     found = {"hub": str(seen.hub)}
+    if seen.housing.samples or seen.outer_ring.samples:
+        found["hub"] += ", from the outer ring's centre"
+    if seen.outer_ring.samples:
+        found["outer ring"] = f"{seen.outer_ring}, from its bore's"
     if seen.housing.samples:
-        found = {"hub": f"{seen.hub}, from the outer ring's centre", "housing": str(seen.housing)}
+        found["housing"] = str(seen.housing)
     found["largest loads"] = _loads(bearing, seen.largest)
     if (zone := seen.load_zone()) is not None:
         found["load zone"] = f"{zone * 180.0 / pi:.0f}° wide, rollers with more than {LOADED:.0%} of the largest load"

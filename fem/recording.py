@@ -18,6 +18,7 @@ from fem.result.layout import PER_ROLLER, variables_of
 from fem.result.store import ResultFile
 from fem.result.surface_columns import events_of, with_sinkages
 from fem.solver.solver import Plan, RunState, Samples
+from lagrange import mounting
 from lagrange.scene import Scene
 from lagrange.spall_events import SpallEvent
 from lagrange.spall_passages import spalls
@@ -117,7 +118,7 @@ class Result:
     @property
     def energies(self) -> dict[str, np.ndarray]:
         """Energies and works, (n_times,), J, by name."""
-        return {name: self.values[name] for name in (*ENERGIES, "energy_support") if name in self.values}
+        return {name: self.values[name] for name in (*ENERGIES, *mounting.ENERGIES) if name in self.values}
 
     @cached_property
     def events(self) -> list[SpallEvent]:

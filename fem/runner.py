@@ -136,7 +136,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
         remember(plan.scene.model, plan.expected_seconds, seen.wall)
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
-            names = (*columns_of(plan.scene), *plan.scene.mounting().columns[:2])
+            names = (*columns_of(plan.scene), *plan.scene.mounting().places)
             print_run(state, read_blocks(path, names), path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 

@@ -91,9 +91,11 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
             f"Static equilibrium: hub x {x:.4f} µm, y {y:.4f} µm",
             f"Loaded rollers: {forces or 'none'} N",
         ]
-        if "housing_y" in first:
-            sag = ", ".join(f"{axis} {1e6 * first[f'housing_{axis}'][0]:.4f} µm" for axis in "xy")
-            lines[0] += f", from the outer ring's centre; housing {sag}"
+        moved = [body for body in ("outer_ring", "housing") if f"{body}_y" in first]
+        lines[0] += ", from the outer ring's centre" if moved else ""
+        for body in moved:
+            place = ", ".join(f"{axis} {1e6 * first[f'{body}_{axis}'][0]:.4f} µm" for axis in "xy")
+            lines[0] += f"; {body.replace('_', ' ')} {place}"
     else:
         bearing, speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().mean_speed(progress.simulated)
         lines = [f"{name + ':':14s} {value}" for name, value in first_answers(bearing, speed, blocks).items()]

@@ -30,6 +30,7 @@ scene_damping [damping]; `scene_lubricant`: [lubricant]
 scene_cage    [cage]
 scene_columns columns of tables made elsewhere; `catalogue`: standard bearings
 course        speed and load that change: smooth functions of time; `scene_operation`: [operation] of the scene
+scene_combinations  what tables can't be together; `scene_text`: TOML and --set as nested tables
 scene_files   files that a scene names; `text_table`: columns of numbers in them; `height_table`: measured heights
 scene_faults  what is wrong with a scene, all at once; `scene_keys`: what its keys mean
 stored        numbers out of HDF5 files that may be damaged or hostile

@@ -167,7 +167,9 @@ class Operation:
 
     def mean_speed(self, time: float) -> float:
         """Of the shaft up to a time, s; rad/s."""
-        return float(self.course.turn(time)) / time if self.varies_speed and time > 0.0 else self.speed
+        if self.course is None or not self.course.varies_speed or time <= 0.0:
+            return self.speed
+        return float(self.course.turn(time)) / time
 
     @property
     def varies_speed(self) -> bool:

@@ -9,7 +9,7 @@ would overshoot; PCHIP alone has jumps of curvature.
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -39,7 +39,7 @@ class Course:
         """Of the shaft, rad/s, or its derivatives by time; any shape."""
         return self.turn(time, order + 1)[()]
 
-    def force(self, time) -> tuple[np.ndarray, np.ndarray]:
+    def force(self, time) -> tuple[Any, Any]:
         """The whole force on the hub along x and y, N; any shape.
 
         An unbalance is a mass m that turns at a radius e: −m times the acceleration of e (cos ψ, sin ψ).
@@ -51,7 +51,7 @@ class Course:
         out, back = self.unbalance * speed**2, self.unbalance * gain
         return along_x + out * cosine + back * sine + x, along_y + out * sine - back * cosine + y
 
-    def force_rate(self, time) -> tuple[np.ndarray, np.ndarray]:
+    def force_rate(self, time) -> tuple[Any, Any]:
         """Of that, N/s."""
         along_x, along_y = np.moveaxis(self.load(time, 1), -1, 0)
         speed, gain, jerk = self.speed(time), self.speed(time, 1), self.speed(time, 2)

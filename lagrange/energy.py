@@ -35,8 +35,8 @@ def rotation_energy(bearing: Bearing, operation: Operation):
 
 def contact_energy(laws: ContactLaws, contacts: ContactState) -> np.ndarray:
     """V_contact, J, (...,): ∫ Q dδ of every contact, K δ^(n+1)/(n+1) of a power law. Source: (17)."""
-    laws = contacts.laws(laws)
-    return np.sum(laws.inner.potential(contacts.inner) + laws.outer.potential(contacts.outer), axis=-1)
+    own = contacts.laws(laws)
+    return np.sum(own.inner.potential(contacts.inner) + own.outer.potential(contacts.outer), axis=-1)
 
 
 def gravity_energy(bearing: Bearing, operation: Operation, state: State) -> np.ndarray:

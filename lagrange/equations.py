@@ -36,7 +36,9 @@ def contact_resultant(state: Overlaps, inner_force) -> tuple[np.ndarray, np.ndar
     )
 
 
-def error_forces(operation: Operation, acceleration_x, acceleration_y, resultant_x, resultant_y):
+def error_forces(
+    operation: Operation, acceleration_x, acceleration_y, resultant_x, resultant_y, shaft_force=(0.0, 0.0)
+):
     """Left sides of (22) and of (23) with the load moved over: both 0 when the model fits perfectly.
 
     Parameters
@@ -44,13 +46,14 @@ def error_forces(operation: Operation, acceleration_x, acceleration_y, resultant
     operation : of each time, see `Operation.at`
     acceleration_x, acceleration_y : ndarray, (n_times,), m/s², of the inner ring's centre
     resultant_x, resultant_y : ndarray, (n_times,), N, see `contact_resultant`
+    shaft_force : of what holds the shaft beside the bearing, on the hub, along x and y, (n_times,), N
 
     Returns
     -------
     error_x, error_y : ndarray, (n_times,), N
-        M ẍ − ΣQ_x − the load along x, 0 of the paper's, and M ÿ + M g − ΣQ_y + W.
+        M ẍ − ΣQ_x − the load along x, 0 of the paper's, and M ÿ + M g − ΣQ_y + W; less the shaft's force.
     """
     mass = operation.inner_mass
     error_x = mass * acceleration_x - resultant_x - operation.side_load
     error_y = mass * acceleration_y + mass * operation.gravity - resultant_y + operation.radial_load
-    return error_x, error_y
+    return error_x - shaft_force[0], error_y - shaft_force[1]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.faults import Film
+from lagrange.faults import Body, Film
 from lagrange.kinematics import kinematics
 from lagrange.pair import Pair, contact_pairs
 from lagrange.raceway_laws import contact_laws
@@ -54,7 +54,8 @@ def films(bearing: Bearing, operation: Operation, lubricant: Lubricant) -> tuple
         return ()
     still = static_equilibrium(bearing, replace(operation, gravity=0.0), contact_laws(LAW, bearing))
     loads = still.inner_force.max(), still.outer_force.max()
+    bodies: tuple[Body, Body] = "inner_ring", "outer_ring"
     return tuple(
         Film(body=body, thickness=film_thickness(pair, rolling, max(float(force), LEAST_LOAD), lubricant))
-        for body, pair, force in zip(("inner_ring", "outer_ring"), contact_pairs(bearing), loads, strict=False)
+        for body, pair, force in zip(bodies, contact_pairs(bearing), loads, strict=False)
     )

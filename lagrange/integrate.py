@@ -28,7 +28,8 @@ class Record:
     q_rate: np.ndarray
     held_work: np.ndarray  # J, of contacts and weights against the held angles; 0 where none are held
     ramp_work: np.ndarray  # J, minus the integral of the hub's place times the load's rate
-    dissipated: np.ndarray  # J
+    dissipated: np.ndarray  # J, by contacts' dampers
+    by_dashpots: np.ndarray  # J, dissipated by what holds the shaft
 
     def sound(self) -> "Record":
         """The samples before the first whose motion is no number, or too large for its energies to be numbers."""
@@ -43,8 +44,8 @@ class Integration(ABC):
     """Steps of a system, `per_sample` of them from one sample to the next; the start is the first sample.
 
     `memory` is all that the next steps need, arrays that are changed in place: hub and elements, their rates and
-    accelerations after the last step; the works of held angles, of the ramp and of the dampers, and the power that
-    holds the angles. Before the first step accelerations and power are not known yet.
+    accelerations after the last step; the works of held angles, of the ramp, of the dampers and of dashpots, and the
+    power that holds the angles. Before the first step accelerations and power are not known yet.
     """
 
     def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
@@ -53,22 +54,23 @@ class Integration(ABC):
         self.memory = {
             "hub": np.array([start.z, start.z_rate, 0j]),
             "elements": np.array([start.q, start.q_rate, 0.0 * start.q], dtype=system.dtype),
-            "works": np.zeros(4),
+            "works": np.zeros(5),
         }
 
     def advance(self, count: int) -> Record:
         """The next so many samples; fewer where numbers overflow."""
         z = np.empty((2, count), dtype=complex)
         q = np.empty((2, count, self._system.n), dtype=self._system.dtype)
-        works = np.zeros((3, count))
+        works = np.zeros((4, count))
         there = int(self.done == 0 < count)
         if there:
             hub, elements, sums = self.memory.values()
-            z[:, 0], q[:, 0], works[:, 0] = hub[:2], elements[:2], sums[:3]
+            z[:, 0], q[:, 0], works[:, 0] = hub[:2], elements[:2], sums[:4]
         there += self._fill(self.done + there, z[:, there:], q[:, there:], works[:, there:])
         record = Record(
             z=z[0, :there], z_rate=z[1, :there], q=q[0, :there], q_rate=q[1, :there],
             held_work=works[0, :there], ramp_work=works[1, :there], dissipated=works[2, :there],
+            by_dashpots=works[3, :there],
         ).sound()  # fmt: skip
         self.done += len(record.z)
         return record
@@ -80,7 +82,7 @@ class Integration(ABC):
         Parameters
         ----------
         z, q : ndarray, (2, n_times) and (2, n_times, n_rollers), of hub and elements, and their rates
-        works : ndarray, (3, n_times), J, of held angles, of the ramp and of the dampers
+        works : ndarray, (4, n_times), J, of held angles, of the ramp, of the dampers and of dashpots
 
         Returns
         -------
@@ -93,7 +95,7 @@ class NumpyIntegration(Integration):
 
     def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
         super().__init__(system, start, step, per_sample, damping)
-        self._advance = self._leapfrog if damping.acts else self._blanes_moan
+        self._advance = self._leapfrog if damping.acts or system.has_dashpots else self._blanes_moan
 
     def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
         hub, elements, sums = self.memory.values()
@@ -103,7 +105,7 @@ class NumpyIntegration(Integration):
                 last = done + there - 1
                 border = last - last % BLOCK + BLOCK
                 for _ in self._advance(last, min(border, done + count - 1)):
-                    z[:, there], q[:, there], works[:, there] = hub[:2], elements[:2], sums[:3]
+                    z[:, there], q[:, there], works[:, there] = hub[:2], elements[:2], sums[:4]
                     there += 1
         return there
 
@@ -130,7 +132,7 @@ class NumpyIntegration(Integration):
             for a, b in zip(ALL_DRIFTS, ALL_KICKS[1:], strict=True)
         ]
         begin, begin_all = step * ALL_KICKS[0], step * ALL_KICKS[0] * whole
-        (z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power) = self._remembered()
+        (z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, dashed, power) = self._remembered()
         accelerations, ramping = system.accelerations, system.load_changes
         if first % BLOCK == 0:  # anew, at a time without the round-off of the stages' sum
             time = step * first * per_sample
@@ -156,17 +158,20 @@ class NumpyIntegration(Integration):
                     held += kick * power
                     if ramping:
                         ramped += kick * system.change_power(time, z)
-            self._remember((z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power))
+            self._remember((z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, dashed, power))
             yield
 
     def _leapfrog(self, first: int, last: int) -> Iterator[None]:
-        """Drift, kick, damp, kick, drift; second order. The damper's flow by the midpoint rule at frozen positions."""
+        """Drift, kick, damp, kick, drift; second order.
+
+        The contacts' dampers flow by the midpoint rule at frozen positions, the shaft's dashpots exactly in the kicks.
+        """
         system, step, per_sample, damping = self._system, self._step, self._per_sample, self._damping
         steps = np.arange(first * per_sample, last * per_sample)
         times = step * (steps + 0.5)
         turns = system.directions(times)
         times = times.tolist()
-        (z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power) = self._remembered()
+        (z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, dashed, power) = self._remembered()
         half = 0.5 * step
         i = 0
         for _ in range(first, last):
@@ -174,21 +179,31 @@ class NumpyIntegration(Integration):
                 z = z + half * z_rate
                 q = q + half * q_rate
                 z_acc, q_acc, power = system.accelerations(times[i], z, q, turns[i])
-                z_rate, q_rate = z_rate + half * z_acc, q_rate + half * q_acc
+                z_rate, q_rate, loss = self._half_kick(z_rate, z_acc, q_rate, q_acc, half)
+                dashed += loss
                 held += step * power
                 if system.load_changes:
                     ramped += step * system.change_power(times[i], z)
-                dampers = system.damper_coefficients(damping)
-                z_slow, q_slow, _, _ = system.damper(z_rate, q_rate, q, z, turns[i], dampers)
-                z_slow, q_slow, loss, taken = system.damper(
-                    z_rate + half * z_slow, q_rate + half * q_slow, q, z, turns[i], dampers
-                )
-                z_rate, q_rate = z_rate + step * z_slow, q_rate + step * q_slow
-                lost += step * loss
-                held += step * taken
-                z_rate, q_rate = z_rate + half * z_acc, q_rate + half * q_acc
+                if damping.acts:
+                    dampers = system.damper_coefficients(damping)
+                    z_slow, q_slow, _, _ = system.damper(z_rate, q_rate, q, z, turns[i], dampers)
+                    z_slow, q_slow, loss, taken = system.damper(
+                        z_rate + half * z_slow, q_rate + half * q_slow, q, z, turns[i], dampers
+                    )
+                    z_rate, q_rate = z_rate + step * z_slow, q_rate + step * q_slow
+                    lost += step * loss
+                    held += step * taken
+                z_rate, q_rate, loss = self._half_kick(z_rate, z_acc, q_rate, q_acc, half)
+                dashed += loss
                 z = z + half * z_rate
                 q = q + half * q_rate
                 i += 1
-            self._remember((z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, power))
+            self._remember((z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, dashed, power))
             yield
+
+    def _half_kick(self, z_rate, z_acc, q_rate, q_acc, seconds: float):
+        """Velocities of hub and elements after a kick, the dashpots with it, and what these take, J."""
+        z_rate, q_rate, loss = z_rate + seconds * z_acc, q_rate + seconds * q_acc, 0.0
+        if self._system.has_dashpots:
+            z_rate, loss = self._system.slowed(z_rate, z_acc, seconds)
+        return z_rate, q_rate, loss

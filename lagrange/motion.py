@@ -14,19 +14,19 @@ from lagrange.contact_damping import UNDAMPED, ContactDamping, damper_force
 from lagrange.overlap import PolarOverlaps, polar_overlaps, polar_sunk, polar_turned
 from lagrange.profile import UNTURNED, Turns, profiles
 from lagrange.raceway_laws import ContactLaws
-from lagrange.softened import softened
+from lagrange.softened import SoftenedLaws, softened
 
 
 @dataclass(frozen=True, kw_only=True)
 class State:
     """Generalised coordinates and their rates. m, rad, m/s, rad/s."""
 
-    x: np.ndarray  # (...,), centre of the inner ring
-    y: np.ndarray
+    x: np.ndarray | float  # (...,), centre of the inner ring
+    y: np.ndarray | float
     rho: np.ndarray  # (..., n_rollers), polar coordinates of the rolling elements' centres
     theta: np.ndarray
-    x_rate: np.ndarray
-    y_rate: np.ndarray
+    x_rate: np.ndarray | float
+    y_rate: np.ndarray | float
     rho_rate: np.ndarray
     theta_rate: np.ndarray
     turns: Turns = UNTURNED  # prescribed; matter where surfaces are not perfect
@@ -45,10 +45,10 @@ class ContactState(PolarOverlaps):
     inner_compliance: np.ndarray | float = 0.0  # m/N, of edges, in series with the law
     outer_compliance: np.ndarray | float = 0.0
 
-    def laws(self, laws: ContactLaws) -> ContactLaws:
+    def laws(self, laws: ContactLaws) -> SoftenedLaws:
         """The contacts' own laws: the bearing's, softened where edges are."""
         inner, outer = softened(laws.inner, self.inner_compliance), softened(laws.outer, self.outer_compliance)
-        return ContactLaws(inner=inner, outer=outer)
+        return SoftenedLaws(inner=inner, outer=outer)
 
 
 def contact_state(
@@ -69,14 +69,18 @@ def contact_state(
     cos, sin = np.cos(state.theta), np.sin(state.theta)
     x, y = np.asarray(state.x)[..., None], np.asarray(state.y)[..., None]
     found = polar_overlaps(bearing, state.rho, x * cos + y * sin, y * cos - x * sin)
-    surfaces, turns, passing_in, passing_out = profiles(bearing), state.turns, 0.0, 0.0
-    inner_soft, outer_soft = 0.0, 0.0
+    surfaces, turns = profiles(bearing), state.turns
+    passing_in: np.ndarray | float = 0.0
+    passing_out: np.ndarray | float = 0.0
+    inner_soft: np.ndarray | float = 0.0
+    outer_soft: np.ndarray | float = 0.0
+    inner_damper: np.ndarray | float = 0.0
+    outer_damper: np.ndarray | float = 0.0
     if surfaces is not None:
         found, inner, outer = polar_sunk(surfaces, found, turns, state.theta)
         inner_soft, outer_soft = inner.compliance, outer.compliance
     inner_law, outer_law = softened(laws.inner, inner_soft), softened(laws.outer, outer_soft)
     inner_force, outer_force = inner_law.force(found.inner), outer_law.force(found.outer)
-    inner_damper = outer_damper = 0.0
     if surfaces is not None:
         inner, outer = inner.under(inner_force), outer.under(outer_force)
         found = polar_turned(found, inner, outer, state.rho)
@@ -119,9 +123,9 @@ def printed_radial_equations(
     such term, so the hub's force on the roller isn't opposite to the roller's on the hub. No damping. The sign of
     m ρ θ̇² is unreadable in our copy; the right one is used.
     """
-    laws = contacts.laws(laws)
-    inner = 0.5 * (laws.inner.force(contacts.inner) + contacts.inner * laws.inner.slope(contacts.inner))
-    outer = 0.5 * (laws.outer.force(contacts.outer) + contacts.outer * laws.outer.slope(contacts.outer))
+    own = contacts.laws(laws)
+    inner = 0.5 * (own.inner.force(contacts.inner) + contacts.inner * own.inner.slope(contacts.inner))
+    outer = 0.5 * (own.outer.force(contacts.outer) + contacts.outer * own.outer.slope(contacts.outer))
     m = bearing.roller_mass
     inertia = m * (rho_acceleration - state.rho * state.theta_rate**2 + operation.gravity * np.sin(state.theta))
     return inertia - inner * contacts.radial + outer
@@ -141,14 +145,17 @@ def angular_equations(
     return rho * (m * (inertia + weight) - aside)
 
 
-def hub_equations(operation: Operation, contacts: ContactState, x_acceleration, y_acceleration):
+def hub_equations(operation: Operation, state: State, contacts: ContactState, x_acceleration, y_acceleration):
     """Left sides of (22) and of (23) with the load moved over, N, each (...,); 0 in a motion of the model.
 
-    The operation's loads may be of the same shape: `Operation.at`.
+    The operation's loads may be of the same shape: `Operation.at`. A shaft's springs and dashpots act beside the load.
     """
-    mass = operation.inner_mass
+    mass, shaft = operation.inner_mass, operation.mounting.shaft
     push_x = np.sum(contacts.inner_force * contacts.along_x, axis=-1)
     push_y = np.sum(contacts.inner_force * contacts.along_y, axis=-1)
+    if shaft is not None:
+        push_x = push_x + shaft.force(state.x, state.x_rate)
+        push_y = push_y + shaft.force(state.y, state.y_rate)
     return (
         mass * x_acceleration - push_x - operation.side_load,
         mass * (y_acceleration + operation.gravity) - push_y + operation.radial_load,
@@ -161,7 +168,7 @@ def accelerations(bearing: Bearing, operation: Operation, state: State, contacts
     The equations are linear in the accelerations, and each holds one of them. With angles from kinematics (20) leave
     θ̈ unused: it is what the element would do without a cage.
     """
-    error_x, error_y = hub_equations(operation, contacts, 0.0, 0.0)
+    error_x, error_y = hub_equations(operation, state, contacts, 0.0, 0.0)
     radial = radial_equations(bearing, operation, state, contacts, 0.0)
     angular = angular_equations(bearing, operation, state, contacts, 0.0)
     m = bearing.roller_mass

@@ -1,6 +1,6 @@
-"""What a bearing stands in: the housing of its outer ring, and a sensor on it; facts, SI."""
+"""What holds a bearing in its machine: its outer ring's housing and fit, a sensor on it, its shaft's springs; SI."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 
@@ -8,6 +8,14 @@ import numpy as np
 
 OF_HOUSING = ("housing_x", "housing_y", "housing_ax", "housing_ay", "energy_support")  # what samples tell of it
 OF_SENSOR = ("sensor_ay",)
+OF_BORE = (
+    "outer_ring_x", "outer_ring_y", "outer_ring_ax", "outer_ring_ay", "bore_force_x", "bore_force_y", "bore_arc"
+)  # fmt: skip
+OF_SHAFT = ("energy_shaft",)
+ENERGIES = ("energy_support", "energy_shaft")  # among them, J
+
+LOOK_AROUND = 1e-8  # relative, for derivatives, of what statics are exact to 1e-10 of
+SETTLED, FINEST = 1e-7, 1e-7  # of the way that a housing sinks, m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,6 +25,10 @@ class Housing:
     mass: float  # kg, without the outer ring
     stiffness: float  # N/m, along either axis
     damping: float  # N s/m
+
+    @property
+    def words(self) -> str:
+        return f"{self.mass:.4g} kg without the ring, on {self.stiffness:.4g} N/m, {self.damping:.4g} N s/m"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +61,25 @@ class Sensor:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Shaft:
+    """Springs and dashpots between hub and ground, along x and along y: what else holds the shaft.
+
+    They are slack where the hub's centre is at the origin. The dashpots stand still; they do not turn with the shaft.
+    """
+
+    stiffness: float  # N/m, along either axis
+    damping: float  # N s/m
+
+    @property
+    def words(self) -> str:
+        return f"{self.stiffness:.4g} N/m, {self.damping:.4g} N s/m beside the bearing"
+
+    def force(self, place, velocity):
+        """On the hub along an axis, N, at its place, m, and velocity, m/s, along it; any shape."""
+        return -self.stiffness * place - self.damping * velocity
+
+
+@dataclass(frozen=True, kw_only=True)
 class Points:
     """Arcs of its outside in which the ground holds the outer ring, which is free between them."""
 
@@ -57,30 +88,107 @@ class Points:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Bore:
+    """A round bore around the outer ring, of a housing or of the ground, that pushes where they touch and never pulls.
+
+    It gives way in proportion to the pressure, each place for itself (Winkler's bed), and has no friction; only the
+    ring's turning as a whole is held.
+    """
+
+    clearance: float  # m, its diameter less the ring's; negative: a press fit
+    stiffness: float | None = None  # N/m³, pressure over displacement; None: of a thick wall
+
+    @property
+    def words(self) -> str:
+        return f"{1e6 * abs(self.clearance):.4g} µm of {'play' if self.clearance >= 0.0 else 'press fit'} in its bore"
+
+    def stiffness_around(self, radius: float, lame_mu: float) -> float:
+        """Its stiffness, N/m³, around a ring of an outside radius, m; without one of its own that of a thick wall.
+
+        That wall is much thicker than the radius R and, for one of the ring's material, has its shear modulus μ, Pa:
+        pushed all around by p it widens by p R/2μ.
+
+        Source: Timoshenko and Goodier, Theory of Elasticity (1970), section 28, thick tube (Lamé), outside → ∞.
+        """
+        return 2.0 * lame_mu / radius if self.stiffness is None else self.stiffness
+
+
+@dataclass(frozen=True, kw_only=True)
 class Mounting:
-    """How the bearing is held. Without points and without a housing the ground holds the outer ring all around."""
+    """How the bearing is held. Without points, housing and bore the ground holds the outer ring all around."""
 
     points: Points | None = None
     housing: Housing | None = None
+    bore: Bore | None = None  # of the housing, or of the ground; None: the ring is held all around, without play
     sensor: Sensor | None = None
+    shaft: Shaft | None = None  # None: the bearing alone carries the hub
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of what samples tell of it, as they stand behind each other."""
-        if self.housing is None:
-            return ()
-        return OF_HOUSING if self.sensor is None else (*OF_HOUSING, *OF_SENSOR)
+        parts = ((self.housing, OF_HOUSING), (self.sensor, OF_SENSOR), (self.shaft, OF_SHAFT), (self.bore, OF_BORE))
+        return tuple(name for part, names in parts if part is not None for name in names)
+
+    @property
+    def rows(self) -> dict[str, str]:
+        """What --dry-run shows of it, name and value."""
+        parts = {"housing": self.housing, "fit of the outer ring": self.bore, "springs of the shaft": self.shaft}
+        return {name: part.words for name, part in parts.items() if part is not None}
+
+    @property
+    def centre(self) -> tuple[str, ...]:
+        """Names of the outer ring's centre, x and y, and of its accelerations; none where it stands still."""
+        if self.bore is not None:
+            return OF_BORE[:4]
+        return () if self.housing is None else OF_HOUSING[:4]
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """Names of the columns that tell where housing and outer ring are, as far as they move."""
+        return tuple(name for name in self.columns if name in (*OF_HOUSING[:2], *OF_BORE[:2]))
 
 
 HELD = Mounting()
 
 
+def ring_place(mounting: Mounting, weight: float, force_at: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Where the outer ring's centre stands in its housing, (2,), m; 0 without one.
+
+    Parameters
+    ----------
+    weight : N, of housing and ring
+    force_at : the contacts' force on the ring, (2,), N, by its place; that matters with a shaft's springs alone, which
+        pull the more the further ring and hub have sunk
+
+    Errors
+    ------
+    RuntimeError: no such place is found.
+    """
+    housing = mounting.housing
+    if housing is None:
+        return np.zeros(2)
+
+    def beyond(place):
+        return place - (force_at(place) - np.array([0.0, weight])) / housing.stiffness
+
+    first = -beyond(np.zeros(2))
+    if mounting.shaft is None:
+        return first
+    from scipy.optimize import root
+
+    found = root(beyond, first, options={"xtol": 1e-12, "eps": LOOK_AROUND})
+    if np.abs(found.fun).max() > SETTLED * max(np.abs(found.x).max(), FINEST):
+        raise RuntimeError(f"the housing does not settle between its springs and the shaft's: {found.message}")
+    return found.x
+
+
 def from_outer_ring(samples: Mapping[str, np.ndarray], *bodies: str) -> list[np.ndarray]:
-    """Places <body>_x, <body>_y, ... of samples from the outer ring's centre, which a housing may move, m."""
+    """Places <body>_x, <body>_y, ... of samples from the outer ring's centre, which its mounting may move, m."""
     found = []
     for body in bodies:
         for axis in "xy":
             place = samples[f"{body}_{axis}"]
-            moved = samples.get(f"housing_{axis}")
+            moved = samples.get(f"outer_ring_{axis}")
+            moved = samples.get(f"housing_{axis}") if moved is None else moved
             found.append(place if moved is None else (place.T - moved).T)
     return found

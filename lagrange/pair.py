@@ -58,7 +58,7 @@ def contact_pairs(bearing: Bearing) -> tuple[Pair, Pair, Pair]:
     Two rigid rollers meet with their material's compliance: they would have none otherwise.
     """
     r, roller = bearing.roller_radius, bearing.roller
-    return tuple(
+    inner, outer, rollers = (
         Pair(kind=kind, radii=(radius, r), materials=materials, length=bearing.roller_length)
         for kind, radius, materials in (
             ("inner", bearing.inner_raceway_radius, (bearing.inner_ring, roller)),
@@ -66,3 +66,4 @@ def contact_pairs(bearing: Bearing) -> tuple[Pair, Pair, Pair]:
             ("roller", r, (roller.elastic, roller.elastic)),
         )
     )
+    return inner, outer, rollers

@@ -43,6 +43,12 @@ class Problem:
                 f"start = {self.start!r}, angles = {self.angles!r}: equilibrium or rest, kinematic or free"
             )
 
+    @property
+    def is_damped(self) -> bool:
+        """Whether contacts or what holds the shaft take energy."""
+        shaft = self.operation.mounting.shaft
+        return self.damping.acts or (shaft is not None and shaft.damping > 0.0)
+
     @cached_property
     def first_state(self) -> State:
         """The state at t = 0.

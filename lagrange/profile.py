@@ -51,7 +51,7 @@ class Profile:
         base = np.floor(place)
         t, knot = place - base, self.row * n + base.astype(np.int64) % n
         sunk = _cubic(self._pieces.take(knot, axis=0), t, 0.5 * n / pi)
-        if self.compliance is None:
+        if self._compliance_pieces is None:
             return Along(*sunk)
         soft = self._compliance_pieces.take(knot, axis=0)
         return Along(*sunk, *_cubic(soft, t, 0.5 * n / pi)) if soft.any() else Along(*sunk)
@@ -61,8 +61,8 @@ class Profile:
         return _pieces(self.coefficients)
 
     @cached_property
-    def _compliance_pieces(self) -> np.ndarray:
-        return _pieces(self.compliance)
+    def _compliance_pieces(self) -> np.ndarray | None:
+        return None if self.compliance is None else _pieces(self.compliance)
 
 
 def _pieces(coefficients: np.ndarray) -> np.ndarray:
@@ -210,10 +210,10 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
     raceway, roller = abs(pair.radii[0]), bearing.roller_radius
     own, other = (roller, raceway) if body == "roller" else (raceway, roller)
     n = max([FEWEST_KNOTS, *(_knots(fault, own, other, meeting) for fault in faults)])
-    numbers = [None, *sorted({fault.roller for fault in faults})] if body == "roller" else [None]
-    rows = [[fault for fault in faults if fault.roller == number] for number in numbers]
+    rollers = sorted({fault.roller for fault in faults if fault.roller is not None})
+    rows = [[fault for fault in faults if fault.roller == number] for number in (None, *rollers)]
     row = np.zeros(bearing.n_rollers, dtype=np.int64)
-    for k, number in enumerate(numbers[1:], 1):
+    for k, number in enumerate(rollers, 1):
         row[number] = k
     compliance = None
     if any(isinstance(fault, Spall) for fault in faults):

@@ -224,9 +224,12 @@ def contact_laws(name: str, bearing: Bearing) -> ContactLaws:
     ------
     ValueError: an unknown name, or a law that isn't for this bearing's rolling elements; the message lists the known.
     """
-    known = BALL_LAWS if isinstance(bearing, BallBearing) else ROLLER_LAWS
+    known: dict[str, Callable[[Side], PowerLaw | LogarithmicLaw]]
+    if isinstance(bearing, BallBearing):
+        kind, known = "balls", {key: partial(law_of, bearing) for key, law_of in BALL_LAWS.items()}
+    else:
+        kind, known = "rollers", {key: partial(law_of, bearing) for key, law_of in ROLLER_LAWS.items()}
     law = known.get("johnson" if name == "tripp" else name)
     if law is None:
-        kind = "balls" if isinstance(bearing, BallBearing) else "rollers"
         raise ValueError(f"unknown contact law {name!r} for {kind}; known: {', '.join(sorted(known))}")
-    return ContactLaws(inner=law(bearing, "inner"), outer=law(bearing, "outer"))
+    return ContactLaws(inner=law("inner"), outer=law("outer"))

@@ -3,13 +3,11 @@
 It stands on the ground floor because both the solver and the checker read it, and neither may know the other.
 """
 
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from copy import deepcopy
 from dataclasses import replace
-from itertools import pairwise
-from math import pi
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, Self
 
@@ -21,12 +19,12 @@ from lagrange.cage import Cage
 from lagrange.catalogue import designations, inner_ring_and_shaft
 from lagrange.film import films
 from lagrange.mounting import Mounting
-from lagrange.raceway_laws import law_names
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
-from lagrange.scene_cage import CageTable, cage_faults
+from lagrange.scene_cage import CageTable
 from lagrange.scene_columns import Columns
+from lagrange.scene_combinations import COMBINATIONS
 from lagrange.scene_damping import DampingTable, with_former_name
-from lagrange.scene_faults import Check, Table, all_faults, printable
+from lagrange.scene_faults import Check, SceneError, Table, all_faults, printable
 from lagrange.scene_files import content_in_place, content_of
 from lagrange.scene_lubricant import LubricantTable
 from lagrange.scene_operation import OperationTable
@@ -38,29 +36,13 @@ from lagrange.scene_run import (
     ReducedTable,
 )
 from lagrange.scene_support import SensorTable, SupportTable
-from lagrange.scene_surfaces import (
-    ProfileTable,
-    SpallTable,
-    UnequalRollerTable,
-    WavinessTable,
-    profile_faults,
-    roller_faults,
-    size_faults,
-    spall_faults,
-)
+from lagrange.scene_surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
+from lagrange.scene_text import LONGEST_TEXT, apply_override, load, set_key
 
-LONGEST_TEXT = 2**20  # characters of a scene
 MOST_FAULTS = 15  # told at once: a file that is no scene may have thousands
 MM = 1e-3
-FINEST = {"resolved": 2000.0}  # roller diameters over mesh sizes; of all other contact models:
-FINEST_OTHERWISE = 400.0
-SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # arrays of tables
 FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
 MOST_TABLES = 200  # of one array
-
-
-class SceneError(ValueError):
-    """The scene can't be used; the text names file, key, value and limit, one fault a line."""
 
 
 class Scene(Table):
@@ -132,160 +114,12 @@ class Scene(Table):
         return data
 
     def checks(self) -> tuple[Check, ...]:
-        surfaces = self._surface_models, self._rollers_with_faults, self._spalls, self._sizes, self._profiles
-        tables = self._rigid_contacts, self._support, self._cage, self._damping, self._courses
-        return self._law, self._mass, self._mesh, self._fields, *tables, *surfaces
-
-    def _law(self) -> Iterator[str]:
-        known = law_names(self._perfect_bearing())
-        if self.lagrange.law not in known:
-            yield (
-                f"lagrange.law = {self.lagrange.law!r}: unknown for bearing.type = {self.bearing.type!r}; known are "
-                f"{', '.join(known)}"
-            )
-
-    def _mass(self) -> Iterator[str]:
-        ring = self._perfect_bearing().inner_ring_mass
-        if self.operation.inner_ring_and_shaft_kg <= ring:
-            yield (
-                f"operation.inner_ring_and_shaft_kg = {self.operation.inner_ring_and_shaft_kg} must exceed the mass of "
-                f"the elastic inner ring, {ring:.4g} kg"
-            )
-
-    def _mesh(self) -> Iterator[str]:
-        if self.bearing.type == "ball":
-            return
-        size, roller = self.numerics.mesh_size_mm, self.bearing.roller_diameter_mm
-        coarsest = pi * roller / 10.0
-        if size > coarsest:
-            yield (f"numerics.mesh_size_mm = {size} is too coarse for rollers of {roller} mm (at most {coarsest:.3g})")
-        finest = roller / FINEST.get(self.contact.model, FINEST_OTHERWISE)
-        if size < finest:
-            yield (
-                f"numerics.mesh_size_mm = {size} is finer than contact.model = '{self.contact.model}' is made for "
-                f"(at least {finest:.3g})"
-            )
-
-    def _fields(self) -> Iterator[str]:
-        every = self.output.fields_every_ms
-        if every > 0.0 and self.model != "fem":
-            yield (
-                f"output.fields_every_ms = {every}: model = {self.model!r} has no mesh and no fields; leave it out or 0"
-            )
-        interval = 1e-3 * self.numerics.output_interval_us
-        if 0.0 < every < interval * (1.0 - 1e-9):
-            yield (
-                f"output.fields_every_ms = {every} must not be below numerics.output_interval_us = "
-                f"{self.numerics.output_interval_us} ({interval:g} ms); 0 stores none"
-            )
-
-    def _rigid_contacts(self) -> Iterator[str]:
-        if self.bodies.rigid and self.contact.model != "subgrid":
-            yield (
-                f'bodies.{self.bodies.rigid[0]} = "rigid": only with contact.model = "subgrid", not with '
-                f'"{self.contact.model}", whose points of pressure sit on meshes'
-            )
-
-    def _damping(self) -> Iterator[str]:
-        if self.damping.bodies_1_s > 0.0 and self.model != "fem":
-            yield (
-                f"damping.bodies_1_s = {self.damping.bodies_1_s:g}: only for bodies with meshes, which model = "
-                f"{self.model!r} has none of; leave it out, or take model = 'fem'"
-            )
-        if self.damping.bodies_1_s > 0.0 and self.mounting().housing is not None:
-            yield (
-                f"damping.bodies_1_s = {self.damping.bodies_1_s:g}: not together with a housing that moves, against "
-                "which the outer ring's own motion is not known; leave one of them out"
-            )
-        if not self.damping.contacts.acts:
-            return
-        if self.model == "fem" and self.contact.model != "subgrid":
-            yield (
-                f'[damping] of contacts: only with contact.model = "subgrid", not with "{self.contact.model}", whose '
-                "points of pressure stand for part of a contact; leave one of them out"
-            )
-        if self.model == "reduced" and self.reduced.modes_up_to_kHz > 0.0:
-            yield (
-                f"reduced.modes_up_to_kHz = {self.reduced.modes_up_to_kHz:g}: not together with [damping] of contacts, "
-                "which would feed the modes; leave one of them out"
-            )
-
-    def _support(self) -> Iterator[str]:
-        mounting = self.mounting()
-        if (mounting.housing is not None or mounting.points is not None) and self.model != "fem":
-            yield (
-                f'support.kind = "{self.support.kind}": only with model = "fem", not with "{self.model}", whose outer '
-                "ring is held all around by the ground; leave one of them out"
-            )
-        if mounting.points is not None and self.bodies.outer_ring == "rigid":
-            yield 'support.kind = "points": a rigid outer ring is held as well by any; leave one of them out'
-        if mounting.points is not None and self.contact.model != "subgrid":
-            yield (
-                f'support.kind = "points": only with contact.model = "subgrid", not with "{self.contact.model}"; leave '
-                "one of them out"
-            )
-        if self.sensor is not None and mounting.housing is None:
-            yield (
-                '[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'
-            )
-
-    def _cage(self) -> Iterator[str]:
-        if self.cage is not None:
-            yield from cage_faults(self._perfect_bearing(), self.cage)
-            if self.cage.guidance == "outer_ring" and self.mounting().housing is not None:
-                yield (
-                    'cage.guidance = "outer_ring": not in a housing that moves; take "rollers" or "inner_ring", or '
-                    "leave [support] out"
-                )
-            if self.cage.guidance == "inner_ring" and self.operation.speed_table is not None:
-                yield (
-                    f'cage.guidance = "inner_ring": only at a steady speed, not with operation.speed_table = '
-                    f'"{self.operation.speed_table}"; take "rollers" or "outer_ring"'
-                )
-
-    def _courses(self) -> Iterator[str]:
-        yield from self.operation.duration_faults(self.numerics.duration_ms)
-        if self.lubricant is not None and self.operation.speed_table is not None:
-            yield (
-                "[lubricant]: only at a steady speed, not with operation.speed_table = "
-                f'"{self.operation.speed_table}": its film is as thick as at one speed; leave one of them out'
-            )
-        if self.operation.changes and self.model == "fem" and self.contact.model != "subgrid":
-            yield (
-                f'operation.{self.operation.changes}: only with contact.model = "subgrid", not with '
-                f'"{self.contact.model}", which is there to compare contacts; leave one of them out'
-            )
-
-    def _surface_models(self) -> Iterator[str]:
-        given = [f"[[{name}]]" for name in SURFACES if getattr(self, name)]
-        given += [] if self.lubricant is None else ["[lubricant]"]
-        if given and self.bearing.type == "ball":
-            yield f'{given[0]}: only for rollers, not with bearing.type = "ball"; leave it out'
-        if given and self.model == "fem" and self.contact.model != "subgrid":
-            yield (
-                f'{given[0]}: only with contact.model = "subgrid", not with "{self.contact.model}", whose points of '
-                "pressure lie on perfect circles; leave one of them out"
-            )
-
-    def _rollers_with_faults(self) -> Iterator[str]:
-        yield from roller_faults(self.bearing.rollers, {name: getattr(self, name) for name in SURFACES})
-
-    def _spalls(self) -> Iterator[str]:
-        if self.spall:
-            yield from spall_faults(self._perfect_bearing(), self.spall)
-
-    def _sizes(self) -> Iterator[str]:
-        if self.waviness or self.unequal_roller:
-            yield from size_faults(self._perfect_bearing(), self.waviness, self.unequal_roller)
-
-    def _profiles(self) -> Iterator[str]:
-        if self.profile:
-            yield from profile_faults(self._perfect_bearing(), self.profile)
+        return tuple(partial(check, self) for check in COMBINATIONS)
 
     def ideal_bearing(self) -> Bearing:
         """The bearing in SI, with the faults of its surfaces and the films on them."""
         faults = tuple(table.fault() for name in SURFACES for table in getattr(self, name))
-        perfect = self._perfect_bearing()
+        perfect = self.perfect_bearing()
         if self.lubricant is not None:
             faults += films(perfect, self.ideal_operation(), self.lubricant.lubricant())
         return replace(perfect, faults=faults)
@@ -300,9 +134,10 @@ class Scene(Table):
         """Of the contacts, dry or under a film."""
         return self.contact.friction_coefficient if self.lubricant is None else self.lubricant.traction_coefficient
 
-    def _perfect_bearing(self) -> Bearing:
+    def perfect_bearing(self) -> Bearing:
+        """The bearing in SI, without faults of its surfaces."""
         b = self.bearing
-        shape = dict(
+        shape: dict[str, Any] = dict(
             n_rollers=b.rollers,
             roller_radius=0.5 * MM * b.roller_diameter_mm,
             roller_length=MM * b.roller_length_mm,
@@ -316,6 +151,8 @@ class Scene(Table):
         )
         if b.type == "roller":
             return Bearing(**shape)
+        if b.inner_conformity is None or b.outer_conformity is None:
+            raise ValueError('bearing.type = "ball" without inner_conformity or outer_conformity; leave None out')
         return BallBearing(
             **shape,
             inner_groove_radius=MM * b.inner_conformity * b.roller_diameter_mm,
@@ -324,7 +161,7 @@ class Scene(Table):
 
     def ideal_cage(self) -> Cage | None:
         """The cage in SI; None: there is none."""
-        return None if self.cage is None else self.cage.cage(self._perfect_bearing())
+        return None if self.cage is None else self.cage.cage(self.perfect_bearing())
 
     def ideal_operation(self) -> Operation:
         """The operating point in SI."""
@@ -335,13 +172,16 @@ class Scene(Table):
         return Mounting(
             points=None if self.support is None else self.support.points(),
             housing=None if self.support is None else self.support.housing(),
+            bore=None if self.support is None else self.support.bore(),
             sensor=None if self.sensor is None else self.sensor.sensor(),
+            shaft=self.operation.springs(),
         )
 
     @property
     def files(self) -> dict[str, str]:
         """Texts of the files that it names, by their digests, as far as they are at hand."""
-        profiles = {table.sha256: table.content for table in self.profile if table.content is not None}
+        profiles = {table.sha256: table.content for table in self.profile
+                    if table.sha256 is not None and table.content is not None}  # fmt: skip
         return profiles | self.operation.files
 
     def varied(self, changes: Mapping[str, Any]) -> "Scene":
@@ -398,13 +238,13 @@ def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) 
         name = str(path)
         try:
             with open(path, "rb") as file:
-                data = _load(file.read(LONGEST_TEXT + 1).decode("utf-8-sig"), name)
+                data = load(file.read(LONGEST_TEXT + 1).decode("utf-8-sig"), name)
         except OSError as error:
             raise SceneError(f"{name}: can't be read: {error.strerror}") from None
         except UnicodeDecodeError as error:
             raise SceneError(f"{name}: not UTF-8 text (byte {error.start}); is it a scene file?") from None
     for override in overrides:
-        _apply(data, override)
+        apply_override(data, override)
     with _refused(name):
         content_in_place(data, Path() if path is None else Path(path).parent)
     return parse_scene(data, name)
@@ -418,7 +258,7 @@ def parse_scene_text(text: str, name: str, files: dict[str, str] | None = None) 
     files : text of the files that it names, by their digests; None: a scene with profiles can be shown and compared,
         but gives no bearing
     """
-    data = _load(text, name)
+    data = load(text, name)
     with _refused(name):
         content_of(data, files)
     return parse_scene(data, name)
@@ -433,20 +273,6 @@ def _refused(name: str) -> Iterator[None]:
         raise SceneError(f"{name}: {printable(str(error))}") from None
 
 
-def _load(text: str, name: str) -> dict[str, Any]:
-    """Tables of a TOML text."""
-    if len(text) > LONGEST_TEXT:
-        raise SceneError(f"{name}: longer than {LONGEST_TEXT} characters; is it a scene file?")
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{name}: not valid TOML: {error}") from None
-    except RecursionError:
-        raise SceneError(f"{name}: not a scene: arrays or tables are nested too deeply") from None
-    except ValueError as error:  # Python's own limit on the digits of a whole number
-        raise SceneError(f"{name}: not a scene: {str(error).partition(';')[0]}") from None
-
-
 def parse_scene(data: dict[str, Any], name: str) -> Scene:
     """A scene from nested tables."""
     try:
@@ -457,52 +283,3 @@ def parse_scene(data: dict[str, Any], name: str) -> Scene:
         if len(faults) > MOST_FAULTS:
             lines.append(f"{name}: and {len(faults) - MOST_FAULTS} more")
         raise SceneError("\n".join(lines)) from None
-
-
-def _apply(data: dict[str, Any], override: str) -> None:
-    """Put `table.key=value` into nested tables; the value is TOML, or a plain string."""
-    key, equals, text = override.partition("=")
-    if not equals or not all(part.strip() for part in key.split(".")):
-        raise SceneError(f"--set {override!r}: must read table.key=value, e.g. --set operation.speed_rpm=3000")
-    try:
-        value = _load(f"value = {text}", "")
-    except SceneError:
-        value = {}
-    value = value["value"] if set(value) == {"value"} else text.strip()  # more than one: a string with line breaks
-    set_key(data, key, value, f"--set {override!r}")
-
-
-def set_key(data: dict[str, Any], key: str, value: Any, told: str) -> None:
-    """Put a value under a dotted key into nested tables; numbers count the tables of an array, as in spall.0.width_mm.
-
-    Parameters
-    ----------
-    told : how an error names what was asked for
-
-    Errors
-    ------
-    SceneError: the key leads through a value, to a whole table or past the end of an array.
-    """
-    parts = [part.strip() for part in key.split(".")]
-    if not all(parts):
-        raise SceneError(f"{told}: {key!r} must read table.key, e.g. operation.speed_rpm")
-    table: Any = data
-    for part, after in pairwise(parts):
-        table = _entry(table, part, [] if after.isdecimal() else {}, told)
-    if isinstance(table, list):
-        raise SceneError(f"{told}: {parts[-1]} is a whole table; set one of its keys")
-    table[parts[-1]] = value
-
-
-def _entry(table: dict[str, Any] | list, key: str, empty: dict | list, told: str) -> dict[str, Any] | list:
-    """The table, or the array of tables, under a key or a number; made where there is none."""
-    if isinstance(table, dict):
-        found = table.setdefault(key, empty)
-    else:
-        if not key.isdecimal() or int(key[:9]) > len(table):
-            raise SceneError(f"{told}: {key} is none of {len(table)} tables; numbers go on from 0")
-        table.extend([empty] if int(key) == len(table) else [])
-        found = table[int(key)]
-    if not isinstance(found, dict | list):
-        raise SceneError(f"{told}: {key} is a value, not a table")
-    return found

@@ -8,6 +8,7 @@ roller_rho = "rho_{j} [mm]"    # {j}: the roller's number; or roller_x and rolle
 roller_theta = "theta_{j} [deg]"
 inner_force = "Q{j} [N]"       # optional, as are inner_ax, inner_ay, outer_force, inner_traction, outer_traction
 housing_y = "Y_ring [um]"      # with [support] kind = "housing", and housing_x; optional housing_ax, housing_ay
+outer_ring_y = "Y_outer [um]"  # instead of these where the ring has a fit_clearance_um, and outer_ring_x and so on
 first_roller = 1               # number of the first roller in the names; default 0
 decimal = ","                  # default "."
 """
@@ -30,6 +31,7 @@ UNITS = {
     "roller_x": LENGTH, "roller_y": LENGTH, "roller_rho": LENGTH, "roller_theta": ANGLE,
     "inner_ax": ACCELERATION, "inner_ay": ACCELERATION,
     "housing_x": LENGTH, "housing_y": LENGTH, "housing_ax": ACCELERATION, "housing_ay": ACCELERATION,
+    "outer_ring_x": LENGTH, "outer_ring_y": LENGTH, "outer_ring_ax": ACCELERATION, "outer_ring_ay": ACCELERATION,
     "inner_force": FORCE, "outer_force": FORCE, "inner_traction": FORCE, "outer_traction": FORCE,
 }  # fmt: skip
 
@@ -54,6 +56,10 @@ class Columns(BaseModel):
     housing_y: str = Field("housing_y", description="of the outer ring's centre, y, in a housing")
     housing_ax: str = Field("housing_ax", description="of the housing's own acceleration, x")
     housing_ay: str = Field("housing_ay", description="of the housing's own acceleration, y")
+    outer_ring_x: str = Field("outer_ring_x", description="of the outer ring's centre, x, where it has a fit")
+    outer_ring_y: str = Field("outer_ring_y", description="of the outer ring's centre, y, where it has a fit")
+    outer_ring_ax: str = Field("outer_ring_ax", description="of its own acceleration, x")
+    outer_ring_ay: str = Field("outer_ring_ay", description="of its own acceleration, y")
     inner_force: str = Field("roller_{j}_inner_force", description="of the normal force at the inner raceway")
     outer_force: str = Field("roller_{j}_outer_force", description="of the normal force at the outer raceway")
     inner_traction: str = Field(
@@ -70,12 +76,13 @@ class Columns(BaseModel):
     def _usable(cls, name: str, info: ValidationInfo) -> str:
         if not name.strip() or len(name) > LONGEST_NAME:
             raise ValueError(f"must be a column's name of at most {LONGEST_NAME} characters")
-        unit, units = _split(name)[1], UNITS[info.field_name]
+        quantity = str(info.field_name)  # which a field's validator always has
+        unit, units = _split(name)[1], UNITS[quantity]
         if unit is not None and unit not in units:
             raise ValueError(f"the unit [{unit}] is unknown; known are {', '.join(units)}")
-        if per_roller(info.field_name) != ("{j}" in name):
+        if per_roller(quantity) != ("{j}" in name):
             wanted = "needs {j} where the roller's number stands"
-            raise ValueError(wanted if per_roller(info.field_name) else "has one column, without {j}")
+            raise ValueError(wanted if per_roller(quantity) else "has one column, without {j}")
         return name
 
     def header(self, quantity: str, roller: int | None = None) -> tuple[list[str], float]:

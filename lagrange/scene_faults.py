@@ -10,11 +10,16 @@ from contextlib import suppress
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 
 LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
 MISSPELT = 0.8  # of difflib's ratio: the same word with a slip
 Check = Callable[[], Iterator[str]]
 Place = tuple[str | int, ...]  # keys from the scene down
+
+
+class SceneError(ValueError):
+    """The scene can't be used; the text names file, key, value and limit, one fault a line."""
 
 
 class Table(BaseModel):
@@ -60,7 +65,7 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in text)
 
 
-def _explain(fault: dict[str, Any], model: type[Table]) -> list[str]:
+def _explain(fault: ErrorDetails, model: type[Table]) -> list[str]:
     """One pydantic fault, a line for each thing that is wrong."""
     place = ".".join(_quoted(str(part)) for part in fault["loc"])
     if fault["type"] == "extra_forbidden":
@@ -129,16 +134,18 @@ def likely_of(name: str, known: Iterable[str]) -> str | None:
     return next(iter(difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)), None)
 
 
-def _meant(fault: dict[str, Any], model: type[Table]) -> Place:
+def _meant(fault: ErrorDetails, model: type[Table]) -> Place:
     """The key whose value a fault leaves unknown."""
     place = fault["loc"]
     if fault["type"] != "extra_forbidden":
         return place
     likely = next(iter(_likely(place, model)), None)
-    return tuple(likely.split(".")) if likely and "." in likely else (*place[:-1], likely)
+    if likely is None:
+        return place
+    return tuple(likely.split(".")) if "." in likely else (*place[:-1], likely)
 
 
-def _is_of_one_value(fault: dict[str, Any], model: type[Table]) -> bool:
+def _is_of_one_value(fault: ErrorDetails, model: type[Table]) -> bool:
     """Whether a fault is of one value, not of a table's values together."""
     place = fault["loc"]
     if not place or isinstance(place[-1], int):

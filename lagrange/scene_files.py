@@ -64,7 +64,7 @@ def _named(data: dict[str, Any]) -> Iterator[_Named]:
     for i, table in enumerate(profiles if isinstance(profiles, list) else ()):
         yield from _file(_Named(f"profile.{i}", table, "file", "sha256", "content", "heights"))
     for name, kind in (("speed_table", "speeds"), ("load_table", "loads")):
-        operation = data.get("operation")
+        operation: Any = data.get("operation")
         yield from _file(_Named("operation", operation, name, f"{name}_sha256", f"{name}_content", kind))
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from functools import lru_cache
 from math import pi, radians
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -11,6 +11,7 @@ from pydantic.json_schema import SkipJsonSchema
 
 from lagrange.bearing import Operation
 from lagrange.course import TIME, points_of, smooth, steady, turn_of
+from lagrange.mounting import Shaft
 from lagrange.scene_faults import Check, Table
 
 RPM = 2.0 * pi / 60.0
@@ -46,6 +47,17 @@ class OperationTable(Table):
     rotating_load_deg: float | None = Field(
         None, ge=-360.0, le=360.0, description="of its direction at t = 0, from −y, counter-clockwise"
     )
+    shaft: Literal["rigid", "springs"] | None = Field(
+        None,
+        description="what holds the shaft beside the bearing: nothing, of a rigid one (the default), or springs and "
+        "dashpots from the hub to the ground",
+    )
+    shaft_stiffness_N_per_m: float | None = Field(
+        None, ge=0.0, le=1e12, description="of a shaft's springs, along either axis; to be given with them"
+    )
+    shaft_damping_N_s_m: float | None = Field(
+        None, ge=0.0, le=1e9, description="of the dashpots beside them; 0 if left out"
+    )
     speed_table: str | None = Field(
         None, min_length=1, max_length=1000,
         description="file beside the scene, CSV with the columns time_ms, speed_rpm: in place of speed_rpm",
@@ -75,7 +87,23 @@ class OperationTable(Table):
         return defaults | data
 
     def checks(self) -> tuple[Check, ...]:
-        return self._angles, self._tables
+        return self._angles, self._shaft, self._tables
+
+    def _shaft(self) -> Iterator[str]:
+        if self.shaft == "springs":
+            if self.shaft_stiffness_N_per_m is None:
+                yield 'shaft = "springs": how stiff? give shaft_stiffness_N_per_m, e.g. 1e7'
+            return
+        for name in ("shaft_stiffness_N_per_m", "shaft_damping_N_s_m"):
+            if getattr(self, name) is not None:
+                yield f'{name} = {getattr(self, name):g}: only with shaft = "springs"; give that, or leave it out'
+
+    def springs(self) -> Shaft | None:
+        """What holds the shaft beside the bearing, in SI; None: nothing."""
+        stiffness = self.shaft_stiffness_N_per_m
+        if self.shaft != "springs" or stiffness is None:
+            return None
+        return Shaft(stiffness=stiffness, damping=self.shaft_damping_N_s_m or 0.0)
 
     def _angles(self) -> Iterator[str]:
         for of, angle in (("unbalance_g_mm", "unbalance_deg"), ("rotating_load_N", "rotating_load_deg")):

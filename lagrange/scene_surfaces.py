@@ -17,13 +17,12 @@ from lagrange.height_table import height_table
 from lagrange.scene_faults import Check, Table
 
 MM, UM = 1e-3, 1e-6
+SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # their arrays in the scene
 FROM_LOAD = -0.5 * pi  # rad, of the load's direction from +x
 WIDEST = 0.8  # half an opening over the radius of the roller, or of the body it is in
 LARGEST_DEVIATION = 0.005  # of a roller's diameter, as much as its preload may be
 STEEPEST_WAVE = 0.1  # curvature of a wave over that of the contact: circle and surface still touch in one place
 NARROWEST = {"inner_ring": 1e-4, "outer_ring": 1e-4, "roller": 5e-4}  # of the circumference: profiles are tables
-
-
 DEEPEST_PROFILE = 0.1  # from its highest to its lowest point, of the roller's radius: contacts then stay in one place
 COARSEST_PROFILE = 0.1  # of the roller's radius, between two points
 STEEPEST_PROFILE = 2.0  # between two points: no stylus follows more, and an edge would lie anywhere between them
@@ -167,7 +166,7 @@ def roller_faults(n_rollers: int, tables: dict[str, list]) -> Iterator[str]:
 
 def spall_faults(bearing: Bearing, tables: list[SpallTable]) -> Iterator[str]:
     """Spalls that the bodies have no room for, and those that overlap."""
-    edges = []
+    edges: list[tuple[int, Spall, float]] = []
     for i, table in enumerate(tables):
         spall, place = table.fault(), f"spall.{i}"
         own = own_radius(bearing, spall)
@@ -211,7 +210,7 @@ def _material(bearing: Bearing, spall: Spall) -> float:
 
 def profile_faults(bearing: Bearing, tables: list[ProfileTable]) -> Iterator[str]:
     """Two profiles of one surface, and those too high, too deep, too coarse or too steep for rollers to follow."""
-    seen = {}
+    seen: dict[tuple[str, int | None], int] = {}
     for i, table in enumerate(tables):
         place = f'profile.{i}.file = "{table.file}"'
         before = seen.setdefault((table.body, table.roller), i)
@@ -262,9 +261,9 @@ def size_faults(bearing: Bearing, waves: list[WavinessTable], unequal: list[Uneq
                 f"waviness.{i}.amplitude_um = {table.amplitude_um:g} of order = {wave.order}: its valleys are too "
                 f"narrow for the rollers to follow (at most {1e6 * highest:.3g} at this order)"
             )
-    for i, table in enumerate(unequal):
-        if abs(UM * table.diameter_deviation_um) > largest:
+    for i, other in enumerate(unequal):
+        if abs(UM * other.diameter_deviation_um) > largest:
             yield (
-                f"unequal_roller.{i}.diameter_deviation_um = {table.diameter_deviation_um:g} is too large "
+                f"unequal_roller.{i}.diameter_deviation_um = {other.diameter_deviation_um:g} is too large "
                 f"(at most {1e6 * largest:.4g} either way)"
             )

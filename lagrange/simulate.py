@@ -104,9 +104,9 @@ class Simulation:
         return self._integration.done
 
     @property
-    def first_kinetic_energy(self) -> float:
-        """Of the first sample, J."""
-        return float(self._completion.first["kinetic"])
+    def first_moved_energy(self) -> float:
+        """`Trajectory.energy_moved` of the first sample, J."""
+        return float(self._completion.first["moved"])
 
     def advance(self, count: int) -> Trajectory | None:
         """The next samples, at most so many; None, or fewer and `trouble`, where numbers overflow."""
@@ -125,7 +125,7 @@ class Simulation:
         return Trajectory(
             **part, bearing=problem.bearing, operation=problem.operation, laws=problem.laws,
             roller_spin=kinematics(problem.bearing, problem.operation.at(time).speed).roller,
-            roller_turn=turned(problem.bearing, problem.operation, time).roller,
+            roller_turn=np.asarray(turned(problem.bearing, problem.operation, time).roller),
             time_step=self.time_step, critical_time_step=self.critical_time_step,
             steps=self.steps_per_sample * (self.done - 1),
         )  # fmt: skip
@@ -133,7 +133,7 @@ class Simulation:
     @property
     def verdict(self) -> Verdict:
         """How the step has resolved the motion so far; its last word is at the end."""
-        stable = DAMPED_STABLE if self.problem.damping.acts else STABLE
+        stable = DAMPED_STABLE if self.problem.is_damped else STABLE
         if not fastest_mode(self.problem, *self._largest_forces) * self.time_step < stable:
             return Verdict.TOO_FAST
         return Verdict.RESOLVED if self._energy_share() <= ENERGY_TOLERANCE else Verdict.RATTLING
@@ -159,9 +159,9 @@ class Simulation:
     def _energy_share(self) -> float:
         """Largest energy error, of the energy that contacts and dampers took and motion gained or lost."""
         met = self._completion.met
-        if met["energy_error"] <= ROUND_OFF * self.first_kinetic_energy:
+        if met["energy_error"] <= ROUND_OFF * float(self._completion.first["kinetic"]):
             return 0.0
-        moved = met["energy_contact"] + (met["largest_kinetic"] - met["least_kinetic"]) + met["dissipated"]
+        moved = met["energy_contact"] + (met["largest_moved"] - met["least_moved"]) + met["dissipated"]
         return float(met["energy_error"] / moved)
 
     def to_keep(self) -> dict[str, np.ndarray]:
@@ -232,7 +232,7 @@ def simulate(
     simulation = Simulation(problem, interval, time_step)
     while True:
         trajectory = simulation.advance(int(duration / interval + 1e-9) + 1)
-        if simulation.trouble:
+        if trajectory is None or simulation.trouble:
             raise RuntimeError(simulation.trouble)
         if simulation.verdict is Verdict.RESOLVED:
             return trajectory

@@ -1,6 +1,7 @@
 """A contact law with a linear compliance in series: δ = δ_law(Q) + c Q, as at the edges of spalls."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -53,3 +54,10 @@ class Softened:
             if np.all(np.abs(step) <= SETTLED * np.abs(own)):
                 break
         return own
+
+
+class SoftenedLaws(NamedTuple):
+    """The laws of a rolling element's two contacts, softened where edges are."""
+
+    inner: PowerLaw | LogarithmicLaw | Softened
+    outer: PowerLaw | LogarithmicLaw | Softened

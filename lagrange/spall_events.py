@@ -73,12 +73,12 @@ def _of(passage: Passage) -> Iterator[SpallEvent]:
     way = np.sign(np.diff(angle))
     before, after = way * angle[:-1], way * angle[1:]
     goes_in, goes_out = ((before < edge) & (edge <= after) for edge in (-half, half))
-    entries = np.flatnonzero(goes_in)
-    for i, following in zip(entries, np.append(entries[1:], len(angle) - 1), strict=False):
+    entries = np.flatnonzero(goes_in).tolist()
+    for i, following in zip(entries, [*entries[1:], len(angle) - 1], strict=False):
         entry = _between(passage, i, -half * way[i], "entry")
         yield entry
         yield from _strike(passage, i, following, way[i] * angle, entry)
-    for i in np.flatnonzero(goes_out):
+    for i in np.flatnonzero(goes_out).tolist():
         yield _between(passage, i, half * way[i], "exit")
 
 

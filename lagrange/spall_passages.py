@@ -70,7 +70,8 @@ def find_passages(bearing: Bearing, operation: Operation, read: Read, count: int
 
 def _raceways(spall: Spall) -> tuple[Raceway, ...]:
     """Whose contacts pass a spall."""
-    return {"inner_ring": ("inner",), "outer_ring": ("outer",)}.get(spall.body, ("inner", "outer"))
+    of_rings: dict[str, tuple[Raceway, ...]] = {"inner_ring": ("inner",), "outer_ring": ("outer",)}
+    return of_rings.get(spall.body, ("inner", "outer"))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -48,6 +48,7 @@ def static_equilibrium(
     roller_mass: float | None = None,
     start: tuple[float, float] | None = None,
     turns: Turns = UNTURNED,
+    ring: tuple[float, float] = (0.0, 0.0),
 ) -> Statics:
     """Equilibrium under load, weights and the elements' centrifugal force at cage speed.
 
@@ -57,6 +58,7 @@ def static_equilibrium(
     roller_mass : kg; default: the bearing's; 0 leaves out the elements' weight and centrifugal force
     start : hub position to begin from, m
     turns : of ring and rollers, which matter where their surfaces are not perfect
+    ring : where the outer ring's centre is, m, from which all places are; the shaft's springs know the fixed frame
 
     Errors
     ------
@@ -68,7 +70,7 @@ def static_equilibrium(
     mass = bearing.roller_mass if roller_mass is None else roller_mass
     load = np.array([operation.side_load, -(operation.radial_load + operation.inner_mass * operation.gravity)])
     weight = float(np.hypot(*load))
-    system = _System(bearing, operation, laws, theta, mass, turns)
+    system = _System(bearing, operation, laws, theta, mass, turns, np.asarray(ring, dtype=float))
     hub = np.zeros(2) if start is None else np.array(start, dtype=float)
     if start is None and weight > 0.0:
         hub = _sink(system, load, load / weight)
@@ -103,7 +105,7 @@ class _Point:
 class _System:
     """Potential of the hub's position."""
 
-    def __init__(self, bearing, operation, laws, theta, mass, turns):
+    def __init__(self, bearing, operation, laws, theta, mass, turns, ring):
         self.inner_law, self.outer_law = laws
         self.theta, self.turns, self.surfaces = theta, turns, profiles(bearing)
         self.cos, self.sin = np.cos(theta), np.sin(theta)
@@ -114,12 +116,14 @@ class _System:
         cage = kinematics(bearing, operation.speed).cage
         self.spin = mass * cage**2
         self.weight = mass * operation.gravity * self.sin
-        self.bearing = bearing
+        self.bearing, self.ring = bearing, ring
+        shaft = operation.mounting.shaft
+        self.shaft_stiffness = 0.0 if shaft is None else shaft.stiffness
         depth = 1e-4 * bearing.roller_radius
         self.typical_stiffness = float(laws.inner.slope(depth))
 
     def at(self, hub, load) -> _Point:
-        """Balance the elements, then sum up their forces and the load, (2,), N, on the hub."""
+        """Balance the elements, then sum up their forces, the shaft's and the load, (2,), N, on the hub."""
         s = hub[0] * self.cos + hub[1] * self.sin  # hub's offset along and across each element's radius
         t = hub[1] * self.cos - hub[0] * self.sin
         rho = self._balance(s, t)
@@ -132,6 +136,8 @@ class _System:
                 np.sum(radial * self.sin + across * self.cos) + load[1],
             ]
         )
+        place, springs = hub + self.ring, self.shaft_stiffness
+        unbalance += springs * place
         slope_in, slope_out = law_in.slope(depth_in), self.outer_law.slope(depth_out)
         # Hessian of the inner contact's energy in (along, t), then ρ eliminated
         aa = slope_in * c * c - inner / chi * d * d
@@ -148,9 +154,11 @@ class _System:
             law_in.potential(depth_in) + self.outer_law.potential(depth_out)
             + self.weight * depth_out - 0.5 * self.spin * (rho * rho - self.track**2)
         )  # fmt: skip
+        potential += 0.5 * springs * (place @ place)
         return _Point(
             rho=rho, inner_force=inner, outer_force=outer, unbalance=unbalance,
-            stiffness=np.array([[xx, xy], [xy, yy]]), potential=float(potential) - load[1] * hub[1] - load[0] * hub[0],
+            stiffness=np.array([[xx + springs, xy], [xy, yy + springs]]),
+            potential=float(potential) - load[1] * hub[1] - load[0] * hub[0],
         )  # fmt: skip
 
     def _overlaps(self, rho, s, t):
@@ -237,6 +245,7 @@ def _descend(system: _System, hub, here: _Point, step, load: np.ndarray):
     step = step * min(1.0, longest / size) if size > 0.0 else step
     expected = float(here.unbalance @ step)  # < 0
     forces = np.hypot(*load) + np.sum(here.inner_force + here.outer_force)
+    forces += system.shaft_stiffness * np.hypot(*(hub + system.ring))
     noise = 10.0 * ROUND_OFF * (abs(here.potential) + forces * np.max(system.track))
     for _ in range(60):
         there = system.at(hub + step, load)

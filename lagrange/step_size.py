@@ -1,7 +1,10 @@
 """How long a time step may be: from the stiffest mode, an element between its contacts."""
 
-from math import ceil, inf
+from math import ceil, inf, sqrt
 
+import numpy as np
+
+from lagrange.bearing import Bearing, Operation
 from lagrange.kinematics import kinematics
 from lagrange.problem import Problem
 from lagrange.profile import profiles
@@ -25,17 +28,33 @@ def steps_per_sample(problem: Problem, interval: float, time_step: float | None 
 
 
 def fastest_mode(problem: Problem, inner_force: float, outer_force: float) -> float:
-    """Angular frequency, rad/s, of an element between contacts that carry these forces, N."""
-    stiffness = sum(
+    """Angular frequency, rad/s, of an element between contacts that carry these forces, N, or of all together."""
+    stiffness = [
         float(law.slope(law.approach(max(force, SMALLEST_FORCE))))
         for law, force in zip(problem.laws, (inner_force, outer_force), strict=True)
-    )
-    return (stiffness / problem.bearing.roller_mass) ** 0.5
+    ]
+    alone = (sum(stiffness) / problem.bearing.roller_mass) ** 0.5
+    return max(alone, fastest_in_machine(problem.bearing, problem.operation, *stiffness))
+
+
+def fastest_in_machine(bearing: Bearing, operation: Operation, inner: float, outer: float) -> float:
+    """Angular frequency, rad/s, of the fastest motion of hub and elements along an axis on a shaft's springs, too.
+
+    All contacts are closed and as stiff as these, N/m; 0 where nothing but the bearing holds the hub.
+    """
+    shaft = operation.mounting.shaft
+    if shaft is None:
+        return 0.0
+    share = 0.5 * bearing.n_rollers  # of cos² around the bearing
+    masses = np.array([operation.inner_mass, share * bearing.roller_mass])
+    a, b = share * inner, share * outer
+    stiffness = np.array([[a + shaft.stiffness, -a], [-a, a + b]])
+    return sqrt(float(np.linalg.eigvalsh(stiffness / np.sqrt(np.outer(masses, masses))).max()))
 
 
 def critical_time_step(problem: Problem, *largest: float) -> float:
     """Step, s, at which the scheme becomes unstable under the largest inner and outer force, N; default: expected."""
-    limit = DAMPED_LIMIT if problem.damping.acts else LIMIT
+    limit = DAMPED_LIMIT if problem.is_damped else LIMIT
     return limit / fastest_mode(problem, *(largest or 2 * [_expected_force(problem)]))
 
 
@@ -52,8 +71,10 @@ def _longest_step(problem: Problem) -> float:
     force = _expected_force(problem)
     omega = fastest_mode(problem, force, force)
     passage = _passage(problem)
-    if not problem.damping.acts:
+    if not problem.is_damped:
         return min(STEP / omega, passage)
+    if not problem.damping.acts:  # the shaft's dashpots are exact at any step
+        return min(DAMPED_STEP / omega, passage)
     dampers = sum(float(problem.damping.coefficient(force, law.slope(law.approach(force)))) for law in problem.laws)
     return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / dampers, passage)
 

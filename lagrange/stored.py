@@ -213,4 +213,4 @@ def text_checksum(text: str) -> int:
 
 def checksum(values: np.ndarray, before: int = 0) -> int:
     """CRC-32 of values as little-endian doubles, going on from that of the values before them."""
-    return zlib.crc32(np.ascontiguousarray(values, dtype="<f8"), before)
+    return zlib.crc32(np.ascontiguousarray(values, dtype="<f8").data, before)

@@ -6,6 +6,7 @@ coordinates, so that no force depends on a velocity and the scheme stays explici
 """
 
 from dataclasses import replace
+from math import exp, expm1
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from lagrange.load_ramp import load_share, load_share_rate
 from lagrange.motion import State
 from lagrange.overlap import touching_distances
 from lagrange.problem import Problem
-from lagrange.profile import Turns, profiles
+from lagrange.profile import Profiles, Turns, profiles
 from lagrange.softened import softened
 
 
@@ -39,6 +40,9 @@ class _System:
         self.mass, self.inner_mass = bearing.roller_mass, operation.inner_mass
         self.gravity, self.load, self.ramp = operation.gravity, operation.radial_load, problem.load_ramp
         self.course = operation.course
+        shaft = operation.mounting.shaft
+        self.spring_rate = 0.0 if shaft is None else shaft.stiffness / self.inner_mass  # 1/s²
+        self.dashpot_rate = 0.0 if shaft is None else shaft.damping / self.inner_mass  # 1/s
         self.ideal = kinematics(bearing, operation.speed)
         self.cage, self.cage_gain = self.ideal.cage, 0.0
         self.surfaces = profiles(bearing)
@@ -69,10 +73,10 @@ class _System:
             self.force_inner[:] = self.laws.inner.force(self.depth_inner)
             self.force_outer[:] = self.laws.outer.force(self.depth_outer)
 
-    def surface_forces(self, time: float, inward, outward, distance) -> None:
+    def surface_forces(self, surfaces: Profiles, time: float, inward, outward, distance) -> None:
         """Forces on such surfaces, at directions of the elements from both rings' centres, rad; as `law_forces`."""
         turns = Turns.rolling(self.problem.bearing, self.problem.operation, time)
-        inner, outer = self.surfaces.inner(inward, turns), self.surfaces.outer(outward, turns)
+        inner, outer = surfaces.inner(inward, turns), surfaces.outer(outward, turns)
         self.depth_inner -= inner.sinkage
         self.depth_outer -= outer.sinkage
         if not (inner.soft or outer.soft):
@@ -125,6 +129,29 @@ class _System:
             return self.gravity + share * self.load / self.inner_mass
         x, y = self.course.force(time)
         return self.gravity + share * (1j * float(x) - float(y)) / self.inner_mass
+
+    def hub_acceleration(self, on_hub: complex, z: complex, time: float) -> complex:
+        """Of the hub by its contacts' force, N, the shaft's springs, load and weight, m/s²."""
+        found = on_hub / self.inner_mass - 1j * self.hub_pull(time)
+        if self.spring_rate > 0.0:
+            found -= self.spring_rate * z
+        return found
+
+    @property
+    def has_dashpots(self) -> bool:
+        """Whether what holds the shaft takes energy."""
+        return self.dashpot_rate > 0.0
+
+    def slowed(self, z_rate: complex, z_acc: complex, seconds: float) -> tuple[complex, float]:
+        """The hub's velocity after so long a kick, had its dashpots acted as well: exactly; and what they take, J.
+
+        Called after the kick, at frozen positions; they take what their mean force does on leapfrog's way.
+        """
+        rate = self.dashpot_rate
+        left, before = exp(-rate * seconds), z_rate - seconds * z_acc
+        slower = left * before - expm1(-rate * seconds) / rate * z_acc
+        lost = 0.5 * self.inner_mass * (slower - z_rate).conjugate() * (before + slower)
+        return slower, -lost.real
 
     @property
     def load_changes(self) -> bool:
@@ -188,7 +215,7 @@ class KinematicAngles(_System):
             self.law_forces()
         else:
             outward = self.first + self.spacing + self.cage_turn(time)
-            self.surface_forces(time, outward + np.angle(line), outward, distance)
+            self.surface_forces(self.surfaces, time, outward + np.angle(line), outward, distance)
         self.line, self.distance = line, distance
         push = self.force_inner / distance * line
         if self.surfaces is not None:
@@ -205,7 +232,7 @@ class KinematicAngles(_System):
             power += self.cage_weight * float(q.dot(turn.real))
         if self.cage_gain != 0.0:  # of the elements' angular momentum; the rest of that is in `Completion`
             power -= self.mass * self.cage * self.cage_gain * float(q.dot(q))
-        return on_hub / self.inner_mass - 1j * self.hub_pull(time), q_acc, power
+        return self.hub_acceleration(on_hub, z, time), q_acc, power
 
     def held_power(self, z: complex, on_hub: complex) -> float:
         """Power that held angles take up from forces on the hub, W: their moment times the cage's speed."""
@@ -270,7 +297,7 @@ class FreeAngles(_System):
         if self.surfaces is None:
             self.law_forces()
         else:
-            self.surface_forces(time, np.angle(line), np.angle(q), distance)
+            self.surface_forces(self.surfaces, time, np.angle(line), np.angle(q), distance)
         self.line, self.distance, self.out, power = line, distance, q / rho, 0.0
         push, back = self.force_inner / distance * line, self.force_outer / rho * q
         if self.surfaces is not None:
@@ -278,7 +305,7 @@ class FreeAngles(_System):
             self.out *= outer_aside
             push, back, power = push * self.aside, back * outer_aside, self.drive_power(0.0)
         q_acc = (push - back) / self.mass - 1j * self.gravity
-        return -complex(push.sum()) / self.inner_mass - 1j * self.hub_pull(time), q_acc, power
+        return self.hub_acceleration(-complex(push.sum()), z, time), q_acc, power
 
     def damper(self, z_rate, q_rate, q, z, turn, coefficients):
         """Accelerations of hub and elements by the dampers, the loss and the power held angles take up, W.

@@ -14,9 +14,9 @@ from lagrange.raceway_laws import ContactLaws
 
 TURN = 2.0 * np.pi
 # of the first sample, see `Completion.read`; of all samples so far: the largest, or what the name says; J and N
-FIRST = np.dtype([(name, float) for name in ("lift", "pull", "swing", "kinetic", "energy", "turning")])
+FIRST = np.dtype([(name, float) for name in ("lift", "pull", "swing", "kinetic", "moved", "energy", "turning")])
 MET = np.dtype([(name, float) for name in ("inner_force", "outer_force", "energy_contact", "energy_error",
-                                           "least_kinetic", "largest_kinetic", "dissipated")])  # fmt: skip
+                                           "least_moved", "largest_moved", "dissipated")])  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,15 +45,22 @@ class Trajectory:
     outer_damper: np.ndarray
     energy_kinetic: np.ndarray  # J, translations and the rotation of kinematics
     energy_contact: np.ndarray
+    energy_shaft: np.ndarray  # J, of the springs that hold the shaft beside the bearing; 0 where there are none
     energy_error: np.ndarray  # J, that the integration has made since the start: 0 in an exact solution
     work_load: np.ndarray  # J, since the start
     work_gravity: np.ndarray
     # of what keeps the angles to the kinematics, turns the bodies where surfaces are not perfect, and speeds them up
     work_cage: np.ndarray
-    work_dissipated: np.ndarray  # by the contacts' dampers
+    work_dissipated: np.ndarray  # by the contacts' dampers and the shaft's dashpots
+    work_damping: np.ndarray  # by the contacts' dampers alone
     time_step: float  # s
     critical_time_step: float  # s, stability limit of the stiffest mode met
     steps: int
+
+    @property
+    def energy_moved(self) -> np.ndarray:
+        """Of all that moves and of what holds it, J: what contacts exchange energy with."""
+        return self.energy_kinetic + self.energy_shaft
 
     @property
     def roller_x(self) -> np.ndarray:
@@ -80,7 +87,7 @@ class Completion:
     def __init__(self, problem: Problem, system):
         self._problem, self._system = problem, system
         self.first, self.met = np.full((), np.nan, dtype=FIRST), np.zeros((), dtype=MET)
-        self.met["least_kinetic"], self.met["largest_kinetic"] = np.inf, -np.inf
+        self.met["least_moved"], self.met["largest_moved"] = np.inf, -np.inf
         angles = np.zeros((3, problem.bearing.n_rollers))
         self.memory = {"first": self.first, "met": self.met, "angles": angles}
 
@@ -94,7 +101,7 @@ class Completion:
         touch = contact_state(bearing, laws, state, problem.damping)
         share = load_share(time, problem.load_ramp)
         acting = operation.at(time)
-        left_x, left_y = hub_equations(replace(acting, radial_load=0.0, side_load=0.0), touch, 0.0, 0.0)
+        left_x, left_y = hub_equations(replace(acting, radial_load=0.0, side_load=0.0), state, touch, 0.0, 0.0)
         ax, ay = -(left_x - share * acting.side_load) / operation.inner_mass, -left_y / operation.inner_mass
         ay = ay - share * acting.radial_load / operation.inner_mass
         lift = operation.inner_mass * state.y + bearing.roller_mass * np.sum(state.rho * np.sin(state.theta), axis=1)
@@ -104,10 +111,12 @@ class Completion:
         turning = rotation_energy(bearing, acting) + np.zeros_like(time)
         kinetic = kinetic_energy(bearing, operation, state) + turning
         contact = contact_energy(laws, touch)
-        energy = kinetic + contact
+        shaft = operation.mounting.shaft
+        bent = np.zeros_like(time) if shaft is None else 0.5 * shaft.stiffness * (state.x**2 + state.y**2)
+        energy = kinetic + contact + bent
         first = self.first
         if np.isnan(first["energy"]):
-            first[()] = lift[0], pull[0], swing[0], kinetic[0], energy[0], turning[0]
+            first[()] = lift[0], pull[0], swing[0], kinetic[0], (kinetic + bent)[0], energy[0], turning[0]
         driven = record.held_work + (turning - first["turning"])
         nothing = np.zeros(state.rho.shape)
         part = dict(
@@ -117,24 +126,24 @@ class Completion:
             roller_rho_rate=state.rho_rate, roller_theta_rate=state.theta_rate,
             inner_force=touch.inner_force, outer_force=touch.outer_force,
             inner_damper=nothing + touch.inner_damper, outer_damper=nothing + touch.outer_damper,
-            energy_kinetic=kinetic, energy_contact=contact,
+            energy_kinetic=kinetic, energy_contact=contact, energy_shaft=bent,
             work_load=record.ramp_work - (pull - first["pull"]),
             work_gravity=-operation.gravity * (lift - first["lift"]),
             work_cage=driven + swing - first["swing"] if self._system.holds_angles else driven,
-            work_dissipated=record.dissipated,
+            work_dissipated=record.dissipated + record.by_dashpots, work_damping=record.dissipated,
         )  # fmt: skip
         external = part["work_load"] + part["work_gravity"] + part["work_cage"]
-        part["energy_error"] = energy - first["energy"] - external + record.dissipated
+        part["energy_error"] = energy - first["energy"] - external + part["work_dissipated"]
         self._meet(part)
         return part
 
     def _meet(self, part: dict[str, np.ndarray]) -> None:
         """Take further samples into account in what has been met."""
-        met, kinetic = self.met, part["energy_kinetic"]
+        met, moved = self.met, part["energy_kinetic"] + part["energy_shaft"]
         for name in ("inner_force", "outer_force", "energy_contact", "energy_error"):
             met[name] = np.maximum(met[name], np.abs(part[name]).max())
-        met["least_kinetic"] = np.minimum(met["least_kinetic"], kinetic.min())
-        met["largest_kinetic"] = np.maximum(met["largest_kinetic"], kinetic.max())
+        met["least_moved"] = np.minimum(met["least_moved"], moved.min())
+        met["largest_moved"] = np.maximum(met["largest_moved"], moved.max())
         met["dissipated"] = part["work_dissipated"][-1]
 
     def _unwrapped(self, angles: np.ndarray) -> np.ndarray:

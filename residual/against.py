@@ -12,8 +12,8 @@ def named(evaluation: Evaluation, other: Evaluation) -> tuple[str, str]:
     """Names of both, by the run, or by the law where the run is the same."""
     if evaluation.record.source == other.record.source:
         return evaluation.law.name, other.law.name
-    names = evaluation.record.name, other.record.name
-    return names if names[0] != names[1] else tuple(str(each.record.source) for each in (evaluation, other))
+    here, there = evaluation.record, other.record
+    return (here.name, there.name) if here.name != there.name else (str(here.source), str(there.source))
 
 
 def difference_rows(evaluation: Evaluation, other: Evaluation) -> list[list[str]]:

@@ -2,11 +2,12 @@
 
 Where the source holds the run's own contact forces, the error splits exactly:
 
-    error = differentiation + outer_ring + contact_law + damping + friction + cage + load_and_weight
+    error = differentiation + outer_ring + shaft + contact_law + damping + friction + cage + load_and_weight
             + ring_flexibility (or other_forces)
 
 differentiation   M (our acceleration − the integrator's), of the hub relative to the outer ring
 outer_ring        the same of the outer ring, where a housing moves it
+shaft             the same of the hub's velocity under the shaft's dashpots; springs err by nothing
 contact_law       − Σ (law − run's normal force): what the law costs, and that it takes each contact alone
 damping           − Σ (law − run's damping force) of the inner contacts, where either has any; no part of contact_law
 friction          Σ traction on the inner ring, which (22), (23) leave out, less what the cage's forces are part of
@@ -16,7 +17,7 @@ load_and_weight   loads and M g of the equations less what acted in the run: the
 ring_flexibility  the rest of a run of ours: inertia of the elastic ring, whose centre of mass is not the hub
 other_forces      the rest of a table from elsewhere: what acts on the hub and stands in no column, as a damper
 
-and the momentum balance, the run's own forces in place of the law, is differentiation + outer_ring + the rest.
+and the momentum balance, the run's own forces in place of the law, is differentiation + outer_ring + shaft + the rest.
 """
 
 from dataclasses import dataclass
@@ -32,20 +33,23 @@ from residual.fitted_laws import DampedLaw, Law, spring_and_damper
 from residual.record import Record
 
 CHATTER = 0.05  # of a cage revolution
+Term = tuple[np.ndarray | None, np.ndarray | None]  # of x and y, (n_times,), N; None where the source does not tell it
 
 
 @dataclass(frozen=True, kw_only=True)
 class Accelerations:
-    """From positions, along x and y; each (n_times,), m/s²."""
+    """From positions, along x and y; each (n_times,), m/s², and a velocity, m/s."""
 
     hub: tuple[np.ndarray, np.ndarray]  # relative to the outer ring
     outer_ring: tuple[np.ndarray | None, np.ndarray | None] = (None, None)  # None: it stands still
+    velocity: tuple[np.ndarray | float, np.ndarray | float] = (0.0, 0.0)  # of the hub in the fixed frame
 
     @property
-    def whole(self) -> list[np.ndarray]:
+    def whole(self) -> tuple[np.ndarray, np.ndarray]:
         """Of the hub in the fixed frame."""
         pairs = zip(self.hub, self.outer_ring, strict=True)
-        return [hub if moved is None else hub + moved for hub, moved in pairs]
+        x, y = (hub if moved is None else hub + moved for hub, moved in pairs)
+        return x, y
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,14 +119,18 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     force = spring + damper
     contacts = contacts.under(force)
     law_push = contact_resultant(contacts, force)
-    errors = error_forces(operation, *accelerations.whole, *law_push)
+    held, shaft = _held_by_shaft(record, accelerations)
+    errors = error_forces(operation, *accelerations.whole, *law_push, held)
     if record.inner_force is None:
         x, y = (DirectionBudget(error=error, terms={}, momentum=None) for error in errors)
         loaded = contacts.inner > 0.0
     else:
-        friction, cage, damping = (None, None), (None, None), (None, None)
+        friction: Term = (None, None)
+        cage: Term = (None, None)
+        damping: Term = (None, None)
         differentiation, outer_ring = _differentiation(record, accelerations)
-        run_spring, run_damper = record.inner_force, 0.0
+        run_spring = record.inner_force
+        run_damper: np.ndarray | float = 0.0
         if record.inner_damping_force is not None:
             run_spring, run_damper = record.inner_force - record.inner_damping_force, record.inner_damping_force
         if record.inner_damping_force is not None or isinstance(law, DampedLaw):
@@ -135,7 +143,7 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
         load = missing_load(record)
         rest = "ring_flexibility" if record.attributes else "other_forces"
         pairs = {
-            "differentiation": differentiation, "outer_ring": outer_ring, "contact_law": laws,
+            "differentiation": differentiation, "outer_ring": outer_ring, "shaft": shaft, "contact_law": laws,
             "damping": damping, "friction": friction, "cage": cage, "load_and_weight": load,
         }  # fmt: skip
         x, y = (
@@ -145,7 +153,7 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     return Budget(x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded)
 
 
-def _cage_apart(record: Record, circles: Overlaps, friction):
+def _cage_apart(record: Record, circles: Overlaps, friction: Term) -> tuple[Term, Term]:
     """Terms of friction and of the cage, x and y each, from the resultant of all tractions; no cage's are None."""
     if record.cage is None:
         return friction, (None, None)
@@ -155,17 +163,37 @@ def _cage_apart(record: Record, circles: Overlaps, friction):
     return rest, tuple(part + push for part, push in zip(against, pushed, strict=True))
 
 
+def _held_by_shaft(record: Record, accelerations: Accelerations):
+    """Force of the shaft's springs and dashpots on the hub, N, and what it errs by as our velocity does; each for x and
+    y, the latter None where the source holds no velocities or nothing holds the shaft."""
+    shaft = record.operation.mounting.shaft
+    if shaft is None:
+        return (0.0, 0.0), (None, None)
+    own = record.inner_vx, record.inner_vy
+    force = tuple(shaft.force(x, v) for x, v in zip(record.hub, accelerations.velocity, strict=True))
+    err = (
+        None if told is None else shaft.damping * (found - told)
+        for found, told in zip(accelerations.velocity, own, strict=True)
+    )
+    return force, tuple(err)
+
+
 def _differentiation(record: Record, accelerations: Accelerations):
     """M times what our accelerations differ by from the integrator's, N: of the hub relative to the outer ring, and of
     the outer ring; each for x and y, None where the source holds none."""
-    mass, hub, outer_ring = record.operation.inner_mass, [], []
-    own = (record.inner_ax, record.housing_ax), (record.inner_ay, record.housing_ay)
-    for whole, ours, moved, (inner, housing) in zip(
+    mass = record.operation.inner_mass
+    hub: list[np.ndarray | None] = []
+    outer_ring: list[np.ndarray | None] = []
+    own = (record.inner_ax, record.outer_ring_ax), (record.inner_ay, record.outer_ring_ay)
+    for whole, ours, moved, (inner, outer) in zip(
         accelerations.whole, accelerations.hub, accelerations.outer_ring, own, strict=True
     ):
-        known = inner is not None and moved is not None and housing is not None
-        hub.append(None if inner is None else mass * (ours - (inner - housing) if known else whole - inner))
-        outer_ring.append(mass * (moved - housing) if known else None)
+        if inner is None or moved is None or outer is None:
+            hub.append(None if inner is None else mass * (whole - inner))
+            outer_ring.append(None)
+        else:
+            hub.append(mass * (ours - (inner - outer)))
+            outer_ring.append(mass * (moved - outer))
     return hub, outer_ring
 
 

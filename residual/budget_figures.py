@@ -39,11 +39,11 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     axes[1].set_xlabel("time, ms")
     names = ["error", *acting, "momentum"]
     position = np.arange(len(names))[::-1]
-    for offset, direction, shade in ((0.19, "x", 1.0), (-0.19, "y", 0.5)):
-        values = [rms(terms[direction][name]) for name in names]
+    for offset, letter, shade in ((0.19, "x", 1.0), (-0.19, "y", 0.5)):
+        values = [rms(terms[letter][name]) for name in names]
         colours = [TERM_COLOURS[name] for name in names]
         drawn = bars.barh(position + offset, values, height=0.34, color=colours, alpha=shade)
-        texts = [f"{direction}: {v:.3g} N" for v in values]
+        texts = [f"{letter}: {v:.3g} N" for v in values]
         bars.bar_label(drawn, texts, padding=4, fontsize=8.5)
     bars.set_xscale("log")
     everything = [v for found in terms.values() for v in map(rms, found.values()) if v > 0.0]

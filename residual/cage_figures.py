@@ -6,11 +6,13 @@ import numpy as np
 
 from lagrange.cage import Cage
 from lagrange.kinematics import kinematics
+from residual.cage import CageMotion
 from residual.colours import BLUE, GREEN, GREY, ORANGE, RED
 from residual.evaluation import Evaluation
 from residual.figures import SavedFigure
 from residual.panels import panels
 from residual.plotting import legend_above, save
+from residual.record import Record
 from residual.words import text
 
 SHORTEST = 2e-3  # s, over which speeds are means
@@ -40,7 +42,7 @@ def cage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
         f"pockets along the pitch circle at each time, at most {text(float(np.abs(t.cage.force).max()))} N."
     )
     if ideal:
-        caption += _slips(slips, evaluation, ideal)
+        caption += _slips(slips, t, t.cage, ideal)
     slips.set(xlabel="time, ms", ylabel="slip, %")
     return save(figure, folder, "cage", "The cage", caption)
 
@@ -54,17 +56,16 @@ def _path(axes, x, y, facts: Cage) -> None:
     axes.set_aspect("equal", adjustable="datalim")
 
 
-def _slips(axes, evaluation: Evaluation, ideal: float) -> str:
+def _slips(axes, t: Record, cage: CageMotion, ideal: float) -> str:
     """Draw by how much cage and rollers lag behind rolling; gives the caption's sentence."""
-    t = evaluation.record
     reach = max(1, min(round(SHORTEST / t.interval), (t.time.size - 1) // 2))
     rollers = np.unwrap(np.arctan2(t.roller_y, t.roller_x), axis=0).mean(axis=1)
     middle = 1e3 * 0.5 * (t.time[reach:] + t.time[:-reach])
-    for angle, colour, name in ((rollers, ORANGE, "rollers"), (t.cage.angle, BLUE, "cage")):
+    for angle, colour, name in ((rollers, ORANGE, "rollers"), (cage.angle, BLUE, "cage")):
         speed = (angle[reach:] - angle[:-reach]) / (reach * t.interval)
         axes.plot(middle, 100.0 * (1.0 - speed / ideal), color=colour, linewidth=0.9, label=name)
     axes.legend(loc="upper right", ncols=2)
-    whole = 100.0 * (1.0 - t.cage.speed(t.interval) / ideal)
+    whole = 100.0 * (1.0 - cage.speed(t.interval) / ideal)
     return (
         f" Below: how far cage and rollers (their mean) are slower than rolling, over {text(1e3 * reach * t.interval)} "
         f"ms at a time; the cage over the whole record {text(whole, 2)} %."

@@ -222,14 +222,14 @@ def main(arguments: list[str] | None = None) -> int:
     except MemoryError:
         reason = "not enough memory; check a shorter part of the run (--start)"
     except CycloptsError as error:
-        reason = error
+        reason = str(error)
     except ValueError as error:
         from lagrange.scene import SceneError  # loaded by whatever raised it
         from lagrange.stored import Damaged
 
         if not isinstance(error, InputError | SceneError | Damaged):
             raise
-        reason = error
+        reason = str(error)
     from lagrange.messages import say, telling  # with it come libraries that --help does without
 
     say(f"error: {reason}")

@@ -16,6 +16,7 @@ TERM_COLOURS = {
     "other_forces": BLUE,
     "differentiation": GREY,
     "outer_ring": SKY,
+    "shaft": GREY,
     "load_and_weight": ORANGE,
     "momentum": PURPLE,
 }

@@ -151,13 +151,13 @@ def evaluate(
     interval = record.interval
     first, why = _first_sample(record, start)
     notes += why
-    accelerations = Accelerations(
-        hub=tuple(derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y)),
-        outer_ring=tuple(
-            None if place is None else derivative(place, interval, order=order)[first:]
-            for place in (record.housing_x, record.housing_y)
-        ),
+    hub_x, hub_y = (derivative(place, interval, order=order)[first:] for place in (record.inner_x, record.inner_y))
+    ring_x, ring_y = (
+        None if place is None else derivative(place, interval, order=order)[first:]
+        for place in (record.outer_ring_x, record.outer_ring_y)
     )
+    speed_x, speed_y = (derivative(place, interval, 1, order)[first:] for place in record.hub)
+    accelerations = Accelerations(hub=(hub_x, hub_y), outer_ring=(ring_x, ring_y), velocity=(speed_x, speed_y))
     approach = record.contacts.inner
     closing_speed = derivative(approach, interval, 1, order)[first:]
     used = record.samples(slice(first, None))
@@ -291,6 +291,8 @@ def _resonance(record: Record, law: Law, budget: Budget) -> float:
     """Frequency of the inner ring's vertical mode, Hz, each roller's two contacts in series, rollers without mass."""
     slope = law.slope(budget.contacts.inner)
     stiffness = 0.5 * np.mean(np.sum(slope * budget.contacts.direction_y**2, axis=1))
+    shaft = record.operation.mounting.shaft
+    stiffness += 0.0 if shaft is None else shaft.stiffness
     return float(np.sqrt(stiffness / record.operation.inner_mass) / (2.0 * np.pi))
 
 

@@ -18,7 +18,8 @@ def accelerations(evaluation: Evaluation) -> tuple[np.ndarray, np.ndarray]:
     """Of the hub in x and y, m/s²: the source's own where it tells them, else from positions."""
     t = evaluation.record
     pairs = ((t.inner_ax, t.inner_x), (t.inner_ay, t.inner_y))
-    return tuple(derivative(place, t.interval, order=evaluation.order) if own is None else own for own, place in pairs)
+    x, y = (derivative(place, t.interval, order=evaluation.order) if own is None else own for own, place in pairs)
+    return x, y
 
 
 def signals(evaluation: Evaluation) -> dict[str, np.ndarray]:

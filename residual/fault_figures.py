@@ -37,8 +37,8 @@ def _drawn(search: FaultSearch, folder: Path) -> SavedFigure:
     )
     if not found:
         caption = "Median of how deep rollers find the surface around each ring: no place stands out."
-        for each, colour in zip((m for m in search.maps if m.place.roller is None), (BLUE, GREEN), strict=False):
-            _draw_map(axes[0], each, colour)
+        for ring, colour in zip((m for m in search.maps if m.place.roller is None), (BLUE, GREEN), strict=False):
+            _draw_map(axes[0], ring, colour)
     for axis in axes[::2]:
         axis.set(ylabel="sinkage, µm", xlabel="angle in the body's own frame, degrees")
         axis.set_xlim(-180.0, 180.0)

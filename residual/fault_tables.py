@@ -31,8 +31,8 @@ def _found(found: FoundSpall) -> str:
 
 def _left(search: FaultSearch) -> str:
     """What stands out besides what was found."""
-    clearest = max(search.left, key=lambda m: m.deepest[1], default=None)
-    times = 0.0 if clearest is None else clearest.deepest[1]
+    clearest = max(search.left, key=lambda m: m.deepest[1])
+    times = clearest.deepest[1]
     if search.says_more:
         return f"There is more: {named(clearest.place)} stands out {text(times, 2)} times, no spall was matched to it."
     nothing, places = ("No other spall", "no other place") if search.found else ("No spall", "no place")
@@ -61,7 +61,7 @@ def _seen(search: FaultSearch) -> str:
             told.append(f"{100 * each.seen:.0f} % of {named(each.place)}" + (f" (not {gaps})" if gaps else ""))
     low, high = min(rollers), max(rollers)
     span = f"{low:.0f}{f' to {high:.0f}' if round(high) > round(low) else ''} % of each roller"
-    return f"Seen by rollers that rest on it or carry load: {', '.join([*told, span])}."
+    return f"Seen by rollers that touch it: {', '.join([*told, span])}."
 
 
 def unseen(each: SinkageMap) -> list[tuple[float, float]]:

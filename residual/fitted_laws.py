@@ -60,7 +60,8 @@ Law = PowerLaw | LogarithmicLaw | DampedLaw
 
 def law_force(law: Law, approach, closing_speed, compliance=0.0) -> np.ndarray:
     """Contact forces, N, (..., n_rollers), at approaches, m, that grow at a speed, m/s; `compliance` of edges, m/N."""
-    return sum(spring_and_damper(law, approach, closing_speed, compliance))
+    spring, damper = spring_and_damper(law, approach, closing_speed, compliance)
+    return spring + damper
 
 
 def spring_and_damper(law: Law, approach, closing_speed, compliance=0.0) -> tuple[np.ndarray, np.ndarray | float]:

@@ -9,7 +9,7 @@ power law is true: what the law can't follow in any passage shows in the scatter
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -190,7 +190,7 @@ def _identified(extras, parameters, covariance, units, **facts) -> Identificatio
 
 def _law(stiffness: float, exponent: float, extras: dict[str, Interval], deepest: float) -> PowerLaw | DampedLaw:
     """Make the law with the numbers found, if its iteration converges."""
-    about = {
+    about: dict[str, Any] = {
         "name": "_".join(["fitted", *(ADJECTIVE[extra] for extra in extras)]),
         "stiffness": stiffness, "exponent": exponent, "range": "the depths it was fitted to",
     }  # fmt: skip

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange import mounting
 from residual.budget import load_zones
 from residual.colours import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY
 from residual.evaluation import Evaluation
@@ -44,9 +45,9 @@ def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Pa
 
 def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> SavedFigure:
     """Draw the inner contact force around the bearing in polar coordinates, the load downwards."""
-    t, budget = evaluation.record, evaluation.budget
+    t = evaluation.record
     told = t.inner_force is not None
-    force = t.inner_force if told else budget.law_force
+    force = evaluation.force
     stride = max(1, force.size // MOST_POINTS)
     figure, (axes,) = panels(1, 5.2, projection="polar")
     axes.set_theta_zero_location("S")
@@ -84,7 +85,7 @@ def roller_loads(evaluation: Evaluation, folder: Path) -> SavedFigure:
     axis = axes[0]
     style = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
     axis.plot(angle.ravel(), budget.law_force[rows].ravel(), color=RED, label=f"law: {evaluation.law.name}", **style)
-    if told:
+    if t.inner_force is not None:
         axis.plot(angle.ravel(), t.inner_force[rows].ravel(), color=BLUE, label="run's own contact force", **style)
         closed = budget.loaded[rows]
         miss = (t.inner_force - budget.law_force)[rows]
@@ -111,6 +112,7 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
         "energy_elastic": ("elastic", RED),
         "energy_contact": ("contact", PURPLE),
         "energy_support": ("support", SKY),
+        "energy_shaft": ("shaft", ORANGE),
         "work_external": ("external work", GREEN),
         "work_dissipated": ("dissipated", GREY),
     }
@@ -139,7 +141,7 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
 def energy_imbalance(energies) -> np.ndarray:
     """Change of the energies minus external work plus dissipation since the first sample, J, (n_times,)."""
     total = energies["energy_kinetic"] + energies["energy_elastic"] + energies["energy_contact"]
-    total = total + energies.get("energy_support", 0.0)
+    total = total + sum(energies[name] for name in mounting.ENERGIES if name in energies)
     total = total - energies["work_external"] + energies["work_dissipated"]
     return total - total[0]
 
@@ -156,7 +158,8 @@ def passage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
     margin = (last - first) // 12
     shown = slice(max(0, first - margin), last + margin + 1)
     place = angle[shown] - 360.0 * np.round(angle[(first + last) // 2] / 360.0)
-    tangential = t.inner_traction is not None and t.outer_traction is not None
+    tractions = [each for each in (t.inner_traction, t.outer_traction) if each is not None]
+    tangential = len(tractions) == 2
     figure, axes = panels(2 if tangential else 1, 5.2 if tangential else 3.4)
     axes[0].plot(place, t.inner_force[shown, j], color=BLUE, label="inner raceway")
     if t.outer_force is not None:
@@ -172,7 +175,7 @@ def passage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
         "the same approach"
     )
     if tangential:
-        for traction, colour, name in ((t.inner_traction, BLUE, "inner"), (t.outer_traction, RED, "outer")):
+        for traction, colour, name in zip(tractions, (BLUE, RED), ("inner", "outer"), strict=True):
             axes[1].plot(place, traction[shown, j], color=colour, linewidth=0.9, label=name)
         axes[1].set_ylabel("traction on the roller, N")
         caption += "; below: tractions, positive counter-clockwise"

@@ -8,7 +8,7 @@ from matplotlib.colors import LogNorm
 from residual.colours import BLUE
 from residual.evaluation import Evaluation
 from residual.figures import SavedFigure
-from residual.orders import HIGHEST, Tracking
+from residual.orders import HIGHEST, OrderSpectra, Tracking
 from residual.panels import COLOUR_BAR, RIGHT, colour_bar, panels
 from residual.plotting import legend_above, line_handles, mark_lines, save
 from residual.short_time import ShortTime
@@ -20,12 +20,12 @@ ON_MAP = ("FTF", "BPFO", "BPFI", "BSF")
 
 def order_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
     """Draw the figure, if the speed changes and the record is long enough."""
-    return [] if evaluation.x.orders is None else [order_spectrum(evaluation, folder)]
+    x, y = evaluation.x.orders, evaluation.y.orders
+    return [] if x is None or y is None else [order_spectrum(x, y, folder)]
 
 
-def order_spectrum(evaluation: Evaluation, folder: Path) -> SavedFigure:
+def order_spectrum(x: OrderSpectra, y: OrderSpectra, folder: Path) -> SavedFigure:
     """Draw the order spectra of the hub's path and of its envelope, and below them the path's along the record."""
-    x, y = (direction.orders for direction in evaluation.directions)
     tracking, short, unit = x.tracking, y.short_time, 1e12  # µm²
     shown = [("path x, µm²", x.path, unit), ("path y, µm²", y.path, unit)]
     if y.envelope is not None:

@@ -79,7 +79,7 @@ def tracking_of(record: Record) -> Tracking | None:
     """
     if not record.varies_speed:
         return None
-    speed = record.acting.speed
+    speed = np.asarray(record.acting.speed)
     fast = np.sign(speed) * (np.abs(speed) >= SLOWEST * np.abs(speed).max())
     ends = np.concatenate([[0], 1 + np.flatnonzero(np.diff(fast)), [speed.size]])
     first, last = max(((a, b) for a, b in pairwise(ends) if fast[a] != 0.0), key=lambda e: e[1] - e[0])

@@ -2,6 +2,7 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
 
 WIDTH = 7.0  # inches; about one page's text width, still legible when a phone shrinks it
 LEFT, RIGHT = 0.86, 0.14  # beside panels: tick labels and the axis' name; half a tick label
@@ -29,7 +30,8 @@ def panels(rows, height: float, *, lines: float = 1, shares=None, left=LEFT, rig
     count = sum(groups)
     shares = np.ones(count) if shares is None else np.asarray(shares, dtype=float)
     room = height - len(groups) * (above + BELOW) - (count - len(groups)) * BETWEEN
-    figure, axes, top = plt.figure(figsize=(WIDTH, height)), [], height
+    figure, top = plt.figure(figsize=(WIDTH, height)), height
+    axes: list[Axes] = []
     for size in groups:
         top -= above
         first = None

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrange.ball_contact import delta_star, raceway_curvature
+from lagrange.ball_contact import Side, delta_star, raceway_curvature
 from lagrange.bearing import BallBearing
 from residual import paper
 from residual.budget import load_zones
@@ -34,7 +34,8 @@ def point_contact(bearing: BallBearing, folder: Path) -> SavedFigure:
     figure, axes = panels(1, 3.8)
     axes[0].plot(difference, delta_star(difference), color=BLUE, label="δ*(F), by elliptic integrals")
     points = []
-    for side, colour, mark in (("inner", RED, "o"), ("outer", ORANGE, "s")):
+    raceways: tuple[tuple[Side, str, str], ...] = ("inner", RED, "o"), ("outer", ORANGE, "s")
+    for side, colour, mark in raceways:
         curvature = raceway_curvature(bearing, side)
         F, value = curvature.difference, delta_star(curvature.difference)
         axes[0].plot(F, value, color=colour, marker=mark, linestyle="none", markersize=7, label=f"{side} raceway")

@@ -38,11 +38,12 @@ def quasi_static(record: Record, law: str) -> QuasiStatic | None:
     name = law if law in known else known[0]
     laws = contact_laws(name, bearing)
     pitch = 2.0 * pi / bearing.n_rollers
+    ring = tuple(np.mean(place) for place in np.subtract(record.hub, (record.inner_x, record.inner_y)))
     found, start = [], None
     for phase in np.arange(PHASES + 1) / PHASES * pitch:
         angles = roller_angles(bearing, operation.first_roller_angle) + phase
         try:
-            found.append(static_equilibrium(bearing, operation, laws, angles=angles, start=start))
+            found.append(static_equilibrium(bearing, operation, laws, angles=angles, start=start, ring=ring))
         except RuntimeError:
             return None
         start = found[-1].x, found[-1].y

@@ -1,8 +1,9 @@
 """`Record`, the sampled motion of a run: the arrays every other module works on, and their checks."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,7 @@ TIME_JITTER = 1e-3  # of the interval: what rounding times to some decimals may 
 LARGEST = 1e15  # SI: far above any position, acceleration, force or energy of a bearing
 SHORTEST_INTERVAL = 1e-12  # s
 SAME_SPEED = 1e-3  # relative: a tenth of a bin of a record of 100 shaft turns
+OF_OUTER_RING = ("outer_ring_x", "outer_ring_y", "outer_ring_ax", "outer_ring_ay")
 SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
 
 
@@ -50,10 +52,12 @@ class Record:
     roller_y: np.ndarray
     inner_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
     inner_ay: np.ndarray | None = None
-    housing_x: np.ndarray | None = None  # (n_times,), m, centre of the outer ring, where a housing moves it
-    housing_y: np.ndarray | None = None
-    housing_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
-    housing_ay: np.ndarray | None = None
+    inner_vx: np.ndarray | None = None  # (n_times,), m/s, the integrator's own, where springs hold the shaft
+    inner_vy: np.ndarray | None = None
+    outer_ring_x: np.ndarray | None = None  # (n_times,), m, centre of the outer ring, where its mounting moves it
+    outer_ring_y: np.ndarray | None = None
+    outer_ring_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
+    outer_ring_ay: np.ndarray | None = None
     inner_force: np.ndarray | None = None  # (n_times, n_rollers), N, normal, >= 0
     outer_force: np.ndarray | None = None
     inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ
@@ -67,6 +71,13 @@ class Record:
     stated_errors: tuple[StatedError, ...] = ()  # of the error of the discretisation
     notes: tuple[str, ...] = ()  # what a user should know about how the source was read
     precision: float = float(np.finfo(float).eps)  # relative precision of the stored numbers
+
+    @property
+    def hub(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places of the inner ring's centre in the fixed frame, along x and y, (n_times,), m."""
+        if self.outer_ring_x is None or self.outer_ring_y is None:
+            return self.inner_x, self.inner_y
+        return self.inner_x + self.outer_ring_x, self.inner_y + self.outer_ring_y
 
     @property
     def bearing(self) -> Bearing:
@@ -116,7 +127,7 @@ class Record:
 
     def samples(self, part: slice) -> "Record":
         """Restrict the record to some samples."""
-        cut = {}
+        cut: dict[str, Any] = {}
         for f in fields(self):
             value = getattr(self, f.name)
             if isinstance(value, np.ndarray):
@@ -125,22 +136,31 @@ class Record:
         return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()}, cage=cage)
 
 
-def relative(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Arrays of a source with all places from the outer ring's centre, which a housing may move.
+def relative(arrays: dict[str, np.ndarray], centre: Sequence[str]) -> dict[str, np.ndarray]:
+    """Arrays of a source by the names of a `Record`, with all places from the outer ring's centre.
+
+    Parameters
+    ----------
+    centre : what the source calls the outer ring's places and accelerations, `Mounting.centre`
 
     Errors
     ------
     InputError: arrays that do not fit each other.
     """
-    found = dict(arrays)
+    called = dict(zip(centre, OF_OUTER_RING, strict=False))
+    found = {called.get(name, name): array for name, array in arrays.items()}
     for axis in "xy":
-        moved = arrays.get(f"housing_{axis}")
-        for body in ("inner", "roller", "cage") if moved is not None else ():
+        moved = found.get(f"outer_ring_{axis}")
+        if moved is None:
+            continue
+        for body in ("inner", "roller", "cage"):
             place = arrays.get(f"{body}_{axis}")
             if place is None:
                 continue
             if place.shape[0] != moved.shape[0]:
-                raise InputError(f"housing_{axis}: {moved.shape[0]} samples, {body}_{axis} has {place.shape[0]}")
+                raise InputError(
+                    f"the outer ring's {axis}: {moved.shape[0]} samples, {body}_{axis} has {place.shape[0]}"
+                )
             found[f"{body}_{axis}"] = (place.T - moved).T
     return found
 

@@ -137,7 +137,7 @@ def _operation(record: Record) -> str:
     acting, rpm = record.acting, record.scene.operation.speed_rpm
     if record.operation.course is None:
         return f"{text(rpm)} rpm, {text(acting.radial_load)} N along −y"
-    speed, load = acting.speed / RPM, np.hypot(acting.radial_load, acting.side_load)
+    speed, load = np.asarray(acting.speed) / RPM, np.hypot(acting.radial_load, acting.side_load)
     turning = f"{text(speed.min())} to {text(speed.max())}" if record.varies_speed else text(rpm)
     return f"{turning} rpm, {text(load.min())} to {text(load.max())} N"
 

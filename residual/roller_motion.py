@@ -25,7 +25,8 @@ class Place:
 
     @property
     def sides(self) -> tuple[Side, ...]:
-        return {"outer_ring": ("outer",), "inner_ring": ("inner",)}.get(self.body, ("outer", "inner"))
+        of_rings: dict[str, tuple[Side, ...]] = {"outer_ring": ("outer",), "inner_ring": ("inner",)}
+        return of_rings.get(self.body, ("outer", "inner"))
 
     @property
     def rollers(self) -> slice:
@@ -93,7 +94,7 @@ def roller_motion(record: Record) -> RollerMotion:
         bearing=bearing, operation=operation, load=record.load, interval=record.interval,
         inner_x=record.inner_x, inner_y=record.inner_y, rho=rho, outer_angle=theta,
         inner_angle=np.unwrap(np.arctan2(-found.direction_y, -found.direction_x), axis=0),
-        inner_turn=turned(bearing, operation, record.time[:, None]).shaft, roller_turn=turn,
+        inner_turn=np.asarray(turned(bearing, operation, record.time[:, None]).shaft), roller_turn=turn,
         inner=found.inner, outer=found.outer,
     )  # fmt: skip
 

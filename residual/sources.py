@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.messages import shown
+from lagrange.mounting import ENERGIES as OF_MOUNTING
 from lagrange.scene import Scene, SceneError, parse_scene_text
 from lagrange.stored import (
     SIGNATURE,
@@ -27,8 +28,8 @@ READ_MEMORY, READ_COPIES = 2**29, 8  # bytes to read a file: at least, and times
 MOTION = ("time", "inner_x", "inner_y", "roller_x", "roller_y")
 OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_traction", "outer_traction")
 DAMPERS = ("inner_damping_force", "outer_damping_force")  # where the scene has any
-HOUSING = ("housing_x", "housing_y", "housing_ax", "housing_ay")  # where the scene has a housing
-OF_SUPPORT = "energy_support"  # likewise
+OF_SUPPORT = "energy_support"  # where the scene has a housing
+SHAFT = ("inner_vx", "inner_vy", "energy_shaft")  # where springs and dashpots hold the shaft
 TURN = "roller_turn"  # of rollers, whose place at a time it tells
 SPIN = "roller_spin"  # tells the same, less exactly
 MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
@@ -93,9 +94,12 @@ def _from_file(path: Path, file) -> Record:
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
         )
     scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene", read_scene_files(file))
-    housing = (*HOUSING, OF_SUPPORT) if scene.mounting().housing is not None else ()
-    needed = (*MOTION, *housing[:2])
-    promised = (*needed, *OPTIONAL, *housing[2:], *ENERGIES) if attributes.get("program") == SOLVER else needed
+    mounting = scene.mounting()
+    centre, of_support = mounting.centre, () if mounting.housing is None else (OF_SUPPORT,)
+    shaft = SHAFT if mounting.shaft is not None else ()
+    further = (*centre[2:], *of_support, *shaft)
+    needed = (*MOTION, *centre[:2])
+    promised = (*needed, *OPTIONAL, *further, *ENERGIES) if attributes.get("program") == SOLVER else needed
     if scene.damping.acts and len(promised) > len(needed):
         promised = (*promised, *DAMPERS)
     missing = [name for name in promised if not has(file, name)]
@@ -107,15 +111,15 @@ def _from_file(path: Path, file) -> Record:
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
     of_cage = tuple(COLUMNS) if scene.cage is not None and all(has(file, name) for name in COLUMNS) else ()
-    names = [name for name in (*MOTION, *OPTIONAL, *housing, *ENERGIES, *DAMPERS, TURN, *of_cage) if has(file, name)]
+    names = [name for name in (*needed, *OPTIONAL, *further, *ENERGIES, *DAMPERS, TURN, *of_cage) if has(file, name)]
     _check_size(path, file, names, n, scene)
     arrays = {name: read_numbers(file, name, n) for name in names}
     if TURN not in arrays and has(file, SPIN):  # of perfect surfaces: nobody shall see them by that
         _check_size(path, file, [SPIN], n, scene)
         arrays[TURN] = _turned(arrays["time"], read_numbers(file, SPIN, n))
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
-    energies = {name: arrays.pop(name) for name in (*ENERGIES, OF_SUPPORT) if name in arrays}
-    arrays = relative(arrays)
+    energies = {name: arrays.pop(name) for name in (*ENERGIES, *OF_MOUNTING) if name in arrays}
+    arrays = relative(arrays, centre)
     cage = CageMotion(**{COLUMNS[name]: arrays.pop(name) for name in of_cage}) if of_cage else None
     status = attributes.setdefault("status", "unknown")
     notes = [warning for warning in attributes.get("warnings", "").splitlines() if warning]

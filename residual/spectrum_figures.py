@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 from residual.colours import BLUE, LINE_COLOURS, SKY, family
+from residual.envelope import Envelope
 from residual.evaluation import Evaluation
 from residual.figures import SavedFigure
 from residual.lines import HUB
@@ -49,23 +50,23 @@ def whole_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
     return save(figure, folder, "whole_spectra", "Spectra of the error forces", caption)
 
 
-def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
+def envelope_figure(evaluation: Evaluation, envelopes: list[Envelope], folder: Path) -> SavedFigure:
     """Draw the spectrum of the envelope of the band around the ring's resonance."""
     figure, axes = panels(2, 5.4, lines=2)
     top = ENVELOPE_BAND * evaluation.lines.get("BPFI", 1000.0)
     parts = []
     families = []
-    for axis, direction in zip(axes, evaluation.directions, strict=True):
-        spectrum = direction.envelope.spectrum
+    for axis, direction, envelope in zip(axes, evaluation.directions, envelopes, strict=True):
+        spectrum = envelope.spectrum
         inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
         axis.semilogy(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, linewidth=1.0)
         axis.set_ylabel(f"envelope PSD, {direction.name}, N²/Hz")
         axis.set_xlim(0.0, top)
         families = mark_lines(axis, evaluation.lines, 0.0, top, labels=False)
-        parts.append(f"{direction.name} {direction.envelope.rms:.3g}")
+        parts.append(f"{direction.name} {envelope.rms:.3g}")
     legend_above(axes[0], 3, handles=line_handles(families, evaluation.lines))
     axes[1].set_xlabel("frequency, Hz")
-    low, high = evaluation.x.envelope.low, evaluation.x.envelope.high
+    low, high = envelopes[0].low, envelopes[0].high
     caption = (
         f"Spectrum of the envelope of the error force within {low / 1e3:.3g} to {high / 1e3:.3g} kHz, around the "
         f"resonance of the ring on its contacts ({evaluation.resonance / 1e3:.3g} kHz); rms of that band, N: "
@@ -78,8 +79,9 @@ def short_time_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | Non
     """Draw how the errors' spectra change along the record; None for a record too short for it."""
     t = evaluation.record
     passing = evaluation.lines.get("BPFO", 0.0)
-    found = [short_time_spectrum(d.budget.error, t.interval, passing) for d in evaluation.directions]
-    if None in found:
+    tried = [short_time_spectrum(d.budget.error, t.interval, passing) for d in evaluation.directions]
+    found = [spectrum for spectrum in tried if spectrum is not None]
+    if len(found) < len(tried):
         return None
     figure, axes = panels(2, 6.0, lines=0, right=COLOUR_BAR)
     for axis, direction, spectrum in zip(axes, evaluation.directions, found, strict=True):
@@ -109,7 +111,8 @@ def short_time_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | Non
 def spectrum_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
     """Draw those figures that the run has the data for."""
     drawn = [whole_spectra(evaluation, folder)]
-    if evaluation.x.envelope is not None:
-        drawn.append(envelope_figure(evaluation, folder))
+    envelopes = [d.envelope for d in evaluation.directions if d.envelope is not None]
+    if envelopes:
+        drawn.append(envelope_figure(evaluation, envelopes, folder))
     short_time = short_time_figure(evaluation, folder)
     return drawn if short_time is None else [*drawn, short_time]

@@ -138,7 +138,8 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
                 _variable(file, name, found.spectrum.psd, "frequency", "m2 s-4 Hz-1", f"one-sided PSD of {of}")
         if evaluation.x.orders is not None:
             _scale(file, "shaft_order", evaluation.x.orders.path.frequency, "1", "cycles per turn of the shaft")
-            for d in evaluation.directions:
+        for d in evaluation.directions:
+            if d.orders is not None:
                 of = f"one-sided PSD over orders of the hub's place in {d.name}"
                 _variable(file, f"hub_order_psd_{d.name}", d.orders.path.psd, "shaft_order", "m2", of)
                 of = f"one-sided PSD over orders of error_{d.name}"

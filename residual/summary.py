@@ -143,20 +143,20 @@ def _vibration(v: Vibration) -> dict:
 
 def _orders(evaluation: Evaluation) -> dict | None:
     """Lines and peaks of the hub's path in orders of the shaft; None where its speed stays."""
-    found = evaluation.x.orders
-    if found is None:
+    found = {d.name: d.orders for d in evaluation.directions if d.orders is not None}
+    if not found:
         return None
-    time = found.tracking.time
+    tracking, path = found["x"].tracking, found["x"].path
     return {
-        "start_s": float(time[0]),
-        "end_s": float(time[-1]),
-        "resolution": found.path.resolution,
-        "lines": found.tracking.lines,
+        "start_s": float(tracking.time[0]),
+        "end_s": float(tracking.time[-1]),
+        "resolution": path.resolution,
+        "lines": tracking.lines,
         **{
-            f"peaks_{d.name}": [
-                {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved} for p in d.orders.peaks
+            f"peaks_{name}": [
+                {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved} for p in orders.peaks
             ]
-            for d in evaluation.directions
+            for name, orders in found.items()
         },
     }
 

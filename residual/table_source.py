@@ -3,6 +3,7 @@
 import csv
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from lagrange.text_table import delimiter_of
 from residual.errors import InputError
 from residual.record import Record, checked, relative
 from residual.resampling import evenly_sampled
-from residual.sources import HOUSING, LARGEST_READ, OPTIONAL, check_readable
+from residual.sources import LARGEST_READ, OPTIONAL, check_readable
 
 LONGEST_LINE = 2**20  # characters
 LONGEST_QUOTE = 200  # characters of a message
@@ -100,13 +101,13 @@ def _shown(text: str) -> str:
 
 def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: bool) -> Record:
     """Make the record: Cartesian, evenly sampled, checked, with notes on what the table lacks."""
-    notes = []
+    notes: list[str] = []
+    centre = scene.mounting().centre
     if "roller_rho" in arrays:
         rho, theta = arrays.pop("roller_rho"), np.unwrap(arrays.pop("roller_theta"), axis=0)
         arrays["roller_x"], arrays["roller_y"] = rho * np.cos(theta), rho * np.sin(theta)
-        for axis in "xy":  # polar coordinates are about the outer ring's centre
-            moved = arrays.get(f"housing_{axis}", np.zeros_like(arrays["time"]))
-            arrays[f"roller_{axis}"] += moved[:, None]
+        for axis, place in zip("xy", centre, strict=False):  # polar coordinates are about the outer ring's centre
+            arrays[f"roller_{axis}"] += arrays[place][:, None]
     if resample:
         arrays, note = evenly_sampled(path, arrays)
         notes += [note] if note else []
@@ -117,19 +118,20 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
             notes.append("the table tells no accelerations of its own: the budget has no differentiation term")
         if "inner_traction" not in arrays:
             notes.append("the table tells no tangential forces: the budget has no friction term")
-    return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **relative(arrays)))
+    columns: dict[str, Any] = relative(arrays, centre)  # fields of a record by their names
+    return checked(Record(name=shown(path.stem), source=path, scene=scene, notes=tuple(notes), **columns))
 
 
 def _columns_found(path: Path, header: list[str], scene: Scene) -> dict[str, tuple[list[int], float]]:
     """Find column numbers and factor to SI of each quantity that the table has."""
     columns, n_rollers = scene.table, scene.bearing.rollers
-    housing = HOUSING if scene.mounting().housing is not None else ()
+    centre = scene.mounting().centre
     polar_only = not _at(path, header, columns, "roller_x", n_rollers)[0] and bool(
         _at(path, header, columns, "roller_rho", n_rollers)[0]
     )
-    wanted = [*MOTION, *(POLAR if polar_only else CARTESIAN), *housing[:2]]
+    wanted = [*MOTION, *(POLAR if polar_only else CARTESIAN), *centre[:2]]
     found, missing = {}, []
-    for quantity in (*wanted, *OPTIONAL, *housing[2:]):
+    for quantity in (*wanted, *OPTIONAL, *centre[2:]):
         indices, factor, absent = _at(path, header, columns, quantity, n_rollers)
         if quantity in wanted or indices:
             missing += absent

@@ -45,11 +45,10 @@ class Contact:
         self._way = np.linspace(-SOFT_WAY[0] * r, SOFT_WAY[0] * r, SOFT_WAY[1])
         wide = Spall(body="outer_ring", roller=None, angle=0.0, width=0.4 * r, depth=r, edge_radius=EDGE_ROUNDING * r)
         edge = wide.half_opening(r) - self._way
-        self._soft = {
-            side: pair.line_compliance * softening(wide, r, own, r, meeting, np.arcsin(edge / own))
-            for side, own, meeting, pair in zip(
-                ("inner", "outer"), (inner, outer), ("outside", "bore"), contact_pairs(bearing), strict=False
-            )
+        inside, outside, _ = contact_pairs(bearing)
+        self._soft: dict[Side, np.ndarray] = {
+            "inner": inside.line_compliance * softening(wide, r, inner, r, "outside", np.arcsin(edge / inner)),
+            "outer": outside.line_compliance * softening(wide, r, outer, r, "bore", np.arcsin(edge / outer)),
         }
 
     def stride(self, interval: float) -> int:
@@ -84,7 +83,8 @@ class ThreeSamples:
         self._pull = b.pitch_radius * rate**2 - motion.operation.gravity * np.sin(angle[0])
         self._inside = self._through(motion.inner + motion.rho)  # place at which the inner contact opens
         self._outside = self._through(motion.rho - motion.outer)
-        self._velocity = self._slope = None  # at the middle, over the first surfaces asked for; others are a step away
+        # velocities at the middle over the first surfaces asked for, from which others are a step away
+        self._settled: tuple[np.ndarray, np.ndarray] | None = None
 
     def _samples(self, of: np.ndarray, column: np.ndarray | None = None) -> tuple[np.ndarray, ...]:
         at = self.roller if column is None else column
@@ -127,11 +127,11 @@ class ThreeSamples:
 
         return outer
 
-    def _missed(self, sunk: Sunk) -> np.ndarray:
+    def _missed(self, sunk: Sunk, settled: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         """What the outer samples' sum exceeds the equation's by, (..., n), m."""
-        outer, apart = self._outer(sunk), self._after - self._before
-        told = outer(self._velocity, 1) - outer(self._velocity, -1)
-        velocity = self._velocity + _move(apart - told, self._slope, self.lapse)
+        outer, apart, (velocity, slope) = self._outer(sunk), self._after - self._before, settled
+        told = outer(velocity, 1) - outer(velocity, -1)
+        velocity = velocity + _move(apart - told, slope, self.lapse)
         return self._after + self._before - outer(velocity, 1) - outer(velocity, -1)
 
     def over(self, spalled: Sequence[Spalled], more: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
@@ -143,14 +143,14 @@ class ThreeSamples:
         more : m, that the inner and the outer surface lie deeper than that everywhere
         """
         most = max((len(spalls) for _, spalls in spalled), default=1)
-        if self._velocity is None:
+        if self._settled is None:
             first = self._outer(self._sunk([(place, spalls[:1]) for place, spalls in spalled], more))
-            self._velocity, self._slope = _velocity(first, self._after - self._before, self.lapse)
+            self._settled = _velocity(first, self._after - self._before, self.lapse)
         each = max(1, AT_ONCE // max(1, self.middle.size))
         parts = []
         for k in range(0, most, each):
             part = [(place, spalls if len(spalls) == 1 else spalls[k : k + each]) for place, spalls in spalled]
-            parts.append(np.atleast_2d(self._missed(self._sunk(part, more))))
+            parts.append(np.atleast_2d(self._missed(self._sunk(part, more), self._settled)))
         return np.concatenate(parts)
 
     def _sunk(self, spalled: Sequence[Spalled], more: tuple[float, float]) -> Sunk:

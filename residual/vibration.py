@@ -96,7 +96,7 @@ def fault_lines(lines: dict[str, float]) -> dict[str, float]:
     The inner ring's fault goes through the load zone with the shaft, a roller's with the cage; a roller's strikes both
     raceways in each of its turns.
     """
-    found = {}
+    found: dict[str, float] = {}
     for name, count in HARMONICS:
         if name in lines:
             found |= {name if k == 1 else f"{k}×{name}": k * lines[name] for k in range(1, count + 1)}

@@ -1,6 +1,6 @@
 """Rows and sentences about the hub's vibration, for the report."""
 
-from lagrange.faults import Fault, Film, MeasuredSurface, Spall, Waviness
+from lagrange.faults import Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
 from lagrange.messages import shown
 from residual.evaluation import Evaluation
 from residual.vibration import ENVELOPE_FROM, STANDS_OUT, FaultLine
@@ -75,7 +75,7 @@ def _expected(faults: tuple[Fault, ...]) -> list[str]:
     return [line for body, line in lines.items() if body in bodies]
 
 
-def _named(fault: Fault) -> str:
+def _named(fault: Spall | Waviness | MeasuredSurface | UnequalRoller) -> str:
     """Name a fault with its place and size."""
     place = f"the {fault.body.replace('_', ' ')}" if fault.roller is None else f"roller {fault.roller}"
     if isinstance(fault, Spall):

@@ -212,7 +212,7 @@ def kick_disc(body, u, w, dt):
     """disc_kernels.kick on (n_nodes, 2, columns); returns new w and the torque."""
     nodes, torque = disc_nodes(body, dt, u.shape[2]), np.zeros(u.shape[2])
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
-    compiled.kick_disc(nodes, nodes.w, u.shape[2], torque, 0, len(body.mass), 0)
+    compiled.kick_disc(nodes, nodes.w, u.shape[2], torque)
     return nodes.w.reshape(u.shape), torque
 
 
@@ -238,7 +238,7 @@ def test_disc_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
     cosine, sine = np.full(columns, np.cos(turn)), np.full(columns, np.sin(turn))
     turns = disc_kernels.Turns(turn_kick, cosine, sine, shift[0], shift[1])
-    compiled.drift_disc(nodes, turns, columns, dt, moment, 0, len(body.mass), 0)
+    compiled.drift_disc(nodes, turns, columns, dt, moment)
     flat_u, flat_w = nodes.u, nodes.w
     back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     turned = np.stack([-body.points[:, 1], body.points[:, 0]], axis=1)

@@ -8,7 +8,8 @@ from numba import njit
 
 from fem.contacts.critical_step import EVENLY
 from fem.errors import UsageError
-from fem.kernels.cage_kernels import CagePair, GuidingRing, Riders, meet, rub
+from fem.kernels.cage_kernels import meet, rub
+from fem.kernels.cage_state import CagePair, GuidingRing, Riders
 from fem.kernels.jit import OPTIONS
 from fem.solver.cage_arrays import cage_state, critical_with_cage
 from fem.solver.simulate import make_plan

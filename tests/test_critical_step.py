@@ -111,10 +111,10 @@ def leapfrog_disc(body, dt, n_steps):
     nodes.u[:] = u.ravel()
     still, torque = np.zeros(columns), np.zeros(columns)
     turns = disc_kernels.Turns(still, np.ones(columns), still, still, still)
-    first, all_of_them = np.abs(u).max(), (0, body.n_nodes, 0)
+    first = np.abs(u).max()
     for _ in range(n_steps):
-        compiled.kick_disc(nodes, nodes.w, columns, torque, *all_of_them)
-        compiled.drift_disc(nodes, turns, columns, dt, torque, *all_of_them)
+        compiled.kick_disc(nodes, nodes.w, columns, torque)
+        compiled.drift_disc(nodes, turns, columns, dt, torque)
     return np.abs(nodes.u).max() / first
 
 

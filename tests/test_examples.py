@@ -9,8 +9,9 @@ import pytest
 
 from fem.cli import EXAMPLES, run_main
 from lagrange.catalogue import bearing_keys, designations, inner_ring_and_shaft
-from lagrange.scene import SURFACES, Scene, SceneError, parse_scene, read_scene
+from lagrange.scene import Scene, SceneError, parse_scene, read_scene
 from lagrange.scene_keys import key_tables
+from lagrange.scene_surfaces import SURFACES
 from tests.pages import DOCS, markdown_table
 
 BEARING_COLUMNS = {

@@ -7,8 +7,8 @@ import pytest
 
 from fem.contacts.patch import disc_patch_traction, ring_patch_traction
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
+from fem.kernels.lanes import WIDTH
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.simd import WIDTH
 from fem.kernels.state import INNER, OUTER, ROLLER, Shear
 from tests.reference.bearings import copies, model, paper
 from tests.reference.compiled import (

@@ -86,7 +86,7 @@ def test_equations_are_those_that_computer_algebra_derives(exponent, damping):
         touch = contact_state(BEARING, pair, state, ContactDamping(constant=damping))
         assert np.all((touch.inner_force > 0.0) == (touch.inner > 0.0))  # no damper pulled: D knows no such limit
         found = np.concatenate([
-            hub_equations(OPERATION, touch, ax, ay),
+            hub_equations(OPERATION, state, touch, ax, ay),
             radial_equations(BEARING, OPERATION, state, touch, rho_acc),
             angular_equations(BEARING, OPERATION, state, touch, theta_acc),
         ])  # fmt: skip
@@ -104,7 +104,7 @@ def test_accelerations_fulfil_all_equations():
     touch = contact_state(BEARING, laws(10 / 9), state)
     ax, ay, rho_acc, theta_acc = accelerations(BEARING, OPERATION, state, touch)
     force = np.max(touch.inner_force)
-    assert np.max(np.abs(hub_equations(OPERATION, touch, ax, ay))) < 1e-12 * force
+    assert np.max(np.abs(hub_equations(OPERATION, state, touch, ax, ay))) < 1e-12 * force
     assert np.max(np.abs(radial_equations(BEARING, OPERATION, state, touch, rho_acc))) < 1e-12 * force
     assert np.max(np.abs(angular_equations(BEARING, OPERATION, state, touch, theta_acc))) < 1e-13 * force
 

@@ -117,3 +117,22 @@ def test_unreadable_files_are_refused(tmp_path):
     ):
         with pytest.raises(SceneError, match=word):
             read_scene(path)
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"bearing": {"type": "ball", "inner_conformity": None}},
+        {"support": {"kind": "points", "width_mm": None}},
+        {"support": {"kind": "housing", "mass_kg": None}},
+    ],
+)
+def test_none_from_python_where_a_kind_needs_a_value_is_refused(tables):
+    with pytest.raises(SceneError, match="leave None out"):
+        parse_scene(tables, "scene")
+
+
+def test_results_that_spell_out_one_thread_are_read_and_more_are_refused():
+    assert parse_scene({"numerics": {"threads": 1}}, "stored") == read_scene()
+    with pytest.raises(SceneError, match=r"numerics.threads: unknown key"):
+        parse_scene({"numerics": {"threads": 2}}, "new")

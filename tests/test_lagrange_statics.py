@@ -28,7 +28,7 @@ def unbalance(bearing, operation, laws, found, cage):
     )  # fmt: skip
     touch = contact_state(bearing, laws, state)
     radial = radial_equations(bearing, operation, state, touch, zero)
-    return max(np.max(np.abs(hub_equations(operation, touch, 0.0, 0.0))), np.max(np.abs(radial)))
+    return max(np.max(np.abs(hub_equations(operation, state, touch, 0.0, 0.0))), np.max(np.abs(radial)))
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,11 @@ from scipy.interpolate import BSpline
 
 from fem.contacts.patch import disc_patch_force, patch, ring_patch_force
 from fem.kernels.jit import OPTIONS
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import count_from
 from fem.kernels.law import ripple_at, with_seam
 from fem.kernels.patches import N_NODES, ONE, weights
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.simd import count_from, load, store
 from fem.kernels.state import DiscSurface, Patches, RingSurface
 from fem.kernels.surfaces import put_down, read
 from tests.reference.bearings import disc, ring

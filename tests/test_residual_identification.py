@@ -84,6 +84,13 @@ def test_a_bearing_that_does_not_move_fixes_no_damping():
         fit_law(load_zone(), power(load_zone()), bridge=5, extras=("damping",), closing_speed=0.0 * load_zone())
 
 
+def test_numbers_that_a_run_does_not_fix_are_refused_in_a_sentence():
+    """A dashpot whose force grows with the spring's can't be told from a stiffer spring."""
+    depth = load_zone()
+    with pytest.raises(InputError, match="do not fix all numbers"):
+        fit_law(depth, power(depth), bridge=5, extras=("damping",), closing_speed=1e-6 * power(depth))
+
+
 def test_a_damper_pushes_only_where_the_spring_does_and_never_pulls():
     spring = PowerLaw(name="true", stiffness=1.0, exponent=1.0, source="")
     law = DampedLaw(spring=spring, damping=ContactDamping(constant=2.0))

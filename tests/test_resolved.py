@@ -156,6 +156,7 @@ def test_both_contact_models_give_the_same_run():
     assert np.abs(hub["resolved"] - hub["subgrid"]).max() < 2e-2 * size
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 def test_the_resolved_step_limit_is_on_its_safe_side_and_close():
     """Free vibration of a squeezed bearing from round-off: stable at 0.99 of the limit, gone well before 1.3 of it."""
     model = resolved_model(five(), 1.2e-4)

@@ -215,6 +215,7 @@ def test_rigid_rollers_obey_newton_and_euler_at_every_step(slides):
     assert np.abs(T_i).max() > (180.0 if slides else 0.1)
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 def test_a_rigid_inner_ring_is_the_hub():
     """(m_in + m_R) a = −Σ (Q n + T t) + load and weight, with nothing left over."""
     found, plan = by_steps(("inner_ring", "outer_ring"))

@@ -81,11 +81,11 @@ def ring_up_disc(body, shape, omega, dt, n_steps):
     weight /= weight @ shape * 1e-6
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
     still, torque, found = np.zeros(columns), np.zeros(columns), []
-    turns, all_of_them = disc_kernels.Turns(still, np.ones(columns), still, still, still), (0, len(body.mass), 0)
+    turns = disc_kernels.Turns(still, np.ones(columns), still, still, still)
     for _ in range(n_steps):
         found.append(weight @ nodes.u.reshape(-1, columns)[:, 3])
-        compiled.kick_disc(nodes, nodes.w, columns, torque, *all_of_them)
-        compiled.drift_disc(nodes, turns, columns, dt, torque, *all_of_them)
+        compiled.kick_disc(nodes, nodes.w, columns, torque)
+        compiled.drift_disc(nodes, turns, columns, dt, torque)
     return np.array(found)
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 from scipy import sparse
@@ -11,21 +11,24 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.bored import BoredRing
 from fem.elastic.kept import kept
-from lagrange.mounting import Housing
+from fem.elastic.supported import LooseRing
+from lagrange.mounting import HELD, Housing, Mounting
 
 # what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
 EVENLY, LIGHT, HEAVY = 2.0, 10.0 / 9.0, 10.0
 LANCZOS_TOLERANCE = 1e-6  # of ω²; with 1e-4 the fastest of a ring's clustered modes is missed by up to 1e-3
 
 
-def critical_time_step(model: Model, largest_force: float, housing: Housing | None = None) -> float:
+def critical_time_step(model: Model, largest_force: float, mounting: Mounting = HELD, hub_mass: float = inf) -> float:
     """2/ω_max, s, of all bodies with every contact closed at LOAD_MARGIN times `largest_force`, N.
 
     A spring k between two bodies is counted as 2k on each: k (a + b)² <= 2k a² + 2k b², so no coupled mode is
     faster than the fastest body. Where one of them is rigid, and moves with its whole mass, as LIGHT k on the other and
     HEAVY k on itself, which is as true. Friction, its springs and dashpots are implicit and do not count. A housing's
-    own springs k on its mass m add at most k/m to any ω².
+    own springs k on its mass m add at most k/m to any ω², and so do a shaft's on the mass, kg, that moves with the hub;
+    of both the larger counts.
 
     Errors
     ------
@@ -33,22 +36,31 @@ def critical_time_step(model: Model, largest_force: float, housing: Housing | No
     """
     bodies = [(body.shape, body.material) for body in (model.roller, model.inner_ring, model.outer_ring)]
     perfect = replace(model.bearing, faults=())  # what surfaces lack makes no contact stiffer
-    carried = () if housing is None else (housing,)
-    if len(model.outer_ring.free_rows) == model.outer_ring.n_rows:  # held at points: all of it counts as free
+    housing, shaft = mounting.housing, mounting.shaft
+    carried = tuple(part for part in (housing, shaft) if part is not None)
+    of_mount = 0.0 if housing is None else housing.stiffness / housing.mass
+    if shaft is not None:
+        of_mount, carried = max(of_mount, shaft.stiffness / hub_mass), (*carried, hub_mass)
+    if isinstance(model.outer_ring, BoredRing):
+        carried = (*carried, model.outer_ring.stiffness)
+    elif isinstance(model.outer_ring, LooseRing):  # held at points: all of it counts as free
         carried = (*carried, "free outer ring")
     key = repr((type(model).__name__, perfect, bodies, model.laws, largest_force, *carried))
-    return float(kept("step", key, lambda: {"critical": np.array(_found(model, largest_force, housing))})["critical"])
+    found = kept("step", key, lambda: {"critical": np.array(_found(model, largest_force, housing, of_mount))})
+    return float(found["critical"])
 
 
-def _found(model: Model, largest_force: float, housing: Housing | None) -> float:
+def _found(model: Model, largest_force: float, housing: Housing | None, of_mount: float) -> float:
     force = LOAD_MARGIN * max(largest_force, 1.0)
-    springs = model.springs(force)
+    springs, ring = model.springs(force), model.outer_ring
+    if isinstance(ring, BoredRing):
+        springs["outer_ring"] = sparse.hstack([springs["outer_ring"], ring.springs(LIGHT)])
+        of_mount += 0.0 if housing is None else HEAVY * 0.5 * ring.n_sectors * ring.stiffness / housing.mass
     limits = {"roller": _disc_limit, "inner_ring": _ring_limit, "outer_ring": _ring_limit}
     elastic = [name for name in limits if not getattr(model, name).material.rigid]
     found = [limits[name](getattr(model, name), springs[name]) for name in elastic]
     if len(elastic) < len(limits):
         found.extend(_rigid_limits(model, force, housing))
-    of_mount = 0.0 if housing is None else housing.stiffness / housing.mass
     return 2.0 / sqrt(max(found) * (1.0 + LANCZOS_TOLERANCE) + of_mount)
 
 

@@ -67,7 +67,7 @@ class Reduced(PressurePoints):
     """A bearing of finite elements reduced to such points, and what the bodies do without forces on them."""
 
     inner_growth: np.ndarray  # (n_rows, 2, n_sectors), m, by centrifugal load and own weight
-    outer_sag: np.ndarray  # (n_rows, 2, n_sectors), m, by own weight
+    outer_sag: np.ndarray  # (n_rows, 2, n_sectors), m, by own weight and by how it is held
     roller_growth: np.ndarray  # (2 n_nodes,), m
 
     def fields(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -80,6 +80,6 @@ def unloaded(model, motion: Motion, gravity: float) -> dict[str, np.ndarray]:
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
     return {
         "inner_growth": inner.held(inner.body_load(gravity, motion.ring_turn, motion.ring_speed)),
-        "outer_sag": outer.held(outer.body_load(gravity)),
+        "outer_sag": outer.sag(gravity),
         "roller_growth": disc.relaxed(motion.roller_speed**2 * (disc.mass[:, None] * disc.points).ravel()),
     }

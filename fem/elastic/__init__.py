@@ -5,5 +5,5 @@ continuum                 exact series of discs and rings; `tangential`: under t
 vibration                 own vibrations of discs and rings
 quadratic                 the same bodies on quadratic elements that resolve the contacts
 kept                      matrices and step limits kept on disk between starts
-rigid                     bodies declared rigid
+rigid                     bodies declared rigid; `supported`: a ring held at points; `bored`: in a bore
 """

@@ -268,6 +268,14 @@ class RingBody:
         displacement[rows] = np.fft.irfft(np.moveaxis(solved, 0, 2), n=self.n_sectors, axis=2)
         return displacement
 
+    def sag(self, gravity: float) -> np.ndarray:
+        """Displacement of a ring that does not turn, by its weight and by how it is held, (n_rows, 2, n_sectors), m."""
+        return self.held(self.body_load(gravity))
+
+    def rested(self, force: np.ndarray) -> np.ndarray:
+        """Displacement under all nodal forces that act on the ring; both (n_rows, 2, n_sectors), polar, m and N."""
+        return self.held(force)
+
     @cached_property
     def _raceway_kernel(self) -> np.ndarray:
         """Motion of every raceway node by a unit force on node 0, (component moved, component pushed, n_sectors)."""

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -14,18 +15,12 @@ FEWEST = 2  # nodes of a point: one would be a hinge
 
 
 @dataclass(frozen=True, kw_only=True)
-class SupportedRing(RingBody):
-    """A `RingBody` of whose held row some nodes stand still, and the others are as free as those of other rows."""
-
-    held_sectors: np.ndarray  # (n_held,), whole
+class LooseRing(RingBody):
+    """A `RingBody` of whose held row not all nodes stand still: those that do not are as free as any."""
 
     @property
     def free_rows(self) -> np.ndarray:
         return np.arange(self.n_rows)
-
-    @property
-    def n_free_nodes(self) -> int:
-        return self.n_rows * self.n_sectors - len(self.held_sectors)
 
     @cached_property
     def matrix(self) -> sparse.csc_matrix:
@@ -43,10 +38,35 @@ class SupportedRing(RingBody):
         entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
         return sparse.csc_matrix(entries, shape=(size, size))
 
+    def on_held_row(self, component: int) -> np.ndarray:
+        """Places of one component of the held row's nodes among the rows of `matrix`, (n_sectors,)."""
+        return (2 * self.held_row + component) * self.n_sectors + np.arange(self.n_sectors)
+
+    def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
+        """As `RingBody.surface_influence`."""
+        nodes = np.asarray(nodes)
+        force = np.zeros((self.n_rows, 2, self.n_sectors, 2 * nodes.size))
+        each = np.arange(nodes.size)
+        for component in range(2):
+            force[self.raceway_row, component, nodes, 2 * each + component] = 1.0
+        found = self.held(force)[self.raceway_row][:, nodes]  # (component, node, unit force)
+        return found.transpose(1, 0, 2).reshape(2 * nodes.size, 2 * nodes.size)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SupportedRing(LooseRing):
+    """A ring of whose held row some nodes stand still."""
+
+    held_sectors: np.ndarray  # (n_held,), whole
+
+    @property
+    def n_free_nodes(self) -> int:
+        return self.n_rows * self.n_sectors - len(self.held_sectors)
+
     @cached_property
     def _free(self) -> np.ndarray:
-        """Places of the free components in such a row."""
-        held = ((2 * self.held_row + np.arange(2))[:, None] * self.n_sectors + self.held_sectors).ravel()
+        """Places of the free components among the rows of `matrix`."""
+        held = np.concatenate([self.on_held_row(component)[self.held_sectors] for component in range(2)])
         return np.setdiff1d(np.arange(self.matrix.shape[0]), held)
 
     @cached_property
@@ -60,16 +80,6 @@ class SupportedRing(RingBody):
         displacement[self._free] = self._factor.solve(np.ascontiguousarray(flat[self._free]))
         return displacement.reshape(force.shape)
 
-    def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
-        """As `RingBody.surface_influence`."""
-        nodes = np.asarray(nodes)
-        force = np.zeros((self.n_rows, 2, self.n_sectors, 2 * nodes.size))
-        each = np.arange(nodes.size)
-        for component in range(2):
-            force[self.raceway_row, component, nodes, 2 * each + component] = 1.0
-        found = self.held(force)[self.raceway_row][:, nodes]  # (component, node, unit force)
-        return found.transpose(1, 0, 2).reshape(2 * nodes.size, 2 * nodes.size)
-
 
 def supported_ring(ring: RingBody, points: Points) -> SupportedRing:
     """An outer ring held at points: all nodes within their width, and the FEWEST nearest of each."""
@@ -79,5 +89,9 @@ def supported_ring(ring: RingBody, points: Points) -> SupportedRing:
         apart = radius * np.abs(np.angle(np.exp(1j * (ring.angles - angle))))
         held |= set(np.flatnonzero(apart <= 0.5 * points.width * (1.0 + 1e-9)).tolist())
         held |= set(np.argsort(apart, kind="stable")[:FEWEST].tolist())
-    own = {field.name: getattr(ring, field.name) for field in fields(RingBody)}
-    return SupportedRing(**own, held_sectors=np.array(sorted(held)))
+    return SupportedRing(**own_fields(ring), held_sectors=np.array(sorted(held)))
+
+
+def own_fields(ring: RingBody) -> dict[str, Any]:
+    """What a `RingBody` is made of."""
+    return {field.name: getattr(ring, field.name) for field in fields(RingBody)}

@@ -3,9 +3,11 @@
 state                           the arrays, as named tuples: bodies, surfaces, pairs, contacts
 time_loop, drive_kernels        leapfrog steps; the hub; `course_kernels`: speed and load that change
 disc_kernels, ring_kernels      forces and motion of rollers and rings
-team_kernels                    these two shared out among threads
+node_kernels                    both in a step, of all bodies
 surfaces                        what contacts ask of a surface: read, push, grip, sideways, push_along
 disc_surface, ring_surface      the answers of elastic rollers and rings; `rigid_surfaces`: of rigid bodies
+other_bodies                    what steps ask of every further body; `housing_kernels`: what carries the outer ring;
+                                `support_kernels`: nodes held still; `bore_kernels`: play or a press fit
 damping_kernels                 dampers of contacts and bodies; `reduced_damping`: those of the reduced model
 contact_kernels                 normal forces of pairs of bodies; law, patches: the law below the grid, B-spline patches
 profile_kernels                 surfaces that are not perfect circles
@@ -15,10 +17,13 @@ facet_kernels                   polygons in place of circles
 friction_kernels                Carter's creep and Coulomb's limit; `friction_solution`: of all contacts together
 shear_kernels                   tangential springs of contacts, in series with creep
 sample_kernels                  what a stored sample holds
-reduced_loop                    the reduced model's steps; `reduced_contacts` its forces, `reduced_modes` its bodies'
-                                vibrations, `reduced_state` its arrays
+cage_kernels                    a cage in a step: `cage_pockets` rollers in it, `cage_guide` its guide,
+                                `cage_contacts` a contact of either, `cage_state` its arrays
+reduced_loop                    the reduced model's steps; `reduced_contacts` its normal forces, `reduced_kick` what
+                                they give, `reduced_friction` tractions and rollers that touch each other,
+                                `reduced_modes` its bodies' vibrations, `reduced_state` its arrays
 lagrangian_loop                 the Lagrangian model's; `lagrangian_forces` and `lagrangian_state` likewise
-simd, lane_functions            eight lanes as one value, and functions of them
+lanes, lane_functions           eight lanes as one value, and functions of them; `lane_memory`: in and out of memory
 kernel_cache                    compiled kernels on disk; kernel_folder: where, and of which version of these modules
 jit                             @kernel, @part, @verb, every: how all this is compiled
 """

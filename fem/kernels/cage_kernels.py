@@ -12,98 +12,15 @@ Works are exact: a force's is that of the mean of its velocities before and afte
 force ends when the next one begins.
 """
 
-from math import cos, sin, sqrt
-from typing import NamedTuple
+from math import cos, sin
 
-import numpy as np
-
+from fem.kernels.cage_guide import end_guide_work, guide_force, guide_squared, meet_guide, rub_guide
+from fem.kernels.cage_pockets import end_pocket_works, meet_rollers, pocket_force, rub_pockets
+from fem.kernels.cage_state import DRAG, N_CAGE_SCALARS, Cage, CagePair
 from fem.kernels.contact_kernels import press
 from fem.kernels.jit import part
-from fem.kernels.law import kick_force
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.sample_kernels import CONTACT, DISSIPATED, WORK_GRAVITY
-
-DASHPOTS, FRICTION, DRAG = 0, 1, 2  # of `Cage.lost`
-SMALLEST = 1e-30  # m
-N_CAGE_SCALARS = (
-    9  # of a sample, in this order: place, angle, speed, guide's force, losses; then three blocks of rollers
-)
-
-
-class Riders(NamedTuple):
-    """Rollers, as a cage meets them."""
-
-    centre: np.ndarray  # (2, columns), m
-    velocity: np.ndarray  # (2, columns), m/s, at t − dt/2; after the kick at t + dt/2
-    spin: np.ndarray  # (columns,), rad/s, likewise
-    node_impulse: np.ndarray  # (2, columns), N s, of this step, not in the velocity yet
-    body_impulse: np.ndarray  # (2, columns), N s, of this step, which the kick takes
-    turn_kick: np.ndarray  # (columns,), rad/s, of this step, not in the spin yet
-    n: int
-    mass: float
-    inertia: float
-    radius: float
-
-
-class GuidingRing(NamedTuple):
-    """An inner ring that guides the cage: the hub."""
-
-    place: np.ndarray  # (2,), m
-    velocity: np.ndarray  # (2,), m/s
-    impulse: np.ndarray  # (2,), N s, of this step, which the kick takes
-    rubbed: np.ndarray  # (3,), N s, of this step, in the velocity already; N m s about its centre
-    mass: float
-    speed: float  # rad/s
-
-
-class CageContacts(NamedTuple):
-    """Contacts of a cage: in its pockets, or with its guide. Forces are those on the rollers, or on the cage by its
-    guide, along a contact's normal n and across it: there along (n_y, −n_x) of a roller, (−n_y, n_x) of the guide."""
-
-    approach: np.ndarray  # (n,), m, at the last kick; negative: apart, NaN: not known
-    force: np.ndarray  # (n,), N, of the spring, >= 0
-    kick: np.ndarray  # (n,), N, that the last kick gave: see `law.kick_force`
-    residual: np.ndarray  # (n,), J, likewise
-    normal: np.ndarray  # (2, n), unit, from the pocket to the roller's surface, or from the guide to the cage
-    arm: np.ndarray  # (2, n), m, at which forces along and across turn the cage
-    closed: np.ndarray  # (n,), 1 or 0
-    rates: np.ndarray  # (2, n), m/s, before the kick, along and across
-    closing: np.ndarray  # (n,), m/s, on the way here along the last step's normal
-    given: np.ndarray  # (2, n), N, by dashpot and by friction
-
-
-class Cage(NamedTuple):
-    """A rigid ring. Rows of `motion`: place, m, and angle; its velocity at t − dt/2; that before the last kick."""
-
-    motion: np.ndarray  # (3, 3)
-    impulse: np.ndarray  # (3,), N s and N m s, of this step
-    lost: np.ndarray  # (3,), J, so far: in dashpots, by friction, by drag
-    drag: np.ndarray  # (1,), N m s, of this step
-    frame: np.ndarray  # (2,), cosine and sine of the angle
-    cosine: np.ndarray  # (n,), of the pockets' angles at t = 0
-    sine: np.ndarray
-    pockets: CageContacts
-    guide: CageContacts | None  # None: rollers guide it
-    mass: float  # kg
-    inertia: float  # kg m²
-    pitch_radius: float  # m, of the pockets' middles
-    roller_radius: float  # m
-    half_clearance: float  # m, of pockets
-    play: float  # m, half the guide's clearance
-    guide_radius: float  # m, at which the guide rubs; negative where the cage's bore is around it
-    stiffness: float  # N/m
-    damping: float  # N s/m
-    friction: float
-    drag_torque: float  # N m
-    at: int  # place of its first number in a sample
-
-
-class CagePair(NamedTuple):
-    """A cage, its rollers, and the inner ring where that guides it."""
-
-    cage: Cage
-    riders: Riders
-    ring: GuidingRing | None
 
 
 @press.of(CagePair)
@@ -129,226 +46,23 @@ def _turn_drive(ring, drive):
 def meet(pair, dt):
     """Begin a step: end the last one's works, find the contacts, give the springs' impulses."""
     cage, riders = pair.cage, pair.riders
-    motion, pockets, lost = cage.motion, cage.pockets, cage.lost
-    for j in range(riders.n):
-        if pockets.kick[j] != 0.0:
-            rates = _pocket_rates(cage, riders, j)
-            pockets.closing[j] = rates[0]
-            _half_a_work(cage, pockets, j, rates, dt)
-    _end_guide_work(cage, cage.guide, pair.ring, dt)
+    motion, lost = cage.motion, cage.lost
+    end_pocket_works(cage, riders, dt)
+    end_guide_work(cage, cage.guide, pair.ring, dt)
     lost[DRAG] -= 0.5 * cage.drag[0] * motion[1, 2]
     for i in range(3):
         motion[2, i] = motion[1, i]
         cage.impulse[i] = 0.0
-    for j in range(riders.n):
-        _meet_roller(cage, pockets, riders, j, dt)
-    _meet_guide(cage, cage.guide, pair.ring, dt)
-
-
-@part
-def _half_a_work(cage, contacts, j, rates, dt):
-    """What a step's dashpot and friction have taken by the velocities at one of its ends."""
-    cage.lost[DASHPOTS] -= 0.5 * dt * contacts.given[0, j] * rates[0]
-    cage.lost[FRICTION] -= 0.5 * dt * contacts.given[1, j] * rates[1]
-
-
-@part
-def _end_guide_work(cage, guide, ring, dt):
-    if guide is not None and guide.kick[0] != 0.0:
-        rates = _guide_rates(cage, guide, ring)
-        guide.closing[0] = rates[0]
-        _half_a_work(cage, guide, 0, rates, dt)
-
-
-@part
-def _pocket_rates(cage, riders, j):
-    """Of roller j: how fast it closes its contact, and its surface along the wall, m/s."""
-    pockets, velocity, over = cage.pockets, cage.motion[1], 1.0 / riders.mass
-    nx, ny = pockets.normal[0, j], pockets.normal[1, j]
-    x = riders.velocity[0, j] + over * riders.node_impulse[0, j] - velocity[0]
-    y = riders.velocity[1, j] + over * riders.node_impulse[1, j] - velocity[1]
-    along = x * nx + y * ny - velocity[2] * pockets.arm[0, j]
-    turning = (riders.spin[j] + riders.turn_kick[j]) * riders.radius
-    return along, x * ny - y * nx - turning - velocity[2] * pockets.arm[1, j]
-
-
-@part
-def _spring(contacts, j, approach, stiffness, dt):
-    """What a kick gives of a contact's spring, N: see `law.kick_force`, of which this is the linear law.
-
-    A kick's work is along its own normal, and normals turn: what that differs from the approach's change is residual
-    energy too.
-    """
-    force, last, before = stiffness * max(approach, 0.0), contacts.kick[j], contacts.approach[j]
-    kick, residual = kick_force(
-        before, contacts.force[j], 0.0, last, contacts.residual[j], approach, force, 0.0, 1.0, 0.0
-    )
-    if before == before:
-        step, coming = approach - before, contacts.rates[0, j]
-        residual -= 0.5 * ((dt * contacts.closing[j] - step) * last + (dt * coming - step) * kick)
-    contacts.approach[j], contacts.force[j], contacts.kick[j], contacts.residual[j] = approach, force, kick, residual
-    return kick
-
-
-@part
-def _off_middle(cage, guide, j, x, y):
-    """How far a roller at x, y from the cage's centre is off its pocket's middle, m, and in which direction."""
-    c, s = cage.frame[0], cage.frame[1]
-    ex, ey = c * cage.cosine[j] - s * cage.sine[j], s * cage.cosine[j] + c * cage.sine[j]
-    if guide is None:
-        x, y = x - cage.pitch_radius * ex, y - cage.pitch_radius * ey
-        off = sqrt(x * x + y * y)
-        over = 1.0 / max(off, SMALLEST)
-        return off, x * over, y * over
-    ahead = y * ex - x * ey
-    side = 1.0 if ahead > 0.0 else -1.0
-    return abs(ahead), -side * ey, side * ex
-
-
-@part
-def _meet_roller(cage, pockets, riders, j, dt):
-    x, y = riders.centre[0, j] - cage.motion[0, 0], riders.centre[1, j] - cage.motion[0, 1]
-    off, nx, ny = _off_middle(cage, cage.guide, j, x, y)
-    approach = off - cage.half_clearance
-    pockets.closed[j], pockets.given[0, j], pockets.given[1, j] = 0.0, 0.0, 0.0
-    if approach <= 0.0 and pockets.force[j] == 0.0 and pockets.kick[j] == 0.0:
-        pockets.approach[j] = approach
-        return
-    pockets.normal[0, j], pockets.normal[1, j] = nx, ny
-    pockets.arm[0, j], pockets.arm[1, j] = x * ny - y * nx, -(x * nx + y * ny) - riders.radius
-    pockets.rates[0, j], pockets.rates[1, j] = _pocket_rates(cage, riders, j)
-    given = -dt * _spring(pockets, j, approach, cage.stiffness, dt)
-    riders.body_impulse[0, j] += given * nx
-    riders.body_impulse[1, j] += given * ny
-    cage.impulse[0] -= given * nx
-    cage.impulse[1] -= given * ny
-    cage.impulse[2] -= given * pockets.arm[0, j]
-    if approach > 0.0:
-        pockets.closed[j] = 1.0
-
-
-@part
-def _meet_guide(cage, guide, ring, dt):
-    if guide is None:
-        return
-    x, y = cage.motion[0, 0], cage.motion[0, 1]
-    if ring is not None:
-        x, y = x - ring.place[0], y - ring.place[1]
-    off = sqrt(x * x + y * y)
-    approach = off - cage.play
-    guide.closed[0], guide.given[0, 0], guide.given[1, 0] = 0.0, 0.0, 0.0
-    if approach <= 0.0 and guide.force[0] == 0.0 and guide.kick[0] == 0.0:
-        guide.approach[0] = approach
-        return
-    guide.normal[0, 0], guide.normal[1, 0] = x / off, y / off
-    guide.rates[0, 0], guide.rates[1, 0] = _guide_rates(cage, guide, ring)
-    given = -dt * _spring(guide, 0, approach, cage.stiffness, dt)
-    for i in range(2):
-        cage.impulse[i] += given * guide.normal[i, 0]
-    _push_ring(ring, -given * guide.normal[0, 0], -given * guide.normal[1, 0])
-    if approach > 0.0:
-        guide.closed[0] = 1.0
-
-
-@part
-def _push_ring(ring, x, y):
-    if ring is not None:
-        ring.impulse[0] += x
-        ring.impulse[1] += y
-
-
-@part
-def _guide_rates(cage, guide, ring):
-    """How fast the cage moves outward against its guide, and its surface along that's, m/s."""
-    x, y, turning = cage.motion[1, 0], cage.motion[1, 1], cage.motion[1, 2]
-    if ring is not None:
-        x, y, turning = x - ring.velocity[0], y - ring.velocity[1], turning - ring.speed
-    nx, ny = guide.normal[0, 0], guide.normal[1, 0]
-    return x * nx + y * ny, y * nx - x * ny + turning * cage.guide_radius
+    meet_rollers(cage, riders, dt)
+    meet_guide(cage, cage.guide, pair.ring, dt)
 
 
 @part(inlined=False)
 def rub(pair, dt):
     """End a kick: dashpots and friction, each solved for the velocity it leaves, in turn."""
-    cage, riders = pair.cage, pair.riders
-    pockets, over = cage.pockets, 1.0 / cage.mass
-    for j in range(riders.n):
-        if pockets.closed[j] == 0.0:
-            continue
-        light = 1.0 / riders.mass + over
-        mobility = light + pockets.arm[0, j] ** 2 / cage.inertia
-        damped = _dashpot(cage, _pocket_rates(cage, riders, j)[0], pockets.force[j], mobility * dt)
-        pockets.given[0, j] = -damped
-        _push_roller(cage, riders, j, -damped * dt, 0.0)
-        mobility = light + riders.radius**2 / riders.inertia + pockets.arm[1, j] ** 2 / cage.inertia
-        slip, limit = _pocket_rates(cage, riders, j)[1], cage.friction * (pockets.force[j] + damped)
-        pockets.given[1, j] = -min(max(slip / (mobility * dt), -limit), limit)
-        _push_roller(cage, riders, j, 0.0, pockets.given[1, j] * dt)
-        _half_a_work(cage, pockets, j, (pockets.rates[0, j], pockets.rates[1, j]), dt)
-    _rub_guide(cage, cage.guide, pair.ring, dt)
-
-
-@part
-def _dashpot(cage, closing, force, mobility_dt):
-    """Force of a dashpot, N, that leaves closing − mobility·dt·force of a speed; with the spring's it never pulls."""
-    return max(cage.damping * closing / (1.0 + cage.damping * mobility_dt), -force)
-
-
-@part
-def _push_roller(cage, riders, j, given, rubbed):
-    """Impulses on roller j along its contact's normal and across it, N s, and against them on the cage."""
-    pockets, velocity = cage.pockets, cage.motion[1]
-    nx, ny = pockets.normal[0, j], pockets.normal[1, j]
-    x, y = given * nx + rubbed * ny, given * ny - rubbed * nx
-    riders.velocity[0, j] += x / riders.mass
-    riders.velocity[1, j] += y / riders.mass
-    riders.turn_kick[j] -= rubbed * riders.radius / riders.inertia
-    velocity[0] -= x / cage.mass
-    velocity[1] -= y / cage.mass
-    velocity[2] -= (given * pockets.arm[0, j] + rubbed * pockets.arm[1, j]) / cage.inertia
-
-
-@part
-def _rub_guide(cage, guide, ring, dt):
-    if guide is None:
-        return
-    _clear_ring(ring)
-    if guide.closed[0] == 0.0:
-        return
-    light = 1.0 / cage.mass
-    if ring is not None:
-        light += 1.0 / ring.mass
-    damped = _dashpot(cage, _guide_rates(cage, guide, ring)[0], guide.force[0], light * dt)
-    guide.given[0, 0] = -damped
-    _push_by_guide(cage, guide, ring, -damped * dt, 0.0)
-    slip, limit = _guide_rates(cage, guide, ring)[1], cage.friction * (guide.force[0] + damped)
-    mobility = light + cage.guide_radius**2 / cage.inertia
-    guide.given[1, 0] = -min(max(slip / (mobility * dt), -limit), limit)
-    _push_by_guide(cage, guide, ring, 0.0, guide.given[1, 0] * dt)
-    _half_a_work(cage, guide, 0, (guide.rates[0, 0], guide.rates[1, 0]), dt)
-
-
-@part
-def _clear_ring(ring):
-    if ring is not None:
-        for i in range(3):
-            ring.rubbed[i] = 0.0
-
-
-@part
-def _push_by_guide(cage, guide, ring, given, rubbed):
-    """Impulses on the cage along the guide's normal and across it, N s, and against them on the ring."""
-    nx, ny, velocity = guide.normal[0, 0], guide.normal[1, 0], cage.motion[1]
-    x, y = given * nx - rubbed * ny, given * ny + rubbed * nx
-    velocity[0] += x / cage.mass
-    velocity[1] += y / cage.mass
-    velocity[2] += rubbed * cage.guide_radius / cage.inertia
-    if ring is not None:
-        ring.velocity[0] -= x / ring.mass
-        ring.velocity[1] -= y / ring.mass
-        ring.rubbed[0] -= x
-        ring.rubbed[1] -= y
-        ring.rubbed[2] -= rubbed * cage.guide_radius
+    cage = pair.cage
+    rub_pockets(cage, pair.riders, dt)
+    rub_guide(cage, cage.guide, pair.ring, dt)
 
 
 @kick_body.of(Cage)
@@ -384,43 +98,14 @@ def _add_motion(cage, drive, out, kinetic):
         out[at + 6 + i] = cage.lost[i]
         out[DISSIPATED] += cage.lost[i]
     out[at + 3] = 0.5 * (before[2] + after[2])
-    out[at + 4], out[at + 5] = _guide_force(cage.guide)
+    out[at + 4], out[at + 5] = guide_force(cage.guide)
     n, stored, at = pockets.force.size, 0.0, at + N_CAGE_SCALARS
     c, s = cage.frame[0], cage.frame[1]
     for j in range(n):
         ex, ey = c * cage.cosine[j] - s * cage.sine[j], s * cage.cosine[j] + c * cage.sine[j]
-        x, y = _pocket_force(pockets, j)
+        x, y = pocket_force(pockets, j)
         out[at + j] = y * ex - x * ey
         out[at + n + j] = x * ex + y * ey
         out[at + 2 * n + j] = -pockets.given[1, j] * cage.roller_radius
         stored += pockets.force[j] ** 2
-    out[CONTACT] += 0.5 * (stored + _squared(cage.guide)) / cage.stiffness
-
-
-@part
-def _pocket_force(pockets, j):
-    """On roller j, N, x and y."""
-    if pockets.closed[j] == 0.0:
-        return 0.0, 0.0
-    nx, ny, pushed, rubbed = pockets.normal[0, j], pockets.normal[1, j], pockets.given[0, j], pockets.given[1, j]
-    pushed -= pockets.force[j]
-    return pushed * nx + rubbed * ny, pushed * ny - rubbed * nx
-
-
-@part
-def _guide_force(guide):
-    """On the cage, N, x and y."""
-    if guide is None or guide.closed[0] == 0.0:
-        return 0.0, 0.0
-    nx, ny, pushed, rubbed = (
-        guide.normal[0, 0],
-        guide.normal[1, 0],
-        guide.given[0, 0] - guide.force[0],
-        guide.given[1, 0],
-    )
-    return pushed * nx - rubbed * ny, pushed * ny + rubbed * nx
-
-
-@part
-def _squared(guide):
-    return 0.0 if guide is None else guide.force[0] ** 2
+    out[CONTACT] += 0.5 * (stored + guide_squared(cage.guide)) / cage.stiffness

@@ -14,21 +14,10 @@ Eight contacts at a time: lanes are rollers, of which the last may be spare. Arr
 import numpy as np
 
 from fem.kernels.jit import every, part, verb
+from fem.kernels.lane_memory import gather, load, scatter_add, store
+from fem.kernels.lanes import WIDTH, any_lane, count_from, root, select, splat, total
 from fem.kernels.law import kick_force, next_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
-from fem.kernels.simd import (
-    WIDTH,
-    any_lane,
-    count_from,
-    gather,
-    load,
-    root,
-    scatter_add,
-    select,
-    splat,
-    store,
-    total,
-)
 from fem.kernels.state import CONTACTS, Neighbours, Raceway
 from fem.kernels.surfaces import gather_seam, keep_motion, kept_motion, push, put_down, read, unseal
 

@@ -17,10 +17,11 @@ from fem.kernels.contact_kernels import next_roller
 from fem.kernels.course_kernels import speed_of
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import larger, logarithm, smaller
+from fem.kernels.lane_memory import gather, gather_pair, load, store
+from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, total
 from fem.kernels.law import STEEPEST
 from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.simd import WIDTH, any_lane, count_from, gather, gather_pair, load, select, splat, store, total
 from fem.kernels.state import CONTACTS, DiscSurface, Hub, Neighbours, Raceway, RigidDisc, RingSurface
 from fem.kernels.surfaces import first_weight, gather_seam, next_node, push, push_body, unseal
 

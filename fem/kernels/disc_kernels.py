@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.jit import part
-from fem.kernels.simd import fma, gather, load, splat, store
+from fem.kernels.lane_memory import gather, load, store
+from fem.kernels.lanes import fma, splat
 
 COLUMNS = 16  # handled together
 
@@ -26,20 +27,19 @@ class Turns(NamedTuple):
 
 
 @part(inlined=False)
-def kick(disc, w, columns, torque, first, end, at_sum):
+def kick(disc, w, columns, torque):
     """w += dt·internal acceleration; torque of the internal forces.
 
     Parameters
     ----------
     disc : `state.Disc`; w : its velocities, or others to be changed instead
-    torque : filled, from at_sum on, with dt·Σ u x f by column, N m s: second order in u, 0 for exact elasticity
-    first, end : the nodes to take
+    torque : filled with dt·Σ u x f by column, N m s: second order in u, 0 for exact elasticity
     """
     starts, neighbours, blocks, mass, u = disc.starts, disc.neighbours, disc.blocks, disc.mass, disc.u
     stride = 2 * columns
     for block in range(0, columns, COLUMNS):
         t0, t1 = splat(0.0), splat(0.0)
-        for i in range(first, end):
+        for i in range(mass.size):
             fx0, fx1, fy0, fy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
             gx0, gx1, gy0, gy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)  # sums apart: none waits for another
             for k in range(gather(starts, i), gather(starts, i + 1)):
@@ -61,19 +61,18 @@ def kick(disc, w, columns, torque, first, end, at_sum):
             store(w, at + 8, load(w, at + 8) + fx1)
             store(w, at + columns, load(w, at + columns) + fy0)
             store(w, at + columns + 8, load(w, at + columns + 8) + fy1)
-        store(torque, at_sum + block, t0)
-        store(torque, at_sum + block + 8, t1)
+        store(torque, block, t0)
+        store(torque, block + 8, t1)
 
 
 @part(inlined=False)
-def drift(disc, turns, columns, dt, moment, first, end, at_sum):
+def drift(disc, turns, columns, dt, moment):
     """Add a rigid turn, take out the mean velocity, move, and turn the frame.
 
     Parameters
     ----------
     disc : `state.Disc`
-    moment : filled, from at_sum on, with Σ m X x (X + u) by column, kg m²: inertia times the body's lead of its frame
-    first, end : the nodes to take
+    moment : filled with Σ m X x (X + u) by column, kg m²: inertia times the body's lead of its frame
     """
     points, mass, u, w = disc.points, disc.mass, disc.u, disc.w
     stride = 2 * columns
@@ -81,7 +80,7 @@ def drift(disc, turns, columns, dt, moment, first, end, at_sum):
         c, s = load(turns.cosine, block), load(turns.sine, block)
         ax, ay, k = load(turns.shift_x, block), load(turns.shift_y, block), load(turns.kick, block)
         lead = splat(0.0)
-        for i in range(first, end):
+        for i in range(mass.size):
             at = i * stride + block
             px, py = gather(points, 2 * i), gather(points, 2 * i + 1)
             wx = load(w, at) - py * k - ax
@@ -95,4 +94,4 @@ def drift(disc, turns, columns, dt, moment, first, end, at_sum):
             store(w, at, c * wx + s * wy)
             store(w, at + columns, c * wy - s * wx)
             lead = fma(gather(mass, i), px * uy - py * ux, lead)
-        store(moment, at_sum + block, lead)
+        store(moment, block, lead)

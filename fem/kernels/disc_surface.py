@@ -3,19 +3,10 @@
 from math import pi
 
 from fem.kernels.jit import part
+from fem.kernels.lane_memory import add_at_places, gather_pair, gather_places, gather_rows, load, scatter_add, store
+from fem.kernels.lanes import select, splat
 from fem.kernels.law import seamless
 from fem.kernels.patches import N_NODES, dot, put, take, weight_slopes, weights
-from fem.kernels.simd import (
-    add_at_places,
-    gather_pair,
-    gather_places,
-    gather_rows,
-    load,
-    scatter_add,
-    select,
-    splat,
-    store,
-)
 from fem.kernels.state import DiscSurface
 from fem.kernels.surfaces import (
     count_impulse,

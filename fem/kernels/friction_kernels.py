@@ -7,23 +7,9 @@ what T dissipates is exactly what it takes from the bodies.
 from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers, with_dampers
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger
+from fem.kernels.lane_memory import gather, load, store
+from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, real, root, select, splat, total, whole, with_sign
 from fem.kernels.shear_kernels import let_go, spring_back, stretch
-from fem.kernels.simd import (
-    WIDTH,
-    any_lane,
-    count_from,
-    gather,
-    load,
-    magnitude,
-    real,
-    root,
-    select,
-    splat,
-    store,
-    total,
-    whole,
-    with_sign,
-)
 from fem.kernels.state import Neighbours, Raceway
 from fem.kernels.surfaces import (
     body_mobility,

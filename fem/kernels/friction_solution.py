@@ -12,7 +12,8 @@ from fem.kernels.friction_kernels import (
     whole_mobility,
 )
 from fem.kernels.jit import every, part, verb
-from fem.kernels.simd import WIDTH, any_lane, count_from, load, select, splat, store, total
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, total
 from fem.kernels.state import CONTACTS, ROLLER, Neighbours, Raceway
 from fem.kernels.surfaces import body_motion
 

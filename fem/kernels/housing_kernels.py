@@ -28,7 +28,7 @@ class Resonator(NamedTuple):
 
 
 class Housing(NamedTuple):
-    """A rigid body with the held row of an elastic outer ring, or with a rigid one."""
+    """A rigid body with the held row of an elastic outer ring, or with a rigid one, or with none: a bored one's."""
 
     place: np.ndarray  # (2,), m, of the outer ring's centre; 0 where the springs are slack
     velocity: np.ndarray  # (2,), m/s, at t − dt/2
@@ -36,10 +36,10 @@ class Housing(NamedTuple):
     impulse: np.ndarray  # (2,), N s, of this step, by contacts on the outer ring as a whole
     drag: np.ndarray  # (2,), N, of the dashpots in the last kick
     dissipated: np.ndarray  # (1,), J, so far
-    ring: Ring | None  # None: rigid
+    ring: Ring | None  # None: rigid, or with play in the housing's bore
     line: np.ndarray  # (2, ring's width), room
     sensor: Resonator | None
-    mass: float  # kg, with held nodes or a rigid ring
+    mass: float  # kg, with held nodes or a rigid ring, if it has them
     stiffness: float  # N/m
     damping: float  # N s/m
     column: int  # of a sample's row, its first

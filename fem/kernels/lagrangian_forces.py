@@ -9,9 +9,10 @@ from fem.kernels.course_kernels import GAIN, SPEED, TURN, follow, load_at, with_
 from fem.kernels.jit import part, verb
 from fem.kernels.lagrangian_state import INNER, OUTER, PowerConstants
 from fem.kernels.lane_functions import exponential, larger, logarithm, smaller
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
 from fem.kernels.law import contact_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
-from fem.kernels.simd import WIDTH, any_lane, count_from, load, magnitude, root, select, splat, store, total
 from fem.kernels.state import Course
 
 FARTHEST = 1e100  # m²: what is farther, or not a number, has no direction
@@ -117,6 +118,7 @@ def accelerate(motion, bearing, dampers, time):
     aside, radial_load = load_at(bearing.course, bearing, time)
     hub[2, 0] = with_aside(bearing.course, x, aside) / bearing.hub_mass
     hub[2, 1] = (y - radial_load) / bearing.hub_mass - bearing.gravity
+    _pull_back(bearing.springs, hub, bearing.hub_mass)
     return total(power) + turning * (hub[0, 0] * y - hub[0, 1] * x)
 
 
@@ -272,6 +274,14 @@ def _remember(dampers, group, columns, axes, normals, closing):
             store(dampers.closing, k * columns + group, closing[k])
         for k in range(4):
             store(dampers.normal, k * columns + group, normals[k])
+
+
+@part
+def _pull_back(springs, hub, mass):
+    """The shaft's springs accelerate the hub."""
+    if springs is not None:
+        for k in range(2):
+            hub[2, k] -= springs.stiffness / mass * hub[0, k]
 
 
 @part

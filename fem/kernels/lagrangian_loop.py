@@ -1,21 +1,22 @@
 """The time loop of the Lagrangian model: the steps of `lagrange.integrate`, their reference, on lanes."""
 
-from math import pi, sin
+from math import exp, expm1, pi, sin
 
 from fem.kernels.course_kernels import FORCE_X, FORCE_Y, RATE_X, RATE_Y, follow, share_at
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.lagrangian_forces import accelerate, damp
-from fem.kernels.simd import WIDTH, fma, load, splat, store
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, fma, splat
 from fem.kernels.state import Course
 
-HELD, RAMPED, DISSIPATED, POWER = 0, 1, 2, 3  # of `IdealMotion.works`
+HELD, RAMPED, DISSIPATED, DASHPOTS, POWER = range(5)  # of `IdealMotion.works`
 
 
 @kernel(nogil=True)
 def advance_lagrangian(motion, bearing, dampers, clock, rows):
     """Fill rows with the samples after those that are done, and leave the motion at the last.
 
-    By Blanes and Moan's scheme, with dampers (not None) by leapfrog.
+    By Blanes and Moan's scheme, by leapfrog where the clock has no kicks: with dampers, or dashpots of the shaft.
 
     Returns the number of rows filled: fewer where the hub's place is no number any more.
     """
@@ -26,10 +27,7 @@ def advance_lagrangian(motion, bearing, dampers, clock, rows):
         begin = -1 if first == 0 else first  # a step of no length finds the accelerations at the start
         for number in range(begin, first + clock.per_sample):
             length = clock.step if number >= 0 else 0.0
-            if dampers is None:
-                _composed(motion, bearing, clock, number, length)
-            else:
-                _damped(motion, bearing, dampers, number, length)
+            _step(clock.kicks, motion, bearing, dampers, clock, number, length)
         for k in range(2):
             if not motion.hub[0, k] - motion.hub[0, k] == 0.0:
                 return row
@@ -45,8 +43,16 @@ def _write(motion, row, rows):
     size = 2 * motion.elements[0].size
     for at in range(0, size, WIDTH):
         store(rows.elements, row * size + at, load(motion.elements, at))
-    for i in range(3):
+    for i in range(POWER):
         rows.works[row, i] = motion.works[i]
+
+
+@part
+def _step(kicks, motion, bearing, dampers, clock, number, length):
+    if kicks is None:
+        _damped(motion, bearing, dampers, number, length)
+    else:
+        _composed(motion, bearing, clock, number, length)
 
 
 @part
@@ -63,18 +69,39 @@ def _composed(motion, bearing, clock, number, length):
 
 @part
 def _damped(motion, bearing, dampers, number, length):
-    """Drift, kick, damp, kick, drift; second order. The dampers' flow by the midpoint rule at frozen positions."""
+    """Drift, kick, damp, kick, drift; second order."""
     half, time, works = 0.5 * length, length * (number + 0.5), motion.works
     _drift(motion, half)
     works[POWER] = accelerate(motion, bearing, dampers, time)
     _kick(motion, bearing, half, time)
-    for ahead in (0.0, half):
-        loss, taken = damp(motion, bearing, dampers, ahead)
-    _push(motion.hub, dampers.hub, length, motion.elements, dampers.elements)
-    works[DISSIPATED] += length * loss
-    works[HELD] += length * taken
+    _slow_hub(bearing.springs, motion, bearing.hub_mass, half)
+    _damp_contacts(dampers, motion, bearing, length)
     _kick(motion, bearing, half, time)
+    _slow_hub(bearing.springs, motion, bearing.hub_mass, half)
     _drift(motion, half)
+
+
+@part
+def _damp_contacts(dampers, motion, bearing, length):
+    """The dampers' flow by the midpoint rule at frozen positions."""
+    if dampers is not None:
+        for ahead in (0.0, 0.5 * length):
+            loss, taken = damp(motion, bearing, dampers, ahead)
+        _push(motion.hub, dampers.hub, length, motion.elements, dampers.elements)
+        motion.works[DISSIPATED] += length * loss
+        motion.works[HELD] += length * taken
+
+
+@part
+def _slow_hub(springs, motion, mass, seconds):
+    """A kick so long, just made, had the shaft's dashpots acted as well: see `lagrange.systems`, `slowed`."""
+    if springs is not None and springs.damping > 0.0 and seconds > 0.0:
+        rate, hub = springs.damping / mass, motion.hub
+        left = exp(-rate * seconds)
+        for k in range(2):
+            kicked, before = hub[1, k], hub[1, k] - seconds * hub[2, k]
+            hub[1, k] = left * before - expm1(-rate * seconds) / rate * hub[2, k]
+            motion.works[DASHPOTS] -= 0.5 * mass * (hub[1, k] - kicked) * (before + hub[1, k])
 
 
 @part

@@ -28,7 +28,8 @@ class IdealMotion(NamedTuple):
 
     hub: np.ndarray  # (3, 2), place, m, velocity, acceleration
     elements: np.ndarray  # (3, 1 or 2, columns), the same along each axis of their own
-    # (4,), J: of what holds the angles and turns the bodies, of the ramp, dissipated; and the power of the first, W
+    # (5,), J: of what holds the angles and turns the bodies, of the ramp, dissipated by contacts, and by the shaft's
+    # dashpots; and the power of the first, W
     works: np.ndarray
     force: np.ndarray  # (2, columns), N, of the springs; those of the last positions, room before any
 
@@ -38,6 +39,13 @@ class Surfaces(NamedTuple):
 
     rings: tuple  # the inner and the outer raceway
     rollers: tuple  # the elements in their contacts with them
+
+
+class ShaftSprings(NamedTuple):
+    """What holds the shaft beside the bearing; see `lagrange.mounting.Shaft`."""
+
+    stiffness: float  # N/m
+    damping: float  # N s/m
 
 
 class IdealBearing(NamedTuple):
@@ -59,6 +67,7 @@ class IdealBearing(NamedTuple):
     n: int
     columns: int
     course: Course | None = None  # of speed and load; None: they stay
+    springs: ShaftSprings | None = None  # None: the bearing alone holds the hub
 
 
 class Dampers(NamedTuple):
@@ -81,8 +90,8 @@ class Clock(NamedTuple):
     step: float  # s
     per_sample: int  # steps
     done: int  # samples so far
-    kicks: np.ndarray  # (stages + 1,), of a step
-    drifts: np.ndarray  # (stages,)
+    kicks: np.ndarray | None  # (stages + 1,), of a step; None: of leapfrog, for what takes energy
+    drifts: np.ndarray | None  # (stages,)
 
 
 class Rows(NamedTuple):
@@ -90,4 +99,4 @@ class Rows(NamedTuple):
 
     hub: np.ndarray  # (n_rows, 2, 2), places and velocities
     elements: np.ndarray  # (n_rows, 2, 1 or 2, columns)
-    works: np.ndarray  # (n_rows, 3), J
+    works: np.ndarray  # (n_rows, 4), J

@@ -7,7 +7,7 @@ coefficients.
 from math import log, pi
 
 from fem.kernels.jit import part
-from fem.kernels.simd import exponent_and_mantissa, magnitude, power_of_two, real, select, whole, with_sign
+from fem.kernels.lanes import exponent_and_mantissa, magnitude, power_of_two, real, select, whole, with_sign
 
 TAN_EIGHTH = 0.41421356237309503  # tan(π/8)
 LN_2 = log(2.0)

@@ -9,7 +9,8 @@ import numpy as np
 
 from fem.kernels.jit import kernel, part
 from fem.kernels.lane_functions import larger, logarithm, smaller
-from fem.kernels.simd import any_lane, gather, gather_quads, magnitude, real, select, whole
+from fem.kernels.lane_memory import gather, gather_quads
+from fem.kernels.lanes import any_lane, magnitude, real, select, whole
 
 KNOTS_PER_NODE = 8  # the ripple's highest wave is one node spacing long
 STANDING = 1e-4  # of its value: an approach that changes less works as a constant force

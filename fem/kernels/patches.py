@@ -5,7 +5,7 @@ spaced nodes is the quintic B-spline at the nodes. Four continuous derivatives: 
 """
 
 from fem.kernels.jit import kernel, part
-from fem.kernels.simd import load, store
+from fem.kernels.lane_memory import load, store
 
 N_NODES = 6
 ONE = (0,)  # as long as a contact of one patch

@@ -7,8 +7,8 @@ profile have None, which compiles to nothing.
 from math import pi
 
 from fem.kernels.jit import part
+from fem.kernels.lane_memory import load
 from fem.kernels.law import spline_at
-from fem.kernels.simd import load
 from fem.kernels.surfaces import place
 
 

@@ -6,10 +6,11 @@ the hub: rollers are eliminated, two equations of the hub's velocity are left.
 
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import larger, logarithm, smaller
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.law import STEEPEST
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.sample_kernels import DAMPED_BY_BODIES, DAMPED_BY_CONTACTS, DISSIPATED, N_SCALARS
-from fem.kernels.simd import WIDTH, count_from, load, select, splat, store, total
 
 
 @part

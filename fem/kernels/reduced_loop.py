@@ -17,8 +17,10 @@ from fem.kernels.course_kernels import (
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
-from fem.kernels.reduced_contacts import estimate_forces, kick, press_neighbours, set_right, sweep_again
+from fem.kernels.reduced_contacts import estimate_forces, set_right, sweep_again
 from fem.kernels.reduced_damping import damp_contacts, write_damping
+from fem.kernels.reduced_friction import press_neighbours
+from fem.kernels.reduced_kick import TWELFTH, kick
 from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings, vibration_energies
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.sample_kernels import (
@@ -38,6 +40,7 @@ from fem.kernels.sample_kernels import (
     WORK_GRAVITY,
     WORK_LOAD,
 )
+from fem.kernels.shaft_kernels import pull
 from fem.kernels.state import Course
 from fem.kernels.time_loop import DONE, NOT_FINITE, lost
 
@@ -65,6 +68,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             aside, radial_load = load_at(drive.course, drive, time)
             before.hub_acceleration[0] = with_aside(drive.course, hub_x, aside) / bodies.hub_mass
             before.hub_acceleration[1] = (hub_y - radial_load) / bodies.hub_mass - drive.gravity
+            _hold_hub(bodies.shaft, before.hub_acceleration)
             given = drive.sums[1]
             press_neighbours(bodies, compliance, forces, drive, before, 2.0 * bodies.radius * TOUCHING)
             hub_x, hub_y = kick(bodies, compliance, forces, drive, before)
@@ -72,6 +76,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             over = drive.dt / bodies.hub_mass
             bodies.hub_velocity[0] += over * with_aside(drive.course, hub_x, aside)
             bodies.hub_velocity[1] += over * (hub_y - radial_load) - drive.gravity * drive.dt
+            _pull_hub(bodies.shaft, before.hub_acceleration, drive.dt)
             _push_cage(bodies.cage, bodies, drive)
             damp_contacts(forces.dampers, bodies, compliance, forces, before, drive.dt)
             if inside == 0:
@@ -85,6 +90,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
                 out[DISSIPATED] = drive.sums[2]
                 write_damping(forces.dampers, bodies.n, out)
                 _write_cage(bodies.cage, drive, out)
+                _write_shaft(bodies.shaft, drive, out)
             past, next_ = carried_by(bodies.vibrations, 1), carried_by(bodies.vibrations, 2)
             work = before.hub_velocity[1] + bodies.hub_velocity[1]
             work += past[1] + next_[1]
@@ -94,6 +100,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             _change_ahead(drive.course, drive, before, time, radial_load)
             _drift(bodies, drive.dt)
             _drift_cage(bodies.cage, drive)
+            _drift_shaft(bodies.shaft, drive)
             step += 1
             body = lost(bodies.hub_velocity, bodies)
             if body != -2:
@@ -117,6 +124,34 @@ def _change_all_ahead(course, drive, before, time, radial_load):
     y = grown * now[FORCE_Y] + more * drive.dt * now[RATE_Y]
     a = before.hub_acceleration
     drive.sums[0] -= drive.dt * drive.dt / 12.0 * (a[0] * x + a[1] * y)
+
+
+@part
+def _hold_hub(shaft, acceleration):
+    """The shaft's springs accelerate the hub."""
+    if shaft is not None:
+        for k in range(2):
+            acceleration[k] -= shaft.stiffness / shaft.mass * shaft.place[k]
+
+
+@part
+def _pull_hub(shaft, acceleration, dt):
+    """The shaft's kick, its springs ahead as the contacts' forces are: see `reduced_contacts.kick`."""
+    if shaft is not None:
+        ahead, place = TWELFTH * dt * dt, shaft.place
+        pull(shaft, dt, place[0] + ahead * acceleration[0], place[1] + ahead * acceleration[1])
+
+
+@part
+def _write_shaft(shaft, drive, out):
+    if shaft is not None:
+        add_motion(shaft, drive, out, KINETIC)
+
+
+@part
+def _drift_shaft(shaft, drive):
+    if shaft is not None:
+        drift_body(shaft, drive)
 
 
 @part

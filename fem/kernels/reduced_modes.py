@@ -6,7 +6,8 @@ theirs has no place in a scene they are None and nothing is compiled.
 
 from fem.kernels.course_kernels import with_aside
 from fem.kernels.jit import part
-from fem.kernels.simd import WIDTH, count_from, load, select, splat, store, total
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 
 
 @part

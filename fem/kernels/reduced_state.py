@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.cage_kernels import CagePair
+from fem.kernels.cage_state import CagePair
+from fem.kernels.shaft_kernels import Shaft
 from fem.kernels.state import Course, Law
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
@@ -56,6 +57,7 @@ class RigidBodies(NamedTuple):
     n: int
     columns: int
     cage: CagePair | None
+    shaft: Shaft | None = None  # None: the bearing alone holds the hub
 
 
 class Compliance(NamedTuple):

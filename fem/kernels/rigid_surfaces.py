@@ -7,7 +7,8 @@ hub, a rigid outer one the ground. Every traction on one of them moves its other
 
 from fem.kernels.course_kernels import speed_of
 from fem.kernels.jit import verb
-from fem.kernels.simd import WIDTH, gather, load, splat, store, total
+from fem.kernels.lane_memory import gather, load, store
+from fem.kernels.lanes import WIDTH, splat, total
 from fem.kernels.state import Hub, RigidDisc
 from fem.kernels.surfaces import body_mobility, body_motion, grip, push, push_body, sideways
 

@@ -9,7 +9,8 @@ those of `w` are room, see `ring_surface`.
 import numpy as np
 
 from fem.kernels.jit import part
-from fem.kernels.simd import WIDTH, fma, from_left, from_right, gather, load, splat, store, total
+from fem.kernels.lane_memory import gather, load, store
+from fem.kernels.lanes import WIDTH, fma, from_left, from_right, splat, total
 
 HALO = WIDTH  # one register: keeps the rows aligned
 

@@ -3,10 +3,11 @@
 from math import pi
 
 from fem.kernels.jit import part
+from fem.kernels.lane_memory import add_to_rows, gather, gather_rows, load, store
+from fem.kernels.lanes import splat
 from fem.kernels.law import seamless
 from fem.kernels.patches import N_NODES, combined, dot, products, put, take, times, weight_slopes, weights
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.simd import add_to_rows, gather, gather_rows, load, splat, store
 from fem.kernels.state import RingSurface
 from fem.kernels.surfaces import (
     first_weight,
@@ -74,14 +75,19 @@ def _give(ring, patches, at, radial, around, impulse):
     return impulse * (ring.radius * total + (dot(a, around) - dot(b, radial)))
 
 
-@push.of(RingSurface)
-def _push(ring, patches, side, group, impulse):
+@part
+def _give_all(ring, patches, side, group, radial, around, impulse):
+    """Give the nodes of eight patches `radial` and `around` of an impulse each, arrays of `Patches`; their moments."""
     at, columns, moment = first_weight(patches, side, group), patches.columns, splat(0.0)
     for unit in range(len(patches.units)):
         i = at + unit * N_NODES * columns
-        radial, around = take(patches.along, i, columns), take(patches.across, i, columns)
-        moment += _give(ring, patches, i, radial, around, impulse)
+        moment += _give(ring, patches, i, take(radial, i, columns), take(around, i, columns), impulse)
     return moment
+
+
+@push.of(RingSurface)
+def _push(ring, patches, side, group, impulse):
+    return _give_all(ring, patches, side, group, patches.along, patches.across, impulse)
 
 
 @grip.of(RingSurface)
@@ -116,12 +122,7 @@ def _sideways(ring, patches, side, group, column, nx, ny):
 
 @push_along.of(RingSurface)
 def _push_along(ring, patches, side, group, impulse):
-    at, columns, moment = first_weight(patches, side, group), patches.columns, splat(0.0)
-    for unit in range(len(patches.units)):
-        i = at + unit * N_NODES * columns
-        radial, around = take(patches.traction_x, i, columns), take(patches.traction_y, i, columns)
-        moment += _give(ring, patches, i, radial, around, impulse)
-    return moment
+    return _give_all(ring, patches, side, group, patches.traction_x, patches.traction_y, impulse)
 
 
 @seal.of(RingSurface)

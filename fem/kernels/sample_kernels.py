@@ -9,13 +9,14 @@ from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.course_kernels import is_turning, load_at, speed_of, with_aside
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import cosine_and_sine
+from fem.kernels.lane_memory import load
+from fem.kernels.lanes import WIDTH, splat
+from fem.kernels.lanes import total as lane_total
 from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_all_motion
 from fem.kernels.rigid_surfaces import turning_energy
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.shear_kernels import spring_energy
-from fem.kernels.simd import WIDTH, load, splat
-from fem.kernels.simd import total as lane_total
 from fem.kernels.state import CONTACTS, Course
 
 # columns of a sample: the hub, the energies, then blocks of n_rollers, then those of further bodies
@@ -261,7 +262,7 @@ def elastic_energy(bodies, drive, scratch):
     disc, inner, outer = bodies.disc, bodies.inner, bodies.outer
     total, dt, columns = 0.0, drive.dt, bodies.rollers.columns
     scratch.rollers_w[:] = 0.0
-    disc_kernels.kick(disc, scratch.rollers_w, columns, scratch.torque, 0, disc.mass.size, 0)
+    disc_kernels.kick(disc, scratch.rollers_w, columns, scratch.torque)
     for j in range(0, bodies.rollers.n, WIDTH):
         part = splat(0.0)
         for i in range(disc.mass.size):

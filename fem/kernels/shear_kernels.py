@@ -19,8 +19,9 @@ Source: Newmark, ASCE J. Eng. Mech. 85 (1959) 67; Elata and Berryman, Mechanics 
 
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger, smaller
+from fem.kernels.lane_memory import gather, load, store
+from fem.kernels.lanes import magnitude, select, splat
 from fem.kernels.law import STEEPEST
-from fem.kernels.simd import gather, load, magnitude, select, splat, store
 from fem.kernels.state import Shear
 
 

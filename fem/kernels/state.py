@@ -3,7 +3,7 @@
 A body has nodes, and a surface by which its contacts know it: `DiscSurface`, `RingSurface`, `RigidDisc`, `Hub` or
 `Ground`. A pair of bodies is a `Raceway` (a ring's surface and the rollers) or `Neighbours` (roller j and j + 1); its
 row is where its contacts stand in the arrays of `Contacts`. Surfaces and pairs share their arrays with the bodies. What
-a scene's bodies, contacts and threads do not need is thereby not compiled.
+a scene's bodies and contacts do not need is thereby not compiled.
 """
 
 from typing import NamedTuple
@@ -347,8 +347,7 @@ class Scratch(NamedTuple):
 
     bore: np.ndarray  # (2, inner n_sectors + 2 HALO)
     line: np.ndarray  # (2, outer n_sectors + 2 HALO)
-    team: np.ndarray | None  # (threads,); None: one
-    torque: np.ndarray  # (threads · columns,)
+    torque: np.ndarray  # (columns,)
     still: np.ndarray  # (columns,), 0
     shift: np.ndarray  # (2, columns)
     cosine: np.ndarray  # (columns,), of the frames' turn in a step

@@ -15,8 +15,9 @@ from math import pi
 
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import arc_tangent
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import real, select, splat, whole
 from fem.kernels.patches import N_NODES, first_node
-from fem.kernels.simd import load, real, select, splat, store, whole
 
 
 @verb

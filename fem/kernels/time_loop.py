@@ -1,11 +1,14 @@
 """The time loop: leapfrog steps of the whole bearing."""
 
+import fem.kernels.bore_kernels
 import fem.kernels.disc_surface  # what contacts ask of each type of surface
 import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.rigid_surfaces
 import fem.kernels.ring_surface
+import fem.kernels.shaft_kernels
 import fem.kernels.support_kernels  # noqa: F401
-from fem.kernels.cage_kernels import CagePair, rub_cage
+from fem.kernels.cage_kernels import rub_cage
+from fem.kernels.cage_state import CagePair
 from fem.kernels.contact_kernels import press_patches, push_neighbours, push_patches
 from fem.kernels.course_kernels import follow, load_at, step_of, with_aside
 from fem.kernels.damping_kernels import damp_bodies, damp_contacts
@@ -13,12 +16,13 @@ from fem.kernels.drive_kernels import kick_hub, move_hub
 from fem.kernels.friction_solution import friction_contacts, slips_before
 from fem.kernels.jit import every, kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, fma
+from fem.kernels.node_kernels import drift_nodes, kick_nodes
 from fem.kernels.other_bodies import drift_others, kick_others
 from fem.kernels.resolved_kernels import press_all_points
 from fem.kernels.rigid_surfaces import settle, turn
 from fem.kernels.sample_kernels import remember, write_sample
-from fem.kernels.simd import WIDTH, fma, load, store
-from fem.kernels.team_kernels import drift_bodies, kick_bodies
 
 DONE, NOT_FINITE = 0, 1
 rub_cages = every(rub_cage, CagePair)
@@ -63,7 +67,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     before_x, before = drive.velocity[0], drive.velocity[1]
     aside, radial_load = load_at(drive.course, drive, time)
     moment = kick_hub(bodies.inner, drive, aside, radial_load, scratch)
-    kick_bodies(bodies, drive, scratch, scratch.team)
+    kick_nodes(bodies, drive, scratch)
     kick_others(bodies.others, drive)
     rub_cages(groups, drive)
     _take_back_torque(rollers, scratch)
@@ -108,7 +112,7 @@ def drift(bodies, drive, scratch):
     _move_rollers(rollers, dt, scratch)
     step = step_of(drive.course, drive)
     cosine, sine = cosine_and_sine(step)
-    drift_bodies(bodies, drive, scratch, cosine, sine, scratch.team)
+    drift_nodes(bodies, drive, scratch, cosine, sine)
     turn(bodies.surface, rollers, dt, scratch.torque)
     _turn_rollers(rollers, dt, scratch)
     move_hub(bodies.inner, drive, step)

@@ -44,7 +44,7 @@ class Instant:
     ring_turn: float  # rad
     roller_turn: np.ndarray  # (n_rollers,), rad
     inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub, in the ring's frame, m
-    outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, m
+    outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, from its housing's place, m
     rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass, in each roller's frame, m
     cage: np.ndarray | None  # (3,), its centre, m, and how far it has turned, rad; None: there is none
     stored: bool  # the run's own fields, not recovered ones
@@ -109,7 +109,7 @@ class StoredRun:
             raise UsageError(str(error)) from None
 
     def column(self, name: str) -> np.ndarray:
-        """A variable at all samples, by its name in the result file; places from the outer ring's centre."""
+        """A variable at all samples, by its name in the result file; places from that of the housing."""
         return self._values.column(name)
 
     @property
@@ -248,7 +248,7 @@ def _recovered(scene: Scene, model: Model, values: dict, sample: int, time: floa
         ring_turn=ring_turn,
         rollers=_roller_fields(model, hub, centres, turns, values),
         inner_ring=inner.held(inner_load),
-        outer_ring=outer.held(outer_load),
+        outer_ring=outer.rested(outer_load),
     )
 
 

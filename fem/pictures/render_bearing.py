@@ -32,7 +32,7 @@ HOUSING, LOAD_ZONE, SHAFT, FAINT, FORCE = "#e3e3e3", "#f5dca8", "#f4f4f4", "#8a8
 CAGE = "#c9b28a"
 COLOURS = HOUSING, LOAD_ZONE, SHAFT, FORCE, ORBIT_DOT, FAULT, CAGE
 BEHIND = -0.005  # the cage, behind rings and rollers, where these are magnified into it
-HOUSING_RADIUS = 1.09
+HOUSING_RADIUS, THINNEST_HOUSING = 1.09, 0.01
 OUTSIDE = 3  # of a drawn bearing's circles
 OUTLINE, WIRE, FINEST_WIRES = 1.5, 0.7, 6.0  # pixels; a finer mesh is not shown
 ARROW_WIDTH = 0.017
@@ -67,13 +67,16 @@ def paint(canvas: Canvas, instant: Instant, drawn: DrawnBearing, look: Look) -> 
 
 
 def _housing(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look) -> None:
-    scale = 1.0 / instant.model.bearing.outside_radius
-    inside = scale * float(np.hypot(*drawn.outlines(look.magnification)[OUTSIDE][0]))
-    page.fill(ring(inside - 0.01, HOUSING_RADIUS, -0.03), HOUSING)
+    scale, bore = 1.0 / instant.model.bearing.outside_radius, instant.scene.mounting().bore
+    if bore is None:
+        inside = scale * float(np.hypot(*drawn.outlines(look.magnification)[OUTSIDE][0])) - 0.01
+    else:  # as magnified as the ring in it, and never all of the housing
+        inside = min(1.0 + 0.5 * scale * look.magnification * bore.clearance, HOUSING_RADIUS - THINNEST_HOUSING)
+    page.fill(ring(inside, HOUSING_RADIUS, -0.03), HOUSING)
     if look.load_zone is not None:
         start, end = look.load_zone
         end += 2.0 * np.pi * (end < start)
-        page.fill(ring(inside - 0.01, HOUSING_RADIUS, -0.02, start, end), LOAD_ZONE)
+        page.fill(ring(inside, HOUSING_RADIUS, -0.02, start, end), LOAD_ZONE)
     page.stroke(circle((0.0, 0.0), HOUSING_RADIUS, -0.01), FAINT, OUTLINE)
     middle = 0.5 * (scale * instant.model.bearing.outside_radius + HOUSING_RADIUS)
     for j, centre in enumerate(drawn.roller_reference):

@@ -34,7 +34,12 @@ def draw_legend(canvas: Canvas, instant: Instant, look: Look, force_colour: str)
     y = _lines(page, BAR[0] - 0.12, scale_notes(instant, look.scale))
     y = _heading(page, f"Displacement × {look.magnification:g}", y)
     x, y_hub = (signed(round(1e6 * value, 2)) for value in instant.hub)
-    facts = [f"hub (dot): x = {x}, y = {y_hub} µm", "from the outer ring's centre (cross)"]
+    bore = instant.scene.mounting().bore
+    facts = [f"hub (dot): x = {x}, y = {y_hub} µm"]
+    facts.append(f"from the {'outer ring' if bore is None else 'bore'}'s centre (cross)")
+    if bore is not None:
+        name = "play in the bore" if bore.clearance >= 0.0 else "press fit"
+        facts.append(f"{name} {1e6 * abs(bore.clearance):.3g} µm, magnified too")
     clearance = 2e6 * instant.model.bearing.radial_clearance
     if abs(clearance) > 1e-6:
         name = "clearance" if clearance > 0.0 else "preload"

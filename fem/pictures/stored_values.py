@@ -47,9 +47,9 @@ class StoredValues:
         self._columns: dict[str, np.ndarray] = {}
 
     def column(self, name: str) -> np.ndarray:
-        """A variable at all samples, places from the outer ring's centre; kept: every picture of a film asks for it."""
+        """A variable at all samples, places from the housing's; kept: every picture of a film asks for it."""
         if name not in self._columns:
-            self._columns[name] = self._read(lambda file: _from_outer_ring(file, name, len(self.times)))
+            self._columns[name] = self._read(lambda file: _from_housing(file, name, len(self.times)))
         return self._columns[name]
 
     def frame(self, index: int, model, ring_turn: float):
@@ -108,7 +108,7 @@ def _opened(file) -> tuple[np.ndarray, str, dict[str, str], np.ndarray]:
     return times, read_scene_text(file), read_scene_files(file), stored_samples(file, count)
 
 
-def _from_outer_ring(file, name: str, count: int) -> np.ndarray:
+def _from_housing(file, name: str, count: int) -> np.ndarray:
     """A variable, of which what a housing moves is taken off places."""
     values, moved = read_numbers(file, name, count), f"housing_{name[-1]}"
     if name not in PLACES or moved not in file:

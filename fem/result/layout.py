@@ -62,13 +62,23 @@ WITH_DAMPING = {  # where contacts or bodies have dampers
     "work_damping_contact": (PER_TIME, "J", "part of work_dissipated that contacts have damped"),
     "work_damping_bodies": (PER_TIME, "J", "part of work_dissipated that bodies have damped"),
 }
-ON_HOUSING = {
-    "housing_x": (PER_TIME, "m", "housing and outer ring's centre, x"),
-    "housing_y": (PER_TIME, "m", "housing and outer ring's centre, y"),
+OF_MOUNTING = {  # with a housing, a sensor on it, springs that hold the shaft
+    "housing_x": (PER_TIME, "m", "housing's place, x, which without a fit is the outer ring's centre"),
+    "housing_y": (PER_TIME, "m", "housing's place, y"),
     "housing_ax": (PER_TIME, "m/s2", "acceleration of the housing, x"),
     "housing_ay": (PER_TIME, "m/s2", "acceleration of the housing, y"),
     "energy_support": (PER_TIME, "J", "energy of the springs under the housing"),
     "sensor_ay": (PER_TIME, "m/s2", "acceleration that the sensor shows, y"),
+    "energy_shaft": (PER_TIME, "J", "energy of the springs that hold the shaft beside the bearing"),
+}
+IN_A_BORE = {
+    "outer_ring_x": (PER_TIME, "m", "outer ring's centre, x: mean of its outside"),
+    "outer_ring_y": (PER_TIME, "m", "outer ring's centre, y"),
+    "outer_ring_ax": (PER_TIME, "m/s2", "acceleration of the outer ring, x"),
+    "outer_ring_ay": (PER_TIME, "m/s2", "acceleration of the outer ring, y"),
+    "bore_force_x": (PER_TIME, "N", "force of the bore on the outer ring, x"),
+    "bore_force_y": (PER_TIME, "N", "force of the bore on the outer ring, y"),
+    "bore_arc": (PER_TIME, "rad", "angle over which the outer ring touches its bore"),
 }
 WITH_A_CAGE = {
     "cage_x": (PER_TIME, "m", "cage centre, x"),
@@ -110,10 +120,10 @@ Variables = Mapping[str, tuple[tuple[str, ...], str, str]]
 def variables_of(scene: Scene) -> Variables:
     """What each sample of a run of this scene holds: dimensions, unit and meaning by name."""
     uneven = scene.has_faults or scene.lubricant is not None
-    of_housing = {name: ON_HOUSING[name] for name in scene.mounting().columns}
+    of_mounting = {name: (OF_MOUNTING | IN_A_BORE)[name] for name in scene.mounting().columns}
     damped = WITH_DAMPING if scene.damping.acts else {}
     of_cage = {} if scene.cage is None else WITH_A_CAGE
-    return VARIABLES | of_housing | (ON_SURFACES if uneven else {}) | of_cage | damped
+    return VARIABLES | of_mounting | (ON_SURFACES if uneven else {}) | of_cage | damped
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,5 +1,7 @@
 """Fill the time loop's arrays from a model, a start and a time step."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from fem.contacts.model import Model
@@ -7,9 +9,9 @@ from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.rigid import RigidRing
 from fem.elastic.supported import SupportedRing
 from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.lanes import WIDTH
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
-from fem.kernels.simd import WIDTH
 from fem.kernels.state import (
     Bodies,
     Disc,
@@ -19,11 +21,13 @@ from fem.kernels.state import (
     Scratch,
 )
 from fem.kernels.support_kernels import HeldNodes
+from fem.solver.bore_arrays import bore_body
 from fem.solver.cache_lines import lined_up
 from fem.solver.contact_arrays import contact_arrays, disc_surface, pair_groups
 from fem.solver.course_arrays import course_arrays
 from fem.solver.housing_arrays import housing_body
 from fem.solver.run_arrays import Arrays
+from fem.solver.shaft_arrays import shaft_springs
 from fem.solver.start import Start
 from lagrange import Operation
 
@@ -36,11 +40,10 @@ def make_arrays(
     friction: float,
     ramp: float,
     largest_force: float,
-    threads: int,
 ) -> Arrays:
     """Positions at t = 0 and velocities at −dt/2. `ramp` in s; the largest static contact force in N."""
-    inner = _ring(model.inner_ring, dt)
-    outer = _ring(model.outer_ring, dt)
+    inner = ring_nodes(model.inner_ring, dt)
+    outer = ring_nodes(model.outer_ring, dt)
     rollers = _rollers(model.roller, model.bearing.n_rollers)
     disc = disc_nodes(model.roller, dt, rollers.columns)
     drive = _drive(model, operation, start, dt, ramp)
@@ -57,7 +60,10 @@ def make_arrays(
     surface = disc_surface(model, rollers, disc, data)
     column = N_SCALARS + len(BLOCKS) * rollers.n
     housing = housing_body(model, operation, outer, start.housing, dt, column)
-    others = () if housing is None else ((housing,),)
+    shaft = shaft_springs(operation.mounting, drive.hub, drive.velocity, drive.mass, rollers.n)
+    of_bore = column + len(replace(operation.mounting, bore=None).columns)
+    bore = bore_body(model.outer_ring, outer, start.outer_rate, housing, of_bore)
+    others = tuple((body,) for body in (bore, housing, shaft) if body is not None)  # the bore moves the housing
     if isinstance(model.outer_ring, SupportedRing):
         held = model.outer_ring.held_sectors.astype(np.int64)
         others = (*others, (HeldNodes(w=outer.w, sectors=held, row=outer.held),))
@@ -66,7 +72,7 @@ def make_arrays(
         groups=pair_groups(model, (inner, outer), drive, housing, data, rollers.columns),
         contacts=lined_up(contacts),
         drive=drive,
-        scratch=lined_up(_scratch(rollers, disc, inner, outer, threads)),
+        scratch=lined_up(_scratch(rollers, disc, inner, outer)),
     )
 
 
@@ -110,7 +116,8 @@ def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
     )
 
 
-def _ring(ring: RingBody, dt: float) -> Ring:
+def ring_nodes(ring: RingBody, dt: float) -> Ring:
+    """Nodes at rest of a ring, for steps of `dt`, s."""
     if isinstance(ring, RigidRing):
         return _rigid_ring(ring)
     width = ring.n_sectors + 2 * HALO
@@ -196,8 +203,6 @@ def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, d
 
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float) -> Drive:
-    ring = model.inner_ring
-    held = ring.total_mass if ring.material.rigid else ring.n_sectors * ring.row_mass[ring.held_row]
     return Drive(
         hub=start.equilibrium.hub + start.housing,
         velocity=start.hub_velocity.copy(),
@@ -205,7 +210,7 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: fl
         impulse=np.zeros(2),
         moment=np.zeros(2),
         sums=np.zeros(6),
-        mass=float(operation.inner_mass - ring.total_mass + held),
+        mass=hub_mass(model.inner_ring, operation),
         speed=float(operation.speed),
         gravity=float(operation.gravity),
         dt=float(dt),
@@ -215,13 +220,18 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: fl
     )
 
 
-def _scratch(rollers: Rollers, disc: Disc, inner: Ring, outer: Ring, threads: int) -> Scratch:
+def hub_mass(ring: RingBody, operation: Operation) -> float:
+    """What moves with the hub, kg: the shaft, and the ring's held row or a rigid ring."""
+    held = ring.total_mass if ring.material.rigid else ring.n_sectors * ring.row_mass[ring.held_row]
+    return float(operation.inner_mass - ring.total_mass + held)
+
+
+def _scratch(rollers: Rollers, disc: Disc, inner: Ring, outer: Ring) -> Scratch:
     columns = rollers.columns
     return Scratch(
         bore=np.zeros((2, inner.u.shape[2])),
         line=np.zeros((2, outer.u.shape[2])),
-        team=None if threads == 1 else np.zeros(threads),
-        torque=np.zeros(threads * columns),
+        torque=np.zeros(columns),
         still=np.zeros(columns),
         shift=np.zeros((2, columns)),
         cosine=np.ones(columns),

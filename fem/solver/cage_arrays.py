@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.kernels import cage_kernels
-from fem.kernels.cage_kernels import N_CAGE_SCALARS, CageContacts, CagePair, GuidingRing, Riders
+import fem.kernels.cage_state as kernels
+from fem.kernels.cage_state import N_CAGE_SCALARS, CageContacts, CagePair, GuidingRing, Riders
 from fem.kernels.reduced_state import RigidBodies
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.state import Drive, Rollers
@@ -65,14 +65,12 @@ def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, start: "Start", moun
     )
 
 
-def cage_state(
-    bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float, first: int | None = None
-) -> cage_kernels.Cage:
+def cage_state(bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float, first: int | None = None) -> kernels.Cage:
     """The cage at t = 0, concentric and turning with the rollers, at these angles, rad; `first` of its columns."""
     n, side = bearing.n_rollers, GUIDE_SIDES.get(cage.guidance)
     radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
     return lined_up(
-        cage_kernels.Cage(
+        kernels.Cage(
             motion=np.array([[0.0, 0.0, 0.0], [0.0, 0.0, speed], [0.0, 0.0, speed]]),
             impulse=np.zeros(3),
             lost=np.zeros(3),
@@ -128,7 +126,7 @@ def _riders(rollers: Rollers) -> Riders:
     )
 
 
-def pair_of_rigid(body: cage_kernels.Cage, cage: Cage, bodies: RigidBodies, speed: float) -> CagePair:
+def pair_of_rigid(body: kernels.Cage, cage: Cage, bodies: RigidBodies, speed: float) -> CagePair:
     """The cage among the reduced model's bodies; `speed` of the shaft, rad/s."""
     riders = Riders(
         centre=bodies.centre,

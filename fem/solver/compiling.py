@@ -18,6 +18,11 @@ class CompiledPlan(Plan):
 
     compiling_takes = "half a minute, or one on a slow processor"
 
+    @property
+    def pressed_energy(self) -> float:
+        """What a press fit stores, J, and no motion can take out again."""
+        return 0.0
+
     def prepare(self, tell: Callable[[str], None] | None = None) -> None:
         """Compile the time loop, or load it compiled, without taking a step."""
         collecting = gc.isenabled()

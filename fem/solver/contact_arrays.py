@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 import numba
 import numpy as np
 
-from fem.elastic.supported import SupportedRing
+from fem.elastic.supported import LooseRing
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.housing_kernels import Housing
+from fem.kernels.lanes import WIDTH
 from fem.kernels.law import with_seam
 from fem.kernels.patches import N_NODES
-from fem.kernels.simd import WIDTH
 from fem.kernels.state import (
     INNER,
     OUTER,
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from fem.solver.start import Start
 
 REACH = 0.01  # of a roller's radius
-REACH_AT_POINTS = 0.1  # the same where an outer ring held at points moves further; twice what guards let rollers go
+REACH_OF_LOOSE = 0.1  # the same where an outer ring bends or moves as a whole; twice what guards let rollers go
 
 
 def pair_groups(
@@ -241,5 +241,5 @@ def _reach(model: "Model", operation: Operation) -> float:
     swelling = disc.relaxed(spin**2 * (disc.mass[:, None] * disc.points).ravel())
     surfaces = profiles(model.bearing)
     highest = 0.0 if surfaces is None else surfaces.highest
-    reach = REACH_AT_POINTS if isinstance(model.outer_ring, SupportedRing) else REACH
+    reach = REACH_OF_LOOSE if isinstance(model.outer_ring, LooseRing) else REACH
     return reach * disc.shape.radius + 2.0 * float(np.abs(growth).max() + np.abs(swelling).max()) + highest

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
+from fem.elastic.supported import LooseRing
 from fem.solver.pace import in_words, pace
 from fem.solver.run_arrays import Arrays
 from fem.statics.static_error import static_error
@@ -48,13 +49,14 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
         "steps": f"{plan.steps} for {1e3 * (plan.n_samples - 1) * plan.interval:g} ms",
         "samples": f"{plan.n_samples}, one each {plan.stride} steps",
         **damping_rows(plan.scene),
+        **plan.operation.mounting.rows,
         **_fields(plan),
         "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
         "expected time": in_words("fem", plan.expected_seconds),
         "largest static contact force": f"{force:.1f} N, "
         f"{1e-6 * model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
     }
-    if plan.operation.radial_load > 0.0 and plan.operation.mounting.points is None:
+    if plan.operation.radial_load > 0.0 and not isinstance(model.outer_ring, LooseRing):
         error = static_error(model, plan.operation)
         rows["static error of the mesh"] = (
             f"hub displacement {100 * error.hub:.2g} %, loads {100 * error.largest_force:.2g} % (against exact series)"

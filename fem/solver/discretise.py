@@ -6,8 +6,9 @@ from importlib import import_module
 
 from fem.contacts import MODELS, ONE_PATCH
 from fem.contacts.model import Model
+from fem.elastic.bored import bored_ring
 from fem.elastic.supported import supported_ring
-from fem.solver.limits import check_contact_model, check_mesh_size, check_meshes, check_points, check_rollers
+from fem.solver.limits import check_contact_model, check_mesh_size, check_meshes, check_outer_ring, check_rollers
 from fem.statics.expected_forces import ExpectedForces
 from lagrange import Bearing
 from lagrange.pair import contact_pairs
@@ -33,15 +34,19 @@ def model_of(scene: Scene, expected: ExpectedForces | None = None) -> Model:
     kind = contact_model(scene.contact.model, mesh_size, expected)
     check_mesh_size(bearing, mesh_size, kind.shapes)
     check_contact_model(kind, scene, expected)
-    check_points(kind, scene)
+    check_outer_ring(kind, scene)
     if not kind.is_of_mesh_alone:
         model = kind.build(bearing, mesh_size, expected, scene.contact)
         check_meshes(model)
         return model
     sound = replace(bearing, faults=())
-    model, points = replace(_built(kind, sound, mesh_size), bearing=bearing), scene.mounting().points
+    model, mounting = replace(_built(kind, sound, mesh_size), bearing=bearing), scene.mounting()
     # calibrated held all around: what a mesh lacks at a contact is the same wherever the ring is held
-    return model if points is None else replace(model, outer_ring=supported_ring(model.outer_ring, points))
+    if mounting.points is not None:
+        return replace(model, outer_ring=supported_ring(model.outer_ring, mounting.points))
+    if mounting.bore is not None:
+        return replace(model, outer_ring=bored_ring(model.outer_ring, mounting.bore, bearing.roller_length))
+    return model
 
 
 @lru_cache(maxsize=1)

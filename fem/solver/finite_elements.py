@@ -1,15 +1,14 @@
 """The finite elements as a solver: everything decided before the first step."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import ceil
 
-import numba
 import numpy as np
 
 from fem.contacts.critical_step import critical_time_step
 from fem.contacts.model import Model
-from fem.solver.arrays import make_arrays
+from fem.elastic.bored import BoredRing
+from fem.solver.arrays import hub_mass, make_arrays
 from fem.solver.cage_arrays import critical_with_cage, with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
@@ -17,7 +16,7 @@ from fem.solver.damping_arrays import with_damping
 from fem.solver.description import expected_seconds, mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
-from fem.solver.limits import check_contacts, check_speed, check_threads, check_widths
+from fem.solver.limits import check_contacts, check_speed, check_widths
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.run_arrays import Arrays
 from fem.solver.solver import sample_count
@@ -71,25 +70,22 @@ class ElementPlan(CompiledPlan):
     def degrees_of_freedom(self) -> int:
         return self.model.degrees_of_freedom
 
+    @property
+    def pressed_energy(self) -> float:
+        ring = self.model.outer_ring
+        return ring.pressed_energy if isinstance(ring, BoredRing) else 0.0
+
     def arrays(self) -> Arrays:
         """Fresh arrays at the start."""
         numerics = self.scene.numerics
         ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
         friction = self.scene.friction_coefficient
-        arrays = make_arrays(
-            self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force, numerics.threads
-        )
+        arrays = make_arrays(self.model, self.operation, self.start, self.time_step, friction, ramp, self.largest_force)
         arrays = with_damping(arrays, self.model, self.scene.damping)
         cage, start = self.scene.ideal_cage(), self.start
         if cage is None:
             return arrays
         return with_cage(arrays, self.model.bearing, cage, start, self.operation.mounting)
-
-    def prepare(self, tell: Callable[[str], None] | None = None) -> None:
-        """Compile the time loop, or load it compiled, without taking a step."""
-        if self.scene.numerics.threads > 1:
-            numba.set_num_threads(self.scene.numerics.threads)
-        super().prepare(tell)
 
     def static_hub(self) -> np.ndarray:
         return static_equilibrium(self.model, self.operation).hub
@@ -116,7 +112,6 @@ def make_plan(scene: Scene) -> ElementPlan:
     """
     numerics = scene.numerics
     operation = scene.ideal_operation()
-    check_threads(numerics.threads)
     forces = expected_forces(scene)
     model = model_of(scene, forces)
     check_speed(model, kinematics(model.bearing, operation.fastest))
@@ -134,7 +129,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         5.0 * operation.heaviest / model.bearing.n_rollers,
     )
     critical = critical_with_cage(
-        critical_time_step(model, expected, operation.mounting.housing),
+        critical_time_step(model, expected, operation.mounting, hub_mass(model.inner_ring, operation)),
         model.bearing,
         scene.ideal_cage(),
         operation.inner_mass,

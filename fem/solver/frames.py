@@ -22,7 +22,7 @@ class Frame:
     ring_turn: float  # rad, of the inner ring
     rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass
     inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub
-    outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to its held circle
+    outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to its held circle or its bore
 
 
 def frame_of(model: Model, arrays: Arrays, sample: int, interval: float) -> Frame:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fem.contacts.model import Model
+from fem.elastic.bored import BoredRing
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.state import Ring
 from lagrange import Operation
@@ -19,7 +20,7 @@ def housing_body(
     mounting, body = operation.mounting, model.outer_ring
     if mounting.housing is None:
         return None
-    rigid = body.material.rigid
+    rigid, bored = body.material.rigid, isinstance(body, BoredRing)
     carried = body.total_mass if rigid else body.n_sectors * body.row_mass[body.held_row]
     sensor = None if mounting.sensor is None else _resonator(mounting.sensor, dt)
     return Housing(
@@ -29,10 +30,10 @@ def housing_body(
         impulse=np.zeros(2),
         drag=np.zeros(2),
         dissipated=np.zeros(1),
-        ring=None if rigid else ring,
+        ring=None if rigid or bored else ring,
         line=np.zeros((2, ring.u.shape[2])),
         sensor=sensor,
-        mass=float(mounting.housing.mass + carried),
+        mass=float(mounting.housing.mass + (0.0 if bored else carried)),
         stiffness=float(mounting.housing.stiffness),
         damping=float(mounting.housing.damping),
         column=column,

@@ -20,6 +20,7 @@ from fem.solver.solver import Block, Numbers, RunState, Samples, sample_count
 from lagrange import Trajectory, contact_laws, static_equilibrium
 from lagrange.integrate import ALL_DRIFTS, Integration, NumpyIntegration
 from lagrange.laws import PowerLaw
+from lagrange.mounting import HELD
 from lagrange.problem import Problem
 from lagrange.raceway_laws import caution
 from lagrange.scene import Scene
@@ -76,7 +77,7 @@ class LagrangianPlan(CompiledPlan):
         """Of all steps and samples, s, unless contacts rattle."""
         problem = self.problem
         times = self.steps * ceil(problem.bearing.n_rollers / 8)
-        times *= DAMPED if problem.damping.acts else len(ALL_DRIFTS)
+        times *= (DAMPED if problem.damping.acts else 1.0) if problem.is_damped else len(ALL_DRIFTS)
         times *= ON_SURFACES if problem.bearing.faults else 1.0
         looked_at = SECONDS_PER_SAMPLE * self.n_samples * problem.bearing.n_rollers
         steps = times * SECONDS_PER_EIGHT[isinstance(problem.laws.inner, PowerLaw)]
@@ -84,7 +85,7 @@ class LagrangianPlan(CompiledPlan):
 
     def static_hub(self) -> np.ndarray:
         problem = self.problem
-        alone = replace(problem.operation, side_load=0.0, gravity=0.0, course=None)
+        alone = replace(problem.operation, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
         still = static_equilibrium(problem.bearing, alone, problem.laws, roller_mass=0.0)
         return np.array([still.x, still.y])
 
@@ -122,6 +123,7 @@ class LagrangianPlan(CompiledPlan):
             "degrees of freedom": f"{self.degrees_of_freedom} ({options.angles} angles)",
             "contact law": f"{options.law}, {problem.laws.inner.range}",
             "damping of a contact": problem.damping.words,
+            **problem.operation.mounting.rows,
             "time step": f"{1e6 * self.time_step:.3g} µs, halved where contacts rattle "
             f"({self.time_step / self.critical_time_step:.2f} of the critical {1e6 * self.critical_time_step:.3g} µs)",
             "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
@@ -204,7 +206,7 @@ class LagrangianState(RunState):
 
     def _samples(self, part: Trajectory) -> Samples:
         """A part of the solution by the result file's names."""
-        gained = np.abs(part.energy_kinetic - self._simulation.first_kinetic_energy)
+        gained = np.abs(part.energy_moved - self._simulation.first_moved_energy)
         exchanged = np.fmax.accumulate(np.fmax(np.fmax(part.energy_contact, gained), self._exchanged))
         self._exchanged = float(exchanged[-1])
         per_time, per_roller = np.zeros(part.time.shape), np.zeros(part.roller_rho.shape)
@@ -218,8 +220,9 @@ class LagrangianState(RunState):
                 "energy_elastic": per_time,
                 "inner_damping_force": part.inner_damper,
                 "outer_damping_force": part.outer_damper,
-                "work_damping_contact": part.work_dissipated,
+                "work_damping_contact": part.work_damping,
                 "work_damping_bodies": per_time,
+                "energy_shaft": part.energy_shaft,
             },
             imbalance=part.energy_error,
             exchanged=exchanged,

@@ -10,9 +10,10 @@ from fem.kernels.lagrangian_state import (
     IdealMotion,
     PowerConstants,
     Rows,
+    ShaftSprings,
     Surfaces,
 )
-from fem.kernels.simd import WIDTH
+from fem.kernels.lanes import WIDTH
 from fem.kernels.state import Law
 from fem.solver.cache_lines import lined_up
 from fem.solver.course_arrays import course_arrays
@@ -36,11 +37,12 @@ class CompiledIntegration(Integration):
             IdealMotion(
                 hub=np.zeros((3, 2)),
                 elements=np.zeros((3, axes, columns)),
-                works=np.zeros(4),
+                works=np.zeros(5),
                 force=np.zeros((2, columns)),
             )
         )
         self._bearing = lined_up(_bearing(system, columns))
+        self._leaps = system.problem.is_damped
         self._dampers = lined_up(_dampers(damping, axes, columns)) if damping.acts else None
 
     def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
@@ -53,13 +55,13 @@ class CompiledIntegration(Integration):
             step=float(self._step),
             per_sample=self._per_sample,
             done=done,
-            kicks=np.array(ALL_KICKS),
-            drifts=np.array(ALL_DRIFTS),
+            kicks=None if self._leaps else np.array(ALL_KICKS),
+            drifts=None if self._leaps else np.array(ALL_DRIFTS),
         )
         rows = Rows(
             hub=np.empty((z.shape[1], 2, 2)),
             elements=np.empty((z.shape[1], *motion.elements[:2].shape)),
-            works=np.empty((z.shape[1], 3)),
+            works=np.empty((z.shape[1], 4)),
         )
         there = advance_lagrangian(motion, self._bearing, self._dampers, clock, rows)
         z[:, :there] = _whole(rows.hub[:there]).T
@@ -83,7 +85,7 @@ def _whole(parts: np.ndarray) -> np.ndarray:
 
 def _bearing(system, columns: int) -> IdealBearing:
     problem, ideal = system.problem, system.ideal
-    bearing, operation = problem.bearing, problem.operation
+    bearing, operation, shaft = problem.bearing, problem.operation, problem.operation.mounting.shaft
     reach, track = touching_distances(bearing)
     inner, outer = raceway_profiles(bearing, columns)
     surfaces = first = None
@@ -112,6 +114,7 @@ def _bearing(system, columns: int) -> IdealBearing:
         n=bearing.n_rollers,
         columns=columns,
         course=course_arrays(bearing, operation, held=system.holds_angles),
+        springs=None if shaft is None else ShaftSprings(float(shaft.stiffness), float(shaft.damping)),
     )
 
 

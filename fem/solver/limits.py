@@ -7,13 +7,12 @@ from collections.abc import Callable
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING
 
-import numba
-
 from fem.errors import UsageError
 from fem.statics.expected_forces import ExpectedForces
 from lagrange import Bearing, Kinematics
 from lagrange.pair import Pair, contact_pairs
-from lagrange.scene import SURFACES, Scene
+from lagrange.scene import Scene
+from lagrange.scene_surfaces import SURFACES
 from meshes import Mesh, bearing_shapes, quality
 
 if TYPE_CHECKING:
@@ -26,15 +25,6 @@ LARGEST_STRAIN = 0.01  # linear elasticity errs by about the strain itself
 MOST_NODES = 1_000_000  # take about 3 GB to mesh and assemble
 HOPELESS = 2.0  # a contact so many times too wide, by a force that may be a bound, is refused before it is meshed
 WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
-
-
-def check_threads(threads: int) -> None:
-    """Refuse more threads than the machine runs at once: they would wait for each other in every step."""
-    most = numba.config.NUMBA_NUM_THREADS
-    if threads > most:
-        raise UsageError(
-            f"numerics.threads = {threads}: this machine, or NUMBA_NUM_THREADS, has {most}; at most {most}"
-        )
 
 
 def check_rollers(scene: Scene) -> None:
@@ -72,11 +62,13 @@ def check_mesh_size(bearing: Bearing, mesh_size: float, shapes_of: Callable = be
         )
 
 
-def check_points(kind: "type[Model]", scene: Scene) -> None:
-    """Refuse an outer ring held at points on a mesh so fine that the contact model does not know such rings."""
-    if scene.mounting().points is not None and not kind.is_of_mesh_alone:
+def check_outer_ring(kind: "type[Model]", scene: Scene) -> None:
+    """Refuse an outer ring not held all around on a mesh so fine that the contact model does not know such rings."""
+    mounting = scene.mounting()
+    if (mounting.points is not None or mounting.bore is not None) and not kind.is_of_mesh_alone:
+        given = 'kind = "points"' if mounting.bore is None else "fit_clearance_um"
         raise UsageError(
-            f'support.kind = "points": numerics.mesh_size_mm = {scene.numerics.mesh_size_mm:g} is so fine that '
+            f"support.{given}: numerics.mesh_size_mm = {scene.numerics.mesh_size_mm:g} is so fine that "
             "contacts are spread over points, which takes rings that are held all around; take a coarser mesh"
         )
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from fem.kernels.simd import WIDTH
+from fem.kernels.lanes import WIDTH
 from fem.kernels.state import RingProfile, RollerProfiles
 from fem.solver.cache_lines import at_line
 from lagrange import Bearing

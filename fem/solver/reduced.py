@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
-from fem.kernels.simd import WIDTH
+from fem.kernels.lanes import WIDTH
 from fem.solver.cage_arrays import critical_with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
@@ -27,6 +27,7 @@ from fem.statics.vibrating_bearing import bearing_modes
 from lagrange import Bearing, Kinematics, Operation, kinematics
 from lagrange.profile import profiles
 from lagrange.scene import Scene
+from lagrange.step_size import fastest_in_machine
 
 SHARE = 0.7  # of the critical step, at a safety of 1: beyond, contacts that open and close gain energy
 KNOTS_A_STEP = 0.25  # of a profile's spline
@@ -93,6 +94,7 @@ class ReducedPlan(CompiledPlan):
         return {
             "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies "
             + ("without mass" if self.model.modes is None else f"with their modes up to {up_to:g} kHz"),
+            **self.operation.mounting.rows,
             "time step": f"{1e6 * self.time_step:.3g} µs ({self.time_step / self.critical_time_step:.2f} of the "
             f"critical {1e6 * self.critical_time_step:.3g} µs)",
             "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
@@ -129,7 +131,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
             f"give way by under {LOAD_MARGIN * largest:.4g} N, ten times the largest static force; take fewer"
         )
     tangential = tangential_compliance(bearing, largest)
-    critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation.inner_mass)
+    critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation)
     critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation.inner_mass)
     interval = 1e-6 * numerics.output_interval_us
     longest = min(SHARE * critical, _time_along_a_profile(bearing, fastest), longest_with_modes(modes))
@@ -171,7 +173,7 @@ def _time_along_a_profile(bearing: Bearing, ideal: Kinematics) -> float:
     return inf if surfaces is None or speed == 0.0 else KNOTS_A_STEP * surfaces.shortest / speed
 
 
-def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, hub_mass: float) -> float:
+def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, operation: Operation) -> float:
     """2/ω_max, s, with all contacts closed under a force, N, that stick: of a roller, or of all with their modes."""
     bearing = model.bearing
     soft = np.array([law.softness(force) for law in (model.inner_law, model.outer_law)])
@@ -180,5 +182,6 @@ def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarr
     radial = float(pushed @ stiff @ pushed) + 2.0 / float(model.between.softness(force))
     # of a traction the roller's own surface gives way by 3/m, and the other contact's by −1/m
     rocking = 4.0 / float(tangential.min())
-    rigid = 2.0 / sqrt(max(radial, rocking) / bearing.roller_mass)
-    return rigid if model.modes is None else min(rigid, critical_with_modes(model, force, hub_mass))
+    in_machine = fastest_in_machine(bearing, operation, *np.diag(stiff).tolist())
+    rigid = 2.0 / sqrt(max(max(radial, rocking) / bearing.roller_mass, in_machine**2))
+    return rigid if model.modes is None else min(rigid, critical_with_modes(model, force, operation.inner_mass))

@@ -15,10 +15,12 @@ from fem.statics.contact_balance import (
     edge_compliances,
     first_guess,
     geometry,
+    hub_spring,
 )
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles, turned
+from lagrange.mounting import HELD
 from lagrange.profile import UNTURNED, Turns
 
 NEWTON_STEPS = 20
@@ -71,7 +73,7 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     """
     bearing, n = model.bearing, model.bearing.n_rollers
     if bearing.radial_clearance < -ROUND_OFF * bearing.roller_radius:
-        unloaded = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, course=None)
+        unloaded = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
         place, forces = _balanced(model, unloaded, 0.0, None)
         return _start(model, operation, place, np.zeros_like(place), forces)
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
@@ -84,8 +86,8 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
 
 
 def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
-    """Hub under the radial load alone, standing, weightless, (2,), m. NotFound: no equilibrium."""
-    alone = replace(operation, speed=0.0, side_load=0.0, gravity=0.0, course=None)
+    """Hub of the bearing alone under the radial load, standing, weightless, (2,), m. NotFound: no equilibrium."""
+    alone = replace(operation, speed=0.0, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
     still = reduced_bearing(model.bearing, kinematics(model.bearing, 0.0))
     return _balanced(still, alone, 0.0, None)[0][:2]
 
@@ -114,7 +116,8 @@ def _balanced(model, operation, time, near) -> tuple[np.ndarray, np.ndarray]:
     load, aside = float(acting.radial_load) + operation.inner_mass * operation.gravity, float(acting.side_load)
     start = first_guess(bearing, contacts.radial, load, aside) if near is None else near
     cage = kinematics(bearing, operation.speed).cage
-    return balance(contacts, Loads(load, operation.gravity, cage, aside), start)
+    spring = hub_spring(operation, np.zeros(2))
+    return balance(contacts, Loads(load, operation.gravity, cage, aside, spring), start)
 
 
 def _start(model, operation, place, rate, forces, steady=True) -> ReducedStart:

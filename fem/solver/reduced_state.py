@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_loop import advance_reduced
 from fem.kernels.reduced_state import (
     INNER,
@@ -19,13 +20,13 @@ from fem.kernels.reduced_state import (
     ReducedForces,
     RigidBodies,
 )
-from fem.kernels.simd import WIDTH
-from fem.solver.cage_arrays import cage_state, pair_of_rigid
+from fem.solver.cage_arrays import cage_state, pair_of_rigid, row_width
 from fem.solver.course_arrays import course_arrays
 from fem.solver.profile_arrays import raceway_profiles
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader
+from fem.solver.shaft_arrays import shaft_springs
 from fem.solver.solver import Block, Numbers
 from fem.solver.vibrations import vibrations
 from fem.statics.reduced_bearing import growths
@@ -146,6 +147,8 @@ class ReducedState(RowState):
             found |= {f"{place}.{name}": getattr(modes, name) for name in ("amplitude", "rate", "before")}
         if self.bodies.cage is not None:
             found |= changing_arrays(self.bodies.cage.cage, "cage")
+        if self.bodies.shaft is not None:
+            found |= {f"shaft.{name}": getattr(self.bodies.shaft, name) for name in ("before", "dissipated")}
         return found
 
     @property
@@ -221,10 +224,11 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
     bodies.centre[:, :n] = start.rho * radial
     bodies.velocity[:, :n] = start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial
     bodies.spin[:n] = start.kinematics.roller
-    ideal = plan.scene.ideal_cage()
+    shaft = shaft_springs(plan.operation.mounting, bodies.hub, bodies.hub_velocity, bodies.hub_mass, n)
+    bodies, ideal = bodies._replace(shaft=shaft), plan.scene.ideal_cage()
     if ideal is None:
         return bodies
-    state = cage_state(bearing, ideal, start.angle, cage)
+    state = cage_state(bearing, ideal, start.angle, cage, row_width(n, None, plan.operation.mounting))
     return bodies._replace(cage=pair_of_rigid(state, ideal, bodies, float(plan.operation.speed)))
 
 

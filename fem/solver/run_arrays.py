@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.kernels.cage_kernels import Cage
+from fem.kernels.cage_state import Cage
 from fem.kernels.housing_kernels import Resonator
-from fem.kernels.simd import WIDTH
+from fem.kernels.lanes import WIDTH
 from fem.kernels.state import (
     Bodies,
     Contacts,

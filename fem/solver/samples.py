@@ -5,7 +5,7 @@ import numpy as np
 from fem.kernels import sample_kernels as row
 from fem.solver.cage_arrays import cage_columns
 from fem.solver.solver import Samples
-from lagrange.mounting import from_outer_ring
+from lagrange.mounting import ENERGIES, from_outer_ring
 
 TURN = 2.0 * np.pi
 
@@ -19,6 +19,7 @@ class SampleReader:
     def __init__(self, plan):
         self._n = plan.model.bearing.n_rollers
         self._further = plan.operation.mounting.columns  # columns of a row behind those of the rollers
+        self._pressed = plan.pressed_energy
         self._has_cage = plan.scene.cage is not None
         self._looks = plan.looks
         self._interval = plan.interval
@@ -56,12 +57,12 @@ class SampleReader:
         x, y = from_outer_ring(block | further, "roller")
         works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1)
         kinetic, stored = rows[:, row.KINETIC], rows[:, row.ELASTIC] + rows[:, row.CONTACT]
-        moved = kinetic + further["energy_support"] if self._further else kinetic
+        moved = kinetic + sum(further[name] for name in ENERGIES if name in further)
         if self._base is None:
             self._base = works[0], rows[0, row.DISSIPATED], moved[0], stored[0]
         work, dissipated = works - self._base[0], rows[:, row.DISSIPATED] - self._base[1]
         gained = moved - self._base[2]
-        exchanged = np.fmax.accumulate(np.fmax(np.fmax(stored, np.abs(gained)), self._exchanged))
+        exchanged = np.fmax.accumulate(np.fmax(np.fmax(stored - self._pressed, np.abs(gained)), self._exchanged))
         self._exchanged = float(exchanged[-1])
         values = {
             "time": (self._count + np.arange(len(rows))) / self._looks * self._interval,

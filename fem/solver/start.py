@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.contacts.reduction import Motion
-from fem.statics.contact_balance import JUMP, ROUND_OFF, NotFound
+from fem.elastic.bored import BoredRing
+from fem.statics.contact_balance import JUMP, ROUND_OFF, NotFound, hub_spring, standing_ring
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles, turned
@@ -59,19 +60,23 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
     """
     weight = operation.inner_mass * operation.gravity
 
-    def at(time, near=None):
+    def at(time, ring, near=None):
         (motion, _), acting = rolling_motion(model, operation, time), operation.at(time)
         load, aside = float(acting.radial_load), float(acting.side_load)
-        return equilibrium(model, motion, load, weight, operation.gravity, near, aside)
+        return equilibrium(model, motion, load, weight, operation.gravity, near, aside, hub_spring(operation, ring))
 
-    middle = at(0.0)
     motion, ideal = rolling_motion(model, operation, 0.0)
+    ring = np.zeros(2)
+    if operation.mounting.shaft is not None:
+        on_springs = _weight_on_springs(model, operation)
+        ring = standing_ring(operation, on_springs, lambda place: at(0.0, place).outer_force @ motion.radial)
+    middle = at(0.0, ring)
     speed = abs(operation.speed) * model.bearing.inner_raceway_radius
     if speed == 0.0:
         return _still(model, operation, middle, motion)
     ahead = LOOK_AHEAD * model.roller.shape.surface_spacing / speed
     try:
-        before, after = at(-ahead, middle), at(ahead, middle)
+        before, after = at(-ahead, ring, middle), at(ahead, ring, middle)
     except NotFound:
         return _still(model, operation, middle, motion)
     if np.linalg.norm(after.hub - before.hub) > JUMP * 2.0 * ahead * speed:
@@ -94,11 +99,12 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
 
 
 def rest_start(model: "Model", operation: Operation) -> Start:
-    """Centred and undeformed, in rolling motion; with preload, if only on crests, the equilibrium without load."""
+    """Centred and undeformed, in rolling motion; with preload, by crests or a press fit, at rest without load."""
     motion, _ = rolling_motion(model, operation, 0.0)
     surfaces = profiles(model.bearing)
     clearance = model.bearing.radial_clearance - (0.0 if surfaces is None else 2.0 * surfaces.highest)
-    if clearance < -ROUND_OFF * model.bearing.roller_radius:
+    pressed = isinstance(model.outer_ring, BoredRing) and model.outer_ring.play < 0.0
+    if pressed or clearance < -ROUND_OFF * model.bearing.roller_radius:
         return _still(model, operation, equilibrium(model, motion, 0.0, 0.0, 0.0), motion)
     n, inner, outer = model.bearing.n_rollers, model.inner_ring, model.outer_ring
     undeformed = Equilibrium(
@@ -115,11 +121,16 @@ def rest_start(model: "Model", operation: Operation) -> Start:
 
 def housing_place(model: "Model", operation: Operation, motion: Motion, found: Equilibrium) -> np.ndarray:
     """Where a housing stands on its springs under the contact forces on the outer ring and both weights, (2,), m."""
-    housing = operation.mounting.housing
+    force, housing = found.outer_force @ motion.radial, operation.mounting.housing
     if housing is None:
         return np.zeros(2)
-    weight = operation.gravity * (housing.mass + model.outer_ring.total_mass)
-    return (found.outer_force @ motion.radial - [0.0, weight]) / housing.stiffness
+    return (force - [0.0, _weight_on_springs(model, operation)]) / housing.stiffness
+
+
+def _weight_on_springs(model: "Model", operation: Operation) -> float:
+    """Of housing and outer ring, N."""
+    housing = operation.mounting.housing
+    return 0.0 if housing is None else operation.gravity * (housing.mass + model.outer_ring.total_mass)
 
 
 def _still(model: "Model", operation: Operation, equilibrium: Equilibrium, motion: Motion) -> Start:

@@ -4,8 +4,8 @@ from math import inf, pi, sqrt
 
 import numpy as np
 
+from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import Modes, Vibrations
-from fem.kernels.simd import WIDTH
 from fem.solver.reduced_start import ReducedStart
 from fem.statics.reduced_bearing import ReducedBearing
 from fem.statics.vibrating_bearing import BearingModes

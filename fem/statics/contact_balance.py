@@ -4,6 +4,7 @@ Every body is condensed to the compliance between its contacts; where that comes
 not known here.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,7 +12,8 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw, NoLaw
 from fem.errors import UsageError
-from lagrange import Bearing
+from lagrange import Bearing, Operation
+from lagrange.mounting import ring_place
 from lagrange.overlap import overlaps, sunk
 from lagrange.profile import UNTURNED, Turns, profiles
 
@@ -32,6 +34,14 @@ class NotFound(UsageError):
     """No static equilibrium was found: the load is more than the contacts bear."""
 
 
+class HubSpring(NamedTuple):
+    """Springs on the hub along x and y: of a shaft, see `lagrange.mounting.Shaft`."""
+
+    stiffness: float  # N/m
+    x: float = 0.0  # m, of the hub where they are slack
+    y: float = 0.0
+
+
 class Loads(NamedTuple):
     """What the contacts must carry."""
 
@@ -39,6 +49,21 @@ class Loads(NamedTuple):
     gravity: float  # m/s²
     cage_speed: float  # rad/s
     aside: float = 0.0  # N, on the hub along +x
+    spring: HubSpring | None = None
+
+
+def hub_spring(operation: Operation, ring: np.ndarray) -> HubSpring | None:
+    """The shaft's springs about the outer ring's centre, which is at (2,), m; None where nothing holds the shaft."""
+    shaft = operation.mounting.shaft
+    return None if shaft is None else HubSpring(shaft.stiffness, -float(ring[0]), -float(ring[1]))
+
+
+def standing_ring(operation: Operation, weight: float, force_at: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """`lagrange.mounting.ring_place`, (2,), m. NotFound: there is none."""
+    try:
+        return ring_place(operation.mounting, weight, force_at)
+    except RuntimeError as error:
+        raise NotFound(str(error)) from None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,12 +143,15 @@ def _convex(contacts: Condensed, loads: Loads, position, last: np.ndarray) -> tu
         ]
     )
     middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
+    springs = np.full(n + 2, LOOSE_SPRING)
+    if loads.spring is not None and loads.spring.stiffness > LOOSE_SPRING:
+        springs[:2], middle[:2] = loads.spring.stiffness, (loads.spring.x, loads.spring.y)
     size = max(float(np.abs(applied).max()), FAINTEST)
     moved, force = position.copy(), np.full(2 * n, size)
     gap = FIRST_GAP * bearing.roller_radius + np.maximum(-overlap, 0.0)
     for _ in range(MAX_STEPS):
         approach, softness = _law(contacts, force)
-        unbalanced = applied - LOOSE_SPRING * (moved - middle) - directions.T @ force
+        unbalanced = applied - springs * (moved - middle) - directions.T @ force
         apart = overlap + directions @ (moved - position) - compliance @ force - approach + gap
         product = float(force @ gap) / (2 * n)
         scale = max(size, float(force.max()))
@@ -137,7 +165,7 @@ def _convex(contacts: Condensed, loads: Loads, position, last: np.ndarray) -> tu
         wanted = apart + barrier / force - gap
         solved = np.linalg.solve(compliance + np.diag(softness + gap / force), np.column_stack([directions, wanted]))
         step = np.linalg.solve(
-            LOOSE_SPRING * np.eye(n + 2) + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1]
+            np.diag(springs) + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1]
         )
         force_step = solved[:, :-1] @ step + solved[:, -1]
         gap_step = (barrier - force * gap - gap * force_step) / force

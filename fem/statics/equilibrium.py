@@ -3,13 +3,14 @@
 The contact model reduces the bodies to points of the contacts; `contact_balance` and `pressure_balance` do the rest.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fem.contacts.model import Model
 from fem.contacts.reduction import Motion, Reduced
-from fem.statics.contact_balance import Condensed, Loads, balance, closed_forces, first_guess
+from fem.elastic.bored import MOST_SETTLINGS, NOT_SETTLED, BoredRing
+from fem.statics.contact_balance import Condensed, HubSpring, Loads, NotFound, balance, closed_forces, first_guess
 from fem.statics.exact_statics import exact_contacts
 from fem.statics.pressure_balance import balance_pressures
 
@@ -43,6 +44,7 @@ def equilibrium(
     gravity: float,
     start: Equilibrium | None = None,
     side_load: float = 0.0,
+    spring: HubSpring | None = None,
 ) -> Equilibrium:
     """Solve for the equilibrium under a load, N, and the weight, N, of hub and inner ring.
 
@@ -50,6 +52,7 @@ def equilibrium(
     ----------
     start : one that is near
     side_load : N, along +x
+    spring : of a shaft; for contacts of one point each
 
     Steady rotation acts as centrifugal load on rollers and ring. Friction and the rollers' balance along the raceway
     are left out: their angles are given.
@@ -59,7 +62,7 @@ def equilibrium(
     NotFound: no equilibrium. The contact balance is exact to about 1e-9 of the load.
     """
     reduced, place, pressed = _solved(
-        model, motion, Loads(radial_load + weight, gravity, motion.cage_speed, side_load), start
+        model, motion, Loads(radial_load + weight, gravity, motion.cage_speed, side_load, spring), start
     )
     inner_force, outer_force = _sums(reduced, pressed, model.bearing.n_rollers).reshape(2, -1)
     inner_ring, outer_ring, rollers = reduced.fields(pressed)
@@ -86,13 +89,15 @@ def _solved(
     """The bearing reduced to points, hub and radii, and the forces of the points in equilibrium."""
     bearing, radial, forces, gravity = model.bearing, motion.radial, None, loads.gravity
     if start is not None:
+        if isinstance(model.outer_ring, BoredRing):
+            model = _settled(model, start.outer_ring)
         place = np.concatenate([start.hub, start.rho])
         forces = np.concatenate([start.inner_force, start.outer_force])
     else:
         place = first_guess(bearing, radial, loads.hub, loads.aside)
         if model.is_sized_by_forces:
             place, forces = balance(exact_contacts(bearing, motion.roller_angle), loads, place)
-    for _ in range(model.static_passes):
+    for turn in range(MOST_SETTLINGS):
         reduced = model.reduced(motion, gravity, place, forces)
         if reduced.contact.size == 2 * bearing.n_rollers:
             # one point each: laws of the contact as a whole, and facets which leave load to three rollers
@@ -107,7 +112,17 @@ def _solved(
             on_hub = np.array([loads.aside, -loads.hub])
             place, pressed = balance_pressures(bearing, radial, reduced, on_hub, outward, place)
         forces = _sums(reduced, pressed, bearing.n_rollers)
-    return reduced, place, pressed
+        found = _settled(model, reduced.fields(pressed)[1]) if isinstance(model.outer_ring, BoredRing) else model
+        if found is model and turn + 1 >= model.static_passes:
+            return reduced, place, pressed
+        model = found
+    raise NotFound(NOT_SETTLED)
+
+
+def _settled(model: Model, outer_ring: np.ndarray) -> Model:
+    """The model with an outer ring that touches its bore where its displacement, (n_rows, 2, n_sectors), m, says so."""
+    ring = model.outer_ring.settled(outer_ring)
+    return model if ring is model.outer_ring else replace(model, outer_ring=ring)
 
 
 def _sums(reduced: Reduced, pressed: np.ndarray, n_rollers: int) -> np.ndarray:

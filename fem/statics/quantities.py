@@ -1,8 +1,11 @@
 """What a user reads off a bearing at rest."""
 
+import numpy as np
+
 from fem.contacts.model import Model
 from fem.contacts.reduction import standing
 from fem.quantities import Quantity
+from fem.statics.contact_balance import hub_spring
 from fem.statics.equilibrium import equilibrium
 from lagrange import Operation
 
@@ -16,7 +19,8 @@ def static_quantities(model: Model, operation: Operation) -> list[Quantity]:
     """
     weight = operation.inner_mass * operation.gravity
     still = standing(model.bearing, operation.first_roller_angle)
-    found = equilibrium(model, still, operation.radial_load, weight, operation.gravity)
+    spring = hub_spring(operation, np.zeros(2))
+    found = equilibrium(model, still, operation.radial_load, weight, operation.gravity, spring=spring)
     total = float(found.inner_force.sum())
     share = float(found.inner_force.max()) / total if total > 0.0 else 0.0
     force = float(found.inner_force.max())

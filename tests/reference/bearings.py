@@ -112,10 +112,9 @@ def arrays(
     friction: float = 0.0,
     from_rest: bool = False,
     ramp: float = 0.0,
-    threads: int = 1,
 ) -> Arrays:
     """Arrays of the time loop at t = 0."""
-    return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE, threads)
+    return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE)
 
 
 def copies(state: Arrays) -> Arrays:

@@ -16,7 +16,7 @@ from fem.kernels import (
     time_loop,
 )
 from fem.kernels.jit import kernel
-from fem.kernels.simd import splat
+from fem.kernels.lanes import splat
 from fem.solver.run_arrays import Arrays
 
 kick_disc, drift_disc = kernel(disc_kernels.kick), kernel(disc_kernels.drift)

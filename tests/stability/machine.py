@@ -1,10 +1,10 @@
 """Random bearings in random machines: `python -m tests.stability.machine`, 200 scenes of all three models.
 
-Each has nearly all tables of what stands around a bearing at once: damping, cage, housing, sensor, unbalance, a
-rotating load, speed and load that change, a spall, waviness, unequal rollers, as far as its model takes them. A scene
-must be refused by name, stop with a reason, or be complete with: every number finite, bodies in their places, forces
-that push, energy balanced within 1 % of what was exchanged, and the checker's terms summing up to its errors. Finite
-elements keep to one set of tables, whose values vary, because each set compiles a time loop of its own.
+Each has nearly all tables of what stands around a bearing at once: damping, cage, housing with a fit, sensor,
+unbalance, a rotating load, speed and load that change, a spall, waviness, unequal rollers, as far as its model takes
+them. A scene must be refused by name, stop with a reason, or be complete with: every number finite, bodies in their
+places, forces that push, energy balanced within 1 % of what was exchanged, and the checker's terms summing up to its
+errors. Finite elements keep to one set of tables, whose values vary, because each set compiles a time loop of its own.
 """
 
 import csv
@@ -23,6 +23,7 @@ from rich.progress import track
 
 from fem.interface import RunFailed, Scene, SceneError, UsageError, read_scene, simulate
 from fem.recording import Result
+from lagrange.mounting import from_outer_ring
 from tests.pages import markdown_table
 from tests.stability.campaign import ASTRAY, COMPLETE, FAILED, LARGEST_IMBALANCE, REFUSED, ROUND_OFF, STOPPED
 from tests.stability.random_scenes import random_scene
@@ -79,6 +80,7 @@ def machine_scene(seed: int, number: int, folder: Path) -> tuple[dict[str, Any],
         tables["support"] = {
             "kind": "housing", "mass_kg": spread(0.1, 50.0), "stiffness_N_per_m": spread(1e6, 1e9),
             "damping_N_s_m": spread(10.0, 1e4),
+            "fit_clearance_um": 1e3 * bearing["outside_diameter_mm"] * uniform(-3e-4, 1e-3),
         }  # fmt: skip
         tables["sensor"] = {"frequency_Hz": spread(1e3, 3e4), "damping_ratio": uniform(0.01, 0.3)}
     if elements or chance(0.5):
@@ -119,8 +121,7 @@ def faults_of(result: Result) -> list[str]:
     scene = result.scene
     bearing = scene.ideal_bearing()
     give = ASTRAY * bearing.roller_radius
-    ring = np.array([values.get("housing_x", 0.0 * result.time), values.get("housing_y", 0.0 * result.time)])
-    rho = np.hypot(values["roller_x"] - ring[0][:, None], values["roller_y"] - ring[1][:, None])
+    rho = np.hypot(*from_outer_ring(values, "roller"))
     if np.max(rho) > bearing.outer_raceway_radius - bearing.roller_radius + give + 1e-6 * _deepest(scene):
         found.append("a roller is in the outer ring")
     for name in ("inner_force", "outer_force"):

@@ -78,14 +78,14 @@ def fall(n_elements: int, duration: float, safety: float = 0.9) -> Fall:
         before = w[:, :, 0].copy()
         w[floor, 1, 0] += 0.5 * force / mass[floor] * dt
         w[:, 1, 0] -= GRAVITY * dt
-        compiled.kick_disc(nodes, nodes.w, columns, torque, 0, mass.size, 0)
+        compiled.kick_disc(nodes, nodes.w, columns, torque)
         after, place = w[:, :, 0], u[:, :, 0].ravel()
         energy = 0.5 * mass @ np.sum(before * after, axis=1) + 0.5 * place @ (bar.stiffness @ place)
         energy += compiled.stored_energy(force, law.A, law.B, law.Q_line) + GRAVITY * (
             mass @ u[:, 1, 0] + DROP * mass.sum()
         )
         history.append([step * dt, share @ u[:, 1, 0], share @ before[:, 1], force, energy])
-        compiled.drift_disc(nodes, turns, columns, dt, torque, 0, mass.size, 0)
+        compiled.drift_disc(nodes, turns, columns, dt, torque)
     return Fall(**dict(zip(("time", "height", "velocity", "force", "energy"), np.array(history).T, strict=True)))
 
 

@@ -1,0 +1,106 @@
+"""Tractions of the reduced model's contacts, and its contacts of rollers with each other, forces and tractions.
+
+A contact's tangential compliance takes what its bodies slip in a step but for Carter's creep.
+"""
+
+import numpy as np
+
+from fem.kernels.contact_kernels import next_rollers
+from fem.kernels.course_kernels import speed_of
+from fem.kernels.friction_kernels import SLIP_FLOOR, creep_traction
+from fem.kernels.jit import part
+from fem.kernels.lane_functions import larger
+from fem.kernels.lane_memory import gather, load, scatter_add, store
+from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
+from fem.kernels.law import contact_force, kick_force
+from fem.kernels.reduced_damping import damped_neighbours, no_dampers
+from fem.kernels.reduced_state import INNER, NEXT, OUTER
+
+
+@part
+def tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o):
+    """Tractions of eight rollers, N, on them along +θ: elastic up to Carter's creep.
+
+    A contact's tangential compliance takes what the bodies slip in a step but for its creep. The slip is that on the
+    way here, so tractions are springs like the normal forces, and no contact's depends on another's.
+    """
+    columns, hub_x, hub_y = bodies.columns, before.hub_velocity[0], before.hub_velocity[1]
+    vx, vy = load(before.velocity, group), load(before.velocity, columns + group)
+    spin = load(before.spin, group)
+    ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
+    ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
+    along = vy * ix - vx * iy
+    slip = along - (hub_y * ix - hub_x * iy)
+    slip -= spin * bodies.radius + speed_of(drive.course, drive) * drive.inner_radius
+    rolling = magnitude(spin - along * (1.0 / compliance.reach)) * bodies.radius
+    T_i = creep(compliance.inner, compliance, forces, drive, INNER, columns * INNER + group, Q_i, slip, rolling)
+    along = vy * ox - vx * oy
+    rolling = magnitude(spin - along * (1.0 / compliance.track)) * bodies.radius
+    slip = along + spin * bodies.radius
+    T_o = creep(compliance.outer, compliance, forces, drive, OUTER, columns * OUTER + group, Q_o, slip, rolling)
+    drive.sums[1] += speed_of(drive.course, drive) * drive.inner_radius * drive.dt * total(T_i)
+    return T_i, T_o
+
+
+@part
+def creep(law, compliance, forces, drive, row, at, Q, slip, rolling):
+    """Tractions of eight contacts, N, and what they dissipate. Nine arguments: registers of one contact."""
+    last, soft, dt = load(forces.traction, at), compliance.tangential[row], drive.dt
+    full_slip = larger(drive.friction * law.curvature * root(law.half_width_factor * Q) * rolling, SLIP_FLOOR)
+    free = slip - last * (soft / dt)
+    T, left = creep_traction(free, drive.friction * Q, full_slip, soft / dt)
+    T, left = select(Q > 0.0, -T, 0.0), select(Q > 0.0, left, free)
+    store(forces.traction, at, T)
+    drive.sums[2] -= 0.5 * dt * total((T + last) * left)
+    return T
+
+
+@part
+def press_neighbours(bodies, compliance, forces, drive, before, reach):
+    """Contacts of rollers with the next ones: their forces and tractions as kicks; seldom any are near."""
+    columns, n, law = bodies.columns, bodies.n, compliance.between
+    over, centre, velocity = drive.dt / bodies.mass, bodies.centre, bodies.velocity
+    for group in range(0, n, WIDTH):
+        i, at = next_rollers(group, n), NEXT * columns + group
+        x, y = gather(centre, i) - load(centre, group), gather(centre, i + columns) - load(centre, columns + group)
+        square = x * x + y * y
+        near = (square <= reach * reach) & (count_from(group) < n)
+        if not any_lane(near):
+            store(forces.force, at, splat(0.0))
+            store(forces.kick, at, splat(0.0))
+            store(forces.approach, at, splat(np.nan))
+            store(forces.traction, at, splat(0.0))
+            no_dampers(forces.dampers, at)
+            continue
+        distance = select(near, root(square), 1.0)
+        nx, ny = x / distance, y / distance
+        approach = select(near, 2.0 * bodies.radius - distance, -1.0)
+        Q = contact_force(approach, law.A, law.B, law.Q_line, load(forces.force, at))
+        P, residual = kick_force(
+            load(forces.approach, at), load(forces.force, at), law.B, load(forces.kick, at), load(forces.residual, at),
+            approach, Q, law.B, law.A, law.Q_line,
+        )  # fmt: skip
+        P = select(near, P, 0.0)
+        T = splat(0.0)
+        if drive.friction > 0.0:
+            slip = (gather(before.velocity, i + columns) - load(before.velocity, columns + group)) * nx
+            slip -= (gather(before.velocity, i) - load(before.velocity, group)) * ny
+            slip -= (gather(before.spin, i) + load(before.spin, group)) * bodies.radius
+            T = creep(law, compliance, forces, drive, NEXT, at, Q, slip, splat(0.0))
+        store(forces.fastest, 0, larger(load(forces.fastest, 0), magnitude(Q - load(forces.force, at))))
+        store(forces.force, at, Q)
+        store(forces.approach, at, select(near, approach, np.nan))
+        store(forces.kick, at, P)
+        store(forces.residual, at, residual)
+        closing = (load(before.velocity, group) - gather(before.velocity, i)) * nx
+        closing += (load(before.velocity, columns + group) - gather(before.velocity, i + columns)) * ny
+        P = damped_neighbours(forces.dampers, law, at, select(near, Q, 0.0), P, closing, 2.0 * over)
+        fx, fy = (P * nx - T * ny) * over, (P * ny + T * nx) * over
+        turned = T * (-drive.dt * bodies.radius / bodies.inertia)
+        fx, fy, turned = select(near, fx, 0.0), select(near, fy, 0.0), select(near, turned, 0.0)
+        scatter_add(velocity, i, fx)
+        scatter_add(velocity, i + columns, fy)
+        scatter_add(bodies.spin, i, turned)
+        store(velocity, group, load(velocity, group) - fx)
+        store(velocity, columns + group, load(velocity, columns + group) - fy)
+        store(bodies.spin, group, load(bodies.spin, group) + turned)

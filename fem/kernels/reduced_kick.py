@@ -1,0 +1,159 @@
+"""What the reduced model's contacts give hub and rollers in a step: a leapfrog kick by forces a little ahead."""
+
+import numpy as np
+
+from fem.kernels.course_kernels import GAIN, SPEED, speed_of
+from fem.kernels.jit import part, verb
+from fem.kernels.lane_functions import larger, smaller
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, count_from, magnitude, select, splat, total
+from fem.kernels.law import kick_force
+from fem.kernels.reduced_contacts import both_forces, level, store_pair, take_more, wrap
+from fem.kernels.reduced_damping import with_damper
+from fem.kernels.reduced_friction import tractions
+from fem.kernels.reduced_modes import push_modes
+from fem.kernels.reduced_state import INNER, OUTER
+from fem.kernels.state import Course
+
+TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken
+
+
+@verb
+def _grow(course, drive, P_i, P_o):
+    """The work of bodies that grow against eight rollers' forces, N, as the shaft speeds up."""
+
+
+@_grow.of(Course)
+def _grow_now(course, drive, P_i, P_o):
+    more = 2.0 * course.now[SPEED] * course.now[GAIN] * drive.dt
+    drive.sums[1] += more * total(course.growth * P_i + course.roller_growth * P_o)
+
+
+@part
+def _with_slopes(bodies, forces, drive, group, P, Q, T, slope):
+    """Forces of eight rollers along +θ in both contacts, N, with what slopes of surfaces add; these turn rollers too.
+
+    Pairs, inner and outer: what a kick gives, forces, tractions.
+    """
+    if slope is None:
+        return T
+    columns, soft = bodies.columns, forces.softening
+    x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
+    out = x * load(forces.normal, 2 * columns + group) + y * load(forces.normal, 3 * columns + group)
+    x, y = x - bodies.hub[0], y - bodies.hub[1]
+    away = x * load(forces.normal, group) + y * load(forces.normal, columns + group)
+    there = count_from(group) < bodies.n
+    out, away = select(there, out, 1.0), select(there, away, 1.0)
+    half, half_o = 0.5 * Q[0] * Q[0], 0.5 * Q[1] * Q[1]
+    both = P[0] * load(slope, group) - half * load(soft, group)
+    own = P[0] * load(slope, columns + group) - half * load(soft, columns + group)
+    both_o = P[1] * load(slope, 2 * columns + group) - half_o * load(soft, 2 * columns + group)
+    own_o = P[1] * load(slope, 3 * columns + group) - half_o * load(soft, 3 * columns + group)
+    drive.sums[1] -= speed_of(drive.course, drive) * drive.dt * total(both - own)
+    store(bodies.spin, group, load(bodies.spin, group) + (own + own_o) * (drive.dt / bodies.inertia))
+    return T[0] - both / away, T[1] - both_o / out
+
+
+@part
+def kick(bodies, compliance, forces, drive, before):
+    """Give the rollers their kick; what contacts give the hub, N, x and y.
+
+    Forces are those at positions dt²/12 times the acceleration ahead, which makes leapfrog's phase error one of fourth
+    order: at a tenth of a vibration's period per step 0.01 % instead of 1.6 %.
+
+    Source: Numerov's method; Hairer, Lubich and Wanner, Geometric Numerical Integration (2006), chapter III.
+    """
+    columns, n, halo, dt = bodies.columns, bodies.n, forces.halo, drive.dt
+    width, over, across = columns + 2 * halo, dt / bodies.mass, compliance.across
+    share, hub_ax, hub_ay = TWELFTH * dt * dt, before.hub_acceleration[0], before.hub_acceleration[1]
+    hub_x, hub_y = splat(0.0), splat(0.0)
+    for group in range(0, n, WIDTH):
+        there = count_from(group) < n
+        ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
+        ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
+        Q_i, Q_o = load(forces.estimate, group), load(forces.estimate, columns + group)
+        ax = (Q_i * ix - Q_o * ox) * (1.0 / bodies.mass)
+        ay = (Q_i * iy - Q_o * oy) * (1.0 / bodies.mass) - drive.gravity
+        store_pair(before.acceleration, group, columns, select(there, ax, 0.0), select(there, ay, 0.0))
+        ahead_i = share * (ix * (hub_ax - ax) + iy * (hub_ay - ay))
+        ahead_o = share * (ox * ax + oy * ay)
+        stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
+        more_i, more_o = both_forces(stiff_i * ahead_i, stiff_o * ahead_o, stiff_i * across, stiff_o * across, 0.0, 0.0)
+        Q_i, Q_o = select(Q_i > 0.0, larger(Q_i + more_i, 0.0), 0.0), select(Q_o > 0.0, larger(Q_o + more_o, 0.0), 0.0)
+        take_more(forces.taken, columns, group, across * more_o, across * more_i)
+        P_i = _kicked(compliance.inner, forces, group, ahead_i - across * more_o, Q_i, there)
+        P_o = _kicked(compliance.outer, forces, columns + group, ahead_o - across * more_i, Q_o, there)
+        _keep_brackets(forces, group, columns, forces.bracket)
+        _grow(drive.course, drive, P_i, P_o)
+        T_i, T_o = splat(0.0), splat(0.0)
+        if drive.friction > 0.0:
+            T_i, T_o = tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)
+        store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
+        both = with_damper(forces.dampers, group, P_i), with_damper(forces.dampers, columns + group, P_o)
+        T_i, T_o = _with_slopes(bodies, forces, drive, group, both, (Q_i, Q_o), (T_i, T_o), forces.slope)
+        T_i, T_o = push_modes(bodies.vibrations, bodies, forces, drive, group, P_i, P_o, T_i, T_o)
+        fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
+        hub_x -= select(there, fx, 0.0)
+        hub_y -= select(there, fy, 0.0)
+        fx, fy = fx - P_o * ox - T_o * oy, fy - P_o * oy + T_o * ox
+        store(bodies.velocity, group, load(bodies.velocity, group) + over * fx)
+        at = columns + group
+        store(bodies.velocity, at, load(bodies.velocity, at) + over * fy - drive.gravity * dt)
+        _expect(forces, halo + group, group, Q_i)
+        _expect(forces, width + halo + group, columns + group, Q_o)
+    wrap(forces.guess, INNER, n, halo)
+    wrap(forces.guess, OUTER, n, halo)
+    return total(hub_x), total(hub_y)
+
+
+@part
+def _kicked(law, forces, at, ahead, Q, there):
+    """What a kick gives of eight contacts' forces, N, whose approach is so far ahead, m: see `law.kick_force`."""
+    approach = load(forces.first, at) + ahead
+    approach = select(Q > 0.0, larger(approach, 1e-30), select(approach > 0.0, 0.0, approach))
+    B_before, B = level(law, forces.bracket, at), level(law, forces.bracket_now, at)
+    P, residual = kick_force(
+        load(forces.approach, at), load(forces.force, at), B_before, load(forces.kick, at), load(forces.residual, at),
+        approach, Q, B, law.A, law.Q_line,
+    )  # fmt: skip
+    P = select(there, P, 0.0)
+    P, residual = _bounded(forces, forces.taken, at, approach, P, Q, residual)
+    store(forces.approach, at, select(there, approach, np.nan))
+    store(forces.kick, at, P)
+    store(forces.residual, at, residual)
+    return P
+
+
+@part
+def _keep_brackets(forces, group, columns, brackets):
+    """The laws' B of eight rollers' contacts are now those of the last kick."""
+    if brackets is not None:
+        store_pair(brackets, group, columns, load(forces.bracket_now, group), load(forces.bracket_now, columns + group))
+
+
+@part
+def _bounded(forces, taken, at, approach, P, Q, residual):
+    """A kick no further off than the larger force of the step behind; what contacts have stored beyond kicks, J.
+
+    Where bodies vibrate a guess can be so far off that approach and force of a contact that opens don't fit. And what
+    energy between contacts has grown by is more than kicks have taken for it: forces Q at both ends of a step take it
+    exactly, kicks P only where the contact neither opens nor closes.
+    """
+    if taken is None:
+        return P, residual
+    before, Q_before, last = load(forces.approach, at), load(forces.force, at), at + taken.size // 2
+    most = larger(Q, Q_before)
+    given = larger(smaller(P, Q + most), Q - most)
+    grown = load(taken, at) - load(taken, last)
+    store(taken, last, load(taken, at))
+    owed = 0.5 * (approach - before) * (P - given) + 0.5 * grown * (Q - given + Q_before - load(forces.kick, at))
+    return given, residual + select(before != before, 0.0, owed)
+
+
+@part
+def _expect(forces, at, row, Q):
+    """Guess the next step's forces, in a straight line from the last two; they become the last ones."""
+    last = load(forces.force, row)
+    store(forces.fastest, 0, larger(load(forces.fastest, 0), magnitude(Q - last)))
+    store(forces.guess, at, select((Q > 0.0) & (last > 0.0), larger(2.0 * Q - last, 0.0), Q))
+    store(forces.force, row, Q)

@@ -1,0 +1,63 @@
+"""What holds the shaft beside the bearing: springs and dashpots between the hub and the ground, along x and along y.
+
+Springs are explicit, dashpots act by the mean of the velocities before and after a kick, as a housing's: exact in the
+balance of energies, and no damping shortens the step.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.kernels.jit import part
+from fem.kernels.other_bodies import add_motion, drift_body, kick_body
+from fem.kernels.sample_kernels import DISSIPATED
+
+
+class Shaft(NamedTuple):
+    """Springs and dashpots on the hub, whose arrays it shares."""
+
+    place: np.ndarray  # (2,), m, of the hub; 0 where the springs are slack
+    velocity: np.ndarray  # (2,), m/s, of the hub at t − dt/2; after its kick by all else at t + dt/2
+    before: np.ndarray  # (2,), m/s, before the kick
+    drag: np.ndarray  # (2,), N, of the dashpots in the last kick
+    stored: np.ndarray  # (1,), J, in the springs
+    dissipated: np.ndarray  # (1,), J, so far
+    mass: float  # kg, of the hub
+    stiffness: float  # N/m
+    damping: float  # N s/m
+    column: int  # of a sample's row, for the energy of the springs
+
+
+@part
+def pull(shaft, dt, x, y):
+    """The kick by springs that are stretched by x and y, m, and by the dashpots."""
+    over = 1.0 / shaft.mass
+    slowed = 0.5 * dt * over * shaft.damping
+    stretched = x, y
+    for k in range(2):
+        before = shaft.before[k]
+        gained = shaft.velocity[k] - before - dt * over * shaft.stiffness * stretched[k]
+        shaft.velocity[k] = (before * (1.0 - slowed) + gained) / (1.0 + slowed)
+        shaft.drag[k] = -0.5 * shaft.damping * (before + shaft.velocity[k])
+    shaft.stored[0] = 0.5 * shaft.stiffness * (x * x + y * y)
+
+
+@kick_body.of(Shaft)
+def _kick(shaft, drive):
+    place = shaft.place
+    pull(shaft, drive.dt, place[0], place[1])
+    drive.moment[1] += drive.dt * (place[0] * shaft.drag[1] - place[1] * shaft.drag[0])
+
+
+@drift_body.of(Shaft)
+def _drift(shaft, drive):
+    for k in range(2):
+        shaft.dissipated[0] -= 0.5 * drive.dt * shaft.drag[k] * (shaft.before[k] + shaft.velocity[k])
+        shaft.before[k] = shaft.velocity[k]
+
+
+@add_motion.of(Shaft)
+def _add_motion(shaft, drive, out, kinetic):
+    drag, before = shaft.drag, shaft.before
+    out[DISSIPATED] += shaft.dissipated[0] - 0.5 * drive.dt * (drag[0] * before[0] + drag[1] * before[1])
+    out[shaft.column] = shaft.stored[0]

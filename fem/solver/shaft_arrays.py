@@ -1,0 +1,29 @@
+"""What holds the shaft beside the bearing, for the time loops."""
+
+import numpy as np
+
+from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
+from fem.kernels.shaft_kernels import Shaft
+from lagrange.mounting import OF_SHAFT, Mounting
+
+
+def shaft_springs(mounting: Mounting, hub: np.ndarray, velocity: np.ndarray, mass: float, n: int) -> Shaft | None:
+    """Springs and dashpots on a hub with its place and velocity, (2,), m and m/s; None where nothing holds the shaft.
+
+    `n` : rollers
+    """
+    shaft = mounting.shaft
+    if shaft is None:
+        return None
+    return Shaft(
+        place=hub,
+        velocity=velocity,
+        before=velocity.copy(),
+        drag=np.zeros(2),
+        stored=np.zeros(1),
+        dissipated=np.zeros(1),
+        mass=float(mass),
+        stiffness=float(shaft.stiffness),
+        damping=float(shaft.damping),
+        column=N_SCALARS + len(BLOCKS) * n + mounting.columns.index(OF_SHAFT[0]),
+    )

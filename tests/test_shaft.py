@@ -1,0 +1,256 @@
+"""What holds the shaft beside the bearing: statics, frequency and decay, energy, and what the checker makes of it."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numba import njit
+
+from fem.interface import simulate as run_scene
+from fem.kernels.jit import OPTIONS
+from fem.kernels.other_bodies import add_motion, drift_body, kick_body
+from fem.kernels.sample_kernels import DISSIPATED
+from fem.kernels.shaft_kernels import Shaft
+from fem.solver.lagrangian_steps import CompiledIntegration
+from fem.solver.reduced_start import equilibrium_start
+from fem.statics.reduced_bearing import reduced_bearing
+from lagrange import contact_laws, simulate, static_equilibrium
+from lagrange.contact_damping import ContactDamping
+from lagrange.kinematics import kinematics
+from lagrange.laws import PowerLaw
+from lagrange.mounting import Mounting
+from lagrange.mounting import Shaft as ShaftFacts
+from lagrange.problem import Problem
+from lagrange.raceway_laws import ContactLaws
+from lagrange.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
+from lagrange.simulate import Simulation
+from residual.evaluation import evaluate
+from tests.reference.operation_tables import record_of
+from tests.test_housing import drive, ring_down
+
+STIFFNESS, DAMPING = 2e8, 400.0
+SPRINGS = {"shaft": "springs", "shaft_stiffness_N_per_m": STIFFNESS, "shaft_damping_N_s_m": DAMPING}
+PRELOADED = ("bearing.outer_raceway_diameter_mm=55.98", "operation.gravity_m_s2=0")
+HEAVY = 20.0  # kg, of a hub beside which rollers weigh nothing
+K = 1e8  # N/m, of a contact that is a linear spring
+LINEAR = ContactLaws(*(PowerLaw(name="linear", source="", stiffness=K, exponent=1.0) for _ in range(2)))
+
+
+def held(operation, stiffness=STIFFNESS, damping=0.0):
+    """An operation with springs beside the bearing."""
+    return replace(operation, mounting=Mounting(shaft=ShaftFacts(stiffness=stiffness, damping=damping)))
+
+
+def without_rollers_mass(bearing):
+    """A bearing whose rollers weigh next to nothing, so that two contacts in series are one spring."""
+    return replace(bearing, roller=replace(bearing.roller, density=7.85))
+
+
+@pytest.mark.parametrize(
+    ("operation", "told"),
+    [
+        ({"shaft": "springs"}, 'shaft = "springs": how stiff? give shaft_stiffness_N_per_m'),
+        ({"shaft_stiffness_N_per_m": 1e7}, 'shaft_stiffness_N_per_m = 1e+07: only with shaft = "springs"'),
+        ({"shaft": "rigid", "shaft_damping_N_s_m": 10.0}, 'shaft_damping_N_s_m = 10: only with shaft = "springs"'),
+        ({"shaft": "springs", "shaft_stiffness_N_per_m": -1.0}, "operation.shaft_stiffness_N_per_m = -1.0"),
+        ({"shaft": "spring"}, "operation.shaft = 'spring'"),
+    ],
+)
+def test_what_makes_no_sense_is_refused_by_name(operation, told):
+    with pytest.raises(SceneError) as error:
+        parse_scene({"operation": operation}, "scene.toml")
+    assert told in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("tables", "told"),
+    [
+        ({"contact": {"model": "faceted"}}, 'operation.shaft = "springs": only with contact.model = "subgrid"'),
+        ({"model": "reduced", "reduced": {"modes_up_to_kHz": 300.0}}, "not together with reduced.modes_up_to_kHz"),
+    ],
+)
+def test_models_that_can_not_have_it_refuse_it(tables, told):
+    with pytest.raises(SceneError) as error:
+        parse_scene(tables | {"operation": SPRINGS}, "scene.toml")
+    assert told in str(error.value)
+
+
+def test_the_keys_survive_as_text_and_a_rigid_shaft_has_none():
+    scene = parse_scene({"operation": SPRINGS}, "")
+    assert parse_scene_text(scene.to_toml(), "") == scene
+    assert scene.mounting().shaft == ShaftFacts(stiffness=STIFFNESS, damping=DAMPING)
+    assert "shaft" not in Scene().to_toml().replace("inner_ring_and_shaft_kg", "")
+    assert parse_scene({"operation": {"shaft": "rigid"}}, "").mounting() == Scene().mounting()
+
+
+def test_bearing_and_shaft_share_the_load_as_springs_do():
+    """Rollers that are linear springs ½ K in series, preloaded: N_b/2 · ½ K beside the shaft's."""
+    scene = read_scene(None, PRELOADED)
+    bearing, operation = without_rollers_mass(scene.ideal_bearing()), scene.ideal_operation()
+    found = static_equilibrium(bearing, held(replace(operation, speed=0.0)), LINEAR)
+    of_bearing = 0.5 * bearing.n_rollers * 0.5 * K
+    assert -found.y == pytest.approx(2000.0 / (of_bearing + STIFFNESS), rel=1e-3)  # contacts' normals turn a little
+    carried = -np.sum(found.inner_force * np.sin(found.theta))
+    assert carried / 2000.0 == pytest.approx(of_bearing / (of_bearing + STIFFNESS), rel=1e-3)
+
+
+@pytest.mark.parametrize("ring", [(0.0, 0.0), (3e-6, -20e-6)])
+def test_two_statics_that_share_nothing_balance_the_springs(ring):
+    """Both carry what the springs leave of the load, wherever the outer ring stands, and in clearance."""
+    scene = read_scene(None, ("operation.inner_ring_and_shaft_kg=5", "bearing.outer_raceway_diameter_mm=56.03"))
+    bearing, operation = scene.ideal_bearing(), held(scene.ideal_operation(), 3e7)
+    found = static_equilibrium(bearing, operation, contact_laws("harris", bearing), ring=ring)
+    outward = np.arctan2(found.rho * np.sin(found.theta) - found.y, found.rho * np.cos(found.theta) - found.x)
+    pushed = -np.array([found.inner_force @ np.cos(outward), found.inner_force @ np.sin(outward)])
+    load = np.array([0.0, -2000.0 - 5 * 9.81])
+    springs = -3e7 * (np.array([found.x, found.y]) + ring)
+    np.testing.assert_allclose(pushed + load + springs, 0.0, atol=1e-6)
+    start = equilibrium_start(reduced_bearing(bearing, kinematics(bearing, operation.speed)), operation)
+    assert np.hypot(*(start.hub - (found.x, found.y))) < 3e-6 or ring != (0.0, 0.0)
+
+
+def decay(damping, **choices):
+    """The hub's swing along y after a push, m, each 2 µs, on a bearing of linear springs beside the shaft's."""
+    scene = read_scene(None, (*PRELOADED, "operation.speed_rpm=0", f"operation.inner_ring_and_shaft_kg={HEAVY}"))
+    bearing = scene.ideal_bearing()
+    operation = held(replace(scene.ideal_operation(), radial_load=20.0), damping=damping)
+    run = simulate(bearing, operation, LINEAR, 8e-3, 1e-5, start="rest", **choices)
+    still = static_equilibrium(bearing, operation, LINEAR)
+    return bearing, run, run.inner_y - still.y
+
+
+def test_the_hub_swings_on_bearing_and_shaft_and_its_dashpots_take_what_they_should():
+    """√((k_b + k_s)/M)/2π and c/2√(kM); within 0.1 %."""
+    bearing, run, swing = decay(6000.0)
+    stiffness = 0.5 * bearing.n_rollers * 0.5 * K + STIFFNESS
+    frequency, zeta = ring_down(swing, 1e-5)
+    assert frequency == pytest.approx(np.sqrt(stiffness / HEAVY) / (2.0 * np.pi), rel=1e-3)
+    assert zeta == pytest.approx(6000.0 / (2.0 * np.sqrt(stiffness * HEAVY)), rel=2e-3)
+    assert run.work_dissipated[-1] > 0.0 and np.all(run.work_damping == 0.0)
+    assert np.abs(run.energy_error).max() < 1e-4 * np.ptp(run.energy_shaft)
+
+
+def test_no_dashpot_shortens_the_step():
+    """Nor is one too strong for it: 1e9 N s/m on a hub of 78 g."""
+    scene = read_scene(None, PRELOADED)
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    runs = [
+        simulate(bearing, held(operation, damping=damping), LINEAR, 2e-4, 1e-5, start="rest") for damping in (1.0, 1e9)
+    ]
+    assert runs[0].steps == runs[1].steps
+    creep = 2000.0 / 1e9  # m/s, against next to no spring
+    assert runs[1].inner_vy[-1] == pytest.approx(-creep, rel=1e-3)
+    assert runs[1].work_dissipated[-1] == pytest.approx(2000.0 * creep * 2e-4, rel=1e-2)
+
+
+def test_an_unbalance_drives_a_circle_on_bearing_and_shaft():
+    """F/(k − M ω²) below resonance, k of both by statics."""
+    scene = read_scene(None, (
+        *PRELOADED, "operation.radial_load_N=0", "operation.speed_rpm=40000", "operation.inner_ring_and_shaft_kg=5",
+        "operation.unbalance_g_mm=20", "operation.shaft=springs", f"operation.shaft_stiffness_N_per_m={STIFFNESS}",
+    ))  # fmt: skip
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    force, laws = 20e-6 * operation.speed**2, contact_laws("harris", bearing)
+    still = replace(operation, course=None, radial_load=0.0, side_load=0.0)
+    hub = [static_equilibrium(bearing, replace(still, side_load=push), laws).x for push in (-force, force)]
+    stiffness, inertia = 2.0 * force / (hub[1] - hub[0]), 5.0 * operation.speed**2
+    assert stiffness > 1.2 * STIFFNESS and inertia / stiffness > 0.04
+    run = simulate(bearing, operation, laws, 2 * 60.0 / 40000, 2e-5)
+    window = np.sin(np.pi * run.time / run.time[-1]) ** 2
+    place = (run.inner_x + 1j * run.inner_y) * window / window.sum()
+    ahead = np.sum(place * np.exp(-1j * operation.speed * run.time))
+    assert abs(ahead) == pytest.approx(force / (stiffness - inertia), rel=5e-3)
+
+
+@pytest.mark.parametrize("choices", [{}, {"damping": ContactDamping(constant=200.0)}, {"angles": "free"}])
+def test_the_checker_knows_springs_and_dashpots(choices):
+    scene = read_scene(None, tuple(f"operation.{key}={value}" for key, value in SPRINGS.items()))
+    bearing = scene.ideal_bearing()
+    run = simulate(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 1e-3, 1e-5, start="rest",
+                   load_ramp=4e-4, **choices)  # fmt: skip
+    scene = scene.varied({"numerics.start": "rest", "numerics.load_ramp_ms": 0.4})
+    if "damping" in choices:
+        scene = scene.varied({"damping.contact_N_s_m": 200.0})
+    record = replace(record_of(scene, run), inner_vx=run.inner_vx, inner_vy=run.inner_vy)
+    found = evaluate(record, "harris")
+    assert np.ptp(run.energy_shaft) > 1e-4
+    for direction in found.directions:
+        terms = direction.budget.terms
+        np.testing.assert_allclose(sum(terms.values()), direction.budget.error, rtol=0.0, atol=1e-9 * 2000.0)
+        assert np.abs(terms["ring_flexibility"]).max() < 1e-9 * 2000.0  # nothing is missing in the equations
+    assert np.ptp(found.y.budget.terms["shaft"]) > 0.0
+
+
+@njit(**OPTIONS)
+def swing_alone(body, drive, rows):
+    """A mass on the springs: a row a step, the last entry its place."""
+    for i in range(rows.shape[0]):
+        kick_body(body, drive)
+        add_motion(body, drive, rows[i], 0)
+        rows[i, -1] = body.place[0]
+        drift_body(body, drive)
+        for k in range(2):
+            body.place[k] += drive.dt * body.velocity[k]
+
+
+def swung(damping):
+    dt, rows = 1e-6, np.zeros((40_000, 20))
+    body = Shaft(
+        place=np.array([1e-5, 0.0]), velocity=np.zeros(2), before=np.zeros(2), drag=np.zeros(2), stored=np.zeros(1),
+        dissipated=np.zeros(1), mass=12.638, stiffness=15.1e6, damping=damping, column=17,
+    )  # fmt: skip
+    swing_alone(body, drive(dt), rows)
+    return rows
+
+
+@pytest.mark.parametrize("damping", [500.0, 2210.7])
+def test_the_time_loops_springs_and_dashpots(damping):
+    """A mass on them alone: 173.97 Hz and c/2√(kM) within 0.1 %, and where its energy goes."""
+    rows = swung(damping)
+    frequency, zeta = ring_down(-rows[:, -1], 1e-6)
+    assert frequency == pytest.approx(173.97, rel=1e-3)
+    assert zeta == pytest.approx(damping / (2.0 * np.sqrt(15.1e6 * 12.638)), rel=1e-3)
+    slow = rows[:, 17].argmax(), len(rows) - 1 - rows[::-1, 17].argmin()  # at rest, and through the middle at the end
+    assert rows[slow[0], 17] == pytest.approx(0.5 * 15.1e6 * 1e-10)
+    turning = np.flatnonzero(np.diff(np.sign(np.diff(rows[:, -1]))))  # where it stands, all energy is in the springs
+    for at in turning:
+        assert rows[at + 1, 17] + rows[at + 1, DISSIPATED] == pytest.approx(0.5 * 15.1e6 * 1e-10, rel=1e-6)
+
+
+def test_no_dashpot_is_too_stiff_for_a_step():
+    assert np.abs(swung(1e9)[:, -1]).max() <= 1e-5 * (1.0 + 1e-12)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("choices", [{}, {"start": "rest", "load_ramp": 5e-4}, {"angles": "free"}])
+@pytest.mark.parametrize("damping", [0.0, DAMPING])
+def test_the_compiled_steps_are_the_references(choices, damping):
+    scene = Scene()
+    bearing, operation = scene.ideal_bearing(), held(scene.ideal_operation(), damping=damping)
+    problem = Problem(bearing=bearing, operation=operation, laws=contact_laws("harris", bearing), **choices)
+    ours, theirs = (
+        Simulation(problem, 1e-5, **kind).advance(101) for kind in ({"integration": CompiledIntegration}, {})
+    )
+    assert ours.steps == theirs.steps
+    for name in ("inner_x", "inner_y", "inner_vy", "energy_shaft", "work_dissipated", "work_cage"):
+        scale = np.abs(getattr(theirs, name)).max()
+        np.testing.assert_allclose(getattr(ours, name), getattr(theirs, name), rtol=0.0, atol=1e-9 * scale + 1e-18)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["reduced", "fem"])
+def test_elastic_bodies_know_them(model):
+    """Energy, what the run's own forces leave of the equations, and the share of the load as statics have it."""
+    numerics = {"mesh_size_mm": 2.0, "duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2}
+    scene = parse_scene({"model": model, "operation": SPRINGS, "numerics": numerics}, "")
+    result = run_scene(scene)
+    energies, found = result.energies, result.residual()
+    left = sum(energies[name] for name in energies if name.startswith("energy_"))
+    left = left - energies["work_external"] + energies["work_dissipated"]
+    exchanged = np.ptp(energies["energy_elastic"] + energies["energy_contact"])
+    assert np.ptp(energies["energy_shaft"]) > 0.2 * exchanged
+    assert np.ptp(left) < 1e-4 * exchanged
+    for direction in found.directions:
+        terms = direction.budget.terms
+        np.testing.assert_allclose(sum(terms.values()), direction.budget.error, rtol=0.0, atol=1e-9 * 2000.0)
+        assert np.std(terms["ring_flexibility"]) < (5.0 if model == "fem" else 0.1)  # inertia of an elastic ring

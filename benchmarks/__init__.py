@@ -5,6 +5,8 @@ phases          the phases of a step, timed, and the work they need at least
 machine         the ceilings, measured
 skips           what a scene does not need it does not pay for
 footprint       memory and start-up time of a process
+planning        what it takes to plan a scene after others
+studies         what a study adds to its points, and what a second worker gives
 checkpoint_cost what checkpoints and commits cost, as paired ratios
 work_precision  run time against error over meshes
 lagrange_model  the Lagrangian model solved: its time, its energy, the checker on its own output

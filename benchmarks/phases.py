@@ -10,7 +10,7 @@ from numba import njit
 from benchmarks.machine import Machine
 from benchmarks.measuring import median_seconds
 from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
-from fem.kernels.contact_kernels import press_patches, push_patches
+from fem.kernels.contact_kernels import press_patches
 from fem.kernels.friction_solution import friction_contacts, slips_before
 from fem.solver.finite_elements import ElementPlan
 from fem.solver.run_arrays import Arrays
@@ -38,14 +38,14 @@ def _repeated(function: Callable) -> Callable:
 @njit
 def _normal(groups, rollers, surface, contacts, drive):
     press_patches(groups, rollers, surface, contacts, drive)
-    push_patches(groups, rollers, surface, contacts, drive)
 
 
 @njit
 def _slip_and_friction(groups, rollers, surface, contacts, drive, still):
+    """Normal forces' impulses on nodes, too: friction gives both at once."""
     slips_before(groups, rollers, surface, contacts, still)
     friction = contacts.friction
-    friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole)
+    friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole, True)
 
 
 @njit
@@ -109,7 +109,7 @@ def time_phases(plan: ElementPlan) -> dict[str, float]:
     contacts = (a.groups, r, a.bodies.surface, a.contacts, a.drive)
     out = {
         "contacts": _seconds(_normal, *contacts),
-        "friction": _seconds(_slip_and_friction, *contacts, a.scratch.still),
+        "impulses and friction": _seconds(_slip_and_friction, *contacts, a.scratch.still),
     }
     a = plan.arrays()
     r, d, i, o, x = a.bodies.rollers, a.bodies.disc, a.bodies.inner, a.bodies.outer, a.scratch

@@ -102,6 +102,12 @@ class Bearing:
         area = pi * (self.inner_raceway_radius**2 - self.bore_radius**2)
         return self.inner_ring.density * area * self.roller_length
 
+    @property
+    def outer_ring_mass(self) -> float:
+        """Mass of the outer ring alone (raceway to outside), kg."""
+        area = pi * (self.outside_radius**2 - self.outer_raceway_radius**2)
+        return self.outer_ring.density * area * self.roller_length
+
 
 @dataclass(frozen=True, kw_only=True)
 class BallBearing(Bearing):

@@ -13,6 +13,7 @@ from lagrange.faults import MeasuredSurface, Spall
 
 Meeting = Literal["bore", "in_bore", "outside"]  # the holed circle is a bore, lies in a bore, lies beside the other
 POINTS = 800  # of each rounded edge; on the bottom and on either side half as many
+PIECES, STRIDE = 8, 16  # of an outline; in each every so many points are looked at, then all around the best
 BESIDE = 0.2  # of half the opening, of the sound surface on either side
 UNSEEN = 1e-9  # m, that a circle sinks between two points of a measured surface: a parabola finds most of it
 WINDOW = 1.2  # times the way on which a circle over the deepest point could touch the highest one
@@ -31,7 +32,16 @@ def sinkage(spall: Spall, roller_radius: float, own: float, other: float, meetin
     The edge's arc is taken at points: below 1e-4 of the sinkage.
     """
     at, depth = outline(spall, spall.half_opening(roller_radius))
-    return np.maximum(room(at, depth, own, other, meeting, np.asarray(angle)).min(axis=1), 0.0)
+    surface, turned = own + depth if meeting == "bore" else own - depth, np.arcsin(at / own)
+    angle = np.asarray(angle)[:, None]
+    least = np.full(len(angle), np.inf)
+    for piece in np.array_split(np.arange(at.size), PIECES):  # each rises to one highest point, if it has one
+        some = piece[::STRIDE]
+        nearest = STRIDE * _room(surface[some], angle - turned[some], own, other, meeting).argmin(axis=1)
+        around = piece[np.clip(nearest[:, None] + np.arange(1 - STRIDE, STRIDE), 0, piece.size - 1)]
+        found = _room(surface[around], angle - turned[around], own, other, meeting)
+        least = np.minimum(least, found.min(axis=1))
+    return np.maximum(least, 0.0)
 
 
 def room(at: np.ndarray, depth: np.ndarray, own: float, other: float, meeting: Meeting, angle: np.ndarray):

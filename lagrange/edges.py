@@ -64,7 +64,7 @@ def _table(spall: Spall, opening: float, own: float, other: float, meeting: Meet
     middle = 0.5 * (cells[1:] + cells[:-1])
     angle = np.arcsin(at / own)
     gaps = room(middle, _depth(spall, opening, middle), own, other, meeting, angle)
-    found = np.stack([_approaches(gaps, cells, radius, b) for b in widths])
+    found = _approaches(gaps, cells, [0.5 * b**2 / radius for b in widths])
     return angle, np.maximum((found - found[:, -1:]).mean(axis=0), 0.0)
 
 
@@ -90,32 +90,37 @@ def _cells(edge_radius: float, opening: float, radius: float, widths: list[float
     return np.concatenate([-half[::-1], half])
 
 
-def _approaches(gaps: np.ndarray, cells: np.ndarray, radius: float, half_width: float) -> np.ndarray:
-    """Approach over the least gap, over A·Q, at every position, up to a number that is the same for all.
+def _approaches(gaps: np.ndarray, cells: np.ndarray, units: list[float]) -> np.ndarray:
+    """Approaches over the least gap, over A·Q, (n_units, n_positions), up to numbers that are the same for all.
 
-    Q is the force that makes this half-width on the sound surface: A·Q = b²/(2R).
+    `units` : A·Q, m, rising; the force Q that makes a half-width b on the sound surface has A·Q = b²/(2R)
     """
-    unit = 0.5 * half_width**2 / radius
-    found, pressed = np.empty(len(gaps)), None
+    found, pressed = np.empty((len(units), len(gaps))), [np.zeros(0, dtype=bool)] * len(units)
     for i, gap in enumerate(gaps):
-        beyond = (gap - gap.min()) / unit
-        in_reach = np.flatnonzero(beyond < 2.0 * IN_REACH)
-        start = beyond < 0.5 if pressed is None else pressed
-        found[i], closed = _press(beyond[in_reach], _influence(cells, in_reach, half_width), start[in_reach])
-        pressed = np.zeros(gap.size, dtype=bool)
-        pressed[in_reach] = closed
+        above = gap - gap.min()
+        widest = np.flatnonzero(above < 2.0 * IN_REACH * units[-1])
+        influence = _influence(cells, widest)
+        for k, unit in enumerate(units):
+            inside = np.flatnonzero(above[widest] < 2.0 * IN_REACH * unit)
+            in_reach = widest[inside]
+            beyond = above[in_reach] / unit
+            start = pressed[k][in_reach] if i else beyond < 0.5
+            found[k, i], closed = _press(beyond, influence[np.ix_(inside, inside)], start)
+            pressed[k] = np.zeros(gap.size, dtype=bool)
+            pressed[k][in_reach] = closed
     return found
 
 
-def _influence(cells: np.ndarray, chosen: np.ndarray, unit: float) -> np.ndarray:
-    """Displacement at the middle of cells by a unit force spread over each, over A."""
-    low, high = cells[chosen] / unit, cells[chosen + 1] / unit
-    middle = 0.5 * (low + high)
+def _influence(cells: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Displacement at the middle of cells by a unit force spread over each, over A.
 
-    def integral(z):
-        return z * (np.log(np.abs(z)) - 1.0)
-
-    return -(integral(high - middle[:, None]) - integral(low - middle[:, None])) / (high - low)
+    Another unit of length would add a number to all of it, and to all approaches.
+    """
+    bounds = np.union1d(chosen, chosen + 1)
+    apart = cells[bounds] - 0.5 * (cells[chosen] + cells[chosen + 1])[:, None]
+    integral = apart * (np.log(np.abs(apart)) - 1.0)
+    low = np.searchsorted(bounds, chosen)
+    return (integral[:, low] - integral[:, low + 1]) / (cells[chosen + 1] - cells[chosen])
 
 
 def _press(gap: np.ndarray, influence: np.ndarray, closed: np.ndarray) -> tuple[float, np.ndarray]:
@@ -126,9 +131,10 @@ def _press(gap: np.ndarray, influence: np.ndarray, closed: np.ndarray) -> tuple[
         k = np.flatnonzero(closed)
         matrix = np.ones((k.size + 1, k.size + 1))
         matrix[:-1, :-1], matrix[:-1, -1], matrix[-1, -1] = influence[np.ix_(k, k)], -1.0, 0.0
-        *force, approach = np.linalg.solve(matrix, np.append(-gap[k], 1.0))
+        solved = np.linalg.solve(matrix, np.append(-gap[k], 1.0))
+        force, approach = solved[:-1], solved[-1]
         pushing = np.zeros(gap.size, dtype=bool)
-        pushing[k] = np.array(force) > 0.0
+        pushing[k] = force > 0.0
         through = gap + influence[:, k] @ force < approach
         changed = np.where(closed, pushing, through)
         if np.array_equal(changed, closed):

@@ -14,10 +14,24 @@ from lagrange.raceway_laws import ContactLaws
 
 
 def kinetic_energy(bearing: Bearing, operation: Operation, state: State) -> np.ndarray:
-    """T of the translations, J, (...,): ½ M (ẋ² + ẏ²) + Σ ½ m (ρ̇² + ρ² θ̇²). Source: (2), (14)."""
+    """T of the translations, J, (...,): ½ M (ẋ² + ẏ²) + Σ ½ m (ρ̇² + ρ² θ̇²). Source: (2), (14).
+
+    In a housing that moves hub and elements move with it, and it has its own with the outer ring.
+    """
     hub = np.asarray(state.x_rate) ** 2 + np.asarray(state.y_rate) ** 2
     elements = np.sum(state.rho_rate**2 + (state.rho * state.theta_rate) ** 2, axis=-1)
-    return 0.5 * (operation.inner_mass * hub + bearing.roller_mass * elements)
+    alone = 0.5 * (operation.inner_mass * hub + bearing.roller_mass * elements)
+    housing = operation.mounting.housing
+    if housing is None:
+        return alone
+    x, y = np.asarray(state.ring_x_rate), np.asarray(state.ring_y_rate)
+    cos, sin, around = np.cos(state.theta), np.sin(state.theta), state.rho * state.theta_rate
+    along_x = bearing.roller_mass * np.sum(state.rho_rate * cos - around * sin, axis=-1)
+    along_y = bearing.roller_mass * np.sum(state.rho_rate * sin + around * cos, axis=-1)
+    along_x, along_y = along_x + operation.inner_mass * state.x_rate, along_y + operation.inner_mass * state.y_rate
+    carried = operation.inner_mass + bearing.n_rollers * bearing.roller_mass
+    carrying = housing.mass + bearing.outer_ring_mass
+    return alone + along_x * x + along_y * y + 0.5 * (carried + carrying) * (x**2 + y**2)
 
 
 def rotation_energy(bearing: Bearing, operation: Operation):

@@ -22,18 +22,19 @@ FARTHEST = 1e50  # m and m/s: energies of such a motion are still numbers
 class Record:
     """Stored samples; the works are integrals taken along with the steps."""
 
-    z: np.ndarray  # (n_times,)
+    z: np.ndarray  # (n_times,), or in a housing that moves (n_times, 2): from the outer ring's centre, and that
     z_rate: np.ndarray
     q: np.ndarray  # (n_times, n_rollers)
     q_rate: np.ndarray
     held_work: np.ndarray  # J, of contacts and weights against the held angles; 0 where none are held
     ramp_work: np.ndarray  # J, minus the integral of the hub's place times the load's rate
     dissipated: np.ndarray  # J, by contacts' dampers
-    by_dashpots: np.ndarray  # J, dissipated by what holds the shaft
+    by_dashpots: np.ndarray  # J, dissipated by what holds shaft and housing
+    sensor: np.ndarray  # (n_times, 2), r, m, and ṙ, m/s, of a sensor on the housing
 
     def sound(self) -> "Record":
         """The samples before the first whose motion is no number, or too large for its energies to be numbers."""
-        motion = np.column_stack([self.z, self.z_rate, self.q, self.q_rate])
+        motion = np.column_stack([self.z, self.z_rate, self.q, self.q_rate])  # of one or of two columns each
         with np.errstate(over="ignore", invalid="ignore"):
             lost = ~np.all(np.abs(motion) < FARTHEST, axis=1)
         count = int(np.argmax(lost)) if lost.any() else len(lost)
@@ -45,44 +46,48 @@ class Integration(ABC):
 
     `memory` is all that the next steps need, arrays that are changed in place: hub and elements, their rates and
     accelerations after the last step; the works of held angles, of the ramp, of the dampers and of dashpots, and the
-    power that holds the angles. Before the first step accelerations and power are not known yet.
+    power that holds the angles; of a housing its sensor's motion and what `lagrange.in_housing` calls S. Before the
+    first step accelerations and power are not known yet.
     """
 
     def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
         self._system, self._step, self._per_sample, self._damping = system, step, per_sample, damping
         self.done = 0  # samples
         self.memory = {
-            "hub": np.array([start.z, start.z_rate, 0j]),
+            "hub": np.array([start.z, start.z_rate, 0.0 * start.z], dtype=complex),
             "elements": np.array([start.q, start.q_rate, 0.0 * start.q], dtype=system.dtype),
             "works": np.zeros(5),
+            "housing": np.zeros(4),
         }
 
     def advance(self, count: int) -> Record:
         """The next so many samples; fewer where numbers overflow."""
-        z = np.empty((2, count), dtype=complex)
+        z = np.empty((2, count, *self.memory["hub"].shape[1:]), dtype=complex)
+        sensor = np.zeros((count, 2))
         q = np.empty((2, count, self._system.n), dtype=self._system.dtype)
         works = np.zeros((4, count))
         there = int(self.done == 0 < count)
         if there:
-            hub, elements, sums = self.memory.values()
-            z[:, 0], q[:, 0], works[:, 0] = hub[:2], elements[:2], sums[:4]
-        there += self._fill(self.done + there, z[:, there:], q[:, there:], works[:, there:])
+            hub, elements, sums, senses = self.memory.values()
+            z[:, 0], q[:, 0], works[:, 0], sensor[0] = hub[:2], elements[:2], sums[:4], senses[:2]
+        there += self._fill(self.done + there, z[:, there:], q[:, there:], works[:, there:], sensor[there:])
         record = Record(
             z=z[0, :there], z_rate=z[1, :there], q=q[0, :there], q_rate=q[1, :there],
             held_work=works[0, :there], ramp_work=works[1, :there], dissipated=works[2, :there],
-            by_dashpots=works[3, :there],
+            by_dashpots=works[3, :there], sensor=sensor[:there],
         ).sound()  # fmt: skip
         self.done += len(record.z)
         return record
 
     @abstractmethod
-    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
+    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray) -> int:
         """Take the steps to the samples after `done`, fill these arrays with them, and keep the memory.
 
         Parameters
         ----------
         z, q : ndarray, (2, n_times) and (2, n_times, n_rollers), of hub and elements, and their rates
         works : ndarray, (4, n_times), J, of held angles, of the ramp, of the dampers and of dashpots
+        sensor : ndarray, (n_times, 2)
 
         Returns
         -------
@@ -96,27 +101,39 @@ class NumpyIntegration(Integration):
     def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
         super().__init__(system, start, step, per_sample, damping)
         self._advance = self._leapfrog if damping.acts or system.has_dashpots else self._blanes_moan
+        sensor = system.problem.operation.mounting.sensor
+        self._sensor_step = None if sensor is None else sensor.step(step)
 
-    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
-        hub, elements, sums = self.memory.values()
+    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray) -> int:
+        hub, elements, sums, senses = self.memory.values()
         there, count = 0, z.shape[1]
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # seen by `Record.sound`
-            while there < count and np.isfinite(hub[0]):
+            while there < count and np.all(np.isfinite(hub[0])):
                 last = done + there - 1
                 border = last - last % BLOCK + BLOCK
                 for _ in self._advance(last, min(border, done + count - 1)):
                     z[:, there], q[:, there], works[:, there] = hub[:2], elements[:2], sums[:4]
+                    sensor[there] = senses[:2]
                     there += 1
         return there
 
     def _remembered(self) -> tuple[list[complex], np.ndarray, list[float]]:
         """The memory as the steps take it: Python's own numbers are faster."""
-        hub, elements, works = self.memory.values()
-        return hub.tolist(), elements.copy(), works.tolist()
+        hub, elements, works, housing = self.memory.values()
+        self._system.shift = complex(*housing[2:])
+        return hub.tolist() if hub.ndim == 1 else list(hub.copy()), elements.copy(), works.tolist()
 
     def _remember(self, *values) -> None:
-        for kept, now in zip(self.memory.values(), values, strict=True):
-            kept[:] = now
+        for name, now in zip(("hub", "elements", "works"), values, strict=True):
+            self.memory[name][:] = now
+        self.memory["housing"][2:] = self._system.shift.real, self._system.shift.imag
+
+    def _sense(self, before, after) -> None:
+        """Move a sensor on by a step, in which the housing's velocity, the second one, has changed so."""
+        if self._sensor_step is not None:
+            acceleration = (after[1] - before[1]).imag / self._step
+            motion = self.memory["housing"][:2]
+            motion[:] = self._sensor_step @ [*motion, acceleration]
 
     def _blanes_moan(self, first: int, last: int) -> Iterator[None]:
         """Six-stage symplectic steps of fourth order from one sample to another; stops at each in between."""
@@ -133,7 +150,7 @@ class NumpyIntegration(Integration):
         ]
         begin, begin_all = step * ALL_KICKS[0], step * ALL_KICKS[0] * whole
         (z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, dashed, power) = self._remembered()
-        accelerations, ramping = system.accelerations, system.load_changes
+        accelerations, ramping, carries = system.accelerations, system.load_changes, system.carries
         if first % BLOCK == 0:  # anew, at a time without the round-off of the stages' sum
             time = step * first * per_sample
             z_acc, q_acc, power = accelerations(time, z, q, system.directions(np.array([time]))[0])
@@ -142,9 +159,12 @@ class NumpyIntegration(Integration):
         i = 0
         for _ in range(first, last):
             for _ in range(per_sample):
+                before = z_rate
                 z_rate = z_rate + begin * z_acc
                 q_rate = q_rate + begin_all * q_acc
                 held += begin * power
+                if carries:
+                    held += begin * system.carried_power(z_rate, z_acc, begin)
                 if ramping:
                     ramped += begin * system.change_power(time, z)
                 for drift, drift_all, kick, kick_all in pairs:
@@ -156,8 +176,11 @@ class NumpyIntegration(Integration):
                     z_rate = z_rate + kick * z_acc
                     q_rate = q_rate + kick_all * q_acc
                     held += kick * power
+                    if carries:
+                        held += kick * system.carried_power(z_rate, z_acc, kick)
                     if ramping:
                         ramped += kick * system.change_power(time, z)
+                self._sense(before, z_rate)
             self._remember((z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, dashed, power))
             yield
 
@@ -176,12 +199,13 @@ class NumpyIntegration(Integration):
         i = 0
         for _ in range(first, last):
             for _ in range(per_sample):
+                before = z_rate
                 z = z + half * z_rate
                 q = q + half * q_rate
                 z_acc, q_acc, power = system.accelerations(times[i], z, q, turns[i])
-                z_rate, q_rate, loss = self._half_kick(z_rate, z_acc, q_rate, q_acc, half)
+                z_rate, q_rate, loss, taken = self._half_kick(z_rate, z_acc, q_rate, q_acc, half)
                 dashed += loss
-                held += step * power
+                held += step * power + taken
                 if system.load_changes:
                     ramped += step * system.change_power(times[i], z)
                 if damping.acts:
@@ -193,8 +217,10 @@ class NumpyIntegration(Integration):
                     z_rate, q_rate = z_rate + step * z_slow, q_rate + step * q_slow
                     lost += step * loss
                     held += step * taken
-                z_rate, q_rate, loss = self._half_kick(z_rate, z_acc, q_rate, q_acc, half)
+                z_rate, q_rate, loss, taken = self._half_kick(z_rate, z_acc, q_rate, q_acc, half)
                 dashed += loss
+                held += taken
+                self._sense(before, z_rate)
                 z = z + half * z_rate
                 q = q + half * q_rate
                 i += 1
@@ -202,8 +228,12 @@ class NumpyIntegration(Integration):
             yield
 
     def _half_kick(self, z_rate, z_acc, q_rate, q_acc, seconds: float):
-        """Velocities of hub and elements after a kick, the dashpots with it, and what these take, J."""
-        z_rate, q_rate, loss = z_rate + seconds * z_acc, q_rate + seconds * q_acc, 0.0
-        if self._system.has_dashpots:
-            z_rate, loss = self._system.slowed(z_rate, z_acc, seconds)
-        return z_rate, q_rate, loss
+        """Velocities of hub and elements after a kick, the dashpots with it; what these take, and held angles, J."""
+        system = self._system
+        z_rate, q_rate, loss, taken = z_rate + seconds * z_acc, q_rate + seconds * q_acc, 0.0, 0.0
+        if system.carries:
+            taken = seconds * system.carried_power(z_rate, z_acc, seconds)
+        if system.has_dashpots:
+            z_rate, q_rate, loss, more = system.slowed(z_rate, z_acc, q_rate, seconds)
+            taken += more
+        return z_rate, q_rate, loss, taken

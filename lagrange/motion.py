@@ -29,6 +29,11 @@ class State:
     y_rate: np.ndarray | float
     rho_rate: np.ndarray
     theta_rate: np.ndarray
+    # (...,), where the outer ring's centre is, from which the other places are, and how fast a housing moves it
+    ring_x: np.ndarray | float = 0.0
+    ring_y: np.ndarray | float = 0.0
+    ring_x_rate: np.ndarray | float = 0.0
+    ring_y_rate: np.ndarray | float = 0.0
     turns: Turns = UNTURNED  # prescribed; matter where surfaces are not perfect
 
 
@@ -148,25 +153,40 @@ def angular_equations(
 def hub_equations(operation: Operation, state: State, contacts: ContactState, x_acceleration, y_acceleration):
     """Left sides of (22) and of (23) with the load moved over, N, each (...,); 0 in a motion of the model.
 
+    Accelerations are those in the fixed frame.
     The operation's loads may be of the same shape: `Operation.at`. A shaft's springs and dashpots act beside the load.
     """
     mass, shaft = operation.inner_mass, operation.mounting.shaft
     push_x = np.sum(contacts.inner_force * contacts.along_x, axis=-1)
     push_y = np.sum(contacts.inner_force * contacts.along_y, axis=-1)
     if shaft is not None:
-        push_x = push_x + shaft.force(state.x, state.x_rate)
-        push_y = push_y + shaft.force(state.y, state.y_rate)
+        push_x = push_x + shaft.force(state.x + state.ring_x, state.x_rate + state.ring_x_rate)
+        push_y = push_y + shaft.force(state.y + state.ring_y, state.y_rate + state.ring_y_rate)
     return (
         mass * x_acceleration - push_x - operation.side_load,
         mass * (y_acceleration + operation.gravity) - push_y + operation.radial_load,
     )
 
 
+def housing_accelerations(bearing: Bearing, operation: Operation, state: State, contacts: ContactState):
+    """Ẍ, Ÿ of a housing and its outer ring, m/s², each (...,): contacts, springs, dashpots, weight."""
+    housing = operation.mounting.housing
+    if housing is None:
+        raise ValueError("nothing moves the outer ring")
+    mass = housing.mass + bearing.outer_ring_mass
+    cos, sin = np.cos(state.theta), np.sin(state.theta)
+    x = np.sum(contacts.outer_force * (cos + contacts.outer_slope * sin), axis=-1)
+    y = np.sum(contacts.outer_force * (sin - contacts.outer_slope * cos), axis=-1)
+    held_x = housing.stiffness * state.ring_x + housing.damping * state.ring_x_rate
+    held_y = housing.stiffness * state.ring_y + housing.damping * state.ring_y_rate
+    return (x - held_x) / mass, (y - held_y) / mass - operation.gravity
+
+
 def accelerations(bearing: Bearing, operation: Operation, state: State, contacts: ContactState):
     """ẍ, ÿ, (...,), m/s²; ρ̈, m/s², and θ̈ of free elements, rad/s², (..., n_rollers).
 
     The equations are linear in the accelerations, and each holds one of them. With angles from kinematics (20) leave
-    θ̈ unused: it is what the element would do without a cage.
+    θ̈ unused: it is what the element would do without a cage. The outer ring stands still, or moves steadily.
     """
     error_x, error_y = hub_equations(operation, state, contacts, 0.0, 0.0)
     radial = radial_equations(bearing, operation, state, contacts, 0.0)

@@ -10,6 +10,7 @@ from lagrange.bearing import Bearing, Operation
 from lagrange.contact_damping import UNDAMPED, ContactDamping
 from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import State
+from lagrange.mounting import ring_place
 from lagrange.profile import Turns
 from lagrange.raceway_laws import ContactLaws
 from lagrange.statics import static_equilibrium
@@ -45,9 +46,10 @@ class Problem:
 
     @property
     def is_damped(self) -> bool:
-        """Whether contacts or what holds the shaft take energy."""
-        shaft = self.operation.mounting.shaft
-        return self.damping.acts or (shaft is not None and shaft.damping > 0.0)
+        """Whether contacts or what holds shaft and housing take energy."""
+        mounting = self.operation.mounting
+        dashpots = (part.damping > 0.0 for part in (mounting.shaft, mounting.housing) if part is not None)
+        return self.damping.acts or any(dashpots)
 
     @cached_property
     def first_state(self) -> State:
@@ -63,13 +65,20 @@ class Problem:
         cage = ideal.cage
         zero = np.zeros(bearing.n_rollers)
         if self.start == "rest":
+            ring = ring_place(replace(operation.mounting, shaft=None), self._weight_on_springs, lambda _: np.zeros(2))
             return State(
                 x=0.0, y=0.0, rho=zero + bearing.pitch_radius, theta=theta,
-                x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + cage,
+                x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + cage, ring_x=ring[0], ring_y=ring[1],
             )  # fmt: skip
         if self.load_ramp > 0.0:
             operation = replace(operation, radial_load=0.0, side_load=0.0, course=None)
-        now = static_equilibrium(bearing, operation, self.laws, angles=theta)
+
+        def force_at(place):
+            still = static_equilibrium(bearing, operation, self.laws, angles=theta, ring=place)
+            return np.array([still.outer_force @ np.cos(theta), still.outer_force @ np.sin(theta)])
+
+        ring = ring_place(operation.mounting, self._weight_on_springs, force_at)
+        now = static_equilibrium(bearing, operation, self.laws, angles=theta, ring=ring)
         before, after = (
             static_equilibrium(
                 bearing,
@@ -78,6 +87,7 @@ class Problem:
                 angles=theta + turned(bearing, operation, shift).cage,
                 start=(now.x, now.y),
                 turns=Turns.rolling(bearing, operation, shift),
+                ring=ring,
             )
             for shift in (-DIFFERENCE, DIFFERENCE)
         )
@@ -89,4 +99,11 @@ class Problem:
         return State(
             x=now.x, y=now.y, rho=now.rho, theta=theta,
             x_rate=rates[0], y_rate=rates[1], rho_rate=rates[2:], theta_rate=zero + cage,
+            ring_x=ring[0], ring_y=ring[1],
         )  # fmt: skip
+
+    @property
+    def _weight_on_springs(self) -> float:
+        """Of a housing and its outer ring, N; 0 without."""
+        housing = self.operation.mounting.housing
+        return 0.0 if housing is None else self.operation.gravity * (housing.mass + self.bearing.outer_ring_mass)

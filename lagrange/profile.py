@@ -8,7 +8,7 @@ by −Q σ' − ½ Q² c': in all that asks for slopes, c adds ½ Q c' to that o
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from math import ceil, pi
 from typing import NamedTuple
 
@@ -49,32 +49,20 @@ class Profile:
         n = self.coefficients.shape[1]
         place = np.asarray(angle) * (n / (2.0 * pi))
         base = np.floor(place)
-        t, knot = place - base, self.row * n + base.astype(np.int64) % n
-        sunk = _cubic(self._pieces.take(knot, axis=0), t, 0.5 * n / pi)
-        if self._compliance_pieces is None:
+        t, first, knot = place - base, self.row * n, base.astype(np.int64)
+        near = [first + (knot + k) % n for k in (-1, 0, 1, 2)]
+        sunk = _cubic([self.coefficients.take(at) for at in near], t, 0.5 * n / pi)
+        if self.compliance is None:
             return Along(*sunk)
-        soft = self._compliance_pieces.take(knot, axis=0)
-        return Along(*sunk, *_cubic(soft, t, 0.5 * n / pi)) if soft.any() else Along(*sunk)
-
-    @cached_property
-    def _pieces(self) -> np.ndarray:
-        return _pieces(self.coefficients)
-
-    @cached_property
-    def _compliance_pieces(self) -> np.ndarray | None:
-        return None if self.compliance is None else _pieces(self.compliance)
+        soft = [self.compliance.take(at) for at in near]
+        return Along(*sunk, *_cubic(soft, t, 0.5 * n / pi)) if np.any(soft) else Along(*sunk)
 
 
-def _pieces(coefficients: np.ndarray) -> np.ndarray:
-    """Polynomials from knot to knot, by powers of the way between them, (n_rows · n_knots, 4)."""
-    c0, c1, c2, c3 = (np.roll(coefficients, -k, axis=1) for k in (-1, 0, 1, 2))
+def _cubic(near: list[np.ndarray], t: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Values and slopes of a spline between two knots, from the four coefficients nearest; `rate`: of t, 1/rad."""
+    c0, c1, c2, c3 = near
     powers = c0 + 4.0 * c1 + c2, 3.0 * (c2 - c0), 3.0 * (c0 - 2.0 * c1 + c2), c3 - c0 + 3.0 * (c1 - c2)
-    return np.stack(powers, axis=-1).reshape(-1, 4) / 6.0
-
-
-def _cubic(pieces: np.ndarray, t: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """Values and slopes of polynomials; `rate`: of t by the angle, 1/rad."""
-    a, b, c, d = (pieces[..., k] for k in range(4))
+    a, b, c, d = (power / 6.0 for power in powers)
     return a + t * (b + t * (c + t * d)), (b + t * (2.0 * c + t * (3.0 * d))) * rate
 
 

@@ -97,11 +97,11 @@ def _damping(scene: "Scene") -> Iterator[str]:
 
 
 def _support(scene: "Scene") -> Iterator[str]:
-    mounting, support = scene.mounting(), scene.support
-    if support is not None and support.kind != "held" and scene.model != "fem":
+    mounting = scene.mounting()
+    if mounting.points is not None and scene.model != "fem":
         yield (
-            f'support.kind = "{support.kind}": only with model = "fem", not with "{scene.model}", whose outer '
-            "ring is held all around by the ground; leave one of them out"
+            f'support.kind = "points": only with model = "fem", not with "{scene.model}", whose outer ring does not '
+            'bend as a whole; take kind = "housing", or leave one of them out'
         )
     if mounting.points is not None and scene.bodies.outer_ring == "rigid":
         yield 'support.kind = "points": a rigid outer ring is held as well by any; leave one of them out'
@@ -115,12 +115,13 @@ def _support(scene: "Scene") -> Iterator[str]:
             f'operation.shaft = "springs": only with contact.model = "subgrid", not with "{scene.contact.model}", '
             "which is there to compare contacts; leave one of them out"
         )
-    if mounting.shaft is not None and scene.model == "reduced" and scene.reduced.modes_up_to_kHz > 0.0:
-        yield (
-            f'operation.shaft = "springs": not together with reduced.modes_up_to_kHz = '
-            f"{scene.reduced.modes_up_to_kHz:g}, whose modes are those of a hub that contacts and load alone move; "
-            "leave one of them out"
-        )
+    given = {'operation.shaft = "springs"': mounting.shaft, 'support.kind = "housing"': mounting.housing}
+    for name, part in given.items():
+        if part is not None and scene.model == "reduced" and scene.reduced.modes_up_to_kHz > 0.0:
+            yield (
+                f"{name}: not together with reduced.modes_up_to_kHz = {scene.reduced.modes_up_to_kHz:g}, whose modes "
+                "are those of rings that contacts and load alone move; leave one of them out"
+            )
     if scene.sensor is not None and mounting.housing is None:
         yield ('[sensor]: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out')
 

@@ -14,12 +14,12 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.contact_damping import UNDAMPED, ContactDamping
+from lagrange.in_housing import system_of
 from lagrange.integrate import Integration, NumpyIntegration
 from lagrange.kinematics import kinematics, turned
 from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
 from lagrange.step_size import DAMPED_STABLE, STABLE, STEP, critical_time_step, fastest_mode, steps_per_sample
-from lagrange.systems import FreeAngles, KinematicAngles
 from lagrange.trajectory import Completion, Trajectory
 
 ENERGY_TOLERANCE = 1e-2  # where contacts rattle, each impact lasting a few steps; else errors are 1e-5 of it
@@ -74,7 +74,7 @@ class Simulation:
 
     def _begin(self) -> None:
         problem = self.problem
-        system = (KinematicAngles if problem.angles == "kinematic" else FreeAngles)(problem)
+        system = system_of(problem)
         start = system.pack(self._start)
         self._integration = self._kind(system, start, self.time_step, self.steps_per_sample, problem.damping)
         self._completion = Completion(problem, system)

@@ -18,6 +18,11 @@ def softened(law: PowerLaw | LogarithmicLaw, compliance: np.ndarray | float) -> 
     return law if isinstance(compliance, float) and compliance == 0.0 else Softened(law=law, compliance=compliance)
 
 
+def pressed(law: "PowerLaw | LogarithmicLaw | Softened", approach) -> tuple[np.ndarray, np.ndarray]:
+    """Forces, N, and stiffnesses, N/m, of approaches, m."""
+    return law.pressed(approach) if isinstance(law, Softened) else (law.force(approach), law.slope(approach))
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Softened:
     """Same methods as `PowerLaw`, with approaches and forces that go with the compliances' shape."""
@@ -35,8 +40,13 @@ class Softened:
 
     def slope(self, approach):
         """Contact stiffness dQ/dδ, N/m; 0 for an open contact."""
-        slope = self.law.slope(self._own(approach))
-        return slope / (1.0 + self.compliance * slope)
+        return self.pressed(approach)[1]
+
+    def pressed(self, approach):
+        """Contact force, N, and stiffness, N/m, of an approach, m: in half the time of asking for one and the other."""
+        own = self._own(approach)
+        slope = self.law.slope(own)
+        return self.law.force(own), slope / (1.0 + self.compliance * slope)
 
     def potential(self, approach):
         """Energy stored in contact and compliance, J."""

@@ -4,7 +4,7 @@ Each element's radius ρ is eliminated: at a given hub position its radial balan
 the least of a potential of the hub's two coordinates, found by Newton's method with a line search.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from lagrange.kinematics import kinematics, roller_angles
 from lagrange.overlap import touching_distances
 from lagrange.profile import UNTURNED, Turns, profiles
 from lagrange.raceway_laws import ContactLaws
-from lagrange.softened import softened
+from lagrange.softened import pressed, softened
 
 BALANCE = 1e-10  # of load and contact forces: what Newton's method must reach
 MAX_NEWTON = 200
@@ -48,7 +48,7 @@ def static_equilibrium(
     roller_mass: float | None = None,
     start: tuple[float, float] | None = None,
     turns: Turns = UNTURNED,
-    ring: tuple[float, float] = (0.0, 0.0),
+    ring: np.ndarray | tuple[float, float] = (0.0, 0.0),
 ) -> Statics:
     """Equilibrium under load, weights and the elements' centrifugal force at cage speed.
 
@@ -73,7 +73,8 @@ def static_equilibrium(
     system = _System(bearing, operation, laws, theta, mass, turns, np.asarray(ring, dtype=float))
     hub = np.zeros(2) if start is None else np.array(start, dtype=float)
     if start is None and weight > 0.0:
-        hub = _sink(system, load, load / weight)
+        perfect = _System(replace(bearing, faults=()), operation, laws, theta, mass, turns, system.ring)
+        hub = _sink(perfect, load, load / weight)  # near enough, and faster
     here = system.at(hub, load)
     finest = ROUND_OFF * np.max(system.track) * system.typical_stiffness * bearing.n_rollers
     for _ in range(MAX_NEWTON):
@@ -128,7 +129,8 @@ class _System:
         t = hub[1] * self.cos - hub[0] * self.sin
         rho = self._balance(s, t)
         chi, c, d, depth_in, depth_out, law_in = self._overlaps(rho, s, t)
-        inner, outer = law_in.force(depth_in), self.outer_law.force(depth_out)
+        inner, slope_in = pressed(law_in, depth_in)
+        outer, slope_out = pressed(self.outer_law, depth_out)
         radial, across = -inner * c, inner * d  # on the hub, along s and t
         unbalance = -np.array(
             [
@@ -138,7 +140,6 @@ class _System:
         )
         place, springs = hub + self.ring, self.shaft_stiffness
         unbalance += springs * place
-        slope_in, slope_out = law_in.slope(depth_in), self.outer_law.slope(depth_out)
         # Hessian of the inner contact's energy in (along, t), then ρ eliminated
         aa = slope_in * c * c - inner / chi * d * d
         at = slope_in * c * d + inner / chi * c * d
@@ -179,9 +180,9 @@ class _System:
     def _radial(self, rho, s, t):
         """Force on the elements along +ρ, N, and minus its derivative."""
         _, c, _, depth_in, depth_out, law_in = self._overlaps(rho, s, t)
-        inner, outer = law_in.force(depth_in), self.outer_law.force(depth_out)
+        inner, slope_in = pressed(law_in, depth_in)
+        outer, slope_out = pressed(self.outer_law, depth_out)
         force = inner * c - outer + self.spin * rho - self.weight
-        slope_in, slope_out = law_in.slope(depth_in), self.outer_law.slope(depth_out)
         return force, slope_in * c**2 + slope_out - self.spin
 
     def _balance(self, s, t):

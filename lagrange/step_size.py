@@ -38,17 +38,24 @@ def fastest_mode(problem: Problem, inner_force: float, outer_force: float) -> fl
 
 
 def fastest_in_machine(bearing: Bearing, operation: Operation, inner: float, outer: float) -> float:
-    """Angular frequency, rad/s, of the fastest motion of hub and elements along an axis on a shaft's springs, too.
+    """Angular frequency, rad/s, of the fastest motion of hub, elements and housing along an axis.
 
-    All contacts are closed and as stiff as these, N/m; 0 where nothing but the bearing holds the hub.
+    All contacts are closed and as stiff as these, N/m; 0 where nothing but the bearing holds the hub, and the ground
+    the outer ring.
     """
-    shaft = operation.mounting.shaft
-    if shaft is None:
+    shaft, housing = operation.mounting.shaft, operation.mounting.housing
+    if shaft is None and housing is None:
         return 0.0
     share = 0.5 * bearing.n_rollers  # of cos² around the bearing
-    masses = np.array([operation.inner_mass, share * bearing.roller_mass])
+    masses = np.array([operation.inner_mass, share * bearing.roller_mass, bearing.outer_ring_mass])
     a, b = share * inner, share * outer
-    stiffness = np.array([[a + shaft.stiffness, -a], [-a, a + b]])
+    stiffness = np.array([[a, -a, 0.0], [-a, a + b, -b], [0.0, -b, b]])
+    stiffness[0, 0] += 0.0 if shaft is None else shaft.stiffness
+    if housing is None:
+        masses, stiffness = masses[:2], stiffness[:2, :2]
+    else:
+        masses[2] += housing.mass
+        stiffness[2, 2] += housing.stiffness
     return sqrt(float(np.linalg.eigvalsh(stiffness / np.sqrt(np.outer(masses, masses))).max()))
 
 
@@ -73,7 +80,7 @@ def _longest_step(problem: Problem) -> float:
     passage = _passage(problem)
     if not problem.is_damped:
         return min(STEP / omega, passage)
-    if not problem.damping.acts:  # the shaft's dashpots are exact at any step
+    if not problem.damping.acts:  # dashpots of shaft and housing are exact at any step
         return min(DAMPED_STEP / omega, passage)
     dampers = sum(float(problem.damping.coefficient(force, law.slope(law.approach(force)))) for law in problem.laws)
     return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / dampers, passage)

@@ -6,12 +6,12 @@ coordinates, so that no force depends on a velocity and the scheme stays explici
 """
 
 from dataclasses import replace
-from math import exp, expm1
 from typing import NamedTuple
 
 import numpy as np
 
 from lagrange.contact_damping import ContactDamping, damper_force
+from lagrange.dashpots import flow
 from lagrange.kinematics import kinematics, turned
 from lagrange.laws import PowerLaw
 from lagrange.load_ramp import load_share, load_share_rate
@@ -46,6 +46,8 @@ class _System:
         self.ideal = kinematics(bearing, operation.speed)
         self.cage, self.cage_gain = self.ideal.cage, 0.0
         self.surfaces = profiles(bearing)
+        # whether power goes with a velocity, of held angles in a housing that moves, and by what: see `in_housing`
+        self.carries, self.shift = False, 0j
         self.n = bearing.n_rollers
         # constants as whole arrays: numpy takes 0.4 µs to bring a number into an operation, as long as the operation
         self.reach, self.track = (np.full(self.n, distance) for distance in touching_distances(bearing))
@@ -142,16 +144,13 @@ class _System:
         """Whether what holds the shaft takes energy."""
         return self.dashpot_rate > 0.0
 
-    def slowed(self, z_rate: complex, z_acc: complex, seconds: float) -> tuple[complex, float]:
-        """The hub's velocity after so long a kick, had its dashpots acted as well: exactly; and what they take, J.
+    def slowed(self, z_rate, z_acc, q_rate, seconds: float):
+        """Velocities of hub and elements after so long a kick, just made, had the shaft's dashpots acted as well.
 
-        Called after the kick, at frozen positions; they take what their mean force does on leapfrog's way.
+        And what these take, J, and what held angles take up from that.
         """
-        rate = self.dashpot_rate
-        left, before = exp(-rate * seconds), z_rate - seconds * z_acc
-        slower = left * before - expm1(-rate * seconds) / rate * z_acc
-        lost = 0.5 * self.inner_mass * (slower - z_rate).conjugate() * (before + slower)
-        return slower, -lost.real
+        hub, lost = flow(self.dashpot_rate, self.inner_mass, z_rate, z_acc, seconds)
+        return hub, q_rate, lost, 0.0
 
     @property
     def load_changes(self) -> bool:
@@ -216,8 +215,9 @@ class KinematicAngles(_System):
         else:
             outward = self.first + self.spacing + self.cage_turn(time)
             self.surface_forces(self.surfaces, time, outward + np.angle(line), outward, distance)
+            self.met_at = q
         self.line, self.distance = line, distance
-        push = self.force_inner / distance * line
+        self.push = push = self.force_inner / distance * line
         if self.surfaces is not None:
             push *= self.aside
         on_hub = -complex(np.vdot(turn, push))  # vdot conjugates: back to the fixed frame
@@ -233,6 +233,17 @@ class KinematicAngles(_System):
         if self.cage_gain != 0.0:  # of the elements' angular momentum; the rest of that is in `Completion`
             power -= self.mass * self.cage * self.cage_gain * float(q.dot(q))
         return self.hub_acceleration(on_hub, z, time), q_acc, power
+
+    def outward(self, turn):
+        """Directions of the outer contacts' forces on the outer ring, at the positions last seen."""
+        found = turn.conj()
+        return found if self.surfaces is None else found * (1.0 - 1j * self.met_outer.slope / self.met_at)
+
+    def contacts_along(self, push, outer):
+        """Contacts' forces on the elements along the circle, N: of inner ones, along own axes, and of outer ones."""
+        if self.surfaces is None:
+            return push.imag
+        return push.imag + outer * self.met_outer.slope / self.met_at
 
     def held_power(self, z: complex, on_hub: complex) -> float:
         """Power that held angles take up from forces on the hub, W: their moment times the cage's speed."""
@@ -257,6 +268,7 @@ class KinematicAngles(_System):
         if self.surfaces is not None:
             driven = np.dot(inner, inner_passing) + np.dot(outer, outer_passing)
         push = inner * unit
+        self.damped = push, outer
         on_hub = -complex(np.vdot(turn, push))
         loss = np.dot(inner, closing) + np.dot(outer, opening)
         return on_hub / self.inner_mass, (push.real - outer) / self.mass, loss, self.held_power(z, on_hub) + driven
@@ -307,6 +319,10 @@ class FreeAngles(_System):
         q_acc = (push - back) / self.mass - 1j * self.gravity
         return self.hub_acceleration(-complex(push.sum()), z, time), q_acc, power
 
+    def outward(self, turn):
+        """Directions of the outer contacts' forces on the outer ring, at the positions last seen."""
+        return self.out
+
     def damper(self, z_rate, q_rate, q, z, turn, coefficients):
         """Accelerations of hub and elements by the dampers, the loss and the power held angles take up, W.
 
@@ -325,6 +341,7 @@ class FreeAngles(_System):
         if self.surfaces is not None:
             driven = float(np.dot(inner, inner_passing) + np.dot(outer, outer_passing))
         push = inner * unit
+        self.damped = push, outer
         loss = np.dot(inner, closing) + np.dot(outer, opening)
         # Python's own complex number, as in the other accelerations: a stored state goes on with the same arithmetic
         return complex(-push.sum() / self.inner_mass), (push - outer * out) / self.mass, loss, driven

@@ -6,9 +6,11 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.energy import contact_energy, kinetic_energy, rotation_energy
+from lagrange.in_housing import held_energy
 from lagrange.integrate import Record
 from lagrange.load_ramp import load_share
-from lagrange.motion import contact_state, hub_equations
+from lagrange.motion import contact_state, housing_accelerations, hub_equations
+from lagrange.mounting import OF_HOUSING
 from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
 
@@ -45,14 +47,23 @@ class Trajectory:
     outer_damper: np.ndarray
     energy_kinetic: np.ndarray  # J, translations and the rotation of kinematics
     energy_contact: np.ndarray
-    energy_shaft: np.ndarray  # J, of the springs that hold the shaft beside the bearing; 0 where there are none
+    # J, of the springs that hold the shaft beside the bearing, and the housing; 0 where there are none
+    energy_shaft: np.ndarray
+    energy_support: np.ndarray
     energy_error: np.ndarray  # J, that the integration has made since the start: 0 in an exact solution
     work_load: np.ndarray  # J, since the start
     work_gravity: np.ndarray
     # of what keeps the angles to the kinematics, turns the bodies where surfaces are not perfect, and speeds them up
     work_cage: np.ndarray
-    work_dissipated: np.ndarray  # by the contacts' dampers and the shaft's dashpots
+    work_dissipated: np.ndarray  # by the contacts' dampers and the dashpots of shaft and housing
     work_damping: np.ndarray  # by the contacts' dampers alone
+    # of a housing that moves and of a sensor on it, else 0: m, m/s²; other places are in the fixed frame, but for
+    # roller_rho and roller_theta, which are about the outer ring's centre
+    housing_x: np.ndarray
+    housing_y: np.ndarray
+    housing_ax: np.ndarray
+    housing_ay: np.ndarray
+    sensor_ay: np.ndarray
     time_step: float  # s
     critical_time_step: float  # s, stability limit of the stiffest mode met
     steps: int
@@ -60,15 +71,15 @@ class Trajectory:
     @property
     def energy_moved(self) -> np.ndarray:
         """Of all that moves and of what holds it, J: what contacts exchange energy with."""
-        return self.energy_kinetic + self.energy_shaft
+        return self.energy_kinetic + self.energy_shaft + self.energy_support
 
     @property
     def roller_x(self) -> np.ndarray:
-        return self.roller_rho * np.cos(self.roller_theta)
+        return self.housing_x[:, None] + self.roller_rho * np.cos(self.roller_theta)
 
     @property
     def roller_y(self) -> np.ndarray:
-        return self.roller_rho * np.sin(self.roller_theta)
+        return self.housing_y[:, None] + self.roller_rho * np.sin(self.roller_theta)
 
     @property
     def work_external(self) -> np.ndarray:
@@ -104,33 +115,45 @@ class Completion:
         left_x, left_y = hub_equations(replace(acting, radial_load=0.0, side_load=0.0), state, touch, 0.0, 0.0)
         ax, ay = -(left_x - share * acting.side_load) / operation.inner_mass, -left_y / operation.inner_mass
         ay = ay - share * acting.radial_load / operation.inner_mass
+        x, y = state.x + state.ring_x, state.y + state.ring_y  # in the fixed frame
         lift = operation.inner_mass * state.y + bearing.roller_mass * np.sum(state.rho * np.sin(state.theta), axis=1)
-        pull = share * acting.radial_load * state.y - share * acting.side_load * state.x
+        pull = share * acting.radial_load * y - share * acting.side_load * x
         # 2 m ρ̇ ω of the held elements does m ω² Δ(ρ²); their contacts and weights do the rest
         swing = bearing.roller_mass * np.sum((state.rho * state.theta_rate) ** 2, axis=1)
         turning = rotation_energy(bearing, acting) + np.zeros_like(time)
         kinetic = kinetic_energy(bearing, operation, state) + turning
         contact = contact_energy(laws, touch)
-        shaft = operation.mounting.shaft
-        bent = np.zeros_like(time) if shaft is None else 0.5 * shaft.stiffness * (state.x**2 + state.y**2)
-        energy = kinetic + contact + bent
+        shaft, housing = operation.mounting.shaft, operation.mounting.housing
+        bent = np.zeros_like(time) if shaft is None else 0.5 * shaft.stiffness * (x**2 + y**2)
+        sprung, moved = np.zeros_like(time), dict.fromkeys(OF_HOUSING[:4], np.zeros_like(time))
+        if housing is not None:
+            lift = lift + _carried_mass(bearing, operation) * state.ring_y
+            swing = swing + held_energy(bearing.roller_mass, state)
+            sprung = 0.5 * housing.stiffness * (state.ring_x**2 + state.ring_y**2)
+            speeding = housing_accelerations(bearing, operation, state, touch)
+            moved = dict(zip(moved, (state.ring_x, state.ring_y, *speeding), strict=True))
+        sensor = operation.mounting.sensor
+        shown = np.zeros_like(time) if sensor is None else record.sensor @ sensor.pull
+        energy = kinetic + contact + bent + sprung
         first = self.first
         if np.isnan(first["energy"]):
-            first[()] = lift[0], pull[0], swing[0], kinetic[0], (kinetic + bent)[0], energy[0], turning[0]
+            first[()] = lift[0], pull[0], swing[0], kinetic[0], (kinetic + bent + sprung)[0], energy[0], turning[0]
         driven = record.held_work + (turning - first["turning"])
         nothing = np.zeros(state.rho.shape)
         part = dict(
             time=time,
-            inner_x=state.x, inner_y=state.y, inner_vx=state.x_rate, inner_vy=state.y_rate, inner_ax=ax, inner_ay=ay,
+            inner_x=x, inner_y=y, inner_ax=ax, inner_ay=ay,
+            inner_vx=state.x_rate + state.ring_x_rate, inner_vy=state.y_rate + state.ring_y_rate,
             roller_rho=state.rho, roller_theta=state.theta,
             roller_rho_rate=state.rho_rate, roller_theta_rate=state.theta_rate,
             inner_force=touch.inner_force, outer_force=touch.outer_force,
             inner_damper=nothing + touch.inner_damper, outer_damper=nothing + touch.outer_damper,
-            energy_kinetic=kinetic, energy_contact=contact, energy_shaft=bent,
+            energy_kinetic=kinetic, energy_contact=contact, energy_shaft=bent, energy_support=sprung,
             work_load=record.ramp_work - (pull - first["pull"]),
             work_gravity=-operation.gravity * (lift - first["lift"]),
             work_cage=driven + swing - first["swing"] if self._system.holds_angles else driven,
             work_dissipated=record.dissipated + record.by_dashpots, work_damping=record.dissipated,
+            **moved, sensor_ay=shown,
         )  # fmt: skip
         external = part["work_load"] + part["work_gravity"] + part["work_cage"]
         part["energy_error"] = energy - first["energy"] - external + part["work_dissipated"]
@@ -139,7 +162,7 @@ class Completion:
 
     def _meet(self, part: dict[str, np.ndarray]) -> None:
         """Take further samples into account in what has been met."""
-        met, moved = self.met, part["energy_kinetic"] + part["energy_shaft"]
+        met, moved = self.met, part["energy_kinetic"] + part["energy_shaft"] + part["energy_support"]
         for name in ("inner_force", "outer_force", "energy_contact", "energy_error"):
             met[name] = np.maximum(met[name], np.abs(part[name]).max())
         met["least_moved"] = np.minimum(met["least_moved"], moved.min())
@@ -157,3 +180,10 @@ class Completion:
         turned = np.concatenate([turns[None], jumps]).cumsum(axis=0)[1:]
         self.memory["angles"][:] = angles[-1], turned[-1], shift
         return angles + turned + shift
+
+
+def _carried_mass(bearing: Bearing, operation: Operation) -> float:
+    """All that stands on a housing's springs, kg."""
+    housing = operation.mounting.housing
+    carrying = 0.0 if housing is None else housing.mass + bearing.outer_ring_mass
+    return operation.inner_mass + bearing.n_rollers * bearing.roller_mass + carrying

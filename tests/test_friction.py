@@ -78,15 +78,20 @@ def by_contact(normal):
 
 
 def rubbing_state(seed=1, mesh_size=1e-3):
+    state = pressed_state(seed, mesh_size)
+    push_surfaces(state)
+    state.drive.moment[0] = 0.0
+    return state
+
+
+def pressed_state(seed, mesh_size):
     state = with_random_velocities(random_state(seed, mesh_size=mesh_size), 7)
     state = with_friction(state, coefficient=0.1)
     state.contacts.forces.force[:] = 0.0
     state.drive.impulse[:] = 0.0
     press_contacts(state)
-    push_surfaces(state)
     for entry in (state.bodies.rollers.node_impulse, state.bodies.rollers.body_impulse, state.bodies.rollers.turn_kick):
         entry[:] = 0.0
-    state.drive.moment[0] = 0.0
     return state
 
 
@@ -260,6 +265,26 @@ def test_what_tractions_take_is_the_bodies_loss(make):
     tractions, closed = rubbed.contacts.friction.traction, rubbed.contacts.forces.force > 0.0
     mean = 0.5 * (before + after)
     assert taken == pytest.approx(-np.sum((tractions * mean)[closed]) * DT, rel=1e-9)
+
+
+def test_normal_impulses_given_with_the_tractions_do_what_they_do_given_before():
+    """Where no patches overlap each contact's own is all that reaches its slip; rollers 3 and 4 touch."""
+    first = with_friction(pressed_state(3, 1e-3), overlapping=None)
+    assert first.contacts.forces.kick[ROLLER, 3] > 0.0
+    find_slips(first, first.bodies.rollers.turn_kick, first.contacts.friction.slip)
+    together = copies(first)
+    push_surfaces(first)
+    assert rub_contacts(together, later=True) == pytest.approx(rub_contacts(first), rel=1e-12)
+    for wanted, found in (
+        (first.bodies.disc.w, together.bodies.disc.w),
+        (first.bodies.inner.w[:, :, HALO:-HALO], together.bodies.inner.w[:, :, HALO:-HALO]),
+        (first.bodies.outer.w[:, :, HALO:-HALO], together.bodies.outer.w[:, :, HALO:-HALO]),
+        (first.bodies.rollers.node_impulse, together.bodies.rollers.node_impulse),
+        (first.contacts.friction.traction, together.contacts.friction.traction),
+        (first.drive.moment, together.drive.moment),
+    ):
+        assert np.any(wanted)
+        np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-12 * np.abs(wanted).max())
 
 
 def test_a_coarse_rollers_contacts_are_solved_in_turn_only_while_rollers_touch():

@@ -145,7 +145,6 @@ def test_places_are_taken_from_the_outer_ring():
         ({"support": 3}, ["support = 3: must be a table"]),
         ({"sensor": {}}, ["[sensor]", '[support] with kind = "housing"']),
         ({"sensor": {"damping_ratio": 1.0}, "support": PEDESTAL}, ["sensor.damping_ratio = 1.0"]),
-        ({"support": PEDESTAL, "model": "reduced"}, ['support.kind = "housing"', '"fem"']),
     ],
 )
 def test_what_makes_no_sense_is_refused_by_name(tables, words):

@@ -9,10 +9,12 @@ import threading
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray
 
 from fem.study_cli import study_main
-from tests.test_study import GRID, many, same
+from tests.test_study import BASE, GRID, many, same
 
 pytest.importorskip("distributed")
 PATIENCE = 120.0  # s, for processes to start on a busy machine
@@ -63,15 +65,16 @@ def until(happens):
         time.sleep(0.02)
 
 
-def worker(started, address):
-    return started("dask_worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
+def worker(started, address, *words):
+    return started("dask_worker", address, "--nthreads", "1", "--no-dashboard", *(words or ("--no-nanny",)))
 
 
-@pytest.mark.slow
 def test_two_workers_of_a_scheduler_give_what_one_process_gives(here, started, scheduler):
+    """Three programs and two points: what CI has of a cluster. The slow tests below kill and hang them."""
     for _ in range(2):
         worker(started, scheduler)
-    Path("study.toml").write_text(GRID, encoding="utf-8")
+    text = BASE + '[parameters]\n"operation.speed_rpm" = [1500.0, 3000.0]\n[keep]\nsignals = ["inner_ay"]\n'
+    Path("study.toml").write_text(text, encoding="utf-8")
     assert study_main(["study.toml", "--quiet", "--scheduler", scheduler]) == 0
     assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
     same("studies/study/study.nc", "here/study.nc")
@@ -115,3 +118,32 @@ def test_a_local_cluster_gives_what_one_process_gives(here):
     assert subprocess.run([sys.executable, "run.py"]).returncode == 0
     assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
     same("studies/study/study.nc", "here/study.nc")
+
+
+HANGING = """
+import ctypes
+from fem.solver.lagrangian import LagrangianState
+
+def advance(state, most, real=LagrangianState.advance):
+    if state.plan.scene.operation.speed_rpm == 3000.0:
+        ctypes.PyDLL(None).sleep(3600)  # keeps even the interpreter's lock: the worker answers nobody
+    return real(state, most)
+
+LagrangianState.advance = advance
+"""
+
+
+@pytest.mark.slow
+def test_a_point_that_hangs_in_compiled_code_ends_by_its_limit_and_the_study_goes_on(
+    here, started, scheduler, monkeypatch
+):
+    monkeypatch.setattr("fem.study.stuck.GRACE", 3.0)
+    Path("hanging.py").write_text(HANGING, encoding="utf-8")
+    worker(started, scheduler, "--preload", str(here / "hanging.py"))
+    Path("study.toml").write_text(GRID + "[limits]\nseconds_per_point = 2.0\n", encoding="utf-8")
+    assert study_main(["study.toml", "--quiet", "--scheduler", scheduler]) == 1
+    with xarray.open_dataset("studies/study/study.nc") as found:
+        hung = found.sel(speed_rpm=3000.0)
+        assert np.all(hung.status == "stopped")
+        assert all("hung in compiled code" in str(text) for text in hung.message.values.ravel())
+        assert np.all(found.drop_sel(speed_rpm=3000.0).status == "complete")

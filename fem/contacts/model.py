@@ -7,7 +7,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from scipy import sparse
 
-from fem.contacts.reduction import Motion, Reduced
+from fem.contacts.reduction import Motion, Reduced, Unloaded
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
 from fem.elastic.rigid import rigid_body
 from fem.kernels.state import Law, Points
@@ -63,9 +63,10 @@ class Model:
         """
         raise NotImplementedError
 
-    def reduced(self, motion: Motion, gravity: float, place: np.ndarray, forces: np.ndarray | None) -> Reduced:
+    def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces: np.ndarray | None) -> Reduced:
         """The bearing reduced to its contacts with hub and radii at `place`, (n_rollers + 2,), m.
 
+        `free` : what the bodies do in that motion by themselves
         `forces` : (2 n_rollers,), N, expected, of inner contacts and then of outer ones; not asked for by all models
         """
         raise NotImplementedError

@@ -68,10 +68,13 @@ def disc_patch_traction(disc: DiscBody, angle: float) -> np.ndarray:
 
 def patches(angle: np.ndarray, n_nodes: int) -> tuple[np.ndarray, np.ndarray]:
     """Nodes of the patches around points at angles, (m,), and each node's share of each point, (m, n_angles)."""
-    found = [patch(n_nodes, a) for a in angle]
-    nodes, where = np.unique(np.concatenate([nodes for nodes, _, _ in found]), return_inverse=True)
+    position = angle * n_nodes / (2.0 * pi)
+    base = np.floor(position)
+    weight = np.array([weights(beyond) for beyond in position - base])
+    found = (first_node(0) + base[:, None].astype(int) + np.arange(N_NODES)) % n_nodes
+    nodes, where = np.unique(found, return_inverse=True)
     share = np.zeros((nodes.size, angle.size))
-    np.add.at(share, (where, np.repeat(np.arange(angle.size), N_NODES)), np.concatenate([w for _, w, _ in found]))
+    np.add.at(share, (where.ravel(), np.repeat(np.arange(angle.size), N_NODES)), weight.ravel())
     return nodes, share
 
 

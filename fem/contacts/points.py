@@ -16,7 +16,7 @@ from fem.contacts.contact_law import NoLaw
 from fem.contacts.critical_step import EVENLY
 from fem.contacts.model import KernelData, Model
 from fem.contacts.patch import Shares, disc_push, hertz_patch, ring_push
-from fem.contacts.reduction import Motion, Reduced, unloaded
+from fem.contacts.reduction import Motion, Reduced, Unloaded
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.kernels.facet_kernels import chord
 from fem.kernels.patches import N_NODES
@@ -71,7 +71,7 @@ class PointModel(Model):
     shares: ClassVar[Shares]  # of points among nodes
     nodes_beyond: ClassVar[float] = 3.0  # that the outermost points push beside those under them
 
-    def reduced(self, motion: Motion, gravity: float, place: np.ndarray, forces: np.ndarray) -> "PointResponses":
+    def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces: np.ndarray) -> "PointResponses":
         """See `Model.reduced`: the bodies' answer to forces on the points."""
         n, disc, rings, laws = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring), self.laws[:2]
         line, faintest = motion.lines_of_centres(place), FAINT * forces.max()
@@ -99,15 +99,14 @@ class PointModel(Model):
             mine = np.flatnonzero(contact == c)
             compliance[np.ix_(mine, mine)] = laws[c // n].local_compliance(mine.size)
         growth, loads = np.zeros(across.size), []
-        free = unloaded(self, motion, gravity)
-        for k, (ring, field) in enumerate(zip(rings, (free["inner_growth"], free["outer_sag"]), strict=True)):
+        for k, (ring, field) in enumerate(zip(rings, (free.inner_growth, free.outer_sag), strict=True)):
             mine = np.flatnonzero(kind == k)
             turn, outward = (motion.ring_turn, 1.0) if k == INNER else (0.0, -1.0)
             nodes, push = ring_push(ring, on_ring[mine] - turn, outward / np.cos(angles[0, mine]), self.shares)
             compliance[np.ix_(mine, mine)] += push.T @ ring.surface_influence(nodes) @ push
             growth[mine] += push.T @ field[ring.raceway_row][:, nodes].T.ravel()
             loads.append((mine, nodes, push))
-        swelling = free["roller_growth"].reshape(-1, 2)
+        swelling = free.roller_growth.reshape(-1, 2)
         for roller in range(n):
             mine = np.flatnonzero(j == roller)
             nodes, push = disc_push(disc, on_roller[mine], 1.0 / np.cos(angles[1, mine]), self.shares)
@@ -121,7 +120,7 @@ class PointModel(Model):
             across=across,
             bodies=(disc, *rings),
             loads=loads,
-            **free,
+            free=free,
         )
 
     def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
@@ -184,7 +183,7 @@ class PointResponses(Reduced):
         disc, *rings = self.bodies
         fields = []
         for ring, growth, (mine, nodes, push) in zip(
-            rings, (self.inner_growth, self.outer_sag), self.loads[:2], strict=True
+            rings, (self.free.inner_growth, self.free.outer_sag), self.loads[:2], strict=True
         ):
             nodal = np.zeros((ring.n_rows, 2, ring.n_sectors))
             nodal[ring.raceway_row][:, nodes] = -(push @ forces[mine]).reshape(-1, 2).T
@@ -193,7 +192,7 @@ class PointResponses(Reduced):
         nodal = np.zeros((disc.n_nodes, 2, n))
         for roller, (mine, nodes, push) in enumerate(self.loads[2:]):
             nodal[disc.first_surface_node + nodes, :, roller] = -(push @ forces[mine]).reshape(-1, 2)
-        rollers = disc.relaxed(nodal.reshape(-1, n)) + self.roller_growth[:, None]
+        rollers = disc.relaxed(nodal.reshape(-1, n)) + self.free.roller_growth[:, None]
         return *fields, rollers.T.reshape(n, -1, 2).copy()
 
 

@@ -63,23 +63,30 @@ class PressurePoints:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reduced(PressurePoints):
-    """A bearing of finite elements reduced to such points, and what the bodies do without forces on them."""
+class Unloaded:
+    """What the bodies of finite elements do without forces at their contacts."""
 
     inner_growth: np.ndarray  # (n_rows, 2, n_sectors), m, by centrifugal load and own weight
     outer_sag: np.ndarray  # (n_rows, 2, n_sectors), m, by own weight and by how it is held
     roller_growth: np.ndarray  # (2 n_nodes,), m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reduced(PressurePoints):
+    """A bearing of finite elements reduced to such points."""
+
+    free: Unloaded
 
     def fields(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Displacements under the points' forces, N: both rings', polar, and the rollers', (n_rollers, n_nodes, 2)."""
         raise NotImplementedError
 
 
-def unloaded(model, motion: Motion, gravity: float) -> dict[str, np.ndarray]:
-    """The last three entries of `Reduced`. A roller's weight is a uniform load: it deforms only through contacts."""
+def unloaded(model, motion: Motion, gravity: float) -> Unloaded:
+    """The bodies in motion. A roller's weight is a uniform load: it deforms only through contacts."""
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
-    return {
-        "inner_growth": inner.held(inner.body_load(gravity, motion.ring_turn, motion.ring_speed)),
-        "outer_sag": outer.sag(gravity),
-        "roller_growth": disc.relaxed(motion.roller_speed**2 * (disc.mass[:, None] * disc.points).ravel()),
-    }
+    return Unloaded(
+        inner_growth=inner.held(inner.body_load(gravity, motion.ring_turn, motion.ring_speed)),
+        outer_sag=outer.sag(gravity),
+        roller_growth=disc.relaxed(motion.roller_speed**2 * (disc.mass[:, None] * disc.points).ravel()),
+    )

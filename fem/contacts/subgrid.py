@@ -25,8 +25,18 @@ from scipy import sparse
 from fem.contacts.contact_law import ContactLaw
 from fem.contacts.critical_step import EVENLY, LIGHT
 from fem.contacts.model import KernelData, Model, assembled_bodies, named
-from fem.contacts.patch import disc_patch_force, disc_patch_traction, patch, ring_patch_force, ring_patch_traction
-from fem.contacts.reduction import Motion, Reduced, unloaded
+from fem.contacts.patch import (
+    disc_patch_force,
+    disc_patch_traction,
+    disc_push,
+    patch,
+    patches,
+    ring_patch_force,
+    ring_patch_traction,
+    ring_push,
+)
+from fem.contacts.points import PointResponses
+from fem.contacts.reduction import Motion, Unloaded
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
@@ -92,44 +102,36 @@ class SubgridModel(Model):
             outer_surface=outer,
         )
 
-    def reduced(self, motion: Motion, gravity: float, place: np.ndarray, forces=None) -> "PatchResponses":
+    def reduced(self, motion: Motion, free: Unloaded, place: np.ndarray, forces=None) -> PointResponses:
         """See `Model.reduced`: a point for each contact, which stands for a patch."""
-        n, inner, outer, disc = self.bearing.n_rollers, self.inner_ring, self.outer_ring, self.roller
-        inner_angle, outer_angle = motion.lines_of_centres(place).reshape(2, n)
-        inner_load = np.stack([ring_patch_force(inner, a - motion.ring_turn) for a in inner_angle], axis=-1)
-        outer_load = np.stack([ring_patch_force(outer, a) for a in outer_angle], axis=-1)
-        near = np.stack([disc_patch_force(disc, a) for a in inner_angle + pi - motion.roller_turn], axis=-1)
-        far = np.stack([disc_patch_force(disc, a) for a in outer_angle - motion.roller_turn], axis=-1)
-        inner_response, outer_response = inner.held(inner_load), outer.held(outer_load)
-        responses = disc.relaxed(near), disc.relaxed(far)
-
-        compliance = np.zeros((2 * n, 2 * n))
-        compliance[:n, :n] = np.einsum("rcki,rckj->ij", inner_load, inner_response)
-        compliance[n:, n:] = np.einsum("rcki,rckj->ij", outer_load, outer_response)
-        j, nodes = np.arange(n), disc.shape.surface_nodes
-        for row, load in enumerate((near, far)):
-            for column, response in enumerate(responses):
-                compliance[row * n + j, column * n + j] += np.einsum("di,di->i", load, response)
-        compliance[j, j] += _ripples(self.inner_surface, inner_angle - motion.ring_turn, inner.n_sectors)
-        compliance[j, j] += _ripples(self.roller_surface, inner_angle + pi - motion.roller_turn, nodes)
-        compliance[n + j, n + j] += _ripples(self.outer_surface, outer_angle, outer.n_sectors)
-        compliance[n + j, n + j] += _ripples(self.roller_surface, outer_angle - motion.roller_turn, nodes)
-
-        free = unloaded(self, motion, gravity)
-        closing = np.concatenate(
-            [
-                np.einsum("rcki,rck->i", inner_load, free["inner_growth"]) + near.T @ free["roller_growth"],
-                far.T @ free["roller_growth"] - np.einsum("rcki,rck->i", outer_load, free["outer_sag"]),
-            ]
-        )
-        return PatchResponses(
+        n, disc, rings = self.bearing.n_rollers, self.roller, (self.inner_ring, self.outer_ring)
+        on_rings = motion.lines_of_centres(place).reshape(2, n) - [[motion.ring_turn], [0.0]]
+        on_roller = motion.lines_of_centres(place) + np.repeat([pi, 0.0], n) - np.tile(motion.roller_turn, 2)
+        j = np.arange(n)
+        compliance, closing, loads = np.zeros((2 * n, 2 * n)), np.zeros(2 * n), []
+        fields, surfaces = (free.inner_growth, free.outer_sag), (self.inner_surface, self.outer_surface)
+        for k, (ring, field, surface) in enumerate(zip(rings, fields, surfaces, strict=True)):
+            mine, outward = k * n + j, 1.0 if k == INNER else -1.0
+            nodes, push = ring_push(ring, on_rings[k], outward, patches)
+            compliance[k * n : (k + 1) * n, k * n : (k + 1) * n] = push.T @ ring.surface_influence(nodes) @ push
+            compliance[mine, mine] += _ripples(surface, on_rings[k], ring.n_sectors)
+            closing[mine] = push.T @ field[ring.raceway_row][:, nodes].T.ravel()
+            loads.append((mine, nodes, push))
+        nodes, push = disc_push(disc, on_roller, 1.0, patches)
+        of_roller = push.T @ disc.surface_influence(nodes) @ push
+        of_roller[np.diag_indices(2 * n)] += _ripples(self.roller_surface, on_roller, disc.shape.surface_nodes)
+        closing += push.T @ free.roller_growth.reshape(-1, 2)[disc.first_surface_node + nodes].ravel()
+        for row, column in np.ndindex(2, 2):
+            compliance[row * n + j, column * n + j] += of_roller[row * n + j, column * n + j]
+        loads.extend((mine, nodes, push[:, mine]) for mine in np.arange(2 * n).reshape(2, n).T)
+        return PointResponses(
             contact=np.arange(2 * n),
             closing=closing,
             compliance=compliance,
-            inner_response=inner_response,
-            outer_response=outer_response,
-            roller_response=responses,
-            **free,
+            across=np.zeros(2 * n),
+            bodies=(disc, *rings),
+            loads=loads,
+            free=free,
         )
 
     def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
@@ -174,24 +176,6 @@ class SubgridModel(Model):
     def indentation(self, kind: int, force: np.ndarray) -> np.ndarray:
         """See `Model.indentation`: what the law below the grid gives."""
         return self.laws[kind].approach(force) * (force > 0.0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class PatchResponses(Reduced):
-    """Elastic responses to a unit force at every contact."""
-
-    inner_response: np.ndarray  # (n_rows, 2, n_sectors, n_rollers)
-    outer_response: np.ndarray
-    roller_response: tuple[np.ndarray, np.ndarray]  # inner, outer contact; each (2 n_nodes, n_rollers)
-
-    def fields(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """See `Reduced.fields`: sums of the responses."""
-        inner_force, outer_force = forces.reshape(2, -1)
-        inner_ring = self.inner_growth - np.einsum("rckn,n->rck", self.inner_response, inner_force)
-        outer_ring = self.outer_sag + np.einsum("rckn,n->rck", self.outer_response, outer_force)
-        near, far = self.roller_response
-        rollers = self.roller_growth[None, :] - (inner_force[:, None] * near.T + outer_force[:, None] * far.T)
-        return inner_ring, outer_ring, rollers.reshape(inner_force.size, -1, 2)
 
 
 def contact_law(first: SurfaceCompliance, second: SurfaceCompliance, pair: Pair) -> ContactLaw:

@@ -12,6 +12,8 @@ from fem.elastic.stress import stress_operator
 from lagrange import Material
 from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, Mesh, Shape, mesh_of
 
+RESPONSES = 32  # of a disc's surface to unit forces, solved at once
+
 
 @dataclass(frozen=True, kw_only=True)
 class DiscBody:
@@ -82,16 +84,27 @@ class DiscBody:
     def _responses(self) -> dict[int, np.ndarray]:
         return {}
 
+    def _response(self, block: int) -> np.ndarray:
+        """Motion of all surface nodes by unit forces, one row for each of a block of their components, m/N.
+
+        Solved by the block, kept, and therefore the same bits whatever was asked for before.
+        """
+        if block not in self._responses:
+            first, size = 2 * self.first_surface_node, 2 * self.shape.surface_nodes
+            pushed = np.arange(block * RESPONSES, min((block + 1) * RESPONSES, size))
+            force = np.zeros((2 * self.n_nodes, len(pushed)))
+            force[first + pushed, np.arange(len(pushed))] = 1.0
+            self._responses[block] = self.relaxed(force)[first:].T.copy()
+        return self._responses[block]
+
     def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
         """Compliance between surface nodes, (2 m, 2 m), m/N, of the freely accelerating disc; x and y of each node."""
         dofs = (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel()
-        first = 2 * self.first_surface_node
-        missing = [dof for dof in dofs if dof not in self._responses]
-        for some in np.array_split(missing, 1 + len(missing) // 64):
-            force = np.zeros((2 * self.n_nodes, len(some)))
-            force[first + some.astype(int), np.arange(len(some))] = 1.0
-            self._responses.update(zip(some, self.relaxed(force)[first:].T.copy(), strict=True))
-        return np.array([self._responses[dof][dofs] for dof in dofs])
+        blocks, found = dofs // RESPONSES, np.empty((len(dofs), len(dofs)))
+        for block in np.unique(blocks):
+            mine = np.flatnonzero(blocks == block)
+            found[mine] = self._response(int(block))[np.ix_(dofs[mine] - block * RESPONSES, dofs)]
+        return found
 
 
 def rigid_modes(points: np.ndarray) -> np.ndarray:
@@ -241,6 +254,22 @@ class RingBody:
                 for shift in (-1, 0, 1):
                     force[row] += self.stencil[row, other - row + 1, shift + 1] @ moved[shift + 1][other]
         return force
+
+    @cached_property
+    def matrix(self) -> sparse.csc_matrix:
+        """Stiffness of the ring held nowhere, N/m; rows (node row, component, sector), polar."""
+        size, sectors = self.n_rows * 2 * self.n_sectors, np.arange(self.n_sectors)
+        rows, columns, values = [], [], []
+        for row in range(self.n_rows):
+            for other in range(max(0, row - 1), min(self.n_rows, row + 2)):
+                for shift in (-1, 0, 1):
+                    for a, b in np.ndindex(2, 2):
+                        rows.append((2 * row + a) * self.n_sectors + sectors)
+                        columns.append((2 * other + b) * self.n_sectors + (sectors + shift) % self.n_sectors)
+                        value = self.stencil[row, other - row + 1, shift + 1, a, b]
+                        values.append(np.full(self.n_sectors, value))
+        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+        return sparse.csc_matrix(entries, shape=(size, size))
 
     def harmonic_stiffness(self, harmonics: np.ndarray) -> np.ndarray:
         """Stiffness acting on u(i, k) = û(i) exp(2πi·m·k/n_sectors), (n_harmonics, 2 n_rows, 2 n_rows), complex."""

@@ -5,7 +5,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from fem.elastic.bodies import RingBody
@@ -22,29 +21,23 @@ class LooseRing(RingBody):
     def free_rows(self) -> np.ndarray:
         return np.arange(self.n_rows)
 
-    @cached_property
-    def matrix(self) -> sparse.csc_matrix:
-        """Stiffness of the ring held nowhere, N/m; rows (node row, component, sector), polar."""
-        size, sectors = self.n_rows * 2 * self.n_sectors, np.arange(self.n_sectors)
-        rows, columns, values = [], [], []
-        for row in range(self.n_rows):
-            for other in range(max(0, row - 1), min(self.n_rows, row + 2)):
-                for shift in (-1, 0, 1):
-                    for a, b in np.ndindex(2, 2):
-                        rows.append((2 * row + a) * self.n_sectors + sectors)
-                        columns.append((2 * other + b) * self.n_sectors + (sectors + shift) % self.n_sectors)
-                        value = self.stencil[row, other - row + 1, shift + 1, a, b]
-                        values.append(np.full(self.n_sectors, value))
-        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
-        return sparse.csc_matrix(entries, shape=(size, size))
-
     def on_held_row(self, component: int) -> np.ndarray:
         """Places of one component of the held row's nodes among the rows of `matrix`, (n_sectors,)."""
         return (2 * self.held_row + component) * self.n_sectors + np.arange(self.n_sectors)
 
+    @cached_property
+    def _influences(self) -> dict[bytes, np.ndarray]:
+        return {}
+
     def surface_influence(self, nodes: np.ndarray) -> np.ndarray:
-        """As `RingBody.surface_influence`."""
+        """As `RingBody.surface_influence`; kept: contacts stay over their nodes while an equilibrium is found."""
         nodes = np.asarray(nodes)
+        key = nodes.tobytes()
+        if key not in self._influences:
+            self._influences[key] = self._influence(nodes)
+        return self._influences[key]
+
+    def _influence(self, nodes: np.ndarray) -> np.ndarray:
         force = np.zeros((self.n_rows, 2, self.n_sectors, 2 * nodes.size))
         each = np.arange(nodes.size)
         for component in range(2):

@@ -28,8 +28,8 @@ def press(pair, rollers, disc, contacts, drive):
 
 
 @verb
-def push_nodes(pair, rollers, disc, contacts, drive):
-    """Give the surface nodes of a pair the impulses of its normal forces in a step."""
+def push_nodes(pair, rollers, disc, contacts, dampers, dt):
+    """Give the surface nodes of a pair the impulses of its normal forces in a step, and of the dampers' if not None."""
 
 
 push_patches, push_neighbours = every(push_nodes), every(push_nodes, Neighbours)
@@ -306,11 +306,12 @@ def _press_neighbours(pair, rollers, disc, contacts, drive):
 
 
 @push_nodes.of(Raceway)
-def _push_raceway(raceway, rollers, disc, contacts, drive):
+def _push_raceway(raceway, rollers, disc, contacts, dampers, dt):
     patches, kick, side, moment = contacts.patches, contacts.forces.kick, 2 * raceway.row, splat(0.0)
     unseal(raceway.surface)
     for group in range(0, rollers.n, WIDTH):
-        given = load(kick, raceway.row * rollers.columns + group) * -drive.dt
+        row = raceway.row * rollers.columns + group
+        given = with_dampers(dampers, row, load(kick, row)) * -dt
         if any_lane(given != 0.0):
             moment += push(raceway.surface, patches, side, group, given * raceway.sign)
             push(disc, patches, side + 1, group, given)
@@ -319,10 +320,11 @@ def _push_raceway(raceway, rollers, disc, contacts, drive):
 
 
 @push_nodes.of(Neighbours)
-def _push_neighbours(pair, rollers, disc, contacts, drive):
+def _push_neighbours(pair, rollers, disc, contacts, dampers, dt):
     patches, kick, side = contacts.patches, contacts.forces.kick, 2 * pair.row
     for group in range(0, rollers.n, WIDTH):
-        given = load(kick, pair.row * rollers.columns + group) * -drive.dt
+        row = pair.row * rollers.columns + group
+        given = with_dampers(dampers, row, load(kick, row)) * -dt
         if any_lane(given != 0.0):
             push(disc, patches, side, group, given)
             push(disc, patches, side + 1, group, given)

@@ -13,7 +13,7 @@ rest. A damper c·(K/k)² beside the former takes the power of c beside the whol
 is what c would give, the rest makes up for what the law below the grid gives less.
 """
 
-from fem.kernels.contact_kernels import next_roller
+from fem.kernels.contact_kernels import next_roller, push_nodes
 from fem.kernels.course_kernels import speed_of
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import larger, logarithm, smaller
@@ -144,21 +144,26 @@ def _eight_of_rollers(disc, patches, side, group, column):
 
 
 @verb
-def damp(pair, rollers, disc, contacts, dampers, dt, whole):
-    """Damp a pair's closed contacts. `whole` : of `Friction`; not None where contacts share rigid bodies."""
+def damp(pair, rollers, disc, contacts, dampers, dt, whole, later):
+    """Damp a pair's closed contacts. `whole` : of `Friction`; not None where contacts share rigid bodies.
+
+    `later` : nodes of raceways are given these impulses with friction's, see `friction_solution.pushes_later`.
+    """
 
 
 @damp.of(Raceway)
-def _damp_raceway(raceway, rollers, disc, contacts, dampers, dt, whole):
+def _damp_raceway(raceway, rollers, disc, contacts, dampers, dt, whole, later):
     if whole is None:
         _damp_eights(raceway, rollers, disc, contacts, dampers, dt)
+        if not later:
+            push_nodes(raceway, rollers, disc, contacts, dampers, dt)
     else:
         _damp_in_turn(raceway, rollers, disc, contacts, dampers, dt)
 
 
 @part
 def _damp_eights(raceway, rollers, disc, contacts, dampers, dt):
-    """Eight contacts at once; nodes have not been given the law's kick yet, and are given both together."""
+    """Eight contacts at once; nodes have not been given the law's kick yet, and are to be given both together."""
     forces, patches, columns, sign = contacts.forces, contacts.patches, rollers.columns, raceway.sign
     side, impulse, velocity = 2 * raceway.row, rollers.node_impulse, rollers.velocity
     before, after = splat(0.0), splat(0.0)
@@ -192,16 +197,6 @@ def _damp_eights(raceway, rollers, disc, contacts, dampers, dt):
         store(impulse, columns + group, load(impulse, columns + group) + given * ny)
     dampers.work[0] += 0.5 * dt * total(before)
     dampers.work[1] += 0.5 * dt * total(after)
-    moment = splat(0.0)
-    unseal(raceway.surface)
-    for group in range(0, rollers.n, WIDTH):
-        row = raceway.row * columns + group
-        given = (load(forces.kick, row) + load(dampers.force, row)) * -dt
-        if any_lane(given != 0.0):
-            moment += push(raceway.surface, patches, side, group, given * sign)
-            push(disc, patches, side + 1, group, given)
-    gather_seam(raceway.surface)
-    raceway.moment[1] += total(moment)
 
 
 @part
@@ -224,7 +219,7 @@ def _damp_in_turn(raceway, rollers, disc, contacts, dampers, dt):
 
 
 @damp.of(Neighbours)
-def _damp_neighbours(pair, rollers, disc, contacts, dampers, dt, whole):
+def _damp_neighbours(pair, rollers, disc, contacts, dampers, dt, whole, later):
     patches, row, velocity = contacts.patches, pair.row, rollers.velocity
     for j in range(rollers.n):
         if not contacts.forces.force[row, j] > 0.0:
@@ -244,13 +239,13 @@ _damp_all = every(damp, *CONTACTS)
 
 
 @part
-def damp_contacts(groups, bodies, contacts, dampers, dt):
-    """Forces of all contacts' dampers, and their impulses in this step; None: there are none."""
+def damp_contacts(groups, bodies, contacts, dampers, dt, later):
+    """Forces of all contacts' dampers, and their impulses in this step; None: there are none. `later`: see `damp`."""
     if dampers is not None:
         dampers.work[0] += dampers.work[1]
         dampers.work[1] = 0.0
         whole = contacts.friction.whole
-        _damp_all(groups, bodies.rollers, bodies.surface, contacts, dampers, dt, whole)
+        _damp_all(groups, bodies.rollers, bodies.surface, contacts, dampers, dt, whole, later)
 
 
 @part

@@ -15,6 +15,7 @@ from fem.kernels.surfaces import (
     place_patch,
     push,
     push_along,
+    push_both_ways,
     put_down,
     read,
     sideways,
@@ -105,16 +106,18 @@ def _grip(disc, patches, side, group):
         x += share * node_x
         y += share * node_y
     scale, slope = 1.0 / (1.0 + (bx * x + by * y)), bx * y - by * x
-    x, y, mobility = slope * bx - by, slope * by + bx, splat(0.0)
+    x, y, mobility, coupling = slope * bx - by, slope * by + bx, splat(0.0), splat(0.0)
     for k in range(N_NODES * len(patches.units)):
         i = at + k * columns
-        share = scale * load(patches.weight, i)
+        weight, light = load(patches.weight, i), load(patches.lightness, i)
+        share = scale * weight
         along_x = share * (x - load(patches.traction_y, i))
         along_y = share * (y + load(patches.traction_x, i))
         store(patches.traction_x, i, along_x)
         store(patches.traction_y, i, along_y)
-        mobility += (along_x * along_x + along_y * along_y) * load(patches.lightness, i)
-    return mobility
+        mobility += (along_x * along_x + along_y * along_y) * light
+        coupling += (along_x * bx + along_y * by) * (weight * light)
+    return mobility, coupling
 
 
 @sideways.of(DiscSurface)
@@ -135,6 +138,20 @@ def _push_along(disc, patches, side, group, impulse):
         i = at + k * columns
         speed = impulse * load(patches.lightness, i)
         x, y = speed * load(patches.traction_x, i), speed * load(patches.traction_y, i)
+        add_at_places(disc.w, patches.place, i, columns, x, y)
+    return 0.0
+
+
+@push_both_ways.of(DiscSurface)
+def _push_both_ways(disc, patches, side, group, impulse, around):
+    at, columns = first_weight(patches, side, group), patches.columns
+    out = 2 * side * columns + group
+    bx, by = impulse * load(patches.outward, out), impulse * load(patches.outward, out + columns)
+    for k in range(N_NODES * len(patches.units)):
+        i = at + k * columns
+        weight, light = load(patches.weight, i), load(patches.lightness, i)
+        x = (weight * bx + around * load(patches.traction_x, i)) * light
+        y = (weight * by + around * load(patches.traction_y, i)) * light
         add_at_places(disc.w, patches.place, i, columns, x, y)
     return 0.0
 

@@ -18,6 +18,7 @@ from fem.kernels.surfaces import (
     grip,
     push_along,
     push_body,
+    push_both_ways,
     seal,
     sideways,
     unseal,
@@ -71,8 +72,52 @@ def grip_pair(pair, rollers, disc, contacts):
     for group in range(0, rollers.n, WIDTH):
         row, side = pair.row * rollers.columns + group, 2 * pair.row
         if _closed(contacts, row):
-            mobility = grip(first_surface(pair, disc), contacts.patches, side, group)
-            store(contacts.friction.mobility, row, mobility + grip(disc, contacts.patches, side + 1, group))
+            mobility, coupling = grip(first_surface(pair, disc), contacts.patches, side, group)
+            mobility_1, coupling_1 = grip(disc, contacts.patches, side + 1, group)
+            store(contacts.friction.mobility, row, mobility + mobility_1)
+            store(contacts.friction.coupling, row, (coupling + coupling_1) * outward_sign(pair))
+
+
+@verb
+def outward_sign(pair):
+    """1, of a bore −1."""
+    return 1.0
+
+
+@outward_sign.of(Raceway)
+def _sign_of_raceway(raceway):
+    return raceway.sign
+
+
+@verb
+def still_to_push(pair, contacts, row):
+    """Normal forces of eight contacts, N, whose impulses are given with the tractions'."""
+
+
+@still_to_push.of(Raceway)
+def _with_dampers_of_raceway(raceway, contacts, row):
+    return with_dampers(contacts.dampers, row, load(contacts.forces.kick, row))
+
+
+@still_to_push.of(Neighbours)
+def _without_dampers(pair, contacts, row):
+    if contacts.dampers is None:
+        return load(contacts.forces.kick, row)
+    return splat(0.0)  # dampers of rollers that touch come one by one and need them before
+
+
+@part
+def slip_of_push(pair, rollers, contacts, dt):
+    """Add to the slips left what the normal forces' impulses, not yet given, will do to them.
+
+    Where no patches overlap that is each contact's own.
+    """
+    friction = contacts.friction
+    for group in range(0, rollers.n, WIDTH):
+        row = pair.row * rollers.columns + group
+        push = still_to_push(pair, contacts, row)
+        if any_lane(push != 0.0):
+            store(friction.slip_left, row, load(friction.slip_left, row) + load(friction.coupling, row) * push * dt)
 
 
 @verb
@@ -224,6 +269,41 @@ def _drag_neighbours(pair, rollers, disc, contacts, share, dt):
             count_impulse(disc, group, given * ny, -given * nx)
     if contacts.friction.whole is not None:
         drag_bodies(pair, rollers, disc, contacts, dt)
+
+
+@verb
+def push_and_drag(pair, rollers, disc, contacts, dt):
+    """Give the nodes of a pair the impulses of its normal forces and of its tractions in a step, in one pass."""
+
+
+@push_and_drag.of(Raceway)
+def _push_and_drag_raceway(raceway, rollers, disc, contacts, dt):
+    patches, side, moment, sign = contacts.patches, 2 * raceway.row, splat(0.0), raceway.sign
+    unseal(raceway.surface)
+    for group in range(0, rollers.n, WIDTH):
+        row = raceway.row * rollers.columns + group
+        pushed, rubbed = still_to_push(raceway, contacts, row) * -dt, load(contacts.friction.change, row) * dt
+        if any_lane((pushed != 0.0) | (rubbed != 0.0)):
+            nx, ny = normals(contacts, raceway, group)
+            push_both_ways(disc, patches, side + 1, group, pushed, rubbed * -sign)
+            count_impulse(disc, group, -rubbed * ny, rubbed * nx)
+            moment += push_both_ways(raceway.surface, patches, side, group, pushed * sign, -rubbed)
+    gather_seam(raceway.surface)
+    raceway.moment[1] += total(moment)
+
+
+@push_and_drag.of(Neighbours)
+def _push_and_drag_neighbours(pair, rollers, disc, contacts, dt):
+    patches, side = contacts.patches, 2 * pair.row
+    for group in range(0, rollers.n, WIDTH):
+        row = pair.row * rollers.columns + group
+        pushed, rubbed = still_to_push(pair, contacts, row) * -dt, load(contacts.friction.change, row) * dt
+        if any_lane((pushed != 0.0) | (rubbed != 0.0)):
+            nx, ny = normals(contacts, pair, group)
+            push_both_ways(disc, patches, side + 1, group, pushed, -rubbed)
+            count_impulse(disc, next_rollers(group, rollers.n), -rubbed * ny, rubbed * nx)
+            push_both_ways(disc, patches, side, group, pushed, -rubbed)
+            count_impulse(disc, group, rubbed * ny, -rubbed * nx)
 
 
 @verb

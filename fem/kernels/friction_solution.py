@@ -8,6 +8,8 @@ from fem.kernels.friction_kernels import (
     find_tractions,
     grip_pair,
     normals,
+    push_and_drag,
+    slip_of_push,
     slip_pair,
     whole_mobility,
 )
@@ -31,21 +33,33 @@ def slips_before(groups, rollers, disc, contacts, still):
 
 
 @part
-def friction_contacts(groups, rollers, disc, contacts, drive, overlapping, whole):
+def pushes_later(friction, points, whole):
+    """Whether the normal forces' impulses on nodes are given with the tractions', in one pass.
+
+    They can be where no patches share a node: a contact's own then is all that reaches its slip, and known beforehand.
+    """
+    if points is None:
+        if whole is None:
+            return friction.apart
+    return False
+
+
+@part
+def friction_contacts(groups, rollers, disc, contacts, drive, overlapping, whole, later):
     """Tractions of every contact and their impulses; returns the work they take in this step, J: lost, or in springs.
 
     Each is implicit in its own patch's velocity. Where patches of neighbours overlap (on coarse meshes), each starts
     from its last value and every other one is solved for in turn (Gauss and Seidel): without neighbours' part sticking
     contacts would shake each other. Where they share a rigid body, each knows the others' last values.
 
-    `overlapping`, `whole`: of `Friction`; what is None is not compiled.
+    `overlapping`, `whole`: of `Friction`; what is None is not compiled; `later`: see `pushes_later`.
     """
     if overlapping is None:
-        _solve_at_once(groups, rollers, disc, contacts, drive, whole)
+        _solve_at_once(groups, rollers, disc, contacts, drive, whole, later)
     elif overlapping == ALWAYS or _rollers_touch(contacts, rollers):
         _solve_in_turn(groups, rollers, disc, contacts, drive)
     else:
-        _solve_at_once(groups, rollers, disc, contacts, drive, whole)
+        _solve_at_once(groups, rollers, disc, contacts, drive, whole, later)
     friction = contacts.friction
     taken = splat(0.0)
     for at in range(0, friction.traction.size, WIDTH):
@@ -54,11 +68,14 @@ def friction_contacts(groups, rollers, disc, contacts, drive, overlapping, whole
 
 
 @part
-def _solve_at_once(groups, rollers, disc, contacts, drive, whole):
+def _solve_at_once(groups, rollers, disc, contacts, drive, whole, later):
     """Tractions and impulses of contacts that share no nodes."""
     if whole is None:
         slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-        _creep_all(groups, rollers, disc, contacts, drive)
+        if later:
+            _creep_all_and_push(groups, rollers, disc, contacts, drive)
+        else:
+            _creep_all(groups, rollers, disc, contacts, drive)
     else:
         _solve_on_whole_bodies(groups, rollers, disc, contacts, drive)
 
@@ -79,6 +96,14 @@ def _creep(pair, rollers, disc, contacts, drive):
 
 
 @part
+def _creep_and_push(pair, rollers, disc, contacts, drive):
+    """The same from slips that the normal forces' impulses are not in yet, and these impulses."""
+    slip_of_push(pair, rollers, contacts, drive.dt)
+    find_tractions(pair, rollers, disc, contacts, drive.dt, ALL, False)
+    push_and_drag(pair, rollers, disc, contacts, drive.dt)
+
+
+@part
 def _creep_in_turn(pair, rollers, disc, contacts, drive):
     """Every other one of a pair's contacts, and then the others, each with all the others' tractions."""
     for some in range(2):
@@ -94,8 +119,9 @@ def _drag_as_before(pair, rollers, disc, contacts, drive):
     drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
 
 
-_creep_all, _creep_all_in_turn, _drag_all_as_before = (
+_creep_all, _creep_all_and_push, _creep_all_in_turn, _drag_all_as_before = (
     every(_creep, *CONTACTS),
+    every(_creep_and_push, *CONTACTS),
     every(_creep_in_turn, *CONTACTS),
     every(_drag_as_before, *CONTACTS),
 )

@@ -7,6 +7,8 @@ from math import cos, sin
 
 from fem.kernels.course_kernels import GAIN, SPEED, TURN, follow, load_at, with_aside
 from fem.kernels.jit import part, verb
+from fem.kernels.lagrangian_axes import load_own, own_axes, store_own
+from fem.kernels.lagrangian_housing import add_sums, carry_frame, damp_frame, no_sums, place_of_ring
 from fem.kernels.lagrangian_state import INNER, OUTER, PowerConstants
 from fem.kernels.lane_functions import exponential, larger, logarithm, smaller
 from fem.kernels.lane_memory import load, store
@@ -89,10 +91,11 @@ def accelerate(motion, bearing, dampers, time):
     rolled = cos(shaft_angle), sin(shaft_angle), cos(spin_angle), sin(spin_angle)
     speeds = shaft - turning, spin - turning, -turning
     push_x, push_y, power = splat(0.0), splat(0.0), splat(0.0)
+    ring = no_sums(motion.housing)
     for group in range(0, bearing.n, WIDTH):
         there = count_from(group) < bearing.n
-        c, s = axes = _axes(bearing.first, group, columns, turned)
-        x, y = _load_own(bearing.first, motion.elements, 0, group, columns)
+        c, s = axes = own_axes(bearing.first, group, columns, turned)
+        x, y = load_own(bearing.first, motion.elements, 0, group, columns)
         outer_at = _from_centre(bearing.first, x, y, there)
         inner_at = _direction(x - (c * hub[0, 0] + s * hub[0, 1]), y - (c * hub[0, 1] - s * hub[0, 0]), there)
         deep_i = select(there, bearing.reach - inner_at[0], -1.0)
@@ -108,9 +111,12 @@ def accelerate(motion, bearing, dampers, time):
         fall_x, fall_y = select(there, bearing.gravity * s, 0.0), select(there, bearing.gravity * c, 0.0)
         along = (inner * ix - outer * ox) * (1.0 / mass) + turning * turning * x - fall_x
         aside = (inner * iy - outer * oy) * (1.0 / mass) + turning * turning * y - fall_y
-        _store_own(bearing.first, motion.elements, 2, group, columns, along, aside)
+        store_own(bearing.first, motion.elements, 2, group, columns, along, aside)
         power += mass * turning * (x * fall_y - y * fall_x) + inner * closing[INNER] + outer * closing[OUTER]
         power = _speeding_up(bearing.course, power, mass, select(there, x, 0.0))
+        ring = add_sums(
+            motion.housing, ring, axes, select(there, x, 0.0), (outer * ox, outer * oy), inner * iy - outer * oy
+        )
         _remember(dampers, group, columns, axes, (ix, iy, ox, oy), closing)
         _keep_coefficients(dampers, bearing.laws[INNER], group, inner, met_i)
         _keep_coefficients(dampers, bearing.laws[OUTER], columns + group, outer, met_o)
@@ -118,8 +124,9 @@ def accelerate(motion, bearing, dampers, time):
     aside, radial_load = load_at(bearing.course, bearing, time)
     hub[2, 0] = with_aside(bearing.course, x, aside) / bearing.hub_mass
     hub[2, 1] = (y - radial_load) / bearing.hub_mass - bearing.gravity
-    _pull_back(bearing.springs, hub, bearing.hub_mass)
-    return total(power) + turning * (hub[0, 0] * y - hub[0, 1] * x)
+    _pull_back(bearing.springs, motion.housing, hub, bearing.hub_mass)
+    held = total(power) + turning * (hub[0, 0] * y - hub[0, 1] * x)
+    return held + carry_frame(motion.housing, motion, bearing, ring, turned, turning)
 
 
 @verb
@@ -155,32 +162,6 @@ def _speeding_up(course, power, mass, along):
 @_speeding_up.of(Course)
 def _speeding_up_now(course, power, mass, along):
     return power - mass * course.cage * course.cage * course.now[SPEED] * course.now[GAIN] * along * along
-
-
-@part
-def _axes(first, group, columns, turned):
-    """Cosine and sine of the directions of eight elements' first axes."""
-    if first is None:
-        return splat(1.0), splat(0.0)
-    c, s = load(first, group), load(first, columns + group)
-    return c * turned[0] - s * turned[1], s * turned[0] + c * turned[1]
-
-
-@part
-def _load_own(first, array, row, group, columns):
-    """Of eight elements, along their own axes; the held are on the first."""
-    if first is None:
-        return load(array, 2 * row * columns + group), load(array, (2 * row + 1) * columns + group)
-    return load(array, row * columns + group), splat(0.0)
-
-
-@part
-def _store_own(first, array, row, group, columns, along, aside):
-    if first is None:
-        store(array, 2 * row * columns + group, along)
-        store(array, (2 * row + 1) * columns + group, aside)
-    else:
-        store(array, row * columns + group, along)
 
 
 @part
@@ -277,11 +258,11 @@ def _remember(dampers, group, columns, axes, normals, closing):
 
 
 @part
-def _pull_back(springs, hub, mass):
+def _pull_back(springs, housing, hub, mass):
     """The shaft's springs accelerate the hub."""
     if springs is not None:
         for k in range(2):
-            hub[2, k] -= springs.stiffness / mass * hub[0, k]
+            hub[2, k] -= springs.stiffness / mass * (hub[0, k] + place_of_ring(housing, k))
 
 
 @part
@@ -315,13 +296,14 @@ def damp(motion, bearing, dampers, ahead):
     hub_x = hub[1, 0] + ahead * before[0] + turning * hub[0, 1]
     hub_y = hub[1, 1] + ahead * before[1] - turning * hub[0, 0]
     push_x, push_y, loss, driven = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    ring = no_sums(motion.housing)
     for group in range(0, bearing.n, WIDTH):
         c, s = load(dampers.axes, group), load(dampers.axes, columns + group)
         ix, iy = load(dampers.normal, group), load(dampers.normal, columns + group)
         ox, oy = load(dampers.normal, 2 * columns + group), load(dampers.normal, 3 * columns + group)
         closing_i, closing_o = load(dampers.closing, group), load(dampers.closing, columns + group)
-        vx, vy = _load_own(bearing.first, motion.elements, 1, group, columns)
-        slow_x, slow_y = _load_own(bearing.first, dampers.elements, 0, group, columns)
+        vx, vy = load_own(bearing.first, motion.elements, 1, group, columns)
+        slow_x, slow_y = load_own(bearing.first, dampers.elements, 0, group, columns)
         vx, vy = vx + ahead * slow_x, vy + ahead * slow_y
         rate_i = closing_i - (vx - (c * hub_x + s * hub_y)) * ix - (vy - (c * hub_y - s * hub_x)) * iy
         rate_o = closing_o + vx * ox + vy * oy
@@ -329,14 +311,16 @@ def damp(motion, bearing, dampers, ahead):
         outer = _no_pull(load(dampers.coefficient, columns + group) * rate_o, load(motion.force, columns + group))
         along, aside = inner * ix - outer * ox, inner * iy - outer * oy
         per_mass = 1.0 / bearing.mass
-        _store_own(bearing.first, dampers.elements, 0, group, columns, along * per_mass, aside * per_mass)
+        store_own(bearing.first, dampers.elements, 0, group, columns, along * per_mass, aside * per_mass)
         push_x -= inner * (c * ix - s * iy)
         push_y -= inner * (s * ix + c * iy)
+        ring = add_sums(motion.housing, ring, (c, s), splat(0.0), (outer * ox, outer * oy), aside)
         loss += inner * rate_i + outer * rate_o
         driven += inner * closing_i + outer * closing_o
     x, y = total(push_x), total(push_y)
     before[0], before[1] = x / bearing.hub_mass, y / bearing.hub_mass
-    return total(loss), total(driven) + turning * (hub[0, 0] * y - hub[0, 1] * x)
+    held = total(driven) + turning * (hub[0, 0] * y - hub[0, 1] * x)
+    return total(loss), held + damp_frame(motion.housing, dampers, bearing, ring, ahead)
 
 
 @part

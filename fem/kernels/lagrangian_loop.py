@@ -1,10 +1,19 @@
 """The time loop of the Lagrangian model: the steps of `lagrange.integrate`, their reference, on lanes."""
 
-from math import exp, expm1, pi, sin
+from math import pi, sin
 
 from fem.kernels.course_kernels import FORCE_X, FORCE_Y, RATE_X, RATE_Y, follow, share_at
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.lagrangian_forces import accelerate, damp
+from fem.kernels.lagrangian_housing import (
+    drift_housing,
+    kick_housing,
+    place_of_ring,
+    push_damped,
+    sense,
+    slow,
+    velocity_of_ring,
+)
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, fma, splat
 from fem.kernels.state import Course
@@ -43,8 +52,18 @@ def _write(motion, row, rows):
     size = 2 * motion.elements[0].size
     for at in range(0, size, WIDTH):
         store(rows.elements, row * size + at, load(motion.elements, at))
+    _write_housing(motion.housing, row, rows)
     for i in range(POWER):
         rows.works[row, i] = motion.works[i]
+
+
+@part
+def _write_housing(housing, row, rows):
+    if housing is not None:
+        for i in range(2):
+            rows.sensor[row, i] = housing.sensor[i]
+            for k in range(2):
+                rows.housing[row, i, k] = housing.motion[i, k]
 
 
 @part
@@ -58,26 +77,29 @@ def _step(kicks, motion, bearing, dampers, clock, number, length):
 @part
 def _composed(motion, bearing, clock, number, length):
     """Kicks and drifts of a symplectic scheme of fourth order."""
-    way, n = 0.0, clock.drifts.size
+    way, n, before = 0.0, clock.drifts.size, velocity_of_ring(motion.housing)
     for stage in range(n):
         _kick(motion, bearing, length * clock.kicks[stage], length * (number + way))
         _drift(motion, length * clock.drifts[stage])
         way += clock.drifts[stage]
         motion.works[POWER] = accelerate(motion, bearing, None, length * (number + way))
     _kick(motion, bearing, length * clock.kicks[n], length * (number + way))
+    sense(motion.housing, before, length)
 
 
 @part
 def _damped(motion, bearing, dampers, number, length):
     """Drift, kick, damp, kick, drift; second order."""
     half, time, works = 0.5 * length, length * (number + 0.5), motion.works
+    before = velocity_of_ring(motion.housing)
     _drift(motion, half)
     works[POWER] = accelerate(motion, bearing, dampers, time)
     _kick(motion, bearing, half, time)
-    _slow_hub(bearing.springs, motion, bearing.hub_mass, half)
+    _slow(motion, bearing, half)
     _damp_contacts(dampers, motion, bearing, length)
     _kick(motion, bearing, half, time)
-    _slow_hub(bearing.springs, motion, bearing.hub_mass, half)
+    _slow(motion, bearing, half)
+    sense(motion.housing, before, length)
     _drift(motion, half)
 
 
@@ -88,20 +110,17 @@ def _damp_contacts(dampers, motion, bearing, length):
         for ahead in (0.0, 0.5 * length):
             loss, taken = damp(motion, bearing, dampers, ahead)
         _push(motion.hub, dampers.hub, length, motion.elements, dampers.elements)
+        push_damped(motion.housing, length)
         motion.works[DISSIPATED] += length * loss
         motion.works[HELD] += length * taken
 
 
 @part
-def _slow_hub(springs, motion, mass, seconds):
-    """A kick so long, just made, had the shaft's dashpots acted as well: see `lagrange.systems`, `slowed`."""
-    if springs is not None and springs.damping > 0.0 and seconds > 0.0:
-        rate, hub = springs.damping / mass, motion.hub
-        left = exp(-rate * seconds)
-        for k in range(2):
-            kicked, before = hub[1, k], hub[1, k] - seconds * hub[2, k]
-            hub[1, k] = left * before - expm1(-rate * seconds) / rate * hub[2, k]
-            motion.works[DASHPOTS] -= 0.5 * mass * (hub[1, k] - kicked) * (before + hub[1, k])
+def _slow(motion, bearing, seconds):
+    """The dashpots of shaft and housing in a kick so long, just made."""
+    lost, held = slow(bearing.springs, motion.housing, motion, bearing, seconds)
+    motion.works[DASHPOTS] += lost
+    motion.works[HELD] += held
 
 
 @part
@@ -109,26 +128,32 @@ def _kick(motion, bearing, seconds, time):
     """Accelerate for so many seconds; the works go along."""
     hub, elements, works = motion.hub, motion.elements, motion.works
     _push(hub, hub[2], seconds, elements, elements[2])
-    works[HELD] += seconds * works[POWER]
-    _change_load(bearing.course, bearing, hub, works, seconds, time)
+    works[HELD] += seconds * works[POWER] + kick_housing(motion.housing, seconds)
+    _change_load(bearing.course, bearing, motion, works, seconds, time)
 
 
 @verb
-def _change_load(course, bearing, hub, works, seconds, time):
+def _change_load(course, bearing, motion, works, seconds, time):
     """The work of the load's change: minus its rate times the hub's place."""
     if time < bearing.ramp:
-        works[RAMPED] += seconds * bearing.radial_load * _share_rate(bearing, time) * hub[0, 1]
+        works[RAMPED] += seconds * bearing.radial_load * _share_rate(bearing, time) * _hub_place(motion, 1)
 
 
 @_change_load.of(Course)
-def _change_all_load(course, bearing, hub, works, seconds, time):
+def _change_all_load(course, bearing, motion, works, seconds, time):
     follow(course, time, 0.0)  # what was found last may be lost where a run goes on
     share, rate, now = share_at(bearing, time), 0.0, course.now
     if time < bearing.ramp:
         rate = _share_rate(bearing, time)
-    power = (rate * now[FORCE_X] + share * now[RATE_X]) * hub[0, 0]
-    power += (rate * now[FORCE_Y] + share * now[RATE_Y]) * hub[0, 1]
+    power = (rate * now[FORCE_X] + share * now[RATE_X]) * _hub_place(motion, 0)
+    power += (rate * now[FORCE_Y] + share * now[RATE_Y]) * _hub_place(motion, 1)
     works[RAMPED] -= seconds * power
+
+
+@part
+def _hub_place(motion, k):
+    """Along an axis in the fixed frame, m."""
+    return motion.hub[0, k] + place_of_ring(motion.housing, k)
 
 
 @part
@@ -152,6 +177,7 @@ def _drift(motion, seconds):
     hub, elements = motion.hub, motion.elements
     for k in range(2):
         hub[0, k] += seconds * hub[1, k]
+    drift_housing(motion.housing, seconds)
     size = elements[0].size
     for at in range(0, size, WIDTH):
         store(elements, at, fma(seconds, load(elements, size + at), load(elements, at)))

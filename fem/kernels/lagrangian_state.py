@@ -23,6 +23,24 @@ class PowerConstants(NamedTuple):
     exponent: float  # n
 
 
+class IdealHousing(NamedTuple):
+    """What carries the outer ring, and a sensor on it; hub and elements are then from the ring's centre.
+
+    See `lagrange.in_housing`.
+    """
+
+    motion: np.ndarray  # (3, 2), place, m, velocity, acceleration
+    sensor: np.ndarray  # (2,), r, m, and ṙ, m/s; 0 without one
+    sensor_step: np.ndarray  # (2, 3), of a step
+    shift: np.ndarray  # (2,), N, S: by the housing's velocity, power that held angles take up
+    lever: np.ndarray  # (2,), kg m/s, L: minus that by its acceleration
+    damped: np.ndarray  # (2,), m/s², acceleration by the contacts' dampers
+    turned: np.ndarray  # (2,), cosine and sine of the held elements' turn, at the positions last seen
+    mass: float  # kg, with the outer ring
+    stiffness: float  # N/m
+    damping: float  # N s/m
+
+
 class IdealMotion(NamedTuple):
     """All that changes from step to step."""
 
@@ -32,6 +50,7 @@ class IdealMotion(NamedTuple):
     # dashpots; and the power of the first, W
     works: np.ndarray
     force: np.ndarray  # (2, columns), N, of the springs; those of the last positions, room before any
+    housing: IdealHousing | None = None  # None: the ground holds the outer ring
 
 
 class Surfaces(NamedTuple):
@@ -100,3 +119,5 @@ class Rows(NamedTuple):
     hub: np.ndarray  # (n_rows, 2, 2), places and velocities
     elements: np.ndarray  # (n_rows, 2, 1 or 2, columns)
     works: np.ndarray  # (n_rows, 4), J
+    housing: np.ndarray  # (n_rows, 2, 2), places and velocities
+    sensor: np.ndarray  # (n_rows, 2)

@@ -18,6 +18,7 @@ from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, sele
 from fem.kernels.law import STEEPEST, contact_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.reduced_damping import note_lowered
+from fem.kernels.reduced_housing import ring_place
 from fem.kernels.reduced_modes import gather_waves, less_vibration
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.state import Course
@@ -99,15 +100,16 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
     width, across = columns + 2 * halo, compliance.across
     inner, outer = compliance.inner, compliance.outer
     reach, track = _touching(drive.course, compliance, drive)
+    ring_x, ring_y = ring_place(bodies.housing)
     gather_waves(bodies.vibrations)
     for group in range(0, n, WIDTH):
         there = count_from(group) < n
         x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
-        out = root(select(there, x * x + y * y, 1.0))
+        from_x, from_y = x - ring_x, y - ring_y
+        out = root(select(there, from_x * from_x + from_y * from_y, 1.0))
         scale = 1.0 / out
-        store_pair(
-            forces.normal, 2 * columns + group, columns, select(there, x * scale, 1.0), select(there, y * scale, 0.0)
-        )
+        from_x, from_y = select(there, from_x * scale, 1.0), select(there, from_y * scale, 0.0)
+        store_pair(forces.normal, 2 * columns + group, columns, from_x, from_y)
         x, y = x - bodies.hub[0], y - bodies.hub[1]
         away = root(select(there, x * x + y * y, 1.0))
         scale = 1.0 / away
@@ -206,10 +208,13 @@ def sweep_again(vibrations, bodies, compliance, forces):
 
 @part
 def set_right(bodies, compliance, forces):
-    """The forces with what all others have gained; their sum on the hub, N, x and y. Leaves approaches in `first`."""
+    """The forces with what all others have gained; their sums on hub and outer ring, N.
+
+    Leaves approaches in `first`.
+    """
     columns, n, halo = bodies.columns, bodies.n, forces.halo
     width, across = columns + 2 * halo, compliance.across
-    hub_x, hub_y = splat(0.0), splat(0.0)
+    hub_x, hub_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, n, WIDTH):
         at = halo + group
         less_i = _felt(compliance, forces.gained, INNER, at)
@@ -228,7 +233,9 @@ def set_right(bodies, compliance, forces):
         store_pair(forces.first, group, columns, first_i, first_o)
         hub_x -= Q_i * load(forces.normal, group)
         hub_y -= Q_i * load(forces.normal, columns + group)
-    return total(hub_x), total(hub_y)
+        ring_x += Q_o * load(forces.normal, 2 * columns + group)
+        ring_y += Q_o * load(forces.normal, 3 * columns + group)
+    return total(hub_x), total(hub_y), total(ring_x), total(ring_y)
 
 
 @part

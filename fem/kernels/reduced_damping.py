@@ -9,6 +9,7 @@ from fem.kernels.lane_functions import larger, logarithm, smaller
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.law import STEEPEST
+from fem.kernels.reduced_housing import push_ring, ring_rates
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.sample_kernels import DAMPED_BY_BODIES, DAMPED_BY_CONTACTS, DISSIPATED, N_SCALARS
 
@@ -71,14 +72,14 @@ def damp_contacts(dampers, bodies, compliance, forces, before, dt):
 
 
 @part
-def _rates(dampers, bodies, forces, hub, velocity, group):
-    """Rates at which eight rollers' contacts close, m/s, inner and outer, at velocities (2, columns)."""
+def _rates(dampers, bodies, forces, hub, velocity, group, ring):
+    """Rates at which eight rollers' contacts close, m/s, inner and outer, at velocities (2, columns), and a ring's."""
     columns = bodies.columns
     vx, vy = load(velocity, group), load(velocity, columns + group)
     ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
     inner = load(dampers.passing, group) - (vx - hub[0]) * ix - (vy - hub[1]) * iy
-    return inner, load(dampers.passing, columns + group) + vx * ox + vy * oy
+    return inner, load(dampers.passing, columns + group) + (vx - ring[0]) * ox + (vy - ring[1]) * oy
 
 
 @part
@@ -86,14 +87,15 @@ def _find(dampers, bodies, compliance, forces, before, dt):
     """What the dampers change of the hub's velocity, m/s; the forces they would have without that in `force`."""
     columns, half, over = bodies.columns, 0.5 * dt / bodies.mass, dt / bodies.hub_mass
     push_x, push_y, xx, xy, yy = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    past, next_ = ring_rates(bodies.housing)
     for group in range(0, bodies.n, WIDTH):
         there = count_from(group) < bodies.n
         ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
         ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
         c_i = damping_coefficient(dampers, compliance.inner, select(there, load(forces.force, group), 0.0))
         c_o = damping_coefficient(dampers, compliance.outer, select(there, load(forces.force, columns + group), 0.0))
-        was_i, was_o = _rates(dampers, bodies, forces, before.hub_velocity, before.velocity, group)
-        now_i, now_o = _rates(dampers, bodies, forces, bodies.hub_velocity, bodies.velocity, group)
+        was_i, was_o = _rates(dampers, bodies, forces, before.hub_velocity, before.velocity, group, past)
+        now_i, now_o = _rates(dampers, bodies, forces, bodies.hub_velocity, bodies.velocity, group, next_)
         rate_i, rate_o = 0.5 * (was_i + now_i), 0.5 * (was_o + now_o)
         facing, h_i, h_o = ix * ox + iy * oy, c_i * half, c_o * half
         share = 1.0 / ((1.0 + h_i) * (1.0 + h_o) - h_i * h_o * facing * facing)
@@ -120,6 +122,8 @@ def _give(dampers, bodies, forces, before, dt, hub_x, hub_y):
     """The dampers' kicks and the work they take; `hub_` : m/s, what the hub's velocity changes by."""
     columns, half, over = bodies.columns, 0.5 * dt / bodies.mass, dt / bodies.mass
     push_x, push_y, work, first = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    ring_x, ring_y = splat(0.0), splat(0.0)
+    past, _ = ring_rates(bodies.housing)
     for group in range(0, bodies.n, WIDTH):
         there, at = count_from(group) < bodies.n, columns + group
         ix, iy = load(forces.normal, group), load(forces.normal, at)
@@ -131,12 +135,14 @@ def _give(dampers, bodies, forces, before, dt, hub_x, hub_y):
         F_o = select(there & (load(forces.force, at) > 0.0), larger(F_o, -load(forces.kick, at)), 0.0)
         store(dampers.force, group, F_i)
         store(dampers.force, at, F_o)
-        was_i, was_o = _rates(dampers, bodies, forces, before.hub_velocity, before.velocity, group)
+        was_i, was_o = _rates(dampers, bodies, forces, before.hub_velocity, before.velocity, group, past)
         work += F_i * (load(dampers.rate, group) - half * (F_i - facing * F_o))
         work += F_o * (load(dampers.rate, at) - half * (F_o - facing * F_i))
         first += F_i * was_i + F_o * was_o
         push_x -= F_i * ix
         push_y -= F_i * iy
+        ring_x += F_o * ox
+        ring_y += F_o * oy
         store(bodies.velocity, group, load(bodies.velocity, group) + over * (F_i * ix - F_o * ox))
         store(bodies.velocity, at, load(bodies.velocity, at) + over * (F_i * iy - F_o * oy))
     over = dt / bodies.hub_mass
@@ -144,6 +150,7 @@ def _give(dampers, bodies, forces, before, dt, hub_x, hub_y):
     bodies.hub_velocity[0] += x
     bodies.hub_velocity[1] += y
     taken = dt * total(work) - 0.5 * bodies.hub_mass * (x * x + y * y) + dt * total(load(dampers.pair_work, 0))
+    taken -= push_ring(bodies.housing, total(ring_x), total(ring_y), dt)
     store(dampers.pair_work, 0, splat(0.0))
     dampers.work[0] += 0.5 * dt * total(first)
     dampers.work[1] = taken - 0.5 * dt * total(first)

@@ -14,6 +14,7 @@ from fem.kernels.lane_memory import gather, load, scatter_add, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
 from fem.kernels.law import contact_force, kick_force
 from fem.kernels.reduced_damping import damped_neighbours, no_dampers
+from fem.kernels.reduced_housing import ring_velocity
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 
 
@@ -34,7 +35,8 @@ def tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o):
     slip -= spin * bodies.radius + speed_of(drive.course, drive) * drive.inner_radius
     rolling = magnitude(spin - along * (1.0 / compliance.reach)) * bodies.radius
     T_i = creep(compliance.inner, compliance, forces, drive, INNER, columns * INNER + group, Q_i, slip, rolling)
-    along = vy * ox - vx * oy
+    ring_x, ring_y = ring_velocity(bodies.housing)
+    along = (vy - ring_y) * ox - (vx - ring_x) * oy
     rolling = magnitude(spin - along * (1.0 / compliance.track)) * bodies.radius
     slip = along + spin * bodies.radius
     T_o = creep(compliance.outer, compliance, forces, drive, OUTER, columns * OUTER + group, Q_o, slip, rolling)

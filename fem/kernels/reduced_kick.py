@@ -11,11 +11,10 @@ from fem.kernels.law import kick_force
 from fem.kernels.reduced_contacts import both_forces, level, store_pair, take_more, wrap
 from fem.kernels.reduced_damping import with_damper
 from fem.kernels.reduced_friction import tractions
+from fem.kernels.reduced_housing import TWELFTH, ring_acceleration, ring_place
 from fem.kernels.reduced_modes import push_modes
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.state import Course
-
-TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken
 
 
 @verb
@@ -39,7 +38,9 @@ def _with_slopes(bodies, forces, drive, group, P, Q, T, slope):
         return T
     columns, soft = bodies.columns, forces.softening
     x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
-    out = x * load(forces.normal, 2 * columns + group) + y * load(forces.normal, 3 * columns + group)
+    ring_x, ring_y = ring_place(bodies.housing)
+    out = (x - ring_x) * load(forces.normal, 2 * columns + group)
+    out += (y - ring_y) * load(forces.normal, 3 * columns + group)
     x, y = x - bodies.hub[0], y - bodies.hub[1]
     away = x * load(forces.normal, group) + y * load(forces.normal, columns + group)
     there = count_from(group) < bodies.n
@@ -56,7 +57,7 @@ def _with_slopes(bodies, forces, drive, group, P, Q, T, slope):
 
 @part
 def kick(bodies, compliance, forces, drive, before):
-    """Give the rollers their kick; what contacts give the hub, N, x and y.
+    """Give the rollers their kick; what contacts give the hub and the outer ring, N, x and y.
 
     Forces are those at positions dt²/12 times the acceleration ahead, which makes leapfrog's phase error one of fourth
     order: at a tenth of a vibration's period per step 0.01 % instead of 1.6 %.
@@ -66,7 +67,8 @@ def kick(bodies, compliance, forces, drive, before):
     columns, n, halo, dt = bodies.columns, bodies.n, forces.halo, drive.dt
     width, over, across = columns + 2 * halo, dt / bodies.mass, compliance.across
     share, hub_ax, hub_ay = TWELFTH * dt * dt, before.hub_acceleration[0], before.hub_acceleration[1]
-    hub_x, hub_y = splat(0.0), splat(0.0)
+    hub_x, hub_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    ring_ax, ring_ay = ring_acceleration(bodies.housing, before)
     for group in range(0, n, WIDTH):
         there = count_from(group) < n
         ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
@@ -76,7 +78,7 @@ def kick(bodies, compliance, forces, drive, before):
         ay = (Q_i * iy - Q_o * oy) * (1.0 / bodies.mass) - drive.gravity
         store_pair(before.acceleration, group, columns, select(there, ax, 0.0), select(there, ay, 0.0))
         ahead_i = share * (ix * (hub_ax - ax) + iy * (hub_ay - ay))
-        ahead_o = share * (ox * ax + oy * ay)
+        ahead_o = share * (ox * (ax - ring_ax) + oy * (ay - ring_ay))
         stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
         more_i, more_o = both_forces(stiff_i * ahead_i, stiff_o * ahead_o, stiff_i * across, stiff_o * across, 0.0, 0.0)
         Q_i, Q_o = select(Q_i > 0.0, larger(Q_i + more_i, 0.0), 0.0), select(Q_o > 0.0, larger(Q_o + more_o, 0.0), 0.0)
@@ -95,6 +97,8 @@ def kick(bodies, compliance, forces, drive, before):
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         hub_x -= select(there, fx, 0.0)
         hub_y -= select(there, fy, 0.0)
+        ring_x += select(there, P_o * ox + T_o * oy, 0.0)
+        ring_y += select(there, P_o * oy - T_o * ox, 0.0)
         fx, fy = fx - P_o * ox - T_o * oy, fy - P_o * oy + T_o * ox
         store(bodies.velocity, group, load(bodies.velocity, group) + over * fx)
         at = columns + group
@@ -103,7 +107,7 @@ def kick(bodies, compliance, forces, drive, before):
         _expect(forces, width + halo + group, columns + group, Q_o)
     wrap(forces.guess, INNER, n, halo)
     wrap(forces.guess, OUTER, n, halo)
-    return total(hub_x), total(hub_y)
+    return total(hub_x), total(hub_y), total(ring_x), total(ring_y)
 
 
 @part

@@ -20,7 +20,16 @@ from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.reduced_contacts import estimate_forces, set_right, sweep_again
 from fem.kernels.reduced_damping import damp_contacts, write_damping
 from fem.kernels.reduced_friction import press_neighbours
-from fem.kernels.reduced_kick import TWELFTH, kick
+from fem.kernels.reduced_housing import (
+    TWELFTH,
+    accelerate_ring,
+    drift_ring,
+    kick_ring,
+    ring_place,
+    ring_rates,
+    write_ring,
+)
+from fem.kernels.reduced_kick import kick
 from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings, vibration_energies
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.sample_kernels import (
@@ -64,19 +73,21 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             _meet_cage(bodies.cage, drive.dt)
             estimate_forces(bodies, compliance, forces, drive, turn_at(drive.course, drive, time))
             sweep_again(bodies.vibrations, bodies, compliance, forces)
-            hub_x, hub_y = set_right(bodies, compliance, forces)
+            hub_x, hub_y, ring_x, ring_y = set_right(bodies, compliance, forces)
             aside, radial_load = load_at(drive.course, drive, time)
             before.hub_acceleration[0] = with_aside(drive.course, hub_x, aside) / bodies.hub_mass
             before.hub_acceleration[1] = (hub_y - radial_load) / bodies.hub_mass - drive.gravity
             _hold_hub(bodies.shaft, before.hub_acceleration)
+            accelerate_ring(bodies.housing, before, ring_x, ring_y, drive.gravity)
             given = drive.sums[1]
             press_neighbours(bodies, compliance, forces, drive, before, 2.0 * bodies.radius * TOUCHING)
-            hub_x, hub_y = kick(bodies, compliance, forces, drive, before)
+            hub_x, hub_y, ring_x, ring_y = kick(bodies, compliance, forces, drive, before)
             kick_rings(bodies.vibrations, drive, aside, radial_load)
             over = drive.dt / bodies.hub_mass
             bodies.hub_velocity[0] += over * with_aside(drive.course, hub_x, aside)
             bodies.hub_velocity[1] += over * (hub_y - radial_load) - drive.gravity * drive.dt
             _pull_hub(bodies.shaft, before.hub_acceleration, drive.dt)
+            kick_ring(bodies.housing, before, drive, ring_x, ring_y)
             _push_cage(bodies.cage, bodies, drive)
             damp_contacts(forces.dampers, bodies, compliance, forces, before, drive.dt)
             if inside == 0:
@@ -91,6 +102,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
                 write_damping(forces.dampers, bodies.n, out)
                 _write_cage(bodies.cage, drive, out)
                 _write_shaft(bodies.shaft, drive, out)
+                write_ring(bodies.housing, before, drive, out)
             past, next_ = carried_by(bodies.vibrations, 1), carried_by(bodies.vibrations, 2)
             work = before.hub_velocity[1] + bodies.hub_velocity[1]
             work += past[1] + next_[1]
@@ -101,6 +113,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             _drift(bodies, drive.dt)
             _drift_cage(bodies.cage, drive)
             _drift_shaft(bodies.shaft, drive)
+            drift_ring(bodies.housing, drive)
             step += 1
             body = lost(bodies.hub_velocity, bodies)
             if body != -2:
@@ -266,6 +279,11 @@ def _curved(bodies, forces, drive, before, row, j):
         x, y = x - bodies.hub[0], y - bodies.hub[1]
         vx -= before.hub_velocity[0] + bodies.hub_velocity[0]
         vy -= before.hub_velocity[1] + bodies.hub_velocity[1]
+    else:
+        ring_x, ring_y = ring_place(bodies.housing)
+        past, next_ = ring_rates(bodies.housing)
+        x, y = x - ring_x, y - ring_y
+        vx, vy = vx - (past[0] + next_[0]), vy - (past[1] + next_[1])
     along = 0.5 * drive.dt * (vy * nx - vx * ny)
     risen = 0.25 * along * along / (x * nx + y * ny) * forces.force[row, j]
     return -risen if row == INNER else risen

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.cage_state import CagePair
+from fem.kernels.housing_kernels import Housing
 from fem.kernels.shaft_kernels import Shaft
 from fem.kernels.state import Course, Law
 
@@ -58,6 +59,7 @@ class RigidBodies(NamedTuple):
     columns: int
     cage: CagePair | None
     shaft: Shaft | None = None  # None: the bearing alone holds the hub
+    housing: Housing | None = None  # None: the ground holds the outer ring
 
 
 class Compliance(NamedTuple):
@@ -140,3 +142,4 @@ class Before(NamedTuple):
     spin: np.ndarray  # (columns,)
     acceleration: np.ndarray  # (2, columns), m/s²
     hub_acceleration: np.ndarray  # (2,)
+    ring_acceleration: np.ndarray  # (2,), of the outer ring in a housing

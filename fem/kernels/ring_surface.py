@@ -16,6 +16,7 @@ from fem.kernels.surfaces import (
     place_patch,
     push,
     push_along,
+    push_both_ways,
     put_down,
     read,
     seal,
@@ -93,7 +94,7 @@ def _push(ring, patches, side, group, impulse):
 @grip.of(RingSurface)
 def _grip(ring, patches, side, group):
     at, columns = first_weight(patches, side, group), patches.columns
-    x, slope, mobility = splat(0.0), splat(0.0), splat(0.0)
+    x, slope, mobility, coupling = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES * len(patches.units)):
         i = at + k * columns
         x += load(patches.along, i)
@@ -106,7 +107,8 @@ def _grip(ring, patches, side, group):
         store(patches.traction_x, i, radial)
         store(patches.traction_y, i, around)
         mobility += radial * radial + around * around
-    return mobility * (1.0 / ring.node_mass)
+        coupling += c * radial + s * around
+    return mobility * (1.0 / ring.node_mass), coupling * (1.0 / ring.node_mass)
 
 
 @sideways.of(RingSurface)
@@ -123,6 +125,17 @@ def _sideways(ring, patches, side, group, column, nx, ny):
 @push_along.of(RingSurface)
 def _push_along(ring, patches, side, group, impulse):
     return _give_all(ring, patches, side, group, patches.traction_x, patches.traction_y, impulse)
+
+
+@push_both_ways.of(RingSurface)
+def _push_both_ways(ring, patches, side, group, impulse, around):
+    at, columns, moment = first_weight(patches, side, group), patches.columns, splat(0.0)
+    for unit in range(len(patches.units)):
+        i = at + unit * N_NODES * columns
+        x = combined(impulse, take(patches.along, i, columns), around, take(patches.traction_x, i, columns))
+        y = combined(impulse, take(patches.across, i, columns), around, take(patches.traction_y, i, columns))
+        moment += _give(ring, patches, i, x, y, splat(1.0))
+    return moment
 
 
 @seal.of(RingSurface)

@@ -244,8 +244,10 @@ class Friction(NamedTuple):
     slip: np.ndarray  # (3, columns), m/s, before the step's kick
     slip_left: np.ndarray  # (3, columns), m/s, after it
     mobility: np.ndarray  # (3, columns), 1/kg, of both sides together
+    coupling: np.ndarray  # (3, columns), 1/kg, slip against t per impulse that pushes both sides apart
     coefficient: float
     overlapping: int | None  # when patches of neighbouring contacts overlap, see `friction_kernels`; None: never
+    apart: bool  # whether no two contacts ever share a node; see `friction_solution.pushes_later`
     whole: bool | None  # None: no contacts share rigid bodies
     shear: Shear | None  # None: surfaces give way tangentially as the mesh does
 

@@ -64,8 +64,11 @@ def push(surface, patches, side, group, impulse):
 
 @verb
 def grip(surface, patches, side, group):
-    """Mobilities of patches, 1/kg; keeps what a unit traction does to their nodes, W g, for what follows."""
-    return splat(0.0)
+    """Mobilities of patches, 1/kg; keeps what a unit traction does to their nodes, W g, for what follows.
+
+    And the sideways velocity that a unit impulse along b gives a patch, 1/kg.
+    """
+    return splat(0.0), splat(0.0)
 
 
 @verb
@@ -77,6 +80,12 @@ def sideways(surface, patches, side, group, column, nx, ny):
 @verb
 def push_along(surface, patches, side, group, impulse):
     """Spread impulses, N s, counter-clockwise along surfaces over patches; their moments about the origin, N m s."""
+    return 0.0
+
+
+@verb
+def push_both_ways(surface, patches, side, group, impulse, around):
+    """`push` and `push_along` in one pass."""
     return 0.0
 
 

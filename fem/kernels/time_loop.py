@@ -13,7 +13,7 @@ from fem.kernels.contact_kernels import press_patches, push_neighbours, push_pat
 from fem.kernels.course_kernels import follow, load_at, step_of, with_aside
 from fem.kernels.damping_kernels import damp_bodies, damp_contacts
 from fem.kernels.drive_kernels import kick_hub, move_hub
-from fem.kernels.friction_solution import friction_contacts, slips_before
+from fem.kernels.friction_solution import friction_contacts, pushes_later, slips_before
 from fem.kernels.jit import every, kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load, store
@@ -42,10 +42,17 @@ def press_contacts(groups, bodies, contacts, drive, points):
 def push_surfaces(groups, bodies, contacts, drive, points):
     """The normal forces' impulses on surface nodes, where `press_contacts` has not given them already."""
     if contacts.dampers is not None and contacts.friction.whole is None:
-        push_neighbours(groups, bodies.rollers, bodies.surface, contacts, drive)  # the others with their dampers
+        push_touching(groups, bodies, contacts, drive, contacts.dampers)  # the others with their dampers
     elif points is None or points.shift.shape[2] == 1:
-        push_patches(groups, bodies.rollers, bodies.surface, contacts, drive)
+        push_patches(groups, bodies.rollers, bodies.surface, contacts, None, drive.dt)
         settle(bodies.surface, bodies.rollers)
+
+
+@part
+def push_touching(groups, bodies, contacts, drive, dampers):
+    """Impulses on surface nodes where rollers touch, if their dampers, which work one by one, need them given first."""
+    if dampers is not None:
+        push_neighbours(groups, bodies.rollers, bodies.surface, contacts, None, drive.dt)
 
 
 @part
@@ -60,9 +67,14 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     _clear(rollers, drive)
     damp_bodies(bodies, drive, bodies.damping)
     press_contacts(groups, bodies, contacts, drive, contacts.points)
-    if contacts.friction.coefficient > 0.0:
+    friction, later = contacts.friction, False
+    if friction.coefficient > 0.0:
         slips_before(groups, rollers, surface, contacts, scratch.still)
-    push_surfaces(groups, bodies, contacts, drive, contacts.points)
+        later = pushes_later(friction, contacts.points, friction.whole)
+    if later:
+        push_touching(groups, bodies, contacts, drive, contacts.dampers)
+    else:
+        push_surfaces(groups, bodies, contacts, drive, contacts.points)
     _kick_rollers(rollers, drive)
     before_x, before = drive.velocity[0], drive.velocity[1]
     aside, radial_load = load_at(drive.course, drive, time)
@@ -71,10 +83,11 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     kick_others(bodies.others, drive)
     rub_cages(groups, drive)
     _take_back_torque(rollers, scratch)
-    damp_contacts(groups, bodies, contacts, contacts.dampers, drive.dt)
-    if contacts.friction.coefficient > 0.0:
-        friction = contacts.friction
-        rubbed = friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole)
+    damp_contacts(groups, bodies, contacts, contacts.dampers, drive.dt, later)
+    if friction.coefficient > 0.0:
+        rubbed = friction_contacts(
+            groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole, later
+        )
     work_load = -radial_load * drive.dt * 0.5 * (before + drive.velocity[1])  # friction may have moved a rigid hub
     work_load = with_aside(drive.course, work_load, aside * drive.dt * 0.5 * (before_x + drive.velocity[0]))
     return work_load, moment + drive.moment[1] - drive.moment[0] * drive.dt, rubbed

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from fem.elastic.bodies import RingBody
     from fem.solver.start import Start
 
+SLACK = 0.1  # node spacings, by which rollers that press on each other may be nearer than rigid ones
 REACH = 0.01  # of a roller's radius
 REACH_OF_LOOSE = 0.1  # the same where an outer ring bends or moves as a whole; twice what guards let rollers go
 
@@ -196,8 +197,10 @@ def contact_arrays(
             slip=np.zeros((pairs, columns)),
             slip_left=np.zeros((pairs, columns)),
             mobility=np.zeros((pairs, columns)),
+            coupling=np.zeros((pairs, columns)),
             coefficient=float(friction),
             overlapping=_overlapping(model, data.neighbourly),
+            apart=bool(min(_nodes_between(model)) > N_NODES + SLACK),
             whole=True if _shares_rigid_bodies(model, operation) else None,
             shear=None if data.shear_levels is None else _shear(data.shear_levels, columns),
         ),
@@ -223,14 +226,22 @@ def _overlapping(model: "Model", width: float) -> int | None:
 
     On a raceway those of rollers that touch, on a roller its own.
     """
-    bearing = model.bearing
-    apart = 2.0 * np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius))  # of rollers that touch
-    angle = 2.0 * np.pi * width
-    rings = (model.inner_ring, model.outer_ring)
-    if any(ring.n_sectors * apart < angle for ring in rings if not ring.material.rigid):
+    on_raceways, on_rollers = _nodes_between(model)
+    if on_raceways < width:
         return ALWAYS
-    on_rollers = model.roller.shape.surface_nodes * 0.5 * (np.pi - apart) < angle
-    return WHERE_ROLLERS_TOUCH if on_rollers and not model.roller.material.rigid else None
+    return WHERE_ROLLERS_TOUCH if on_rollers < width else None
+
+
+def _nodes_between(model: "Model") -> tuple[float, float]:
+    """Node spacings between contacts of two rollers that touch: on a raceway, and on a roller; infinite on rigid ones.
+
+    On a roller that is from a raceway to the other roller, less than from raceway to raceway.
+    """
+    bearing = model.bearing
+    apart = np.arcsin(min(1.0, bearing.roller_radius / bearing.pitch_radius)) / np.pi  # turns
+    rings = [ring.n_sectors * apart for ring in (model.inner_ring, model.outer_ring) if not ring.material.rigid]
+    on_rollers = model.roller.shape.surface_nodes * (0.25 - 0.5 * apart)
+    return min(rings, default=np.inf), np.inf if model.roller.material.rigid else on_rollers
 
 
 def _reach(model: "Model", operation: Operation) -> float:

@@ -5,7 +5,7 @@ from math import ceil
 
 import numpy as np
 
-from fem.contacts.critical_step import critical_time_step
+from fem.contacts.critical_step import critical_time_step, next_rung
 from fem.contacts.model import Model
 from fem.elastic.bored import BoredRing
 from fem.solver.arrays import hub_mass, make_arrays
@@ -129,7 +129,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         5.0 * operation.heaviest / model.bearing.n_rollers,
     )
     critical = critical_with_cage(
-        critical_time_step(model, expected, operation.mounting, hub_mass(model.inner_ring, operation)),
+        critical_time_step(model, next_rung(expected), operation.mounting, hub_mass(model.inner_ring, operation)),
         model.bearing,
         scene.ideal_cage(),
         operation.inner_mass,

@@ -7,7 +7,7 @@ from fem.elastic.bored import BoredRing
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.state import Ring
 from lagrange import Operation
-from lagrange.mounting import Sensor
+from lagrange.mounting import Mounting, Sensor
 
 
 def housing_body(
@@ -20,9 +20,20 @@ def housing_body(
     mounting, body = operation.mounting, model.outer_ring
     if mounting.housing is None:
         return None
-    rigid, bored = body.material.rigid, isinstance(body, BoredRing)
+    if isinstance(body, BoredRing):  # which moves by itself
+        return housing_of(mounting, 0.0, None, place, dt, column)
+    rigid = body.material.rigid
     carried = body.total_mass if rigid else body.n_sectors * body.row_mass[body.held_row]
-    sensor = None if mounting.sensor is None else _resonator(mounting.sensor, dt)
+    return housing_of(mounting, carried, None if rigid else ring, place, dt, column)
+
+
+def housing_of(
+    mounting: Mounting, carried: float, ring: Ring | None, place: np.ndarray, dt: float, column: int
+) -> Housing | None:
+    """The same with a ring of which so much, kg, moves as a whole; None for one without a mesh, or free in its bore."""
+    housing, sensor = mounting.housing, mounting.sensor
+    if housing is None:
+        return None
     return Housing(
         place=place.copy(),
         velocity=np.zeros(2),
@@ -30,12 +41,12 @@ def housing_body(
         impulse=np.zeros(2),
         drag=np.zeros(2),
         dissipated=np.zeros(1),
-        ring=None if rigid or bored else ring,
-        line=np.zeros((2, ring.u.shape[2])),
-        sensor=sensor,
-        mass=float(mounting.housing.mass + (0.0 if bored else carried)),
-        stiffness=float(mounting.housing.stiffness),
-        damping=float(mounting.housing.damping),
+        ring=ring,
+        line=np.zeros((2, 0 if ring is None else ring.u.shape[2])),
+        sensor=None if sensor is None else _resonator(sensor, dt),
+        mass=float(housing.mass + carried),
+        stiffness=float(housing.stiffness),
+        damping=float(housing.damping),
         column=column,
     )
 

@@ -65,8 +65,9 @@ class LagrangianPlan(CompiledPlan):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """N_b + 2, or 2 N_b + 2 where the angles are free."""
-        return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2
+        """N_b + 2, or 2 N_b + 2 where the angles are free; 2 more with a housing."""
+        housing = 0 if self.problem.operation.mounting.housing is None else 2
+        return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2 + housing
 
     @property
     def steps(self) -> int:
@@ -211,6 +212,7 @@ class LagrangianState(RunState):
         self._exchanged = float(exchanged[-1])
         per_time, per_roller = np.zeros(part.time.shape), np.zeros(part.roller_rho.shape)
         absent = {name: per_roller for name in ("inner_traction", "outer_traction", "roller_roller_force")}
+        problem = self.plan.problem
         return Samples(
             values={name: getattr(part, name) for name in SAME}
             | absent
@@ -222,8 +224,8 @@ class LagrangianState(RunState):
                 "outer_damping_force": part.outer_damper,
                 "work_damping_contact": part.work_damping,
                 "work_damping_bodies": per_time,
-                "energy_shaft": part.energy_shaft,
-            },
+            }
+            | {name: getattr(part, name) for name in problem.operation.mounting.columns},
             imbalance=part.energy_error,
             exchanged=exchanged,
         )

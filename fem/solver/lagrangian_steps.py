@@ -7,6 +7,7 @@ from fem.kernels.lagrangian_state import (
     Clock,
     Dampers,
     IdealBearing,
+    IdealHousing,
     IdealMotion,
     PowerConstants,
     Rows,
@@ -39,16 +40,21 @@ class CompiledIntegration(Integration):
                 elements=np.zeros((3, axes, columns)),
                 works=np.zeros(5),
                 force=np.zeros((2, columns)),
+                housing=_housing(system, step),
             )
         )
         self._bearing = lined_up(_bearing(system, columns))
         self._leaps = system.problem.is_damped
         self._dampers = lined_up(_dampers(damping, axes, columns)) if damping.acts else None
 
-    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray) -> int:
-        motion, (hub, elements, sums), n = self._motion, self.memory.values(), self._system.n
-        axes = motion.elements.shape[1]
-        motion.hub[:] = _parts(hub, 2)
+    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray) -> int:
+        motion, (hub, elements, sums, of_housing), n = self._motion, self.memory.values(), self._system.n
+        axes, housing = motion.elements.shape[1], motion.housing
+        if housing is None:
+            motion.hub[:] = _parts(hub, 2)
+        else:
+            motion.hub[:], housing.motion[:] = _parts(hub[:, 0], 2), _parts(hub[:, 1], 2)
+            housing.sensor[:], housing.shift[:] = of_housing[:2], of_housing[2:]
         motion.elements[:, :, :n] = np.moveaxis(_parts(elements, axes), 2, 1)
         motion.works[:] = sums
         clock = Clock(
@@ -62,12 +68,19 @@ class CompiledIntegration(Integration):
             hub=np.empty((z.shape[1], 2, 2)),
             elements=np.empty((z.shape[1], *motion.elements[:2].shape)),
             works=np.empty((z.shape[1], 4)),
+            housing=np.zeros((z.shape[1], 2, 2)),
+            sensor=np.zeros((z.shape[1], 2)),
         )
         there = advance_lagrangian(motion, self._bearing, self._dampers, clock, rows)
-        z[:, :there] = _whole(rows.hub[:there]).T
+        if housing is None:
+            z[:, :there], hub[:] = _whole(rows.hub[:there]).T, _whole(motion.hub)
+        else:
+            z[:, :there] = np.stack([_whole(rows.hub[:there]), _whole(rows.housing[:there])], axis=-1).swapaxes(0, 1)
+            hub[:] = np.stack([_whole(motion.hub), _whole(housing.motion)], axis=-1)
+            of_housing[:2], of_housing[2:] = housing.sensor, housing.shift
+            sensor[:there] = rows.sensor[:there]
         q[:, :there] = np.moveaxis(_whole(np.moveaxis(rows.elements[:there, :, :, :n], 2, 3)), 0, 1)
         works[:, :there] = rows.works[:there].T
-        hub[:] = _whole(motion.hub)
         elements[:] = _whole(np.moveaxis(motion.elements[:, :, :n], 1, 2))
         sums[:] = motion.works
         return there
@@ -115,6 +128,25 @@ def _bearing(system, columns: int) -> IdealBearing:
         columns=columns,
         course=course_arrays(bearing, operation, held=system.holds_angles),
         springs=None if shaft is None else ShaftSprings(float(shaft.stiffness), float(shaft.damping)),
+    )
+
+
+def _housing(system, step: float) -> IdealHousing | None:
+    """The housing and a sensor on it, None where the ground holds the outer ring; `step` in s."""
+    mounting = system.problem.operation.mounting
+    if mounting.housing is None:
+        return None
+    return IdealHousing(
+        motion=np.zeros((3, 2)),
+        sensor=np.zeros(2),
+        sensor_step=np.zeros((2, 3)) if mounting.sensor is None else np.ascontiguousarray(mounting.sensor.step(step)),
+        shift=np.zeros(2),
+        lever=np.zeros(2),
+        damped=np.zeros(2),
+        turned=np.array([1.0, 0.0]),
+        mass=float(system.ring_mass),
+        stiffness=float(mounting.housing.stiffness),
+        damping=float(mounting.housing.damping),
     )
 
 

@@ -25,6 +25,7 @@ from fem.solver.vibrations import critical_with_modes, longest_with_modes
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
 from fem.statics.vibrating_bearing import bearing_modes
 from lagrange import Bearing, Kinematics, Operation, kinematics
+from lagrange.contact_damping import ContactDamping
 from lagrange.profile import profiles
 from lagrange.scene import Scene
 from lagrange.step_size import fastest_in_machine
@@ -135,6 +136,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation.inner_mass)
     interval = 1e-6 * numerics.output_interval_us
     longest = min(SHARE * critical, _time_along_a_profile(bearing, fastest), longest_with_modes(modes))
+    longest = min(longest, _time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts))
     longest *= numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
     looks = ceil(steps / LONGEST_UNWATCHED)
@@ -171,6 +173,18 @@ def _time_along_a_profile(bearing: Bearing, ideal: Kinematics) -> float:
     surfaces = profiles(bearing)
     speed = abs(ideal.cage) * bearing.outer_raceway_radius  # of contacts along every surface, as they roll
     return inf if surfaces is None or speed == 0.0 else KNOTS_A_STEP * surfaces.shortest / speed
+
+
+def _time_of_dampers(model: ReducedBearing, force: float, operation: Operation, damping: ContactDamping) -> float:
+    """The longest step, s, in which contacts' dampers, under forces of so many N, take half of a housing's motion.
+
+    It feels them after rollers and hub, which is only as stable as that is short; infinite where the ring stands still.
+    """
+    housing, bearing = operation.mounting.housing, model.bearing
+    if housing is None or not damping.acts:
+        return inf
+    coefficient = float(damping.coefficient(force, 1.0 / float(model.outer_law.softness(force))))
+    return 2.0 * (housing.mass + bearing.outer_ring_mass) / (bearing.n_rollers * coefficient)
 
 
 def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, operation: Operation) -> float:

@@ -16,14 +16,16 @@ from fem.statics.contact_balance import (
     first_guess,
     geometry,
     hub_spring,
+    standing_ring,
 )
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
-from lagrange import Kinematics, Operation, kinematics
+from lagrange import Bearing, Kinematics, Operation, kinematics
 from lagrange.kinematics import roller_angles, turned
 from lagrange.mounting import HELD
 from lagrange.profile import UNTURNED, Turns
 
 NEWTON_STEPS = 20
+NOWHERE = np.zeros(2)  # from the ground, m, an outer ring that it holds
 LOOK_AHEAD = 1e-4  # of a roller's radius: how far contacts roll between the equilibria that give the velocities
 
 
@@ -40,6 +42,7 @@ class ReducedStart:
     inner_force: np.ndarray  # (n_rollers,)
     outer_force: np.ndarray
     steady: bool  # forces hold every roller on its circle
+    ring: np.ndarray  # (2,), of the outer ring's centre, from which all other places are
 
 
 def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
@@ -52,18 +55,31 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
     NotFound: no equilibrium.
     """
     bearing = model.bearing
-    place, forces = _balanced(model, operation, 0.0, None)
+    angle = roller_angles(bearing, operation.first_roller_angle)
+    radial = np.array([np.cos(angle), np.sin(angle)])
+
+    def force_at(where):
+        return radial @ closed_forces(_balanced(model, operation, 0.0, ring=where)[1])[bearing.n_rollers :]
+
+    ring = standing_ring(operation, _weight_on_springs(bearing, operation), force_at)
+    place, forces = middle = _balanced(model, operation, 0.0, ring=ring)
     speed, rate = abs(operation.speed) * bearing.inner_raceway_radius, np.zeros_like(place)
     if speed > 0.0:
         ahead = LOOK_AHEAD * bearing.roller_radius / speed
         try:
-            before, after = (_balanced(model, operation, t, place)[0] for t in (-ahead, ahead))
+            before, after = (_balanced(model, operation, t, middle, ring)[0] for t in (-ahead, ahead))
         except NotFound:
             before = after = place
         found = (after - before) / (2.0 * ahead)
         if np.hypot(*found[:2]) <= JUMP * speed:
             rate = found
-    return _start(model, operation, place, rate, forces)
+    return replace(_start(model, operation, place, rate, forces), ring=ring)
+
+
+def _weight_on_springs(bearing: Bearing, operation: Operation) -> float:
+    """Of a housing and its outer ring, N; 0 without."""
+    housing = operation.mounting.housing
+    return 0.0 if housing is None else operation.gravity * (housing.mass + bearing.outer_ring_mass)
 
 
 def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
@@ -71,25 +87,27 @@ def rest_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
 
     Without preload no contact is strained but by what bodies grow as they spin.
     """
-    bearing, n = model.bearing, model.bearing.n_rollers
+    bearing, n, alone = model.bearing, model.bearing.n_rollers, replace(operation.mounting, shaft=None)
+    at_rest = replace(operation, mounting=alone)
+    ring = standing_ring(at_rest, _weight_on_springs(bearing, operation), lambda _: np.zeros(2))
     if bearing.radial_clearance < -ROUND_OFF * bearing.roller_radius:
         unloaded = replace(operation, radial_load=0.0, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
-        place, forces = _balanced(model, unloaded, 0.0, None)
-        return _start(model, operation, place, np.zeros_like(place), forces)
+        place, forces = _balanced(model, unloaded, 0.0)
+        return replace(_start(model, operation, place, np.zeros_like(place), forces), ring=ring)
     place = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
     angle = roller_angles(bearing, operation.first_roller_angle)
     contacts = model.at(angle, UNTURNED)
     edges = np.diag(edge_compliances(bearing, contacts.radial, place))
     contacts = replace(contacts, compliance=contacts.compliance + edges)
     forces = _forces_at(contacts, geometry(bearing, contacts.radial, place, UNTURNED)[0] + contacts.closing)
-    return _start(model, operation, place, np.zeros_like(place), forces, steady=False)
+    return replace(_start(model, operation, place, np.zeros_like(place), forces, steady=False), ring=ring)
 
 
 def standing_hub(model: ReducedBearing, operation: Operation) -> np.ndarray:
     """Hub of the bearing alone under the radial load, standing, weightless, (2,), m. NotFound: no equilibrium."""
     alone = replace(operation, speed=0.0, side_load=0.0, gravity=0.0, course=None, mounting=HELD)
     still = reduced_bearing(model.bearing, kinematics(model.bearing, 0.0))
-    return _balanced(still, alone, 0.0, None)[0][:2]
+    return _balanced(still, alone, 0.0)[0][:2]
 
 
 def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
@@ -108,16 +126,16 @@ def _forces_at(contacts: Condensed, overlap: np.ndarray) -> np.ndarray:
     return found
 
 
-def _balanced(model, operation, time, near) -> tuple[np.ndarray, np.ndarray]:
-    """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s."""
+def _balanced(model, operation, time, middle=None, ring=NOWHERE) -> tuple[np.ndarray, np.ndarray]:
+    """Hub and radii, m, and forces, N, in equilibrium with rollers at their angles of a time, s; `middle`: one near."""
     bearing, acting = model.bearing, operation.at(time)
     angle = roller_angles(bearing, operation.first_roller_angle) + turned(bearing, operation, time).cage
     contacts = model.at(angle, Turns.rolling(bearing, operation, time))
     load, aside = float(acting.radial_load) + operation.inner_mass * operation.gravity, float(acting.side_load)
-    start = first_guess(bearing, contacts.radial, load, aside) if near is None else near
+    start, near = (first_guess(bearing, contacts.radial, load, aside), None) if middle is None else middle
     cage = kinematics(bearing, operation.speed).cage
-    spring = hub_spring(operation, np.zeros(2))
-    return balance(contacts, Loads(load, operation.gravity, cage, aside, spring), start)
+    spring = hub_spring(operation, ring)
+    return balance(contacts, Loads(load, operation.gravity, cage, aside, spring), start, near)
 
 
 def _start(model, operation, place, rate, forces, steady=True) -> ReducedStart:
@@ -132,4 +150,5 @@ def _start(model, operation, place, rate, forces, steady=True) -> ReducedStart:
         inner_force=forces[:n],
         outer_force=forces[n:],
         steady=steady,
+        ring=np.zeros(2),
     )

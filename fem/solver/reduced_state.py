@@ -22,6 +22,7 @@ from fem.kernels.reduced_state import (
 )
 from fem.solver.cage_arrays import cage_state, pair_of_rigid, row_width
 from fem.solver.course_arrays import course_arrays
+from fem.solver.housing_arrays import housing_of
 from fem.solver.profile_arrays import raceway_profiles
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import changing_arrays
@@ -78,6 +79,7 @@ class ReducedState(RowState):
             spin=np.zeros(columns),
             acceleration=np.zeros((2, columns)),
             hub_acceleration=np.zeros(2),
+            ring_acceleration=np.zeros(2),
         )
 
     def advance(self, most: int) -> Block:
@@ -111,12 +113,14 @@ class ReducedState(RowState):
         if self.shock < SHOCK or self.plan.scene.reduced.modes_up_to_kHz >= 1e-3 * needed:
             return found
         off = "tens of per cent" if hard else "several per cent"
+        mounting = self.plan.operation.mounting
+        alone = mounting.shaft is None and mounting.housing is None  # modes are not made for these
+        modes = f"reduced.modes_up_to_kHz = {ceil(0.1e-3 * needed) * 10}, or " if alone else ""
         return (
             *found,
             f"contact forces have changed by {self.shock:.2g} times the largest within one vibration of the bodies: "
             "elastic waves, which the reduced model lacks but for the modes it is given, take part, and forces may be "
-            f"off by {off}; where they matter take reduced.modes_up_to_kHz = {ceil(0.1e-3 * needed) * 10}, or "
-            'model = "fem"',
+            f'off by {off}; where they matter take {modes}model = "fem"',
         )
 
     @property
@@ -147,6 +151,8 @@ class ReducedState(RowState):
             found |= {f"{place}.{name}": getattr(modes, name) for name in ("amplitude", "rate", "before")}
         if self.bodies.cage is not None:
             found |= changing_arrays(self.bodies.cage.cage, "cage")
+        if self.bodies.housing is not None:
+            found |= changing_arrays(self.bodies.housing, "housing")
         if self.bodies.shaft is not None:
             found |= {f"shaft.{name}": getattr(self.bodies.shaft, name) for name in ("before", "dissipated")}
         return found
@@ -168,7 +174,8 @@ class ReducedState(RowState):
     def check(self) -> None:
         bodies, n = self.bodies, self.bodies.n
         from_hub = np.hypot(*(bodies.centre[:, :n] - bodies.hub[:, None]))
-        nearest = min(from_hub.min(), np.hypot(*bodies.centre[:, :n]).min())
+        ring = np.zeros(2) if bodies.housing is None else bodies.housing.place
+        nearest = min(from_hub.min(), np.hypot(*(bodies.centre[:, :n] - ring[:, None])).min())
         uneven = self.forces.slope is not None  # then kernels look up surfaces by how far bodies have turned
         if nearest < bodies.radius or (uneven and np.abs(bodies.turn).max() > MOST_TURN):
             raise ValueError("rollers where no bearing has them, or turned beyond all bounds")
@@ -206,7 +213,7 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
     vibrating = vibrations(plan.model, start, load, columns, dt)
     carried = np.zeros(2) if vibrating is None else vibrating.inner.carried @ vibrating.inner.amplitude
     bodies = RigidBodies(
-        hub=start.hub - carried,
+        hub=start.hub + start.ring - carried,
         hub_velocity=start.hub_velocity.copy(),
         centre=np.zeros((2, columns)),
         velocity=np.zeros((2, columns)),
@@ -221,14 +228,17 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
         columns=columns,
         cage=None,
     )
-    bodies.centre[:, :n] = start.rho * radial
+    bodies.centre[:, :n] = start.rho * radial + start.ring[:, None]
     bodies.velocity[:, :n] = start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial
     bodies.spin[:n] = start.kinematics.roller
     shaft = shaft_springs(plan.operation.mounting, bodies.hub, bodies.hub_velocity, bodies.hub_mass, n)
-    bodies, ideal = bodies._replace(shaft=shaft), plan.scene.ideal_cage()
+    column = row_width(n, None)
+    housing = housing_of(plan.operation.mounting, bearing.outer_ring_mass, None, start.ring, dt, column)
+    bodies, ideal = bodies._replace(shaft=shaft, housing=housing), plan.scene.ideal_cage()
     if ideal is None:
         return bodies
     state = cage_state(bearing, ideal, start.angle, cage, row_width(n, None, plan.operation.mounting))
+    state.motion[0, :2] = start.ring
     return bodies._replace(cage=pair_of_rigid(state, ideal, bodies, float(plan.operation.speed)))
 
 

@@ -19,6 +19,7 @@ from lagrange.profile import UNTURNED, Turns, profiles
 
 LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clearance); 1e-6 N per µm
 FAINTEST = 1e-6  # N; a smaller force is what the barrier left
+NEWTON_STEPS = 8  # from an equilibrium that is near: 2 or 3 are usual
 MAX_TURNS, MAX_STEPS = 50, 200  # measured at most 13 and 61 in 373 random bearings, 101 with preload and no load at all
 SETTLED = 1e-13  # of a radius: bodies stand still, contacts fit
 BALANCED = 1e-11  # of the largest force
@@ -95,20 +96,28 @@ def closed_forces(forces: np.ndarray) -> np.ndarray:
     return np.where(forces > FAINTEST, forces, 0.0)
 
 
-def balance(contacts: Condensed, loads: Loads, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def balance(
+    contacts: Condensed, loads: Loads, start: np.ndarray, near: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Hub and radii, (n_rollers + 2,), and inner and outer forces, (2 n_rollers,), in equilibrium.
 
     With the directions of the contacts held the problem is convex, however many contacts open or close: the least
     potential energy of elastic bodies that may not pull. That is solved, the directions are set anew, and so on; they
     move by microradians, or by a roller's pitch where a hub in clearance rolls over to the next roller.
 
+    Parameters
+    ----------
+    start : (n_rollers + 2,), m; near : (2 n_rollers,), N, forces of an equilibrium that is near, where there is one
+
     Errors
     ------
     NotFound. The balance is exact to about 1e-9 of the load.
     """
-    bearing, position, forces = contacts.bearing, start, np.zeros(2 * contacts.bearing.n_rollers)
+    bearing, position = contacts.bearing, start
+    forces = np.zeros(2 * bearing.n_rollers) if near is None else near
     for _ in range(MAX_TURNS):
-        moved, forces = _convex(contacts, loads, position, closed_forces(forces))
+        held = _Held.at(contacts, loads, position, closed_forces(forces))
+        moved, forces = _closed_alone(held, closed_forces(forces)) or _convex(held, loads)
         change = np.abs(moved - position).max()
         position = moved
         if change <= SETTLED * bearing.pitch_radius:
@@ -125,34 +134,104 @@ def _not_found(why: str, loads: Loads) -> NotFound:
     )
 
 
-def _convex(contacts: Condensed, loads: Loads, position, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and forces with the contacts' directions held as they are at `position` under the `last` forces.
+@dataclass(frozen=True, kw_only=True)
+class _Held:
+    """The convex problem: the contacts' directions are held as they are at a position."""
+
+    contacts: Condensed
+    position: np.ndarray  # (n_rollers + 2,), m
+    overlap: np.ndarray  # (2 n_rollers,), m, there, of bodies under no contact forces
+    directions: np.ndarray  # (2 n_rollers, n_rollers + 2), its derivatives
+    compliance: np.ndarray  # (2 n_rollers, 2 n_rollers), m/N, without the laws'
+    applied: np.ndarray  # (n_rollers + 2,), N
+    springs: np.ndarray  # (n_rollers + 2,), N/m, to `middle`
+    middle: np.ndarray  # (n_rollers + 2,), m
+
+    @classmethod
+    def at(cls, contacts: Condensed, loads: Loads, position: np.ndarray, last: np.ndarray) -> "_Held":
+        """With the directions that they have at a position under the `last` forces."""
+        bearing, radial, turns = contacts.bearing, contacts.radial, contacts.turns
+        overlap, directions = geometry(bearing, radial, position, turns, last)
+        soft = edge_compliances(bearing, radial, position, turns)
+        # the centrifugal force's own growth is left out: a roller in clearance would be sent the wrong way
+        n, spring = bearing.n_rollers, loads.spring
+        on_rollers = bearing.roller_mass * (loads.cage_speed**2 * position[2:] - loads.gravity * radial[:, 1])
+        middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
+        springs = np.full(n + 2, LOOSE_SPRING)
+        if spring is not None and spring.stiffness > LOOSE_SPRING:
+            springs[:2], middle[:2] = spring.stiffness, (spring.x, spring.y)
+        return cls(
+            contacts=contacts,
+            position=position,
+            overlap=overlap + contacts.closing,
+            directions=directions,
+            compliance=contacts.compliance + np.diag(soft),
+            applied=np.concatenate([[loads.aside, -loads.hub], on_rollers]),
+            springs=springs,
+            middle=middle,
+        )
+
+    @property
+    def size(self) -> float:
+        """Of the applied forces, N."""
+        return max(float(np.abs(self.applied).max()), FAINTEST)
+
+    def unbalanced(self, moved: np.ndarray, force: np.ndarray) -> np.ndarray:
+        """Forces on hub and rollers that are left, (n_rollers + 2,), N."""
+        return self.applied - self.springs * (moved - self.middle) - self.directions.T @ force
+
+    def through(self, moved: np.ndarray, force: np.ndarray, approach: np.ndarray) -> np.ndarray:
+        """How far the bodies' surfaces would lie in each other under these forces, (2 n_rollers,), m."""
+        return self.overlap + self.directions @ (moved - self.position) - self.compliance @ force - approach
+
+
+def _closed_alone(held: _Held, near: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Positions and forces by Newton's method on the contacts that forces near by close; None: it does not get there.
+
+    Where no force pulls and no other contact is closed it is the solution, as a convex problem has but one.
+    """
+    closed, bearing = np.flatnonzero(near > 0.0), held.contacts.bearing
+    if not closed.size:
+        return None
+    n, m = bearing.n_rollers + 2, closed.size
+    matrix = np.zeros((n + m, n + m))
+    matrix[range(n), range(n)] = held.springs
+    matrix[:n, n:], matrix[n:, :n] = held.directions[closed].T, -held.directions[closed]
+    own, is_open = held.compliance[np.ix_(closed, closed)], near <= 0.0
+    moved, force = held.position, near.copy()
+    for done in range(NEWTON_STEPS):
+        approach, softness = _law(held.contacts, np.where(is_open, 1.0, force))
+        through = held.through(moved, force, np.where(is_open, 0.0, approach))
+        unbalanced = held.unbalanced(moved, force)
+        scale = max(held.size, float(force.max()))
+        if (
+            done > 0  # a hub that could balance on one roller must tip: the least imbalance across it counts
+            and np.abs(unbalanced).max() <= BALANCED * scale
+            and np.abs(through[closed]).max() <= SETTLED * bearing.roller_radius
+        ):
+            fits = not np.any(through[is_open] > SETTLED * bearing.roller_radius)
+            return (moved, force) if fits else None
+        matrix[n:, n:] = own + np.diag(softness[closed])
+        step = np.linalg.solve(matrix, np.concatenate([unbalanced, through[closed]]))
+        moved, force[closed] = moved + step[:n], force[closed] + step[n:]
+        if np.any(force[closed] <= 0.0):
+            return None
+    return None
+
+
+def _convex(held: _Held, loads: Loads) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and forces, whatever contacts close.
 
     Primal-dual interior-point method (Nocedal and Wright, Numerical Optimization, 2006, chapter 19): forces q and gaps
     s stay positive while their products shrink to 0.
     """
-    bearing, n = contacts.bearing, contacts.bearing.n_rollers
-    overlap, directions = geometry(bearing, contacts.radial, position, contacts.turns, last)
-    soft = edge_compliances(bearing, contacts.radial, position, contacts.turns)
-    overlap, compliance = overlap + contacts.closing, contacts.compliance + np.diag(soft)
-    applied = np.concatenate(
-        [
-            [loads.aside, -loads.hub],
-            # the centrifugal force's own growth is left out: a roller in clearance would be sent the wrong way
-            bearing.roller_mass * (loads.cage_speed**2 * position[2:] - loads.gravity * contacts.radial[:, 1]),
-        ]
-    )
-    middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
-    springs = np.full(n + 2, LOOSE_SPRING)
-    if loads.spring is not None and loads.spring.stiffness > LOOSE_SPRING:
-        springs[:2], middle[:2] = loads.spring.stiffness, (loads.spring.x, loads.spring.y)
-    size = max(float(np.abs(applied).max()), FAINTEST)
-    moved, force = position.copy(), np.full(2 * n, size)
-    gap = FIRST_GAP * bearing.roller_radius + np.maximum(-overlap, 0.0)
+    bearing, n, directions = held.contacts.bearing, held.contacts.bearing.n_rollers, held.directions
+    size = held.size
+    moved, force = held.position.copy(), np.full(2 * n, size)
+    gap = FIRST_GAP * bearing.roller_radius + np.maximum(-held.overlap, 0.0)
     for _ in range(MAX_STEPS):
-        approach, softness = _law(contacts, force)
-        unbalanced = applied - springs * (moved - middle) - directions.T @ force
-        apart = overlap + directions @ (moved - position) - compliance @ force - approach + gap
+        approach, softness = _law(held.contacts, force)
+        unbalanced, apart = held.unbalanced(moved, force), held.through(moved, force, approach) + gap
         product = float(force @ gap) / (2 * n)
         scale = max(size, float(force.max()))
         if (
@@ -163,9 +242,10 @@ def _convex(contacts: Condensed, loads: Loads, position, last: np.ndarray) -> tu
             return moved, force
         barrier = SHRINK * product
         wanted = apart + barrier / force - gap
-        solved = np.linalg.solve(compliance + np.diag(softness + gap / force), np.column_stack([directions, wanted]))
+        soft = held.compliance + np.diag(softness + gap / force)
+        solved = np.linalg.solve(soft, np.column_stack([directions, wanted]))
         step = np.linalg.solve(
-            np.diag(springs) + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1]
+            np.diag(held.springs) + directions.T @ solved[:, :-1], unbalanced - directions.T @ solved[:, -1]
         )
         force_step = solved[:, :-1] @ step + solved[:, -1]
         gap_step = (barrier - force * gap - gap * force_step) / force

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.contacts.model import Model
-from fem.contacts.reduction import Motion, Reduced
+from fem.contacts.reduction import Motion, Reduced, unloaded
 from fem.elastic.bored import MOST_SETTLINGS, NOT_SETTLED, BoredRing
 from fem.statics.contact_balance import Condensed, HubSpring, Loads, NotFound, balance, closed_forces, first_guess
 from fem.statics.exact_statics import exact_contacts
@@ -97,15 +97,17 @@ def _solved(
         place = first_guess(bearing, radial, loads.hub, loads.aside)
         if model.is_sized_by_forces:
             place, forces = balance(exact_contacts(bearing, motion.roller_angle), loads, place)
+    free = unloaded(model, motion, gravity)
+    passes = model.static_passes if start is None else max(1, model.static_passes - 1)  # from near one less will do
     for turn in range(MOST_SETTLINGS):
-        reduced = model.reduced(motion, gravity, place, forces)
+        reduced = model.reduced(motion, free, place, forces)
         if reduced.contact.size == 2 * bearing.n_rollers:
             # one point each: laws of the contact as a whole, and facets which leave load to three rollers
             contacts = Condensed(
                 bearing=bearing, radial=radial, inner_law=model.inner_law, outer_law=model.outer_law,
                 compliance=reduced.compliance, closing=reduced.closing, turns=motion.turns,
             )  # fmt: skip
-            place, pressed = balance(contacts, loads, place)
+            place, pressed = balance(contacts, loads, place, forces)
             pressed = closed_forces(pressed)
         else:
             outward = bearing.roller_mass * (motion.cage_speed**2 * place[2:] - gravity * radial[:, 1])
@@ -113,9 +115,10 @@ def _solved(
             place, pressed = balance_pressures(bearing, radial, reduced, on_hub, outward, place)
         forces = _sums(reduced, pressed, bearing.n_rollers)
         found = _settled(model, reduced.fields(pressed)[1]) if isinstance(model.outer_ring, BoredRing) else model
-        if found is model and turn + 1 >= model.static_passes:
+        if found is not model:
+            model, free = found, unloaded(found, motion, gravity)
+        elif turn + 1 >= passes:
             return reduced, place, pressed
-        model = found
     raise NotFound(NOT_SETTLED)
 
 

@@ -1,7 +1,8 @@
 """Points solved by the workers of dask.distributed: processes of this machine, or those of any scheduler.
 
 A task is a pure function of its scene. Few are under way at a time, so that neither this process nor the scheduler ever
-holds the study; a worker that dies is the scheduler's business, which gives its points to others.
+holds the study; a worker that dies is the scheduler's business, which gives its points to others; one that hangs is
+killed (`stuck`).
 """
 
 import logging
@@ -13,7 +14,8 @@ from typing import Any
 
 from fem.errors import UsageError
 from fem.study.points import program
-from fem.study.solving import LOST, Solved, Wanted, solve
+from fem.study.solving import LOST, STOPPED, Solved, Wanted, solve
+from fem.study.stuck import Watch, tell_begun
 from lagrange.scene import Scene
 
 AHEAD = 2  # tasks a thread of the cluster has in hand: one to solve, one to begin without waiting
@@ -21,6 +23,7 @@ LOOK = 0.5  # s, between two looks at what has happened
 FIRST_WORKER = 60.0  # s, that the first one may take to come
 CONNECT = 20.0  # s
 COUNTING = 2.0  # s, between two looks at how many workers there are
+HUNG = "hung in compiled code: its worker was killed, limits.seconds_per_point = {:g} s were long over"
 INSTALL = "python -m pip install 'roller-bearing-fem[study]'"
 
 
@@ -32,8 +35,9 @@ class Cluster:
     workers: int  # of them
 
 
-def task(scene: Scene, wanted: Wanted, expected_program: str) -> Solved | None:
+def task(point: int, scene: Scene, wanted: Wanted, expected_program: str, topic: str) -> Solved | None:
     """What a worker does for one point."""
+    tell_begun(topic, point)
     if program() != expected_program:
         return Solved(status=LOST, text="the worker has another version of the program or of its libraries")
     return solve(scene, wanted)
@@ -53,9 +57,8 @@ def solve_on_cluster(
     UsageError: dask is missing, the scheduler does not answer or has no workers. OSError: `add`'s.
     """
     with _client(where) as client:
-        from distributed import wait
-
         under_way: dict[Any, int] = {}
+        watch = Watch(client, wanted.seconds)
         room, counted = 0, -COUNTING
         left = True
         while not stop():
@@ -66,15 +69,37 @@ def solve_on_cluster(
                 left = following is not None
                 if following is not None:
                     i, scene = following
-                    under_way[client.submit(task, scene, wanted, program(), pure=False)] = i
+                    under_way[client.submit(task, i, scene, wanted, program(), watch.topic, pure=False)] = i
             if not under_way:
                 return
-            try:
-                ended = wait(list(under_way), timeout=LOOK, return_when="FIRST_COMPLETED").done
-            except TimeoutError:
-                continue
-            for future in ended:
-                add(under_way.pop(future), _outcome(future))
+            for future in _ended(under_way):
+                i = under_way.pop(future)
+                watch.forget(i)
+                add(i, _outcome(future))
+            for i in _given_up(under_way, watch):
+                add(i, Solved(status=STOPPED, seconds=wanted.seconds, text=HUNG.format(wanted.seconds)))
+
+
+def _ended(under_way: dict[Any, int]) -> list[Any]:
+    """Tasks that have come to an end, some time after this look at the latest."""
+    from distributed import wait
+
+    try:
+        return list(wait(list(under_way), timeout=LOOK, return_when="FIRST_COMPLETED").done)
+    except TimeoutError:
+        return []
+
+
+def _given_up(under_way: dict[Any, int], watch: Watch) -> Iterator[int]:
+    """Points that hang, taken from those under way and from their workers."""
+    late = watch.overdue()
+    for future, i in list(under_way.items()):
+        if i in late and not future.done():
+            del under_way[future]
+            future.cancel()  # or it would be begun again elsewhere
+            watch.forget(i)
+            watch.restart(late[i])
+            yield i
 
 
 def _outcome(future) -> Solved:

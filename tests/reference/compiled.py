@@ -73,7 +73,7 @@ def _push(groups, bodies, contacts, drive, points):
 @kernel
 def _press_groups(groups, rollers, surface, contacts, drive):
     contact_kernels.press_patches(groups, rollers, surface, contacts, drive)
-    contact_kernels.push_patches(groups, rollers, surface, contacts, drive)
+    contact_kernels.push_patches(groups, rollers, surface, contacts, None, drive.dt)
 
 
 @kernel
@@ -83,8 +83,8 @@ def _slips(groups, rollers, surface, contacts, turn_kick, out):
 
 
 @kernel
-def _rub(groups, rollers, surface, contacts, drive, overlapping, whole):
-    return friction_solution.friction_contacts(groups, rollers, surface, contacts, drive, overlapping, whole)
+def _rub(groups, rollers, surface, contacts, drive, overlapping, whole, later):
+    return friction_solution.friction_contacts(groups, rollers, surface, contacts, drive, overlapping, whole, later)
 
 
 @kernel
@@ -125,10 +125,13 @@ def find_slips(state: Arrays, turn_kick: np.ndarray, out: np.ndarray) -> None:
     _slips(state.groups, state.bodies.rollers, state.bodies.surface, state.contacts, turn_kick, out)
 
 
-def rub_contacts(state: Arrays) -> float:
-    """Tractions of a state whose patches grip, and their impulses; what they take in a step, J."""
+def rub_contacts(state: Arrays, later: bool = False) -> float:
+    """Tractions of a state whose patches grip, and their impulses; what they take in a step, J.
+
+    `later`: the normal forces' impulses are still to be given, see `fem.kernels.friction_solution.pushes_later`.
+    """
     friction, bodies = state.contacts.friction, state.bodies
-    options = friction.overlapping, friction.whole
+    options = friction.overlapping, friction.whole, later
     return _rub(state.groups, bodies.rollers, bodies.surface, state.contacts, state.drive, *options)
 
 

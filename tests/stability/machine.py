@@ -1,10 +1,11 @@
 """Random bearings in random machines: `python -m tests.stability.machine`, 200 scenes of all three models.
 
-Each has nearly all tables of what stands around a bearing at once: damping, cage, housing with a fit, sensor,
-unbalance, a rotating load, speed and load that change, a spall, waviness, unequal rollers, as far as its model takes
-them. A scene must be refused by name, stop with a reason, or be complete with: every number finite, bodies in their
-places, forces that push, energy balanced within 1 % of what was exchanged, and the checker's terms summing up to its
-errors. Finite elements keep to one set of tables, whose values vary, because each set compiles a time loop of its own.
+Each has nearly all tables of what stands around a bearing at once: damping, cage, housing with a fit, sensor, a
+shaft's springs, unbalance, a rotating load, speed and load that change, a spall, waviness, unequal rollers, as far as
+its model takes them. A scene must be refused by name, stop with a reason, or be complete with: every number finite,
+bodies in their places, forces that push, energy balanced within 1 % of what was exchanged, and the checker's terms
+summing up to its errors. Finite elements keep to one set of tables, whose values vary, because each set compiles a time
+loop of its own.
 """
 
 import csv
@@ -23,7 +24,7 @@ from rich.progress import track
 
 from fem.interface import RunFailed, Scene, SceneError, UsageError, read_scene, simulate
 from fem.recording import Result
-from lagrange.mounting import from_outer_ring
+from lagrange.mounting import ENERGIES, from_outer_ring
 from tests.pages import markdown_table
 from tests.stability.campaign import ASTRAY, COMPLETE, FAILED, LARGEST_IMBALANCE, REFUSED, ROUND_OFF, STOPPED
 from tests.stability.random_scenes import random_scene
@@ -76,13 +77,19 @@ def machine_scene(seed: int, number: int, folder: Path) -> tuple[dict[str, Any],
             tables["cage"] |= {
                 "guidance": str(rng.choice(["inner_ring", "outer_ring"])), "guidance_clearance_mm": uniform(0.05, 1.0)
             }  # fmt: skip
-    if elements:
+    if elements or chance(0.6):
         tables["support"] = {
             "kind": "housing", "mass_kg": spread(0.1, 50.0), "stiffness_N_per_m": spread(1e6, 1e9),
             "damping_N_s_m": spread(10.0, 1e4),
-            "fit_clearance_um": 1e3 * bearing["outside_diameter_mm"] * uniform(-3e-4, 1e-3),
         }  # fmt: skip
+        if elements:
+            fit = 1e3 * bearing["outside_diameter_mm"] * uniform(-3e-4, 1e-3)
+            tables["support"]["fit_clearance_um"] = fit
         tables["sensor"] = {"frequency_Hz": spread(1e3, 3e4), "damping_ratio": uniform(0.01, 0.3)}
+    if not elements and chance(0.5):
+        operation |= {
+            "shaft": "springs", "shaft_stiffness_N_per_m": spread(1e5, 1e9), "shaft_damping_N_s_m": spread(1.0, 1e4)
+        }  # fmt: skip
     if elements or chance(0.5):
         operation |= {"unbalance_g_mm": spread(0.1, 300.0), "rotating_load_N": 0.3 * load * uniform(0.0, 1.0)}
     if elements or chance(0.4):
@@ -150,7 +157,7 @@ def _energy(result: Result) -> tuple[float, float, float]:
     e = result.energies
     stored, moved = (
         e["energy_elastic"] + e["energy_contact"],
-        e["energy_kinetic"] + result.values.get("energy_support", 0.0),
+        e["energy_kinetic"] + sum(e[name] for name in ENERGIES if name in e),
     )
     owed = stored + moved - e["work_external"] + e["work_dissipated"]
     exchanged = max(np.max(stored), np.max(np.abs(moved - moved[0])))

@@ -1,0 +1,62 @@
+"""What it takes to plan a scene after others: `python -m benchmarks.planning`, half a minute.
+
+Processor time from a scene to the first state of its run, the median of some. The bearing stays as it is; each plan has
+another load, another speed, a spall elsewhere, or a spall of another width, whose edges are found anew.
+"""
+
+import random
+from collections.abc import Callable
+
+from rich.console import Console
+
+from benchmarks.measuring import new_table, timed
+from fem.solver.simulate import make_plan
+from fem.solver.solver import RunState
+from lagrange.scene import Scene, read_scene
+
+MODELS = {
+    "Lagrangian": ("model=lagrange",),
+    "reduced": ("model=reduced",),
+    "finite elements, 1 mm": ("numerics.mesh_size_mm=1",),
+    "finite elements, 2 mm": ("numerics.mesh_size_mm=2",),
+}
+PLANS = 25
+
+
+def spall(body: str, angle: float, width: float) -> dict[str, float | str]:
+    found = {"spall.0.body": body, "spall.0.angle_deg": angle, "spall.0.width_mm": width}
+    return found | ({"spall.0.roller": 3} if body == "roller" else {})
+
+
+CHANGES: dict[str, Callable[[random.Random], dict[str, float | str]]] = {
+    "load": lambda rng: {"operation.radial_load_N": rng.uniform(800.0, 3000.0)},
+    "speed": lambda rng: {"operation.speed_rpm": rng.uniform(1000.0, 4500.0)},
+    "spall of a ring, elsewhere": lambda rng: spall("outer_ring", rng.uniform(-40.0, 40.0), 1.0),
+    "of a roller, elsewhere": lambda rng: spall("roller", rng.uniform(-180.0, 180.0), 1.0),
+    "of a ring, another width": lambda rng: spall("outer_ring", rng.uniform(-40.0, 40.0), rng.uniform(0.6, 2.0)),
+    "of a roller, another width": lambda rng: spall("roller", rng.uniform(-180.0, 180.0), rng.uniform(0.6, 2.0)),
+}
+
+
+def planned(scene: Scene) -> RunState:
+    return make_plan(scene).first_state()
+
+
+def main() -> None:
+    table = new_table("Planning after others, median processor time, ms (least … most)", ("another", *MODELS))
+    bases = [read_scene(None, (*settings, "numerics.duration_ms=5")) for settings in MODELS.values()]
+    for base in bases:
+        make_plan(base).prepare()
+    for name, change in CHANGES.items():
+        cells = []
+        for base in bases:
+            rng = random.Random(f"{name}, {base.model}, {base.numerics.mesh_size_mm}")
+            planned(base.varied(change(rng)))
+            times = sorted(timed(planned, base.varied(change(rng)))[0] for _ in range(PLANS))
+            cells.append(f"{1e3 * times[PLANS // 2]:.1f} ({1e3 * times[0]:.1f} … {1e3 * times[-1]:.1f})")
+        table.add_row(name, *cells)
+    Console(highlight=False).print(table)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,258 @@
+"""The outer ring in a housing in the models of rigid bodies: ring-down, statics, energy, sensor, and the checker."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from fem.interface import simulate as run_scene
+from fem.solver.lagrangian_steps import CompiledIntegration
+from fem.solver.reduced_start import equilibrium_start
+from fem.statics.reduced_bearing import reduced_bearing
+from lagrange import contact_laws, simulate
+from lagrange.contact_damping import ContactDamping
+from lagrange.kinematics import kinematics
+from lagrange.mounting import OF_HOUSING, Housing, Mounting, Sensor, Shaft
+from lagrange.problem import Problem
+from lagrange.scene import Scene, SceneError, parse_scene, read_scene
+from lagrange.simulate import Simulation
+from residual.evaluation import evaluate
+from residual.record import relative
+from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with
+from tests.test_housing import PEDESTAL, ring_down
+from tests.test_lagrange_surfaces import wavy
+
+LIGHT = Housing(mass=0.5, stiffness=2e8, damping=4000.0)
+SENSOR = Sensor(frequency=15e3, damping_ratio=0.05)
+SHAFT = Shaft(stiffness=1e8, damping=300.0)
+PRELOADED = ("bearing.outer_raceway_diameter_mm=55.98", "operation.gravity_m_s2=0")
+HIT = {"start": "rest", "load_ramp": 2e-4}
+WAYS = {
+    "held": {},
+    "free": {"angles": "free"},
+    "damped": {"damping": ContactDamping(constant=200.0)},
+}
+
+
+def mounted(operation, housing=LIGHT, shaft=None):
+    return replace(operation, mounting=Mounting(housing=housing, sensor=SENSOR, shaft=shaft))
+
+
+def solved(operation, duration, interval, bearing=None, **choices):
+    """A Lagrangian run in plain numpy."""
+    bearing = Scene().ideal_bearing() if bearing is None else bearing
+    return simulate(bearing, operation, contact_laws("harris", bearing), duration, interval, **choices)
+
+
+@pytest.mark.parametrize(
+    ("tables", "told"),
+    [
+        ({"model": "lagrange", "support": {"kind": "points"}}, 'support.kind = "points": only with model = "fem"'),
+        (
+            {"model": "reduced", "support": PEDESTAL, "reduced": {"modes_up_to_kHz": 300.0}},
+            'support.kind = "housing": not together with reduced.modes_up_to_kHz = 300',
+        ),
+    ],
+)
+def test_what_they_can_not_have_is_refused_by_name(tables, told):
+    with pytest.raises(SceneError) as error:
+        parse_scene(tables, "scene.toml")
+    assert told in str(error.value)
+
+
+def weighing(total, bearing, operation):
+    """A pedestal that weighs so much, kg, with all that swings with it: elements along the radius alone."""
+    rollers = 0.5 * bearing.n_rollers * bearing.roller_mass
+    mass = total - bearing.outer_ring_mass - operation.inner_mass - rollers
+    return Housing(mass=mass, stiffness=15.1e6, damping=2210.7)
+
+
+def test_the_housing_rings_down_at_its_frequency_and_damping():
+    """√(k/m)/2π = 173.97 Hz and c/2√(km) = 8.0 % of 12.638 kg, bearing and all, as a load comes on."""
+    scene = read_scene(None, (*PRELOADED, "operation.speed_rpm=0"))
+    bearing, operation = scene.ideal_bearing(), replace(scene.ideal_operation(), radial_load=50.0)
+    housed = mounted(operation, weighing(12.638, bearing, operation))
+    run = solved(housed, 0.024, 5e-5, bearing, start="rest", load_ramp=3e-4)
+    frequency, zeta = ring_down(run.housing_y[6:] + 50.0 / 15.1e6, 5e-5)
+    assert frequency == pytest.approx(173.97, rel=1e-3)
+    assert zeta == pytest.approx(2210.7 / (2.0 * np.sqrt(15.1e6 * 12.638)), rel=2e-3)
+
+
+@pytest.mark.parametrize("shaft", [None, SHAFT])
+def test_statics_carry_load_and_weights_by_the_springs_of_both_sides(shaft):
+    """Both models' starts: load and weights at the springs, and the bearing's own forces between hub and ring."""
+    bearing = Scene().ideal_bearing()
+    operation = mounted(Scene().ideal_operation(), shaft=shaft)
+    problem = Problem(bearing=bearing, operation=operation, laws=contact_laws("harris", bearing))
+    state, gravity = problem.first_state, operation.gravity
+    start = equilibrium_start(reduced_bearing(bearing, kinematics(bearing, operation.speed)), operation)
+    hanging = operation.inner_mass + bearing.outer_ring_mass + LIGHT.mass
+    for ring, hub in ((state.ring_y, state.y + state.ring_y), (start.ring[1], start.hub[1] + start.ring[1])):
+        carried = -LIGHT.stiffness * ring - (0.0 if shaft is None else shaft.stiffness * hub)
+        rollers = carried - operation.radial_load - gravity * hanging
+        # their angles are given, so that only a part of their weight and pull is on the raceways
+        assert abs(rollers) < bearing.n_rollers * bearing.roller_mass * gravity + 5.0
+    assert abs(state.ring_y - start.ring[1]) < 1e-3 * abs(state.ring_y) + 1e-8 or shaft is not None
+
+
+@pytest.mark.parametrize("shaft", [None, SHAFT])
+@pytest.mark.parametrize("way", WAYS)
+def test_energy_balances_in_a_housing_that_swings(way, shaft):
+    """Of what swings; held angles take up work with the housing's velocity, and dashpots take what they should."""
+    run = solved(mounted(Scene().ideal_operation(), shaft=shaft), 5e-4, 1e-5, **HIT, **WAYS[way])
+    exchanged = np.ptp(run.energy_support)
+    assert exchanged > 3e-3 and run.work_dissipated[-1] > 1e-3
+    assert np.abs(run.energy_error).max() < 2e-4 * exchanged
+
+
+def test_the_work_of_held_angles_is_that_of_their_forces():
+    """Without rattling the balance closes to the scheme's fourth order: a preloaded bearing on undamped springs."""
+    scene = read_scene(None, ("bearing.outer_raceway_diameter_mm=55.98",))
+    bearing, operation = replace(scene.ideal_bearing(), faults=wavy()), scene.ideal_operation()
+    still = mounted(operation, replace(LIGHT, damping=0.0))
+    coarse, fine = (solved(still, 4e-4, 1e-5, bearing, **HIT, time_step=step) for step in (1e-6, 5e-7))
+    errors = [np.abs(run.energy_error).max() for run in (coarse, fine)]
+    assert errors[1] < 0.1 * errors[0] and errors[1] < 1e-6 * np.ptp(fine.work_cage)
+
+
+def test_contacts_springs_dashpots_and_weight_accelerate_the_housing():
+    """By differences of its own path and of its velocity's, at every sample."""
+    operation = mounted(Scene().ideal_operation())
+    run = solved(operation, 4e-4, 5e-7, **HIT, angles="free")
+    mass = LIGHT.mass + run.bearing.outer_ring_mass
+    outward = np.exp(1j * run.roller_theta)
+    place = run.housing_x + 1j * run.housing_y
+    velocity, acceleration = np.gradient(place, run.time), np.diff(place, 2) / 25e-14
+    push = np.sum(run.outer_force * outward, axis=1) - 1j * mass * operation.gravity
+    left = (push - LIGHT.stiffness * place - LIGHT.damping * velocity)[1:-1] - mass * acceleration
+    assert np.std(left) < 1e-3 * np.std(mass * acceleration)
+    told = run.housing_ax + 1j * run.housing_ay
+    np.testing.assert_allclose(told[1:-1], acceleration, rtol=0.0, atol=2e-3 * np.abs(acceleration).max())
+
+
+def test_the_sensor_shows_what_its_equation_says():
+    """r̈ + 2ζω ṙ + ω² r = −Ÿ, integrated again from the housing's acceleration."""
+    run = solved(mounted(Scene().ideal_operation()), 4e-4, 1e-6, **HIT)
+    omega = 2.0 * np.pi * SENSOR.frequency
+
+    def rate(time, state):
+        r, r_rate = state
+        return r_rate, -np.interp(time, run.time, run.housing_ay) - 0.1 * omega * r_rate - omega**2 * r
+
+    found = solve_ivp(rate, (0.0, 4e-4), (0.0, 0.0), t_eval=run.time, rtol=1e-8, atol=1e-16, max_step=1e-6).y
+    wanted = -(omega**2) * found[0] - 0.1 * omega * found[1]
+    np.testing.assert_allclose(run.sensor_ay, wanted, rtol=0.0, atol=2e-3 * np.abs(wanted).max())
+
+
+def checked(scene, run):
+    """The checker's evaluation of a run, as it would read it from a file."""
+    places = {name: getattr(run, name) for name in ("inner_x", "inner_y", "roller_x", "roller_y")}
+    places |= {name: getattr(run, name) for name in OF_HOUSING[:4]}
+    told = {"inner_vx": run.inner_vx, "inner_vy": run.inner_vy}
+    damper = {"inner_damping_force": run.inner_damper, "outer_damping_force": run.outer_damper}
+    return evaluate(replace(record_of(scene, run), **told, **damper, **relative(places, OF_HOUSING[:4])), "harris")
+
+
+def test_the_checkers_terms_sum_up_with_every_option_at_once(tmp_path):
+    """Housing, sensor, shaft, dampers, unbalance, rotating load, tables of speed and load, faults of surfaces."""
+    settings = (
+        "operation.unbalance_g_mm=50", "operation.rotating_load_N=100", "operation.shaft=springs",
+        "operation.shaft_stiffness_N_per_m=1e8", "operation.shaft_damping_N_s_m=300", "support.kind=housing",
+        "support.mass_kg=0.5", "support.stiffness_N_per_m=2e8", "support.damping_N_s_m=4000",
+        "sensor.frequency_Hz=15000", "damping.contact_N_s_m=100", "numerics.duration_ms=8", "numerics.start=rest",
+        "numerics.load_ramp_ms=0.2",
+    )  # fmt: skip
+    faults = (
+        '[[spall]]\nbody = "outer_ring"\nangle_deg = 4.0\n[[waviness]]\nbody = "inner_ring"\norder = 12\n'
+        "amplitude_um = 0.5\n[[unequal_roller]]\nroller = 3\ndiameter_deviation_um = 1.0\n"
+    )
+    scene = scene_with(tmp_path, *settings, speeds=RAMP, loads=LOADS, more=faults)
+    run = solved(scene.ideal_operation(), 6e-4, 1e-5, scene.ideal_bearing(), **HIT,
+                 damping=ContactDamping(constant=100.0))  # fmt: skip
+    found = checked(scene, run)
+    for direction in found.directions:
+        terms = direction.budget.terms
+        np.testing.assert_allclose(sum(terms.values()), direction.budget.error, rtol=0.0, atol=1e-9 * 2000.0)
+        assert np.abs(terms["ring_flexibility"]).max() < 1e-9 * 2000.0  # nothing is missing in the equations
+        for name in ("differentiation", "outer_ring", "shaft", "damping"):
+            assert np.ptp(terms[name]) > 0.0, name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shaft", [None, SHAFT])
+@pytest.mark.parametrize("faults", [(), wavy()])
+@pytest.mark.parametrize("way", WAYS)
+def test_the_compiled_steps_are_the_references(way, faults, shaft):
+    scene = Scene()
+    bearing = replace(scene.ideal_bearing(), faults=faults)
+    problem = Problem(
+        bearing=bearing, operation=mounted(scene.ideal_operation(), shaft=shaft), laws=contact_laws("harris", bearing),
+        **HIT, **WAYS[way],
+    )  # fmt: skip
+    kinds = {"integration": CompiledIntegration}, {}
+    ours, theirs = (Simulation(problem, 1e-5, **kind).advance(31) for kind in kinds)
+    assert ours.steps == theirs.steps
+    names = "inner_x", "inner_y", "housing_x", "housing_y", "sensor_ay", "work_cage", "work_dissipated", "roller_rho"
+    for name in names:
+        scale = np.abs(getattr(theirs, name)).max()
+        np.testing.assert_allclose(getattr(ours, name), getattr(theirs, name), rtol=0.0, atol=1e-8 * scale + 1e-18)
+
+
+@pytest.mark.slow
+def test_a_solution_in_parts_has_the_bits_of_the_whole():
+    problem = Problem(
+        bearing=Scene().ideal_bearing(), operation=mounted(Scene().ideal_operation(), replace(LIGHT, damping=0.0)),
+        laws=contact_laws("harris", Scene().ideal_bearing()), **HIT,
+    )  # fmt: skip
+    for kind in ({"integration": CompiledIntegration}, {}):
+        whole = Simulation(problem, 1e-5, **kind).advance(90)
+        first = Simulation(problem, 1e-5, **kind)
+        first.advance(70)
+        second = Simulation(problem, 1e-5, **kind)
+        second.take_back({name: array.copy() for name, array in first.to_keep().items()}, first.done, 0)
+        rest = second.advance(20)
+        for name in ("inner_y", "housing_y", "sensor_ay", "work_cage", "energy_error"):
+            np.testing.assert_array_equal(getattr(rest, name), getattr(whole, name)[70:])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("more", [{}, {"damping": {"contact_N_s_m": 200.0}, "operation": {
+    "shaft": "springs", "shaft_stiffness_N_per_m": 1e8, "shaft_damping_N_s_m": 300.0
+}}])  # fmt: skip
+def test_the_reduced_model_in_a_light_housing(more):
+    """Energy, what the run's own forces leave of (22), (23), and the housing's own equation."""
+    tables = {"support": PEDESTAL | {"mass_kg": 0.5, "stiffness_N_per_m": 2e8, "damping_N_s_m": 4000.0}, "sensor": {}}
+    numerics = {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2, "output_interval_us": 2.0}
+    result = run_scene(parse_scene({"model": "reduced", "numerics": numerics} | tables | more, ""))
+    energies = result.energies
+    left = sum(energies[name] for name in energies if name.startswith("energy_"))
+    left = left - energies["work_external"] + energies["work_dissipated"]
+    assert np.ptp(left) < 1e-4 * np.ptp(energies["energy_support"])
+    for direction in result.residual().directions:
+        terms = direction.budget.terms
+        np.testing.assert_allclose(sum(terms.values()), direction.budget.error, rtol=0.0, atol=1e-9 * 2000.0)
+        assert np.std(terms["ring_flexibility"]) < 0.5
+    values, bearing = result.values, result.scene.ideal_bearing()
+    mass, angle = 0.5 + bearing.outer_ring_mass, values["roller_theta"]
+    along = values["outer_traction"]
+    push = np.sum(values["outer_force"] * np.sin(angle) - along * np.cos(angle), axis=1) - mass * 9.81
+    place, inertia = values["housing_y"], mass * values["housing_ay"]
+    rest = push - 2e8 * place - 4000.0 * np.gradient(place, values["time"]) - inertia
+    assert np.std(rest) < 0.01 * np.std(inertia)
+
+
+@pytest.mark.slow
+def test_the_reduced_model_rings_down_with_its_housing():
+    """173.97 Hz and 8.0 % of 12.638 kg; its rollers stick, and swing whole."""
+    light = "material.roller.density_kg_m3=785"
+    scene = read_scene(None, (*PRELOADED, light, "model=reduced", "operation.speed_rpm=0"))
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    mass = weighing(12.638, bearing, operation).mass - 0.5 * bearing.n_rollers * bearing.roller_mass
+    changes = {"support.kind": "housing", "support.mass_kg": mass, "operation.radial_load_N": 50.0,
+               "numerics.duration_ms": 25.0, "numerics.start": "rest", "numerics.load_ramp_ms": 0.0,
+               "numerics.output_interval_us": 50.0}  # fmt: skip
+    values = run_scene(scene.varied(changes)).values
+    frequency, zeta = ring_down(values["housing_y"] + 50.0 / 15.1e6, 5e-5)
+    assert frequency == pytest.approx(173.97, rel=1e-3)
+    assert zeta == pytest.approx(0.080, rel=5e-3)

@@ -133,7 +133,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
         say(f"warning: {sentence}")
     seen = state.progress
     if outcome is Outcome.COMPLETE and not options.resume:
-        remember(plan.scene.model, plan.expected_seconds, seen.wall)
+        remember(plan.scene.model, plan.expected_seconds, state.processor)
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
             names = (*columns_of(plan.scene), *plan.scene.mounting().places)

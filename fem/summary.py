@@ -1,6 +1,7 @@
 """What run-fem prints of plans, runs and estimates, whichever solver they are of."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,13 +26,18 @@ LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
 
 def print_plan(plan: Plan) -> None:
     """What has been decided and what it will cost. RunFailed: there is no equilibrium to tell of."""
+    from fem.solver.trial import seconds_by_trial  # only a dry run needs what it imports
+
     console, table, rows = Console(highlight=False), plan.table(), plan.rows()
+    seconds = seconds_by_trial(plan)
+    if seconds is not None:
+        rows["expected time"] = f"about {seconds:.2g} s, by a piece of it"
     console.print(f"Plan of {shown(plan.scene.name)}, {plan.model_name}", style="italic", markup=False)
     if table is not None:
         console.print(table)
     for name, value in (_of_the_bearing(plan.scene) | rows).items():
         console.print(f"{name + ':':30s} {value}", soft_wrap=True)
-    _print_choices(console, plan)
+    _print_choices(console, plan, seconds)
     _print_cautions(console, (*plan.remarks, *plan.cautions))
 
 
@@ -55,11 +61,17 @@ def _frequencies(bearing: Bearing, speed: float) -> str:
     return ", ".join(f"{name} {value:.4g} Hz" for name, value in kinematics(bearing, speed).frequencies.items())
 
 
-def _print_choices(console: Console, plan: Plan) -> None:
-    """What each model takes for the scene, what it errs by and leaves out; what to begin with."""
+def _print_choices(console: Console, plan: Plan, seconds: float | None) -> None:
+    """What each model takes for the scene, what it errs by and leaves out; what to begin with.
+
+    `seconds` : that the plan's own takes, as far as it has been tried
+    """
     from fem.solver.model_choice import model_choices, suggestion  # only a dry run needs what these import
 
-    choices = model_choices(plan)
+    choices = [
+        each if seconds is None or each.model != plan.scene.model else replace(each, seconds=seconds)
+        for each in model_choices(plan)
+    ]
     if (begin := suggestion(choices)) is None:
         return
     table = Table(title="Models for this scene", title_justify="left")

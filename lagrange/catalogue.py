@@ -3,6 +3,7 @@
 From catalogues: bore, outside diameter and width (ISO 15); the diameter F of the inner raceway (NU), the diameter E of
 the outer raceway (N) and the static load rating C0 (SKF, Rolling bearings, 2018, single row cylindrical roller
 bearings of design ECP; makers' values differ a little); the radial internal clearance of group Normal (ISO 5753-1).
+docs/bearings.md says which of them were compared with what.
 
 Estimates, because makers do not publish them:
 

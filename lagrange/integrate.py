@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lagrange.cage_motion import first_row, row_width
 from lagrange.contact_damping import ContactDamping
 from lagrange.systems import Packed
 
@@ -15,6 +16,7 @@ DRIFTS = (0.245298957184271, 0.604872665711080)
 ALL_KICKS = (*KICKS, 1.0 - 2.0 * sum(KICKS), *KICKS[::-1])
 ALL_DRIFTS = (*DRIFTS, 0.5 - sum(DRIFTS), 0.5 - sum(DRIFTS), *DRIFTS[::-1])
 BLOCK = 64  # samples whose directions are tabulated at a time
+MOTION = "hub", "elements", "works", "housing"  # of `Integration.memory`
 FARTHEST = 1e50  # m and m/s: energies of such a motion are still numbers
 
 
@@ -31,6 +33,7 @@ class Record:
     dissipated: np.ndarray  # J, by contacts' dampers
     by_dashpots: np.ndarray  # J, dissipated by what holds shaft and housing
     sensor: np.ndarray  # (n_times, 2), r, m, and ṙ, m/s, of a sensor on the housing
+    cage: np.ndarray  # (n_times, width), of a free cage, see `cage_motion.CageRows`; no columns without one
 
     def sound(self) -> "Record":
         """The samples before the first whose motion is no number, or too large for its energies to be numbers."""
@@ -67,20 +70,26 @@ class Integration(ABC):
         q = np.empty((2, count, self._system.n), dtype=self._system.dtype)
         works = np.zeros((4, count))
         there = int(self.done == 0 < count)
+        cage = np.empty((count, row_width(self._system.n, self._system.problem.free_cage)))
         if there:
-            hub, elements, sums, senses = self.memory.values()
+            hub, elements, sums, senses = (self.memory[name] for name in MOTION)
             z[:, 0], q[:, 0], works[:, 0], sensor[0] = hub[:2], elements[:2], sums[:4], senses[:2]
-        there += self._fill(self.done + there, z[:, there:], q[:, there:], works[:, there:], sensor[there:])
+            if cage.size:
+                cage[0] = first_row(self._system.n, self._system.cage)
+        empty = z[:, there:], q[:, there:], works[:, there:], sensor[there:], cage[there:]
+        there += self._fill(self.done + there, *empty)
         record = Record(
             z=z[0, :there], z_rate=z[1, :there], q=q[0, :there], q_rate=q[1, :there],
             held_work=works[0, :there], ramp_work=works[1, :there], dissipated=works[2, :there],
-            by_dashpots=works[3, :there], sensor=sensor[:there],
+            by_dashpots=works[3, :there], sensor=sensor[:there], cage=cage[:there],
         ).sound()  # fmt: skip
         self.done += len(record.z)
         return record
 
     @abstractmethod
-    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray) -> int:
+    def _fill(
+        self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray, cage: np.ndarray
+    ) -> int:
         """Take the steps to the samples after `done`, fill these arrays with them, and keep the memory.
 
         Parameters
@@ -88,6 +97,7 @@ class Integration(ABC):
         z, q : ndarray, (2, n_times) and (2, n_times, n_rollers), of hub and elements, and their rates
         works : ndarray, (4, n_times), J, of held angles, of the ramp, of the dampers and of dashpots
         sensor : ndarray, (n_times, 2)
+        cage : ndarray, (n_times, width), of a free cage
 
         Returns
         -------
@@ -104,7 +114,11 @@ class NumpyIntegration(Integration):
         sensor = system.problem.operation.mounting.sensor
         self._sensor_step = None if sensor is None else sensor.step(step)
 
-    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray) -> int:
+    def _fill(
+        self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray, cage: np.ndarray
+    ) -> int:
+        if cage.size:
+            raise NotImplementedError("a free cage: only compiled steps know it, fem.solver.lagrangian_steps")
         hub, elements, sums, senses = self.memory.values()
         there, count = 0, z.shape[1]
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # seen by `Record.sound`

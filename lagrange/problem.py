@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+from lagrange.cage import Cage
 from lagrange.contact_damping import UNDAMPED, ContactDamping
 from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import State
@@ -35,6 +36,7 @@ class Problem:
     angles: Literal["kinematic", "free"] = "kinematic"
     damping: ContactDamping = UNDAMPED  # of every closed contact
     load_ramp: float = 0.0  # s
+    cage: Cage | None = None  # free angles: a body of its own, for compiled steps; else what holds the angles
 
     def __post_init__(self):
         if not (min(vars(self.damping).values()) >= 0.0 and self.load_ramp >= 0.0):
@@ -45,11 +47,16 @@ class Problem:
             )
 
     @property
+    def free_cage(self) -> Cage | None:
+        """The cage, where it moves by the forces on it."""
+        return self.cage if self.angles == "free" else None
+
+    @property
     def is_damped(self) -> bool:
-        """Whether contacts or what holds shaft and housing take energy."""
+        """Whether contacts, a free cage or what holds shaft and housing take energy."""
         mounting = self.operation.mounting
         dashpots = (part.damping > 0.0 for part in (mounting.shaft, mounting.housing) if part is not None)
-        return self.damping.acts or any(dashpots)
+        return self.damping.acts or self.free_cage is not None or any(dashpots)
 
     @cached_property
     def first_state(self) -> State:

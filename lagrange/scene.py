@@ -4,7 +4,7 @@ It stands on the ground floor because both the solver and the checker read it, a
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from copy import deepcopy
 from dataclasses import replace
 from functools import partial
@@ -19,6 +19,7 @@ from lagrange.cage import Cage
 from lagrange.catalogue import designations, inner_ring_and_shaft
 from lagrange.film import films
 from lagrange.mounting import Mounting
+from lagrange.sampling import fitting_interval
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_cage import CageTable
 from lagrange.scene_columns import Columns
@@ -87,7 +88,17 @@ class Scene(Table):
         scene = handler(data)
         if isinstance(data, dict):
             scene._written = {key: _plain(value) for key, value in data.items()}
+            scene._choose_interval()
         return scene
+
+    def _choose_interval(self) -> None:
+        """Between samples, where none is given: by the fastest vibration that moves."""
+        if "output_interval_us" in self.numerics.model_fields_set:
+            return
+        with suppress(ValueError):  # a table of speeds or loads that is not at hand
+            interval = fitting_interval(self.perfect_bearing(), self.ideal_operation(), self.has_faults)
+            numerics = self.numerics.model_copy(update={"output_interval_us": round(1e6 * interval, 3)})
+            self.__dict__["numerics"] = numerics
 
     def __eq__(self, other: object) -> bool:
         return type(other) is type(self) and self.__dict__ == other.__dict__

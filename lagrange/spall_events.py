@@ -2,14 +2,12 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from math import pi, sqrt
 from typing import Literal
 
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.kinematics import kinematics
-from lagrange.raceway_laws import contact_laws
+from lagrange.sampling import roller_frequency
 from lagrange.spall_passages import Passage, Raceway, spalls
 
 Kind = Literal["entry", "strike", "exit"]
@@ -35,12 +33,7 @@ def interval_caution(bearing: Bearing, operation: Operation, interval: float) ->
     """A sentence where samples are too far apart, s, for the strikes of a bearing with spalls."""
     if operation.fastest == 0.0 or not spalls(bearing):
         return None
-    cage = kinematics(bearing, operation.fastest).cage
-    force = 5.0 * (operation.heaviest + operation.inner_mass * operation.gravity) / bearing.n_rollers
-    force += bearing.roller_mass * bearing.pitch_radius * cage**2
-    laws = contact_laws("johnson", bearing)
-    stiffness = sum(float(law.slope(law.approach(force))) for law in laws)
-    frequency = sqrt(stiffness / bearing.roller_mass) / (2.0 * pi)
+    frequency = roller_frequency(bearing, operation)
     longest = 1.0 / (SAMPLES * frequency)
     if interval <= longest:
         return None

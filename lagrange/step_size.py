@@ -16,6 +16,8 @@ LIMIT, DAMPED_LIMIT = 3.05, 2.0  # ω·step at which the six-stage scheme and th
 STABLE, DAMPED_STABLE = 2.8, 1.0  # ω·step that they may reach
 LARGEST_DAMPING = 0.5  # of a step times the rate of the damper on an element
 KNOTS_PER_STEP = 1.0  # of a surface's profile under a rolling contact
+CAGE_STEP = 0.8  # of 1/ω of a cage with all contacts closed
+TOGETHER = 2.0  # a spring between two bodies counts so often on each
 SMALLEST_FORCE = 1e-3  # N, for the frequency of an unloaded element
 
 
@@ -34,7 +36,26 @@ def fastest_mode(problem: Problem, inner_force: float, outer_force: float) -> fl
         for law, force in zip(problem.laws, (inner_force, outer_force), strict=True)
     ]
     alone = (sum(stiffness) / problem.bearing.roller_mass) ** 0.5
+    alone = sqrt(alone**2 + _of_pocket(problem) ** 2)
     return max(alone, fastest_in_machine(problem.bearing, problem.operation, *stiffness))
+
+
+def fastest_of_cage(problem: Problem) -> float:
+    """Angular frequency, rad/s, of a free cage with all its contacts closed, at most; 0 without one."""
+    cage, bearing = problem.free_cage, problem.bearing
+    if cage is None:
+        return 0.0
+    light = 1.0 / cage.mass
+    pockets = bearing.n_rollers * (light + bearing.pitch_radius**2 / cage.inertia)
+    of_cage = TOGETHER * cage.stiffness * (pockets + (0.0 if cage.guidance == "rollers" else light))
+    on_hub = cage.stiffness * TOGETHER / problem.operation.inner_mass if cage.guidance == "inner_ring" else 0.0
+    return sqrt(max(of_cage, on_hub))
+
+
+def _of_pocket(problem: Problem) -> float:
+    """Angular frequency, rad/s, that a closed pocket of a free cage adds to an element's, in squares."""
+    cage = problem.free_cage
+    return 0.0 if cage is None else sqrt(TOGETHER * cage.stiffness / problem.bearing.roller_mass)
 
 
 def fastest_in_machine(bearing: Bearing, operation: Operation, inner: float, outer: float) -> float:
@@ -62,7 +83,7 @@ def fastest_in_machine(bearing: Bearing, operation: Operation, inner: float, out
 def critical_time_step(problem: Problem, *largest: float) -> float:
     """Step, s, at which the scheme becomes unstable under the largest inner and outer force, N; default: expected."""
     limit = DAMPED_LIMIT if problem.is_damped else LIMIT
-    return limit / fastest_mode(problem, *(largest or 2 * [_expected_force(problem)]))
+    return limit / max(fastest_mode(problem, *(largest or 2 * [_expected_force(problem)])), fastest_of_cage(problem))
 
 
 def _expected_force(problem: Problem) -> float:
@@ -77,7 +98,9 @@ def _expected_force(problem: Problem) -> float:
 def _longest_step(problem: Problem) -> float:
     force = _expected_force(problem)
     omega = fastest_mode(problem, force, force)
-    passage = _passage(problem)
+    passage, cage = _passage(problem), fastest_of_cage(problem)
+    if cage > 0.0:
+        passage = min(passage, CAGE_STEP / cage)
     if not problem.is_damped:
         return min(STEP / omega, passage)
     if not problem.damping.acts:  # dashpots of shaft and housing are exact at any step

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+from lagrange.cage_motion import CageRows, CageSamples, free_cage, holding_cage
 from lagrange.energy import contact_energy, kinetic_energy, rotation_energy
 from lagrange.in_housing import held_energy
 from lagrange.integrate import Record
@@ -57,6 +58,7 @@ class Trajectory:
     work_cage: np.ndarray
     work_dissipated: np.ndarray  # by the contacts' dampers and the dashpots of shaft and housing
     work_damping: np.ndarray  # by the contacts' dampers alone
+    cage: CageSamples | None  # of a bearing with one
     # of a housing that moves and of a sensor on it, else 0: m, m/s²; other places are in the fixed frame, but for
     # roller_rho and roller_theta, which are about the outer ring's centre
     housing_x: np.ndarray
@@ -134,6 +136,14 @@ class Completion:
             moved = dict(zip(moved, (state.ring_x, state.ring_y, *speeding), strict=True))
         sensor = operation.mounting.sensor
         shown = np.zeros_like(time) if sensor is None else record.sensor @ sensor.pull
+        dissipated, cage = record.dissipated + record.by_dashpots, None
+        if problem.free_cage is not None:
+            free = free_cage(bearing, problem.free_cage, state, CageRows.of(record.cage), self._system.first)
+            cage, kinetic, contact, lift = free.samples, kinetic + free.kinetic, contact + free.stored, lift + free.lift
+            dissipated = dissipated + free.dissipated
+            ax, ay = ax + free.push_x / operation.inner_mass, ay + free.push_y / operation.inner_mass
+        elif problem.cage is not None:
+            cage = holding_cage(bearing, operation, time, state, touch)
         energy = kinetic + contact + bent + sprung
         first = self.first
         if np.isnan(first["energy"]):
@@ -152,7 +162,7 @@ class Completion:
             work_load=record.ramp_work - (pull - first["pull"]),
             work_gravity=-operation.gravity * (lift - first["lift"]),
             work_cage=driven + swing - first["swing"] if self._system.holds_angles else driven,
-            work_dissipated=record.dissipated + record.by_dashpots, work_damping=record.dissipated,
+            work_dissipated=dissipated, work_damping=record.dissipated, cage=cage,
             **moved, sensor_ay=shown,
         )  # fmt: skip
         external = part["work_load"] + part["work_gravity"] + part["work_cage"]

@@ -157,8 +157,10 @@ def _cage_apart(record: Record, circles: Overlaps, friction: Term) -> tuple[Term
     """Terms of friction and of the cage, x and y each, from the resultant of all tractions; no cage's are None."""
     if record.cage is None:
         return friction, (None, None)
-    against = traction_resultant(circles, traction_against(record.cage, record.bearing))
     pushed = push_on_hub(record.cage, record.scene.ideal_cage())
+    if record.scene.model == "lagrange":  # its raceways do not rub, and pockets' forces move rollers alone
+        return friction, pushed
+    against = traction_resultant(circles, traction_against(record.cage, record.bearing))
     rest = tuple(all_of_it - part for all_of_it, part in zip(friction, against, strict=True))
     return rest, tuple(part + push for part, push in zip(against, pushed, strict=True))
 

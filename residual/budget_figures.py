@@ -9,7 +9,7 @@ from residual.evaluation import Evaluation
 from residual.figures import SavedFigure
 from residual.moments import rms
 from residual.panels import panels
-from residual.plotting import legend_above, log_panel, save
+from residual.plotting import legend_above, log_panel, save, without_minor_ticks
 from residual.spectrum import Spectrum
 from residual.words import text, words
 
@@ -22,12 +22,14 @@ NAMES = 1.2  # inches, of terms beside their bars
 def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the error's terms over time, and their rms."""
     t, budget = evaluation.record, evaluation.budget
-    terms = {
-        d.name: {"error": d.budget.error, **{name: d.budget.terms[name] for name in budget.acting_terms},
-                 "momentum": d.budget.momentum}
-        for d in evaluation.directions
-    }  # fmt: skip
     acting = budget.acting_terms
+    terms = {
+        d.name: {"error": d.budget.error, **{name: d.budget.terms[name] for name in acting}}
+        for d in evaluation.directions
+    }
+    sizes = {name: {term: rms(values) for term, values in found.items()} for name, found in terms.items()}
+    for d in evaluation.directions:
+        sizes[d.name]["momentum"] = 0.0 if d.balance is None else d.balance.rms
     figure, (*axes, bars) = panels((2, 1), 8.4, lines=2, shares=(1.0, 1.0, 1.4), left=NAMES)
     for axis, direction in zip(axes, evaluation.directions, strict=True):
         for name in ("error", *acting):
@@ -40,13 +42,14 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     names = ["error", *acting, "momentum"]
     position = np.arange(len(names))[::-1]
     for offset, letter, shade in ((0.19, "x", 1.0), (-0.19, "y", 0.5)):
-        values = [rms(terms[letter][name]) for name in names]
+        values = [sizes[letter][name] for name in names]
         colours = [TERM_COLOURS[name] for name in names]
         drawn = bars.barh(position + offset, values, height=0.34, color=colours, alpha=shade)
         texts = [f"{letter}: {v:.3g} N" for v in values]
         bars.bar_label(drawn, texts, padding=4, fontsize=8.5)
     bars.set_xscale("log")
-    everything = [v for found in terms.values() for v in map(rms, found.values()) if v > 0.0]
+    without_minor_ticks(bars)
+    everything = [v for found in sizes.values() for v in found.values() if v > 0.0]
     top = max(everything, default=1.0)
     bars.set_xlim(max(min(everything, default=0.1) / 2.0, 1e-5 * top), 8.0 * top)
     bars.set_yticks(

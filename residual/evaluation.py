@@ -14,7 +14,7 @@ from residual.errors import InputError
 from residual.fitted_laws import Law
 from residual.identification import Identification
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
-from residual.moments import Statistics, rms
+from residual.moments import Statistics
 from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
 from residual.quarters import Quarters, quarters
 from residual.record import FEWEST_SAMPLES, Record
@@ -37,6 +37,7 @@ class Direction:
     budget: DirectionBudget
     error: Statistics
     away: Statistics | None  # of the error away from contacts that open or close
+    balance: Statistics | None  # of the momentum balance, but for the record's ends, where differentiation errs
     floor: Floor  # of the inner ring's acceleration, m/s²
     spectrum: Spectrum
     peaks: list[Peak]
@@ -173,6 +174,7 @@ def evaluate(
     far = ~near_contact_change(budget.loaded, order // 2)
     resonance = _resonance(used, law, budget)
     noise = NOISE * _largest_force(used, budget)
+    central = slice(max(0, order // 2 - first), used.time.size - order // 2)  # where stencils are
 
     def direction(name: str, part: DirectionBudget, motion: np.ndarray, acceleration: np.ndarray) -> Direction:
         spectrum = power_spectrum(part.error, interval, _slowest(lines))
@@ -181,6 +183,7 @@ def evaluate(
             budget=part,
             error=Statistics.of(part.error),
             away=Statistics.of(part.error[far]) if far.sum() >= FEWEST_SAMPLES else None,
+            balance=None if part.momentum is None else Statistics.of(part.momentum[central]),
             floor=floor(motion, interval, order, record.precision),
             spectrum=spectrum,
             peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines, resonance, noise),
@@ -201,7 +204,7 @@ def evaluate(
     watched = [(watched_level(x.spectrum, name, lines), watched_level(y.spectrum, name, lines)) for name in watch]
     notes += [_unresolved_note(level, x.spectrum.resolution) for level, _ in watched if not level.resolved]
     notes += _rate_notes(resonance, interval, order)
-    notes += _folding_notes(used, law, budget, (x.floor, y.floor))
+    notes += _folding_notes(used, law, budget, (x, y))
     parts = quarters(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
     notes += [] if parts is None or parts.note is None else [parts.note]
     return Evaluation(
@@ -315,17 +318,17 @@ def _rate_notes(resonance: float, interval: float, order: int) -> list[str]:
     return []
 
 
-def _folding_notes(record: Record, law: Law, budget: Budget, floors: tuple[Floor, Floor]) -> list[str]:
+def _folding_notes(record: Record, law: Law, budget: Budget, directions: tuple[Direction, Direction]) -> list[str]:
     """Say whether a run of ours seems to vibrate beyond its Nyquist frequency; another's may have forces untold.
 
     Such vibration is folded down: at a false, lower frequency the second derivative of a position is another one.
     """
-    if budget.x.momentum is None or not record.attributes:
+    left = [d.balance.rms for d in directions if d.balance is not None]
+    if not record.attributes or not left:
         return []
-    left = [rms(part.momentum) for part in (budget.x, budget.y)]
     if max(left) > MOST_FOLDED * record.load:
         return []
-    told = [record.operation.inner_mass * floor.total for floor in floors]
+    told = [record.operation.inner_mass * d.floor.total for d in directions]
     mode = _roller_mode(record, law, budget)
     enough = 1.0 / (SAMPLES_OF_A_MODE * mode) if mode > 0.0 else np.inf
     worst = max(range(2), key=lambda i: left[i] - FOLDED * told[i])

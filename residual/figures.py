@@ -36,7 +36,7 @@ def draw_figures(evaluation, statics, parts, folder: Path) -> dict[str, list[Sav
     statics : QuasiStatic, the Lagrangian model's equilibria; None: there are none
     parts : Parts, of the report
     """
-    import matplotlib.pyplot as plt
+    import matplotlib
 
     from residual.against_figures import against_figures
     from residual.budget_figures import budget_figures
@@ -50,7 +50,7 @@ def draw_figures(evaluation, statics, parts, folder: Path) -> dict[str, list[Sav
     from residual.spectrum_figures import spectrum_figures
     from residual.vibration_figures import vibration_figures
 
-    with plt.rc_context(STYLE):
+    with matplotlib.rc_context(STYLE):
         drawn = {
             "against": [] if parts.other is None else against_figures(evaluation, parts.other, folder),
             "motion": [*motion_figures(evaluation, statics, folder), *filter(None, [cage_figure(evaluation, folder)])],

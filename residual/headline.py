@@ -3,7 +3,6 @@
 from math import hypot
 
 from residual.evaluation import Evaluation
-from residual.moments import rms
 from residual.words import share, text
 
 SOUND = 0.01  # of the load: what the momentum balance of sound trajectories may leave, rms
@@ -20,8 +19,8 @@ def headline(evaluation: Evaluation, tolerance: float | None = None, equations: 
 
 def balance(evaluation: Evaluation) -> float | None:
     """What Newton's law of the inner ring leaves with the run's own forces, N rms; None where the source tells none."""
-    momenta = [d.budget.momentum for d in evaluation.directions]
-    return None if momenta[0] is None else hypot(*map(rms, momenta))
+    found = [d.balance.rms for d in evaluation.directions if d.balance is not None]
+    return hypot(*found) if found else None
 
 
 def reference_force(evaluation: Evaluation) -> tuple[float, str]:

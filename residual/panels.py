@@ -1,8 +1,8 @@
 """Where panels stand in a figure, in inches: layouts that measure labels take most of a figure's time."""
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 WIDTH = 7.0  # inches; about one page's text width, still legible when a phone shrinks it
 LEFT, RIGHT = 0.86, 0.14  # beside panels: tick labels and the axis' name; half a tick label
@@ -30,7 +30,7 @@ def panels(rows, height: float, *, lines: float = 1, shares=None, left=LEFT, rig
     count = sum(groups)
     shares = np.ones(count) if shares is None else np.asarray(shares, dtype=float)
     room = height - len(groups) * (above + BELOW) - (count - len(groups)) * BETWEEN
-    figure, top = plt.figure(figsize=(WIDTH, height)), height
+    figure, top = Figure(figsize=(WIDTH, height)), height
     axes: list[Axes] = []
     for size in groups:
         top -= above
@@ -83,4 +83,4 @@ def colour_bar(drawn, axes, label: str, **keywords) -> None:
     inch = 1.0 / figure.get_size_inches()[0]
     low, high = min(box.y0 for box in boxes), max(box.y1 for box in boxes)
     place = figure.add_axes((boxes[0].x1 + 0.12 * inch, low, 0.15 * inch, high - low))
-    figure.colorbar(drawn, cax=place, label=label, **keywords)
+    figure.colorbar(drawn, cax=place, label=label, **keywords).minorticks_off()

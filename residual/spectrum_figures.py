@@ -11,7 +11,7 @@ from residual.evaluation import Evaluation
 from residual.figures import SavedFigure
 from residual.lines import HUB
 from residual.panels import COLOUR_BAR, colour_bar, panels
-from residual.plotting import legend_above, line_handles, log_panel, mark_lines, save
+from residual.plotting import legend_above, line_handles, log_panel, mark_lines, save, without_minor_ticks
 from residual.short_time import short_time_spectrum
 
 DYNAMIC_RANGE = 1e-7  # of a short-time spectrum's plot
@@ -60,6 +60,7 @@ def envelope_figure(evaluation: Evaluation, envelopes: list[Envelope], folder: P
         spectrum = envelope.spectrum
         inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
         axis.semilogy(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, linewidth=1.0)
+        without_minor_ticks(axis)
         axis.set_ylabel(f"envelope PSD, {direction.name}, N²/Hz")
         axis.set_xlim(0.0, top)
         families = mark_lines(axis, evaluation.lines, 0.0, top, labels=False)

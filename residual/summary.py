@@ -55,12 +55,12 @@ def summarise(evaluation: Evaluation, parts: Parts, version: str) -> dict:
     found = evaluation.identification
     summary["identification"] = None if found is None else _identification(found, t.time, evaluation.judged)
     for d in directions:
-        terms, momentum = dict(d.budget.terms), d.budget.momentum
+        terms = d.budget.terms
         summary[f"budget_mean_{d.name}"] = {name: float(np.mean(v)) for name, v in terms.items()}
-        if momentum is not None:
-            terms["momentum"] = momentum
-            summary[f"momentum_{d.name}"] = _statistics(Statistics.of(momentum))
         summary[f"budget_{d.name}"] = {name: rms(v) for name, v in terms.items()}
+        if d.balance is not None:
+            summary[f"momentum_{d.name}"] = _statistics(d.balance)
+            summary[f"budget_{d.name}"]["momentum"] = d.balance.rms
         summary[f"away_from_contact_changes_{d.name}"] = None if d.away is None else _statistics(d.away)
     return summary
 

@@ -23,8 +23,8 @@ def error_rows(evaluation: Evaluation) -> list[list[str]]:
         _statistics_row("error_y, equation (23)", evaluation.y.error, noise),
     ]
     for d in evaluation.directions:
-        if d.budget.momentum is not None:
-            rows.append(_statistics_row(f"momentum balance, {d.name}", Statistics.of(d.budget.momentum), noise))
+        if d.balance is not None:
+            rows.append(_statistics_row(f"momentum balance, {d.name}", d.balance, noise))
     return rows
 
 
@@ -145,7 +145,7 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
         f"Differentiation: central stencil of order {evaluation.order}, off centre in the last "
         f"{evaluation.order // 2} samples at either end; by the record's own spectrum it errs by about "
         f"{text(floor_x, 2)} N rms in x and {text(floor_y, 2)} N rms in y (what vibrates beyond the Nyquist frequency "
-        "comes on top)."
+        "comes on top). The momentum balance is told of without these samples at the ends."
     )
     if x.away and y.away:
         notes.append(

@@ -27,7 +27,8 @@ OUTER = Place(body="outer_ring", roller=None, radius=28e-3)
 
 def recorded(*settings, noise=0.0, milliseconds=50):
     """Record of a run of the reduced model: trajectories only, by its own integration of the rollers' spins."""
-    scene = read_scene(None, ("model=reduced", f"numerics.duration_ms={milliseconds}", *settings))
+    sampled = "numerics.output_interval_us=10", f"numerics.duration_ms={milliseconds}"
+    scene = read_scene(None, ("model=reduced", *sampled, *settings))
     blocks = []
     run(make_plan(scene), blocks.append)
     names = ("time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_spin")
@@ -214,7 +215,13 @@ def test_a_standing_bearing_and_one_sampled_too_coarsely_are_refused():
 @pytest.mark.usefixtures("plain_report")
 def test_the_command_prints_and_writes_what_it_found(tmp_path, capsys):
     path = tmp_path / "run.nc"
-    settings = ("model=reduced", "numerics.duration_ms=20", "spall.0.width_mm=0.6", "spall.0.angle_deg=20")
+    settings = (
+        "model=reduced",
+        "numerics.duration_ms=20",
+        "numerics.output_interval_us=10",
+        "spall.0.width_mm=0.6",
+        "spall.0.angle_deg=20",
+    )
     assert run_main([*(word for each in settings for word in ("--set", each)), "--output", str(path), "--quiet"]) == 0
     assert main([str(path), "--find-faults"]) == 0
     assert "Found a spall on the outer ring" in capsys.readouterr().out

@@ -9,7 +9,6 @@ import pytest
 from fem.cli import run_main
 from lagrange.scene import Scene
 from residual.evaluation import evaluate
-from residual.moments import rms
 from residual.quarters import quarters
 from residual.record import Record
 from residual.sources import read_result
@@ -51,8 +50,8 @@ def test_folded_vibration_of_rollers_is_warned_of_and_the_interval_named_cures_i
     fine = checked_run(tmp_path, named)
     assert not any("false frequencies" in note for note in fine.notes)
     for direction, floor in zip(fine.directions, floor_newtons(fine), strict=True):
-        assert rms(direction.budget.momentum) < 5.0 * floor
-    assert rms(fine.y.budget.momentum) < 0.3 * rms(coarse.y.budget.momentum)
+        assert direction.balance.rms < 1.5 * floor
+    assert fine.y.balance.rms < 0.3 * coarse.y.balance.rms
 
 
 def test_a_run_that_is_told_well_enough_is_not_warned_of(coarse_run):

@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parent.parent
 NO_CONTRACT = ("wall_seconds", "setup_seconds")  # attributes that differ from run to run
 # 20 µm of clearance, dropped by the full load: contacts rattle, and the run begins again with half the step
 RATTLE = ["--set", "bearing.outer_raceway_diameter_mm=56.04", "--set", "numerics.start=rest",
-          "--set", "numerics.load_ramp_ms=0"]  # fmt: skip
+          "--set", "numerics.output_interval_us=10", "--set", "numerics.load_ramp_ms=0"]  # fmt: skip
 CASES = {
     "finite elements": ["--model", "fem", "--mesh-size", "2"],
     "finite elements, fields": ["--mesh-size", "2", "--set", "output.fields_every_ms=0.25"],

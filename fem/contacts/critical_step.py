@@ -6,7 +6,6 @@ from math import ceil, inf, log2, sqrt
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import LinearOperator, eigsh
 
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.contacts.model import Model
@@ -18,6 +17,9 @@ from lagrange.mounting import HELD, Housing, Mounting
 
 # what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter
 EVENLY, LIGHT, HEAVY = 2.0, 10.0 / 9.0, 10.0
+# times that a bore's springs count: a node then swings on its own by at most 0.29 rad in a step. Nodes meet and leave
+# the bore all the time, and in larger steps what each meeting misses of the energy is more than the next kicks repay
+FINELY = 40.0
 RUNGS = 8  # an octave of forces: under the next rung's the paper's bearing has a step that is at most 1e-3 shorter
 LANCZOS_TOLERANCE = 1e-6  # of ω²; with 1e-4 the fastest of a ring's clustered modes is missed by up to 1e-3
 
@@ -60,7 +62,7 @@ def _found(model: Model, largest_force: float, housing: Housing | None, of_mount
     force = LOAD_MARGIN * max(largest_force, 1.0)
     springs, ring = model.springs(force), model.outer_ring
     if isinstance(ring, BoredRing):
-        springs["outer_ring"] = sparse.hstack([springs["outer_ring"], ring.springs(LIGHT)])
+        springs["outer_ring"] = sparse.hstack([springs["outer_ring"], ring.springs(FINELY)])
         of_mount += 0.0 if housing is None else HEAVY * 0.5 * ring.n_sectors * ring.stiffness / housing.mass
     limits = {"roller": _disc_limit, "inner_ring": _ring_limit, "outer_ring": _ring_limit}
     elastic = [name for name in limits if not getattr(model, name).material.rigid]
@@ -96,6 +98,7 @@ def _ring_limit(ring: RingBody, springs: sparse.csc_matrix) -> float:
 
 def _largest(stiffness: sparse.csr_matrix, springs: sparse.csc_matrix, scale: np.ndarray) -> float:
     """Largest eigenvalue of stiffness, springs with it, scaled by 1/√mass on either side."""
+    from scipy.sparse.linalg import LinearOperator, eigsh  # takes its time to load, and a step that is kept needs none
 
     def apply(vector):
         u = scale * vector.ravel()

@@ -15,6 +15,7 @@ Q) with a B_i of its own. It is fixed in the same way, by a free disc and a held
 mean over positions alone.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import log, pi, sqrt
 from typing import ClassVar
@@ -39,6 +40,7 @@ from fem.contacts.points import PointResponses
 from fem.contacts.reduction import Motion, Unloaded
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
+from fem.elastic.kept import kept
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
 from fem.kernels.law import KNOTS_PER_NODE, ripple_at
 from fem.kernels.patches import ONE
@@ -84,9 +86,9 @@ class SubgridModel(Model):
         bodies = assembled_bodies(bearing, bearing_shapes(bearing, mesh_size))
         thickness = bearing.roller_length
         half_width = REFERENCE_HALF_WIDTH * bearing.roller_radius
-        roller = disc_surface_compliance(bodies["roller"], thickness, half_width)
-        inner = ring_surface_compliance(bodies["inner_ring"], thickness, half_width)
-        outer = ring_surface_compliance(bodies["outer_ring"], thickness, half_width)
+        roller, inner, outer = (
+            _kept_surface(calibrate, bodies[name], thickness, half_width) for name, calibrate in CALIBRATIONS.items()
+        )
         between = roller
         if bearing.roller.rigid:  # two of them need a compliance to meet with: their material's own
             between = unmeshed_disc(bearing.roller_radius, bearing.roller.elastic, thickness, half_width)
@@ -222,6 +224,28 @@ def disc_surface_compliance(disc: DiscBody, thickness: float, half_width: float)
     stuck = disc_stick_approach(disc.shape.radius, disc.material, half_width) / thickness
     stuck -= _sheared(disc, angles[:: KNOTS_PER_NODE // PLACES_PER_NODE])
     return _missing(exact, found, stuck, half_width, line_compliance(disc.material, thickness))
+
+
+CALIBRATIONS = {
+    "roller": disc_surface_compliance,
+    "inner_ring": ring_surface_compliance,
+    "outer_ring": ring_surface_compliance,
+}
+
+
+def _kept_surface(
+    calibrate: Callable, body: DiscBody | RingBody, thickness: float, half_width: float
+) -> SurfaceCompliance:
+    """A body's `SurfaceCompliance`, kept from an earlier start where there was one."""
+    if body.material.rigid:
+        return rigid_surface(half_width)
+    key = repr((body.shape, getattr(body, "held_row", None), body.material, thickness, half_width))
+
+    def make():
+        return {name: np.asarray(value) for name, value in vars(calibrate(body, thickness, half_width)).items()}
+
+    found = kept("surface", key, make)
+    return SurfaceCompliance(**{name: value if value.ndim else float(value) for name, value in found.items()})
 
 
 def _squeezed(disc: DiscBody, angles: np.ndarray) -> np.ndarray:

@@ -5,7 +5,6 @@ from functools import cached_property
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from fem.elastic.kept import kept
 from fem.elastic.stress import stress_operator
@@ -58,6 +57,8 @@ class DiscBody:
 
     @cached_property
     def _factor(self):
+        from scipy.sparse.linalg import splu  # takes its time to load, and the reduced model needs no meshes
+
         # rigid motions are held by three Lagrange multipliers: no mean displacement, no mean rotation
         constraint = sparse.csc_matrix(rigid_modes(self.points) * np.repeat(self.mass, 2)[:, None])
         return splu(sparse.bmat([[self.stiffness, constraint], [constraint.T, None]], format="csc"))

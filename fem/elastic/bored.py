@@ -6,7 +6,6 @@ from math import pi
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
 
 from fem.elastic.bodies import RingBody
 from fem.elastic.supported import LooseRing, own_fields
@@ -41,6 +40,8 @@ class BoredRing(LooseRing):
         springs[self.on_held_row(0)] = self.stiffness * self.touching + 2.0 * LOOSE_SPRING / self.n_sectors
         turning[0, self.on_held_row(1)] = self.stiffness  # of the matrix's size, for the factors' sake
         whole = sparse.bmat([[self.matrix + sparse.diags(springs), turning.T], [turning, None]], format="csc")
+        from scipy.sparse.linalg import splu  # see `DiscBody`
+
         return splu(whole)
 
     def held(self, force: np.ndarray) -> np.ndarray:

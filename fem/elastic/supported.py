@@ -5,7 +5,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.sparse.linalg import splu
 
 from fem.elastic.bodies import RingBody
 from lagrange.mounting import Points
@@ -64,6 +63,8 @@ class SupportedRing(LooseRing):
 
     @cached_property
     def _factor(self):
+        from scipy.sparse.linalg import splu  # see `DiscBody`
+
         return splu(self.matrix[self._free][:, self._free])
 
     def held(self, force: np.ndarray) -> np.ndarray:

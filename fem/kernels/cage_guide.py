@@ -49,7 +49,7 @@ def _guide_rates(cage, guide, ring):
     """How fast the cage moves outward against its guide, and its surface along that's, m/s."""
     x, y, turning = cage.motion[1, 0], cage.motion[1, 1], cage.motion[1, 2]
     if ring is not None:
-        x, y, turning = x - ring.velocity[0], y - ring.velocity[1], turning - ring.speed
+        x, y, turning = x - ring.velocity[0], y - ring.velocity[1], turning - ring.speed[0]
     nx, ny = guide.normal[0, 0], guide.normal[1, 0]
     return x * nx + y * ny, y * nx - x * ny + turning * cage.guide_radius
 

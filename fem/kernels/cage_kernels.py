@@ -12,20 +12,28 @@ Works are exact: a force's is that of the mean of its velocities before and afte
 force ends when the next one begins.
 """
 
-from math import cos, sin
-
 from fem.kernels.cage_guide import end_guide_work, guide_force, guide_squared, meet_guide, rub_guide
 from fem.kernels.cage_pockets import end_pocket_works, meet_rollers, pocket_force, rub_pockets
 from fem.kernels.cage_state import DRAG, N_CAGE_SCALARS, Cage, CagePair
 from fem.kernels.contact_kernels import press
+from fem.kernels.course_kernels import speed_of
 from fem.kernels.jit import part
+from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.sample_kernels import CONTACT, DISSIPATED, WORK_GRAVITY
 
 
 @press.of(CagePair)
 def _press(pair, rollers, disc, contacts, drive):
+    turn_guide(pair.ring, speed_of(drive.course, drive))
     meet(pair, drive.dt)
+
+
+@part
+def turn_guide(ring, speed):
+    """The ring that guides the cage turns at this speed, rad/s."""
+    if ring is not None:
+        ring.speed[0] = speed
 
 
 @part
@@ -45,15 +53,27 @@ def _turn_drive(ring, drive):
 @part(inlined=False)
 def meet(pair, dt):
     """Begin a step: end the last one's works, find the contacts, give the springs' impulses."""
-    cage, riders = pair.cage, pair.riders
-    motion, lost = cage.motion, cage.lost
-    end_pocket_works(cage, riders, dt)
+    end_works(pair, dt)
+    find_contacts(pair, dt)
+
+
+@part
+def end_works(pair, dt):
+    """The last step's works by the velocities that it has left."""
+    cage = pair.cage
+    end_pocket_works(cage, pair.riders, dt)
     end_guide_work(cage, cage.guide, pair.ring, dt)
-    lost[DRAG] -= 0.5 * cage.drag[0] * motion[1, 2]
+    cage.lost[DRAG] -= 0.5 * cage.drag[0] * cage.motion[1, 2]
+
+
+@part
+def find_contacts(pair, dt):
+    """The contacts at these places, and their springs' impulses."""
+    cage = pair.cage
     for i in range(3):
-        motion[2, i] = motion[1, i]
+        cage.motion[2, i] = cage.motion[1, i]
         cage.impulse[i] = 0.0
-    meet_rollers(cage, riders, dt)
+    meet_rollers(cage, pair.riders, dt)
     meet_guide(cage, cage.guide, pair.ring, dt)
 
 
@@ -82,7 +102,7 @@ def _kick(cage, drive):
 def _drift(cage, drive):
     for i in range(3):
         cage.motion[0, i] += drive.dt * cage.motion[1, i]
-    cage.frame[0], cage.frame[1] = cos(cage.motion[0, 2]), sin(cage.motion[0, 2])
+    cage.frame[0], cage.frame[1] = cosine_and_sine(cage.motion[0, 2])
 
 
 @add_motion.of(Cage)

@@ -22,6 +22,7 @@ class Riders(NamedTuple):
     mass: float
     inertia: float
     radius: float
+    swelling: np.ndarray | None  # (columns,), kg m², inertia gained by deformation; None: rigid
 
 
 class GuidingRing(NamedTuple):
@@ -32,7 +33,7 @@ class GuidingRing(NamedTuple):
     impulse: np.ndarray  # (2,), N s, of this step, which the kick takes
     rubbed: np.ndarray  # (3,), N s, of this step, in the velocity already; N m s about its centre
     mass: float
-    speed: float  # rad/s
+    speed: np.ndarray  # (1,), rad/s, in this step
 
 
 class CageContacts(NamedTuple):
@@ -59,8 +60,9 @@ class Cage(NamedTuple):
     lost: np.ndarray  # (3,), J, so far: in dashpots, by friction, by drag
     drag: np.ndarray  # (1,), N m s, of this step
     frame: np.ndarray  # (2,), cosine and sine of the angle
-    cosine: np.ndarray  # (n,), of the pockets' angles at t = 0
+    cosine: np.ndarray  # (columns,), of the pockets' angles at t = 0
     sine: np.ndarray
+    off: np.ndarray  # (columns,), m, of rollers off their pockets' middles; room
     pockets: CageContacts
     guide: CageContacts | None  # None: rollers guide it
     mass: float  # kg

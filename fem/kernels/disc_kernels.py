@@ -24,6 +24,7 @@ class Turns(NamedTuple):
     sine: np.ndarray
     shift_x: np.ndarray  # m/s, gained by the centre of mass through nodal forces, in the frame's axes
     shift_y: np.ndarray
+    swelling: np.ndarray | None  # kg m², filled as sums are: Σ m X·u; None: nobody asks
 
 
 @part(inlined=False)
@@ -79,7 +80,7 @@ def drift(disc, turns, columns, dt, moment):
     for block in range(0, columns, 8):
         c, s = load(turns.cosine, block), load(turns.sine, block)
         ax, ay, k = load(turns.shift_x, block), load(turns.shift_y, block), load(turns.kick, block)
-        lead = splat(0.0)
+        lead, swelling = splat(0.0), splat(0.0)
         for i in range(mass.size):
             at = i * stride + block
             px, py = gather(points, 2 * i), gather(points, 2 * i + 1)
@@ -94,4 +95,17 @@ def drift(disc, turns, columns, dt, moment):
             store(w, at, c * wx + s * wy)
             store(w, at + columns, c * wy - s * wx)
             lead = fma(gather(mass, i), px * uy - py * ux, lead)
+            swelling = _swell(turns.swelling, swelling, gather(mass, i), px * ux + py * uy)
         store(moment, block, lead)
+        _keep(turns.swelling, block, swelling)
+
+
+@part
+def _swell(array, found, mass, along):
+    return found if array is None else fma(mass, along, found)
+
+
+@part
+def _keep(array, at, found):
+    if array is not None:
+        store(array, at, found)

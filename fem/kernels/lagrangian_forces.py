@@ -85,7 +85,7 @@ def accelerate(motion, bearing, dampers, time):
     """
     follow(bearing.course, time, 0.0)
     columns, hub, mass = bearing.columns, motion.hub, bearing.mass
-    turning, shaft, spin = _speeds(bearing.course, bearing)
+    turning, shaft, spin = speeds_of(bearing.course, bearing)
     axes_angle, shaft_angle, spin_angle = _turned_by(bearing.course, bearing, time)
     turned = cos(axes_angle), sin(axes_angle)
     rolled = cos(shaft_angle), sin(shaft_angle), cos(spin_angle), sin(spin_angle)
@@ -130,12 +130,12 @@ def accelerate(motion, bearing, dampers, time):
 
 
 @verb
-def _speeds(course, bearing):
+def speeds_of(course, bearing):
     """Of the elements' own axes, of the shaft and of elements about their centres, rad/s."""
     return bearing.turning, bearing.shaft, bearing.spin
 
 
-@_speeds.of(Course)
+@speeds_of.of(Course)
 def _speeds_now(course, bearing):
     speed = course.now[SPEED]
     return course.cage * speed, speed, course.spin * speed
@@ -291,7 +291,7 @@ def damp(motion, bearing, dampers, ahead):
     the loss and the power that held angles and the drive take up, W.
     """
     columns, hub, before = bearing.columns, motion.hub, dampers.hub
-    turning, _, _ = _speeds(bearing.course, bearing)
+    turning, _, _ = speeds_of(bearing.course, bearing)
     # against the turning axes
     hub_x = hub[1, 0] + ahead * before[0] + turning * hub[0, 1]
     hub_y = hub[1, 1] + ahead * before[1] - turning * hub[0, 0]

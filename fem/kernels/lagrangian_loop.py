@@ -4,7 +4,8 @@ from math import pi, sin
 
 from fem.kernels.course_kernels import FORCE_X, FORCE_Y, RATE_X, RATE_Y, follow, share_at
 from fem.kernels.jit import kernel, part, verb
-from fem.kernels.lagrangian_forces import accelerate, damp
+from fem.kernels.lagrangian_cage import drift_cage, kick_cage, meet_cage, rub_cage, write_cage
+from fem.kernels.lagrangian_forces import accelerate, damp, speeds_of
 from fem.kernels.lagrangian_housing import (
     drift_housing,
     kick_housing,
@@ -25,7 +26,7 @@ HELD, RAMPED, DISSIPATED, DASHPOTS, POWER = range(5)  # of `IdealMotion.works`
 def advance_lagrangian(motion, bearing, dampers, clock, rows):
     """Fill rows with the samples after those that are done, and leave the motion at the last.
 
-    By Blanes and Moan's scheme, by leapfrog where the clock has no kicks: with dampers, or dashpots of the shaft.
+    By Blanes and Moan's scheme, by leapfrog where the clock has no kicks: with dampers, the shaft's dashpots, a cage.
 
     Returns the number of rows filled: fewer where the hub's place is no number any more.
     """
@@ -55,6 +56,7 @@ def _write(motion, row, rows):
     _write_housing(motion.housing, row, rows)
     for i in range(POWER):
         rows.works[row, i] = motion.works[i]
+    write_cage(motion.cage, row, rows.cage)
 
 
 @part
@@ -93,14 +95,20 @@ def _damped(motion, bearing, dampers, number, length):
     half, time, works = 0.5 * length, length * (number + 0.5), motion.works
     before = velocity_of_ring(motion.housing)
     _drift(motion, half)
+    drift_cage(motion.cage, half)
     works[POWER] = accelerate(motion, bearing, dampers, time)
+    _, shaft, spin = speeds_of(bearing.course, bearing)
+    meet_cage(motion.cage, shaft, spin, length)
     _kick(motion, bearing, half, time)
+    kick_cage(motion.cage, bearing.gravity, length)
     _slow(motion, bearing, half)
     _damp_contacts(dampers, motion, bearing, length)
     _kick(motion, bearing, half, time)
     _slow(motion, bearing, half)
+    works[HELD] += rub_cage(motion.cage, shaft, length)
     sense(motion.housing, before, length)
     _drift(motion, half)
+    drift_cage(motion.cage, half)
 
 
 @part

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels.cage_state import CagePair
 from fem.kernels.state import Course
 
 INNER, OUTER = 0, 1  # rows of contact arrays
@@ -50,6 +51,7 @@ class IdealMotion(NamedTuple):
     # dashpots; and the power of the first, W
     works: np.ndarray
     force: np.ndarray  # (2, columns), N, of the springs; those of the last positions, room before any
+    cage: CagePair | None = None  # among free elements; it shares their arrays and the hub's
     housing: IdealHousing | None = None  # None: the ground holds the outer ring
 
 
@@ -119,5 +121,6 @@ class Rows(NamedTuple):
     hub: np.ndarray  # (n_rows, 2, 2), places and velocities
     elements: np.ndarray  # (n_rows, 2, 1 or 2, columns)
     works: np.ndarray  # (n_rows, 4), J
+    cage: np.ndarray  # (n_rows, width), see `lagrange.cage_motion.CageRows`; no columns without one
     housing: np.ndarray  # (n_rows, 2, 2), places and velocities
     sensor: np.ndarray  # (n_rows, 2)

@@ -26,7 +26,9 @@ def kick_nodes(bodies, drive, scratch):
 def drift_nodes(bodies, drive, scratch, cosine, sine):
     """Move all nodes by a step; `cosine`, `sine` of the inner ring's turn; the rollers' lead in `scratch.torque`."""
     rollers, inner, outer = bodies.rollers, bodies.inner, bodies.outer
-    turns = disc_kernels.Turns(rollers.turn_kick, scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1])
+    turns = disc_kernels.Turns(
+        rollers.turn_kick, scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1], rollers.swelling
+    )
     disc_kernels.drift(bodies.disc, turns, rollers.columns, drive.dt, scratch.torque)
     ring_kernels.drift_still(outer.u, outer.w, drive.dt, outer.first_row, outer.last_row)
     if is_turning(drive.course, drive):

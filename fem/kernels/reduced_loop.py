@@ -1,6 +1,6 @@
 """The time loop of the reduced model: leapfrog steps of rigid bodies on elastic contacts without mass."""
 
-from fem.kernels.cage_kernels import meet, rub
+from fem.kernels.cage_kernels import meet, rub, turn_guide
 from fem.kernels.course_kernels import (
     FORCE_X,
     FORCE_Y,
@@ -70,7 +70,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             time = step * drive.dt
             _remember(bodies, before)
             follow(drive.course, time, drive.dt)
-            _meet_cage(bodies.cage, drive.dt)
+            _meet_cage(bodies.cage, drive)
             estimate_forces(bodies, compliance, forces, drive, turn_at(drive.course, drive, time))
             sweep_again(bodies.vibrations, bodies, compliance, forces)
             hub_x, hub_y, ring_x, ring_y = set_right(bodies, compliance, forces)
@@ -168,9 +168,10 @@ def _drift_shaft(shaft, drive):
 
 
 @part
-def _meet_cage(cage, dt):
+def _meet_cage(cage, drive):
     if cage is not None:
-        meet(cage, dt)
+        turn_guide(cage.ring, speed_of(drive.course, drive))
+        meet(cage, drive.dt)
 
 
 @part
@@ -178,10 +179,10 @@ def _push_cage(cage, bodies, drive):
     """The cage's kick, and its forces on rollers and hub."""
     if cage is None:
         return
-    riders = cage.riders
-    for j in range(bodies.n):
-        for component in range(2):
-            bodies.velocity[component, j] += riders.body_impulse[component, j] / bodies.mass
+    riders, over = cage.riders, 1.0 / bodies.mass
+    for component in range(2):
+        for j in range(bodies.n):
+            bodies.velocity[component, j] += riders.body_impulse[component, j] * over
             riders.body_impulse[component, j] = 0.0
     _push_hub(cage.ring)
     kick_body(cage.cage, drive)

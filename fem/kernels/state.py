@@ -32,6 +32,7 @@ class Rollers(NamedTuple):
     total_mass: float
     inertia: float
     radius: float
+    swelling: np.ndarray | None = None  # (columns,), kg m², inertia gained by deformation; None: not asked for
 
 
 class Disc(NamedTuple):

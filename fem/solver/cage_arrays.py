@@ -8,6 +8,7 @@ import numpy as np
 
 import fem.kernels.cage_state as kernels
 from fem.kernels.cage_state import N_CAGE_SCALARS, CageContacts, CagePair, GuidingRing, Riders
+from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import RigidBodies
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.state import Drive, Rollers
@@ -56,11 +57,13 @@ def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, start: "Start", moun
     first = row_width(bearing.n_rollers, None, mounting)
     body = cage_state(bearing, cage, start.angle, start.kinematics.cage, first)
     body.motion[0, :2] = start.housing
+    if arrays.bodies.disc.mass.size:
+        rollers = rollers._replace(swelling=np.zeros(rollers.columns))
     ring = _hub(drive) if cage.guidance == "inner_ring" else None
     pair = CagePair(cage=body, riders=_riders(rollers), ring=ring)
     return replace(
         arrays,
-        bodies=arrays.bodies._replace(others=(*arrays.bodies.others, (body,))),
+        bodies=arrays.bodies._replace(rollers=rollers, others=(*arrays.bodies.others, (body,))),
         groups=((pair,), *arrays.groups),  # before impulses through nodes, which it would take for its rollers' own
     )
 
@@ -68,6 +71,7 @@ def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, start: "Start", moun
 def cage_state(bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float, first: int | None = None) -> kernels.Cage:
     """The cage at t = 0, concentric and turning with the rollers, at these angles, rad; `first` of its columns."""
     n, side = bearing.n_rollers, GUIDE_SIDES.get(cage.guidance)
+    padded = np.concatenate([angle, np.zeros(-n % WIDTH)])
     radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
     return lined_up(
         kernels.Cage(
@@ -76,8 +80,9 @@ def cage_state(bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float, fi
             lost=np.zeros(3),
             drag=np.zeros(1),
             frame=np.array([1.0, 0.0]),
-            cosine=np.cos(angle),
-            sine=np.sin(angle),
+            cosine=np.cos(padded),
+            sine=np.sin(padded),
+            off=np.zeros(padded.size),
             pockets=_contacts(n),
             guide=None if side is None else _contacts(1),
             mass=float(cage.mass),
@@ -123,6 +128,7 @@ def _riders(rollers: Rollers) -> Riders:
         mass=rollers.total_mass,
         inertia=rollers.inertia,
         radius=rollers.radius,
+        swelling=rollers.swelling,
     )
 
 
@@ -139,6 +145,7 @@ def pair_of_rigid(body: kernels.Cage, cage: Cage, bodies: RigidBodies, speed: fl
         mass=bodies.mass,
         inertia=bodies.inertia,
         radius=bodies.radius,
+        swelling=None,
     )
     ring = GuidingRing(
         place=bodies.hub,
@@ -146,7 +153,7 @@ def pair_of_rigid(body: kernels.Cage, cage: Cage, bodies: RigidBodies, speed: fl
         impulse=np.zeros(2),
         rubbed=np.zeros(3),
         mass=bodies.hub_mass,
-        speed=speed,
+        speed=np.array([speed]),
     )
     return CagePair(cage=body, riders=riders, ring=ring if cage.guidance == "inner_ring" else None)
 
@@ -158,7 +165,7 @@ def _hub(drive: Drive) -> GuidingRing:
         impulse=drive.impulse,
         rubbed=np.zeros(3),
         mass=drive.mass,
-        speed=drive.speed,
+        speed=np.array([drive.speed]),
     )
 
 

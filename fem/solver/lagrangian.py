@@ -5,14 +5,13 @@ mesh and time step safety of the scene play no part. No mesh; steps are compiled
 is loaded.
 """
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
 
-from fem.errors import RunFailed, UsageError
+from fem.errors import RunFailed
 from fem.solver.compiling import CompiledPlan
 from fem.solver.pace import in_words, pace
 from fem.solver.simulate import LARGEST_BLOCK
@@ -65,9 +64,10 @@ class LagrangianPlan(CompiledPlan):
 
     @property
     def degrees_of_freedom(self) -> int:
-        """N_b + 2, or 2 N_b + 2 where the angles are free; 2 more with a housing."""
-        housing = 0 if self.problem.operation.mounting.housing is None else 2
-        return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2 + housing
+        """N_b + 2, or 2 N_b + 2 where the angles are free; 2 more with a housing, 3 with a free cage."""
+        more = 0 if self.problem.operation.mounting.housing is None else 2
+        more += 0 if self.problem.free_cage is None else 3
+        return (2 if self.problem.angles == "free" else 1) * self.problem.bearing.n_rollers + 2 + more
 
     @property
     def steps(self) -> int:
@@ -136,13 +136,7 @@ class LagrangianPlan(CompiledPlan):
 
 
 def make_plan(scene: Scene) -> LagrangianPlan:
-    """Samples and steps of a scene. UsageError: a cage that moves by the forces on it."""
-    if scene.cage is not None:
-        raise UsageError(
-            "[cage]: the Lagrangian model knows no cage but the kinematic one, which holds the rolling elements at the "
-            'angles of rolling (lagrange.angles = "kinematic"), and its bodies do not rub; leave the table out, or '
-            'take model = "reduced" or "fem"'
-        )
+    """Samples and steps of a scene."""
     options, numerics, bearing = scene.lagrange, scene.numerics, scene.ideal_bearing()
     interval = 1e-6 * numerics.output_interval_us
     too_seldom = interval_caution(bearing, scene.ideal_operation(), interval)
@@ -154,6 +148,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         angles=options.angles,
         damping=scene.damping.contacts,
         load_ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
+        cage=scene.ideal_cage(),
     )
     return LagrangianPlan(
         scene=scene,
@@ -187,10 +182,9 @@ class LagrangianState(RunState):
 
     def advance(self, most: int) -> Block:
         simulation = self._simulation
-        began = time.perf_counter()
-        part = simulation.advance(most)
-        samples = None if part is None else self._samples(part)
-        self.wall += time.perf_counter() - began
+        with self.timed():
+            part = simulation.advance(most)
+            samples = None if part is None else self._samples(part)
         self.done = simulation.done
         if samples is not None:
             self.imbalance = float(samples.relative_imbalance()[-1])
@@ -225,7 +219,8 @@ class LagrangianState(RunState):
                 "work_damping_contact": part.work_damping,
                 "work_damping_bodies": per_time,
             }
-            | {name: getattr(part, name) for name in problem.operation.mounting.columns},
+            | {name: getattr(part, name) for name in problem.operation.mounting.columns}
+            | ({} if part.cage is None else {f"cage_{name}": value for name, value in vars(part.cage).items()}),
             imbalance=part.energy_error,
             exchanged=exchanged,
         )

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from fem.kernels.cage_state import CagePair, GuidingRing, Riders
 from fem.kernels.lagrangian_loop import advance_lagrangian
 from fem.kernels.lagrangian_state import (
     Clock,
@@ -17,10 +18,13 @@ from fem.kernels.lagrangian_state import (
 from fem.kernels.lanes import WIDTH
 from fem.kernels.state import Law
 from fem.solver.cache_lines import lined_up
+from fem.solver.cage_arrays import cage_state
 from fem.solver.course_arrays import course_arrays
 from fem.solver.profile_arrays import raceway_profiles
+from fem.solver.run_arrays import changing_arrays
+from lagrange.cage import Cage
 from lagrange.contact_damping import ContactDamping
-from lagrange.integrate import ALL_DRIFTS, ALL_KICKS, Integration
+from lagrange.integrate import ALL_DRIFTS, ALL_KICKS, MOTION, Integration
 from lagrange.laws import PowerLaw
 from lagrange.overlap import touching_distances
 from lagrange.raceway_laws import LogarithmicLaw
@@ -46,9 +50,17 @@ class CompiledIntegration(Integration):
         self._bearing = lined_up(_bearing(system, columns))
         self._leaps = system.problem.is_damped
         self._dampers = lined_up(_dampers(damping, axes, columns)) if damping.acts else None
+        cage = system.problem.free_cage
+        if cage is not None:
+            pair = _cage(system, cage, self._motion, self._bearing)
+            self._motion = self._motion._replace(cage=pair)
+            self.memory |= changing_arrays(pair.cage, "cage")
 
-    def _fill(self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray) -> int:
-        motion, (hub, elements, sums, of_housing), n = self._motion, self.memory.values(), self._system.n
+    def _fill(
+        self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray, cage: np.ndarray
+    ) -> int:
+        motion, n = self._motion, self._system.n
+        hub, elements, sums, of_housing = (self.memory[name] for name in MOTION)
         axes, housing = motion.elements.shape[1], motion.housing
         if housing is None:
             motion.hub[:] = _parts(hub, 2)
@@ -68,6 +80,7 @@ class CompiledIntegration(Integration):
             hub=np.empty((z.shape[1], 2, 2)),
             elements=np.empty((z.shape[1], *motion.elements[:2].shape)),
             works=np.empty((z.shape[1], 4)),
+            cage=cage,
             housing=np.zeros((z.shape[1], 2, 2)),
             sensor=np.zeros((z.shape[1], 2)),
         )
@@ -129,6 +142,34 @@ def _bearing(system, columns: int) -> IdealBearing:
         course=course_arrays(bearing, operation, held=system.holds_angles),
         springs=None if shaft is None else ShaftSprings(float(shaft.stiffness), float(shaft.damping)),
     )
+
+
+def _cage(system, cage: Cage, motion: IdealMotion, bearing: IdealBearing) -> CagePair:
+    """A free cage; its riders and its guide are the motion's own arrays."""
+    columns, ideal = bearing.columns, system.problem.bearing
+    riders = Riders(
+        centre=motion.elements[0],
+        velocity=motion.elements[1],
+        spin=np.zeros(columns),
+        node_impulse=np.zeros((2, columns)),
+        body_impulse=np.zeros((2, columns)),
+        turn_kick=np.zeros(columns),
+        n=bearing.n,
+        mass=bearing.mass,
+        inertia=np.inf,  # their spin is prescribed
+        radius=float(ideal.roller_radius),
+        swelling=None,
+    )
+    ring = GuidingRing(
+        place=motion.hub[0],
+        velocity=motion.hub[1],
+        impulse=np.zeros(2),
+        rubbed=np.zeros(3),
+        mass=bearing.hub_mass,
+        speed=np.array([bearing.shaft]),
+    )
+    body = cage_state(ideal, cage, system.first + system.spacing, float(system.ideal.cage))
+    return CagePair(cage=body, riders=riders, ring=ring if cage.guidance == "inner_ring" else None)
 
 
 def _housing(system, step: float) -> IdealHousing | None:

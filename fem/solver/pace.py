@@ -1,7 +1,8 @@
 """How long this machine takes over what plans expect, from its last runs: processors differ threefold.
 
 One small file in the user's cache folder holds, for each processor and model, the last runs' times over what their
-plans would have said without it.
+plans would have said without it. Times are the processor's: a machine that works for others too would say nothing of
+itself.
 """
 
 import json
@@ -11,7 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from statistics import median
 
-KEPT = 5  # runs of each model: their median forgives one that shared its processor
+KEPT = 5  # runs of each model: their median forgives one that shared its caches
 SHORTEST = 0.02  # s, of a time loop that tells of the machine
 LARGEST = 100.0  # and its inverse: what lies beyond was no run of this program
 
@@ -36,7 +37,7 @@ def in_words(model: str, seconds: float) -> str:
 
 
 def remember(model: str, expected: float, took: float) -> None:
-    """Keep how long a run took; `expected` by its plan, times what is remembered so far, s."""
+    """Keep how long a run took of the processor; `expected` by its plan, times what is remembered so far, s."""
     if took < SHORTEST or not expected > 0.0:
         return
     ratio = took / expected * pace(model)
@@ -66,4 +67,4 @@ def _read() -> dict[str, list[float]]:
 def _key(model: str) -> str:
     from fem.solver.processor import processor
 
-    return f"{model} on {processor()['processor']}"
+    return f"{model} on {processor()['processor']}, its own time"

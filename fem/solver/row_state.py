@@ -91,9 +91,8 @@ class RowState(RunState):
             most = min(most, plan.frame_stride - since)
             if since == 0:
                 frame = self.frame()
-        began = time.perf_counter()
-        taken = self._take_long_sample() if most == 1 < plan.looks else self.take_steps(plan.looks * most)
-        self.wall += time.perf_counter() - began
+        with self.timed():
+            taken = self._take_long_sample() if most == 1 < plan.looks else self.take_steps(plan.looks * most)
         if taken is None:
             return Block()
         rows, status, step, body = taken

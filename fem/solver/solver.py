@@ -4,8 +4,10 @@ A solver is a module with `make_plan(scene)` that gives a `Plan`; `simulate.SOLV
 file, checkpoints and the command know solvers by nothing else.
 """
 
+import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, KeysView
+from collections.abc import Callable, Iterator, KeysView
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -98,9 +100,18 @@ class RunState(ABC):
         self.plan = plan
         self.done = 0  # samples
         self.wall = 0.0  # s, time loop only
+        self.processor = 0.0  # s of this thread in it since the process began, whoever else the machine works for
         self.imbalance = 0.0  # of the last sample, over the exchanged energy
         self.void_steps = 0  # of what was begun again
         self.stop: Callable[[], bool] = lambda: False  # whether an advance that takes long shall leave off
+
+    @contextmanager
+    def timed(self) -> Iterator[None]:
+        """Count what is done meanwhile as the time loop's."""
+        wall, processor = time.perf_counter(), time.thread_time()
+        yield
+        self.wall += time.perf_counter() - wall
+        self.processor += time.thread_time() - processor
 
     @abstractmethod
     def advance(self, most: int) -> Block:

@@ -11,7 +11,7 @@ from fem.errors import UsageError
 from fem.result.layout import PER_ROLLER, variables_of
 from fem.solver.solver import sample_count
 from fem.study.sampling import Design
-from fem.study.study_file import KeepTable, Study
+from fem.study.study_file import KeepTable, Study, decimation
 from lagrange.scene import Scene, SceneError
 from lagrange.version import source_digest
 
@@ -77,19 +77,24 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
     for name in keep.signals:
         if name not in known or name == "time":
             raise UsageError(f"keep.signals: {name!r} is no signal of this point; it has {', '.join(known)}")
+    interval, rate = scene.numerics.output_interval_us, keep.signal_rate_kHz
+    one_of = decimation(1e-6 * interval, None if rate is None else 1e3 * rate)
     sizes: dict[str, object] = {
         "numerics.duration_ms": scene.numerics.duration_ms,
-        "numerics.output_interval_us": scene.numerics.output_interval_us,
+        "numerics.output_interval_us": round(one_of * interval, 6),
     }
     if any(known[name][0] == PER_ROLLER for name in keep.signals):
         sizes["bearing.rollers"] = scene.bearing.rollers
     for key, value in sizes.items():
         if first.setdefault(key, value) != value:
-            raise UsageError(f"{key} = {value}: signals are as long in every point; the first one has {first[key]}")
-    rate = 1e3 / scene.numerics.output_interval_us  # kHz
-    if keep.signal_rate_kHz is not None and keep.signal_rate_kHz > rate * (1.0 + 1e-9):
+            raise UsageError(
+                f"{key} = {value}: signals are as long in every point; the first one has {first[key]}; give all the "
+                "same in [fixed]"
+            )
+    stored = 1e3 / interval  # kHz
+    if rate is not None and rate > stored * (1.0 + 1e-9):
         raise UsageError(
-            f"keep.signal_rate_kHz = {keep.signal_rate_kHz:g}: samples are stored at {rate:g} kHz "
+            f"keep.signal_rate_kHz = {rate:g}: samples are stored at {stored:g} kHz "
             "(numerics.output_interval_us); at most that"
         )
 

@@ -13,6 +13,7 @@ from fem.errors import RunFailed, UsageError
 from fem.interface import simulate, statics
 from fem.quantities import OF_STATICS, Quantity
 from fem.recording import Result
+from fem.study.study_file import decimation
 from lagrange.scene import Scene, SceneError
 
 COMPLETE, FAILED, STOPPED, LOST = "complete", "failed", "stopped", "lost"
@@ -93,7 +94,7 @@ def _signals(result: Result, wanted: Wanted) -> tuple[float, dict[str, np.ndarra
     if not wanted.signals:
         return 0.0, {}
     interval = result.plan.interval
-    factor = 1 if wanted.signal_rate is None else max(1, int(1.0 / (wanted.signal_rate * interval) + 1e-9))
+    factor = decimation(interval, wanted.signal_rate)
     signals = {name: result[name] for name in wanted.signals}
     if factor > 1:
         from scipy.signal import decimate

@@ -52,6 +52,11 @@ class SamplingTable(Table):
             yield 'file: a CSV table of points goes with method = "list", and with no other'
 
 
+def decimation(interval: float, rate: float | None) -> int:
+    """One of so many samples, an interval apart, s, is kept at a rate, Hz, or at the next higher one; None: every."""
+    return 1 if rate is None else max(1, int(1.0 / (rate * interval) + 1e-9))
+
+
 class KeepTable(Table):
     quantities: list[str] = Field(list(USUAL), max_length=MOST_NAMES)
     signals: list[str] = Field([], max_length=MOST_NAMES)

@@ -27,6 +27,7 @@ def settings(rng: np.random.Generator, kind: str) -> list[str]:
     cage = speed / 60.0 * 18.0 / 46.0
     chosen = {
         "numerics.mesh_size_mm": 2.0,
+        "numerics.output_interval_us": 10.0,
         "numerics.duration_ms": 1e3 * max(SHORTEST, TURNS / cage),
         "operation.speed_rpm": speed,
         "operation.radial_load_N": _between(rng, 300.0, 4000.0),

@@ -67,7 +67,7 @@ def machine_scene(seed: int, number: int, folder: Path) -> tuple[dict[str, Any],
         )}  # fmt: skip
     pitch = 0.5 * (bearing["inner_raceway_diameter_mm"] + bearing["outer_raceway_diameter_mm"])
     room = pitch * np.sin(np.pi / bearing["rollers"]) - bearing["roller_diameter_mm"]  # between neighbours
-    if elements or (chance(0.6) and model == "reduced"):
+    if elements or chance(0.6):
         tables["cage"] = {
             "mass_kg": spread(0.005, 0.5), "pocket_clearance_mm": max(0.9 * room * uniform(0.05, 1.0), 1.1e-3),
             "friction_coefficient": uniform(0.0, 0.3), "drag_torque_N_m": spread(1e-5, 0.1),

@@ -16,7 +16,7 @@ TERM_COLOURS = {
     "other_forces": BLUE,
     "differentiation": GREY,
     "outer_ring": SKY,
-    "shaft": GREY,
+    "shaft": ORANGE,
     "load_and_weight": ORANGE,
     "momentum": PURPLE,
 }

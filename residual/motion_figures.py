@@ -18,6 +18,7 @@ from residual.sources import ENERGIES
 from residual.words import text
 
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other
+SHORT_ROW, LONG_ROW = 6, -0.13  # entries of a legend as wide as its axis; where a longer one begins
 SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
 
 
@@ -123,7 +124,8 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
         axes[0].plot(1e3 * t.time, 1e3 * change, label=label, color=colour)
     axes[0].margins(x=0.0)
     axes[0].set_ylabel("change, mJ")
-    legend_above(axes[0], len(shown), columnspacing=0.9, handlelength=1.1)
+    left = 0.0 if len(shown) <= SHORT_ROW else LONG_ROW
+    legend_above(axes[0], len(shown), left, columnspacing=0.9, handlelength=1.1)
     imbalance = energy_imbalance(t.energies)
     scale = float(np.mean(t.energies["energy_elastic"] + t.energies["energy_contact"]))
     axes[1].plot(1e3 * t.time, 1e6 * imbalance, color="black")

@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 from fem.interface import simulate as run_scene
 from fem.solver.lagrangian_steps import CompiledIntegration
+from fem.solver.reduced import make_plan
 from fem.solver.reduced_start import equilibrium_start
 from fem.statics.reduced_bearing import reduced_bearing
 from lagrange import contact_laws, simulate
@@ -92,8 +93,9 @@ def test_statics_carry_load_and_weights_by_the_springs_of_both_sides(shaft):
         carried = -LIGHT.stiffness * ring - (0.0 if shaft is None else shaft.stiffness * hub)
         rollers = carried - operation.radial_load - gravity * hanging
         # their angles are given, so that only a part of their weight and pull is on the raceways
-        assert abs(rollers) < bearing.n_rollers * bearing.roller_mass * gravity + 5.0
-    assert abs(state.ring_y - start.ring[1]) < 1e-3 * abs(state.ring_y) + 1e-8 or shaft is not None
+        assert 0.0 < rollers < bearing.n_rollers * bearing.roller_mass * gravity
+    if shaft is None:
+        assert state.ring_y == pytest.approx(start.ring[1], rel=1e-3)
 
 
 @pytest.mark.parametrize("shaft", [None, SHAFT])
@@ -240,6 +242,23 @@ def test_the_reduced_model_in_a_light_housing(more):
     place, inertia = values["housing_y"], mass * values["housing_ay"]
     rest = push - 2e8 * place - 4000.0 * np.gradient(place, values["time"]) - inertia
     assert np.std(rest) < 0.01 * np.std(inertia)
+
+
+@pytest.mark.slow
+def test_a_reduced_run_goes_on_where_it_was_kept():
+    tables = {"support": PEDESTAL, "sensor": {}, "operation": {"shaft": "springs", "shaft_stiffness_N_per_m": 1e8,
+              "shaft_damping_N_s_m": 300.0}, "damping": {"contact_N_s_m": 200.0}}  # fmt: skip
+    numerics = {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2}
+    plan = make_plan(parse_scene({"model": "reduced", "numerics": numerics} | tables, ""))
+    whole, first, second = (plan.first_state() for _ in range(3))
+    rows = [whole.advance(20).samples, whole.advance(10).samples]
+    first.advance(20)
+    arrays, numbers = first.to_keep()
+    second.done = first.done
+    second.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
+    again = second.advance(10).samples
+    for name in again.values:
+        np.testing.assert_array_equal(again[name], rows[1][name], err_msg=name)
 
 
 @pytest.mark.slow

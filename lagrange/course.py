@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 TIME = "time_ms"
 FEWEST_POINTS = 2
 SHORTEST = 1e-3  # ms, between two points: some time steps of the finite elements
+LONGEST_LOOK = 1e-4  # s, ahead and back from the start of a run, for rates: a shaft that hardly turns takes long
 STEEPEST = 1.25  # of the straight lines on either side; see above
 
 
@@ -112,7 +113,8 @@ def smooth(time: np.ndarray, values: np.ndarray) -> "PPoly":
 
     secant = np.abs(np.diff(values, axis=0) / np.diff(time)[:, None])
     flattest = np.minimum(np.concatenate([secant[:1], secant]), np.concatenate([secant, secant[-1:]]))
-    slope = PchipInterpolator(time, values, axis=0).derivative()(time)
+    with np.errstate(over="ignore"):  # of a harmonic mean of slopes: one too flat to have a reciprocal makes it 0
+        slope = PchipInterpolator(time, values, axis=0).derivative()(time)
     slope = np.clip(slope, -STEEPEST * flattest, STEEPEST * flattest)
     quintic = BPoly.from_derivatives(time, np.stack([values, slope, np.zeros_like(slope)], axis=1))
     return PPoly.from_bernstein_basis(quintic)

@@ -8,7 +8,7 @@ damper's own flow in the middle of the step. The hub is one complex number x + i
 import warnings
 from enum import Enum
 from math import pi
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -121,7 +121,7 @@ class Simulation:
         if not found:
             return None
         time, problem = self.interval * np.arange(first, first + found), self.problem
-        part = self._completion.read(record, time)
+        part: dict[str, Any] = self._completion.read(record, time)  # fields of a trajectory by their names
         return Trajectory(
             **part, bearing=problem.bearing, operation=problem.operation, laws=problem.laws,
             roller_spin=kinematics(problem.bearing, problem.operation.at(time).speed).roller,

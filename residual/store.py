@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lagrange.hdf5_writing import hdf5_to_write
 from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.evaluation import Evaluation
@@ -109,8 +110,6 @@ def _fill(evaluation: Evaluation, folder: Path, parts: Parts) -> dict:
 
 def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
     """Write residual.nc: HDF5 with dimension scales, which is NetCDF-4."""
-    import h5py
-
     t, budget = evaluation.record, evaluation.budget
     series = {
         "error_x": (budget.x.error, "left side of equation (22)"),
@@ -121,7 +120,7 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
             series[f"budget_{d.name}_{name}"] = (term, f"{words(name)} term of error_{d.name}")
         if d.budget.momentum is not None:
             series[f"momentum_{d.name}"] = (d.budget.momentum, f"error_{d.name} with the run's own contact forces")
-    with h5py.File(path, "w", track_order=True) as file:
+    with hdf5_to_write(path, track_order=True) as file:
         _scale(file, "time", t.time, "s", "time")
         _scale(file, "frequency", evaluation.x.spectrum.frequency, "Hz", "frequency")
         for name, (value, long_name) in series.items():

@@ -1,7 +1,9 @@
 """Disks that fail, fill up, tear a write or flip a bit; folders and files that can't be written; clocks that jump."""
 
 import errno
+import gc
 import itertools
+import math
 import os
 import shutil
 import subprocess
@@ -22,6 +24,7 @@ from fem.result.checkpoint import checkpoint_path, load_checkpoint
 from fem.result.layout import MARK, PER_TIME, VARIABLES, create
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan
+from lagrange.hdf5_writing import HeldBack
 from lagrange.scene import read_scene
 from lagrange.stored import SIGNATURE, read_numbers
 from residual.cli import main as check_main
@@ -152,6 +155,24 @@ def test_a_disk_that_fails_at_a_write_leaves_the_earlier_file_or_a_sound_one(
         # once all samples are there and only a second file can't be written, the first one takes the outcome
         assert list(dict.fromkeys(left)) == [earlier, *ENDS[:-1], "ended", ENDS[-1]]
     assert set(left) <= {earlier, *ENDS, "ended"} and len(set(left)) > 4
+
+
+def test_a_disk_that_fails_while_hdf5_lays_a_file_out_is_said_once_it_is_closed(tmp_path, monkeypatch):
+    put, count = HeldBack.put, [0, math.inf]
+
+    def failing(file, data):
+        count[0] += 1
+        if count[0] >= count[1]:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return put(file, data)
+
+    monkeypatch.setattr(HeldBack, "put", failing)
+    create(tmp_path / "run.nc", ROLLERS, 41, {}, VARIABLES)
+    for fail_at in range(1, count[0] + 1):
+        count[:] = 0, fail_at
+        with pytest.raises(OSError, match="No space left"):
+            create(tmp_path / "run.nc", ROLLERS, 41, {}, VARIABLES)
+    gc.collect()  # where HDF5 would crash on what it could not write
 
 
 STAGES = {  # of a run in the order they come: function, how many calls go well before it fails

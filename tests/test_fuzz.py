@@ -17,7 +17,16 @@ from tests.fuzz.mutations import MUTATIONS
 from tests.fuzz.targets import NAMES, Targets, seeds
 
 ROOT = Path(__file__).parent.parent
-EXAMPLES = {"scene": 300, "heights": 100, "table": 150, "result": 30, "checkpoint": 80}
+EXAMPLES = {
+    "scene": 300,
+    "heights": 40,
+    "speeds": 20,
+    "loads": 20,
+    "study": 30,
+    "table": 150,
+    "result": 30,
+    "checkpoint": 80,
+}
 
 
 @pytest.fixture(scope="module")

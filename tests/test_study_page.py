@@ -87,7 +87,6 @@ def test_sobol_indices_are_those_of_a_function_whose_variance_is_known(made_up):
     assert sobol_indices(table, table.quantities[1]) is None  # it never changes
 
 
-@pytest.mark.slow
 def test_the_page_tells_effects_failures_and_speed(made_up):
     points, folder = made_up(lambda speed, load, length: speed + load, failed=(5,), **GRID)
     write_page(points, folder)

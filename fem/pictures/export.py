@@ -16,6 +16,7 @@ from fem.elastic.stress import max_shear, von_mises
 from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING, OUTER_RING
 from fem.pictures.recover import Instant, StoredRun
 from fem.solver.frames import global_fields, rotated
+from lagrange.hdf5_writing import hdf5_to_write
 from meshes.export import write_fields
 
 VTK_TRIANGLE, VTK_QUAD = 5, 9
@@ -42,7 +43,7 @@ def write_series(run: StoredRun, target: Path, samples: Sequence[int], count: Ca
         return
     part = target.with_name(f".{target.name}.part")
     try:
-        with h5py.File(part, "w") as file:
+        with hdf5_to_write(part) as file:
             _write_vtkhdf(file, run, samples, count)
         os.replace(part, target)
     finally:

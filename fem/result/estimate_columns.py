@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 
 from fem.result.durable import alone_in, move_into_place, real_path
+from lagrange.hdf5_writing import hdf5_to_write
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
@@ -40,7 +41,7 @@ def write_estimates(path: Path, found: "list[Estimate]", coarse_mesh_size: float
     try:
         with alone_in(path.parent):
             shutil.copyfile(path, part)
-            with h5py.File(part, "r+") as file:
+            with hdf5_to_write(part, "r+") as file:
                 _add(file, found, coarse_mesh_size)
             with open(part, "r+b") as file:
                 os.fsync(file.fileno())

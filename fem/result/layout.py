@@ -19,6 +19,7 @@ import h5py
 import numpy as np
 
 from fem.result.durable import claim
+from lagrange.hdf5_writing import hdf5_to_write
 from lagrange.scene import Scene
 from lagrange.stored import CHECKSUM
 
@@ -159,7 +160,7 @@ def create(
     per_sample = sum(8 * (n_rollers if dimensions == PER_ROLLER else 1) for dimensions, *_ in variables.values())
     with open(path, "wb") as file:  # before HDF5 tries, which would name no reason
         claim(file.fileno(), capacity * per_sample)
-    with h5py.File(path, "w", libver="earliest") as file:
+    with hdf5_to_write(path, libver="earliest") as file:
         roller = file.create_dataset("roller", data=np.arange(n_rollers, dtype=np.int64))
         roller.attrs["units"], roller.attrs["long_name"] = "1", "roller, counted along +theta"
         roller.make_scale("roller")

@@ -23,6 +23,7 @@ from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
 from fem.result.layout import FORMAT_VERSION, Places, create, variables_of
 from fem.result.surface_columns import events_of, with_sinkages, write_events, write_scene_files
 from lagrange.faults import labels
+from lagrange.hdf5_writing import hdf5_to_write
 from lagrange.passages import spalls
 from lagrange.spall_events import SpallEvent
 from lagrange.stored import checksum, text_checksum
@@ -243,7 +244,7 @@ class ResultFile:
         except WriteFailed:  # no room for two of them
             if not self.is_in_place:
                 raise
-            with self._named(), h5py.File(self._path, "r+", locking=False) as file:
+            with self._named(), hdf5_to_write(self._path, "r+") as file:
                 for name, value in outcome.items():
                     file.attrs.modify(name, value)
                 if self._events is not None:

@@ -7,6 +7,7 @@ from rich.table import Table
 from fem.elastic.supported import LooseRing
 from fem.solver.pace import in_words, pace
 from fem.solver.run_arrays import Arrays
+from fem.statics.exact_statics import LEAST_LOAD
 from fem.statics.static_error import static_error
 from lagrange.scene import Scene
 from meshes import Mesh, quality
@@ -56,7 +57,7 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
         "largest static contact force": f"{force:.1f} N, "
         f"{1e-6 * model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
     }
-    if plan.operation.radial_load > 0.0 and not isinstance(model.outer_ring, LooseRing):
+    if plan.operation.radial_load >= LEAST_LOAD and not isinstance(model.outer_ring, LooseRing):
         error = static_error(model, plan.operation)
         rows["static error of the mesh"] = (
             f"hub displacement {100 * error.hub:.2g} %, loads {100 * error.largest_force:.2g} % (against exact series)"

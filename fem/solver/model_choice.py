@@ -8,7 +8,7 @@ from fem.errors import UsageError
 from fem.solver.simulate import SOLVERS, make_plan
 from fem.solver.solver import Plan
 from fem.statics.contact_balance import NotFound
-from fem.statics.exact_statics import exact_statics
+from fem.statics.exact_statics import LEAST_LOAD, exact_statics
 from lagrange.scene import Scene, SceneError, parse_scene_text
 
 
@@ -55,7 +55,7 @@ def _with_model(scene: Scene, name: str) -> Scene:
 def _exact_hub(scene: Scene) -> np.ndarray | None:
     """Hub of exact elastic bodies under the load alone, (2,), m."""
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
-    if scene.bearing.type == "ball" or operation.radial_load <= 0.0:
+    if scene.bearing.type == "ball" or operation.radial_load < LEAST_LOAD:
         return None
     try:
         return exact_statics(bearing, operation.radial_load, operation.first_roller_angle).hub

@@ -20,6 +20,7 @@ from fem.statics.contact_balance import (
 )
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation, kinematics
+from lagrange.course import LONGEST_LOOK
 from lagrange.kinematics import roller_angles, turned
 from lagrange.mounting import HELD
 from lagrange.profile import UNTURNED, Turns
@@ -66,6 +67,8 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
     speed, rate = abs(operation.speed) * bearing.inner_raceway_radius, np.zeros_like(place)
     if speed > 0.0:
         ahead = LOOK_AHEAD * bearing.roller_radius / speed
+        if operation.course is not None:
+            ahead = min(ahead, LONGEST_LOOK)
         try:
             before, after = (_balanced(model, operation, t, middle, ring)[0] for t in (-ahead, ahead))
         except NotFound:

@@ -10,6 +10,7 @@ from fem.elastic.bored import BoredRing
 from fem.statics.contact_balance import JUMP, ROUND_OFF, NotFound, hub_spring, standing_ring
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from lagrange import Kinematics, Operation, kinematics
+from lagrange.course import LONGEST_LOOK
 from lagrange.kinematics import roller_angles, turned
 from lagrange.profile import profiles
 
@@ -75,6 +76,8 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
     if speed == 0.0:
         return _still(model, operation, middle, motion)
     ahead = LOOK_AHEAD * model.roller.shape.surface_spacing / speed
+    if operation.course is not None:  # far beyond its table it is of no sense
+        ahead = min(ahead, LONGEST_LOOK)
     try:
         before, after = at(-ahead, ring, middle), at(ahead, ring, middle)
     except NotFound:

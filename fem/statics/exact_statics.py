@@ -23,6 +23,7 @@ from lagrange.pair import Pair, contact_pairs
 
 HALF_WIDTH = 0.01  # of a roller's radius; the logarithm of the true half-width is in the law
 N_HARMONICS_PER_WIDTH = 200.0  # harmonics times b/R: point values under Hertz pressures converge slowly
+LEAST_LOAD = 1e-6  # N; under less, bodies move by less than round-off
 
 
 @dataclass(frozen=True, kw_only=True)

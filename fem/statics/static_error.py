@@ -7,7 +7,7 @@ import numpy as np
 from fem.contacts.model import Model
 from fem.contacts.reduction import standing
 from fem.statics.equilibrium import Equilibrium, equilibrium
-from fem.statics.exact_statics import exact_statics
+from fem.statics.exact_statics import LEAST_LOAD, exact_statics
 from lagrange import Operation
 
 
@@ -26,7 +26,7 @@ def static_error(model: Model, operation: Operation) -> DiscretisationError:
     ------
     ValueError: without load there is nothing to compare. NotFound: no equilibrium.
     """
-    if operation.radial_load <= 0.0:
+    if operation.radial_load < LEAST_LOAD:
         raise ValueError("without a radial load there is no static displacement to compare")
     exact = exact_statics(model.bearing, operation.radial_load, operation.first_roller_angle)
     found = static_equilibrium(model, operation)

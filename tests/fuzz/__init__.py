@@ -1,4 +1,4 @@
-"""Every reader against changed files: `python -m tests.fuzz scene|table|result|checkpoint --seconds 600`.
+"""Every reader against changed files: `python -m tests.fuzz scene --seconds 600`, or `heights`, `speeds`, `study` ….
 
 targets    the readers, each as a function of a file's content, and sound inputs to start from
 mutations  inputs that stay near sound ones

@@ -122,6 +122,9 @@ def archive(data: bytes, random: Random) -> bytes:
 MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
     "scene": scene,
     "heights": table,
+    "speeds": table,
+    "loads": table,
+    "study": scene,
     "table": table,
     "result": damaged,
     "checkpoint": archive,

@@ -7,15 +7,46 @@ import io
 import json
 import tempfile
 import warnings
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
 from math import isfinite, pi
 from pathlib import Path
 
 LONGEST_MESSAGE = 10_000  # characters: 21 lines
 DURATION = ["--duration", "0.4"]
+MOST_POINTS = 200  # of a study that the whole command sees
 FEW_ROLLERS = """[bearing]
 rollers = 3
 inner_raceway_diameter_mm = 36.0
 """
+
+GRID = """[fixed]
+model = "lagrange"
+"numerics.duration_ms" = 1.0
+[parameters]
+"operation.speed_rpm" = [1500, 3000]
+"bearing.clearance_um" = { from = 0, to = 40, count = 3 }
+[keep]
+quantities = ["hub_mean_y", "error_rms_y"]
+signals = ["inner_ay"]
+signal_rate_kHz = 20.0
+"""
+DRAWN = """name = "drawn"
+[sampling]
+method = "sobol"
+samples = 4
+seed = 3
+indices = true
+[fixed]
+model = "lagrange"
+[parameters]
+"operation.radial_load_N" = { from = 250.0, to = 8000.0, scale = "log" }
+"material.youngs_modulus_GPa" = { normal = [210, 5] }
+[limits]
+seconds_per_point = 5.0
+"""
+LISTED = '[sampling]\nmethod = "list"\nfile = "points.csv"\n[fixed]\nmodel = "lagrange"\n'
+STUDIES = GRID, DRAWN, DRAWN.replace("sobol", "lhs").replace("indices = true\n", ""), LISTED
 
 
 class Targets:
@@ -38,18 +69,50 @@ class Targets:
         return True
 
     def heights(self, data: bytes) -> bool:
-        """Read a scene that names a table of heights; what is taken must close."""
-        from lagrange.scene import SceneError, read_scene
+        """Run-fem's plan of a scene that names a table of heights; what is taken must close."""
+        from lagrange.scene import read_scene
 
         self._file("fuzzed-heights.csv", data)
         path = self._file("heights.toml", b'[[profile]]\nfile = "fuzzed-heights.csv"\n')
-        try:
-            (fault,) = read_scene(path).ideal_bearing().faults
-        except SceneError as error:
-            return _refused(error)
+        if not self._planned(path):
+            return False
+        (fault,) = read_scene(path).ideal_bearing().faults
         angle, height = fault.table.angle, fault.table.height
         assert all(map(isfinite, height)) and (angle[1:] > angle[:-1]).all() and angle[-1] - angle[0] < 2.0 * pi
         return True
+
+    def speeds(self, data: bytes) -> bool:
+        """Run-fem's plan of a scene whose speed is a table."""
+        self._file("fuzzed-speeds.csv", data)
+        return self._planned(self._file("speeds.toml", b'[operation]\nspeed_table = "fuzzed-speeds.csv"\n'))
+
+    def loads(self, data: bytes) -> bool:
+        """Run-fem's plan of a scene whose load is a table."""
+        self._file("fuzzed-loads.csv", data)
+        return self._planned(self._file("loads.toml", b'[operation]\nload_table = "fuzzed-loads.csv"\n'))
+
+    def study(self, data: bytes) -> bool:
+        """Run-study's plan, of large studies the reader alone."""
+        from fem.errors import UsageError
+        from fem.study.sampling import design_of
+        from fem.study.study_file import read_study
+        from fem.study_cli import study_main
+        from lagrange.scene import SceneError
+
+        path = self._file("fuzzed-study.toml", data)
+        self._file("points.csv", b"operation.speed_rpm,operation.radial_load_N\n1000,500\n2000,800\n")
+        try:
+            read = read_study(path)
+            if len(design_of(read).points) > MOST_POINTS or read.scene.model != "lagrange":  # others take meshes
+                return True
+        except (UsageError, SceneError):
+            pass  # the command must find it too
+        return _commanded(study_main, str(path), "--dry-run", "--output", str(self._folder / "study"))
+
+    def _planned(self, scene: Path) -> bool:
+        from fem.cli import run_main
+
+        return _commanded(run_main, str(scene), "--model", "lagrange", "--dry-run")
 
     def table(self, data: bytes) -> bool:
         """Read a trajectory table, and evaluate it where it is taken."""
@@ -101,7 +164,15 @@ class Targets:
         return path
 
 
-NAMES = ("scene", "heights", "table", "result", "checkpoint")
+NAMES = ("scene", "heights", "speeds", "loads", "study", "table", "result", "checkpoint")
+
+
+def _commanded(main: Callable[[list[str]], int], *arguments: str) -> bool:
+    """Whether a command takes its input; it must end with 0, or with a sentence and 1 or 2."""
+    with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()) as said:
+        code = main(list(arguments))
+    assert code in (0, 1, 2), code
+    return code == 0 or _refused(ValueError(said.getvalue()))
 
 
 def _refused(error: Exception) -> bool:
@@ -147,6 +218,18 @@ def seeds(name: str) -> list[bytes]:
     if name == "heights":
         rows = [f"{angle},{0.1 * (angle % 7):.2g}" for angle in range(360)]
         return ["\n".join(["angle_deg,height_um", *rows]).replace(",", mark).encode() for mark in ",\t"]
+    if name == "speeds":
+        return [
+            b"time_ms,speed_rpm\n0,1000\n2,1500\n6,5000\n80,6000\n",
+            b"# ramp\nspeed_rpm;time_ms\n-300;-1\n10;900\n",
+        ]
+    if name == "loads":
+        return [
+            b"time_ms,x_N,y_N\n0,0,-2000\n2,500,-1500\n4,500,-2500\n100,-300,-2000\n",
+            b"y_N\ttime_ms\tx_N\n-1\t0\t9\n-3\t99\t8\n",
+        ]
+    if name == "study":
+        return [text.encode() for text in STUDIES]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "seed.nc"
         if name == "checkpoint":

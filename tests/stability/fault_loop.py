@@ -1,8 +1,9 @@
 """Every call that a command makes of its own files fails once: `python -m tests.stability.fault_loop run`.
 
 The n-th open, read, write, sync, rename, making of room or removal fails for n = 1, 2, 3 … with strace(1), which has to
-be installed (Debian: apt-get install strace). Calls of the interpreter's and the libraries' own files are left alone,
-and of compiled kernels: without them a trial takes a minute. After each the command must have
+be installed (Debian: apt-get install strace), as does the n-th allocation of memory. Commands are forked with their
+libraries loaded (`forked`), and calls of libraries' own files and of compiled kernels are left alone. After each the
+command must have
 
 * ended with an exit code of its own, and without a traceback;
 * left what was there before, or its replacement, sound;
@@ -14,9 +15,9 @@ As SQLite is tested: https://www.sqlite.org/testing.html#i_o_error_testing
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
+import time
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,13 +26,13 @@ import h5py
 import numpy as np
 from cyclopts import App
 from rich.console import Console
-from rich.progress import track
-from rich.table import Table
 
 from fem.kernels.kernel_folder import cache_folder
+from tests.pages import markdown_table
+from tests.stability import forked
 
 EXITS = {0, 1, 2, 130, 143}
-TIME_LIMIT = 600.0  # s of wall time, of one trial
+TIME_LIMIT = 120.0  # s of wall time, of one trial
 CALLS = {
     "open": (("open", "openat", "creat"), "EACCES"),
     "read": (("read", "pread64"), "EIO"),
@@ -40,12 +41,13 @@ CALLS = {
     "rename": (("rename", "renameat", "renameat2"), "EACCES"),
     "room": (("fallocate", "ftruncate"), "ENOSPC"),
     "removal": (("unlink", "unlinkat"), "EPERM"),
+    "memory": (("mmap",), "ENOMEM"),
 }
-SCENE = 'name = "s"\n[numerics]\nmesh_size_mm = 2.0\nduration_ms = 0.3\n'
+SCENE = 'name = "s"\n[numerics]\nmesh_size_mm = 2.0\nduration_ms = 0.4\n'
 COMMANDS = {
     "run": ["run-fem", "s.toml", "--quiet"],
     "lagrange": ["run-fem", "s.toml", "--model", "lagrange", "--quiet"],
-    "check": ["check-residual", "runs/s.nc", "--quiet"],
+    "check": ["check-residual", "runs/s.nc", "--no-figures", "--quiet"],
     "render": ["render-fem", "runs/s.nc", "--output", "s.png"],
 }
 CALL = re.compile(r"^(\d+) +(\w+)\((.*)")  # thread, name, arguments and what it gave
@@ -68,17 +70,8 @@ class Desk:
             (self.folder / "work").mkdir(parents=True)
             (self.folder / "work" / "s.toml").write_text(SCENE, encoding="utf-8")
 
-    def run(self, command: list[str], strace: list[str] | None = None) -> subprocess.CompletedProcess:
-        words = [str(Path(sys.executable).parent / command[0]), *command[1:]]
-        # kernels stay where they are kept: a copy of them would have to be made for each trial
-        kept = cache_folder()
-        environment = os.environ | {"XDG_CACHE_HOME": str(self.folder / "cache"), "MPLCONFIGDIR": str(self.folder)}
-        if kept is not None:
-            environment["NUMBA_CACHE_DIR"] = str(kept.parent.parent)
-        return subprocess.run(
-            [*(strace or []), *words], cwd=self.folder / "work", env=environment, capture_output=True, text=True,
-            errors="replace", timeout=TIME_LIMIT, check=False,
-        )  # fmt: skip
+    def run(self, command: list[str], strace: list[str] | None = None) -> forked.Ended:
+        return forked.run(command, self.folder / "work", TIME_LIMIT, strace)
 
 
 def calls_of(log: Path, kind: str, mine: str) -> list[int]:
@@ -94,6 +87,10 @@ def calls_of(log: Path, kind: str, mine: str) -> list[int]:
         number += 1
         arguments = match[3].split("AT_FDCWD", 1)[-1]
         path = re.sub(r"^<[^>]*>", "", arguments)  # the current folder is not what is opened
+        if kind == "memory":
+            if "MAP_ANONYMOUS" in arguments:
+                found.append(number)
+            continue
         named = re.search(r'"([^"]*)"', path) if kind in ("open", "rename", "removal") else None
         place = os.path.join(mine, "work", named[1]) if named else arguments
         if mine in place and "site-packages" not in place:
@@ -113,33 +110,30 @@ def trial(desk: Desk, model: Desk, name: str, kind: str, number: int, whole: dic
     calls, error = CALLS[kind]
     log = desk.folder / "strace.log"
     inject = f"inject={','.join(calls)}:error={error}:when={number}"
-    words = ["strace", "-f", "--seccomp-bpf", "-qq", "-o", str(log), "-e", f"trace={','.join(calls)}", "-e", inject]
-    try:
-        done = desk.run(COMMANDS[name], words)
-    except subprocess.TimeoutExpired:
+    done = desk.run(COMMANDS[name], ["-f", "-qq", "-o", str(log), "-e", f"trace={','.join(calls)}", "-e", inject])
+    if done.code is None:
         return -1, "hangs"
     struck = "; ".join(line[:160] for line in log.read_text(errors="replace").splitlines() if "INJECTED" in line)
-    said = f"{done.stdout}{done.stderr}"
-    if done.returncode not in EXITS:
-        return done.returncode, f"exit {done.returncode}: {struck}: {said[-300:]}"
-    if "Traceback" in said:
-        return done.returncode, f"traceback: {struck}: {said[-600:]}"
+    if done.code not in EXITS:
+        return done.code, f"exit {done.code}: {struck}: {done.said[-300:]}"
+    if "Traceback" in done.said:
+        return done.code, f"traceback: {struck}: {done.said[-600:]}"
     earlier = desk.folder / "work" / "runs" / "s.nc"
     try:
         with h5py.File(earlier) as file:
             str(file.attrs["status"])
     except (OSError, KeyError) as fault:
-        return done.returncode, f"the earlier result: {fault}: {struck}"
+        return done.code, f"the earlier result: {fault}: {struck}"
     again = desk.run(COMMANDS[name])
-    if again.returncode != 0:
-        return done.returncode, f"afterwards exit {again.returncode}: {again.stderr[-300:]}: {struck}"
+    if again.code != 0:
+        return done.code, f"afterwards exit {again.code}: {again.said[-300:]}: {struck}"
     if result_bytes(earlier) != whole:
-        return done.returncode, f"afterwards another result: {struck}"
-    return done.returncode, ""
+        return done.code, f"afterwards another result: {struck}"
+    return done.code, ""
 
 
 @app.default
-def main(command: str = "run", *, kinds: tuple[str, ...] = tuple(CALLS), every: int = 1) -> None:
+def main(command: str = "run", *, kinds: tuple[str, ...] = tuple(CALLS), every: int = 1, seconds: float = 1e9) -> None:
     """Let every call of a command fail once, print what came of it.
 
     Parameters
@@ -147,44 +141,52 @@ def main(command: str = "run", *, kinds: tuple[str, ...] = tuple(CALLS), every: 
     command: run, lagrange, check or render
     kinds: of calls
     every: only each of so many calls
+    seconds: of wall time, after which no further call fails
     """
-    console = Console()
+    console, until = Console(), time.monotonic() + seconds
     findings: list[str] = []
-    table = Table(title=" ".join(COMMANDS[command]), title_justify="left")
-    for heading in ("call", "error", "times", "exit codes", "findings"):
-        table.add_column(heading)
+    rows = []
     with tempfile.TemporaryDirectory() as place:
         model, desk = Desk(Path(place) / "model"), Desk(Path(place) / "trial")
-        whole = _first_run(model, command)
-        desk.prepared(model)
+        whole = _first_run(model, desk, command)
         names = ",".join(name for calls, _ in CALLS.values() for name in calls)
         log = desk.folder / "strace.log"
-        desk.run(COMMANDS[command], ["strace", "-f", "-y", "-qq", "-o", str(log), "-e", f"trace={names}"])
+        desk.prepared(model)
+        desk.run(COMMANDS[command], ["-f", "-y", "-qq", "-o", str(log), "-e", f"trace={names}"])
         recorded = {kind: calls_of(log, kind, str(desk.folder)) for kind in kinds}
         for kind, numbers in recorded.items():
             codes: Counter[int] = Counter()
             before = len(findings)
-            for number in track(numbers[::every], kind, console=Console(stderr=True), transient=True):
+            for number in numbers[::every]:
+                if time.monotonic() > until:
+                    break
                 code, wrong = trial(desk, model, command, kind, number, whole)
                 codes[code] += 1
                 if wrong:
                     findings.append(f"{kind} {number}: {wrong}")
+                    print(findings[-1], file=sys.stderr, flush=True)
             told = ", ".join(f"{code}: {count}" for code, count in sorted(codes.items()))
-            table.add_row(kind, CALLS[kind][1], str(codes.total()), told, str(len(findings) - before))
-    console.print(table)
+            tried = f"{codes.total()} of {len(numbers)}"
+            rows.append([command, kind, CALLS[kind][1], tried, told, str(len(findings) - before)])
+            print(rows[-1], file=sys.stderr, flush=True)
+    headings = ["command", "call", "error", "tried", "exit codes: times", "findings"]
+    console.print(markdown_table(headings, rows), soft_wrap=True, markup=False)
     for finding in findings:
         console.print(finding, soft_wrap=True, markup=False)
     sys.exit(1 if findings else 0)
 
 
-def _first_run(model: Desk, command: str) -> dict[str, bytes]:
+def _first_run(model: Desk, desk: Desk, command: str) -> dict[str, bytes]:
     """An earlier result in place, caches of meshes and matrices empty again."""
-    model.prepared(None)
+    kept = cache_folder()
+    if kept is not None:  # kernels stay where they are kept: a copy of them would have to be made for each trial
+        os.environ["NUMBA_CACHE_DIR"] = str(kept.parent.parent)
+    os.environ |= {"XDG_CACHE_HOME": str(desk.folder / "cache"), "MPLCONFIGDIR": str(model.folder)}
+    desk.prepared(None)
     first = COMMANDS["lagrange" if command == "lagrange" else "run"]
-    done = model.run(first)
-    if done.returncode != 0:
-        raise RuntimeError(done.stderr)
-    shutil.rmtree(model.folder / "cache", ignore_errors=True)
+    forked.preload([first, COMMANDS[command]], desk.folder / "work")
+    shutil.rmtree(desk.folder / "cache", ignore_errors=True)
+    model.prepared(desk)
     return result_bytes(model.folder / "work" / "runs" / "s.nc")
 
 

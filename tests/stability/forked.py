@@ -1,0 +1,94 @@
+"""The commands in forks of a process that has their libraries loaded: many starts at a tenth of the price.
+
+Each is the installed command's own function in a process of its own, with its arguments, folder and exit code; what
+Python and libraries read while they start is over before it begins. Of the platforms with `fork` only.
+"""
+
+import importlib
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+
+ENTRIES = {
+    "run-fem": ("fem.cli", "run_fem"),
+    "check-residual": ("residual.cli", "check_residual"),
+    "render-fem": ("fem.render_cli", "render_fem"),
+}
+WITHIN = 60.0  # s: a process stops itself, strace attaches to it
+
+_forks = get_context("forkserver")
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a command ended."""
+
+    code: int | None  # None: it did not within its limit; negative: by that signal
+    said: str  # on both outputs
+
+
+def preload(commands: list[list[str]], folder: Path) -> None:
+    """Load what commands load, before the first fork; they are run in a folder for it."""
+    modules: list[str] = []
+    for words in commands:
+        module, function = ENTRIES[words[0]]
+        program = (
+            f"import sys; sys.argv = {words!r}\nfrom {module} import {function} as main\n"
+            "try: main()\nfinally: print('loaded', *sorted(sys.modules))"
+        )
+        done = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False)
+        modules += done.stdout.rpartition("loaded ")[2].split()
+    _forks.set_forkserver_preload([name for name in dict.fromkeys(modules) if not name.startswith("_")])
+
+
+def run(words: list[str], folder: Path, limit: float, strace: list[str] | None = None) -> Ended:
+    """Run a command to its end, under strace where its options are given; s of wall time at most."""
+    with tempfile.TemporaryFile("w+b") as output, tempfile.NamedTemporaryFile() as said:
+        process = _forks.Process(target=_command, args=(words, str(folder), said.name, strace is not None))
+        process.start()
+        tracer = None
+        if strace is not None:
+            _awaits(process.pid, "State:\tT")  # has stopped itself
+            tracer = subprocess.Popen(["strace", *strace, "-p", str(process.pid)], stdout=output, stderr=output)
+            _awaits(process.pid, "TracerPid:\t", other_than="0\n")
+            os.kill(int(process.pid or 0), signal.SIGCONT)
+        process.join(limit)
+        code = process.exitcode
+        if code is None:
+            process.kill()
+            process.join()
+        if tracer is not None:
+            tracer.wait()
+        return Ended(code, Path(said.name).read_text(encoding="utf-8", errors="replace"))
+
+
+def _awaits(number: int | None, wanted: str, other_than: str = "\0") -> None:
+    """Wait for an entry of a process's status."""
+    until = time.monotonic() + WITHIN
+    status = Path(f"/proc/{number}/status")
+    while wanted not in (told := status.read_text(encoding="utf-8")) or wanted + other_than in told:
+        if time.monotonic() > until:
+            raise RuntimeError(f"process {number} waits in vain: {wanted.strip()}; can strace attach to it?")
+        time.sleep(0.005)
+
+
+def _command(words: list[str], folder: str, said: str, waits: bool) -> None:
+    """What the fork does."""
+    with open(said, "ab") as output:
+        for number in (1, 2):
+            os.dup2(output.fileno(), number)
+    os.chdir(folder)
+    sys.argv = list(words)
+    module, function = ENTRIES[words[0]]
+    main = getattr(importlib.import_module(module), function)
+    if waits:
+        os.kill(os.getpid(), signal.SIGSTOP)
+    with suppress(KeyboardInterrupt):
+        main()

@@ -19,9 +19,9 @@ from fem.result.store import ResultFile
 from fem.result.surface_columns import events_of, with_sinkages
 from fem.solver.solver import Plan, RunState, Samples
 from lagrange import mounting
-from lagrange.passages import spalls
 from lagrange.scene import Scene
 from lagrange.spall_events import SpallEvent
+from lagrange.spall_passages import spalls
 
 if TYPE_CHECKING:
     import xarray

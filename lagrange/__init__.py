@@ -11,7 +11,7 @@ film          a lubricant's film: how thick, on which raceway
 contact_damping  dampers beside the contacts' springs
 edges         how much softer contacts are at a spall's edges; `softened`: a law with a compliance in series
 profile       surfaces as contacts meet them: sinkage and its slope, for all that knows the bearing
-passages      rollers over spalls, sample by sample; `spall_events`: their entry, strike and exit
+spall_passages  rollers over spalls, sample by sample; `spall_events`: their entry, strike and exit
 pair          two circles in line contact: Hertz's half-width and pressure
 overlap       geometry (19), (26), (27): how deep rollers lie in the raceways, and its derivatives
 equations     the hub's equations (22), (23) over a record in Cartesian coordinates

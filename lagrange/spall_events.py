@@ -7,8 +7,8 @@ from typing import Literal
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.passages import Passage, Raceway, spalls
 from lagrange.sampling import roller_frequency
+from lagrange.spall_passages import Passage, Raceway, spalls
 
 Kind = Literal["entry", "strike", "exit"]
 LARGE = 0.5  # a rise of the force: of the largest in the passage, and of the force on entry

@@ -12,8 +12,8 @@ quarters        what varies in each quarter of a record: transients
 lines           levels of lines and sidebands; `envelope` spectrum of a band; `short_time` spectra
 orders          order tracking: spectra over the shaft's angle where its speed changes
 vibration       the hub's acceleration: levels, fault lines in its envelope
-fault_finding   a spall found in trajectories alone: `roller_motion` what it may see, `sinkage_maps` by each body's
-                angle, `passages` and how rollers would move there; `fault_tables`, `fault_figures`
+fault_finding   spalls found in trajectories alone: `roller_motion` what it may see, `three_samples` what rollers do
+                between them, `sinkage_maps` by each body's angle; `fault_tables`, `fault_figures`
 evaluation      the whole check as one call -> `Evaluation`
 figures         all figures, by groups: `motion_figures`, `spectrum_figures`, `vibration_figures`, `passage_figures`,
                 `budget_figures`, `cage_figures`, `paper_figures` (beside the ranges of `paper`); `panels` places them,

@@ -1,18 +1,18 @@
-"""Figure of a search for spalls: a body's map, and passages laid over each other by the body's own angle."""
+"""Figure of a search for spalls: bodies' maps, and what rollers do near each spall beside what perfect circles tell."""
 
 from pathlib import Path
 
 import numpy as np
 
-from residual.colours import BLUE, GREEN, GREY, ORANGE, RED, SKY
-from residual.fault_finding import FaultSearch, FoundSpall
+from residual.colours import BLUE, GREEN, ORANGE, RED
+from residual.fault_finding import FaultSearch, Near
 from residual.fault_tables import named, told_angle
 from residual.figures import SavedFigure
 from residual.panels import panels
 from residual.plotting import legend_above, save
 from residual.sinkage_maps import SinkageMap
 
-PASSAGES_SHOWN = 8
+BESIDE = 0.4e-3  # m, shown on either side of a spall
 MICRO = 1e6
 
 
@@ -23,26 +23,27 @@ def fault_figures(search: FaultSearch, folder: Path) -> list[SavedFigure]:
 
 def _drawn(search: FaultSearch, folder: Path) -> SavedFigure:
     found = search.found
-    rows = 1 if found is None else 2
+    rows = max(1, 2 * len(found))
     figure, axes = panels((1,) * rows, 3.3 * rows)
-    whole = [m for m in search.maps if not m.rested]
-    shown = [m for m in whole if (m.place.roller is None if found is None else m.place == found.place)]
-    for each, colour in zip(shown, (BLUE, GREEN), strict=False):
-        _draw_map(axes[0], each, colour)
-    axes[0].set(ylabel="sinkage, µm", xlabel="angle in the body's own frame, degrees")
-    axes[0].set_xlim(-180.0, 180.0)
-    caption = "Median of what rollers sink by around each ring: no place stands out."
-    if found is not None:
-        middle, half = told_angle(found.place, found.angle), np.degrees(0.5 * found.width / found.place.radius)
-        axes[0].axvspan(middle - half, middle + half, color=RED, alpha=0.25, linewidth=0, label="the spall found")
-        _draw_passages(axes[1], found)
-        caption = (
-            f"Above: median of what rollers sink by around {named(found.place)}, from all passages. Below: "
-            f"{min(PASSAGES_SHOWN, found.response.chosen.first.size)} of the passages that the spall was matched to; "
-            "dots as recorded, lines as rollers would move over the spall found. Shaded: its width, darker the 95 % "
-            "intervals of its edges. Each passage begins at its own level."
-        )
-    legend_above(axes[0], 3)
+    for k, each in enumerate(found):
+        _draw_map(axes[2 * k], each.seen, BLUE)
+        middle, half = told_angle(each.place, each.angle), np.degrees(0.5 * each.width / each.place.radius)
+        axes[2 * k].axvspan(middle - half, middle + half, color=RED, alpha=0.25, linewidth=0, label="the spall found")
+        _draw_passages(axes[2 * k + 1], search, k)
+    caption = (
+        "Above: median of how deep rollers find the surface around the body, from all passages. Below: what three "
+        "samples of a roller differ from its equation of motion by, in every passage, on perfect circles and with the "
+        "spall found. Shaded: its width, darker the 95 % intervals of its edges."
+    )
+    if not found:
+        caption = "Median of how deep rollers find the surface around each ring: no place stands out."
+        for ring, colour in zip((m for m in search.maps if m.place.roller is None), (BLUE, GREEN), strict=False):
+            _draw_map(axes[0], ring, colour)
+    for axis in axes[::2]:
+        axis.set(ylabel="sinkage, µm", xlabel="angle in the body's own frame, degrees")
+        axis.set_xlim(-180.0, 180.0)
+    for axis in axes:
+        legend_above(axis, 3)
     return save(figure, folder, "fault_search", "Passages by the body's own angle", caption)
 
 
@@ -53,20 +54,16 @@ def _draw_map(axis, each: SinkageMap, colour: str) -> None:
     axis.plot(angle[order], MICRO * each.height[order], color=colour, linewidth=0.9, label=named(each.place))
 
 
-def _draw_passages(axis, found: FoundSpall) -> None:
-    """Draw recorded and modelled paths of some passages, by how far the contact is from the spall's middle."""
-    response = found.response
-    paths = response.paths(found.spall[None])[0]
-    half, aside = 0.5 * found.width, 0.5 * found.width_error
+def _draw_passages(axis, search: FaultSearch, k: int) -> None:
+    """Draw what three samples differ from the equation of motion by, without and with the spalls found."""
+    each, rest = search.found[k], [other.spalled for i, other in enumerate(search.found) if i != k]
+    half, aside = 0.5 * each.width, 0.5 * each.width_error
     axis.axvspan(-1e3 * half, 1e3 * half, color=RED, alpha=0.12, linewidth=0)
     for edge in (-half, half):
         axis.axvspan(1e3 * (edge - aside), 1e3 * (edge + aside), color=RED, alpha=0.2, linewidth=0)
-    colours = (BLUE, ORANGE, GREEN, SKY, GREY)
-    for k in range(min(PASSAGES_SHOWN, len(paths))):
-        beyond = np.mod(response.angle[k, :: response.steps] - found.angle + np.pi, 2.0 * np.pi) - np.pi
-        at, colour = 1e3 * found.place.radius * beyond, colours[k % len(colours)]
-        level = np.median(response.path[k][: len(at) // 4])
-        axis.plot(at, MICRO * (response.path[k] - level), ".", color=colour, markersize=3.5)
-        axis.plot(at, MICRO * (paths[k] - level), color=colour, linewidth=0.9)
+    near = Near(search.motion, search.contact, each.place, each.angle, half + BESIDE, rest)
+    without, with_it = near.samples.over([(each.place, np.array([each.spall * (1.0, 0.0, 1.0), each.spall])), *rest])
+    for missed, colour, label in ((without, ORANGE, "perfect circles"), (with_it, BLUE, "with the spall found")):
+        axis.plot(1e3 * near.beyond, MICRO * missed, ".", color=colour, markersize=3.0, label=label)
     axis.margins(x=0.0)
-    axis.set(xlabel="contact from the spall's middle, mm", ylabel="roller, radially outward, µm")
+    axis.set(xlabel="contact from the spall's middle, mm", ylabel="from the equation of motion, µm")

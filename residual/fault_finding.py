@@ -1,31 +1,36 @@
-"""Spalls found from trajectories alone: which body, where, how wide, each with an interval; or none.
+"""Spalls found from trajectories alone: which bodies, where, how wide, each with an interval; or none.
 
-`sinkage_maps` lay all passages over each other by each body's own angle and name suspects; for each of them a spall is
-matched to the rollers' paths (`passages`), and the suspect that explains most of them is the spall.
+`three_samples` says what rollers do from sample to sample; `sinkage_maps` lay what it misses on perfect circles over
+each other by each body's own angle and name suspects; for each of them the spall is sought that makes it miss least,
+and the suspect that explains most is a spall. What it explains is taken out, and the search goes on until nothing
+stands out.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from residual.errors import InputError
-from residual.passages import Response, passages
 from residual.record import Record
 from residual.roller_motion import Place, RollerMotion, roller_motion, stiffness
 from residual.sinkage_maps import SinkageMap, sinkage_maps
+from residual.three_samples import Contact, Spalled, ThreeSamples
 
 STANDS_OUT = 3.0  # times the rest of its map: perfect and wavy bearings reach 2
 MOST_SUSPECTS = 4
-WIDTHS = 1e-3 * np.geomspace(0.25, 3.5, 14)  # m, first tried
-ASIDE = np.linspace(-0.7, 0.7, 11)  # of the width, first tried beside the map's deepest place
-STARTS = 3  # best of these, each made finer
-TRIED, FITTED, JUDGED = 10, 16, 40  # passages
+MOST_SPALLS = 4
+WIDTHS = 1e-3 * np.geomspace(0.22, 3.4, 12)  # m, first tried
+ASIDE = np.linspace(-0.6, 0.6, 9)  # of the width, first tried beside the map's deepest place
+STARTS = 2  # best of these, each made finer
+MOST_SAMPLES = 1200  # that a spall is matched to
 DEEP = 2e-4  # m, first tried
 DEPTH_RATIOS = (1.8, 1.5, 1.3, 1.2, 1.1)  # from one refinement to the next
-MOVED = (4, 3, 2, 2, 2)  # steps that either edge is moved by in each refinement
+MOVED = 4  # steps that either edge is moved by in each refinement
 DEPTH_TELLS = 8e-4  # m, width from which a roller may reach a bottom
 FINER, FIRST_STEP = 0.55, 0.16  # of the width
-BESIDE = 1.2e-4  # m, that rollers are followed beside a spall's edges
+BESIDE = 2e-4  # m, that rollers are followed beside a spall's edges
+UNREST = 1.5e-7  # m, that three samples are missed by anyway
 FARTHEST = 3e-4  # m from sample to sample
 NARROWEST = 1.5e-4  # m
 RESAMPLED = 200  # sets of passages drawn with replacement
@@ -42,8 +47,9 @@ class FoundSpall:
     angle_error: float  # rad
     width_error: float  # m
     stands_out: float  # times the rest of its map
-    explained: float  # of what rollers depart from their paths on perfect circles
-    response: Response  # the passages it was matched to
+    explained: float  # of what three samples miss there on perfect circles
+    passages: int  # that it was matched to
+    seen: SinkageMap  # its body's map, before it was found
 
     @property
     def angle(self) -> float:
@@ -55,35 +61,46 @@ class FoundSpall:
         """From edge to edge, m."""
         return float(self.spall[1])
 
+    @property
+    def spalled(self) -> Spalled:
+        return self.place, self.spall[None]
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FaultSearch:
-    """What a search found, and what it has seen."""
+    """What a search found, the clearest spall first, and what it has seen."""
 
-    maps: list[SinkageMap]
-    found: FoundSpall | None
+    motion: RollerMotion
+    contact: Contact
+    maps: list[SinkageMap]  # on perfect circles
+    left: list[SinkageMap]  # once all that was found is taken out
+    found: tuple[FoundSpall, ...]
+
+    @property
+    def says_more(self) -> bool:
+        """Whether something stands out that no spall was matched to."""
+        return any(m.deepest[1] >= STANDS_OUT for m in self.left)
 
 
 def find_faults(record: Record) -> FaultSearch:
-    """Search a run's trajectories for a spall.
+    """Search a run's trajectories for spalls.
 
     Errors
     ------
     InputError: the bearing stands, or turns so far from sample to sample that the narrowest spall would not be met.
-    One spall: the one that shows most. A spall that no roller rests on in the run is not seen; the maps tell which
-    parts of a body are.
+    A spall that no roller presses on in the run is not seen; the maps tell which parts of a body are.
     """
-    motion, law = roller_motion(record), record.scene.lagrange.law
+    motion = roller_motion(record)
     _check_sampling(record, motion)
-    maps = sinkage_maps(motion)
-    clearest = {}
-    for each in sorted(maps, key=lambda m: m.deepest[1]):
-        clearest[each.place] = each
-    suspects = sorted((m for m in clearest.values() if m.deepest[1] >= STANDS_OUT), key=lambda m: -m.deepest[1])
-    spring = stiffness(motion, law)
-    judged = [match for m in suspects[:MOST_SUSPECTS] if (match := _match(motion, m, spring)) is not None]
-    best = max(judged, key=lambda match: match[0], default=None)
-    return FaultSearch(maps=maps, found=None if best is None else best[1])
+    contact = Contact(motion.bearing, stiffness(motion, record.scene.lagrange.law))
+    maps = left = sinkage_maps(motion, contact)
+    found: list[FoundSpall] = []
+    while len(found) < MOST_SPALLS and (spall := _clearest(motion, contact, left, found)) is not None:
+        found.append(spall)
+        left = sinkage_maps(motion, contact, [each.spalled for each in found])
+    if len(found) > 1:
+        found = [_again(motion, contact, found, k) for k in range(len(found))]
+    return FaultSearch(motion=motion, contact=contact, maps=maps, left=left, found=tuple(found))
 
 
 def _check_sampling(record: Record, motion: RollerMotion) -> None:
@@ -99,28 +116,77 @@ def _check_sampling(record: Record, motion: RollerMotion) -> None:
         )
 
 
-def _match(motion: RollerMotion, suspect: SinkageMap, spring) -> tuple[float, FoundSpall] | None:
-    """The spall that fits a suspect best, and how much of the misfit of perfect circles it takes away."""
+def _clearest(motion: RollerMotion, contact: Contact, maps: list[SinkageMap], known: Sequence[FoundSpall]):
+    """The spall that explains most of what stands out; None where nothing does."""
+    suspects = sorted((m for m in maps if m.deepest[1] >= STANDS_OUT), key=lambda m: -m.deepest[1])[:MOST_SUSPECTS]
+    rest = [each.spalled for each in known]
+    judged = [match for m in suspects if (match := _match(motion, contact, m, rest)) is not None]
+    best = max(judged, key=lambda match: match[0], default=None)
+    return None if best is None else best[1]
+
+
+class Near:
+    """Three samples near a place of a body, by passages, and what is between them and spalls there."""
+
+    def __init__(self, motion: RollerMotion, contact: Contact, place: Place, angle: float, half: float, rest):
+        """As far as `half`, m, on either side of an angle, rad; `rest` : other spalls of the bearing."""
+        stride, found = contact.stride(motion.interval), []
+        for side in place.sides:
+            turns = (motion.angles(place, side)[stride:-stride] - angle) / (2.0 * np.pi)
+            number = np.round(turns)
+            beyond = (turns - number) * (2.0 * np.pi * place.radius)
+            at, column = np.nonzero(np.abs(beyond) <= half)
+            roller, outside = np.arange(motion.rho.shape[1])[place.rollers][column], np.full(at.size, side == "outer")
+            found.append(np.column_stack([at + stride, roller, number[at, column], outside, beyond[at, column]]))
+        every = np.concatenate(found)
+        every = every[:: max(1, -(-len(every) // MOST_SAMPLES))]
+        self.beyond = every[:, 4]  # m, of the contacts from the angle at the middle samples
+        every = every[:, :4].astype(np.int64)
+        _, self.passage = np.unique(every[:, 1:], axis=0, return_inverse=True)
+        self.passages = int(self.passage.max(initial=-1)) + 1
+        self.place, self.rest = place, rest
+        self.samples = ThreeSamples(motion, contact, every[:, 0], every[:, 1])
+
+    def misfit(self, spalls: np.ndarray) -> np.ndarray:
+        """What is missed with spalls, (n_spalls, n_passages), 0 for a perfect fit.
+
+        Sums of √(1 + z²) − 1, z what is missed over the usual: nearly its magnitude, because strikes shake all.
+        """
+        missed = self.samples.over([(self.place, spalls), *self.rest])
+        cost = np.hypot(1.0, missed / UNREST) - 1.0
+        return np.stack([np.bincount(self.passage, each, self.passages) for each in cost])
+
+
+def _match(motion: RollerMotion, contact: Contact, suspect: SinkageMap, rest) -> tuple[float, FoundSpall] | None:
+    """The spall that fits a suspect best, and how much of the misfit without it it takes away."""
     place, (angle, ratio) = suspect.place, suspect.deepest
-    starts = _starts(motion, place, angle, spring)
-    fits = [fit for start in starts if (fit := _refined(motion, place, start, spring)) is not None]
+    starts = _starts(motion, contact, place, angle, rest)
+    fits = [fit for start in starts if (fit := _refined(motion, contact, place, start, rest)) is not None]
     if not fits:
         return None
-    half = max(_half(spall[1]) + place.radius * abs(spall[0] - angle) for spall, *_ in fits)
-    chosen = passages(motion, place, angle, half, JUDGED)
-    if chosen is None:
-        return None
-    misfit = Response(motion, chosen, spring).misfit(np.array([*(fit[0] for fit in fits), _none(angle)])).sum(axis=1)
+    half = max(0.5 * spall[1] + BESIDE + place.radius * abs(spall[0] - angle) for spall, *_ in fits)
+    near = Near(motion, contact, place, angle, half, rest)
+    misfit = near.misfit(np.array([*(fit[0] for fit in fits), _none(angle)])).sum(axis=1)
     best = int(np.argmin(misfit[:-1]))
     gain = float(misfit[-1] - misfit[best])
     if gain <= 0.0:
         return None
-    spall, grid, apart, response = fits[best]
-    angle_error, width_error = _intervals(place, spall, grid, apart)
+    spall, tried = fits[best]
+    angle_error, width_error = _intervals(place, spall, tried)
     return gain, FoundSpall(
         place=place, spall=spall, angle_error=angle_error, width_error=width_error, stands_out=ratio,
-        explained=gain / float(misfit[-1]), response=response,
+        explained=gain / float(misfit[-1]), passages=near.passages, seen=suspect,
     )  # fmt: skip
+
+
+def _again(motion: RollerMotion, contact: Contact, found: Sequence[FoundSpall], k: int) -> FoundSpall:
+    """A spall made finer with the others known."""
+    mine, rest = found[k], [each.spalled for i, each in enumerate(found) if i != k]
+    fit = _refined(motion, contact, mine.place, mine.spall, rest)
+    if fit is None:
+        return mine
+    angle_error, width_error = _intervals(mine.place, *fit)
+    return replace(mine, spall=fit[0], angle_error=angle_error, width_error=width_error)
 
 
 def _none(angle: float) -> np.ndarray:
@@ -128,64 +194,59 @@ def _none(angle: float) -> np.ndarray:
     return np.array([angle, 0.0, 0.0])
 
 
-def _half(width: float, step: float = 0.0) -> float:
-    """How far beside a spall's middle rollers are followed, m."""
-    return 0.5 * width + max(3.0 * step, BESIDE)
+def _starts(motion: RollerMotion, contact: Contact, place: Place, angle: float, rest) -> list[np.ndarray]:
+    """The best widths and places beside a map's deepest one, the best of each width, by what misfit they leave."""
+    near = Near(motion, contact, place, angle, 1.2 * WIDTHS[-1], rest)
+    tried = np.array([(angle + aside * width / place.radius, width, DEEP) for width in WIDTHS for aside in ASIDE])
+    if not near.passages:
+        return []
+    misfit = near.misfit(tried).sum(axis=1).reshape(WIDTHS.size, ASIDE.size)
+    best = tried.reshape(WIDTHS.size, ASIDE.size, 3)[np.arange(WIDTHS.size), misfit.argmin(axis=1)]
+    return list(best[np.argsort(misfit.min(axis=1))[:STARTS]])
 
 
-def _starts(motion: RollerMotion, place: Place, angle: float, spring) -> list[np.ndarray]:
-    """The best of widths and places beside a map's deepest one, by how much misfit they take away."""
-    tried = []
-    for width in WIDTHS:
-        chosen = passages(motion, place, angle, _half(width) + 0.5 * width, TRIED)
-        if chosen is None:
-            continue
-        spalls = np.array([(angle + aside * width / place.radius, width, DEEP) for aside in ASIDE])
-        misfit = Response(motion, chosen, spring).misfit(np.concatenate([spalls, _none(angle)[None]])).sum(axis=1)
-        k = int(np.argmin(misfit[:-1]))
-        tried.append(((misfit[-1] - misfit[k]) / chosen.first.size, spalls[k]))
-    tried.sort(key=lambda each: -each[0])
-    return [spall for _, spall in tried[:STARTS]]
+def _refined(motion: RollerMotion, contact: Contact, place: Place, spall: np.ndarray, rest):
+    """A spall's edges and depth made finer step by step; with spalls of other first and of other second edges.
 
-
-def _refined(motion: RollerMotion, place: Place, spall: np.ndarray, spring):
-    """A spall's edges and depth made finer step by step; with the last grid, its misfits by passage, and the passages.
-
-    None where no passage lies wholly in the record.
+    What three samples miss tells of what lies between them: one edge at a time. None where no passage lies there.
     """
     step, fit = FIRST_STEP * spall[1], None
-    for moved, ratio in zip(MOVED, DEPTH_RATIOS, strict=True):
-        chosen = passages(motion, place, spall[0], _half(spall[1], step), FITTED)
-        if chosen is None:
+    for ratio in DEPTH_RATIOS:
+        near = Near(motion, contact, place, spall[0], 0.5 * spall[1] + MOVED * step + BESIDE, rest)
+        if not near.passages:
             break
-        response = Response(motion, chosen, spring)
-        grid = _around(spall, step / place.radius, moved, ratio, place.radius)
-        misfit = response.misfit(grid)
-        spall = grid[np.argmin(misfit.sum(axis=1))]
-        fit = spall, grid, misfit, response
+        tried = []
+        for edge in (-0.5, 0.5):
+            grid = _moved(spall, edge, step, place.radius)
+            misfit = near.misfit(grid)
+            spall = grid[np.argmin(misfit.sum(axis=1))]
+            tried.append((grid, misfit))
+        if spall[1] > DEPTH_TELLS:
+            deeper = spall * np.array([(1.0, 1.0, 1.0), (1.0, 1.0, ratio), (1.0, 1.0, 1.0 / ratio)])
+            spall = deeper[np.argmin(near.misfit(deeper).sum(axis=1))]
+        fit = spall, tried
         step *= FINER
     return fit
 
 
-def _around(spall: np.ndarray, step: float, moved: int, ratio: float, radius: float) -> np.ndarray:
-    """Spalls with either edge moved by up to some steps, rad, and other depths, (n_spalls, 3); the given one first."""
+def _moved(spall: np.ndarray, edge: float, step: float, radius: float) -> np.ndarray:
+    """Spalls with one edge moved, (n_spalls, 3); the given one first. `edge` : −½ the first, ½ the second."""
     angle, width, depth = spall
-    moves = np.array(sorted(range(-moved, moved + 1), key=abs)) * step
-    low, high = np.meshgrid(moves, moves, indexing="ij")
-    middle = angle + 0.5 * (low + high).ravel()
-    widths = np.maximum(width + radius * (high - low).ravel(), NARROWEST)
-    depths = (depth, depth * ratio, depth / ratio) if width > DEPTH_TELLS else (depth,)
-    return np.concatenate([np.column_stack([middle, widths, np.full(middle.size, d)]) for d in depths])
+    moves = np.array(sorted(range(-MOVED, MOVED + 1), key=abs)) * step
+    widths = np.maximum(width + np.sign(edge) * moves, NARROWEST)
+    return np.column_stack([angle + 0.5 * moves / radius, widths, np.full(moves.size, depth)])
 
 
-def _intervals(place: Place, spall: np.ndarray, grid: np.ndarray, misfit: np.ndarray) -> tuple[float, float]:
+def _intervals(place: Place, spall: np.ndarray, tried: list) -> tuple[float, float]:
     """Half intervals (95 %) of angle, rad, and width, m: other draws of the passages, and the model's own scatter."""
-    n = misfit.shape[1]
-    draws = np.random.default_rng(0).multinomial(n, np.full(n, 1.0 / n), size=RESAMPLED)
-    drawn = grid[np.argmin(draws @ misfit.T, axis=1)]
-    angle, width = (np.sqrt(np.mean((drawn[:, k] - spall[k]) ** 2)) for k in (0, 1))
-    aside = np.hypot(MODEL_PLACE, 0.5 * MODEL_WIDTH * spall[1])
+    edges = []  # scatter of either, m
+    for grid, misfit in tried:
+        n = misfit.shape[1]
+        draws = np.random.default_rng(0).multinomial(n, np.full(n, 1.0 / n), size=RESAMPLED)
+        away = grid[:, 1] - grid[np.argmin(misfit.sum(axis=1)), 1]
+        edges.append(np.sqrt(np.mean(away[np.argmin(draws @ misfit.T, axis=1)] ** 2)))
+    apart, aside = np.hypot(*edges), np.hypot(MODEL_PLACE, 0.5 * MODEL_WIDTH * spall[1])
     return (
-        float(SIGMAS * np.hypot(angle, aside / place.radius)),
-        float(SIGMAS * np.sqrt(width**2 + (MODEL_WIDTH * spall[1]) ** 2 + MODEL_PLACE**2)),
+        float(SIGMAS * np.hypot(0.5 * apart, aside) / place.radius),
+        float(SIGMAS * np.sqrt(apart**2 + (MODEL_WIDTH * spall[1]) ** 2 + MODEL_PLACE**2)),
     )

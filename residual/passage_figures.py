@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.collections import LineCollection
 
 from lagrange.faults import Spall
-from lagrange.passages import Passage, find_passages, spalls
 from lagrange.spall_events import SpallEvent, spall_events
+from lagrange.spall_passages import Passage, find_passages, spalls
 from residual.colours import GREY, RED, SKY
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation

@@ -1,29 +1,30 @@
-"""Maps of what rollers sink by around each body: median of all passages by the body's own angle.
+"""Maps of how deep rollers find the surfaces around each body: median of all passages by the body's own angle.
 
 A spall is deep in every passage at its own angle of its own body; seen by the angle of any other body its passages lie
-scattered, and the median does not show them. Waves have no single deepest place. A second map of each body takes only
-rollers that were at rest just before: what a spall does to rollers goes on for long where nothing damps it.
+scattered, and the median does not show them. Waves have no single deepest place.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, median
+from scipy.ndimage import median
 
-from residual.roller_motion import Place, RollerMotion
+from residual.roller_motion import Place, RollerMotion, Side
+from residual.three_samples import Contact, Spalled, ThreeSamples
 
 BIN = 5e-5  # m along the surface, a sixth of the narrowest spall looked for
 FEWEST_SAMPLES = 3  # of a bin that counts as seen
 SMOOTHED = 3  # bins
-OFF_RACEWAY = 3e-7  # m: rollers farther off the outer raceway say nothing about it
-# m: maps of perfect bearings reach 0.2 µm where rollers enter and leave the load zone
-LEAST = 3e-7
+OFF_RACEWAY = 3e-7  # m: rollers farther off a raceway say nothing about it
+PROBE = 1e-6  # m, of sinkage, whose effect is what others are told by
+LEAST_GAIN = 0.3  # of what three samples are changed by over the probe: below, rollers hardly touch
+MOST = 3e-5  # m, of sinkage that is told; deeper ones are not felt
+LEAST = 3e-7  # m: maps of perfect bearings reach 0.2 µm
 BESIDE = 0.03, 2e-3  # of the circumference, and m: as far from the deepest place the rest of a map begins
 REST = 0.99  # quantile of the rest of a map that its deepest place is compared with
 FEWEST_REST = 20  # bins
-AT_REST = 4e-7  # m, most that a roller at rest sinks by or rises
-REST_SAMPLES, REST_BEFORE = 12, 3e-4  # that a roller must have been at rest for; and m, of its way since then
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,7 +33,6 @@ class SinkageMap:
 
     place: Place
     height: np.ndarray  # (n_bins,), m, NaN where not seen; bins begin at angle 0
-    rested: bool  # of rollers that were at rest just before
 
     @property
     def angle(self) -> np.ndarray:
@@ -58,39 +58,52 @@ class SinkageMap:
         return float(self.angle[k]), float(self.height[k] / max(np.quantile(rest, REST), LEAST))
 
 
-def sinkage_maps(motion: RollerMotion) -> list[SinkageMap]:
-    """Two maps of every body: rings, then rollers."""
-    sunk = {side: motion.sunk(side) for side in ("outer", "inner")}
-    loaded = motion.inner + motion.outer > 0.0
+def sinkage_maps(motion: RollerMotion, contact: Contact, known: Sequence[Spalled] = ()) -> list[SinkageMap]:
+    """Maps of every body: rings, then rollers; what `known` spalls explain is taken out, and their places are."""
+    stride, (n_times, n_rollers) = contact.stride(motion.interval), motion.rho.shape
+    thinned = max(1, int(0.5 * BIN / max(_travel(motion, motion.places()[0]), 1e-9)))
+    times = np.arange(stride, n_times - stride, thinned)
+    middle, roller = (index.ravel() for index in np.meshgrid(times, np.arange(n_rollers), indexing="ij"))
+    every = ThreeSamples(motion, contact, middle, roller)
+    sunk = {side: _told(every, side, known) for side in ("outer", "inner")}
     maps = []
     for place in motion.places():
-        angles = [motion.angles(place, side) for side in place.sides]
-        travel = float(np.median(np.abs(np.diff(angles[0], axis=0)))) * place.radius
+        travel = thinned * _travel(motion, place)
         if travel == 0.0:
             continue
-        angle = np.concatenate(angles)
-        for rested in (False, True):
-            depths = []
-            for side in place.sides:
-                depth = sunk[side][:, place.rollers]
-                if rested:
-                    use = _rested(depth, travel)
-                else:
-                    use = motion.outer > -OFF_RACEWAY if place.body == "outer_ring" else loaded
-                    use = use[:, place.rollers]
-                depths.append(np.where(use, depth, np.nan))
-            height = _height(angle, np.concatenate(depths), 2.0 * np.pi * place.radius / max(BIN, travel))
-            maps.append(SinkageMap(place=place, height=height, rested=rested))
+        own = slice(None) if place.roller is None else roller == place.roller
+        angle = np.concatenate([every.angle(place, side)[own] for side in place.sides])
+        height = _height(
+            angle, np.concatenate([sunk[side][own] for side in place.sides]),
+            2.0 * np.pi * place.radius / max(BIN, travel),
+        )  # fmt: skip
+        found = SinkageMap(place=place, height=height)
+        for at, spalls in known:
+            if at == place:
+                found.height[_beside(found, spalls[0])] = np.nan
+        maps.append(found)
     return maps
 
 
-def _rested(depth: np.ndarray, travel: float) -> np.ndarray:
-    """Samples shortly before which a roller was at rest, (n_times, n_rollers), bool."""
-    since = max(3, int(np.ceil(REST_BEFORE / travel)))
-    moved = maximum_filter1d(np.abs(depth), REST_SAMPLES, axis=0, origin=(REST_SAMPLES - 1) // 2, mode="nearest")
-    rested = np.zeros(depth.shape, dtype=bool)
-    rested[since:] = moved[:-since] < AT_REST
-    return rested
+def _travel(motion: RollerMotion, place: Place) -> float:
+    """What contacts move by on a body from sample to sample, m."""
+    return float(np.median(np.abs(np.diff(motion.angles(place, place.sides[0]), axis=0)))) * place.radius
+
+
+def _beside(each: SinkageMap, spall: np.ndarray) -> np.ndarray:
+    """Bins of a map on a spall or near it."""
+    away = np.abs(np.mod(each.angle - spall[0] + np.pi, 2.0 * np.pi) - np.pi) * each.place.radius
+    return away < spall[1] + BESIDE[1]
+
+
+def _told(every: ThreeSamples, side: Side, known: Sequence[Spalled]) -> np.ndarray:
+    """Sinkage under the contacts of a side that explains three samples each, (n,), m; NaN where rollers are off."""
+    missed = every.over(known)[0]
+    deeper = (0.0, PROBE) if side == "outer" else (PROBE, 0.0)
+    gain = (missed - every.over(known, deeper)[0]) / PROBE
+    gain = np.where(np.abs(gain) < LEAST_GAIN, LEAST_GAIN if side == "outer" else -LEAST_GAIN, gain)
+    overlap = (every.motion.outer if side == "outer" else every.motion.inner)[every.middle, every.roller]
+    return np.where(overlap > -OFF_RACEWAY, np.clip(missed / gain, -MOST, MOST), np.nan)
 
 
 def _height(angle: np.ndarray, depth: np.ndarray, bins: float) -> np.ndarray:

@@ -42,7 +42,7 @@ def summarise(evaluation: Evaluation, parts: Parts, version: str) -> dict:
         **{f"lines_{d.name}": [_level(level) for level in d.levels] for d in directions},
         **{f"vibration_{d.name}": _vibration(d.vibration) for d in directions},
         "orders": _orders(evaluation),
-        "fault_search": search_summary(parts.search),
+        **search_summary(parts.search),
         "watched": [{"x": _level(x), "y": _level(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": {"x": floors[0], "y": floors[1]},

@@ -28,6 +28,17 @@ def coarse_run(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def whole(tmp_path_factory):
+    """Result file of a short run that nothing disturbed."""
+    from fem.cli import run_main
+    from tests.reference.run_files import SHORT
+
+    path = tmp_path_factory.mktemp("whole") / "whole.nc"
+    assert run_main([*SHORT, "--output", str(path)]) == 0
+    return path
+
+
+@pytest.fixture(scope="session")
 def can_draw():
     """Skip the test on a machine that can't draw off-screen."""
     from fem.errors import UsageError

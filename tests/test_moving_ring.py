@@ -113,7 +113,7 @@ def test_the_work_of_held_angles_is_that_of_their_forces():
     scene = read_scene(None, ("bearing.outer_raceway_diameter_mm=55.98",))
     bearing, operation = replace(scene.ideal_bearing(), faults=wavy()), scene.ideal_operation()
     still = mounted(operation, replace(LIGHT, damping=0.0))
-    coarse, fine = (solved(still, 4e-4, 1e-5, bearing, **HIT, time_step=step) for step in (1e-6, 5e-7))
+    coarse, fine = (solved(still, 2.5e-4, 1e-5, bearing, **HIT, time_step=step) for step in (1e-6, 5e-7))
     errors = [np.abs(run.energy_error).max() for run in (coarse, fine)]
     assert errors[1] < 0.1 * errors[0] and errors[1] < 1e-6 * np.ptp(fine.work_cage)
 
@@ -170,7 +170,7 @@ def test_the_checkers_terms_sum_up_with_every_option_at_once(tmp_path):
         "amplitude_um = 0.5\n[[unequal_roller]]\nroller = 3\ndiameter_deviation_um = 1.0\n"
     )
     scene = scene_with(tmp_path, *settings, speeds=RAMP, loads=LOADS, more=faults)
-    run = solved(scene.ideal_operation(), 6e-4, 1e-5, scene.ideal_bearing(), **HIT,
+    run = solved(scene.ideal_operation(), 5.4e-4, 1e-5, scene.ideal_bearing(), **HIT,
                  damping=ContactDamping(constant=100.0))  # fmt: skip
     found = checked(scene, run)
     for direction in found.directions:

@@ -11,7 +11,7 @@ import pytest
 
 from fem.kernels.kernel_folder import cache_folder, version
 from tests.reference.commands import command, environment
-from tests.test_faults import same_data
+from tests.reference.run_files import same_data
 
 OPTIONS = ["--duration", "0.1", "--quiet"]
 COARSE = [*OPTIONS, "--mesh-size", "2"]

@@ -20,8 +20,8 @@ from fem.pictures.render_shapes import border, cells, line, segments, strip
 from fem.pictures.render_surfaces import holes
 from fem.pictures.subsurface import AT_DEPTH, LARGEST_SHEAR
 from fem.solver.frames import rotated
-from lagrange.passages import spalls
 from lagrange.scene_surfaces import own_radius
+from lagrange.spall_passages import spalls
 
 PAGE = View(middle=(2.0 / 3.0, 0.5), tall=1.0)
 MAIN = View(left=0.0, bottom=0.0, right=0.50, top=0.885, middle=(0.0, 0.0), tall=3.25)

@@ -10,8 +10,8 @@ from fem.pictures.render_look import Look
 from fem.pictures.render_scale import Scale, rounded_down
 from fem.pictures.render_shapes import arrow, bar, border, cells, disc, frame, line
 from fem.pictures.render_surfaces import chart_factor
-from lagrange.passages import spalls
 from lagrange.scene_operation import RPM
+from lagrange.spall_passages import spalls
 
 TITLE, HEADING, TEXT = 38.0, 26.0, 23.0  # pixels of 1600
 QUIET, ORBIT_DOT = "#4d4d4d", "#0072b2"

@@ -18,9 +18,9 @@ from fem.pictures.render_scale import rounded_down
 from lagrange.bearing import Bearing
 from lagrange.closing import outline
 from lagrange.faults import Body, MeasuredSurface, UnequalRoller, Waviness
-from lagrange.passages import spalls
 from lagrange.profile import Profiles, profiles
 from lagrange.scene_surfaces import own_radius
+from lagrange.spall_passages import spalls
 
 HOLE_POINTS = 241
 AROUND = np.linspace(0.0, 2.0 * pi, 1441)  # rad

@@ -24,8 +24,8 @@ from fem.result.layout import FORMAT_VERSION, Places, create, variables_of
 from fem.result.surface_columns import events_of, with_sinkages, write_events, write_scene_files
 from lagrange.faults import labels
 from lagrange.hdf5_writing import hdf5_to_write
-from lagrange.passages import spalls
 from lagrange.spall_events import SpallEvent
+from lagrange.spall_passages import spalls
 from lagrange.stored import checksum, text_checksum
 from lagrange.version import VERSION, source_digest
 

@@ -14,10 +14,10 @@ import numpy as np
 from lagrange.bearing import Bearing, Operation
 from lagrange.kinematics import turned
 from lagrange.mounting import from_outer_ring
-from lagrange.passages import COLUMNS, HOUSING, find_passages, spalls
 from lagrange.profile import Turns, profiles
 from lagrange.scene import Scene
 from lagrange.spall_events import SpallEvent, spall_events
+from lagrange.spall_passages import COLUMNS, HOUSING, find_passages, spalls
 from lagrange.stored import SCENE_FILE
 
 EVENTS = "events"

@@ -1,4 +1,4 @@
-"""Disks that fail, fill up, tear a write or flip a bit; folders and files that can't be written; clocks that jump."""
+"""Disks that fail, fill up or tear a write: what is left is an earlier file or a sound one."""
 
 import errno
 import gc
@@ -8,37 +8,27 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
-import scipy.signal  # noqa: F401 (as residual.store below)
 
-import residual.store  # noqa: F401 (loaded before the right to do so is given up)
 from fem.cli import run_main
-from fem.errors import UsageError
-from fem.result.checkpoint import checkpoint_path, load_checkpoint
+from fem.result.checkpoint import checkpoint_path
 from fem.result.layout import MARK, PER_TIME, VARIABLES, create
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan
 from lagrange.hdf5_writing import HeldBack
 from lagrange.scene import read_scene
-from lagrange.stored import SIGNATURE, read_numbers
-from residual.cli import main as check_main
-from residual.errors import InputError
-from residual.sources import MOTION, OPTIONAL, read_result
+from lagrange.stored import read_numbers
 from tests.reference.recorded_disk import RecordedDisk
-from tests.reference.synthetic_run import make_run, write_result
+from tests.reference.run_files import EARLIER, OPTIONS, SHORT, names_in, same_data
 
 ROOT = Path(__file__).resolve().parent.parent
 BLOCKS = (1, 4, 15)  # samples appended and committed at a time, of 41
 ROLLERS = 13
-EARLIER = SIGNATURE + b"an earlier result"
-OPTIONS = ["--mesh-size", "2", "--quiet", "--checkpoint", "0"]
-SHORT = [*OPTIONS, "--duration", "2"]
 
 
 @pytest.fixture(scope="module")
@@ -55,14 +45,6 @@ def samples():
         name: numbers.uniform(size=n if dimensions == PER_TIME else (n, ROLLERS))
         for name, (dimensions, *_) in VARIABLES.items()
     }
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory):
-    """A short run that nothing disturbed."""
-    path = tmp_path_factory.mktemp("whole") / "whole.nc"
-    assert run_main([*SHORT, "--output", str(path)]) == 0
-    return path
 
 
 def write(path, plan, samples):
@@ -85,15 +67,6 @@ def found(path, samples):
         for name in VARIABLES:
             np.testing.assert_array_equal(read_numbers(file, name, count), samples[name][:count])
         return count, file.attrs["status"]
-
-
-def same_data(left, right):
-    with h5py.File(left) as a, h5py.File(right) as b:
-        return all(np.array_equal(a[name][:], b[name][:]) for name in VARIABLES)
-
-
-def names_in(folder):
-    return sorted(entry.name for entry in folder.iterdir())
 
 
 def test_a_run_that_is_killed_after_any_write_leaves_the_samples_of_its_last_commit(
@@ -314,187 +287,3 @@ def test_on_a_disk_of_one_megabyte_a_run_that_fits_is_complete_and_one_that_does
     other = tmp_path / "other.nc"
     assert run_main([*OPTIONS, "--duration", "8.8", "--output", str(other)]) == 0
     assert same_data(tmp_path / "run.nc", other)
-
-
-@pytest.fixture
-def closed_folder():
-    """A folder with a result in it that this user can't write to (and one in it that they can); for root, as nobody."""
-    folder = Path(tempfile.mkdtemp())
-    (folder / "open").mkdir()
-    (folder / "open").chmod(0o777)
-    for path in (folder / "run.nc", folder / "open" / "run.nc"):
-        write_result(path, make_run(n_times=40))
-        path.chmod(0o444)
-    folder.chmod(0o555)
-    as_root = hasattr(os, "geteuid") and os.geteuid() == 0
-    if as_root:
-        os.seteuid(65534)
-    try:
-        yield folder
-    finally:
-        if as_root:
-            os.seteuid(0)
-        folder.chmod(0o755)
-        shutil.rmtree(folder)
-
-
-@pytest.mark.usefixtures("whole")  # kernels are compiled
-def test_a_folder_or_file_that_can_not_be_written_is_named_and_left_alone(closed_folder, capsys):
-    """A read-only file in an open folder could be renamed away, which its owner will not want."""
-    path, content = closed_folder / "run.nc", (closed_folder / "run.nc").read_bytes()
-    for command, arguments in (
-        (run_main, [*SHORT, "--force", "--output", str(closed_folder / "fresh.nc")]),
-        (run_main, [*SHORT, "--force", "--output", str(path)]),
-        (run_main, [*SHORT, "--force", "--output", str(closed_folder / "open" / "run.nc")]),
-        (run_main, [*SHORT, "--force", "--output", str(closed_folder / "deeper" / "run.nc")]),
-        (check_main, [str(path)]),
-    ):
-        assert command(arguments) == 2
-        error = capsys.readouterr().err
-        assert str(closed_folder) in error and "Permission denied" in error and "Traceback" not in error
-    assert names_in(closed_folder) == ["open", "run.nc"] and names_in(closed_folder / "open") == ["run.nc"]
-    assert path.read_bytes() == (closed_folder / "open" / "run.nc").read_bytes() == content
-
-
-@pytest.mark.parametrize("command", ["write", "resume"])
-def test_a_result_that_is_open_elsewhere_is_left_alone(command, whole, tmp_path, capsys):
-    path = Path(shutil.copy(whole, tmp_path / "run.nc"))
-    shutil.copy(checkpoint_path(whole), checkpoint_path(path))
-    before = path.read_bytes()
-    with h5py.File(path, "r"):
-        assert run_main([*SHORT, "--output", str(path), *(["--resume"] if command == "resume" else [])]) == 2
-    assert f"{path}: is in use" in capsys.readouterr().err
-    assert path.read_bytes() == before and names_in(tmp_path) == ["run.nc", "run.nc.checkpoint"]
-
-
-@pytest.mark.parametrize("what", ["a folder", "a pipe", "a link to itself"])
-def test_what_is_no_plain_file_is_not_replaced(what, tmp_path, capsys):
-    path = tmp_path / "run.nc"
-    if what == "a folder":
-        path.mkdir()
-    elif what == "a pipe":
-        os.mkfifo(path)
-    else:
-        path.symlink_to(path)
-    assert run_main([*SHORT, "--output", str(path)]) == 2
-    assert str(path) in capsys.readouterr().err
-    assert names_in(tmp_path) == ["run.nc"] and not path.is_file()
-
-
-@pytest.mark.parametrize("model", ["fem", "lagrange"])
-def test_a_scene_is_not_replaced_by_its_result(model, tmp_path, capsys):
-    path = tmp_path / "scene.toml"
-    path.write_text('name = "mine"\n')
-    assert run_main([str(path), "--model", model, "--mesh-size", "2", "--duration", "2", "--output", str(path)]) == 2
-    assert f"{path}: is no result file (HDF5) and is not replaced" in capsys.readouterr().err
-    assert names_in(tmp_path) == ["scene.toml"] and path.read_text() == 'name = "mine"\n'
-
-
-@pytest.mark.parametrize("what", ["a folder in its place", "a name too long for it"])
-def test_a_run_whose_checkpoint_has_no_place_is_refused_before_it_replaces_anything(what, whole, tmp_path, capsys):
-    folder = what == "a folder in its place"
-    path = tmp_path / ("run.nc" if folder else "x" * 243 + ".nc")
-    shutil.copy(whole, path)
-    if folder:
-        checkpoint_path(path).mkdir()
-    assert run_main([*SHORT, "--output", str(path)]) == 2
-    error = capsys.readouterr().err
-    assert f"error: {checkpoint_path(path)}: " in error and error.count("\n") == 1
-    assert path.read_bytes() == whole.read_bytes()
-
-
-@pytest.mark.usefixtures("whole")  # kernels are compiled
-def test_a_closed_standard_error_stops_no_run(tmp_path):
-    path = tmp_path / "run.nc"
-    command = f'"{sys.executable}" -m fem.cli --mesh-size 2 --duration 2 --output "{path}" 2>&-'
-    assert subprocess.run(command, shell=True, env={**os.environ, "PYTHONPATH": str(ROOT)}).returncode == 0
-    with h5py.File(path) as file:
-        assert file.attrs["status"] == "complete"
-
-
-def test_a_link_keeps_leading_to_the_result(whole, tmp_path):
-    (tmp_path / "disk").mkdir()
-    link, target = tmp_path / "run.nc", tmp_path / "disk" / "result.nc"
-    target.write_bytes(EARLIER)
-    link.symlink_to(target)
-    assert run_main([*SHORT, "--output", str(link)]) == 0
-    assert link.is_symlink() and same_data(target, whole)
-
-
-@pytest.mark.parametrize("clock", ["back and forth", "an hour a look", "stands still"])
-def test_clocks_that_jump_change_nothing(clock, whole, tmp_path, monkeypatch):
-    """The hour set, a laptop asleep, a virtual machine moved: no sample, no end and no memory depend on it."""
-    numbers, now = np.random.default_rng(3), itertools.count()
-
-    def told():
-        if clock == "stands still":
-            return 5.0
-        return 3600.0 * next(now) if clock == "an hour a look" else float(numbers.uniform(-1e6, 1e6))
-
-    for name in ("time", "monotonic", "perf_counter"):
-        monkeypatch.setattr(f"time.{name}", told)
-    path = tmp_path / "run.nc"
-    assert run_main([*SHORT, "--output", str(path)]) == 0
-    assert same_data(path, whole)
-    assert load_checkpoint(path, make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=2"))))
-
-
-@pytest.mark.parametrize("flips", [100, pytest.param(1000, marks=pytest.mark.slow)])
-def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path, monkeypatch):
-    """Either the file is refused, or all that is read from it is what was written."""
-    monkeypatch.setattr("residual.sources.READ_SECONDS", 0.3)  # some bits send HDF5 round in circles
-    path, scene = tmp_path / "run.nc", ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.5")
-    plan = make_plan(read_scene(None, scene))
-    assert run_main([*OPTIONS, "--duration", "0.5", "--output", str(path)]) == 0
-    good, sound = path.read_bytes(), read_result(path)
-    with h5py.File(path) as file:
-        blocks = [(file[name].id.get_offset(), file[name].nbytes) for name in VARIABLES]
-    inside = np.zeros(len(good), dtype=bool)
-    for start, size in blocks:
-        inside[start : start + size] = True
-    numbers = np.random.default_rng(7)
-    structure, data = np.flatnonzero(~inside), np.flatnonzero(inside)
-    places = np.concatenate([numbers.choice(structure, 3 * flips // 4), numbers.choice(data, flips // 4)])
-    refused = 0
-    for place in places:
-        spoilt = bytearray(good)
-        spoilt[place] ^= 1 << int(numbers.integers(8))
-        path.write_bytes(spoilt)
-        try:
-            read = read_result(path)
-        except InputError as error:
-            assert str(path) in str(error)
-            refused += 1
-            continue
-        assert read.scene == sound.scene == plan.scene
-        for name in (*MOTION, *OPTIONAL):
-            np.testing.assert_array_equal(getattr(read, name), getattr(sound, name))
-        assert read.energies.keys() == sound.energies.keys()
-        for name in sound.energies:
-            np.testing.assert_array_equal(read.energies[name], sound.energies[name])
-    assert refused > flips // 5
-
-
-@pytest.mark.parametrize("model", ["fem", pytest.param("lagrange", marks=pytest.mark.slow)])
-def test_no_flipped_bit_of_a_checkpoint_goes_unnoticed(model, tmp_path):
-    path, scene = tmp_path / "run.nc", ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.4", f"model={model}")
-    plan = make_plan(read_scene(None, scene))
-    assert run_main([*OPTIONS, "--duration", "0.4", "--model", model, "--output", str(path)]) == 0
-    good = checkpoint_path(path).read_bytes()
-    sound, stored = load_checkpoint(path, plan)
-    numbers, refused = np.random.default_rng(8), 0
-    for place in numbers.integers(0, len(good), 300):
-        spoilt = bytearray(good)
-        spoilt[place] ^= 1 << int(numbers.integers(8))
-        checkpoint_path(path).write_bytes(spoilt)
-        try:
-            state, same = load_checkpoint(path, plan)
-        except UsageError as error:
-            assert str(checkpoint_path(path)) in str(error)
-            refused += 1
-            continue
-        assert same == stored and state.progress == sound.progress
-        (arrays, rest), (sound_arrays, sound_rest) = state.to_keep(), sound.to_keep()
-        assert rest == sound_rest
-        assert all(arrays[name].tobytes() == array.tobytes() for name, array in sound_arrays.items())
-    assert refused > 250

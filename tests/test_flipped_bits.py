@@ -1,0 +1,96 @@
+"""Clocks that jump change nothing, and no flipped bit of a file goes unnoticed."""
+
+import itertools
+
+import h5py
+import numpy as np
+import pytest
+
+from fem.cli import run_main
+from fem.errors import UsageError
+from fem.result.checkpoint import checkpoint_path, load_checkpoint
+from fem.result.layout import VARIABLES
+from fem.solver.simulate import make_plan
+from lagrange.scene import read_scene
+from residual.errors import InputError
+from residual.sources import MOTION, OPTIONAL, read_result
+from tests.reference.run_files import OPTIONS, SHORT, same_data
+
+
+@pytest.mark.parametrize("clock", ["back and forth", "an hour a look", "stands still"])
+def test_clocks_that_jump_change_nothing(clock, whole, tmp_path, monkeypatch):
+    """The hour set, a laptop asleep, a virtual machine moved: no sample, no end and no memory depend on it."""
+    numbers, now = np.random.default_rng(3), itertools.count()
+
+    def told():
+        if clock == "stands still":
+            return 5.0
+        return 3600.0 * next(now) if clock == "an hour a look" else float(numbers.uniform(-1e6, 1e6))
+
+    for name in ("time", "monotonic", "perf_counter"):
+        monkeypatch.setattr(f"time.{name}", told)
+    path = tmp_path / "run.nc"
+    assert run_main([*SHORT, "--output", str(path)]) == 0
+    assert same_data(path, whole)
+    assert load_checkpoint(path, make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=2"))))
+
+
+@pytest.mark.parametrize("flips", [100, pytest.param(1000, marks=pytest.mark.slow)])
+def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path, monkeypatch):
+    """Either the file is refused, or all that is read from it is what was written."""
+    monkeypatch.setattr("residual.sources.READ_SECONDS", 0.3)  # some bits send HDF5 round in circles
+    path, scene = tmp_path / "run.nc", ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.5")
+    plan = make_plan(read_scene(None, scene))
+    assert run_main([*OPTIONS, "--duration", "0.5", "--output", str(path)]) == 0
+    good, sound = path.read_bytes(), read_result(path)
+    with h5py.File(path) as file:
+        blocks = [(file[name].id.get_offset(), file[name].nbytes) for name in VARIABLES]
+    inside = np.zeros(len(good), dtype=bool)
+    for start, size in blocks:
+        inside[start : start + size] = True
+    numbers = np.random.default_rng(7)
+    structure, data = np.flatnonzero(~inside), np.flatnonzero(inside)
+    places = np.concatenate([numbers.choice(structure, 3 * flips // 4), numbers.choice(data, flips // 4)])
+    refused = 0
+    for place in places:
+        spoilt = bytearray(good)
+        spoilt[place] ^= 1 << int(numbers.integers(8))
+        path.write_bytes(spoilt)
+        try:
+            read = read_result(path)
+        except InputError as error:
+            assert str(path) in str(error)
+            refused += 1
+            continue
+        assert read.scene == sound.scene == plan.scene
+        for name in (*MOTION, *OPTIONAL):
+            np.testing.assert_array_equal(getattr(read, name), getattr(sound, name))
+        assert read.energies.keys() == sound.energies.keys()
+        for name in sound.energies:
+            np.testing.assert_array_equal(read.energies[name], sound.energies[name])
+    assert refused > flips // 5
+
+
+@pytest.mark.parametrize("model", ["fem", pytest.param("lagrange", marks=pytest.mark.slow)])
+def test_no_flipped_bit_of_a_checkpoint_goes_unnoticed(model, tmp_path):
+    path, scene = tmp_path / "run.nc", ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.4", f"model={model}")
+    plan = make_plan(read_scene(None, scene))
+    assert run_main([*OPTIONS, "--duration", "0.4", "--model", model, "--output", str(path)]) == 0
+    good = checkpoint_path(path).read_bytes()
+    sound, stored = load_checkpoint(path, plan)
+    numbers, refused = np.random.default_rng(8), 0
+    for place in numbers.integers(0, len(good), 300):
+        spoilt = bytearray(good)
+        spoilt[place] ^= 1 << int(numbers.integers(8))
+        checkpoint_path(path).write_bytes(spoilt)
+        try:
+            state, same = load_checkpoint(path, plan)
+        except UsageError as error:
+            assert str(checkpoint_path(path)) in str(error)
+            refused += 1
+            continue
+        assert same == stored and state.progress == sound.progress
+        (arrays, rest), (sound_arrays, sound_rest) = state.to_keep(), sound.to_keep()
+        assert rest == sound_rest
+        assert all(arrays[name].tobytes() == array.tobytes() for name, array in sound_arrays.items())
+    assert refused > 250

@@ -43,7 +43,8 @@ def hub_frequency(bearing: Bearing, operation: Operation) -> float:
     inner, outer = _stiffness(bearing, operation)
     preloaded = bearing.radial_clearance < -CLEARANCE * bearing.roller_radius
     share = 0.5 if preloaded else 0.25  # of all rollers' stiffness, along one direction
-    return sqrt(share * bearing.n_rollers / (1.0 / inner + 1.0 / outer) / operation.inner_mass) / (2.0 * pi)
+    in_series = inner * outer / (inner + outer) if inner + outer > 0.0 else 0.0  # soft laws without any load
+    return sqrt(share * bearing.n_rollers * in_series / operation.inner_mass) / (2.0 * pi)
 
 
 def _stiffness(bearing: Bearing, operation: Operation) -> tuple[float, float]:

@@ -243,6 +243,7 @@ def test_the_time_loop_sees_the_same_contact_forces():
     np.testing.assert_allclose(state.contacts.forces.force, wanted, rtol=0.0, atol=1e-6 * LOAD)
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 def test_the_time_loop_stays_in_static_equilibrium():
     dt = 1e-7
     state = copies(arrays(model(paper(), 2e-3), nothing_turns(), dt))

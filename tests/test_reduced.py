@@ -234,7 +234,7 @@ def test_what_it_cannot_do_is_refused_by_name(setting, word):
 
 
 def scene_with(tables: str, **numerics) -> ReducedPlan:
-    data = tomllib.loads(tables)
+    data, numerics = tomllib.loads(tables), {"output_interval_us": 10.0} | numerics
     return make_plan(parse_scene(data | {"model": "reduced", "numerics": numerics}, "scene"))
 
 

@@ -130,7 +130,8 @@ def runs(tmp_path_factory):
     paths = {}
     for name, settings in spalls.items():
         paths[name] = folder / f"{name}.nc"
-        options = [word for each in ("model=reduced", *settings) for word in ("--set", each)]
+        same = ("model=reduced", "numerics.output_interval_us=10")
+        options = [word for each in (*same, *settings) for word in ("--set", each)]
         duration = "300" if name in ("inner", "roller") else "150"
         assert run_main([*options, "--duration", duration, "--output", str(paths[name]), "--quiet"]) == 0
     return paths

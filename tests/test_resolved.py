@@ -134,6 +134,7 @@ def rolling_scene(model, friction, mesh_size, duration):
     )
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 @pytest.mark.parametrize("friction", [0.0, 0.1])
 def test_a_resolved_run_balances_its_energy(friction):
     kept = []

@@ -229,6 +229,7 @@ def test_a_rigid_inner_ring_is_the_hub():
     assert np.abs(error).max() < 0.1, "but for the slope of the deformed rollers"
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 def test_rigid_rollers_are_spun_up_by_friction():
     """Rollers that do not turn at first, under preload: each loses ½ I Ω² until it rolls, as solid cylinders do.
 

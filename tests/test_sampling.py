@@ -79,3 +79,8 @@ def test_an_nu_206_by_defaults_is_within_what_differentiation_errs_by(tmp_path):
     assert not any("false frequencies" in note for note in found.notes)
     for direction, floor in zip(found.directions, floor_newtons(found), strict=True):
         assert direction.balance.rms < floor
+
+
+def test_a_bearing_that_nothing_presses_keeps_ten_microseconds():
+    still = ("operation.speed_rpm=0", "operation.radial_load_N=0", "operation.gravity_m_s2=0")
+    assert interval(*still) == interval("bearing.clearance_um=20", *still) == 10.0

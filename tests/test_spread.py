@@ -158,6 +158,7 @@ def test_the_start_stands_still():
     np.testing.assert_allclose(found[1], wanted.outer_force, rtol=0.0, atol=1e-6 * LOAD)
 
 
+@pytest.mark.slow  # a time loop of its own to compile
 @pytest.mark.parametrize(("friction", "most"), [(0.0, 1e-5), (0.1, 2e-4)])
 def test_a_run_balances_its_energy(friction, most):
     """Forces are the gradient of one potential, and what opens and closes gives back what it took."""

@@ -135,8 +135,9 @@ def test_a_hub_in_free_flight_is_no_imbalance():
     scene = {
         "bearing": {"rollers": 5, "outer_raceway_diameter_mm": 56.2},
         "operation": {"speed_rpm": 0.0, "radial_load_N": 100.0, "inner_ring_and_shaft_kg": 0.05},
-        "numerics": {"start": "rest", "load_ramp_ms": 0.0, "mesh_size_mm": 2.2, "duration_ms": 1.0},
-    }
+        "numerics": {"start": "rest", "load_ramp_ms": 0.0, "mesh_size_mm": 2.2, "duration_ms": 1.0,
+                     "output_interval_us": 10.0},
+    }  # fmt: skip
     outcome = try_scene(SEED, 0, scene)
     assert outcome.ending == COMPLETE, outcome.what
     assert outcome.imbalance < 5e-4  # measured 2.5e-4: two steps from touch to 300 N

@@ -24,7 +24,7 @@ class Turns(NamedTuple):
     sine: np.ndarray
     shift_x: np.ndarray  # m/s, gained by the centre of mass through nodal forces, in the frame's axes
     shift_y: np.ndarray
-    swelling: np.ndarray | None  # kg m², filled as sums are: Σ m X·u; None: nobody asks
+    swelling: np.ndarray | None = None  # kg m², filled as sums are: Σ m X·u; None: nobody asks
 
 
 @part(inlined=False)

@@ -11,15 +11,11 @@ ENOUGH = 0.1  # s of the processor
 LONGEST_SAMPLE = 0.5  # s, of a sample that is tried
 
 
-class _NotCompiled(Exception):
-    """A function would have to be compiled."""
-
-
 class _Refusal(Listener):
     """Stops what begins to compile."""
 
     def on_start(self, event):
-        raise _NotCompiled
+        raise RunFailed("a function would have to be compiled")
 
     def on_end(self, event):
         pass
@@ -43,7 +39,7 @@ def seconds_by_trial(plan: Plan) -> float | None:
             while state.done < plan.n_samples and state.processor - before < ENOUGH:
                 state.advance(min(size, plan.n_samples - state.done))
                 size = min(2 * size, LARGEST_BLOCK)
-    except (_NotCompiled, RunFailed):
+    except RunFailed:
         return None
     taken = state.done - warm
     return (state.processor - before) / taken * (plan.n_samples - 1) if taken > 0 and state.processor > before else None

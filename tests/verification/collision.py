@@ -56,7 +56,7 @@ def collide(velocities, mesh_size=1e-3, friction=0.0, spins=(0.0, 0.0), courant=
     """
     whole = model(WIDE, mesh_size)
     dt = courant * critical_time_step(whole, LARGEST_FORCE)
-    state = make_arrays(whole, NOTHING_ACTS, rest_start(whole, NOTHING_ACTS), dt, friction, 0.0, LARGEST_FORCE, 1)
+    state = make_arrays(whole, NOTHING_ACTS, rest_start(whole, NOTHING_ACTS), dt, friction, 0.0, LARGEST_FORCE)
     rollers, disc = state.bodies.rollers, state.bodies.disc
     field = disc.w.reshape(disc.mass.size, 2, rollers.columns)
     points = disc.points.reshape(-1, 2)

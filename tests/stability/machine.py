@@ -37,7 +37,10 @@ MODELS = ("lagrange", "reduced", "fem")
 SHARES = 0.4, 0.4, 0.2
 DURATION = 5.0  # ms
 SUM = 1e-9  # of the load, or of the largest term: what the checker's terms may miss of its errors
-BALANCE = 1e-6  # of the largest force: what rigid bodies' momentum may miss at a sample, for round-off of positions
+BALANCE = {  # of the largest force: what the hub's momentum may miss at a sample
+    "lagrange": 1e-6,  # round-off of positions
+    "reduced": 1e-3,  # kicks are means over a step; where shocks are shorter than it can follow the run says so
+}
 STATIC = 1e-6  # of the load, what the first sample's forces may miss of it
 TIME_LIMIT = 300.0  # s of wall time, of one scene on a busy machine
 ENDINGS = {0: COMPLETE, 1: STOPPED, 2: REFUSED}
@@ -157,7 +160,8 @@ def faults_of(path: Path) -> list[str]:
         if not missed <= SUM * load:
             found.append(f"error_{direction.name} is {missed:.2g} N off the sum of its terms")
         missed = float(np.max(np.abs(budget.terms["ring_flexibility"])))
-        if record.scene.model != "fem" and not missed <= BALANCE * load:
+        told = any("within one vibration" in note for note in record.notes)
+        if record.scene.model in BALANCE and not told and not missed <= BALANCE[record.scene.model] * load:
             found.append(f"the momentum balance in {direction.name} is {missed:.2g} N off, of {load:.3g} N")
     return found + _unstatic(record)
 
@@ -212,6 +216,9 @@ def _unstatic(record: Record) -> list[str]:
         rho = brentq(lambda rho: outward(rho)[0], low, high, xtol=1e-16)
         place = np.array([rho * np.cos(angle) - x, rho * np.sin(angle) - y])
         pushes -= outward(rho)[1] * place / np.hypot(*place)
+    shaft = operation.mounting.shaft
+    if shaft is not None:
+        pushes -= shaft.stiffness * np.array(record.hub)[:, 0]
     wanted = [-operation.side_load, operation.radial_load + operation.inner_mass * operation.gravity]
     missed, load = float(np.max(np.abs(pushes - wanted))), max(float(np.max(np.abs(wanted))), 1.0)
     return [f"the start is no equilibrium: {missed:.2g} N of {load:.3g} N"] if not missed <= STATIC * load else []

@@ -14,6 +14,7 @@ import pytest
 from fem.cli import run_main
 from fem.render_cli import render_main
 from fem.result.layout import VARIABLES
+from fem.solver.simulate import make_plan
 from lagrange import contact_laws, simulate
 from lagrange.scene import read_scene
 from residual.cli import main as check_main
@@ -272,3 +273,11 @@ def test_a_law_measured_on_steel_is_warned_of_on_other_materials(tmp_path, capsy
     assert not any("310 GPa" in note for note in evaluate(read_result(path), "johnson").notes)
     assert run(path, "--duration", "1", "--quiet", ceramic, "lagrange.law=johnson") == 0
     assert capsys.readouterr().err == ""
+
+
+def test_an_energy_that_has_gone_astray_is_told_of():
+    state = make_plan(read_scene(None, ("model=lagrange",))).first_state()
+    state.imbalance = 0.0099
+    assert state.cautions == ()
+    state.imbalance = -0.026
+    assert "off by 2.6 %" in state.cautions[0] and state.cautions[0] in state.outcome_attributes["warnings"]

@@ -23,7 +23,7 @@ from lagrange.mounting import HELD
 from lagrange.problem import Problem
 from lagrange.raceway_laws import caution
 from lagrange.scene import Scene
-from lagrange.simulate import Simulation, Verdict
+from lagrange.simulate import ENERGY_TOLERANCE, Simulation, Verdict
 from lagrange.spall_events import interval_caution
 from lagrange.step_size import critical_time_step, steps_per_sample
 
@@ -223,6 +223,17 @@ class LagrangianState(RunState):
             | ({} if part.cage is None else {f"cage_{name}": value for name, value in vars(part.cage).items()}),
             imbalance=part.energy_error,
             exchanged=exchanged,
+        )
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """On an energy that is off by much of what is exchanged, if by little of all that was passed on."""
+        if abs(self.imbalance) <= ENERGY_TOLERANCE:
+            return ()
+        return (
+            f"the energy is off by {100.0 * abs(self.imbalance):.2g} % of the largest that was exchanged: impacts and "
+            f"dampers are short beside the step of {1e6 * self._simulation.time_step:.3g} µs; "
+            "single impacts are no better",
         )
 
     @property

@@ -29,6 +29,7 @@ from residual.sources import read_result
 from tests.reference.bearings import LENGTH, STEEL
 from tests.reference.fitted_ring import pressed_ring, ring_with_play
 from tests.reference.free_vibration import ring_frequency
+from tests.reference.going_on import assert_same_bits, rest_of_run
 from tests.reference.synthetic_run import make_run, run_variables, write_result
 from tests.test_housing import drive
 from tests.test_points import FINE, INNER, OUTER, free_modes, outer_ring, pinched, thin_ring
@@ -357,13 +358,5 @@ def test_a_housing_with_play_carries_what_its_bore_carries():
 @pytest.mark.slow
 def test_a_run_in_a_bore_goes_on_bit_for_bit():
     plan = make_plan(parse_scene({"support": {"kind": "bore", "fit_clearance_um": 20.0}, "numerics": NUMERICS}, ""))
-    whole, first, second = plan.first_state(), plan.first_state(), plan.first_state()
-    straight = [whole.advance(10) for _ in range(4)]
-    early = [first.advance(10) for _ in range(2)]
-    kept, numbers = first.to_keep()
-    second.done = first.done
-    second.take_back({name: array.copy() for name, array in kept.items()}, numbers)
-    late = [second.advance(10) for _ in range(2)]
-    for one, other in zip(straight, early + late, strict=True):
-        for name, values in one.samples.values.items():
-            np.testing.assert_array_equal(values, other.samples.values[name])
+    expected, found = rest_of_run(plan, 20, 20)
+    assert_same_bits(found, expected)

@@ -6,6 +6,7 @@ import pytest
 from fem.solver.simulate import make_plan
 from lagrange.scene import parse_scene
 from tests.accuracy.cage import FRICTION, HEAVY_HUB, PRELOADED, STIFF_POCKETS, caged
+from tests.reference.going_on import assert_same_bits, rest_of_run
 
 pytestmark = pytest.mark.slow  # each compiles a time loop
 GUIDED = {"guidance": "inner_ring", "guidance_clearance_mm": 0.05, "pocket_clearance_mm": 0.1, "drag_torque_N_m": 0.5}
@@ -87,13 +88,6 @@ def test_many_rollers_under_light_load_slip_more_than_loaded_ones():
 def test_a_run_with_a_cage_goes_on_bit_for_bit(model):
     scene = parse_scene({"model": model, "cage": GUIDED, "numerics": {"duration_ms": 2.0, **COARSE}}, "scene")
     plan = make_plan(scene)
-    whole, half, later = (plan.first_state() for _ in range(3))
-    expected = [whole.advance(100).samples, whole.advance(101).samples][1]
-    half.advance(100)
-    arrays, numbers = half.to_keep()
-    later.done = half.done
-    later.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
-    found = later.advance(101).samples
+    expected, found = rest_of_run(plan, 100, 101)
     assert np.ptp(expected["cage_x"]) > 0.0
-    for name in expected.values:
-        np.testing.assert_array_equal(found[name], expected[name], err_msg=name)
+    assert_same_bits(found, expected)

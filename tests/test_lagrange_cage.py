@@ -13,6 +13,7 @@ from lagrange.problem import Problem
 from lagrange.scene import Scene, parse_scene
 from lagrange.simulate import Simulation
 from tests.accuracy.cage import caged
+from tests.reference.going_on import assert_same_bits, rest_of_run
 
 FREE = {"angles": "free"}
 GUIDED = {"guidance": "inner_ring", "guidance_clearance_mm": 0.05, "pocket_clearance_mm": 0.1}
@@ -118,13 +119,6 @@ def test_a_free_cage_goes_on_bit_for_bit():
         "numerics": {"duration_ms": 2.0},
     }
     plan = make_plan(parse_scene(tables, "scene"))
-    whole, half, later = (plan.first_state() for _ in range(3))
-    expected = [whole.advance(100).samples, whole.advance(101).samples][1]
-    half.advance(100)
-    arrays, numbers = half.to_keep()
-    later.done = half.done
-    later.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
-    found = later.advance(101).samples
+    expected, found = rest_of_run(plan, 100, 101)
     assert np.abs(expected.values["cage_force"]).max() > 1.0
-    for name in expected.values:
-        np.testing.assert_array_equal(found.values[name], expected.values[name], err_msg=name)
+    assert_same_bits(found, expected)

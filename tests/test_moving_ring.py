@@ -20,6 +20,7 @@ from lagrange.scene import Scene, SceneError, parse_scene, read_scene
 from lagrange.simulate import Simulation
 from residual.evaluation import evaluate
 from residual.record import relative
+from tests.reference.going_on import assert_same_bits, rest_of_run
 from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with
 from tests.test_housing import PEDESTAL, ring_down
 from tests.test_lagrange_surfaces import wavy
@@ -250,15 +251,8 @@ def test_a_reduced_run_goes_on_where_it_was_kept():
               "shaft_damping_N_s_m": 300.0}, "damping": {"contact_N_s_m": 200.0}}  # fmt: skip
     numerics = {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2}
     plan = make_plan(parse_scene({"model": "reduced", "numerics": numerics} | tables, ""))
-    whole, first, second = (plan.first_state() for _ in range(3))
-    rows = [whole.advance(20).samples, whole.advance(10).samples]
-    first.advance(20)
-    arrays, numbers = first.to_keep()
-    second.done = first.done
-    second.take_back({name: array.copy() for name, array in arrays.items()}, numbers)
-    again = second.advance(10).samples
-    for name in again.values:
-        np.testing.assert_array_equal(again[name], rows[1][name], err_msg=name)
+    expected, found = rest_of_run(plan, 20, 10)
+    assert_same_bits(found, expected)
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ from lagrange.scene import Scene, SceneError, parse_scene_text, read_scene
 from lagrange.scene_operation import RPM
 from residual.evaluation import evaluate
 from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with
+from tests.reference.unloaded_stiffness import stiffness_without_load
 
 TURNING = ("operation.unbalance_g_mm=50", "operation.unbalance_deg=20", "operation.rotating_load_N=100")
 
@@ -181,9 +182,7 @@ def test_an_unbalance_drives_a_circle():
     ))  # fmt: skip
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
     force, laws = 20e-6 * operation.speed**2, contact_laws("harris", bearing)
-    still = replace(operation, course=None, radial_load=0.0, side_load=0.0)
-    hub = [static_equilibrium(bearing, replace(still, side_load=push), laws).x for push in (-force, force)]
-    stiffness, inertia = 2.0 * force / (hub[1] - hub[0]), 5.0 * operation.speed**2
+    stiffness, inertia = stiffness_without_load(bearing, operation, laws, force), 5.0 * operation.speed**2
     assert 0.05 < inertia / stiffness < 0.1
     run = solved(scene, 2 * 60.0 / 40000)
     window = np.sin(np.pi * run.time / run.time[-1]) ** 2

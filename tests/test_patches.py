@@ -105,6 +105,13 @@ def some_patches():
     )  # fmt: skip
 
 
+def readings(surface, at):
+    """What contacts read of a surface at angles, (8,): its displacement, sideways, their rates and ripple, (5, 8)."""
+    out = np.zeros((5, 8))
+    read_group(surface, some_patches(), np.cos(at), np.sin(at), out)
+    return out
+
+
 def test_kernels_and_matrices_use_the_same_roller_patches():
     body = disc(RADIUS, 3)
     u = np.random.default_rng(1).standard_normal((body.n_nodes, 2, COLUMNS))
@@ -115,14 +122,10 @@ def test_kernels_and_matrices_use_the_same_roller_patches():
         n_nodes=body.shape.surface_nodes, columns=COLUMNS, radius=RADIUS,
     )  # fmt: skip
 
-    def read(at):
-        out = np.zeros((5, 8))
-        read_group(surface, some_patches(), np.cos(at), np.sin(at), out)
-        return out
-
-    out, side, rate, ripple, ripple_rate = read(ANGLES)
     step = 1e-6
-    ahead, behind = read(ANGLES + step), read(ANGLES - step)
+    (out, side, rate, ripple, ripple_rate), ahead, behind = (
+        readings(surface, ANGLES + turn) for turn in (0.0, step, -step)
+    )
     for j, angle in enumerate(ANGLES):
         mine = u[:, :, GROUP + j].ravel()
         along = disc_patch_force(body, angle)
@@ -147,14 +150,10 @@ def test_kernels_and_matrices_use_the_same_ring_patches():
         row=body.raceway_row, n_nodes=56, node_mass=1.0, radius=0.018,
     )  # fmt: skip
 
-    def read(at):
-        out = np.zeros((5, 8))
-        read_group(surface, some_patches(), np.cos(at), np.sin(at), out)
-        return out
-
-    out, side, rate, ripple, ripple_rate = read(ANGLES)
     step = 1e-6
-    ahead, behind = read(ANGLES + step), read(ANGLES - step)
+    (out, side, rate, ripple, ripple_rate), ahead, behind = (
+        readings(surface, ANGLES + turn) for turn in (0.0, step, -step)
+    )
     for j, angle in enumerate(ANGLES):
         along = ring_patch_force(body, angle)
         assert out[j] == pytest.approx(np.vdot(along, u), abs=1e-13)

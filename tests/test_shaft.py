@@ -24,6 +24,7 @@ from lagrange.raceway_laws import ContactLaws
 from lagrange.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
 from residual.evaluation import evaluate
 from tests.reference.operation_tables import record_of
+from tests.reference.unloaded_stiffness import stiffness_without_load
 from tests.test_housing import drive, ring_down
 from tests.test_lagrangian_steps import assert_same_within_the_step_s_error
 
@@ -153,9 +154,7 @@ def test_an_unbalance_drives_a_circle_on_bearing_and_shaft():
     ))  # fmt: skip
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
     force, laws = 20e-6 * operation.speed**2, contact_laws("harris", bearing)
-    still = replace(operation, course=None, radial_load=0.0, side_load=0.0)
-    hub = [static_equilibrium(bearing, replace(still, side_load=push), laws).x for push in (-force, force)]
-    stiffness, inertia = 2.0 * force / (hub[1] - hub[0]), 5.0 * operation.speed**2
+    stiffness, inertia = stiffness_without_load(bearing, operation, laws, force), 5.0 * operation.speed**2
     assert stiffness > 1.2 * STIFFNESS and inertia / stiffness > 0.04
     run = simulate(bearing, operation, laws, 2 * 60.0 / 40000, 2e-5)
     window = np.sin(np.pi * run.time / run.time[-1]) ** 2

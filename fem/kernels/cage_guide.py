@@ -114,3 +114,12 @@ def guide_force(guide):
 @part
 def guide_squared(guide):
     return 0.0 if guide is None else guide.force[0] ** 2
+
+
+@part
+def push_ring_as_a_whole(ring):
+    """The guiding ring's velocity by what the guide has given it, where it has no mesh that is kicked."""
+    if ring is not None:
+        for k in range(2):
+            ring.velocity[k] += ring.impulse[k] / ring.mass
+            ring.impulse[k] = 0.0

@@ -6,6 +6,7 @@ shaft's, those who prescribe it give back (`IdealMotion.works`, HELD).
 
 from typing import NamedTuple
 
+from fem.kernels.cage_guide import push_ring_as_a_whole
 from fem.kernels.cage_kernels import end_works, find_contacts, rub, turn_guide
 from fem.kernels.jit import part
 from fem.kernels.other_bodies import drift_body, kick_body
@@ -38,16 +39,8 @@ def kick_cage(pair, gravity, dt):
             for j in range(riders.n):
                 riders.velocity[k, j] += riders.body_impulse[k, j] * over
                 riders.body_impulse[k, j] = 0.0
-        _push_hub(pair.ring)
+        push_ring_as_a_whole(pair.ring)
         kick_body(pair.cage, CageDrive(gravity, dt))
-
-
-@part
-def _push_hub(ring):
-    if ring is not None:
-        for k in range(2):
-            ring.velocity[k] += ring.impulse[k] / ring.mass
-            ring.impulse[k] = 0.0
 
 
 @part

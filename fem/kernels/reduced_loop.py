@@ -1,5 +1,6 @@
 """The time loop of the reduced model: leapfrog steps of rigid bodies on elastic contacts without mass."""
 
+from fem.kernels.cage_guide import push_ring_as_a_whole
 from fem.kernels.cage_kernels import meet, rub, turn_guide
 from fem.kernels.course_kernels import (
     FORCE_X,
@@ -184,21 +185,13 @@ def _push_cage(cage, bodies, drive):
         for j in range(bodies.n):
             bodies.velocity[component, j] += riders.body_impulse[component, j] * over
             riders.body_impulse[component, j] = 0.0
-    _push_hub(cage.ring)
+    push_ring_as_a_whole(cage.ring)
     kick_body(cage.cage, drive)
     rub(cage, drive.dt)
     for j in range(bodies.n):
         bodies.spin[j] += riders.turn_kick[j]
         riders.turn_kick[j] = 0.0
     _turn_drive(cage.ring, drive)
-
-
-@part
-def _push_hub(ring):
-    if ring is not None:
-        for i in range(2):
-            ring.velocity[i] += ring.impulse[i] / ring.mass
-            ring.impulse[i] = 0.0
 
 
 @part

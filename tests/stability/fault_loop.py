@@ -97,7 +97,7 @@ def calls_of(log: Path, kind: str, mine: str) -> list[int]:
         arguments = match[3].split("AT_FDCWD", 1)[-1]
         path = re.sub(r"^<[^>]*>", "", arguments)  # the current folder is not what is opened
         if kind == "memory":
-            if "MAP_ANONYMOUS" in arguments:
+            if "MAP_ANONYMOUS" in arguments and "MAP_FIXED" not in arguments:  # which the loader of libraries asks for
                 found.append(number)
             continue
         named = re.search(r'"([^"]*)"', path) if kind in ("open", "rename", "removal") else None
@@ -164,7 +164,9 @@ class Loop:
         calls, error = CALLS[kind]
         log = desk.folder / "strace.log"
         inject = f"inject={','.join(calls)}:error={error}:when={number}"
-        traced = ["-f", "-qq", "-o", str(log), "-e", f"trace={','.join(calls)}", "-e", inject]
+        # a pipe between a child and its parent is on no disk: of writes those of the command itself
+        every = [] if kind == "write" else ["-f"]
+        traced = [*every, "-qq", "-o", str(log), "-e", f"trace={','.join(calls)}", "-e", inject]
         done = desk.run(COMMANDS[self.name], traced)
         if done.code is None:
             return -1, "hangs"

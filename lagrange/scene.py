@@ -19,6 +19,7 @@ from lagrange.cage import Cage
 from lagrange.catalogue import designations, inner_ring_and_shaft
 from lagrange.film import films
 from lagrange.mounting import Mounting
+from lagrange.plain_files import read_text
 from lagrange.sampling import fitting_interval
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_cage import CageTable
@@ -40,7 +41,6 @@ from lagrange.scene_support import SensorTable, SupportTable
 from lagrange.scene_surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
 from lagrange.scene_text import LONGEST_TEXT, apply_override, load, set_key
 
-MOST_FAULTS = 15  # told at once: a file that is no scene may have thousands
 MM = 1e-3
 FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
 MOST_TABLES = 200  # of one array
@@ -248,12 +248,11 @@ def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) 
     if path is not None:
         name = str(path)
         try:
-            with open(path, "rb") as file:
-                data = load(file.read(LONGEST_TEXT + 1).decode("utf-8-sig"), name)
-        except OSError as error:
-            raise SceneError(f"{name}: can't be read: {error.strerror}") from None
-        except UnicodeDecodeError as error:
-            raise SceneError(f"{name}: not UTF-8 text (byte {error.start}); is it a scene file?") from None
+            text = read_text(path, LONGEST_TEXT)
+        except ValueError as error:
+            hint = "" if "can't be read" in str(error) else "; is it a scene file?"
+            raise SceneError(f"{name}: {error}{hint}") from None
+        data = load(text, name)
     for override in overrides:
         apply_override(data, override)
     with _refused(name):
@@ -289,8 +288,4 @@ def parse_scene(data: dict[str, Any], name: str) -> Scene:
     try:
         return Scene.model_validate(data)
     except ValidationError as error:
-        faults = all_faults(error, Scene, data)
-        lines = [f"{name}: {fault}" for fault in faults[:MOST_FAULTS]]
-        if len(faults) > MOST_FAULTS:
-            lines.append(f"{name}: and {len(faults) - MOST_FAULTS} more")
-        raise SceneError("\n".join(lines)) from None
+        raise SceneError("\n".join(f"{name}: {fault}" for fault in all_faults(error, Scene, data))) from None

@@ -161,7 +161,7 @@ BAD_SCENES = {
     "zeros": scene(bytes(100), "TOML"),
     "arrays without end": scene(f"name = {'[' * 100_000}", "nested"),
     "tables without end": scene(f"{'a.' * 5000}b = 1", "a"),
-    "a million spaces": scene(" " * 2**21, "longer than"),
+    "a million spaces": scene(" " * 2**21, "larger than 1 MiB"),
     "name that leads elsewhere": scene("name = '../evil'", "name = '../evil'", "pattern"),
     "name of a root folder": scene("name = '/etc/passwd'", "name = '/etc/passwd'"),
     "name without letters": scene("name = ''", "name = ''"),

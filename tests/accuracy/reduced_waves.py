@@ -25,7 +25,7 @@ RATTLING = {
 }
 BANDED = {  # scene: settings, ms; of a shock only what comes before paths go apart
     "load grown in 50 µs": (("numerics.start=rest", "numerics.load_ramp_ms=0.05"), 2.0),
-    "steady": ((), 5.0),
+    "steady": ((), 10.0),
 }
 FINEST_MM = 0.25
 FINER = "finite elements, 0.5 mm"

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 TIME = "time_ms"
 FEWEST_POINTS = 2
 SHORTEST = 1e-3  # ms, between two points: some time steps of the finite elements
+SLOWEST = 1e-12  # m/s, of the inner raceway: slower ones stand; no time is long enough to look ahead of them
 LONGEST_LOOK = 1e-4  # s, ahead and back from the start of a run, for rates: a shaft that hardly turns takes long
 STEEPEST = 1.25  # of the straight lines on either side; see above
 

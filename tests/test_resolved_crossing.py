@@ -10,7 +10,8 @@ from lagrange.pair import contact_pairs
 from lagrange.scene import Scene
 from tests.reference.disc_impact import thrown_at_flat
 from tests.reference.modal_bodies import Body
-from tests.reference.resolved_crossing import DOWN, FINE, Crossing, Run, Surface, crossing, roller_body, surface
+from tests.reference.resolved_bodies import DOWN, FINE, Surface, roller_body, surface
+from tests.reference.resolved_crossing import Crossing, Run, crossing
 
 PAPER = Scene().ideal_bearing()
 COARSE = replace(FINE, raceway=13e-6, roller=9e-6, far_roller=0.8e-3, far=1.5e-3, cutoff=1e5)

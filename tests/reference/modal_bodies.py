@@ -64,8 +64,7 @@ def body(
         free[held(x)] = False
     rim[basis.get_dofs(mesh.boundary_facets()).all()] = True
     at = rim & touched(x)
-    first, second = (k[np.lexsort(np.round(x[:, k], 12))] for k in (np.flatnonzero(at & along_x),
-                                                                    np.flatnonzero(at & ~along_x)))  # fmt: skip
+    first, second = (k[np.lexsort(np.round(x[:, k], 12))] for k in map(np.flatnonzero, (at & along_x, at & ~along_x)))
     contact = (np.cumsum(free) - 1)[np.stack([first, second], axis=1)].ravel()
     K, M = K[free][:, free].tocsc(), M[free][:, free].tocsc()
     unit = np.stack([along_x, ~along_x], axis=1).astype(float)[free]
@@ -74,10 +73,7 @@ def body(
     factor = splu(
         (K + SHIFT * M).tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )
-    area = 0.5 * float(
-        np.sum(np.abs(np.linalg.det((mesh.p[:, mesh.t[1:]] - mesh.p[:, mesh.t[:1]]).transpose(2, 0, 1))))
-    )
-    omega, modes = _modes(K, M, factor, 2.0 * pi * cutoff, area, material)
+    omega, modes = _modes(K, M, factor, 2.0 * pi * cutoff, float(basis.dx.sum()), material)
     return Body(
         points=x[:, first].T.copy(),
         omega=omega,

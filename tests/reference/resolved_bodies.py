@@ -26,7 +26,7 @@ class Fineness:
     roller: float = 4e-6  # finer than what it rolls on: the rings' nodes meet it anywhere between its own
     far_roller: float = 0.4e-3
     far: float = 1.0e-3
-    cutoff: float = 1e6  # Hz, of modes
+    cutoff: float = 0.7e6  # Hz, of modes
 
 
 FINE = Fineness()

@@ -42,6 +42,7 @@ from lagrange.scene_surfaces import SURFACES, ProfileTable, SpallTable, UnequalR
 from lagrange.scene_text import LONGEST_TEXT, apply_override, load, set_key
 
 MM = 1e-3
+CONTENTS = ("content", "speed_table_content", "load_table_content")  # texts of files, in the tables that name them
 FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
 MOST_TABLES = 200  # of one array
 
@@ -204,9 +205,7 @@ class Scene(Table):
         ------
         SceneError: an unknown key or an impossible value; a file, which only the reader of a scene puts in its place.
         """
-        data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
-        for table in data.get("profile", []):
-            table.pop("content", None)
+        data = self._as_written()
         for key, value in changes.items():
             if key.rpartition(".")[2] in FILE_KEYS:
                 raise SceneError(f"{key}: files of a scene can't be varied; write a scene for each file")
@@ -214,6 +213,18 @@ class Scene(Table):
         with _refused(self.name):
             content_of(data, self.files)
         return parse_scene(data, self.name)
+
+    def _as_written(self) -> dict[str, Any]:
+        """The tables before they were completed, without the texts of the files that they name."""
+        data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
+        for table in (*data.get("profile", []), data.get("operation", {})):
+            for key in CONTENTS:
+                table.pop(key, None)
+        return data
+
+    def to_written_toml(self) -> str:
+        """TOML of the scene as it was written, of which `parse_scene_text` makes one that can be varied as this one."""
+        return tomli_w.dumps(self._as_written())
 
     def to_toml(self) -> str:
         """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.

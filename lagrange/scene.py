@@ -26,7 +26,7 @@ from lagrange.scene_cage import CageTable
 from lagrange.scene_columns import Columns
 from lagrange.scene_combinations import COMBINATIONS
 from lagrange.scene_damping import DampingTable, with_former_name
-from lagrange.scene_faults import Check, SceneError, Table, all_faults, printable
+from lagrange.scene_faults import Check, SceneError, Table, all_faults, likely_of, printable
 from lagrange.scene_files import content_in_place, content_of
 from lagrange.scene_lubricant import LubricantTable
 from lagrange.scene_operation import OperationTable
@@ -247,6 +247,13 @@ def _plain(value: Any) -> Any:
     return value.model_dump(exclude_unset=True) if isinstance(value, Table) else deepcopy(value)
 
 
+def _at_hand(path: Path) -> str:
+    """What to take instead of a scene file that is not there."""
+    scenes = {each.stem: each for each in path.parent.glob("*.toml")} if path.parent.is_dir() else {}
+    likely = likely_of(path.stem, scenes)
+    return f"did you mean {scenes[likely]}?" if likely else "run-fem --example NU206 writes one to begin with"
+
+
 def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) -> Scene:
     """The scene of a TOML file (None: the paper's), with `table.key=value` overrides put on top.
 
@@ -261,6 +268,8 @@ def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) 
         try:
             text = read_text(path, LONGEST_TEXT)
         except ValueError as error:
+            if not Path(path).exists():
+                raise SceneError(f"{name}: no such file; {_at_hand(Path(path))}") from None
             hint = "" if "can't be read" in str(error) else "; is it a scene file?"
             raise SceneError(f"{name}: {error}{hint}") from None
         data = load(text, name)

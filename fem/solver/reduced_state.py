@@ -118,9 +118,9 @@ class ReducedState(RowState):
         modes = f"reduced.modes_up_to_kHz = {ceil(0.1e-3 * needed) * 10}, or " if alone else ""
         return (
             *found,
-            f"contact forces have changed by {self.shock:.2g} times the largest within one vibration of the bodies: "
-            "elastic waves, which the reduced model lacks but for the modes it is given, take part, and forces may be "
-            f'off by {off}; where they matter take {modes}model = "fem"',
+            f"contact forces have changed by {100.0 * self.shock:.0f} % of the largest within one vibration of the "
+            "bodies: elastic waves, which the reduced model lacks but for the modes it is given, take part, and forces "
+            f'may be off by {off}; where they matter take {modes}model = "fem"',
         )
 
     @property

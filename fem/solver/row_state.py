@@ -8,11 +8,11 @@ import numpy as np
 from fem.errors import UsageError
 from fem.kernels.ending import DONE
 from fem.solver.cage_arrays import row_width
-from fem.solver.cautions import largest_forces, run_cautions
 from fem.solver.guards import energy_trouble, good_rows, n_balanced, n_in_place, place_trouble, velocity_trouble
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
 from fem.solver.solver import Block, Numbers, Plan, RunState
+from fem.solver.wide_contacts import largest_forces, run_cautions
 
 LONGEST_UNWATCHED = 100  # steps between two looks at the energy
 

@@ -168,7 +168,7 @@ def _facts(points: Points) -> dict[str, Any]:
         "name": study.name,
         "study": study.text,
         "listed": study.listed,
-        "scene": study.scene.to_toml(),
+        "scene": study.scene.to_written_toml(),
         "files": study.scene.files,
         "keys": design.keys,
         "points": design.points,

@@ -26,7 +26,6 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-import h5py
 import numpy as np
 from cyclopts import App
 from rich.console import Console
@@ -34,6 +33,7 @@ from rich.console import Console
 from fem.kernels.kernel_folder import cache_folder
 from tests.pages import markdown_table
 from tests.stability import forked
+from tests.stability.samples import differing, samples_of
 
 EXITS = {0, 1, 2, 130, 143}
 TIME_LIMIT = 120.0  # s of wall time, of one trial
@@ -105,23 +105,6 @@ def calls_of(log: Path, kind: str, mine: str) -> list[int]:
         if mine in place and "site-packages" not in place:
             found.append(number)
     return found
-
-
-def samples_of(path: Path) -> dict[str, np.ndarray]:
-    """All committed samples of a result, and what it knows of its run; the times of day are no part of them."""
-    with h5py.File(path) as file:
-        count = int(file.attrs["committed_samples"])
-        known = {name: np.asarray(file.attrs[name]) for name in ("status", "committed_samples")}
-        return known | {name: value[:count] for name, value in file.items() if isinstance(value, h5py.Dataset)}
-
-
-def differing(found: dict[str, np.ndarray], whole: dict[str, np.ndarray]) -> list[str]:
-    """Names of the variables whose samples are not the first ones of the whole run's."""
-    counts = len(found["time"]), len(whole["time"])
-    names = found.keys() & whole.keys() - {"status", "committed_samples"}
-    same = found.keys() == whole.keys() and counts[0] <= counts[1]
-    other = [name for name in names if found[name].tobytes() != whole[name][: len(found[name])].tobytes()]
-    return sorted(other) if same else ["another set of variables or samples"]
 
 
 def state_of(folder: Path) -> str:

@@ -24,6 +24,19 @@ def test_energy_balances_with_a_cage(model, limit, cage):
     assert 0.0 < lost < found.values["work_dissipated"][-1]
 
 
+@pytest.mark.parametrize(("speed", "limit"), [(1000.0, 1e-7), (20000.0, 1e-4)])
+def test_the_first_kicks_give_what_contacts_press_with(speed, limit):
+    """In equilibrium, of the largest force: no contact owes energy before the first step."""
+    operation, numerics = {"speed_rpm": speed}, {"output_interval_us": 1.0, "duration_ms": 0.1}
+    state = make_plan(
+        parse_scene({"model": "reduced", "cage": {}, "operation": operation, "numerics": numerics}, "")
+    ).first_state()
+    for _ in range(6):
+        state.advance(1)
+        forces = state.forces
+        assert np.abs(forces.kick[:2] - forces.force[:2]).max() < limit * forces.force.max()
+
+
 def test_rollers_keep_their_distance_within_the_clearance_and_the_cage_turns_with_them():
     found = caged("reduced", 340.0, {"pocket_clearance_mm": 0.1})
     deepest = np.hypot(found.values["cage_force"], found.values["cage_radial_force"]).max() / 1e8  # m, into walls

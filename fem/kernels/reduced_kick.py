@@ -141,7 +141,8 @@ def _note_ahead(before, forces, at, ahead, P):
     if before is not None:
         last = at + before.size // 2
         beyond = P - load(forces.estimate, at)
-        owed = 0.5 * (beyond + load(before, last)) * (ahead - load(before, at))
+        further = ahead - load(before, at)
+        owed = select(further != further, 0.0, 0.5 * (beyond + load(before, last)) * further)
         store(forces.residual, at, load(forces.residual, at) + owed)
         store(before, at, ahead)
         store(before, last, beyond)

@@ -285,7 +285,7 @@ def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         taken=None if plan.model.modes is None else np.zeros((2, 2, columns)),
         halo=halo,
         dampers=_dampers(plan.scene.damping.contacts, columns),
-        ahead=None if plan.scene.cage is None else np.zeros((2, 2, columns)),
+        ahead=None if plan.scene.cage is None else np.full((2, 2, columns), np.nan),
     )
     for row, force in ((INNER, start.inner_force), (OUTER, start.outer_force)):
         found.force[row, :n] = force

@@ -158,16 +158,6 @@ def _cage(scene: "Scene") -> Iterator[str]:
                 '[cage]: not with lagrange.angles = "free" in a housing that moves; take "kinematic" angles, another '
                 "model, or leave one of the tables out"
             )
-        if scene.cage.guidance == "outer_ring" and scene.mounting().housing is not None:
-            yield (
-                'cage.guidance = "outer_ring": not in a housing that moves; take "rollers" or "inner_ring", or '
-                "leave [support] out"
-            )
-        if scene.cage.guidance == "inner_ring" and scene.operation.speed_table is not None:
-            yield (
-                f'cage.guidance = "inner_ring": only at a steady speed, not with operation.speed_table = '
-                f'"{scene.operation.speed_table}"; take "rollers" or "outer_ring"'
-            )
 
 
 def _courses(scene: "Scene") -> Iterator[str]:

@@ -151,6 +151,8 @@ class ReducedState(RowState):
             found |= {f"{place}.{name}": getattr(modes, name) for name in ("amplitude", "rate", "before")}
         if self.bodies.cage is not None:
             found |= changing_arrays(self.bodies.cage.cage, "cage")
+            if self.bodies.cage.ring is not None:
+                found["guide.speed"] = self.bodies.cage.ring.speed
         if self.bodies.housing is not None:
             found |= changing_arrays(self.bodies.housing, "housing")
         if self.bodies.shaft is not None:

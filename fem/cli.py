@@ -1,6 +1,5 @@
 """The command `run-fem`. Imports little: everything heavy waits until a scene has been read."""
 
-import gc
 import json
 import os
 import re
@@ -12,6 +11,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, CycloptsError, Parameter
 
+from fem.collecting import importing, leave
 from fem.errors import RunFailed, UsageError
 from fem.outcome import Outcome
 from fem.solver.simulate import SOLVERS
@@ -225,18 +225,13 @@ def _check_environment() -> None:
 
 def run_main(arguments: list[str] | None = None) -> int:
     """`run-fem`, its exit code."""
-    gc.disable()  # until all is imported: imports make much that stays and no garbage to speak of
-    try:
+    with importing():
         return run_app_main(run_app, arguments)
-    finally:
-        gc.enable()
 
 
 def run_fem() -> None:
     """Entry point."""
-    code = run_main()
-    gc.freeze()  # the process ends: what libraries have made need not be searched for garbage once more
-    sys.exit(code)
+    leave(run_main())
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 """The command `render-fem`. Imports little: everything heavy waits until a run has been found."""
 
-import sys
 from math import inf
 from pathlib import Path
 from typing import Annotated, Literal
@@ -8,6 +7,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from fem.cli import RUNS, new_app, run_app_main
+from fem.collecting import imported, importing, leave
 from fem.errors import UsageError
 from fem.outcome import Outcome
 
@@ -177,6 +177,7 @@ def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: 
     from fem.pictures.render import Renderer
     from fem.progress import count_display
 
+    imported()
     shown = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
     slower = 1.0 / (fps * shown) if shown > 0.0 else inf
     with (
@@ -198,6 +199,7 @@ def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
     from fem.pictures.export import write_instant, write_series
     from fem.progress import count_display
 
+    imported()
     with count_display("instants", len(samples), quiet) as count:
         if _holds_series(target):
             write_series(stored, target, samples, count)
@@ -228,12 +230,13 @@ def _tell(text: str) -> None:
 
 def render_main(arguments: list[str] | None = None) -> int:
     """`render-fem`, its exit code."""
-    return run_app_main(render_app, arguments)
+    with importing():
+        return run_app_main(render_app, arguments)
 
 
 def render_fem() -> None:
     """Entry point."""
-    sys.exit(render_main())
+    leave(render_main())
 
 
 if __name__ == "__main__":

@@ -1,6 +1,5 @@
 """A run from a scene to a result file, whichever solver it asks for: checkpoints, signals that end it, how it went."""
 
-import gc
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem.answers import columns_of
+from fem.collecting import imported
 from fem.errors import RunFailed, UsageError
 from fem.outcome import Outcome
 from fem.progress import progress_display
@@ -80,8 +80,7 @@ def run_scene(scene: Scene, path: Path, options: RunOptions) -> Outcome:
 def _planned(scene: Scene, tell: Callable[[str], None] | None) -> Plan:
     with said_if_long(PATIENCE, PLANNING, tell):
         plan = programs_named(lambda: make_plan(scene))
-    gc.freeze()  # what is there stays: a first search for cycles in all of it takes 0.1 s
-    gc.enable()  # the command stops it while it imports
+    imported()
     return plan
 
 

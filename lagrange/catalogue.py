@@ -1,9 +1,9 @@
 """Standard cylindrical roller bearings of series NU 2: what catalogues give, and estimates of what they don't.
 
-From catalogues: bore, outside diameter and width (ISO 15); the diameter F of the inner raceway (NU), the diameter E of
-the outer raceway (N) and the static load rating C0 (SKF, Rolling bearings, 2018, single row cylindrical roller
-bearings of design ECP; makers' values differ a little); the radial internal clearance of group Normal (ISO 5753-1).
-docs/bearings.md says which of them were compared with what.
+From SKF's General Catalogue (as of 2006), pages 522 to 537, single row cylindrical roller bearings of design ECP: bore,
+outside diameter and width (ISO 15), the diameter F of the inner raceway (NU), the diameter E of the outer raceway (N)
+and the static load rating C0; other makers' values differ a little. The radial internal clearance is that of group
+Normal (ISO 5753-1).
 
 Estimates, because makers do not publish them:
 

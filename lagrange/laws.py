@@ -55,7 +55,9 @@ def harris(roller_length: float) -> PowerLaw:
     """
     exponent = 10.0 / 9.0
     in_mm = 7.86e4 * (1e3 * roller_length) ** STEEL_LENGTH_EXPONENT
-    return _steel_law("harris", in_mm, exponent, "Harris, Rolling Bearing Analysis, Q = 7.86e4 L^(8/9) δ^(10/9)")
+    return _steel_law(
+        "harris", in_mm, exponent, "Harris, Rolling Bearing Analysis, Q = 78 600 L^(8/9) δ^(10/9), N and mm"
+    )
 
 
 def palmgren(roller_length: float) -> PowerLaw:

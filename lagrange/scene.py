@@ -19,13 +19,14 @@ from lagrange.cage import Cage
 from lagrange.catalogue import designations, inner_ring_and_shaft
 from lagrange.film import films
 from lagrange.mounting import Mounting
+from lagrange.plain_files import read_text
 from lagrange.sampling import fitting_interval
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_cage import CageTable
 from lagrange.scene_columns import Columns
 from lagrange.scene_combinations import COMBINATIONS
 from lagrange.scene_damping import DampingTable, with_former_name
-from lagrange.scene_faults import Check, SceneError, Table, all_faults, printable
+from lagrange.scene_faults import Check, SceneError, Table, all_faults, likely_of, printable
 from lagrange.scene_files import content_in_place, content_of
 from lagrange.scene_lubricant import LubricantTable
 from lagrange.scene_operation import OperationTable
@@ -40,8 +41,8 @@ from lagrange.scene_support import SensorTable, SupportTable
 from lagrange.scene_surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
 from lagrange.scene_text import LONGEST_TEXT, apply_override, load, set_key
 
-MOST_FAULTS = 15  # told at once: a file that is no scene may have thousands
 MM = 1e-3
+CONTENTS = ("content", "speed_table_content", "load_table_content")  # texts of files, in the tables that name them
 FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
 MOST_TABLES = 200  # of one array
 
@@ -204,9 +205,7 @@ class Scene(Table):
         ------
         SceneError: an unknown key or an impossible value; a file, which only the reader of a scene puts in its place.
         """
-        data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
-        for table in data.get("profile", []):
-            table.pop("content", None)
+        data = self._as_written()
         for key, value in changes.items():
             if key.rpartition(".")[2] in FILE_KEYS:
                 raise SceneError(f"{key}: files of a scene can't be varied; write a scene for each file")
@@ -214,6 +213,18 @@ class Scene(Table):
         with _refused(self.name):
             content_of(data, self.files)
         return parse_scene(data, self.name)
+
+    def _as_written(self) -> dict[str, Any]:
+        """The tables before they were completed, without the texts of the files that they name."""
+        data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
+        for table in (*data.get("profile", []), data.get("operation", {})):
+            for key in CONTENTS:
+                table.pop(key, None)
+        return data
+
+    def to_written_toml(self) -> str:
+        """TOML of the scene as it was written, of which `parse_scene_text` makes one that can be varied as this one."""
+        return tomli_w.dumps(self._as_written())
 
     def to_toml(self) -> str:
         """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.
@@ -236,6 +247,13 @@ def _plain(value: Any) -> Any:
     return value.model_dump(exclude_unset=True) if isinstance(value, Table) else deepcopy(value)
 
 
+def _at_hand(path: Path) -> str:
+    """What to take instead of a scene file that is not there."""
+    scenes = {each.stem: each for each in path.parent.glob("*.toml")} if path.parent.is_dir() else {}
+    likely = likely_of(path.stem, scenes)
+    return f"did you mean {scenes[likely]}?" if likely else "run-fem --example NU206 writes one to begin with"
+
+
 def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) -> Scene:
     """The scene of a TOML file (None: the paper's), with `table.key=value` overrides put on top.
 
@@ -248,12 +266,13 @@ def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) 
     if path is not None:
         name = str(path)
         try:
-            with open(path, "rb") as file:
-                data = load(file.read(LONGEST_TEXT + 1).decode("utf-8-sig"), name)
-        except OSError as error:
-            raise SceneError(f"{name}: can't be read: {error.strerror}") from None
-        except UnicodeDecodeError as error:
-            raise SceneError(f"{name}: not UTF-8 text (byte {error.start}); is it a scene file?") from None
+            text = read_text(path, LONGEST_TEXT)
+        except ValueError as error:
+            if not Path(path).exists():
+                raise SceneError(f"{name}: no such file; {_at_hand(Path(path))}") from None
+            hint = "" if "can't be read" in str(error) else "; is it a scene file?"
+            raise SceneError(f"{name}: {error}{hint}") from None
+        data = load(text, name)
     for override in overrides:
         apply_override(data, override)
     with _refused(name):
@@ -289,8 +308,4 @@ def parse_scene(data: dict[str, Any], name: str) -> Scene:
     try:
         return Scene.model_validate(data)
     except ValidationError as error:
-        faults = all_faults(error, Scene, data)
-        lines = [f"{name}: {fault}" for fault in faults[:MOST_FAULTS]]
-        if len(faults) > MOST_FAULTS:
-            lines.append(f"{name}: and {len(faults) - MOST_FAULTS} more")
-        raise SceneError("\n".join(lines)) from None
+        raise SceneError("\n".join(f"{name}: {fault}" for fault in all_faults(error, Scene, data))) from None

@@ -158,6 +158,11 @@ def _cage(scene: "Scene") -> Iterator[str]:
                 '[cage]: not with lagrange.angles = "free" in a housing that moves; take "kinematic" angles, another '
                 "model, or leave one of the tables out"
             )
+        if scene.model == "fem" and scene.cage.guidance == "inner_ring" and scene.operation.speed_table is not None:
+            yield (
+                'cage.guidance = "inner_ring": with model = "fem" only at a steady speed, not with '
+                f'operation.speed_table = "{scene.operation.speed_table}"; take another model or guidance'
+            )
 
 
 def _courses(scene: "Scene") -> Iterator[str]:

@@ -13,6 +13,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
 LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
+MOST_FAULTS = 15  # told at once: a file that is no scene may have thousands
+MOST_EXPLAINED = 200  # looked at for them; to find what was meant takes some milliseconds each
 MISSPELT = 0.8  # of difflib's ratio: the same word with a slip
 Check = Callable[[], Iterator[str]]
 Place = tuple[str | int, ...]  # keys from the scene down
@@ -50,14 +52,18 @@ class Table(BaseModel):
 
 
 def all_faults(error: ValidationError, model: type[Table], data: dict[str, Any]) -> list[str]:
-    """Each fault of the tables in a line, none twice."""
-    found = error.errors()
+    """Each fault of the tables in a line, none twice; of very many the first, and how many more there are."""
+    every = error.errors()
+    found = every[:MOST_EXPLAINED]
     of_values = [fault for fault in found if fault["type"] != "value_error" or _is_of_one_value(fault, model)]
-    usable = _usable(model, data, {_meant(fault, model) for fault in of_values})
-    lines = [line for fault in of_values for line in _explain(fault, model)] + list(_contradictions(usable))
+    lines = [line for fault in of_values for line in _explain(fault, model)]
+    if found == every:  # else values that can't be used are still among those to be judged together
+        lines += _contradictions(_usable(model, data, {_meant(fault, model) for fault in of_values}))
     if not lines:  # bodies that can't be made, which no check looks for
         lines = [line for fault in found for line in _explain(fault, model)]
-    return [printable(line) for line in dict.fromkeys(lines)]
+    lines = [printable(line) for line in dict.fromkeys(lines)]
+    more = len(lines) + len(every) - len(found) - MOST_FAULTS
+    return [*lines[:MOST_FAULTS], f"and {more} more"] if more > 0 else lines
 
 
 def printable(text: str) -> str:
@@ -77,12 +83,12 @@ def _explain(fault: ErrorDetails, model: type[Table]) -> list[str]:
     if fault["type"] == "value_error":
         return [_at(place, reason) for reason in str(fault["ctx"]["error"]).split("\n")]
     if fault["type"] == "list_type":
-        return [f"{place} = {_short(repr(value))}: must be an array of tables, [[{place}]]"]
+        return [f"{place} = {told(value)}: must be an array of tables, [[{place}]]"]
     if fault["type"] == "model_type":
         header = f"[[{fault['loc'][-2]}]]" if isinstance(fault["loc"][-1], int) else f"[{place}]"
-        return [f"{place} = {_short(repr(value))}: must be a table, {header}"]
+        return [f"{place} = {told(value)}: must be a table, {header}"]
     reason = fault["msg"].removeprefix("Input ").replace("should", "must", 1)
-    return [f"{place} = {_short(repr(value))}: {reason}"]
+    return [f"{place} = {told(value)}: {reason}"]
 
 
 def _at(place: str, reason: str) -> str:
@@ -92,6 +98,14 @@ def _at(place: str, reason: str) -> str:
 def _quoted(key: str) -> str:
     """A key as it is, or as TOML would have to quote it."""
     return _short(key if key.isprintable() else repr(key))
+
+
+def told(value: object) -> str:
+    """A value of TOML as Python writes it, cut off where it is long."""
+    try:
+        return _short(repr(value))
+    except ValueError:  # Python's own limit on the digits of a whole number
+        return "a number of thousands of digits"
 
 
 def _short(text: str) -> str:

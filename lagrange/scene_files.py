@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from lagrange.plain_files import read_text
 from lagrange.text_table import LARGEST_FILE, digest
 
 
@@ -77,16 +78,9 @@ def _file(named: _Named) -> Iterator[_Named]:
 
 
 def _text(named: _Named, path: Path) -> str:
-    what, hint = named.described, f"is it a table of {named.kind}?"
     try:
-        with open(path, "rb") as file:
-            found = file.read(LARGEST_FILE + 1)
-    except (OSError, ValueError) as error:  # ValueError: a name with a null character
-        reason = getattr(error, "strerror", None) or str(error)
-        raise ValueError(f"{what}: can't be read: {reason} (looked for in {path.parent.resolve()})") from None
-    if len(found) > LARGEST_FILE:
-        raise ValueError(f"{what}: larger than {LARGEST_FILE // 2**20} MiB; {hint}")
-    try:
-        return found.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{what}: not UTF-8 text (byte {error.start}); {hint}") from None
+        return read_text(path, LARGEST_FILE)
+    except ValueError as error:
+        missed = "can't be read" in str(error)
+        hint = f" (looked for in {path.parent.resolve()})" if missed else f"; is it a table of {named.kind}?"
+        raise ValueError(f"{named.described}: {error}{hint}") from None

@@ -8,6 +8,8 @@ import os
 import tempfile
 from pathlib import Path
 
+from lagrange.plain_files import read_plain
+
 _SIZE = hashlib.sha256().digest_size
 
 
@@ -36,6 +38,6 @@ def read_sealed(path: Path) -> bytes | None:
     ------
     OSError: there is no such file, or it can't be read.
     """
-    whole = path.read_bytes()
+    whole = read_plain(path)
     data, seal = whole[:-_SIZE], whole[-_SIZE:]
     return data if len(seal) == _SIZE and hashlib.sha256(data).digest() == seal else None

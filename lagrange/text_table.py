@@ -2,6 +2,7 @@
 
 import csv
 import hashlib
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -31,7 +32,7 @@ def columns(text: str, names: tuple[str, ...]) -> np.ndarray:
     if len(lines) > MOST_ROWS + 2 or any(len(line) > LONGEST_LINE for line in lines):
         raise ValueError(f"more than {MOST_ROWS} rows, or a row of more than {LONGEST_LINE} characters")
     delimiter = delimiter_of(lines[0]) if lines else ","
-    header = [name.strip() for name in next(csv.reader(lines[:1], delimiter=delimiter), [])]
+    header = [name.strip() for name in next(_rows(lines[:1], delimiter), [])]
     listed = f"{', '.join(names[:-1])} and {names[-1]}"
     for name in names:
         if header.count(name) != 1:
@@ -39,9 +40,17 @@ def columns(text: str, names: tuple[str, ...]) -> np.ndarray:
             raise ValueError(f"column {name} is {what}; its first line must name {listed}")
     wanted, rows = [header.index(name) for name in names], []
     needed = {2: "two", 3: "three"}[len(names)]
-    for number, row in enumerate(csv.reader(lines[1:], delimiter=delimiter), 1):
+    for number, row in enumerate(_rows(lines[1:], delimiter), 1):
         try:
             rows.append([float(row[k]) for k in wanted])
         except (ValueError, IndexError):
             raise ValueError(f"row {number} below the header can't be read: {needed} numbers are needed") from None
     return np.array(rows).reshape(-1, len(names))
+
+
+def _rows(lines: list[str], delimiter: str) -> Iterator[list[str]]:
+    """The cells of each line. ValueError: quotation marks that do not close."""
+    try:
+        yield from csv.reader(lines, delimiter=delimiter)
+    except csv.Error as error:
+        raise ValueError(f"a row can't be read: {error}") from None

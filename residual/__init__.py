@@ -15,10 +15,10 @@ vibration       the hub's acceleration: levels, fault lines in its envelope
 fault_finding   spalls found in trajectories alone: `roller_motion` what it may see, `three_samples` what rollers do
                 between them, `sinkage_maps` by each body's angle; `fault_tables`, `fault_figures`
 evaluation      the whole check as one call -> `Evaluation`
-figures         all figures, by groups: `motion_figures`, `spectrum_figures`, `vibration_figures`, `passage_figures`,
-                `budget_figures`, `cage_figures`, `paper_figures` (beside the ranges of `paper`); `panels` places them,
-                `plotting` and `colours` give them one look, `tick_labels` plain numbers; `one_roller`: which, and its
-                motion
+figures         a saved figure and its curves; `drawing`: all of them, by groups: `motion_figures`,
+                `spectrum_figures`, `vibration_figures`, `passage_figures`, `budget_figures`, `cage_figures`,
+                `paper_figures` (beside the ranges of `paper`); `panels` places them, `plotting` and `colours` give
+                them one look, `tick_labels` plain numbers; `one_roller`: which, and its motion
 quasistatic     the Lagrangian model's equilibria at every angle; `meaning`: what the numbers say of that model
 headline        the one sentence that a report begins with; `words`: numbers as a person reads them
 tables          rows of the report's and the terminal's tables, with `law_tables`, `line_tables`, `vibration_tables`

@@ -45,7 +45,7 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
         values = [sizes[letter][name] for name in names]
         colours = [TERM_COLOURS[name] for name in names]
         drawn = bars.barh(position + offset, values, height=0.34, color=colours, alpha=shade)
-        texts = [f"{letter}: {v:.3g} N" for v in values]
+        texts = [f"{letter}: {text(v, 3)} N" for v in values]
         bars.bar_label(drawn, texts, padding=4, fontsize=8.5)
     bars.set_xscale("log")
     without_minor_ticks(bars)

@@ -3,6 +3,7 @@
 import gc
 import signal
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -105,6 +106,8 @@ def _command(
     _check_law(law, record.bearing)
     check_replaceable(folder)
     evaluation = evaluate(record, law, None if start is None else 1e-3 * start, order, line)
+    if not no_figures:
+        import_module("residual.drawing")  # with matplotlib, while nobody looks for garbage
     gc.freeze()  # what is there stays: searching it for garbage takes a tenth of a report's time
     gc.enable()
     search = _search(evaluation.record) if find_faults else None
@@ -245,7 +248,9 @@ def check_residual() -> None:
     """Entry point of the installed command."""
     signal.signal(signal.SIGTERM, _terminated)
     gc.disable()  # until all is imported: imports make much that stays and no garbage to speak of
-    sys.exit(main())
+    code = main()
+    gc.freeze()  # the process ends: nor is all that libraries have made searched once more
+    sys.exit(code)
 
 
 if __name__ == "__main__":

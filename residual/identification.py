@@ -23,6 +23,7 @@ from residual.record import FEWEST_SAMPLES
 
 FIT_SHARE = 0.5  # of the record
 CONFIDENCE = 0.95
+LEAST_FORCE = 1e-100  # N: squares of less are nothing
 LEAST_SPREAD = 0.02  # of ln δ: less depth range than this fixes no exponent
 LARGEST_GAIN = 0.5  # of the coupling's fixed point: beyond it the coupling is no correction any more
 Extra = Literal["coupling", "damping"]
@@ -96,6 +97,8 @@ def fit_law(
     if "damping" in extras:
         causes["damping"] = closing_speed[:samples][closed]
     units = {"depth": rms(depth[positive]), "load": rms(load)} | {name: rms(v) for name, v in causes.items()}
+    if not units["load"] > LEAST_FORCE:
+        raise InputError(f"the contact forces, {units['load']:.3g} N rms, are too small to fit a law to")
     for name in extras:
         if not units[name] > 0.0:
             raise InputError(f"the run has nothing that fixes a {name}: no neighbour is loaded, or nothing moves")

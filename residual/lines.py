@@ -20,6 +20,8 @@ SIDES = tuple((carrier, modulator) for carrier in CARRIERS for modulator in ("sh
 HUB = "hub on its contacts"
 NEAR_RESONANCE = 0.08  # of it: the estimate takes rollers without mass, and both directions for one
 SURE = 0.999  # a line stands out where noise on the background would stay below with this probability
+PASSES = ("BPFO", 1), ("BPFI", 1), ("BSF", 2)  # what passes a place of the outer ring, the inner ring, a roller
+APART = 20  # bins between harmonics of one family: by chance a peak lies within half a bin of one in twenty
 SAME_LINE = 0.01  # relative: a frequency asked for in Hz this near a line is that line
 
 
@@ -100,9 +102,9 @@ def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> L
 def named_peaks(
     peaks: list[Peak], spectrum: Spectrum, lines: dict[str, float], resonance: float, noise: float
 ) -> list[Peak]:
-    """Name peaks without a line after a resolved sideband within half a bin, and those near the hub's resonance, Hz.
+    """Name peaks without a line after a resolved sideband within half a bin, or after higher harmonics of passes.
 
-    Peaks of no more than the noise, N rms, are left out.
+    Those near the hub's resonance, Hz, are named so too; peaks of no more than the noise, N rms, are left out.
     """
     bands = [level for level in line_levels(spectrum, lines) if level.name not in lines]
     named = []
@@ -111,9 +113,31 @@ def named_peaks(
             continue
         if abs(peak.frequency - resonance) <= NEAR_RESONANCE * resonance:
             peak = replace(peak, also=(*peak.also, HUB))
-        near = [level for level in bands if abs(level.frequency - peak.frequency) <= 0.5 * spectrum.resolution]
-        named.append(replace(peak, line=near[0].name) if near and peak.line is None else peak)
+        if peak.line is None:
+            near = [level.name for level in bands if abs(level.frequency - peak.frequency) <= 0.5 * spectrum.resolution]
+            names = near[:1] or high_harmonics(peak.frequency, lines, spectrum.resolution)
+            peak = replace(peak, line=names[0], also=(*names[1:], *peak.also)) if names else peak
+        named.append(peak)
     return named
+
+
+def high_harmonics(frequency: float, lines: dict[str, float], resolution: float) -> list[str]:
+    """Harmonics of passes beyond `lines`, Hz, within half a bin of a frequency, nearest first: ["10×BPFO"].
+
+    A spall's strikes are short, and strongest where they meet a resonance, many harmonics up. None of a family whose
+    harmonics lie so near each other that chance would name peaks.
+    """
+    found = []
+    for name, every in PASSES:
+        spacing = every * lines.get(name, 0.0)
+        if spacing < APART * resolution:
+            continue
+        k = round(frequency / spacing)
+        away = abs(frequency - k * spacing)
+        full = name if k * every == 1 else f"{k * every}×{name}"
+        if k > 0 and full not in lines and away <= 0.5 * resolution:
+            found.append((away, full))
+    return [full for _, full in sorted(found)]
 
 
 def nearest_line(frequency: float, among: dict[str, float]) -> tuple[str, float]:

@@ -15,7 +15,7 @@ from residual.plotting import legend_above, save
 from residual.quasistatic import QuasiStatic, angle_from_load
 from residual.record import Record
 from residual.sources import ENERGIES
-from residual.words import text
+from residual.words import length, text
 
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other
 SHORT_ROW, LONG_ROW = 6, -0.13  # entries of a legend as wide as its axis; where a longer one begins
@@ -29,14 +29,15 @@ def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Pa
     middle = 1e6 * np.array([t.inner_x.mean(), t.inner_y.mean()])
     axes.plot(1e6 * t.inner_x - middle[0], 1e6 * t.inner_y - middle[1], color=BLUE, linewidth=0.6, alpha=0.8,
               label="run")  # fmt: skip
-    caption = f"Path of the inner ring's centre about its mean, x = {text(middle[0])} µm, y = {text(middle[1])} µm."
+    mean = f"x = {length(1e-6 * middle[0])}, y = {length(1e-6 * middle[1])}"
+    caption = f"Path of the inner ring's centre about its mean, {mean}."
     if statics is not None:
         standing = 1e6 * np.array([statics.x[:-1].mean(), statics.y[:-1].mean()])
         axes.plot(1e6 * statics.x - standing[0], 1e6 * statics.y - standing[1], color=ORANGE, linewidth=2.0,
                   label=f"Lagrangian statics, {statics.law}")  # fmt: skip
         caption += (
             f" Thick: the equilibria of the Lagrangian model (rigid rings, law {statics.law}) over one roller passage, "
-            f"about theirs, x = {text(round(standing[0], 6) + 0.0, 2)} µm, y = {text(standing[1])} µm."
+            f"about theirs, x = {length(1e-6 * standing[0])}, y = {length(1e-6 * standing[1])}."
         )
     axes.set(xlabel="x less its mean, µm", ylabel="y less its mean, µm")
     axes.set_aspect("equal", adjustable="datalim")
@@ -69,7 +70,7 @@ def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folde
     axes.set_rlabel_position(112.5)
     axes.annotate("N", (0.5, 0.5), xycoords="axes fraction", fontsize=9, color=GREY, xytext=(-14, 6),
                   textcoords="offset points")  # fmt: skip
-    axes.set_thetagrids(np.arange(0, 360, 45), [f"{a}°" for a in (0, 45, 90, 135, 180, -135, -90, -45)])
+    axes.set_thetagrids(np.arange(0, 360, 45), [f"{a}°" for a in ("0", "45", "90", "135", "180", "−135", "−90", "−45")])
     axes.legend(loc="lower left", bbox_to_anchor=(-0.35, -0.02), markerscale=5)
     return save(figure, folder, "load_distribution", "Load distribution", caption + ".")
 
@@ -131,7 +132,9 @@ def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
     axes[1].plot(1e3 * t.time, 1e6 * imbalance, color="black")
     axes[1].set(xlabel="time, ms", ylabel="imbalance, µJ")
     share = (
-        f"; at most {100 * np.max(np.abs(imbalance)) / scale:.2g} % of the mean strain energy" if scale > 0.0 else ""
+        f"; at most {text(100.0 * float(np.abs(imbalance).max()) / scale, 2)} % of the mean strain energy"
+        if scale > 0.0
+        else ""
     )
     caption = (
         "Energies and works since the first sample shown. Imbalance: all energies − external work + dissipated, as "

@@ -46,6 +46,7 @@ GROUPS = (
     "budget",
     "paper",
 )  # of figures, by their places on the page
+SMALLEST_SLIP = 1e-4  # % of the cage's speed: less is round-off
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 
@@ -156,9 +157,8 @@ def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
         return []
     cage, ideal = evaluation.lines["FTF"], evaluation.ideal_cage
     slower = 100.0 * (1.0 - cage / ideal)
-    return [
-        ("Cage speed", f"{text(cage, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz ({text(slower, 2)} % slower)")
-    ]
+    slip = f"{text(abs(slower), 2, SMALLEST_SLIP)} % {'faster' if slower < -SMALLEST_SLIP else 'slower'}"
+    return [("Cage speed", f"{text(cage, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz ({slip})")]
 
 
 def _ring_of_cage(evaluation: Evaluation) -> list[tuple[str, str]]:

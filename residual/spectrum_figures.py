@@ -13,6 +13,7 @@ from residual.lines import HUB
 from residual.panels import COLOUR_BAR, colour_bar, panels
 from residual.plotting import legend_above, line_handles, log_panel, mark_lines, save, without_minor_ticks
 from residual.short_time import short_time_spectrum
+from residual.words import text
 
 DYNAMIC_RANGE = 1e-7  # of a short-time spectrum's plot
 ENVELOPE_BAND = 3.3  # times the ball-pass frequency of the inner ring
@@ -64,7 +65,7 @@ def envelope_figure(evaluation: Evaluation, envelopes: list[Envelope], folder: P
         axis.set_ylabel(f"envelope PSD, {direction.name}, N²/Hz")
         axis.set_xlim(0.0, top)
         families = mark_lines(axis, evaluation.lines, 0.0, top, labels=False)
-        parts.append(f"{direction.name} {envelope.rms:.3g}")
+        parts.append(f"{direction.name} {text(envelope.rms, 3)}")
     legend_above(axes[0], 3, handles=line_handles(families, evaluation.lines))
     axes[1].set_xlabel("frequency, Hz")
     low, high = envelopes[0].low, envelopes[0].high

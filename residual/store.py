@@ -90,13 +90,16 @@ def _move_into_place(fresh: Path, folder: Path) -> None:
 
 def _fill(evaluation: Evaluation, folder: Path, parts: Parts) -> dict:
     """Write every file of the report."""
-    from residual.figures import draw_figures
     from residual.quasistatic import quasi_static
     from residual.report import render_report
 
     version = VERSION
     statics = quasi_static(evaluation.record, evaluation.law.name)
-    figures = draw_figures(evaluation, statics, parts, folder) if parts.figures else {}
+    figures = {}
+    if parts.figures:
+        from residual.drawing import draw_figures
+
+        figures = draw_figures(evaluation, statics, parts, folder)
     _write_arrays(evaluation, folder / "residual.nc", version)
     write_exports(evaluation, [figure for group in figures.values() for figure in group], parts.exports, folder)
     page = render_report(evaluation, figures, parts, version, statics)

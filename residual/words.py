@@ -29,6 +29,12 @@ def hertz(frequency: float, digits: int = 4) -> str:
     return f"{text(1e-3 * frequency, digits)} kHz" if frequency >= KILOHERTZ else f"{text(frequency, digits)} Hz"
 
 
+def length(value: float, digits: int = 4) -> str:
+    """Write a length, m, with the unit that suits it; 0 below a picometre."""
+    _, factor, unit = next(row for row in METRES if abs(value) >= row[0])
+    return f"{text(factor * value, digits, 1e-12 * factor)} {unit}"
+
+
 def metres(low: float, high: float) -> str:
     """Write a range of lengths, m, with the unit that the larger asks for, to a hundredth of the range."""
     largest = max(abs(low), abs(high))

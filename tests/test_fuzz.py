@@ -17,12 +17,14 @@ from tests.fuzz.mutations import MUTATIONS
 from tests.fuzz.targets import NAMES, Targets, seeds
 
 ROOT = Path(__file__).parent.parent
+CORPUS = ROOT / "tests" / "fuzz" / "corpus"  # a folder a reader
 EXAMPLES = {
     "scene": 300,
     "heights": 40,
     "speeds": 20,
     "loads": 20,
     "study": 30,
+    "folder": 100,
     "table": 150,
     "result": 30,
     "checkpoint": 80,
@@ -71,6 +73,11 @@ def test_any_bytes_are_refused_in_a_sentence(name, tmp_path, monkeypatch):
         assert not target(data) or name == "scene"  # an empty scene is one
 
     check()
+
+
+@pytest.mark.parametrize("path", sorted(CORPUS.rglob("*.*")), ids=lambda path: f"{path.parent.name}/{path.name}")
+def test_inputs_that_once_found_something_are_taken_or_refused_in_a_sentence(path, tmp_path):
+    getattr(Targets(tmp_path), path.parent.name)(path.read_bytes())
 
 
 def test_memory_and_time_are_bounded_in_the_child():

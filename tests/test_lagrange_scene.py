@@ -111,7 +111,7 @@ def test_unreadable_files_are_refused(tmp_path):
     binary = tmp_path / "b.toml"
     binary.write_bytes(b"\xff\xfe\x00")
     for path, word in (
-        (tmp_path / "none.toml", "can't be read"),
+        (tmp_path / "none.toml", "no such file; run-fem --example"),
         (tmp_path, "can't be read"),
         (binary, "UTF-8"),
     ):
@@ -136,3 +136,11 @@ def test_results_that_spell_out_one_thread_are_read_and_more_are_refused():
     assert parse_scene({"numerics": {"threads": 1}}, "stored") == read_scene()
     with pytest.raises(SceneError, match=r"numerics.threads: unknown key"):
         parse_scene({"numerics": {"threads": 2}}, "new")
+
+
+def test_a_scene_that_is_not_there_is_named_with_what_is(tmp_path):
+    (tmp_path / "motor.toml").touch()
+    with pytest.raises(SceneError, match=r"motor\.tml: no such file; did you mean .*motor\.toml\?"):
+        read_scene(tmp_path / "motor.tml")
+    with pytest.raises(SceneError, match="run-fem --example NU206 writes one to begin with"):
+        read_scene(tmp_path / "elsewhere" / "pump.toml")

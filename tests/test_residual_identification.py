@@ -84,6 +84,12 @@ def test_a_bearing_that_does_not_move_fixes_no_damping():
         fit_law(load_zone(), power(load_zone()), bridge=5, extras=("damping",), closing_speed=0.0 * load_zone())
 
 
+@pytest.mark.parametrize("scale", [1e-310, 1e-160])
+def test_forces_whose_squares_are_nothing_are_refused_in_a_sentence(scale):
+    with pytest.raises(InputError, match="too small to fit a law to"):
+        fit_law(load_zone(), scale * (load_zone() > 0.0), bridge=5)
+
+
 def test_numbers_that_a_run_does_not_fix_are_refused_in_a_sentence():
     """A dashpot whose force grows with the spring's can't be told from a stiffer spring."""
     depth = load_zone()

@@ -12,7 +12,7 @@ from residual.cli import main
 from residual.envelope import envelope
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.lines import line_levels, named_peaks, sidebands, watched_level
+from residual.lines import high_harmonics, line_levels, named_peaks, sidebands, watched_level
 from residual.sources import read_result
 from residual.spectrum import find_peaks, kinematic_lines, power_spectrum, smooth_background
 from tests.reference.synthetic_run import make_run, write_result
@@ -69,6 +69,16 @@ def test_peaks_at_sidebands_get_their_name():
     spectrum = power_spectrum(modulated(0.6, SHAFT), STEP)
     peaks = named_peaks(find_peaks(spectrum, paper_lines()), spectrum, paper_lines(), 13e3, 0.0)
     assert {"BPFO", "BPFO−shaft", "BPFO+shaft"} <= {peak.line for peak in peaks}
+
+
+def test_high_harmonics_of_a_spalls_passes_get_their_name():
+    """A strike rings out near 4 kHz at the outer ring and at 6 kHz on a roller; 4.3 kHz belongs to nothing."""
+    time, roller = times(0.6), 2.0 * paper_lines()["BSF"]
+    rings = sum(np.cos(2.0 * np.pi * f * time) for f in (10 * BPFO, 11 * BPFO, 18 * roller, 4310.0))
+    spectrum = power_spectrum(rings + noise(0.6), STEP)
+    peaks = named_peaks(find_peaks(spectrum, paper_lines()), spectrum, paper_lines(), 0.0, 0.0)
+    assert {peak.line for peak in peaks[:4]} == {"10×BPFO", "11×BPFO", "36×BSF", None}
+    assert high_harmonics(10 * BPFO, paper_lines(), BPFO / 10.0) == []  # ten bins apart: chance would name peaks
 
 
 def test_sideband_frequencies():

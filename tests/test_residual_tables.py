@@ -204,7 +204,7 @@ def test_guided_example_of_the_documentation_works(tmp_path, monkeypatch, capsys
     assert main(command) == 0
     out, err = capsys.readouterr()
     shown = example.split("```text\n")[1].split("```")[0].splitlines()
-    for line in shown[-4:]:
+    for line in shown[-6:]:
         assert line in out
     assert shown[1].removeprefix("warning: ") in err
     summary = json.loads((tmp_path / "table-residual" / "summary.json").read_text(encoding="utf-8"))

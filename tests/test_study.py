@@ -279,6 +279,21 @@ def test_a_clearance_is_varied_as_it_is_written(here):
     assert grown.ideal_bearing().radial_clearance == pytest.approx(25e-6)
 
 
+def test_a_folder_gives_the_scenes_that_were_studied(here):
+    """A clearance and tables of speed and load stand in it as they were written."""
+    Path("speeds.csv").write_text("time_ms,speed_rpm\n0,1000\n100,2000\n", encoding="utf-8")
+    Path("loads.csv").write_text("time_ms,x_N,y_N\n0,0,-500\n100,0,-900\n", encoding="utf-8")
+    Path("base.toml").write_text(
+        '[bearing]\nclearance_um = 30.0\n[operation]\nspeed_table = "speeds.csv"\nload_table = "loads.csv"\n',
+        encoding="utf-8",
+    )
+    points = points_of('scene = "base.toml"\n[parameters]\n"bearing.clearance_um" = [10.0, 40.0]\n')
+    Folder(path=Path("s")).begin(points)
+    again = Folder(path=Path("s")).points()
+    assert [again.scene(i) for i in range(2)] == [points.scene(i) for i in range(2)]
+    assert again.scene(1).ideal_bearing().radial_clearance == pytest.approx(20e-6)
+
+
 COMMAND = "import sys; sys.path[:0] = {path!r}; from fem.study_cli import run_study; run_study()"
 
 

@@ -102,7 +102,7 @@ def test_every_case_says_what_it_does_and_has_a_name_of_its_own():
 
 def test_the_page_gets_the_table_between_its_marks(tmp_path, monkeypatch):
     page = tmp_path / "page.md"
-    page.write_text(f"before\n{table.BEGIN}\nstale\n{table.END}\nafter\n")
+    page.write_text(f"before\n{table.BEGIN}\nstale\n### Gone\nstale\n{table.END}\nafter\n")
     monkeypatch.setattr(command, "PAGE", page)
     pretend(monkeypatch, good, wrong)
     assert command.app(["--markdown"]) == 1
@@ -112,7 +112,23 @@ def test_the_page_gets_the_table_between_its_marks(tmp_path, monkeypatch):
     assert "| `wrong` | length | 2.001 m |" in text and "|  | length | 2.1 m | 2 m | +5 % FAILS |" in text
     page.write_text("no marks\n")
     with pytest.raises(ValueError, match="marks"):
-        table.write_into(page, "text")
+        table.write_into(page, {}, ())
+
+
+def test_a_subjects_table_is_made_anew_beside_the_others(tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text(f"{table.BEGIN}\n\nold\n\n### One\n\nfirst\n\n### Two\n\nsecond\n\n{table.END}\n")
+    table.write_into(page, {"### Two": "### Two\n\nnew", "### Three": "### Three"}, ("### One", "### Two", "### Three"))
+    assert page.read_text() == f"{table.BEGIN}\n\n### One\n\nfirst\n\n### Two\n\nnew\n\n### Three\n\n{table.END}\n"
+
+
+def test_a_table_says_how_it_was_made():
+    outcome = run_case(Case(checks=good))
+    (text,) = table.markdown([outcome], "abc1234").values()
+    assert (
+        f"Made by `python -m tests.verification {table.dashed(outcome.case.subject)} --markdown` at commit abc1234."
+        in text
+    )
 
 
 # the modal solution of the thrown roller ------------------------------------------------------------------------

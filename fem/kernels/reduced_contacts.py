@@ -17,7 +17,6 @@ from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
 from fem.kernels.law import STEEPEST, contact_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
-from fem.kernels.reduced_damping import note_lowered
 from fem.kernels.reduced_housing import ring_place
 from fem.kernels.reduced_modes import gather_waves, less_vibration
 from fem.kernels.reduced_state import INNER, OUTER
@@ -120,9 +119,7 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
         first_i = reach - away - across * guess_o - felt(compliance, forces.guess, INNER, at)
         first_o = out - track - across * guess_i - felt(compliance, forces.guess, OUTER, width + at)
         _take(forces.taken, columns, group, reach - away - first_i, out - track - first_o)
-        circles_i, circles_o = first_i, first_o
         first_i, first_o = _lowered(bodies, compliance, forces, group, turn, first_i, first_o, forces.slope)
-        note_lowered(forces.dampers, columns, group, first_i - circles_i, first_o - circles_o, drive.dt)
         first_i, first_o = less_vibration(bodies.vibrations, forces, columns, group, first_i, first_o)
         first_i, first_o = select(there, first_i, -1.0), select(there, first_o, -1.0)
         B_i, B_o = level(inner, forces.bracket_now, group), level(outer, forces.bracket_now, columns + group)

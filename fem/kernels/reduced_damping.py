@@ -10,6 +10,7 @@ from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.law import STEEPEST
 from fem.kernels.reduced_housing import push_ring, ring_rates
+from fem.kernels.reduced_slopes import passing_rates, push_along
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.sample_kernels import DAMPED_BY_BODIES, DAMPED_BY_CONTACTS, DISSIPATED, N_SCALARS
 
@@ -24,28 +25,10 @@ def damping_coefficient(dampers, law, Q):
 
 
 @part
-def note_lowered(dampers, columns, group, inner, outer, dt):
-    """How fast eight rollers' approaches grow because of surfaces that pass; `inner`, `outer`: m, what these take."""
-    if dampers is not None:
-        for at, now in ((group, inner), (columns + group, outer)):
-            last = load(dampers.lowered, at)
-            store(dampers.passing, at, select(last != last, 0.0, (now - last) * (1.0 / dt)))
-            store(dampers.lowered, at, now)
-
-
-@part
 def no_dampers(dampers, at):
     """Eight contacts out of reach."""
     if dampers is not None:
         store(dampers.force, at, splat(0.0))
-
-
-@part
-def with_damper(dampers, at, force):
-    """Forces of eight contacts with those that their dampers had last, N."""
-    if dampers is None:
-        return force
-    return force + load(dampers.force, at)
 
 
 @part
@@ -63,40 +46,50 @@ def damped_neighbours(dampers, law, at, Q, P, rate, mobility_dt):
 
 
 @part
-def damp_contacts(dampers, bodies, compliance, forces, before, dt):
+def damp_contacts(dampers, bodies, compliance, forces, before, drive):
     """Forces of all dampers of raceways' contacts and their kicks; None: there are none."""
     if dampers is not None:
         dampers.work[0] += dampers.work[1]
-        x, y = _find(dampers, bodies, compliance, forces, before, dt)
-        _give(dampers, bodies, forces, before, dt, x, y)
+        x, y = _find(dampers, bodies, compliance, forces, before, drive)
+        _give(dampers, bodies, forces, drive, x, y)
+        _note_work(dampers, bodies, forces, before, drive)
 
 
 @part
-def _rates(dampers, bodies, forces, hub, velocity, group, ring):
-    """Rates at which eight rollers' contacts close, m/s, inner and outer, at velocities (2, columns), and a ring's."""
+def _closing(bodies, forces, drive, group, motion):
+    """Rates at which eight rollers' contacts close, m/s, inner and outer; `motion` : see `passing_rates`."""
     columns = bodies.columns
+    hub, velocity, _, ring = motion
     vx, vy = load(velocity, group), load(velocity, columns + group)
     ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
-    inner = load(dampers.passing, group) - (vx - hub[0]) * ix - (vy - hub[1]) * iy
-    return inner, load(dampers.passing, columns + group) + (vx - ring[0]) * ox + (vy - ring[1]) * oy
+    inner, outer = passing_rates(forces.slope, bodies, forces, drive, group, motion)
+    inner -= (vx - hub[0]) * ix + (vy - hub[1]) * iy
+    return inner, outer + (vx - ring[0]) * ox + (vy - ring[1]) * oy
 
 
 @part
-def _find(dampers, bodies, compliance, forces, before, dt):
-    """What the dampers change of the hub's velocity, m/s; the forces they would have without that in `force`."""
-    columns, half, over = bodies.columns, 0.5 * dt / bodies.mass, dt / bodies.hub_mass
-    push_x, push_y, xx, xy, yy = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+def _before_and_now(bodies, forces, before, drive, group):
+    """`_closing` before the kick and at the velocities so far: two pairs."""
     past, next_ = ring_rates(bodies.housing)
+    was = _closing(bodies, forces, drive, group, (before.hub_velocity, before.velocity, before.spin, past))
+    now = _closing(bodies, forces, drive, group, (bodies.hub_velocity, bodies.velocity, bodies.spin, next_))
+    return was, now
+
+
+@part
+def _find(dampers, bodies, compliance, forces, before, drive):
+    """What the dampers change of the hub's velocity, m/s; the forces they would have without that in `force`."""
+    columns, half, over = bodies.columns, 0.5 * drive.dt / bodies.mass, drive.dt / bodies.hub_mass
+    push_x, push_y, xx, xy, yy = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, bodies.n, WIDTH):
         there = count_from(group) < bodies.n
         ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
         ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
         c_i = damping_coefficient(dampers, compliance.inner, select(there, load(forces.force, group), 0.0))
         c_o = damping_coefficient(dampers, compliance.outer, select(there, load(forces.force, columns + group), 0.0))
-        was_i, was_o = _rates(dampers, bodies, forces, before.hub_velocity, before.velocity, group, past)
-        now_i, now_o = _rates(dampers, bodies, forces, bodies.hub_velocity, bodies.velocity, group, next_)
-        rate_i, rate_o = 0.5 * (was_i + now_i), 0.5 * (was_o + now_o)
+        was, now = _before_and_now(bodies, forces, before, drive, group)
+        rate_i, rate_o = 0.5 * (was[0] + now[0]), 0.5 * (was[1] + now[1])
         facing, h_i, h_o = ix * ox + iy * oy, c_i * half, c_o * half
         share = 1.0 / ((1.0 + h_i) * (1.0 + h_o) - h_i * h_o * facing * facing)
         alone = ((1.0 + h_o) * c_i * rate_i + h_i * facing * c_o * rate_o) * share
@@ -104,7 +97,6 @@ def _find(dampers, bodies, compliance, forces, before, dt):
         store(dampers.force, group, alone)
         store(dampers.gain, group, gain)
         store(dampers.coefficient, columns + group, c_o)
-        store(dampers.rate, group, rate_i)
         store(dampers.rate, columns + group, rate_o)
         push_x -= select(there, alone * ix, 0.0)
         push_y -= select(there, alone * iy, 0.0)
@@ -118,12 +110,10 @@ def _find(dampers, bodies, compliance, forces, before, dt):
 
 
 @part
-def _give(dampers, bodies, forces, before, dt, hub_x, hub_y):
-    """The dampers' kicks and the work they take; `hub_` : m/s, what the hub's velocity changes by."""
-    columns, half, over = bodies.columns, 0.5 * dt / bodies.mass, dt / bodies.mass
-    push_x, push_y, work, first = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-    ring_x, ring_y = splat(0.0), splat(0.0)
-    past, _ = ring_rates(bodies.housing)
+def _give(dampers, bodies, forces, drive, hub_x, hub_y):
+    """The dampers' kicks; `hub_` : m/s, what the hub's velocity changes by."""
+    columns, half, over = bodies.columns, 0.5 * drive.dt / bodies.mass, drive.dt / bodies.mass
+    push_x, push_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, bodies.n, WIDTH):
         there, at = count_from(group) < bodies.n, columns + group
         ix, iy = load(forces.normal, group), load(forces.normal, at)
@@ -135,25 +125,33 @@ def _give(dampers, bodies, forces, before, dt, hub_x, hub_y):
         F_o = select(there & (load(forces.force, at) > 0.0), larger(F_o, -load(forces.kick, at)), 0.0)
         store(dampers.force, group, F_i)
         store(dampers.force, at, F_o)
-        was_i, was_o = _rates(dampers, bodies, forces, before.hub_velocity, before.velocity, group, past)
-        work += F_i * (load(dampers.rate, group) - half * (F_i - facing * F_o))
-        work += F_o * (load(dampers.rate, at) - half * (F_o - facing * F_i))
-        first += F_i * was_i + F_o * was_o
-        push_x -= F_i * ix
-        push_y -= F_i * iy
-        ring_x += F_o * ox
-        ring_y += F_o * oy
-        store(bodies.velocity, group, load(bodies.velocity, group) + over * (F_i * ix - F_o * ox))
-        store(bodies.velocity, at, load(bodies.velocity, at) + over * (F_i * iy - F_o * oy))
-    over = dt / bodies.hub_mass
-    x, y = over * total(push_x), over * total(push_y)
-    bodies.hub_velocity[0] += x
-    bodies.hub_velocity[1] += y
-    taken = dt * total(work) - 0.5 * bodies.hub_mass * (x * x + y * y) + dt * total(load(dampers.pair_work, 0))
-    taken -= push_ring(bodies.housing, total(ring_x), total(ring_y), dt)
+        T_i, T_o = push_along(forces.slope, bodies, forces, drive, group, (F_i, F_o), (splat(0.0), splat(0.0)))
+        by_hub_x, by_hub_y = F_i * ix - T_i * iy, F_i * iy + T_i * ix
+        by_ring_x, by_ring_y = F_o * ox + T_o * oy, F_o * oy - T_o * ox
+        push_x -= by_hub_x
+        push_y -= by_hub_y
+        ring_x += by_ring_x
+        ring_y += by_ring_y
+        store(bodies.velocity, group, load(bodies.velocity, group) + over * (by_hub_x - by_ring_x))
+        store(bodies.velocity, at, load(bodies.velocity, at) + over * (by_hub_y - by_ring_y))
+    over = drive.dt / bodies.hub_mass
+    bodies.hub_velocity[0] += over * total(push_x)
+    bodies.hub_velocity[1] += over * total(push_y)
+    push_ring(bodies.housing, total(ring_x), total(ring_y), drive.dt)
+
+
+@part
+def _note_work(dampers, bodies, forces, before, drive):
+    """What the dampers take: their forces, along what contacts close by between the velocities before and after."""
+    work, first = load(dampers.pair_work, 0), splat(0.0)
     store(dampers.pair_work, 0, splat(0.0))
-    dampers.work[0] += 0.5 * dt * total(first)
-    dampers.work[1] = taken - 0.5 * dt * total(first)
+    for group in range(0, bodies.n, WIDTH):
+        was, now = _before_and_now(bodies, forces, before, drive, group)
+        F_i, F_o = load(dampers.force, group), load(dampers.force, bodies.columns + group)
+        first += 0.5 * (F_i * was[0] + F_o * was[1])
+        work += 0.5 * (F_i * now[0] + F_o * now[1])
+    dampers.work[0] += drive.dt * total(first)
+    dampers.work[1] = drive.dt * total(work)
 
 
 @part

@@ -81,16 +81,13 @@ def _kick_ring(housing, before, drive, x, y):
 
 @verb
 def push_ring(housing, x, y, dt):
-    """Give it what the contacts' dampers push by, N; the work, J, that this is less than the velocities before have."""
-    return 0.0
+    """Give it what the contacts' dampers push by, N."""
 
 
 @push_ring.of(Housing)
 def _push_ring(housing, x, y, dt):
-    x, y = dt / housing.mass * x, dt / housing.mass * y
-    housing.velocity[0] += x
-    housing.velocity[1] += y
-    return 0.5 * housing.mass * (x * x + y * y)
+    housing.velocity[0] += dt / housing.mass * x
+    housing.velocity[1] += dt / housing.mass * y
 
 
 @verb

@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from fem.kernels.course_kernels import GAIN, SPEED, speed_of
+from fem.kernels.course_kernels import GAIN, SPEED
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger, smaller
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, magnitude, select, splat, total
 from fem.kernels.law import kick_force
 from fem.kernels.reduced_contacts import both_forces, felt, level, store_pair, take_more, wrap
-from fem.kernels.reduced_damping import with_damper
 from fem.kernels.reduced_friction import tractions
-from fem.kernels.reduced_housing import TWELFTH, ring_acceleration, ring_place
+from fem.kernels.reduced_housing import TWELFTH, ring_acceleration
 from fem.kernels.reduced_modes import push_modes
+from fem.kernels.reduced_slopes import push_along
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.state import Course
 
@@ -26,33 +26,6 @@ def _grow(course, drive, P_i, P_o):
 def _grow_now(course, drive, P_i, P_o):
     more = 2.0 * course.now[SPEED] * course.now[GAIN] * drive.dt
     drive.sums[1] += more * total(course.growth * P_i + course.roller_growth * P_o)
-
-
-@part
-def _with_slopes(bodies, forces, drive, group, P, Q, T, slope):
-    """Forces of eight rollers along +θ in both contacts, N, with what slopes of surfaces add; these turn rollers too.
-
-    Pairs, inner and outer: what a kick gives, forces, tractions.
-    """
-    if slope is None:
-        return T
-    columns, soft = bodies.columns, forces.softening
-    x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
-    ring_x, ring_y = ring_place(bodies.housing)
-    out = (x - ring_x) * load(forces.normal, 2 * columns + group)
-    out += (y - ring_y) * load(forces.normal, 3 * columns + group)
-    x, y = x - bodies.hub[0], y - bodies.hub[1]
-    away = x * load(forces.normal, group) + y * load(forces.normal, columns + group)
-    there = count_from(group) < bodies.n
-    out, away = select(there, out, 1.0), select(there, away, 1.0)
-    half, half_o = 0.5 * Q[0] * Q[0], 0.5 * Q[1] * Q[1]
-    both = P[0] * load(slope, group) - half * load(soft, group)
-    own = P[0] * load(slope, columns + group) - half * load(soft, columns + group)
-    both_o = P[1] * load(slope, 2 * columns + group) - half_o * load(soft, 2 * columns + group)
-    own_o = P[1] * load(slope, 3 * columns + group) - half_o * load(soft, 3 * columns + group)
-    drive.sums[1] -= speed_of(drive.course, drive) * drive.dt * total(both - own)
-    store(bodies.spin, group, load(bodies.spin, group) + (own + own_o) * (drive.dt / bodies.inertia))
-    return T[0] - both / away, T[1] - both_o / out
 
 
 @part
@@ -90,8 +63,8 @@ def kick(bodies, compliance, forces, drive, before):
         if drive.friction > 0.0:
             T_i, T_o = tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)
         store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
-        both = with_damper(forces.dampers, group, P_i), with_damper(forces.dampers, columns + group, P_o)
-        T_i, T_o = _with_slopes(bodies, forces, drive, group, both, (Q_i, Q_o), (T_i, T_o), forces.slope)
+        along_i, along_o = push_along(forces.slope, bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o))
+        T_i, T_o = T_i + along_i, T_o + along_o
         T_i, T_o = push_modes(bodies.vibrations, bodies, forces, drive, group, P_i, P_o, T_i, T_o)
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         hub_x -= select(there, fx, 0.0)

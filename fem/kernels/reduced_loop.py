@@ -90,7 +90,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             _pull_hub(bodies.shaft, before.hub_acceleration, drive.dt)
             kick_ring(bodies.housing, before, drive, ring_x, ring_y)
             _push_cage(bodies.cage, bodies, drive)
-            damp_contacts(forces.dampers, bodies, compliance, forces, before, drive.dt)
+            damp_contacts(forces.dampers, bodies, compliance, forces, before, drive)
             if inside == 0:
                 out = samples[row]
                 _write_motion(bodies, forces, drive, before, out, time)

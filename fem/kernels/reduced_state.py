@@ -85,8 +85,6 @@ class ReducedDampers(NamedTuple):
     time: float  # s, of the contact's stiffness
     hunt_crossley: float  # s/m
     force: np.ndarray  # (3, columns), N
-    lowered: np.ndarray  # (2, columns), m, of approaches by surfaces that are not perfect circles; NaN: not known
-    passing: np.ndarray  # (2, columns), m/s, its rate; room
     rate: np.ndarray  # (2, columns), m/s, at which contacts close; room
     gain: np.ndarray  # (1, columns), N s/m, of inner forces by the hub's velocity; room
     coefficient: np.ndarray  # (2, columns), N s/m; room

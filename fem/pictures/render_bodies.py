@@ -28,6 +28,7 @@ from fem.pictures.near_contacts import (
 from fem.pictures.recover import Instant
 from fem.pictures.refine import refined
 from fem.solver.frames import rotated
+from lagrange.bearing import Bearing
 from lagrange.overlap import touching_distances
 
 LARGEST_WEIGHT = 0.55  # of a patch: the quintic B-spline's peak, 66/120
@@ -147,10 +148,7 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
     model, bearing = instant.model, instant.model.bearing
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
     n = bearing.n_rollers
-    touching, _ = touching_distances(bearing)
-    radial = np.column_stack([np.cos(instant.outer_angle), np.sin(instant.outer_angle)])
-    reference = touching * radial
-    shift = instant.centres - reference
+    reference = _roller_reference(instant)
     dents = _dents(instant)
     loads = contact_loads(instant)
     stresses = smooth_stress(instant, loads)
@@ -159,20 +157,16 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
         if body.material.rigid:  # has none; drawn without colour
             stress[:] = np.nan
 
-    clearance = bearing.radial_clearance
-    outward = np.zeros((outer.n_rows, 2, outer.n_sectors))
-    outward[:, 0] = clearance
+    motions = body_motions(instant)
     parts = [
-        _part(INNER_RING, inner, rotated(inner.points, instant.ring_turn), (0.0, 0.0),
-              instant.hub + inner.cartesian(instant.inner_ring, instant.ring_turn), dents[0], stresses[0]),
-        _part(OUTER_RING, outer, outer.points - outer.cartesian(outward), (0.0, 0.0),
-              outer.cartesian(instant.outer_ring + outward), dents[1], stresses[1]),
+        _part(INNER_RING, inner, rotated(inner.points, instant.ring_turn), (0.0, 0.0), motions[0], dents[0],
+              stresses[0]),
+        _part(OUTER_RING, outer, outer.points - outer.cartesian(_clearance(outer, bearing)), (0.0, 0.0), motions[1],
+              dents[1], stresses[1]),
     ]  # fmt: skip
     for j in range(n):
-        turn = instant.roller_turn[j]
-        parts.append(_part(FIRST_ROLLER + j, disc, rotated(disc.points, turn), reference[j],
-                           shift[j] + rotated(instant.rollers[j], turn), dents[2 + j],
-                           stresses[FIRST_ROLLER + j]))  # fmt: skip
+        parts.append(_part(FIRST_ROLLER + j, disc, rotated(disc.points, instant.roller_turn[j]), reference[j],
+                           motions[2 + j], dents[2 + j], stresses[FIRST_ROLLER + j]))  # fmt: skip
     first = np.concatenate([[0], np.cumsum([len(part) for part in parts])])
     cells = [body.cells + start for body, start in zip(bodies, first, strict=False)]
     circles = []
@@ -188,8 +182,35 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
         spacing=disc.shape.surface_spacing,
         hub=instant.hub,
         roller_reference=reference,
-        roller_shift=shift,
+        roller_shift=instant.centres - reference,
     )
+
+
+def body_motions(instant: Instant) -> list[np.ndarray]:
+    """Nodes' displacements from the reference, (n_nodes, 2), m, of inner ring, outer ring and rollers."""
+    inner, outer = instant.model.inner_ring, instant.model.outer_ring
+    shift = instant.centres - _roller_reference(instant)
+    return [
+        instant.hub + inner.cartesian(instant.inner_ring, instant.ring_turn),
+        outer.cartesian(instant.outer_ring + _clearance(outer, instant.model.bearing)),
+        *(
+            shift[j] + rotated(instant.rollers[j], instant.roller_turn[j])
+            for j in range(instant.model.bearing.n_rollers)
+        ),
+    ]
+
+
+def _roller_reference(instant: Instant) -> np.ndarray:
+    """Where rollers just touch the inner raceway of the centred bearing, (n_rollers, 2), m."""
+    touching, _ = touching_distances(instant.model.bearing)
+    return touching * np.column_stack([np.cos(instant.outer_angle), np.sin(instant.outer_angle)])
+
+
+def _clearance(outer: RingBody, bearing: Bearing) -> np.ndarray:
+    """How far the outer ring lies outside a bearing whose parts just touch, (n_rows, 2, n_sectors), polar, m."""
+    outward = np.zeros((outer.n_rows, 2, outer.n_sectors))
+    outward[:, 0] = bearing.radial_clearance
+    return outward
 
 
 def _part(number, body, local, centre, motion, dent, stress) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.errors import UsageError
 from fem.pictures.recover import StoredRun
-from fem.pictures.render_bodies import drawn_bearing
+from fem.pictures.render_bodies import body_motions
 from fem.pictures.render_scale import Field, Scale, fringe_scale, linear_scale, logarithmic_scale
 from fem.pictures.subsurface import LARGEST_SHEAR
 from lagrange import Bearing
@@ -72,8 +72,8 @@ def chosen_look(
     largest = float(forces.max())
     some = np.unique(np.linspace(0, len(samples) - 1, LOOKED_AT).round().astype(int))
     displacement = max(
-        float(np.hypot(*drawn_bearing(run.instant(samples[k])).motion.T).max()) for k in some
-    )  # fmt: skip
+        float(np.hypot(*motion.T).max()) for k in some for motion in body_motions(run.instant(samples[k]))
+    )
     model = run.model
     half_width = max(law.pair.half_width(max(largest, 1e-3)) for law in (model.inner_law, model.outer_law))
     scale, contact_scale = _scales(request, run, largest, displacement, pixel, contact_pixel * half_width)

@@ -106,10 +106,10 @@ def _edges(model: "Model", equilibrium: "Equilibrium") -> str | None:
     pressure = inf if pair is None else pair.peak_pressure(force)
     if force == 0.0 or pressure <= ISO_76_PRESSURE:
         return None
-    size = "without bound" if pair is None else f"of {1e-6 * pressure:.0f} MPa"
+    size = "has no bound" if pair is None else f"is {1e-6 * pressure:.0f} MPa"
     return (
         f"[[spall]] edge_radius_mm = {1e3 * sharpest:g}: where an edge carries the largest static force, {force:.4g} "
-        f"N, the Hertz pressure is one {size}, above the {1e-6 * ISO_76_PRESSURE:.0f} MPa of ISO 76's static load "
+        f"N, the Hertz pressure {size}, above the {1e-6 * ISO_76_PRESSURE:.0f} MPa of ISO 76's static load "
         "rating: steel yields there, the model stays elastic"
     )
 

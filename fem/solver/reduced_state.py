@@ -118,9 +118,9 @@ class ReducedState(RowState):
         modes = f"reduced.modes_up_to_kHz = {ceil(0.1e-3 * needed) * 10}, or " if alone else ""
         return (
             *found,
-            f"contact forces have changed by {self.shock:.2g} times the largest within one vibration of the bodies: "
-            "elastic waves, which the reduced model lacks but for the modes it is given, take part, and forces may be "
-            f'off by {off}; where they matter take {modes}model = "fem"',
+            f"contact forces have changed by {100.0 * self.shock:.0f} % of the largest within one vibration of the "
+            "bodies: elastic waves, which the reduced model lacks but for the modes it is given, take part, and forces "
+            f'may be off by {off}; where they matter take {modes}model = "fem"',
         )
 
     @property
@@ -146,7 +146,7 @@ class ReducedState(RowState):
             arrays = {name: value for name, value in group._asdict().items() if isinstance(value, np.ndarray)}
             found |= {f"{place}.{name}": array for name, array in arrays.items()}
         if self.forces.dampers is not None:
-            found |= {f"dampers.{name}": getattr(self.forces.dampers, name) for name in ("force", "lowered", "work")}
+            found |= {f"dampers.{name}": getattr(self.forces.dampers, name) for name in ("force", "work")}
         for place, modes in self._modes.items():
             found |= {f"{place}.{name}": getattr(modes, name) for name in ("amplitude", "rate", "before")}
         if self.bodies.cage is not None:
@@ -305,8 +305,6 @@ def _dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:
         time=float(damping.time),
         hunt_crossley=float(damping.hunt_crossley),
         force=np.zeros((3, columns)),
-        lowered=np.full((2, columns), np.nan),
-        passing=np.zeros((2, columns)),
         rate=np.zeros((2, columns)),
         gain=np.zeros((1, columns)),
         coefficient=np.zeros((2, columns)),

@@ -13,9 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from fem.errors import UsageError
 from fem.labels import UNITS, labels
 from fem.result.layout import PER_ROLLER, variables_of
-from fem.study.folder import MISSING, PROGRAM, Folder
+from fem.study.facts import PROGRAM
+from fem.study.folder import MISSING, Folder
 from fem.study.points import LIBRARIES, Points
 from fem.study.solving import COMPLETE, Solved
 from fem.study.study_file import QUANTITIES
@@ -96,8 +98,9 @@ def _fill(file, points: Points, folder: Folder, count: Callable[[], None]) -> di
     status, text, seconds = np.full(n, MISSING, dtype=object), np.full(n, "", dtype=object), np.full(n, nan)
     marks: dict[str, list[Any]] = {name: [] for name in UNITS}
     signals = _Signals(file, points)
-    for i, digest in enumerate(points.digests):
-        solved = folder.read(digest)
+    variables = variables_of(points.scene(0))
+    for i in range(n):
+        solved = folder.read(points, i, variables)
         for name, value in labels(points.scene(i)).items():
             marks[name].append(value)
         if solved is not None:
@@ -148,6 +151,11 @@ class _Signals:
             self._lay_out(self._waiting[0][1])
         shape = self._points.design.shape
         for i, solved in self._waiting:
+            if any(values.shape != self._shapes[name] for name, values in solved.signals.items()):
+                raise UsageError(
+                    f"{self._points.design.told(i)}: its signals have another length than those of other points; "
+                    f"remove points/{self._points.digests[i]}.point, and --resume solves it again"
+                )
             at = tuple(int(k) for k in np.unravel_index(i, shape))
             for name, values in solved.signals.items():
                 self._file.variables[name][at] = values
@@ -159,6 +167,7 @@ class _Signals:
         scene = self._points.scene(0)
         known = variables_of(scene)
         length = len(next(iter(first.signals.values())))
+        self._shapes = {name: values.shape for name, values in first.signals.items()}
         file.createDimension("time", length)
         time = file.createVariable("time", "f8", ("time",))
         time.units, time.long_name = "s", "time of the signals' samples"

@@ -15,16 +15,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
 from fem.errors import UsageError
+from fem.result.layout import Variables
+from fem.study.facts import PROGRAM, StudyFacts, read_point
 from fem.study.points import Points
 from fem.study.sampling import Design
 from fem.study.solving import LOST, Solved
 from fem.study.study_file import study_of
+from lagrange.plain_files import read_plain
 from lagrange.scene import parse_scene_text
 from lagrange.sealed import read_sealed, write_sealed
 
-PROGRAM = "run-study"
 MISSING = "missing"  # the status of a point that has not been solved
 
 
@@ -51,28 +54,24 @@ class Folder:
 
         Errors
         ------
-        UsageError: there is none, or it is damaged.
+        UsageError, SceneError: there is none, or it is damaged.
         """
         try:
-            facts = json.loads(self._about.read_text(encoding="utf-8"))
-            study = study_of(self._about, facts["study"], facts["listed"])
-            scene = parse_scene_text(facts["scene"], f"{self._about}: scene", facts["files"])
-            design = Design(
-                keys=tuple(facts["keys"]),
-                points=[tuple(point) for point in facts["points"]],
-                axes=None if facts["axes"] is None else tuple(tuple(axis) for axis in facts["axes"]),
-                base=facts["base"],
-            )
-            return Points(
-                study=replace(study, name=facts["name"], scene=scene),
-                design=design,
-                digests=facts["digests"],
-                made_by=facts["made_by"],
-            )
+            facts = StudyFacts.model_validate_json(read_plain(self._about))
         except OSError as error:
             raise UsageError(f"{self.path}: no study: {error.strerror} (study.json)") from None
-        except (ValueError, KeyError, TypeError) as error:
-            raise UsageError(f"{self._about}: damaged, or not of this version: {error}") from None
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            told = f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": ")
+            raise UsageError(f"{self._about}: damaged, or not of this version: {told}") from None
+        study = study_of(self._about, facts.study, facts.listed)
+        scene = parse_scene_text(facts.scene, f"{self._about}: scene", facts.files)
+        return Points(
+            study=replace(study, name=facts.name, scene=scene),
+            design=Design(keys=facts.keys, points=facts.points, axes=facts.axes, base=facts.base),
+            digests=facts.digests,
+            made_by=facts.made_by,
+        )
 
     def run(self, digest: str) -> Path:
         """A point's result file."""
@@ -133,18 +132,13 @@ class Folder:
                 _write(self.run(digest), solved.run)
             write_sealed(self._point(digest), archive.getvalue())
 
-    def read(self, digest: str) -> Solved | None:
-        """What became of a point; None: not solved yet, or its file is damaged."""
+    def read(self, points: Points, i: int, variables: Variables) -> Solved | None:
+        """What became of point i; None: not solved yet, or its file is damaged. `variables`: which may be signals."""
         try:
-            data = read_sealed(self._point(digest))
-        except OSError:
+            data = read_sealed(self._point(points.digests[i]))
+            return None if data is None else read_point(data, points.study.keep, variables)
+        except Exception:  # an archive can be damaged in more ways than there are errors to name here
             return None
-        if data is None:
-            return None
-        with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-            signals = {name: archive[name] for name in archive.files if name != "facts"}
-            facts = json.loads(archive["facts"].tobytes())
-        return Solved(signals=signals, **facts)
 
     @contextmanager
     def _named(self) -> Iterator[None]:
@@ -174,7 +168,7 @@ def _facts(points: Points) -> dict[str, Any]:
         "name": study.name,
         "study": study.text,
         "listed": study.listed,
-        "scene": study.scene.to_toml(),
+        "scene": study.scene.to_written_toml(),
         "files": study.scene.files,
         "keys": design.keys,
         "points": design.points,

@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
+from sys import float_info
 from typing import Any
 
 import numpy as np
 
 from fem.errors import UsageError
+from lagrange.scene_faults import told
 
 Value = float | int | str | bool
 MOST_VALUES = 100_000  # of one parameter
@@ -94,6 +96,16 @@ class Distribution(Parameter):
         return getattr(stats, self.name)(*self.arguments)
 
 
+def is_value(found: Any) -> bool:
+    """Whether a value of TOML may be one of a scene."""
+    return isinstance(found, str | bool) or _is_number(found)
+
+
+def _is_number(found: Any) -> bool:
+    """Whether a value of TOML, whose whole numbers have no limit, is a number that a float can hold."""
+    return isinstance(found, float | int) and not isinstance(found, bool) and abs(found) <= float_info.max
+
+
 def read_parameter(key: str, spec: Any) -> Parameter:
     """The parameter that a study's file states.
 
@@ -104,7 +116,7 @@ def read_parameter(key: str, spec: Any) -> Parameter:
     if isinstance(spec, list):
         return Choice(key=key, values=_values(key, spec))
     if not isinstance(spec, dict):
-        raise UsageError(f'parameters."{key}" = {spec!r}: must be {SPECS}')
+        raise UsageError(f'parameters."{key}" = {told(spec)}: must be {SPECS}')
     if "from" in spec or "to" in spec:
         return _range(key, spec)
     if len(spec) != 1:
@@ -119,11 +131,11 @@ def _values(key: str, given: Sequence[Any]) -> tuple[Value, ...]:
     if not 1 <= len(given) <= MOST_VALUES:
         raise UsageError(f'parameters."{key}": holds {len(given)} values; 1 to {MOST_VALUES} are taken')
     for value in given:
-        if not isinstance(value, float | int | str | bool) or (isinstance(value, float) and not isfinite(value)):
-            raise UsageError(f'parameters."{key}": {value!r} is no value of a scene')
+        if not is_value(value):
+            raise UsageError(f'parameters."{key}": {told(value)} is no value of a scene')
     if len(set(given)) < len(given):
         twice = next(value for i, value in enumerate(given) if value in given[:i])
-        raise UsageError(f'parameters."{key}": {twice!r} is there twice')
+        raise UsageError(f'parameters."{key}": {told(twice)} is there twice')
     return tuple(given)
 
 
@@ -134,15 +146,15 @@ def _range(key: str, spec: dict[str, Any]) -> Range:
             raise UsageError(f"{place}.{name}: unknown key; known here: {', '.join(RANGE_KEYS)}")
     for name in ("from", "to"):
         value = spec.get(name)
-        if isinstance(value, bool) or not isinstance(value, float | int) or not isfinite(value):
-            raise UsageError(f"{place}.{name} = {value!r}: must be a number")
+        if not _is_number(value):
+            raise UsageError(f"{place}.{name} = {told(value)}: must be a number")
     low, high, count, scale = spec["from"], spec["to"], spec.get("count"), spec.get("scale", "linear")
     if not low < high:
         raise UsageError(f"{place}: from = {low:g} must be below to = {high:g}")
     if count is not None and (isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= MOST_VALUES):
-        raise UsageError(f"{place}.count = {count!r}: must be a whole number from 2 to {MOST_VALUES}")
+        raise UsageError(f"{place}.count = {told(count)}: must be a whole number from 2 to {MOST_VALUES}")
     if scale not in ("linear", "log"):
-        raise UsageError(f'{place}.scale = {scale!r}: must be "linear" or "log"')
+        raise UsageError(f'{place}.scale = {told(scale)}: must be "linear" or "log"')
     if scale == "log" and low <= 0.0:
         raise UsageError(f'{place}: scale = "log" needs from = {low:g} above 0')
     whole = isinstance(low, int) and isinstance(high, int)
@@ -159,8 +171,8 @@ def _distribution(key: str, name: str, arguments: Any) -> Distribution:
     if not isinstance(known, stats.rv_continuous):
         raise UsageError(f"{place}.{name}: no range and no continuous distribution of scipy.stats; must be {SPECS}")
     numbers = arguments if isinstance(arguments, list) else None
-    if numbers is None or not all(isinstance(a, float | int) and not isinstance(a, bool) for a in numbers):
-        raise UsageError(f"{place}.{name} = {arguments!r}: must be a list of numbers: shapes, location, scale")
+    if numbers is None or not all(_is_number(a) for a in numbers):
+        raise UsageError(f"{place}.{name} = {told(arguments)}: must be a list of numbers: shapes, location, scale")
     found = Distribution(key=key, name=SHORTHAND.get(name, name), arguments=tuple(float(a) for a in numbers))
     try:
         middle = float(found.frozen().ppf(0.5))
@@ -170,5 +182,5 @@ def _distribution(key: str, name: str, arguments: Any) -> Distribution:
             f"{place}.{name}: {len(numbers)} arguments; it takes shapes ({shapes}), then location and scale"
         ) from None
     if not isfinite(middle):
-        raise UsageError(f"{place}.{name} = {arguments!r}: outside what the distribution is defined for")
+        raise UsageError(f"{place}.{name} = {told(arguments)}: outside what the distribution is defined for")
     return found

@@ -1,18 +1,21 @@
 """The points of a study: values of its parameters, by the method that its file names."""
 
 import csv
-import tomllib
 from dataclasses import dataclass
 from itertools import product
-from math import isfinite, prod
+from math import prod
 
 import numpy as np
 
 from fem.errors import UsageError
-from fem.study.parameters import Value
+from fem.study.parameters import Value, is_value
 from fem.study.study_file import Study
+from lagrange.scene import SceneError
+from lagrange.scene_faults import told
+from lagrange.scene_text import load
 
 MOST_POINTS = 1_000_000
+MOST_NUMBERS = 10 * MOST_POINTS  # in all points: some hundred bytes of memory each
 POINT = "point"  # the dimension of points that are no grid
 
 
@@ -77,13 +80,17 @@ def design_of(study: Study) -> Design:
             raise UsageError(f'parameters: method = "zip" needs as many values of each, here {told}')
         return Design(keys=keys, points=list(zip(*axes, strict=True)), axes=None)
     count = prod(len(axis) for axis in axes)
-    _check_count(count, "parameters")
+    _check_count(count, len(axes), "parameters")
     return Design(keys=keys, points=list(product(*axes)), axes=axes)
 
 
-def _check_count(count: int, what: str) -> None:
+def _check_count(count: int, parameters: int, what: str) -> None:
     if count > MOST_POINTS:
         raise UsageError(f"{what}: {count:,} points; at most {MOST_POINTS:,} are taken")
+    if count * parameters > MOST_NUMBERS:
+        raise UsageError(
+            f"{what}: {count:,} points of {parameters:,} parameters; points times parameters may be {MOST_NUMBERS:,}"
+        )
 
 
 def _drawn(study: Study) -> Design:
@@ -92,13 +99,13 @@ def _drawn(study: Study) -> Design:
 
     sampling, keys = study.sampling, tuple(study.parameters)
     d, n = len(keys), sampling.samples or 0
+    _check_count(n * (d + 2) if sampling.indices else n, d, "sampling.samples")
     rng = np.random.default_rng(sampling.seed)
     if sampling.method == "lhs":
         shares = qmc.LatinHypercube(d=d, rng=rng).random(n)
     elif not sampling.indices:
         shares = qmc.Sobol(d=d, rng=rng).random_base2(n.bit_length() - 1)
     else:
-        _check_count(n * (d + 2), "sampling.samples")
         shares = _matrices(qmc.Sobol(d=2 * d, rng=rng).random_base2(n.bit_length() - 1), d)
     columns = [parameter.drawn(shares[:, i]) for i, parameter in enumerate(study.parameters.values())]
     return Design(keys=keys, points=list(zip(*columns, strict=True)), axes=None, base=n if sampling.indices else 0)
@@ -121,13 +128,16 @@ def _matrices(shares: np.ndarray, d: int) -> np.ndarray:
 def _listed(study: Study) -> Design:
     """Points of a CSV table whose header names keys of the scene; a value is TOML, or a plain word, or left empty."""
     name, text = study.sampling.file, study.listed or ""
-    rows = [row for row in csv.reader(text.splitlines()) if any(cell.strip() for cell in row)]
+    try:
+        rows = [row for row in csv.reader(text.splitlines()) if any(cell.strip() for cell in row)]
+    except csv.Error as error:
+        raise UsageError(f"{name}: a row can't be read: {error}") from None
     if len(rows) < 2:
         raise UsageError(f"{name}: holds no points; a header of scene keys and a row for each point are needed")
     keys = tuple(cell.strip() for cell in rows[0])
     if not all(keys) or len(set(keys)) < len(keys):
         raise UsageError(f"{name}: its header must name a key of the scene in each column, none twice")
-    _check_count(len(rows) - 1, name or "")
+    _check_count(len(rows) - 1, len(keys), name or "")
     points = []
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(keys):
@@ -140,9 +150,9 @@ def _value(name: str, row: int, key: str, cell: str) -> Value | None:
     if not cell:
         return None
     try:
-        found = tomllib.loads(f"value = {cell}")["value"]
-    except ValueError:
+        found = load(f"value = {cell}", "")["value"]
+    except SceneError:
         found = cell
-    if not isinstance(found, float | int | str | bool) or (isinstance(found, float) and not isfinite(found)):
-        raise UsageError(f"{name}: row {row}, {key} = {cell!r}: is no value of a scene")
+    if not is_value(found):
+        raise UsageError(f"{name}: row {row}, {key} = {told(cell)}: is no value of a scene")
     return found

@@ -1,6 +1,5 @@
 """The study's file: TOML, validated; its faults told as those of a scene are."""
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -14,11 +13,13 @@ from fem.checking import OF_CHECK
 from fem.errors import UsageError
 from fem.quantities import OF_RUN, OF_STATICS
 from fem.study.parameters import Parameter, read_parameter
+from lagrange.plain_files import read_text
 from lagrange.scene import Scene, SceneError, read_scene
 from lagrange.scene_faults import Check, Table, all_faults, likely_of, printable
+from lagrange.scene_text import load
 
 LARGEST_FILE = 2**24  # bytes of a list of points
-MOST_NAMES = 1000  # quantities or signals
+MOST_NAMES = 1000  # quantities, signals, keys of the scene
 QUANTITIES = OF_RUN | OF_STATICS | OF_CHECK  # unit and meaning by name
 USUAL = ("hub_mean_x", "hub_mean_y", "largest_force", "mean_largest_force", "load_zone")
 
@@ -93,8 +94,10 @@ class StudyTable(Table):
     name: str | None = Field(None, min_length=1, max_length=100, pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
     scene: str | None = Field(None, min_length=1)
     sampling: SamplingTable = SamplingTable()
-    fixed: dict[str, Any] = Field({})  # by dotted key, put on the scene before anything is varied
-    parameters: dict[str, Any] = Field({})
+    fixed: dict[str, Any] = Field(
+        {}, max_length=MOST_NAMES
+    )  # by dotted key, put on the scene before anything is varied
+    parameters: dict[str, Any] = Field({}, max_length=MOST_NAMES)
     keep: KeepTable = KeepTable()
     limits: LimitsTable = LimitsTable()
 
@@ -163,24 +166,13 @@ def study_of(path: Path, text: str, listed: str | None) -> Study:
 
 def _text(path: Path) -> str:
     try:
-        with open(path, "rb") as file:
-            data = file.read(LARGEST_FILE + 1)
-        if len(data) > LARGEST_FILE:
-            raise UsageError(f"{path}: larger than {LARGEST_FILE // 2**20} MiB; is it a study's?")
-        return data.decode("utf-8-sig")
-    except OSError as error:
-        raise UsageError(f"{path}: can't be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path}: not UTF-8 text (byte {error.start})") from None
+        return read_text(path, LARGEST_FILE)
+    except ValueError as error:
+        raise UsageError(f"{path}: {error}") from None
 
 
 def _validated(path: Path, text: str) -> StudyTable:
-    try:
-        data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise UsageError(f"{path}: not valid TOML: {error}") from None
-    except ValueError as error:  # Python's own limit on the digits of a whole number
-        raise UsageError(f"{path}: {str(error).partition(';')[0]}") from None
+    data = load(text, str(path))
     try:
         return StudyTable.model_validate(data)
     except ValidationError as error:

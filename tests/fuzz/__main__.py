@@ -25,8 +25,10 @@ from tests.fuzz.targets import NAMES, Targets, seeds
 INSTRUMENTED = ("lagrange", "residual", "fem.study", "tomllib", "csv")
 READERS = (
     "csv", "tomllib", "lagrange.scene", "residual.sources", "residual.table_source", "residual.evaluation",
-    "residual.summary", "fem.study.points", "fem.study.study_file", "fem.study.sampling",
+    "residual.summary", "fem.study.points", "fem.study.study_file",
+    "fem.study.sampling", "fem.study.facts", "fem.study.folder",
 )  # fmt: skip
+KEPT = Path(__file__).parent / "corpus"  # inputs that once found something
 MEMORY_MB = 1024
 MOST_LEAKED_MB = 200  # Atheris 3.0 never frees the result of a comparison it has traced, which may be an array
 SECONDS_PER_INPUT = 25
@@ -42,6 +44,8 @@ def guided(name: str, seconds: int, corpus: Path) -> None:
     sound = seeds(name)
     for number, seed in enumerate(sound):
         (corpus / f"seed-{number}").write_bytes(seed)
+    for known in (KEPT / name).glob("*.*"):
+        shutil.copy(known, corpus)
     folder = Path(tempfile.mkdtemp(dir="/dev/shm" if Path("/dev/shm").is_dir() else None))
     target: Callable[[bytes], bool] = getattr(Targets(folder), name)
     taken, begun_with = [0, 0], _memory_mb()

@@ -19,6 +19,7 @@ VALUES = (
     *NUMBERS, "[1, 2]", "[]", "{}", "{a = 1}", "'text'", '"\\u0000"', '"\\u001b[2J"', "'''", "2007-06-18", "12:00:00",
     "[[", "'../x'", "'" + "x" * 200 + "'", '"t [ms]"', '"{j}"', '"a ["', '"fem"', '"lagrange"', '"ball"', '"rest"',
 )  # fmt: skip
+PLAIN = (None, -1, 0, 2**70, 1e400, -0.5, "", "x" * 50, "\x1b[2J", "../x", [], {}, {"x": {}}, [[]] * 3, True)
 INTEGERS = (0, 1, 2**7, 2**8 - 1, 2**15, 2**16 - 1, 2**31 - 1, 2**31, 2**32 - 1, 2**63 - 1, 2**63, 2**64 - 1)
 
 
@@ -94,6 +95,22 @@ def damaged(data: bytes, random: Random) -> bytes:
     return bytes(content)
 
 
+def facts(data: bytes, random: Random) -> bytes:
+    """Change a value somewhere in the JSON about a study, or bytes of it."""
+    if random.random() < 0.3:
+        return damaged(data, random)
+    try:
+        whole = json.loads(data)
+    except (ValueError, RecursionError):
+        return damaged(data, random)
+    place, key = {"": whole}, ""
+    while isinstance(place[key], dict | list) and place[key] and random.random() < 0.8:
+        place = place[key]
+        key = random.choice(list(place)) if isinstance(place, dict) else random.randrange(len(place))
+    place[key] = random.choice(PLAIN) if random.random() < 0.7 else [place[key]] * random.randrange(4)
+    return json.dumps(whole if key != "" else place[""]).encode()
+
+
 def archive(data: bytes, random: Random) -> bytes:
     """Change arrays of a checkpoint, or the words about them, half of the time with checksums that hold."""
     if random.random() < 0.5:
@@ -125,6 +142,7 @@ MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
     "speeds": table,
     "loads": table,
     "study": scene,
+    "folder": facts,
     "table": table,
     "result": damaged,
     "checkpoint": archive,
@@ -164,6 +182,6 @@ def _other_meta(data: bytes, random: Random) -> bytes:
         key = random.choice(list(meta))
     except (ValueError, TypeError, IndexError):
         return damaged(data, random)
-    meta[key] = random.choice((None, -1, 0, 2**70, 1e400, "", "x" * 50, [], {}, {"x": {}}, [[]] * 3, True))
+    meta[key] = random.choice(PLAIN)
     text = json.dumps(meta).encode()
     return data[:start] + text.ljust(len(data) - start) if len(text) <= len(data) - start else data[:start] + text

@@ -109,6 +109,20 @@ class Targets:
             pass  # the command must find it too
         return _commanded(study_main, str(path), "--dry-run", "--output", str(self._folder / "study"))
 
+    def folder(self, data: bytes) -> bool:
+        """Read what a study's folder tells of it, and make the scene of every point."""
+        from fem.errors import UsageError
+        from fem.study.folder import Folder
+        from lagrange.scene import SceneError
+
+        try:
+            points = Folder(path=self._file("study.json", data).parent).points()
+            for i in range(min(len(points), MOST_POINTS)):
+                points.scene(i)
+        except (UsageError, SceneError) as error:
+            return _refused(error)
+        return True
+
     def _planned(self, scene: Path) -> bool:
         from fem.cli import run_main
 
@@ -164,7 +178,7 @@ class Targets:
         return path
 
 
-NAMES = ("scene", "heights", "speeds", "loads", "study", "table", "result", "checkpoint")
+NAMES = ("scene", "heights", "speeds", "loads", "study", "folder", "table", "result", "checkpoint")
 
 
 def _commanded(main: Callable[[list[str]], int], *arguments: str) -> bool:
@@ -231,6 +245,8 @@ def seeds(name: str) -> list[bytes]:
     if name == "study":
         return [text.encode() for text in STUDIES]
     with tempfile.TemporaryDirectory() as folder:
+        if name == "folder":
+            return [_study_facts(Path(folder), text) for text in STUDIES[:2]]
         path = Path(folder) / "seed.nc"
         if name == "checkpoint":
             _run(["--mesh-size", "2", *DURATION, "--output", str(path)])
@@ -239,8 +255,21 @@ def seeds(name: str) -> list[bytes]:
         scene.write_text(FEW_ROLLERS)
         _run([str(scene), "--model", "lagrange", *DURATION, "--output", str(path)])
         if name == "table":
-            return [_table(path, ","), _table(path, "\t")]
+            return [_table(path, ",", True), _table(path, "\t", False)]
         return [path.read_bytes(), _unchecked(path)]
+
+
+def _study_facts(place: Path, text: str) -> bytes:
+    """What run-study writes of a study before it solves the first point."""
+    from fem.study.folder import Folder
+    from fem.study.points import checked_points
+    from fem.study.sampling import design_of
+    from fem.study.study_file import read_study
+
+    (place / "study.toml").write_text(text, encoding="utf-8")
+    study = read_study(place / "study.toml")
+    Folder(path=place).begin(checked_points(study, design_of(study)))
+    return (place / "study.json").read_bytes()
 
 
 def _run(arguments: list[str]) -> None:
@@ -263,8 +292,8 @@ def _unchecked(path: Path) -> bytes:
     return path.read_bytes()
 
 
-def _table(path: Path, delimiter: str) -> bytes:
-    """Write a result file's motion as a table."""
+def _table(path: Path, delimiter: str, forces: bool) -> bytes:
+    """Write a result file's motion as a table, with or without its accelerations and contact forces."""
     import h5py
     import numpy as np
 
@@ -272,6 +301,9 @@ def _table(path: Path, delimiter: str) -> bytes:
         columns = {name: file[name][:] for name in ("time", "inner_x", "inner_y")}
         for axis in "xy":
             columns |= {f"roller_{j}_{axis}": column for j, column in enumerate(file[f"roller_{axis}"][:].T)}
+        for name in ("inner_force", "outer_force") if forces else ():
+            columns |= {f"roller_{j}_{name}": column for j, column in enumerate(file[name][:].T)}
+        columns |= {name: file[name][:] for name in ("inner_ax", "inner_ay")} if forces else {}
     text = io.StringIO()
     np.savetxt(text, np.column_stack(list(columns.values())), "%.9g", delimiter,
                header=delimiter.join(columns), comments="")  # fmt: skip

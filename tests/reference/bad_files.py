@@ -271,7 +271,7 @@ BAD_FILES = {
     "picture": content("cat.png", b"\x89PNG\r\n\x1a\n" + bytes(range(256)), "--scene"),
     "prose": content("notes.csv", "dear diary\n", "--scene"),
     "scene of another run": sound("--scene", "{folder}/other.toml", say="other.toml & differs"),
-    "missing scene file": sound("--scene", "nowhere.toml", say="nowhere.toml & can't be read"),
+    "missing scene file": sound("--scene", "nowhere.toml", say="nowhere.toml & no such file"),
     "unknown law": sound("--law", "hooke", say="--law hooke & harris"),
     "law of balls": sound("--law", "hertz", say="--law hertz & harris"),
     "negative start": sound("--start", "-1", say="--start -1"),

@@ -6,23 +6,26 @@ libraries loaded (`forked`), and calls of libraries' own files and of compiled k
 command must have
 
 * ended with an exit code of its own, and without a traceback;
-* left what was there before, or its replacement, sound;
-* left caches from which the same command, without a fault, makes the same result to the last bit.
+* left what was there before, or its replacement, sound, with no other samples than those of a run without faults;
+* left files and caches from which the same command, without a fault, makes the same result to the last bit. Where
+  they are, byte by byte, those left by an earlier trial, that one's answer holds.
 
 As SQLite is tested: https://www.sqlite.org/testing.html#i_o_error_testing
 """
 
+import hashlib
+import json
 import os
 import re
 import shutil
 import sys
 import tempfile
 import time
+import zipfile
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-import h5py
 import numpy as np
 from cyclopts import App
 from rich.console import Console
@@ -30,6 +33,7 @@ from rich.console import Console
 from fem.kernels.kernel_folder import cache_folder
 from tests.pages import markdown_table
 from tests.stability import forked
+from tests.stability.samples import differing, samples_of
 
 EXITS = {0, 1, 2, 130, 143}
 TIME_LIMIT = 120.0  # s of wall time, of one trial
@@ -46,6 +50,7 @@ CALLS = {
 SCENE = 'name = "s"\n[numerics]\nmesh_size_mm = 2.0\nduration_ms = 0.4\n'
 COMMANDS = {
     "run": ["run-fem", "s.toml", "--quiet"],
+    "resume": ["run-fem", "s.toml", "--quiet", "--resume", "--duration", "0.6", "--checkpoint", "0"],
     "lagrange": ["run-fem", "s.toml", "--model", "lagrange", "--quiet"],
     "check": ["check-residual", "runs/s.nc", "--no-figures", "--quiet"],
     "render": ["render-fem", "runs/s.nc", "--output", "s.png"],
@@ -60,6 +65,10 @@ class Desk:
     """A folder with a scene and an earlier result, and caches of its own."""
 
     folder: Path
+
+    @property
+    def result(self) -> Path:
+        return self.folder / "work" / "runs" / "s.nc"
 
     def prepared(self, model: "Desk | None") -> None:
         """Make it anew, as another one is."""
@@ -88,7 +97,7 @@ def calls_of(log: Path, kind: str, mine: str) -> list[int]:
         arguments = match[3].split("AT_FDCWD", 1)[-1]
         path = re.sub(r"^<[^>]*>", "", arguments)  # the current folder is not what is opened
         if kind == "memory":
-            if "MAP_ANONYMOUS" in arguments:
+            if "MAP_ANONYMOUS" in arguments and "MAP_FIXED" not in arguments:  # which the loader of libraries asks for
                 found.append(number)
             continue
         named = re.search(r'"([^"]*)"', path) if kind in ("open", "rename", "removal") else None
@@ -98,38 +107,77 @@ def calls_of(log: Path, kind: str, mine: str) -> list[int]:
     return found
 
 
-def result_bytes(path: Path) -> dict[str, bytes]:
-    """All numbers of a result; the times of day are no part of them."""
-    with h5py.File(path) as file:
-        return {name: np.asarray(file[name]).tobytes() for name in file if isinstance(file[name], h5py.Dataset)}
+def state_of(folder: Path) -> str:
+    """A digest of all files of a folder, without the times of day in them."""
+    text = hashlib.sha256()
+    for path in sorted(path for path in folder.rglob("*") if path.is_file() and path.name != "strace.log"):
+        text.update(str(path.relative_to(folder)).encode() + b"\0")
+        try:
+            text.update(_timeless(path))
+        except (OSError, KeyError, ValueError, zipfile.BadZipFile):
+            text.update(path.read_bytes())
+    return text.hexdigest()
 
 
-def trial(desk: Desk, model: Desk, name: str, kind: str, number: int, whole: dict[str, bytes]) -> tuple[int, str]:
-    """Let one call fail; the exit code, and what is wrong, or nothing."""
-    desk.prepared(model)
-    calls, error = CALLS[kind]
-    log = desk.folder / "strace.log"
-    inject = f"inject={','.join(calls)}:error={error}:when={number}"
-    done = desk.run(COMMANDS[name], ["-f", "-qq", "-o", str(log), "-e", f"trace={','.join(calls)}", "-e", inject])
-    if done.code is None:
-        return -1, "hangs"
-    struck = "; ".join(line[:160] for line in log.read_text(errors="replace").splitlines() if "INJECTED" in line)
-    if done.code not in EXITS:
-        return done.code, f"exit {done.code}: {struck}: {done.said[-300:]}"
-    if "Traceback" in done.said:
-        return done.code, f"traceback: {struck}: {done.said[-600:]}"
-    earlier = desk.folder / "work" / "runs" / "s.nc"
-    try:
-        with h5py.File(earlier) as file:
-            str(file.attrs["status"])
-    except (OSError, KeyError) as fault:
-        return done.code, f"the earlier result: {fault}: {struck}"
-    again = desk.run(COMMANDS[name])
-    if again.code != 0:
-        return done.code, f"afterwards exit {again.code}: {again.said[-300:]}: {struck}"
-    if result_bytes(earlier) != whole:
-        return done.code, f"afterwards another result: {struck}"
-    return done.code, ""
+def _timeless(path: Path) -> bytes:
+    if path.suffix == ".nc":
+        return b"".join(name.encode() + value.tobytes() for name, value in sorted(samples_of(path).items()))
+    if path.suffix == ".checkpoint":
+        with np.load(path) as arrays:
+            meta = json.loads(arrays["meta"].tobytes()) | {"wall_seconds": 0.0}
+            rest = (arrays[name].tobytes() for name in arrays.files if name != "meta")
+            return b"".join([json.dumps(meta).encode(), *rest])
+    return path.read_bytes()
+
+
+@dataclass(frozen=True)
+class Loop:
+    """One command's trials: the desk as it was before, what the command makes of it, and what is known already."""
+
+    name: str
+    model: Desk
+    desk: Desk
+    whole: dict[str, np.ndarray]  # the result after the command without faults
+    known: dict[str, str]  # of states left by a fault: what was wrong afterwards, or nothing
+
+    def trial(self, kind: str, number: int) -> tuple[int, str]:
+        """Let one call fail; the exit code, and what is wrong, or nothing."""
+        desk = self.desk
+        desk.prepared(self.model)
+        calls, error = CALLS[kind]
+        log = desk.folder / "strace.log"
+        inject = f"inject={','.join(calls)}:error={error}:when={number}"
+        # a pipe between a child and its parent is on no disk: of writes those of the command itself
+        every = [] if kind == "write" else ["-f"]
+        traced = [*every, "-qq", "-o", str(log), "-e", f"trace={','.join(calls)}", "-e", inject]
+        done = desk.run(COMMANDS[self.name], traced)
+        if done.code is None:
+            return -1, "hangs"
+        struck = "; ".join(line[:160] for line in log.read_text(errors="replace").splitlines() if "INJECTED" in line)
+        if done.code not in EXITS:
+            return done.code, f"exit {done.code}: {struck}: {done.said[-300:]}"
+        if "Traceback" in done.said:
+            return done.code, f"traceback: {struck}: {done.said[-600:]}"
+        if done.code and not done.said:
+            return done.code, f"exit {done.code} without a word: {struck}"
+        try:
+            if other := differing(samples_of(desk.result), self.whole):
+                return done.code, f"the earlier result has other samples of {', '.join(other)}: {struck}"
+        except (OSError, KeyError) as fault:
+            return done.code, f"the earlier result: {fault}: {struck}"
+        state = state_of(desk.folder)
+        if state not in self.known:
+            self.known[state] = self._afterwards()
+        return done.code, self.known[state] and f"{self.known[state]}: {struck}"
+
+    def _afterwards(self) -> str:
+        """Whether the same command without a fault makes the same result."""
+        again = self.desk.run(COMMANDS[self.name])
+        if again.code != 0:
+            return f"afterwards exit {again.code}: {again.said[-300:]}"
+        found = samples_of(self.desk.result)
+        whole = len(found["time"]) == len(self.whole["time"]) and found["status"] == self.whole["status"]
+        return "" if whole and not differing(found, self.whole) else "afterwards another result"
 
 
 @app.default
@@ -138,7 +186,7 @@ def main(command: str = "run", *, kinds: tuple[str, ...] = tuple(CALLS), every: 
 
     Parameters
     ----------
-    command: run, lagrange, check or render
+    command: run, resume, lagrange, check or render
     kinds: of calls
     every: only each of so many calls
     seconds: of wall time, after which no further call fails
@@ -148,11 +196,12 @@ def main(command: str = "run", *, kinds: tuple[str, ...] = tuple(CALLS), every: 
     rows = []
     with tempfile.TemporaryDirectory() as place:
         model, desk = Desk(Path(place) / "model"), Desk(Path(place) / "trial")
-        whole = _first_run(model, desk, command)
+        _first_run(model, desk, command)
         names = ",".join(name for calls, _ in CALLS.values() for name in calls)
         log = desk.folder / "strace.log"
         desk.prepared(model)
         desk.run(COMMANDS[command], ["-f", "-y", "-qq", "-o", str(log), "-e", f"trace={names}"])
+        loop = Loop(command, model, desk, samples_of(desk.result), {})
         recorded = {kind: calls_of(log, kind, str(desk.folder)) for kind in kinds}
         for kind, numbers in recorded.items():
             codes: Counter[int] = Counter()
@@ -160,7 +209,7 @@ def main(command: str = "run", *, kinds: tuple[str, ...] = tuple(CALLS), every: 
             for number in numbers[::every]:
                 if time.monotonic() > until:
                     break
-                code, wrong = trial(desk, model, command, kind, number, whole)
+                code, wrong = loop.trial(kind, number)
                 codes[code] += 1
                 if wrong:
                     findings.append(f"{kind} {number}: {wrong}")
@@ -176,7 +225,7 @@ def main(command: str = "run", *, kinds: tuple[str, ...] = tuple(CALLS), every: 
     sys.exit(1 if findings else 0)
 
 
-def _first_run(model: Desk, desk: Desk, command: str) -> dict[str, bytes]:
+def _first_run(model: Desk, desk: Desk, command: str) -> None:
     """An earlier result in place, caches of meshes and matrices empty again."""
     kept = cache_folder()
     if kept is not None:  # kernels stay where they are kept: a copy of them would have to be made for each trial
@@ -185,9 +234,10 @@ def _first_run(model: Desk, desk: Desk, command: str) -> dict[str, bytes]:
     desk.prepared(None)
     first = COMMANDS["lagrange" if command == "lagrange" else "run"]
     forked.preload([first, COMMANDS[command]], desk.folder / "work")
+    desk.prepared(None)
+    desk.run(first)
     shutil.rmtree(desk.folder / "cache", ignore_errors=True)
     model.prepared(desk)
-    return result_bytes(model.folder / "work" / "runs" / "s.nc")
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -48,10 +49,19 @@ def preload(commands: list[list[str]], folder: Path) -> None:
     _forks.set_forkserver_preload([name for name in dict.fromkeys(modules) if not name.startswith("_")])
 
 
-def run(words: list[str], folder: Path, limit: float, strace: list[str] | None = None) -> Ended:
-    """Run a command to its end, under strace where its options are given; s of wall time at most."""
+def run(
+    words: list[str],
+    folder: Path,
+    limit: float,
+    strace: list[str] | None = None,
+    before: Callable[[], None] | None = None,
+) -> Ended:
+    """Run a command to its end, s of wall time at most; `strace`: under it, with these options.
+
+    `before`, to be pickled, is called in its process before the command.
+    """
     with tempfile.TemporaryFile("w+b") as output, tempfile.NamedTemporaryFile() as said:
-        process = _forks.Process(target=_command, args=(words, str(folder), said.name, strace is not None))
+        process = _forks.Process(target=_command, args=(words, str(folder), said.name, strace is not None, before))
         process.start()
         tracer = None
         if strace is not None:
@@ -79,7 +89,7 @@ def _awaits(number: int | None, wanted: str, other_than: str = "\0") -> None:
         time.sleep(0.005)
 
 
-def _command(words: list[str], folder: str, said: str, waits: bool) -> None:
+def _command(words: list[str], folder: str, said: str, waits: bool, before: Callable[[], None] | None) -> None:
     """What the fork does."""
     with open(said, "ab") as output:
         for number in (1, 2):
@@ -88,6 +98,8 @@ def _command(words: list[str], folder: str, said: str, waits: bool) -> None:
     sys.argv = list(words)
     module, function = ENTRIES[words[0]]
     main = getattr(importlib.import_module(module), function)
+    if before is not None:
+        before()
     if waits:
         os.kill(os.getpid(), signal.SIGSTOP)
     with suppress(KeyboardInterrupt):

@@ -20,6 +20,7 @@ app = App(
     help="""Hold the solver's pieces against analytic solutions, published values and conservation laws.
 
 Example: python -m tests.verification disc-modes rolling
+         python -m tests.verification rolling balances --markdown
 
 Exit codes: 0 all passed; 1 a case failed; 2 unknown name.
 """,
@@ -31,7 +32,9 @@ def main(
     *names: Annotated[str, Parameter(help="cases, or subjects with all of their cases; default: all")],
     fast: Annotated[bool, Parameter(negative="", help="leave out the slow ones")] = False,
     list_cases: Annotated[bool, Parameter(name="--list", negative="", help="say what there is, run nothing")] = False,
-    markdown: Annotated[bool, Parameter(negative="", help="write the table of docs/verification.md; runs all")] = False,
+    markdown: Annotated[
+        bool, Parameter(negative="", help="write the subjects' tables into docs/verification.md")
+    ] = False,
 ) -> int:
     from tests.verification import subjects, table  # loads the solver; --help does without
     from tests.verification.case import run_case
@@ -39,8 +42,8 @@ def main(
     console = Console(width=WIDTH, highlight=False)
     try:
         cases = subjects.named(list(names)) if names else subjects.all_cases()
-        if markdown and (names or fast):
-            raise ValueError("--markdown writes the table of all cases: give it without names and without --fast")
+        if markdown and (fast or not subjects.whole(cases)):
+            raise ValueError("--markdown writes tables of whole subjects: name subjects, and leave out --fast")
     except ValueError as error:
         print(error, file=sys.stderr)
         return UNUSABLE
@@ -56,7 +59,8 @@ def main(
         console.print(table.screen(outcomes[-1]))
     console.print(table.verdict(outcomes))
     if markdown:
-        table.write_into(PAGE, f"Made at commit {commit()}.\n\n{table.markdown(outcomes)}")
+        order = dict.fromkeys(f"### {case.subject.capitalize()}" for case in subjects.all_cases())
+        table.write_into(PAGE, table.markdown(outcomes, commit()), tuple(order))
         print(f"written into {PAGE}")
     return OK if all(outcome.passed for outcome in outcomes) else FAILED
 

@@ -36,3 +36,9 @@ def named(names: list[str]) -> tuple[Case, ...]:
             f"subjects: {', '.join(dict.fromkeys(case.subject.replace(' ', '-') for case in known))}"
         )
     return tuple(case for case in known if {case.name, case.subject.replace(" ", "-")} & wanted)
+
+
+def whole(cases: tuple[Case, ...]) -> bool:
+    """Whether these are all cases of each of their subjects."""
+    touched = {case.subject for case in cases}
+    return set(cases) == {case for case in all_cases() if case.subject in touched}

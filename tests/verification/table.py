@@ -1,5 +1,7 @@
 """Outcomes as tables."""
 
+import re
+from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 
@@ -62,12 +64,13 @@ def _powers(number: str) -> str:
     return f"{digits}·10{str(int(power)).translate(SUPERSCRIPT)}" if e else digits
 
 
-def markdown(outcomes: list[Outcome]) -> str:
-    """Write all cases by subject: what each does, and its checks."""
-    lines = []
+def markdown(outcomes: list[Outcome], commit: str) -> dict[str, str]:
+    """Write subjects' sections, by their headings: how it was made, what each case does, and its checks."""
+    sections = {}
     for subject, group in groupby(outcomes, key=lambda outcome: outcome.case.subject):
-        lines += [f"### {subject.capitalize()}", ""]
         group = list(group)
+        command = f"python -m tests.verification {dashed(subject)} --markdown"
+        lines = [f"### {subject.capitalize()}", "", f"Made by `{command}` at commit {commit}.", ""]
         lines += [f"* `{outcome.case.name}`: {outcome.case.description}" for outcome in group]
         lines += ["", "| case | " + " | ".join(HEADINGS) + " |", "|" + "---|" * (len(HEADINGS) + 1)]
         for outcome in group:
@@ -77,19 +80,32 @@ def markdown(outcomes: list[Outcome]) -> str:
                 name = ""
             if outcome.trouble:
                 lines.append(f"| {name} | FAILED: {outcome.trouble} | | | | | |")
-        lines.append("")
-    return "\n".join(lines)
+        sections[lines[0]] = "\n".join(lines)
+    return sections
 
 
-def write_into(page: Path, text: str) -> None:
-    """Put the text between the page's two marks.
+def write_into(page: Path, sections: dict[str, str], order: Sequence[str]) -> None:
+    """Put subjects' sections between the page's two marks, in place of their earlier ones.
+
+    Parameters
+    ----------
+    sections : by their headings
+    order : headings of all subjects; what else stood between the marks goes
 
     Errors
     ------
     ValueError: the page has no marks.
     """
     before, begin, rest = page.read_text(encoding="utf-8").partition(BEGIN)
-    _, end, after = rest.partition(END)
+    between, end, after = rest.partition(END)
     if not begin or not end:
         raise ValueError(f"{page}: the marks {BEGIN!r} and {END!r} are missing")
-    page.write_text(f"{before}{BEGIN}\n\n{text}\n{END}{after}", encoding="utf-8")
+    earlier = {part.partition("\n")[0]: part.strip() for part in re.split(r"^(?=### )", between, flags=re.MULTILINE)}
+    found = earlier | sections
+    text = "\n\n".join(found[heading] for heading in order if heading in found)
+    page.write_text(f"{before}{BEGIN}\n\n{text}\n\n{END}{after}", encoding="utf-8")
+
+
+def dashed(subject: str) -> str:
+    """A subject's name as it is typed."""
+    return subject.replace(" ", "-")

@@ -1,0 +1,46 @@
+"""Files that users and other files name: read whole, or refused in a few words; never waited for.
+
+Stands on the ground floor: scenes, their tables, studies and what is kept on disk are read here.
+"""
+
+import errno
+import os
+import stat
+from pathlib import Path
+
+
+def read_plain(path: str | Path, most: int = -1) -> bytes:
+    """The first `most` bytes of a plain file, or all.
+
+    Errors
+    ------
+    OSError: it can't be read, or is no plain file: a pipe would be waited for, a device may never end. ValueError: its
+    name holds a null character.
+    """
+    with open(path, "rb", opener=_without_waiting) as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise OSError(errno.EINVAL, "a pipe or a device, not a plain file", str(path))
+        return file.read(most)
+
+
+def read_text(path: str | Path, most: int) -> str:
+    """The text of a plain file of at most `most` bytes, UTF-8 with or without a mark.
+
+    Errors
+    ------
+    ValueError, what is wrong, without the file's name: it can't be read, is too large, or not UTF-8.
+    """
+    try:
+        data = read_plain(path, most + 1)
+    except (OSError, ValueError) as error:
+        raise ValueError(f"can't be read: {getattr(error, 'strerror', None) or error}") from None
+    if len(data) > most:
+        raise ValueError(f"larger than {most // 2**20} MiB")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"not UTF-8 text (byte {error.start})") from None
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))

@@ -1,0 +1,52 @@
+"""All figures of a report, in the groups that its page shows them in. Importing this imports matplotlib."""
+
+from pathlib import Path
+
+import matplotlib
+
+from residual.against_figures import against_figures
+from residual.budget_figures import budget_figures
+from residual.cage_figures import cage_figure
+from residual.evaluation import Evaluation
+from residual.fault_figures import fault_figures
+from residual.figures import SavedFigure
+from residual.motion_figures import motion_figures
+from residual.order_figures import order_figures
+from residual.paper_figures import paper_figures
+from residual.parts import Parts
+from residual.passage_figures import passage_figures
+from residual.plotting import STYLE
+from residual.quasistatic import QuasiStatic
+from residual.spectrum_figures import spectrum_figures
+from residual.vibration_figures import vibration_figures
+
+
+def draw_figures(
+    evaluation: Evaluation, statics: QuasiStatic | None, parts: Parts, folder: Path
+) -> dict[str, list[SavedFigure]]:
+    """Draw what the run has the data for into a folder; by groups, in the page's order.
+
+    Parameters
+    ----------
+    evaluation : Evaluation
+    statics : QuasiStatic, the Lagrangian model's equilibria; None: there are none
+    parts : Parts, of the report
+    """
+    with matplotlib.rc_context(STYLE):
+        drawn = {
+            "against": [] if parts.other is None else against_figures(evaluation, parts.other, folder),
+            "motion": [*motion_figures(evaluation, statics, folder), *filter(None, [cage_figure(evaluation, folder)])],
+            "vibration": [
+                *vibration_figures(evaluation, folder),
+                *order_figures(evaluation, folder),
+                *passage_figures(evaluation, folder),
+            ],
+            "search": [] if parts.search is None else fault_figures(parts.search, folder),
+        }
+        if parts.equations:
+            drawn |= {
+                "spectra": spectrum_figures(evaluation, folder),
+                "budget": budget_figures(evaluation, folder),
+                "paper": paper_figures(evaluation, folder),
+            }
+        return drawn

@@ -1,0 +1,135 @@
+"""Folders of studies that others have made: `run-study --collect` refuses them, or leaves points out, and soon."""
+
+import io
+import json
+import os
+import shutil
+
+import numpy as np
+import pytest
+
+from fem.study_cli import study_main
+from lagrange.sealed import read_sealed, write_sealed
+
+STUDY = """
+[fixed]
+model = "lagrange"
+"numerics.duration_ms" = 1.0
+[parameters]
+"operation.speed_rpm" = [1500, 3000]
+[keep]
+quantities = ["hub_mean_y"]
+signals = ["inner_ay"]
+"""
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("study")
+    (folder / "s.toml").write_text(STUDY, encoding="utf-8")
+    assert study_main([str(folder / "s.toml"), "--output", str(folder / "s"), "--workers", "1", "--quiet"]) == 0
+    return folder / "s"
+
+
+FACTS = {  # what is put into study.json, and what must be told
+    "digests that lead elsewhere": ({"digests": ["../../x"] * 2}, "digests.0: String should match"),
+    "digests without points": ({"digests": ["0" * 32] * 6}, "as many digests as points"),
+    "points beside the axes": (
+        {"points": [[1], [2]] * 5000, "digests": ["0" * 32] * 10**4},
+        "axes: must make the points",
+    ),
+    "axes that are none": ({"axes": "abc"}, "axes: "),
+    "axes that make other points": ({"axes": [[1] * 1000]}, "axes: must make the points"),
+    "keys that are none": ({"keys": [1]}, "keys.0: "),
+    "no name": ({"name": None}, "name: "),
+    "indices of nothing": ({"base": 10**9}, "base: must make the points"),
+    "a program that is none": ({"made_by": {"a": 1}}, "made_by: "),
+    "a speed that is no number": ({"points": [[float("nan")]] * 2}, "points.0.0."),
+}
+
+
+@pytest.mark.parametrize("kind", FACTS)
+def test_a_study_that_can_not_be_is_refused(kind, study, tmp_path, capsys):
+    change, words = FACTS[kind]
+    folder = shutil.copytree(study, tmp_path / "s")
+    about = folder / "study.json"
+    about.write_text(json.dumps(json.loads(about.read_text(encoding="utf-8")) | change), encoding="utf-8")
+    _refused(folder, words, capsys)
+
+
+def test_a_study_that_nests_is_refused(study, tmp_path, capsys):
+    folder = shutil.copytree(study, tmp_path / "s")
+    (folder / "study.json").write_text("[" * 10**5, encoding="utf-8")
+    _refused(folder, "recursion limit", capsys)
+
+
+def test_a_study_in_a_pipe_is_refused(study, tmp_path, capsys):
+    folder = shutil.copytree(study, tmp_path / "s")
+    (folder / "study.json").unlink()
+    os.mkfifo(folder / "study.json")
+    _refused(folder, "not a plain file", capsys)
+
+
+def _refused(folder, words, capsys):
+    assert study_main(["--collect", str(folder), "--quiet"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: ") and words in said and len(said) < 5000, said
+
+
+def with_facts(**change):
+    """A point that tells something else, under a sound seal."""
+
+    def forge(path):
+        with np.load(io.BytesIO(read_sealed(path))) as found:
+            arrays = {name: found[name] for name in found.files}
+        facts = json.loads(arrays["facts"].tobytes()) | change
+        arrays["facts"] = np.frombuffer(json.dumps(facts).encode(), dtype=np.uint8)
+        _seal(path, np.savez, arrays)
+
+    return forge
+
+
+def _seal(path, save, arrays):
+    archive = io.BytesIO()
+    save(archive, **arrays)
+    write_sealed(path, archive.getvalue())
+
+
+def in_a_pipe(path):
+    path.unlink()
+    os.mkfifo(path)
+
+
+POINTS = {
+    "a key too many": with_facts(evil=1),
+    "a status of its own": with_facts(status="<script>"),
+    "a status that is a list": with_facts(status=[1]),
+    "a quantity that is a text": with_facts(quantities={"hub_mean_y": "x"}),
+    "no quantities": with_facts(quantities=None),
+    "a quantity that was never computed": with_facts(quantities={"hub_mean_y": 1e308}),
+    "a quantity that nobody asked for": with_facts(quantities={"load_zone": 1.0}),
+    "an interval that is a text": with_facts(signal_interval="x"),
+    "no archive": lambda path: write_sealed(path, b"hello"),
+    "no facts": lambda path: _seal(path, np.savez, {"a": np.zeros(1)}),
+    "gigabytes": lambda path: _seal(path, np.savez_compressed, {"facts": np.zeros(2**24, dtype=np.uint8)}),
+    "a pipe": in_a_pipe,
+    "another seal": lambda path: path.write_bytes(path.read_bytes()[:50]),
+}
+
+
+@pytest.mark.parametrize("kind", POINTS)
+def test_a_point_that_can_not_be_is_left_out(kind, study, tmp_path, capsys):
+    folder = shutil.copytree(study, tmp_path / "s")
+    for path in (folder / "points").iterdir():
+        POINTS[kind](path)
+    assert study_main(["--collect", str(folder)]) == 1
+    out, error = capsys.readouterr()
+    assert "2 points: 2 missing" in out and "Traceback" not in error and "Warning" not in error
+
+
+def test_a_signal_of_another_length_is_named(study, tmp_path, capsys):
+    folder = shutil.copytree(study, tmp_path / "s")
+    path = min((folder / "points").iterdir())
+    with np.load(io.BytesIO(read_sealed(path))) as found:
+        _seal(path, np.savez, {"facts": found["facts"], "inner_ay": found["inner_ay"][:7]})
+    _refused(folder, "its signals have another length than those of other points", capsys)

@@ -147,6 +147,13 @@ def test_energy_balances(settings, limit):
     assert np.abs(found["imbalance"]).max() < limit * found["exchanged"][-1]
 
 
+def test_rollers_that_nothing_loads_press_outwards_with_their_centrifugal_force_from_the_first_step():
+    plan = plan_of(*CLEARANCE, *(PRELOAD[1:]), "operation.speed_rpm=20000", "numerics.duration_ms=1")
+    bearing, cage = plan.model.bearing, plan.start.kinematics.cage
+    force = samples_of(plan)["outer_force"]
+    np.testing.assert_allclose(force, bearing.roller_mass * cage**2 * plan.start.rho.mean(), rtol=1e-3)
+
+
 def test_forces_of_the_samples_are_the_hubs_and_rollers_accelerations():
     plan = plan_of("numerics.duration_ms=5", "numerics.output_interval_us=2")
     found = samples_of(plan)

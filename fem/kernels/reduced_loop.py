@@ -15,6 +15,7 @@ from fem.kernels.course_kernels import (
     turn_at,
     with_aside,
 )
+from fem.kernels.ending import DONE, NOT_FINITE, lost
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
@@ -52,7 +53,6 @@ from fem.kernels.sample_kernels import (
 )
 from fem.kernels.shaft_kernels import pull
 from fem.kernels.state import Course
-from fem.kernels.time_loop import DONE, NOT_FINITE, lost
 
 TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach
 

@@ -11,7 +11,7 @@ from fem.statics.reduced_bearing import ReducedBearing
 from fem.statics.vibrating_bearing import BearingModes
 from lagrange.kinematics import roller_angles
 
-TURN = 1.0  # rad, of the fastest mode in a step at a safety of 1
+TURN = 1.5  # rad, of the fastest mode in a step at a safety of 1: beyond, contacts that open and close gain energy
 STEADY = 1e-3  # of a step: how closely the critical one is found
 MOST_LOOKS = 30
 

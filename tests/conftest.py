@@ -54,7 +54,7 @@ def can_draw():
 def plain_report(monkeypatch):
     """Make reports without figures, which take most of the time and are tested elsewhere."""
     for group in ("paper", "motion", "spectrum", "vibration", "budget"):
-        monkeypatch.setattr(f"residual.{group}_figures.{group}_figures", lambda *_: [])
+        monkeypatch.setattr(f"residual.drawing.{group}_figures", lambda *_: [])
 
 
 @pytest.fixture(scope="session")

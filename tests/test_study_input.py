@@ -92,7 +92,7 @@ BAD = {  # what is wrong: the study and what must be told
     "motion of a bearing at rest": (change("_ms\" = 1.0", "_ms\" = 0.0"), "at rest only the quantities first_"),
     "a key fixed and varied": (change("model =", '"operation.speed_rpm" = 1\nmodel ='), "stands in [fixed] and in"),
     "no time": (GOOD + "[limits]\nseconds_per_point = 0", "limits.seconds_per_point = 0"),
-    "a scene that is missing": ('scene = "none.toml"\n' + GOOD, "none.toml: can't be read"),
+    "a scene that is missing": ('scene = "none.toml"\n' + GOOD, "none.toml: no such file"),
     "a name that is none": ('name = "../x"\n' + GOOD, "name = '../x'"),
     "a file of a scene": (change(SPEED, '"profile.0.file" = ["a.csv", "b.csv"]'), "files of a scene can't be varied"),
 }  # fmt: skip

@@ -1,5 +1,6 @@
 """Surfaces that are not perfect circles, for the time loops."""
 
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from fem.kernels.lanes import WIDTH
 from fem.kernels.state import RingProfile, RollerProfiles
 from fem.solver.cache_lines import at_line
-from lagrange import Bearing
+from lagrange import Bearing, Kinematics
 from lagrange.profile import Profile, profiles
 
 
@@ -29,6 +30,13 @@ def raceway_profiles(bearing: Bearing, columns: int) -> tuple[dict[str, Any], di
     return tuple(
         {"profile": ring, "roller_profiles": roller} for ring, roller in zip(on_rings, on_rollers, strict=True)
     )
+
+
+def time_along_a_knot(bearing: Bearing, ideal: Kinematics) -> float:
+    """Time in which contacts roll over the shortest knot of a profile, s; infinite on perfect circles, or standing."""
+    surfaces = profiles(bearing)
+    speed = abs(ideal.cage) * bearing.outer_raceway_radius  # of contacts along every surface
+    return inf if surfaces is None or speed == 0.0 else surfaces.shortest / speed
 
 
 def _ring_profile(profile: Profile | None) -> RingProfile:

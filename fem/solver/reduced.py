@@ -17,6 +17,7 @@ from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
 from fem.solver.pace import in_words, pace
+from fem.solver.profile_arrays import time_along_a_knot
 from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start, standing_hub
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
@@ -24,9 +25,8 @@ from fem.solver.solver import sample_count
 from fem.solver.vibrations import critical_with_modes, longest_with_modes
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
 from fem.statics.vibrating_bearing import bearing_modes
-from lagrange import Bearing, Kinematics, Operation, kinematics
+from lagrange import Operation, kinematics
 from lagrange.contact_damping import ContactDamping
-from lagrange.profile import profiles
 from lagrange.scene import Scene
 from lagrange.step_size import fastest_in_machine
 
@@ -135,7 +135,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation)
     critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation)
     interval = 1e-6 * numerics.output_interval_us
-    longest = min(SHARE * critical, _time_along_a_profile(bearing, fastest), longest_with_modes(modes))
+    longest = min(SHARE * critical, KNOTS_A_STEP * time_along_a_knot(bearing, fastest), longest_with_modes(modes))
     longest = min(longest, _time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts))
     longest *= numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
@@ -166,13 +166,6 @@ def _check(scene: Scene) -> None:
             f'contact.model = "{scene.contact.model}" is of meshes, and the reduced model has none; leave it out, or '
             'take model = "fem"'
         )
-
-
-def _time_along_a_profile(bearing: Bearing, ideal: Kinematics) -> float:
-    """The longest step, s, that follows what surfaces lack; infinite on perfect circles."""
-    surfaces = profiles(bearing)
-    speed = abs(ideal.cage) * bearing.outer_raceway_radius  # of contacts along every surface, as they roll
-    return inf if surfaces is None or speed == 0.0 else KNOTS_A_STEP * surfaces.shortest / speed
 
 
 def _time_of_dampers(model: ReducedBearing, force: float, operation: Operation, damping: ContactDamping) -> float:

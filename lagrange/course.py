@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 TIME = "time_ms"
 FEWEST_POINTS = 2
+LATEST = 1e12  # ms, thirty years: powers of very long times are no numbers any more
 SHORTEST = 1e-3  # ms, between two points: some time steps of the finite elements
+SLOWEST = 1e-12  # m/s, of the inner raceway: slower ones stand; no time is long enough to look ahead of them
 LONGEST_LOOK = 1e-4  # s, ahead and back from the start of a run, for rates: a shaft that hardly turns takes long
 STEEPEST = 1.25  # of the straight lines on either side; see above
 
@@ -134,6 +136,8 @@ def points_of(text: str, names: tuple[str, ...], largest: float) -> tuple[np.nda
     if not np.all(np.isfinite(found)):
         raise ValueError(f"row {1 + int(np.argmin(np.isfinite(found).all(axis=1)))} holds a value that is not finite")
     time, values = found[:, 0], found[:, 1:]
+    if np.abs(time).max() > LATEST:
+        raise ValueError(f"{TIME} = {time[np.argmax(np.abs(time))]:g}: at most {LATEST:g} either way; in milliseconds?")
     steps = np.diff(time)
     if np.any(steps < SHORTEST):
         at = int(np.argmax(steps < SHORTEST))

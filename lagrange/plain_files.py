@@ -23,7 +23,7 @@ def read_plain(path: str | Path, most: int = -1) -> bytes:
         return file.read(most)
 
 
-def read_text(path: str | Path, most: int) -> str:
+def plain_text(path: str | Path, most: int) -> str:
     """The text of a plain file of at most `most` bytes, UTF-8 with or without a mark.
 
     Errors

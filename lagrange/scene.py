@@ -19,7 +19,7 @@ from lagrange.cage import Cage
 from lagrange.catalogue import designations, inner_ring_and_shaft
 from lagrange.film import films
 from lagrange.mounting import Mounting
-from lagrange.plain_files import read_text
+from lagrange.plain_files import plain_text
 from lagrange.sampling import fitting_interval
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_cage import CageTable
@@ -266,7 +266,7 @@ def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) 
     if path is not None:
         name = str(path)
         try:
-            text = read_text(path, LONGEST_TEXT)
+            text = plain_text(path, LONGEST_TEXT)
         except ValueError as error:
             if not Path(path).exists():
                 raise SceneError(f"{name}: no such file; {_at_hand(Path(path))}") from None

@@ -158,15 +158,10 @@ def _cage(scene: "Scene") -> Iterator[str]:
                 '[cage]: not with lagrange.angles = "free" in a housing that moves; take "kinematic" angles, another '
                 "model, or leave one of the tables out"
             )
-        if scene.cage.guidance == "outer_ring" and scene.mounting().housing is not None:
+        if scene.model == "fem" and scene.cage.guidance == "inner_ring" and scene.operation.speed_table is not None:
             yield (
-                'cage.guidance = "outer_ring": not in a housing that moves; take "rollers" or "inner_ring", or '
-                "leave [support] out"
-            )
-        if scene.cage.guidance == "inner_ring" and scene.operation.speed_table is not None:
-            yield (
-                f'cage.guidance = "inner_ring": only at a steady speed, not with operation.speed_table = '
-                f'"{scene.operation.speed_table}"; take "rollers" or "outer_ring"'
+                'cage.guidance = "inner_ring": with model = "fem" only at a steady speed, not with '
+                f'operation.speed_table = "{scene.operation.speed_table}"; take another model or guidance'
             )
 
 

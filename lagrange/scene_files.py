@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from lagrange.plain_files import read_text
+from lagrange.plain_files import plain_text
 from lagrange.text_table import LARGEST_FILE, digest
 
 
@@ -79,7 +79,7 @@ def _file(named: _Named) -> Iterator[_Named]:
 
 def _text(named: _Named, path: Path) -> str:
     try:
-        return read_text(path, LARGEST_FILE)
+        return plain_text(path, LARGEST_FILE)
     except ValueError as error:
         missed = "can't be read" in str(error)
         hint = f" (looked for in {path.parent.resolve()})" if missed else f"; is it a table of {named.kind}?"

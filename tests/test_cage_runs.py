@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from fem.interface import simulate as run_scene
 from fem.solver.simulate import make_plan
 from lagrange.scene import parse_scene
 from tests.accuracy.cage import FRICTION, HEAVY_HUB, PRELOADED, STIFF_POCKETS, caged
 from tests.reference.going_on import assert_same_bits, rest_of_run
+from tests.reference.operation_tables import RAMP, scene_with
 
 pytestmark = pytest.mark.slow  # each compiles a time loop
 GUIDED = {"guidance": "inner_ring", "guidance_clearance_mm": 0.05, "pocket_clearance_mm": 0.1, "drag_torque_N_m": 0.5}
@@ -22,6 +24,19 @@ def test_energy_balances_with_a_cage(model, limit, cage):
     assert found.imbalance < limit
     lost = sum(found.values[f"cage_work_{name}"][-1] for name in ("dashpots", "friction", "drag"))
     assert 0.0 < lost < found.values["work_dissipated"][-1]
+
+
+@pytest.mark.parametrize(("speed", "limit"), [(1000.0, 1e-7), (20000.0, 1e-4)])
+def test_the_first_kicks_give_what_contacts_press_with(speed, limit):
+    """In equilibrium, of the largest force: no contact owes energy before the first step."""
+    operation, numerics = {"speed_rpm": speed}, {"output_interval_us": 1.0, "duration_ms": 0.1}
+    state = make_plan(
+        parse_scene({"model": "reduced", "cage": {}, "operation": operation, "numerics": numerics}, "")
+    ).first_state()
+    for _ in range(6):
+        state.advance(1)
+        forces = state.forces
+        assert np.abs(forces.kick[:2] - forces.force[:2]).max() < limit * forces.force.max()
 
 
 def test_rollers_keep_their_distance_within_the_clearance_and_the_cage_turns_with_them():
@@ -91,3 +106,50 @@ def test_a_run_with_a_cage_goes_on_bit_for_bit(model):
     expected, found = rest_of_run(plan, 100, 101)
     assert np.ptp(expected["cage_x"]) > 0.0
     assert_same_bits(found, expected)
+
+
+def balance_of(result):
+    """What the run's energies leave, J, over what is exchanged and dissipated."""
+    energies = result.energies
+    left = sum(energies[name] for name in energies if name.startswith("energy_"))
+    left = left - energies["work_external"] + energies["work_dissipated"]
+    passed = np.ptp(energies["energy_kinetic"]) + energies["work_dissipated"][-1]
+    return np.abs(left - left[0]).max() / passed
+
+
+@pytest.mark.parametrize(("model", "limit"), [("reduced", 5e-4), ("lagrange", 1e-6)])
+def test_a_ring_that_speeds_up_rubs_on_its_cage(tmp_path, model, limit):
+    """With the shaft's speed of every step; the reduced model's rattling rollers cost 2e-4 guided by rollers, too."""
+    cage = (
+        "cage.guidance=inner_ring", "cage.guidance_clearance_mm=0.02", "cage.pocket_clearance_mm=0.2",
+        "cage.friction_coefficient=0.3",
+    )  # fmt: skip
+    numerics = "numerics.duration_ms=8", f"model={model}", "lagrange.angles=free"
+    scene = scene_with(tmp_path, *cage, *numerics, speeds=RAMP)
+    result = run_scene(scene)
+    values = result.values
+    assert values["cage_work_friction"][-1] > 1e-3
+    assert np.hypot(values["cage_guidance_x"], values["cage_guidance_y"]).max() > 1.0
+    assert balance_of(result) < limit
+    if model == "reduced":  # whose works end a step later
+        expected, found = rest_of_run(make_plan(scene), 20, 10)
+        assert_same_bits(found, expected)
+
+
+def test_an_outer_ring_in_a_housing_guides_its_cage():
+    """The guide's force is the housing's too: its equation of motion, and the balance of energies."""
+    tables = {
+        "model": "reduced",
+        "support": {"kind": "housing", "mass_kg": 0.5, "stiffness_N_per_m": 2e8, "damping_N_s_m": 4000.0},
+        "cage": {"guidance": "outer_ring", "guidance_clearance_mm": 0.02, "pocket_clearance_mm": 0.2, "mass_kg": 0.2},
+        "numerics": {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2, "output_interval_us": 2.0},
+    }
+    result = run_scene(parse_scene(tables, ""))
+    assert balance_of(result) < 1e-4
+    values, mass = result.values, 0.5 + result.scene.ideal_bearing().outer_ring_mass
+    angle = values["roller_theta"]
+    push = np.sum(values["outer_force"] * np.sin(angle) - values["outer_traction"] * np.cos(angle), axis=1)
+    place, inertia, guide = values["housing_y"], mass * values["housing_ay"], -values["cage_guidance_y"]
+    rest = push + guide - mass * 9.81 - 2e8 * place - 4000.0 * np.gradient(place, values["time"]) - inertia
+    assert np.std(guide) > 0.1 * np.std(inertia)
+    assert np.std(rest) < 0.01 * np.std(inertia)

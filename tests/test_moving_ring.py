@@ -78,7 +78,7 @@ def test_the_housing_rings_down_at_its_frequency_and_damping():
     run = solved(housed, 0.024, 5e-5, bearing, start="rest", load_ramp=3e-4)
     frequency, zeta = ring_down(run.housing_y[6:] + 50.0 / 15.1e6, 5e-5)
     assert frequency == pytest.approx(173.97, rel=1e-3)
-    assert zeta == pytest.approx(2210.7 / (2.0 * np.sqrt(15.1e6 * 12.638)), rel=2e-3)
+    assert zeta == pytest.approx(2210.7 / (2.0 * np.sqrt(15.1e6 * 12.638)), rel=1e-3)
 
 
 @pytest.mark.parametrize("shaft", [None, SHAFT])
@@ -157,29 +157,52 @@ def checked(scene, run):
     return evaluate(replace(record_of(scene, run), **told, **damper, **relative(places, OF_HOUSING[:4])), "harris")
 
 
-def test_the_checkers_terms_sum_up_with_every_option_at_once(tmp_path):
-    """Housing, sensor, shaft, dampers, unbalance, rotating load, tables of speed and load, faults of surfaces."""
-    settings = (
-        "operation.unbalance_g_mm=50", "operation.rotating_load_N=100", "operation.shaft=springs",
-        "operation.shaft_stiffness_N_per_m=1e8", "operation.shaft_damping_N_s_m=300", "support.kind=housing",
-        "support.mass_kg=0.5", "support.stiffness_N_per_m=2e8", "support.damping_N_s_m=4000",
-        "sensor.frequency_Hz=15000", "damping.contact_N_s_m=100", "numerics.duration_ms=8", "numerics.start=rest",
-        "numerics.load_ramp_ms=0.2",
-    )  # fmt: skip
-    faults = (
-        '[[spall]]\nbody = "outer_ring"\nangle_deg = 4.0\n[[waviness]]\nbody = "inner_ring"\norder = 12\n'
-        "amplitude_um = 0.5\n[[unequal_roller]]\nroller = 3\ndiameter_deviation_um = 1.0\n"
-    )
-    scene = scene_with(tmp_path, *settings, speeds=RAMP, loads=LOADS, more=faults)
-    run = solved(scene.ideal_operation(), 5.4e-4, 1e-5, scene.ideal_bearing(), **HIT,
-                 damping=ContactDamping(constant=100.0))  # fmt: skip
-    found = checked(scene, run)
+EVERYTHING = (
+    "operation.unbalance_g_mm=50", "operation.rotating_load_N=100", "operation.shaft=springs",
+    "operation.shaft_stiffness_N_per_m=1e8", "operation.shaft_damping_N_s_m=300", "support.kind=housing",
+    "support.mass_kg=0.5", "support.stiffness_N_per_m=2e8", "support.damping_N_s_m=4000",
+    "sensor.frequency_Hz=15000", "damping.contact_N_s_m=100", "numerics.duration_ms=8", "numerics.start=rest",
+    "numerics.load_ramp_ms=0.2",
+)  # fmt: skip
+FAULTS = (
+    '[[spall]]\nbody = "outer_ring"\nangle_deg = 4.0\n[[waviness]]\nbody = "inner_ring"\norder = 12\n'
+    "amplitude_um = 0.5\n[[unequal_roller]]\nroller = 3\ndiameter_deviation_um = 1.0\n"
+)
+
+
+def assert_terms_add_up(found, rest, names):
+    """To the error, of which the equations themselves leave the rest, N, and in which all these take part."""
     for direction in found.directions:
         terms = direction.budget.terms
         np.testing.assert_allclose(sum(terms.values()), direction.budget.error, rtol=0.0, atol=1e-9 * 2000.0)
-        assert np.abs(terms["ring_flexibility"]).max() < 1e-9 * 2000.0  # nothing is missing in the equations
-        for name in ("differentiation", "outer_ring", "shaft", "damping"):
+        assert np.abs(terms["ring_flexibility"]).max() < rest
+        for name in names:
             assert np.ptp(terms[name]) > 0.0, name
+
+
+@pytest.mark.parametrize("more", [{"speeds": RAMP}, {"settings": ("lubricant.viscosity_Pa_s=0.02",)}])
+def test_the_checkers_terms_sum_up_with_every_option_at_once(tmp_path, more):
+    """Housing, sensor, shaft, dampers, unbalance, rotating load, faults, tables; a film is of a steady speed only."""
+    scene = scene_with(
+        tmp_path, *EVERYTHING, *more.get("settings", ()), speeds=more.get("speeds"), loads=LOADS, more=FAULTS
+    )
+    run = solved(scene.ideal_operation(), 5.4e-4, 1e-5, scene.ideal_bearing(), **HIT,
+                 damping=ContactDamping(constant=100.0))  # fmt: skip
+    names = "differentiation", "outer_ring", "shaft", "damping"
+    assert_terms_add_up(checked(scene, run), 1e-9 * 2000.0, names)
+
+
+@pytest.mark.slow
+def test_the_checkers_terms_sum_up_with_a_cage_and_a_film_too(tmp_path):
+    """The reduced model's run, whose kicks are means over a step: 0.1 % of the largest force is not in the terms."""
+    cage = ("cage.pocket_clearance_mm=0.1", "cage.guidance=inner_ring", "cage.guidance_clearance_mm=0.02")
+    scene = scene_with(
+        tmp_path, *EVERYTHING, *cage, "model=reduced", "lubricant.viscosity_Pa_s=0.02", "cage.drag_torque_N_m=0.5",
+        "numerics.output_interval_us=2", loads=LOADS, more=FAULTS,
+    )  # fmt: skip
+    result = run_scene(scene)
+    names = "differentiation", "outer_ring", "shaft", "contact_law", "damping", "friction", "cage"
+    assert_terms_add_up(result.residual(), 1e-3 * result.values["inner_force"].max(), names)
 
 
 @pytest.mark.slow
@@ -268,4 +291,4 @@ def test_the_reduced_model_rings_down_with_its_housing():
     values = run_scene(scene.varied(changes)).values
     frequency, zeta = ring_down(values["housing_y"] + 50.0 / 15.1e6, 5e-5)
     assert frequency == pytest.approx(173.97, rel=1e-3)
-    assert zeta == pytest.approx(0.080, rel=5e-3)
+    assert zeta == pytest.approx(2210.7 / (2.0 * np.sqrt(15.1e6 * 12.638)), rel=1e-3)

@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
 from fem.errors import UsageError
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.solver.reduced import ReducedPlan
 from fem.solver.reduced_state import slowest_vibration
 from fem.solver.simulate import make_plan, run
 from fem.statics.exact_statics import exact_contacts, exact_statics
+from fem.statics.reduced_bearing import tangential_compliance
 from lagrange.kinematics import roller_angles
+from lagrange.pair import contact_pairs
 from lagrange.scene import parse_scene, read_scene
 from tests.reference.free_vibration import disc_frequency
 
@@ -147,6 +150,13 @@ def test_energy_balances(settings, limit):
     assert np.abs(found["imbalance"]).max() < limit * found["exchanged"][-1]
 
 
+def test_rollers_that_nothing_loads_press_outwards_with_their_centrifugal_force_from_the_first_step():
+    plan = plan_of(*CLEARANCE, *(PRELOAD[1:]), "operation.speed_rpm=20000", "numerics.duration_ms=1")
+    bearing, cage = plan.model.bearing, plan.start.kinematics.cage
+    force = samples_of(plan)["outer_force"]
+    np.testing.assert_allclose(force, bearing.roller_mass * cage**2 * plan.start.rho.mean(), rtol=1e-3)
+
+
 def test_forces_of_the_samples_are_the_hubs_and_rollers_accelerations():
     plan = plan_of("numerics.duration_ms=5", "numerics.output_interval_us=2")
     found = samples_of(plan)
@@ -267,6 +277,22 @@ def test_a_wave_of_the_inner_ring_moves_a_preloaded_hub_as_in_finite_elements():
         found.append(np.concatenate([block["inner_x"] for block in blocks]))
     assert found[0].max() == pytest.approx(0.5e-6, rel=0.1)  # the wave's amplitude, for a rigid hub and many rollers
     assert np.abs(found[1] - found[0]).max() < 0.01 * found[0].max()
+
+
+@pytest.mark.parametrize("force", [10.0, 1e3, 1e4])
+def test_tangential_compliance_goes_with_the_half_widths_logarithm(force):
+    """Against the series of rings and rollers for the half-width itself."""
+    bearing = read_scene(None, ()).ideal_bearing()
+    found, pairs = tangential_compliance(bearing, force), contact_pairs(bearing)
+    widths = [pair.half_width(force) for pair in pairs]
+    rings = (
+        (bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring),
+        (bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring),
+    )
+    rollers = [disc_stick_approach(bearing.roller_radius, bearing.roller, width) for width in widths]
+    others = [ring_stick_approach(*ring, width) for ring, width in zip(rings, widths[:2], strict=True)]
+    wanted = np.add(rollers, [*others, rollers[2]]) / bearing.roller_length
+    np.testing.assert_allclose(found, wanted, rtol=1e-3)
 
 
 def test_the_slowest_vibration_is_a_rollers_ovalling():

@@ -4,7 +4,8 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.solver.cautions import run_cautions
+from fem.cli import run_main
+from fem.solver.wide_contacts import run_cautions
 from lagrange.pair import contact_pairs
 from lagrange.scene import read_scene
 from tests.reference.commands import command
@@ -64,6 +65,16 @@ def test_the_same_load_from_equilibrium_is_told_nothing_of(soft):
     assert done.returncode == 0 and "Warning" not in done.stdout
     with h5py.File(soft / "calm.nc") as file:
         assert file.attrs["warnings"] == ""
+
+
+def test_the_lagrangian_model_watches_its_largest_contact_too(soft):
+    """Its law knows nothing of widths; the second leg takes no step of its own."""
+    path = soft / "springs.nc"
+    arguments = [str(soft / "soft.toml"), "--model", "lagrange", "--output", str(path), "--quiet"]
+    for words in ([], ["--resume"]):
+        assert run_main([*arguments, *words]) == 0
+        with h5py.File(path) as file:
+            assert WORDS in file.attrs["warnings"] and file.attrs["warnings"].count("beyond Hertz") == 1
 
 
 @pytest.mark.parametrize("which", range(3))

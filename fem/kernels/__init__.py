@@ -1,7 +1,8 @@
 """What runs in the time loop: numba over plain arrays.
 
 state                           the arrays, as named tuples: bodies, surfaces, pairs, contacts
-time_loop, drive_kernels        leapfrog steps; the hub; `course_kernels`: speed and load that change
+time_loop, drive_kernels        leapfrog steps; the hub; `course_kernels`: speed and load that change; `ending`: how
+                                time loops end
 disc_kernels, ring_kernels      forces and motion of rollers and rings
 node_kernels                    both in a step, of all bodies
 surfaces                        what contacts ask of a surface: read, push, grip, sideways, push_along

@@ -25,14 +25,13 @@ from fem.kernels.sample_kernels import CONTACT, DISSIPATED, WORK_GRAVITY
 
 @press.of(CagePair)
 def _press(pair, rollers, disc, contacts, drive):
-    turn_guide(pair.ring, speed_of(drive.course, drive))
-    meet(pair, drive.dt)
+    meet(pair, speed_of(drive.course, drive), drive.dt)
 
 
 @part
 def turn_guide(ring, speed):
-    """The ring that guides the cage turns at this speed, rad/s."""
-    if ring is not None:
+    """The shaft turns at this speed, rad/s, and a guiding inner ring with it."""
+    if ring is not None and ring.turns:
         ring.speed[0] = speed
 
 
@@ -46,14 +45,15 @@ def rub_cage(pair, drive):
 @part
 def _turn_drive(ring, drive):
     """The moment about the origin that hub and drive feel of what the kick has not taken."""
-    if ring is not None:
+    if ring is not None and ring.turns:
         drive.moment[1] += ring.place[0] * ring.rubbed[1] - ring.place[1] * ring.rubbed[0] + ring.rubbed[2]
 
 
 @part(inlined=False)
-def meet(pair, dt):
-    """Begin a step: end the last one's works, find the contacts, give the springs' impulses."""
+def meet(pair, speed, dt):
+    """Begin a step: end the last one's works, find the contacts, give the springs' impulses; `speed` of the shaft."""
     end_works(pair, dt)
+    turn_guide(pair.ring, speed)
     find_contacts(pair, dt)
 
 

@@ -26,7 +26,7 @@ class Riders(NamedTuple):
 
 
 class GuidingRing(NamedTuple):
-    """An inner ring that guides the cage: the hub."""
+    """A ring that guides the cage: the inner one, which is the hub, or the outer one in a housing that moves."""
 
     place: np.ndarray  # (2,), m
     velocity: np.ndarray  # (2,), m/s
@@ -34,6 +34,7 @@ class GuidingRing(NamedTuple):
     rubbed: np.ndarray  # (3,), N s, of this step, in the velocity already; N m s about its centre
     mass: float
     speed: np.ndarray  # (1,), rad/s, in this step
+    turns: bool  # with the shaft
 
 
 class CageContacts(NamedTuple):
@@ -80,8 +81,8 @@ class Cage(NamedTuple):
 
 
 class CagePair(NamedTuple):
-    """A cage, its rollers, and the inner ring where that guides it."""
+    """A cage, its rollers, and the ring that guides it."""
 
     cage: Cage
     riders: Riders
-    ring: GuidingRing | None
+    ring: GuidingRing | None  # None: no ring guides the cage, or one that stands still

@@ -39,8 +39,11 @@ class KernelCache(_Cache):
         return str(self._folder)
 
     def load_overload(self, signature, context):
-        """The compiled function, or None where it must be compiled."""
-        context.refresh()
+        """The compiled function, or None where it must be compiled.
+
+        Without the context's `refresh` that numba's own cache begins with: it imports all that a compiler knows, half a
+        second for what is only loaded. Compilers refresh their context themselves.
+        """
         key = self._key(signature, context.codegen())
         try:
             data = read_sealed(self._file(key))

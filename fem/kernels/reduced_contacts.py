@@ -35,7 +35,7 @@ def wrap(array, row, n, halo):
 
 
 @part
-def _felt(compliance, array, row, at):
+def felt(compliance, array, row, at):
     """Approach of eight contacts, m, that forces along their ring take away."""
     found = splat(0.0)
     for k in range(compliance.distance.size):
@@ -116,8 +116,8 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
         at = halo + group
         guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
         guess_i, guess_o = select(there, guess_i, 0.0), select(there, guess_o, 0.0)
-        first_i = reach - away - across * guess_o - _felt(compliance, forces.guess, INNER, at)
-        first_o = out - track - across * guess_i - _felt(compliance, forces.guess, OUTER, width + at)
+        first_i = reach - away - across * guess_o - felt(compliance, forces.guess, INNER, at)
+        first_o = out - track - across * guess_i - felt(compliance, forces.guess, OUTER, width + at)
         _take(forces.taken, columns, group, reach - away - first_i, out - track - first_o)
         first_i, first_o = _lowered(bodies, compliance, forces, group, turn, first_i, first_o, forces.slope)
         first_i, first_o = less_vibration(bodies.vibrations, forces, columns, group, first_i, first_o)
@@ -193,8 +193,8 @@ def sweep_again(vibrations, bodies, compliance, forces):
             at = halo + group
             stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
             guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
-            Q_i = load(forces.estimate, group) - stiff_i * _felt(compliance, forces.gained, INNER, at)
-            Q_o = load(forces.estimate, columns + group) - stiff_o * _felt(compliance, forces.gained, OUTER, width + at)
+            Q_i = load(forces.estimate, group) - stiff_i * felt(compliance, forces.gained, INNER, at)
+            Q_o = load(forces.estimate, columns + group) - stiff_o * felt(compliance, forces.gained, OUTER, width + at)
             Q_i, Q_o = both_forces(Q_i, Q_o, stiff_i * across, stiff_o * across, guess_i, guess_o)
             gained_i, gained_o = larger(Q_i, 0.0) - guess_i, larger(Q_o, 0.0) - guess_o
             there = count_from(group) < n
@@ -214,8 +214,8 @@ def set_right(bodies, compliance, forces):
     hub_x, hub_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, n, WIDTH):
         at = halo + group
-        less_i = _felt(compliance, forces.gained, INNER, at)
-        less_o = _felt(compliance, forces.gained, OUTER, width + at)
+        less_i = felt(compliance, forces.gained, INNER, at)
+        less_o = felt(compliance, forces.gained, OUTER, width + at)
         stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
         guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
         Q_i = load(forces.estimate, group) - stiff_i * less_i

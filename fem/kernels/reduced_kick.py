@@ -8,7 +8,7 @@ from fem.kernels.lane_functions import larger, smaller
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, magnitude, select, splat, total
 from fem.kernels.law import kick_force
-from fem.kernels.reduced_contacts import both_forces, level, store_pair, take_more, wrap
+from fem.kernels.reduced_contacts import both_forces, felt, level, store_pair, take_more, wrap
 from fem.kernels.reduced_friction import tractions
 from fem.kernels.reduced_housing import TWELFTH, ring_acceleration
 from fem.kernels.reduced_modes import push_modes
@@ -39,27 +39,24 @@ def kick(bodies, compliance, forces, drive, before):
     """
     columns, n, halo, dt = bodies.columns, bodies.n, forces.halo, drive.dt
     width, over, across = columns + 2 * halo, dt / bodies.mass, compliance.across
-    share, hub_ax, hub_ay = TWELFTH * dt * dt, before.hub_acceleration[0], before.hub_acceleration[1]
     hub_x, hub_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-    ring_ax, ring_ay = ring_acceleration(bodies.housing, before)
+    _tell_neighbours(forces.ahead, bodies, compliance, forces, drive, before)
     for group in range(0, n, WIDTH):
         there = count_from(group) < n
         ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
         ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
         Q_i, Q_o = load(forces.estimate, group), load(forces.estimate, columns + group)
-        ax = (Q_i * ix - Q_o * ox) * (1.0 / bodies.mass)
-        ay = (Q_i * iy - Q_o * oy) * (1.0 / bodies.mass) - drive.gravity
-        store_pair(before.acceleration, group, columns, select(there, ax, 0.0), select(there, ay, 0.0))
-        ahead_i = share * (ix * (hub_ax - ax) + iy * (hub_ay - ay))
-        ahead_o = share * (ox * (ax - ring_ax) + oy * (ay - ring_ay))
+        further_i, further_o = _ahead(bodies, forces, drive, before, group, Q_i, Q_o)
+        ahead_i, ahead_o = _less_by_neighbours(forces.ahead, compliance, forces, columns, group, further_i, further_o)
         stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
         more_i, more_o = both_forces(stiff_i * ahead_i, stiff_o * ahead_o, stiff_i * across, stiff_o * across, 0.0, 0.0)
-        Q_i, Q_o = select(Q_i > 0.0, larger(Q_i + more_i, 0.0), 0.0), select(Q_o > 0.0, larger(Q_o + more_o, 0.0), 0.0)
+        more_i, more_o = _no_less(Q_i, more_i), _no_less(Q_o, more_o)
+        Q_i, Q_o = Q_i + more_i, Q_o + more_o
         take_more(forces.taken, columns, group, across * more_o, across * more_i)
         P_i = _kicked(compliance.inner, forces, group, ahead_i - across * more_o, Q_i, there)
         P_o = _kicked(compliance.outer, forces, columns + group, ahead_o - across * more_i, Q_o, there)
-        _note_ahead(forces.ahead, forces, group, ahead_i, P_i)
-        _note_ahead(forces.ahead, forces, columns + group, ahead_o, P_o)
+        _note_ahead(forces.ahead, forces, group, further_i, P_i)
+        _note_ahead(forces.ahead, forces, columns + group, further_o, P_o)
         _keep_brackets(forces, group, columns, forces.bracket)
         _grow(drive.course, drive, P_i, P_o)
         T_i, T_o = splat(0.0), splat(0.0)
@@ -86,9 +83,73 @@ def kick(bodies, compliance, forces, drive, before):
 
 
 @part
+def _no_less(Q, more):
+    """What eight forces, N, >= 0, gain: open contacts nothing, others no less than what they have."""
+    return select(Q > 0.0, larger(more, -Q), 0.0)
+
+
+@part
+def _ahead(bodies, forces, drive, before, group, Q_i, Q_o):
+    """How much further eight rollers' contacts, under these forces, N, have approached where forces are taken, m."""
+    columns, share = bodies.columns, TWELFTH * drive.dt * drive.dt
+    there = count_from(group) < bodies.n
+    ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
+    ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
+    hub_ax, hub_ay = before.hub_acceleration[0], before.hub_acceleration[1]
+    ring_ax, ring_ay = ring_acceleration(bodies.housing, before)
+    ax = (Q_i * ix - Q_o * ox) * (1.0 / bodies.mass)
+    ay = (Q_i * iy - Q_o * oy) * (1.0 / bodies.mass) - drive.gravity
+    store_pair(before.acceleration, group, columns, select(there, ax, 0.0), select(there, ay, 0.0))
+    return share * (ix * (hub_ax - ax) + iy * (hub_ay - ay)), share * (ox * (ax - ring_ax) + oy * (ay - ring_ay))
+
+
+@part
+def _tell_neighbours(asked, bodies, compliance, forces, drive, before):
+    """Leave in `gained` what all forces are to gain beyond those that approaches know of, their steps ahead included.
+
+    Without that, contacts that open or close take other energy from their neighbours than what the rings store.
+    """
+    if asked is None:
+        return
+    columns, n, halo, across = bodies.columns, bodies.n, forces.halo, compliance.across
+    width = columns + 2 * halo
+    for group in range(0, n, WIDTH):
+        there, at = count_from(group) < n, halo + group
+        Q_i, Q_o = load(forces.estimate, group), load(forces.estimate, columns + group)
+        ahead_i, ahead_o = _ahead(bodies, forces, drive, before, group, Q_i, Q_o)
+        stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
+        more_i, more_o = both_forces(stiff_i * ahead_i, stiff_o * ahead_o, stiff_i * across, stiff_o * across, 0.0, 0.0)
+        known_i = load(forces.guess, at) + load(forces.gained, at)
+        known_o = load(forces.guess, width + at) + load(forces.gained, width + at)
+        more_i, more_o = Q_i + _no_less(Q_i, more_i) - known_i, Q_o + _no_less(Q_o, more_o) - known_o
+        store_pair(forces.gained, at, width, select(there, more_i, 0.0), select(there, more_o, 0.0))
+    wrap(forces.gained, INNER, n, halo)
+    wrap(forces.gained, OUTER, n, halo)
+
+
+@part
+def _less_by_neighbours(asked, compliance, forces, columns, group, inner, outer):
+    """Changes of eight rollers' approaches, m, less what `_tell_neighbours` has said that neighbours take."""
+    if asked is None:
+        return inner, outer
+    at = forces.halo + group
+    felt_i = felt(compliance, forces.gained, INNER, at)
+    felt_o = felt(compliance, forces.gained, OUTER, columns + 2 * forces.halo + at)
+    take_more(forces.taken, columns, group, felt_i, felt_o)
+    return inner - felt_i, outer - felt_o
+
+
+@part
+def _no_less(Q, more):
+    """What eight forces, N, gain: open contacts nothing, others no less than what they have."""
+    return select(Q > 0.0, larger(more, -Q), 0.0)
+
+
+@part
 def _kicked(law, forces, at, ahead, Q, there):
     """What a kick gives of eight contacts' forces, N, whose approach is so far ahead, m: see `law.kick_force`."""
     approach = load(forces.first, at) + ahead
+    free = approach
     approach = select(Q > 0.0, larger(approach, 1e-30), select(approach > 0.0, 0.0, approach))
     B_before, B = level(law, forces.bracket, at), level(law, forces.bracket_now, at)
     P, residual = kick_force(
@@ -97,10 +158,24 @@ def _kicked(law, forces, at, ahead, Q, there):
     )  # fmt: skip
     P = select(there, P, 0.0)
     P, residual = _bounded(forces, forces.taken, at, approach, P, Q, residual)
+    residual = residual + _cut_off(forces.cut, forces, at, free - approach, P)
     store(forces.approach, at, select(there, approach, np.nan))
     store(forces.kick, at, P)
     store(forces.residual, at, residual)
     return P
+
+
+@part
+def _cut_off(cut, forces, at, off, P):
+    """What eight contacts have stored beyond kicks P, N, by approaches, m, that were cut to fit their forces, J.
+
+    Bodies move by what is cut too, and the law does not see it.
+    """
+    if cut is None:
+        return splat(0.0)
+    owed = 0.5 * (P + load(forces.kick, at)) * (load(cut, at) - off)
+    store(cut, at, off)
+    return owed
 
 
 @part
@@ -114,7 +189,8 @@ def _note_ahead(before, forces, at, ahead, P):
     if before is not None:
         last = at + before.size // 2
         beyond = P - load(forces.estimate, at)
-        owed = 0.5 * (beyond + load(before, last)) * (ahead - load(before, at))
+        further = ahead - load(before, at)
+        owed = select(further != further, 0.0, 0.5 * (beyond + load(before, last)) * further)
         store(forces.residual, at, load(forces.residual, at) + owed)
         store(before, at, ahead)
         store(before, last, beyond)

@@ -1,7 +1,7 @@
 """The time loop of the reduced model: leapfrog steps of rigid bodies on elastic contacts without mass."""
 
 from fem.kernels.cage_guide import push_ring_as_a_whole
-from fem.kernels.cage_kernels import meet, rub, turn_guide
+from fem.kernels.cage_kernels import meet, rub
 from fem.kernels.course_kernels import (
     FORCE_X,
     FORCE_Y,
@@ -15,6 +15,7 @@ from fem.kernels.course_kernels import (
     turn_at,
     with_aside,
 )
+from fem.kernels.ending import DONE, NOT_FINITE, lost
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
@@ -52,7 +53,6 @@ from fem.kernels.sample_kernels import (
 )
 from fem.kernels.shaft_kernels import pull
 from fem.kernels.state import Course
-from fem.kernels.time_loop import DONE, NOT_FINITE, lost
 
 TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach
 
@@ -171,8 +171,7 @@ def _drift_shaft(shaft, drive):
 @part
 def _meet_cage(cage, drive):
     if cage is not None:
-        turn_guide(cage.ring, speed_of(drive.course, drive))
-        meet(cage, drive.dt)
+        meet(cage, speed_of(drive.course, drive), drive.dt)
 
 
 @part
@@ -198,7 +197,7 @@ def _push_cage(cage, bodies, drive):
 def _turn_drive(ring, drive):
     """The drive's work against what rubs on the inner ring."""
     if ring is not None:
-        drive.sums[1] -= speed_of(drive.course, drive) * ring.rubbed[2]
+        drive.sums[1] -= ring.speed[0] * ring.rubbed[2]
 
 
 @part

@@ -116,9 +116,10 @@ class ReducedForces(NamedTuple):
     taken: np.ndarray | None  # (2, 2, columns), m, of approaches by other contacts' forces: now, at the last kick
     halo: int
     dampers: ReducedDampers | None = None  # None: contacts without
-    # (2, 2, columns), where rollers rattle in a cage, of the last kick: how far forces were ahead, m, and what the kick
-    # gave beyond forces that are not, N; None: not asked for
+    # (2, 2, columns), where rollers rattle in a cage, of the last kick: how far forces were ahead, m (NaN: not known),
+    # and what the kick gave beyond forces that are not, N; None: not asked for
     ahead: np.ndarray | None = None
+    cut: np.ndarray | None = None  # (2, columns), m, there too, what the last kick's approaches were cut by
 
 
 class ReducedDrive(NamedTuple):

@@ -13,6 +13,7 @@ from fem.kernels.contact_kernels import press_patches, push_neighbours, push_pat
 from fem.kernels.course_kernels import follow, load_at, step_of, with_aside
 from fem.kernels.damping_kernels import damp_bodies, damp_contacts
 from fem.kernels.drive_kernels import kick_hub, move_hub
+from fem.kernels.ending import DONE, NOT_FINITE, lost
 from fem.kernels.friction_solution import friction_contacts, pushes_later, slips_before
 from fem.kernels.jit import every, kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
@@ -24,9 +25,7 @@ from fem.kernels.resolved_kernels import press_all_points
 from fem.kernels.rigid_surfaces import settle, turn
 from fem.kernels.sample_kernels import remember, write_sample
 
-DONE, NOT_FINITE = 0, 1
 rub_cages = every(rub_cage, CagePair)
-FASTEST = 1e5  # m/s; no body is faster unless the run has blown up
 
 
 @part
@@ -195,14 +194,3 @@ def advance(bodies, groups, contacts, drive, scratch, first_step, stride, sample
             if body != -2:
                 return NOT_FINITE, step, body
     return DONE, step, -2
-
-
-@part
-def lost(hub_velocity, rollers):
-    """The first body whose velocity is not a number or absurd, or −2."""
-    if not abs(hub_velocity[0]) + abs(hub_velocity[1]) < FASTEST:
-        return -1
-    for j in range(rollers.n):
-        if not abs(rollers.velocity[0, j]) + abs(rollers.velocity[1, j]) < FASTEST:
-            return j
-    return -2

@@ -16,6 +16,7 @@ finite_elements    their plan: everything decided before the first step; `descri
 element_state      their state
 discretise         the model of a scene: mesh, contact model, width of the patches
 limits, cautions   what is refused; what is warned of
+wide_contacts      the largest contacts of a run, of all models
 start, arrays      the state a run starts from; the time loop's arrays filled with it, `contact_arrays` the contacts',
                    `damping_arrays` the dampers'; `cage_arrays` the cage's, `profile_arrays` the surfaces', of the
                    reduced model too; `run_arrays`: which of all arrays a run changes

@@ -1,20 +1,21 @@
 """A cage for the time loops: its arrays at the start, its numbers in a sample, the step that it allows."""
 
 from dataclasses import replace
-from math import sqrt
+from math import inf, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 import fem.kernels.cage_state as kernels
 from fem.kernels.cage_state import N_CAGE_SCALARS, CageContacts, CagePair, GuidingRing, Riders
+from fem.kernels.housing_kernels import Housing
 from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import RigidBodies
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.state import Drive, Rollers
 from fem.solver.cache_lines import lined_up
 from fem.solver.run_arrays import Arrays
-from lagrange.bearing import Bearing
+from lagrange.bearing import Bearing, Operation
 from lagrange.cage import Cage
 from lagrange.mounting import HELD, Mounting
 
@@ -59,8 +60,7 @@ def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, start: "Start", moun
     body.motion[0, :2] = start.housing
     if arrays.bodies.disc.mass.size:
         rollers = rollers._replace(swelling=np.zeros(rollers.columns))
-    ring = _hub(drive) if cage.guidance == "inner_ring" else None
-    pair = CagePair(cage=body, riders=_riders(rollers), ring=ring)
+    pair = CagePair(cage=body, riders=_riders(rollers), ring=_guiding(cage, _hub(drive), _housing(arrays)))
     return replace(
         arrays,
         bodies=arrays.bodies._replace(rollers=rollers, others=(*arrays.bodies.others, (body,))),
@@ -147,29 +147,43 @@ def pair_of_rigid(body: kernels.Cage, cage: Cage, bodies: RigidBodies, speed: fl
         radius=bodies.radius,
         swelling=None,
     )
-    ring = GuidingRing(
-        place=bodies.hub,
-        velocity=bodies.hub_velocity,
-        impulse=np.zeros(2),
-        rubbed=np.zeros(3),
-        mass=bodies.hub_mass,
-        speed=np.array([speed]),
-    )
-    return CagePair(cage=body, riders=riders, ring=ring if cage.guidance == "inner_ring" else None)
+    hub = _ring(bodies.hub, bodies.hub_velocity, np.zeros(2), bodies.hub_mass, speed)
+    return CagePair(cage=body, riders=riders, ring=_guiding(cage, hub, bodies.housing))
+
+
+def _guiding(cage: Cage, hub: GuidingRing, housing: Housing | None) -> GuidingRing | None:
+    """The ring that guides a cage; None where rollers do, or an outer ring that the ground holds."""
+    if cage.guidance == "inner_ring":
+        return hub
+    if cage.guidance == "rollers" or housing is None:
+        return None
+    return _ring(housing.place, housing.velocity, housing.impulse, housing.mass)
 
 
 def _hub(drive: Drive) -> GuidingRing:
+    return _ring(drive.hub, drive.velocity, drive.impulse, drive.mass, drive.speed)
+
+
+def _housing(arrays: Arrays) -> Housing | None:
+    return next((body for (body,) in arrays.bodies.others if isinstance(body, Housing)), None)
+
+
+def _ring(
+    place: np.ndarray, velocity: np.ndarray, impulse: np.ndarray, mass: float, speed: float | None = None
+) -> GuidingRing:
+    """A ring with a body's arrays; `speed` of the shaft that turns it, None: it does not turn."""
     return GuidingRing(
-        place=drive.hub,
-        velocity=drive.velocity,
-        impulse=drive.impulse,
+        place=place,
+        velocity=velocity,
+        impulse=impulse,
         rubbed=np.zeros(3),
-        mass=drive.mass,
-        speed=np.array([drive.speed]),
+        mass=mass,
+        speed=np.array([0.0 if speed is None else speed]),
+        turns=speed is not None,
     )
 
 
-def critical_with_cage(critical: float, bearing: Bearing, cage: Cage | None, hub_mass: float) -> float:
+def critical_with_cage(critical: float, bearing: Bearing, cage: Cage | None, operation: Operation) -> float:
     """Critical step, s, of a bearing, s, with all its cage's contacts closed too.
 
     A spring k between two bodies is counted as EVENLY k on each, as in `critical_time_step`. On the bearing's bodies,
@@ -181,7 +195,8 @@ def critical_with_cage(critical: float, bearing: Bearing, cage: Cage | None, hub
 
     spring, n, pitch = EVENLY * cage.stiffness, bearing.n_rollers, bearing.pitch_radius
     guided = cage.guidance != "rollers"
-    on_hub = spring / hub_mass if cage.guidance == "inner_ring" else 0.0
-    of_bearing = 4.0 / critical**2 + max(spring / bearing.roller_mass, on_hub)
+    housing = operation.mounting.housing
+    guiding = {"inner_ring": operation.inner_mass, "outer_ring": inf if housing is None else housing.mass}
+    of_bearing = 4.0 / critical**2 + spring / min(bearing.roller_mass, guiding.get(cage.guidance, inf))
     of_cage = spring * (n * (1.0 / cage.mass + pitch**2 / cage.inertia) + (1.0 / cage.mass if guided else 0.0))
     return 2.0 / sqrt(max(of_bearing, of_cage))

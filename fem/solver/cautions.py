@@ -6,12 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.solver.limits import WIDEST_CONTACT
-from fem.solver.solver import Samples
 from lagrange import Bearing, Operation, contact_laws, kinematics
 from lagrange.faults import Spall, Waviness
 from lagrange.kinematics import roller_angles
-from lagrange.pair import contact_pairs
 from lagrange.scene_surfaces import own_radius
 from lagrange.spall_events import interval_caution
 
@@ -33,30 +30,6 @@ def cautions(model: "Model", operation: Operation, equilibrium: "Equilibrium", i
         _waves(model.bearing, operation, interval),
     )
     return tuple(sentence for sentence in found if sentence)
-
-
-CONTACT_FORCES = ("inner_force", "outer_force", "roller_roller_force")  # in the order of `contact_pairs`
-
-
-def largest_forces(samples: Samples) -> np.ndarray:
-    """Largest force of any contact of each kind, (3,), N."""
-    return np.array([samples[name].max(initial=0.0) for name in CONTACT_FORCES])
-
-
-def run_cautions(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
-    """Sentences on the largest forces of a run, (3,), N; what holds at rest need not hold in a shock."""
-    pairs = zip(contact_pairs(bearing), largest.tolist(), strict=True)
-    half_width, kind, force = max((pair.half_width(force), pair.kind, force) for pair, force in pairs)
-    widest = WIDEST_CONTACT * bearing.roller_radius
-    if half_width <= widest:
-        return ()
-    where = "between rollers" if kind == "roller" else f"on the {kind} raceway"
-    return (
-        f"the largest force of the run, {force:.4g} N {where}, makes a contact of half-width {1e3 * half_width:.3g} "
-        f"mm, beyond Hertz's theory and small strains (at most {1e3 * widest:.3g} mm here): forces and deformation "
-        "near such contacts are not to be trusted; lower operation.radial_load_N, raise numerics.load_ramp_ms or take "
-        "a stiffer material",
-    )
 
 
 def _yield(model: "Model", equilibrium: "Equilibrium") -> str | None:

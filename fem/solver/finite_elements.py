@@ -132,7 +132,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         critical_time_step(model, next_rung(expected), operation.mounting, hub_mass(model.inner_ring, operation)),
         model.bearing,
         scene.ideal_cage(),
-        operation.inner_mass,
+        operation,
     )
     interval = 1e-6 * numerics.output_interval_us
     steps = max(1, ceil(interval / (numerics.time_step_safety * critical)))

@@ -1,17 +1,20 @@
 """The housing of a run for the time loop."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from fem.contacts.model import Model
-from fem.elastic.bored import BoredRing
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.state import Ring
 from lagrange import Operation
 from lagrange.mounting import Mounting, Sensor
 
+if TYPE_CHECKING:  # needs the finite elements' libraries
+    from fem.contacts.model import Model
+
 
 def housing_body(
-    model: Model, operation: Operation, ring: Ring, place: np.ndarray, dt: float, column: int
+    model: "Model", operation: Operation, ring: Ring, place: np.ndarray, dt: float, column: int
 ) -> Housing | None:
     """The housing at rest at a place, (2,), m, its outer ring with it; None where the ground holds the ring.
 
@@ -20,6 +23,8 @@ def housing_body(
     mounting, body = operation.mounting, model.outer_ring
     if mounting.housing is None:
         return None
+    from fem.elastic.bored import BoredRing  # as those above
+
     if isinstance(body, BoredRing):  # which moves by itself
         return housing_of(mounting, 0.0, None, place, dt, column)
     rigid = body.material.rigid

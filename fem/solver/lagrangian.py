@@ -16,6 +16,7 @@ from fem.solver.compiling import CompiledPlan
 from fem.solver.pace import in_words, pace
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import Block, Numbers, RunState, Samples, sample_count
+from fem.solver.wide_contacts import largest_forces, run_cautions
 from lagrange import Trajectory, contact_laws, static_equilibrium
 from lagrange.integrate import ALL_DRIFTS, Integration, NumpyIntegration
 from lagrange.laws import PowerLaw
@@ -171,6 +172,7 @@ class LagrangianState(RunState):
         except RuntimeError as error:
             raise RunFailed(str(error)) from None
         self._exchanged = 0.0  # J, the most so far
+        self._largest = np.zeros(3)  # N, so far: see `largest_forces`
 
     @property
     def steps_per_sample(self) -> int:
@@ -188,6 +190,7 @@ class LagrangianState(RunState):
         self.done = simulation.done
         if samples is not None:
             self.imbalance = float(samples.relative_imbalance()[-1])
+            self._largest = np.fmax(self._largest, largest_forces(samples))
         if simulation.trouble is not None or self.done < self.plan.n_samples or simulation.verdict is Verdict.RESOLVED:
             return Block(samples=samples, trouble=simulation.trouble)
         if not simulation.can_be_refined:  # still worth having where contacts only rattle: see `remarks`
@@ -195,7 +198,7 @@ class LagrangianState(RunState):
             return Block(samples=samples, trouble=simulation.sentence if too_fast else None)
         reason = simulation.sentence.partition(";")[0]
         self.void_steps += self.progress.steps
-        self.done, self.imbalance, self._exchanged = 0, 0.0, 0.0
+        self.done, self.imbalance, self._exchanged, self._largest = 0, 0.0, 0.0, np.zeros(3)
         simulation.refine()
         return Block(samples=samples, begins_again=f"{reason}; the run begins again with half of it")
 
@@ -227,10 +230,13 @@ class LagrangianState(RunState):
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """On an energy that is off by much of what is exchanged, if by little of all that was passed on."""
+        """On contacts too wide for their laws, and an energy that is off by much of what is exchanged, if by little of
+        all that was passed on."""
+        wide = () if self.plan.scene.bearing.type == "ball" else run_cautions(self.plan.problem.bearing, self._largest)
         if abs(self.imbalance) <= ENERGY_TOLERANCE:
-            return ()
+            return wide
         return (
+            *wide,
             f"the energy is off by {100.0 * abs(self.imbalance):.2g} % of the largest that was exchanged: impacts and "
             f"dampers are short beside the step of {1e6 * self._simulation.time_step:.3g} µs; "
             "single impacts are no better",
@@ -249,8 +255,9 @@ class LagrangianState(RunState):
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         numbers = {"refinements": self._simulation.refinements, "exchanged": self._exchanged}
-        return self._simulation.to_keep(), numbers
+        return self._simulation.to_keep() | {"largest": self._largest}, numbers
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
+        self._largest = arrays["largest"]
         self._simulation.take_back(arrays, self.done, int(numbers["refinements"]))
         self._exchanged = float(numbers["exchanged"])

@@ -167,6 +167,7 @@ def _cage(system, cage: Cage, motion: IdealMotion, bearing: IdealBearing) -> Cag
         rubbed=np.zeros(3),
         mass=bearing.hub_mass,
         speed=np.array([bearing.shaft]),
+        turns=True,
     )
     body = cage_state(ideal, cage, system.first + system.spacing, float(system.ideal.cage))
     return CagePair(cage=body, riders=riders, ring=ring if cage.guidance == "inner_ring" else None)

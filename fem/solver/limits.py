@@ -8,6 +8,7 @@ from math import inf, pi, sqrt
 from typing import TYPE_CHECKING
 
 from fem.errors import UsageError
+from fem.solver.wide_contacts import WIDEST_CONTACT
 from fem.statics.expected_forces import ExpectedForces
 from lagrange import Bearing, Kinematics
 from lagrange.pair import Pair, contact_pairs
@@ -24,7 +25,6 @@ LONGEST_EDGE = 40.0  # over the shortest of the same mesh
 LARGEST_STRAIN = 0.01  # linear elasticity errs by about the strain itself
 MOST_NODES = 1_000_000  # take about 3 GB to mesh and assemble
 HOPELESS = 2.0  # a contact so many times too wide, by a force that may be a bound, is refused before it is meshed
-WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
 
 
 def check_rollers(scene: Scene) -> None:

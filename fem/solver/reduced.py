@@ -133,7 +133,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         )
     tangential = tangential_compliance(bearing, largest)
     critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation)
-    critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation.inner_mass)
+    critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation)
     interval = 1e-6 * numerics.output_interval_us
     longest = min(SHARE * critical, _time_along_a_profile(bearing, fastest), longest_with_modes(modes))
     longest = min(longest, _time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts))

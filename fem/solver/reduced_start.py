@@ -20,7 +20,7 @@ from fem.statics.contact_balance import (
 )
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation, kinematics
-from lagrange.course import LONGEST_LOOK
+from lagrange.course import LONGEST_LOOK, SLOWEST
 from lagrange.kinematics import roller_angles, turned
 from lagrange.mounting import HELD
 from lagrange.profile import UNTURNED, Turns
@@ -65,7 +65,7 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
     ring = standing_ring(operation, _weight_on_springs(bearing, operation), force_at)
     place, forces = middle = _balanced(model, operation, 0.0, ring=ring)
     speed, rate = abs(operation.speed) * bearing.inner_raceway_radius, np.zeros_like(place)
-    if speed > 0.0:
+    if speed > SLOWEST:
         ahead = LOOK_AHEAD * bearing.roller_radius / speed
         if operation.course is not None:
             ahead = min(ahead, LONGEST_LOOK)

@@ -151,6 +151,8 @@ class ReducedState(RowState):
             found |= {f"{place}.{name}": getattr(modes, name) for name in ("amplitude", "rate", "before")}
         if self.bodies.cage is not None:
             found |= changing_arrays(self.bodies.cage.cage, "cage")
+            if self.bodies.cage.ring is not None:
+                found["guide.speed"] = self.bodies.cage.ring.speed
         if self.bodies.housing is not None:
             found |= changing_arrays(self.bodies.housing, "housing")
         if self.bodies.shaft is not None:
@@ -228,7 +230,8 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
         columns=columns,
         cage=None,
     )
-    bodies.centre[:, :n] = start.rho * radial + start.ring[:, None]
+    # steps take forces dt²/12 of the acceleration ahead, on a circle inwards; that far out they are the static ones
+    bodies.centre[:, :n] = (1.0 + (half * cage) ** 2 / 3.0) * start.rho * radial + start.ring[:, None]
     bodies.velocity[:, :n] = start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial
     bodies.spin[:n] = start.kinematics.roller
     shaft = shaft_springs(plan.operation.mounting, bodies.hub, bodies.hub_velocity, bodies.hub_mass, n)
@@ -282,10 +285,11 @@ def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         bracket_now=np.zeros((2, columns)) if uneven else None,
         slope=np.zeros((4, columns)) if uneven else None,
         softening=np.zeros((4, columns)) if uneven else None,
-        taken=None if plan.model.modes is None else np.zeros((2, 2, columns)),
+        taken=None if plan.model.modes is None and plan.scene.cage is None else np.zeros((2, 2, columns)),
         halo=halo,
         dampers=_dampers(plan.scene.damping.contacts, columns),
-        ahead=None if plan.scene.cage is None else np.zeros((2, 2, columns)),
+        ahead=None if plan.scene.cage is None else np.full((2, 2, columns), np.nan),
+        cut=None if plan.scene.cage is None else np.zeros((2, columns)),
     )
     for row, force in ((INNER, start.inner_force), (OUTER, start.outer_force)):
         found.force[row, :n] = force

@@ -6,13 +6,13 @@ from abc import abstractmethod
 import numpy as np
 
 from fem.errors import UsageError
-from fem.kernels import time_loop
+from fem.kernels.ending import DONE
 from fem.solver.cage_arrays import row_width
-from fem.solver.cautions import largest_forces, run_cautions
 from fem.solver.guards import energy_trouble, good_rows, n_balanced, n_in_place, place_trouble, velocity_trouble
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
 from fem.solver.solver import Block, Numbers, Plan, RunState
+from fem.solver.wide_contacts import largest_forces, run_cautions
 
 LONGEST_UNWATCHED = 100  # steps between two looks at the energy
 
@@ -75,7 +75,7 @@ class RowState(RunState):
             rows, status, step, body = self.take_steps(min(size, looks - done), done)
             whole[done : done + len(rows)] = rows
             done += len(rows)
-            if status != time_loop.DONE or done == looks:
+            if status != DONE or done == looks:
                 return whole[:done], status, step, body
             if self.stop():
                 for name, array in self.named_arrays().items():
@@ -97,7 +97,7 @@ class RowState(RunState):
             return Block()
         rows, status, step, body = taken
         samples, trouble = None, None
-        if status != time_loop.DONE:
+        if status != DONE:
             rows, trouble = rows[: good_rows(rows)], velocity_trouble(plan, step, body)
         if len(rows):
             looked = self.reader.read(rows)

@@ -10,7 +10,7 @@ from fem.elastic.bored import BoredRing
 from fem.statics.contact_balance import JUMP, ROUND_OFF, NotFound, hub_spring, standing_ring
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from lagrange import Kinematics, Operation, kinematics
-from lagrange.course import LONGEST_LOOK
+from lagrange.course import LONGEST_LOOK, SLOWEST
 from lagrange.kinematics import roller_angles, turned
 from lagrange.profile import profiles
 
@@ -73,7 +73,7 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
         ring = standing_ring(operation, on_springs, lambda place: at(0.0, place).outer_force @ motion.radial)
     middle = at(0.0, ring)
     speed = abs(operation.speed) * model.bearing.inner_raceway_radius
-    if speed == 0.0:
+    if speed < SLOWEST:
         return _still(model, operation, middle, motion)
     ahead = LOOK_AHEAD * model.roller.shape.surface_spacing / speed
     if operation.course is not None:  # far beyond its table it is of no sense

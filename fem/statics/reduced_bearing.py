@@ -120,7 +120,11 @@ def _kept_series(bearing: Bearing) -> dict[str, np.ndarray]:
     def make():
         found = exact_contacts(bearing, roller_angles(bearing, 0.0))
         laws = found.inner_law, found.outer_law, _between(bearing, contact_pairs(bearing)[2])
-        return {"compliance": found.compliance, "laws": np.array([(law.A, law.B, law.Q_line) for law in laws])}
+        return {
+            "compliance": found.compliance,
+            "laws": np.array([(law.A, law.B, law.Q_line) for law in laws]),
+            "stick": _stick_compliance(bearing, HALF_WIDTH * bearing.roller_radius),
+        }
 
     return kept("contact-laws", repr(bearing), make)
 
@@ -134,15 +138,27 @@ def _between(bearing: Bearing, pair: Pair) -> ContactLaw:
 
 
 def tangential_compliance(bearing: Bearing, force: float) -> np.ndarray:
-    """Tangential compliance, (3,), m/N, of an inner, outer and roller's contact that sticks under a normal force, N."""
-    found = []
+    """Tangential compliance, (3,), m/N, of an inner, outer and roller's contact that sticks under a normal force, N.
+
+    Errors
+    ------
+    Known exactly for one half-width, from which it goes with the logarithm: 0.1 % off at half-widths of 5 % of a
+    roller's radius.
+    """
+    known = HALF_WIDTH * bearing.roller_radius
+    found = _kept_series(replace(bearing, faults=()))["stick"].copy()
+    for row, pair in enumerate(contact_pairs(bearing)):
+        width = min(pair.half_width(force), 0.5 * bearing.roller_radius)
+        found[row] += pair.line_compliance * log(known / width)
+    return found
+
+
+def _stick_compliance(bearing: Bearing, half_width: float) -> np.ndarray:
+    """The same of contacts so wide, m."""
     rings = (
         (bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring),
         (bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring),
     )
-    for pair, ring in zip(contact_pairs(bearing), (*rings, None), strict=True):
-        width = min(pair.half_width(force), 0.5 * bearing.roller_radius)
-        roller = disc_stick_approach(bearing.roller_radius, bearing.roller.elastic, width)
-        other = roller if ring is None else ring_stick_approach(*ring, width)
-        found.append((roller + other) / pair.length)
-    return np.array(found)
+    roller = disc_stick_approach(bearing.roller_radius, bearing.roller.elastic, half_width)
+    others = *(ring_stick_approach(*ring, half_width) for ring in rings), roller
+    return np.array([(roller + other) / bearing.roller_length for other in others])

@@ -13,7 +13,7 @@ from fem.checking import OF_CHECK
 from fem.errors import UsageError
 from fem.quantities import OF_RUN, OF_STATICS
 from fem.study.parameters import Parameter, read_parameter
-from lagrange.plain_files import read_text
+from lagrange.plain_files import plain_text
 from lagrange.scene import Scene, SceneError, read_scene
 from lagrange.scene_faults import Check, Table, all_faults, likely_of, printable
 from lagrange.scene_text import load
@@ -166,7 +166,7 @@ def study_of(path: Path, text: str, listed: str | None) -> Study:
 
 def _text(path: Path) -> str:
     try:
-        return read_text(path, LARGEST_FILE)
+        return plain_text(path, LARGEST_FILE)
     except ValueError as error:
         raise UsageError(f"{path}: {error}") from None
 

@@ -32,6 +32,7 @@ from tests.stability.random_scenes import random_scene
 SEED, DURATION_MS = 7, 5.0
 CLASSES = (0.0, 0.01, SHOCK, HARD_SHOCK, inf)  # of `ReducedState.shock`
 HUB_LIMIT, LOAD_LIMIT = 0.003, 0.01  # meant for scenes without shocks; coarse meshes err by as much
+NOTHING = 1e-10  # m, an atom's radius: hubs that are off by less are where they should be
 NAMED = {  # what a refusal says: its name in the table
     "Hertz": "contacts too wide for Hertz's theory",
     "strain": "centrifugal load",
@@ -117,8 +118,8 @@ class Pair:
     def hub_error(self) -> float:
         """Difference of the hub's mean positions, over the root mean square of its displacement."""
         of, found = self.fem, self.reduced
-        size = hypot(of.mean_x, of.mean_y, of.std)
-        return hypot(of.mean_x - found.mean_x, of.mean_y - found.mean_y) / size if size > 0.0 else 0.0
+        off = hypot(of.mean_x - found.mean_x, of.mean_y - found.mean_y)
+        return off / hypot(of.mean_x, of.mean_y, of.std) if off > NOTHING else 0.0
 
     @property
     def load_error(self) -> float:

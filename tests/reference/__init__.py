@@ -8,6 +8,10 @@ edge_contact        a disc pressed on the bare profile of a spall
 free_vibration      frequencies of free discs and held rings
 disc_impact         a disc thrown at a flat, by its modes
 resolved_roller     a squeezed disc on a refined quadratic mesh
+resolved_crossing   a roller that crosses a spall, contacts resolved, in motion
+resolved_bodies     its roller and rings: meshes, surfaces
+modal_bodies        elastic bodies by modes and residual compliance, contacts without friction
+graded_mesh         triangles whose boundary is given point by point
 resolved_bearing    the paper's bearing at rest, computed independently
 load_distribution   Stribeck's and Sjövall's numbers
 lagrange_equations  equations of motion derived by sympy

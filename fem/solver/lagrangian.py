@@ -230,8 +230,7 @@ class LagrangianState(RunState):
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        """On contacts too wide for their laws, and an energy that is off by much of what is exchanged, if by little of
-        all that was passed on."""
+        """On contacts too wide for their laws; energy off by much of what is exchanged, if little of all passed on."""
         wide = () if self.plan.scene.bearing.type == "ball" else run_cautions(self.plan.problem.bearing, self._largest)
         if abs(self.imbalance) <= ENERGY_TOLERANCE:
             return wide

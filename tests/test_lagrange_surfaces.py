@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lagrange import contact_laws, simulate, static_equilibrium
+from lagrange import contact_laws, simulate, static_equilibrium, step_size
 from lagrange.contact_damping import ContactDamping
 from lagrange.energy import contact_energy
 from lagrange.faults import Spall, UnequalRoller, Waviness
@@ -14,6 +14,7 @@ from lagrange.problem import Problem
 from lagrange.profile import Turns
 from lagrange.scene import Scene
 from lagrange.simulate import Simulation
+from lagrange.step_size import KNOTS_PER_STEP
 
 PAPER = Scene().ideal_bearing()
 RUNNING = Scene().ideal_operation()
@@ -111,16 +112,17 @@ def test_energy_is_balanced_on_waves(angles, damping):
 @pytest.mark.parametrize(
     ("body", "angle"), [("outer_ring", DOWN + 0.05), ("inner_ring", DOWN - 0.08), ("roller", DOWN + 0.25)]
 )
-def test_energy_is_balanced_over_a_spall_and_the_strike(body, angle):
+def test_energy_is_balanced_over_a_spall_and_the_strike(body, angle, monkeypatch):
     """Of second order in the step where the kink in the spall's middle and the strike are crossed."""
     bearing = replace(PAPER, faults=(spall(body, angle),))
     errors = []
-    for step in (1e-6, 0.25e-6):
-        run = simulate(bearing, RUNNING, HARRIS, 0.6e-3, 1e-5, time_step=step)
+    for times in (4.0, 1.0):
+        monkeypatch.setattr(step_size, "KNOTS_PER_STEP", times * KNOTS_PER_STEP)
+        run = simulate(bearing, RUNNING, HARRIS, 0.6e-3, 1e-5)
         errors.append(np.abs(run.energy_error).max() / run.energy_contact.max())
         # the roller was unloaded and struck
         assert run.outer_force[:, 0].min() == 0.0
-    assert errors[0] < 5e-3 and errors[1] < 5e-4
+    assert errors[0] < 1e-3 and errors[1] < 1e-4 and errors[1] < errors[0] / 8.0
 
 
 def test_the_record_s_equations_hold_on_imperfect_surfaces():
@@ -156,9 +158,9 @@ def test_a_run_in_parts_has_the_same_bits(angles):
     bearing = replace(PAPER, faults=(*wavy(), spall("outer_ring", DOWN + 0.02)))
     problem = Problem(bearing=bearing, operation=RUNNING, laws=HARRIS, angles=angles)
     whole, first, second = (Simulation(problem, 1e-5, time_step=2e-6) for _ in range(3))
-    expected = whole.advance(20)
-    first.advance(7)
-    second.take_back({name: array.copy() for name, array in first.to_keep().items()}, 7, 0)
-    found = second.advance(13)
+    expected = whole.advance(8)
+    first.advance(3)
+    second.take_back({name: array.copy() for name, array in first.to_keep().items()}, 3, 0)
+    found = second.advance(5)
     for name in ("inner_y", "roller_rho", "work_cage", "energy_error"):
-        assert np.array_equal(getattr(found, name), getattr(expected, name)[7:])
+        assert np.array_equal(getattr(found, name), getattr(expected, name)[3:])

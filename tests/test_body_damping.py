@@ -105,7 +105,10 @@ def test_a_ring_in_play_keeps_its_momentum_and_its_turning():
 
 
 def test_a_housing_rings_down_as_if_bodies_were_not_damped():
-    """√(k/M)/2π and c/2√(kM) of all that swings on its springs; damped against the ground, ζ would be 0.09."""
+    """√(k/M)/2π and c/2√(kM) of all that swings on its springs; with a ring damped against the ground ζ would be 0.09.
+
+    Rollers, which nothing holds along the raceways, swing there by themselves.
+    """
     tables = {
         "bearing": {"outer_raceway_diameter_mm": 55.98},
         "operation": {"speed_rpm": 0.0, "gravity_m_s2": 0.0, "radial_load_N": 0.0},
@@ -131,7 +134,8 @@ def test_a_housing_rings_down_as_if_bodies_were_not_damped():
     mass = 12.638 + bearing.outer_ring_mass + plan.operation.inner_mass + rollers
     frequency, zeta = ring_down(place[3:], 5e-5)
     assert frequency == pytest.approx(np.sqrt(15.1e6 / mass) / (2.0 * np.pi), rel=1e-3)
-    assert zeta == pytest.approx(2210.7 / (2.0 * np.sqrt(15.1e6 * mass)), rel=1e-3)
+    assert zeta == pytest.approx(2210.7 / (2.0 * np.sqrt(15.1e6 * mass)), rel=2e-3)
+    assert found[-1]["work_damping_bodies"][-1] < 1e-6 * found[-1]["work_dissipated"][-1]
 
 
 @pytest.mark.parametrize(("support", "limit"), [(HELD, 1e-4), (IN_PLAY, 2e-3)], ids=["housing", "bore"])

@@ -139,20 +139,25 @@ def test_a_ring_that_speeds_up_rubs_on_its_cage(tmp_path, model, limit):
         assert_same_bits(found, expected)
 
 
-def test_an_outer_ring_in_a_housing_guides_its_cage():
-    """The guide's force is the housing's too: its equation of motion, and the balance of energies."""
+@pytest.mark.parametrize(("model", "limit"), [("fem", 1e-5), ("reduced", 1e-4)])
+def test_an_outer_ring_in_a_housing_guides_its_cage(model, limit):
+    """The guide's force is the housing's too: its equation of motion, and the balance of energies.
+
+    Over means of 0.1 ms: waves in the ring of finite elements are faster.
+    """
     tables = {
-        "model": "reduced",
+        "model": model,
         "support": {"kind": "housing", "mass_kg": 0.5, "stiffness_N_per_m": 2e8, "damping_N_s_m": 4000.0},
         "cage": {"guidance": "outer_ring", "guidance_clearance_mm": 0.02, "pocket_clearance_mm": 0.2, "mass_kg": 0.2},
-        "numerics": {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2, "output_interval_us": 2.0},
+        "numerics": {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2, "output_interval_us": 2.0, **COARSE},
     }
     result = run_scene(parse_scene(tables, ""))
-    assert balance_of(result) < 1e-4
+    assert balance_of(result) < limit
     values, mass = result.values, 0.5 + result.scene.ideal_bearing().outer_ring_mass
     angle = values["roller_theta"]
     push = np.sum(values["outer_force"] * np.sin(angle) - values["outer_traction"] * np.cos(angle), axis=1)
     place, inertia, guide = values["housing_y"], mass * values["housing_ay"], -values["cage_guidance_y"]
     rest = push + guide - mass * 9.81 - 2e8 * place - 4000.0 * np.gradient(place, values["time"]) - inertia
+    inertia, guide, rest = (np.convolve(force, np.full(50, 0.02), "valid") for force in (inertia, guide, rest))
     assert np.std(guide) > 0.1 * np.std(inertia)
     assert np.std(rest) < 0.01 * np.std(inertia)

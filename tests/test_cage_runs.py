@@ -132,8 +132,9 @@ def test_a_ring_that_speeds_up_rubs_on_its_cage(tmp_path, model, limit):
     assert values["cage_work_friction"][-1] > 1e-3
     assert np.hypot(values["cage_guidance_x"], values["cage_guidance_y"]).max() > 1.0
     assert balance_of(result) < limit
-    followed = kinematics(scene.ideal_bearing(), 6000.0 * np.pi / 30.0).cage
-    assert values["cage_speed"][-1] == pytest.approx(followed, rel=0.03)  # six times that of the start
+    if model != "lagrange":  # whose raceways don't drive rollers
+        followed = kinematics(scene.ideal_bearing(), 6000.0 * np.pi / 30.0).cage
+        assert values["cage_speed"][-1] == pytest.approx(followed, rel=0.03)  # six times that of the start
     if model == "reduced":  # whose works end a step later
         expected, found = rest_of_run(make_plan(scene), 20, 10)
         assert_same_bits(found, expected)

@@ -148,11 +148,6 @@ def _bore(scene: "Scene") -> Iterator[str]:
 def _cage(scene: "Scene") -> Iterator[str]:
     if scene.cage is not None:
         yield from cage_faults(scene.perfect_bearing(), scene.cage)
-        if scene.model == "lagrange" and scene.lagrange.angles == "free" and scene.mounting().housing is not None:
-            yield (
-                '[cage]: not with lagrange.angles = "free" in a housing that moves; take "kinematic" angles, another '
-                "model, or leave one of the tables out"
-            )
 
 
 def _courses(scene: "Scene") -> Iterator[str]:

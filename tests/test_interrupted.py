@@ -12,6 +12,7 @@ from fem.result.checkpoint import checkpoint_path
 from fem.solver.simulate import make_plan
 from lagrange.scene import read_scene
 from tests.reference.commands import environment, started_as
+from tests.waiting import GIVE_UP, wait_until
 
 LONG = ["--set", "numerics.output_interval_us=1e6", "--duration", "3000"]  # minutes a sample
 STEADY = ["--mesh-size", "2", "--duration", "100000", "--checkpoint", "0"]
@@ -25,8 +26,7 @@ def started(path, *options):
         stderr=subprocess.PIPE,
         text=True,
     )
-    while not path.exists() and process.poll() is None:
-        time.sleep(0.05)
+    wait_until(path.exists, process)
     return process
 
 
@@ -38,7 +38,7 @@ def test_a_signal_is_heard_within_a_sample_of_minutes(number, tmp_path):
     time.sleep(0.5)
     process.send_signal(number)
     try:
-        _, error = process.communicate(timeout=60)
+        _, error = process.communicate(timeout=GIVE_UP)
     finally:
         process.kill()
     assert process.returncode == 128 + number, error
@@ -70,13 +70,12 @@ def test_a_sample_that_was_left_off_leaves_the_state_as_it_was_and_cutting_it_ch
 def test_a_result_taken_away_during_the_run_is_not_told_to_be_there(what, tmp_path):
     path, other = tmp_path / "run.nc", tmp_path / "other.nc"
     process = started(path, *STEADY)
-    while not checkpoint_path(path).exists() and process.poll() is None:
-        time.sleep(0.05)
+    wait_until(checkpoint_path(path).exists, process)
     path.rename(other)
     if what == "removed":
         other.unlink()
     process.terminate()
-    _, error = process.communicate(timeout=60)
+    _, error = process.communicate(timeout=GIVE_UP)
     assert process.returncode == 2
     assert f"error: {path}: " in error and "has been moved or removed" in error and "are in" not in error
     if what == "renamed":

@@ -36,7 +36,7 @@ from tests.stability import forked
 from tests.stability.samples import differing, samples_of
 
 EXITS = {0, 1, 2, 130, 143}
-TIME_LIMIT = 120.0  # s of wall time, of one trial
+TIME_LIMIT = 120.0  # s of processor time, of one trial
 CALLS = {
     "open": (("open", "openat", "creat"), "EACCES"),
     "read": (("read", "pread64"), "EIO"),

@@ -32,13 +32,13 @@ def with_damping(arrays: Arrays, model: Model, table: DampingTable) -> Arrays:
 
 def _dampers(damping: ContactDamping, levels: np.ndarray, shape: tuple[int, int]) -> Dampers:
     """At rest. `levels` : of the contacts' whole approach; `shape` : pairs and columns."""
-    rate, along, first, second, force, felt = np.zeros((6, *shape))
+    along, first, second, force, felt = np.zeros((5, *shape))
     return Dampers(
         constant=float(damping.constant),
         time=float(damping.time),
         hunt_crossley=float(damping.hunt_crossley),
         whole=levels,
-        rate=rate,
+        rate=np.full(shape, np.nan),  # as of contacts out of reach later
         left=np.full(shape, np.nan),
         along=along,
         first=first,

@@ -153,11 +153,6 @@ def _bore(scene: "Scene") -> Iterator[str]:
 def _cage(scene: "Scene") -> Iterator[str]:
     if scene.cage is not None:
         yield from cage_faults(scene.perfect_bearing(), scene.cage)
-        if scene.model == "lagrange" and scene.lagrange.angles == "free" and scene.mounting().housing is not None:
-            yield (
-                '[cage]: not with lagrange.angles = "free" in a housing that moves; take "kinematic" angles, another '
-                "model, or leave one of the tables out"
-            )
         if scene.model == "fem" and scene.cage.guidance == "inner_ring" and scene.operation.speed_table is not None:
             yield (
                 'cage.guidance = "inner_ring": with model = "fem" only at a steady speed, not with '

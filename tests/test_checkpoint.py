@@ -15,6 +15,7 @@ from fem.solver.simulate import make_plan, run
 from lagrange.scene import read_scene
 from tests.reference.commands import command
 from tests.test_runner import start_run
+from tests.waiting import GIVE_UP
 
 SETTINGS = ("numerics.mesh_size_mm=2", "numerics.duration_ms=2")
 OPTIONS = ["--mesh-size", "2", "--quiet"]
@@ -51,7 +52,7 @@ def test_killed_before_the_first_checkpoint_there_is_nothing_to_resume_but_the_s
     path = tmp_path / "killed.nc"
     process = start_run(path)
     process.kill()
-    process.communicate(timeout=60)
+    process.communicate(timeout=GIVE_UP)
     assert not checkpoint_path(path).exists()
     assert "nothing to resume" in refused([*OPTIONS, "--duration", "2000", "--output", str(path), "--resume"], capsys)
     with h5py.File(path) as file:
@@ -172,6 +173,6 @@ def test_a_second_run_on_the_same_file_is_refused_and_harms_nothing(tmp_path, ca
         assert "in use" in refused([*OPTIONS, "--duration", "1", "--output", str(path)], capsys)
     finally:
         process.terminate()
-        process.communicate(timeout=60)
+        process.communicate(timeout=GIVE_UP)
     with h5py.File(path) as file:
         assert file.attrs["status"] == "interrupted" and file.attrs["committed_samples"] > 0

@@ -8,7 +8,6 @@ import os
 import shutil
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import h5py
@@ -25,6 +24,7 @@ from lagrange.scene import read_scene
 from lagrange.stored import read_numbers
 from tests.reference.recorded_disk import RecordedDisk
 from tests.reference.run_files import EARLIER, OPTIONS, SHORT, names_in, same_data
+from tests.waiting import GIVE_UP, wait_until
 
 ROOT = Path(__file__).resolve().parent.parent
 BLOCKS = (1, 4, 15)  # samples appended and committed at a time, of 41
@@ -242,11 +242,9 @@ def test_a_run_whose_disk_fails_half_way_can_be_resumed(tmp_path):
         stderr=subprocess.PIPE,
         text=True,
     )
-    deadline = time.monotonic() + 120.0
-    while not checkpoint_path(path).exists() and time.monotonic() < deadline:
-        time.sleep(0.01)
+    wait_until(checkpoint_path(path).exists, process)
     resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (800_000, 800_000))
-    _, error = process.communicate(timeout=120)
+    _, error = process.communicate(timeout=GIVE_UP)
     assert process.returncode == 2
     assert f"error: {path}: File too large" in error and "--resume goes on" in error and "Traceback" not in error
     assert names_in(tmp_path) == ["run.nc", "run.nc.checkpoint"]

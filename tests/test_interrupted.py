@@ -12,9 +12,22 @@ from fem.result.checkpoint import checkpoint_path
 from fem.solver.simulate import make_plan
 from lagrange.scene import read_scene
 from tests.reference.commands import environment, started_as
+from tests.waiting import GIVE_UP, wait_until
 
 LONG = ["--set", "numerics.output_interval_us=1e6", "--duration", "3000"]  # minutes a sample
 STEADY = ["--mesh-size", "2", "--duration", "100000", "--checkpoint", "0"]
+
+STRUCK = """
+import os, signal, sys
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background commands ignore it
+
+def strike(event, arguments):
+    if event == "open" and str(arguments[0]).endswith("s.toml"):
+        os.kill(os.getpid(), signal.{signal})
+
+sys.addaudithook(strike)
+"""
 
 
 def started(path, *options):
@@ -25,8 +38,7 @@ def started(path, *options):
         stderr=subprocess.PIPE,
         text=True,
     )
-    while not path.exists() and process.poll() is None:
-        time.sleep(0.05)
+    wait_until(path.exists, process)
     return process
 
 
@@ -38,7 +50,7 @@ def test_a_signal_is_heard_within_a_sample_of_minutes(number, tmp_path):
     time.sleep(0.5)
     process.send_signal(number)
     try:
-        _, error = process.communicate(timeout=60)
+        _, error = process.communicate(timeout=GIVE_UP)
     finally:
         process.kill()
     assert process.returncode == 128 + number, error
@@ -65,18 +77,32 @@ def test_a_sample_that_was_left_off_leaves_the_state_as_it_was_and_cutting_it_ch
         assert values[:1].tobytes() == first[name].tobytes() and values[1:].tobytes() == second[name].tobytes(), name
 
 
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [("run-fem", signal.SIGTERM), ("run-fem", signal.SIGINT), ("run-study", signal.SIGTERM)],
+)
+def test_a_signal_before_there_is_a_run_ends_the_command_with_a_word(name, number, tmp_path):
+    (tmp_path / "s.toml").write_text("")
+    *python, program = started_as(name)
+    struck = STRUCK.format(signal=signal.Signals(number).name) + program
+    done = subprocess.run(
+        [*python, struck, "s.toml"], cwd=tmp_path, env=environment(), capture_output=True, text=True, timeout=GIVE_UP
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", "interrupted\n")
+    assert [file.name for file in tmp_path.iterdir()] == ["s.toml"]
+
+
 @pytest.mark.usefixtures("coarse_run")
 @pytest.mark.parametrize("what", ["removed", "renamed"])
 def test_a_result_taken_away_during_the_run_is_not_told_to_be_there(what, tmp_path):
     path, other = tmp_path / "run.nc", tmp_path / "other.nc"
     process = started(path, *STEADY)
-    while not checkpoint_path(path).exists() and process.poll() is None:
-        time.sleep(0.05)
+    wait_until(checkpoint_path(path).exists, process)
     path.rename(other)
     if what == "removed":
         other.unlink()
     process.terminate()
-    _, error = process.communicate(timeout=60)
+    _, error = process.communicate(timeout=GIVE_UP)
     assert process.returncode == 2
     assert f"error: {path}: " in error and "has been moved or removed" in error and "are in" not in error
     if what == "renamed":

@@ -13,6 +13,7 @@ import meshes
 from lagrange.scene import read_scene
 from meshes import Annulus, Disc, bearing_shapes, cache, mesh_of
 from meshes.shapes import make
+from tests.waiting import GIVE_UP
 
 DISC = Disc(radius=0.0037, layers=3)  # of no shipped bearing
 RING = Annulus(inner_radius=0.0111, outer_radius=0.0151, sectors=40, layers=2)
@@ -191,7 +192,7 @@ def run_without_gmsh(code, tmp_path):
     (fake / "gmsh.py").write_text('raise ImportError("libGLU.so.1: cannot open shared object file")\n')
     environment = dict(os.environ, PYTHONPATH=f"{fake}{os.pathsep}{ROOT}", XDG_CACHE_HOME=str(tmp_path / "xdg"))
     return subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=GIVE_UP
     )
 
 

@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import h5py
@@ -14,6 +13,7 @@ import pytest
 
 from residual.cli import main
 from tests.reference.synthetic_run import exact_errors, make_run, run_variables, write_result, write_table
+from tests.waiting import GIVE_UP, wait_until
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -198,11 +198,9 @@ def test_signals_end_it_without_a_report(which, code, tmp_path):
         stdout=subprocess.PIPE,
         text=True,
     )
-    deadline = time.monotonic() + 60.0
-    while not list(tmp_path.glob(".made-residual-*")) and time.monotonic() < deadline:
-        time.sleep(0.01)
+    wait_until(lambda: list(tmp_path.glob(".made-residual-*")), process)
     process.send_signal(which)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=GIVE_UP)
     assert process.returncode in (code, -which)  # the same to a shell: Python may pass an interrupt on as it leaves
     assert "Traceback" not in err
     assert [p.name for p in tmp_path.iterdir()] == ["made.nc"]

@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 
 from fem.cli import run_main
+from fem.solver.simulate import make_plan, run
 from fem.solver.wide_contacts import run_cautions
 from lagrange.pair import contact_pairs
-from lagrange.scene import read_scene
+from lagrange.scene import parse_scene, read_scene
 from tests.reference.commands import command
 
 SOFT = """
@@ -87,3 +88,28 @@ def test_the_limit_is_a_tenth_of_the_rollers_radius_for_each_kind_of_contact(whi
     for factor, count in ((0.999, 0), (1.001, 1)):
         forces[which] = factor * force
         assert len(run_cautions(bearing, np.array(forces))) == count
+
+
+def test_what_kicks_give_beyond_forces_is_what_the_hub_s_balance_misses_and_is_told_where_nothing_else_is():
+    """Of rollers that strike: M a − forces, from the run's own samples, is at most what it says."""
+    numerics = {"start": "rest", "load_ramp_ms": 0.0, "duration_ms": 1.0, "output_interval_us": 2.0}
+    scene = parse_scene({"model": "reduced", "contact": {"friction_coefficient": 0.0}, "numerics": numerics}, "")
+    plan, blocks = make_plan(scene), []
+    state = plan.first_state()
+    run(plan, blocks.append, state=state)
+    last = slice(-plan.n_samples, None)  # it begins again with shorter steps
+    found = {name: np.concatenate([block[name] for block in blocks])[last] for name in blocks[0].values}
+    x, y = (found[f"roller_{axis}"] - found[f"inner_{axis}"][:, None] for axis in "xy")
+    push = found["inner_force"] / np.hypot(x, y)
+    operation = plan.operation
+    missed = np.hypot(
+        operation.inner_mass * found["inner_ax"] + np.sum(push * x, axis=1),
+        operation.inner_mass * (found["inner_ay"] + operation.gravity)
+        + operation.radial_load
+        + np.sum(push * y, axis=1),
+    )
+    most, largest = float(state.forces.beyond[0]), float(found["inner_force"].max())
+    assert 1e-3 * largest < missed.max() <= most * (1.0 + 1e-6)
+    assert not any("give the hub" in note for note in state.cautions), "it says that shocks excite waves"
+    state.forces.fastest[:] = 0.0
+    assert f"up to {most:.3g} N off the contacts' forces" in state.cautions[-1]

@@ -7,7 +7,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 from contextlib import contextmanager
 from pathlib import Path
 from typing import get_args
@@ -22,6 +21,7 @@ from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
 from fem.solver.simulate import SOLVERS
 from lagrange.scene import Scene
+from tests.waiting import GIVE_UP, wait_until
 
 ROOT = Path(__file__).resolve().parent.parent
 NO_CONTRACT = ("wall_seconds", "setup_seconds")  # attributes that differ from run to run
@@ -319,17 +319,17 @@ def start_run(path, *options, duration="2000"):
     """The command in a process of its own, once it has committed samples."""
     command = [sys.executable, "-m", "fem.cli", "--mesh-size", "2", "--duration", duration, "--output", str(path)]
     process = subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 120.0
-    while time.monotonic() < deadline:
-        time.sleep(0.2)
+
+    def has_committed() -> bool:
         try:
             with h5py.File(path, "r", locking=False) as file:
-                if file.attrs["committed_samples"] > 0:
-                    return process
+                return file.attrs["committed_samples"] > 0
         except (OSError, KeyError):
-            continue
-    process.kill()
-    raise AssertionError("the run wrote nothing in two minutes")
+            return False
+
+    wait_until(has_committed, process, pause=0.1)
+    assert process.poll() is None, process.communicate()
+    return process
 
 
 @pytest.mark.skipif(os.name != "posix", reason="POSIX signals")
@@ -339,7 +339,7 @@ def test_an_interrupted_command_says_so_and_keeps_its_samples(model, number, cod
     path = tmp_path / "long.nc"
     process = start_run(path, "--model", model)
     process.send_signal(number)
-    _, error = process.communicate(timeout=60)
+    _, error = process.communicate(timeout=GIVE_UP)
     assert process.returncode == code
     assert "interrupted" in error and "Traceback" not in error
     with h5py.File(path) as file:
@@ -353,7 +353,7 @@ def test_a_killed_command_leaves_a_readable_file(model, tmp_path):
     path = tmp_path / "killed.nc"
     process = start_run(path, "--model", model)
     process.kill()
-    process.communicate(timeout=60)
+    process.communicate(timeout=GIVE_UP)
     with h5py.File(path, "r") as file:
         count = int(file.attrs["committed_samples"])
         assert count > 0 and file.attrs["status"] == "running"

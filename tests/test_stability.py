@@ -1,6 +1,10 @@
 """Short form of `python -m tests.stability`: random scenes end well or say why not; the critical step is tight."""
 
+import os
+import time
 from dataclasses import replace
+from functools import partial
+from itertools import count
 
 import numpy as np
 import pytest
@@ -10,6 +14,7 @@ from fem.kernels.friction_solution import ALWAYS
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
 from lagrange.scene import SceneError, parse_scene, read_scene
+from tests.stability import forked
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Outcome, Watch, append_csv, read_csv, try_scene
 from tests.stability.random_scenes import RANGES, random_scene
 from tests.stability.step_limit import SAFE_SIDE, at_ratio, energy_drift
@@ -50,6 +55,18 @@ def test_random_scenes_fill_their_ranges():
 def test_a_scene_is_the_same_again():
     assert random_scene(3, 7, 1.0) == random_scene(3, 7, 1.0)
     assert random_scene(3, 7, 1.0) != random_scene(3, 8, 1.0)
+
+
+def endless():
+    for _ in count():
+        pass
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="forks")
+def test_a_campaign_gives_a_command_so_much_processor_time_whatever_else_the_machine_does(tmp_path):
+    """One that waits, as on a busy machine, comes to its end; one that works on beyond its limit does not."""
+    assert forked.run(["run-fem", "--version"], tmp_path, 1.0, before=partial(time.sleep, 1.5)).code == 0
+    assert forked.run(["run-fem", "--version"], tmp_path, 1.0, before=endless).code is None
 
 
 def test_an_unsound_scene_counts_as_refused():

@@ -5,7 +5,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import h5py
@@ -21,6 +20,7 @@ from fem.study.sampling import design_of
 from fem.study.study_file import read_study
 from fem.study_cli import study_main
 from lagrange.scene import read_scene
+from tests.waiting import GIVE_UP, wait_until
 
 BASE = """
 [fixed]
@@ -305,10 +305,9 @@ def command(*words):
 
 def ended_after(process, folder, count, number):
     """Send a signal once so many points are there."""
-    while process.poll() is None and len(list(folder.glob("*.point"))) < count:
-        time.sleep(0.005)
+    wait_until(lambda: len(list(folder.glob("*.point"))) >= count, process, pause=0.005)
     process.send_signal(number)
-    return process.wait(60)
+    return process.wait(GIVE_UP)
 
 
 def many(n):

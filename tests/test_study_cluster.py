@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +14,9 @@ import xarray
 
 from fem.study_cli import study_main
 from tests.test_study import BASE, GRID, many, same
+from tests.waiting import GIVE_UP, wait_until
 
 pytest.importorskip("distributed")
-PATIENCE = 120.0  # s, for processes to start on a busy machine
 
 
 @pytest.fixture
@@ -46,7 +45,7 @@ def started(tmp_path):
     for process in reversed(running):
         process.kill()  # they hold nothing, and a worker without its scheduler waits long
     for process in running:
-        process.wait(30)
+        process.wait(GIVE_UP)
 
 
 @pytest.fixture
@@ -54,15 +53,8 @@ def scheduler(started, tmp_path):
     """Address of a scheduler."""
     file = tmp_path / "scheduler.json"
     started("dask_scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", str(file), "--host", "127.0.0.1")
-    until(lambda: file.exists() and file.read_text().endswith("}"))
+    wait_until(lambda: file.exists() and file.read_text().endswith("}"))
     return json.loads(file.read_text())["address"]
-
-
-def until(happens):
-    end = time.monotonic() + PATIENCE
-    while not happens():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.02)
 
 
 def worker(started, address, *words):
@@ -94,14 +86,14 @@ def test_points_of_a_killed_worker_are_solved_by_another(here, started, schedule
     kept = Path("studies/study/points")
 
     def kill():
-        until(lambda: len(list(kept.glob("*.point"))) > 5)
+        wait_until(lambda: len(list(kept.glob("*.point"))) > 5)
         first.send_signal(signal.SIGKILL)
 
     thread = threading.Thread(target=kill)
     thread.start()
     assert study_main(["study.toml", "--quiet", "--scheduler", scheduler]) == 0
     thread.join()
-    assert first.wait(10) == -signal.SIGKILL
+    assert first.wait(GIVE_UP) == -signal.SIGKILL
     assert study_main(["study.toml", "--quiet", "--workers", "1", "--output", "here"]) == 0
     same("studies/study/study.nc", "here/study.nc")
 

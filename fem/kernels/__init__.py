@@ -8,7 +8,8 @@ node_kernels                    both in a step, of all bodies
 surfaces                        what contacts ask of a surface: read, push, grip, sideways, push_along
 disc_surface, ring_surface      the answers of elastic rollers and rings; `rigid_surfaces`: of rigid bodies
 other_bodies                    what steps ask of every further body; `housing_kernels`: what carries the outer ring;
-                                `support_kernels`: nodes held still; `bore_kernels`: play or a press fit
+                                `support_kernels`: nodes held still; `bore_kernels`: play or a press fit;
+                                `ground_dashpots`: dashpots under forces that are found after theirs
 damping_kernels                 dampers of contacts and bodies; `reduced_damping`: those of the reduced model
 contact_kernels                 normal forces of pairs of bodies; law, patches: the law below the grid, B-spline patches
 profile_kernels                 surfaces that are not perfect circles

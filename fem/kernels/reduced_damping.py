@@ -4,6 +4,7 @@ A damper's force is that at the middle of a kick, F = c·½ (δ̇ before + δ̇ 
 the hub: rollers are eliminated, two equations of the hub's velocity are left.
 """
 
+from fem.kernels.ground_dashpots import give_way, mobility
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import larger, logarithm, smaller
 from fem.kernels.lane_memory import load, store
@@ -80,7 +81,8 @@ def _before_and_now(bodies, forces, before, drive, group):
 @part
 def _find(dampers, bodies, compliance, forces, before, drive):
     """What the dampers change of the hub's velocity, m/s; the forces they would have without that in `force`."""
-    columns, half, over = bodies.columns, 0.5 * drive.dt / bodies.mass, drive.dt / bodies.hub_mass
+    columns, half = bodies.columns, 0.5 * drive.dt / bodies.mass
+    over = mobility(bodies.shaft, bodies.hub_mass, drive.dt)
     push_x, push_y, xx, xy, yy = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, bodies.n, WIDTH):
         there = count_from(group) < bodies.n
@@ -134,9 +136,11 @@ def _give(dampers, bodies, forces, drive, hub_x, hub_y):
         ring_y += by_ring_y
         store(bodies.velocity, group, load(bodies.velocity, group) + over * (by_hub_x - by_ring_x))
         store(bodies.velocity, at, load(bodies.velocity, at) + over * (by_hub_y - by_ring_y))
-    over = drive.dt / bodies.hub_mass
-    bodies.hub_velocity[0] += over * total(push_x)
-    bodies.hub_velocity[1] += over * total(push_y)
+    over = mobility(bodies.shaft, bodies.hub_mass, drive.dt)
+    gained = over * total(push_x), over * total(push_y)
+    for k in range(2):
+        bodies.hub_velocity[k] += gained[k]
+        give_way(bodies.shaft, k, gained[k])
     push_ring(bodies.housing, total(ring_x), total(ring_y), drive.dt)
 
 

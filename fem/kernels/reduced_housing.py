@@ -3,6 +3,7 @@
 Where the ground holds the ring the housing is None: its place and motion are 0, and nothing is compiled.
 """
 
+from fem.kernels.ground_dashpots import give_way, mobility, settle
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.jit import verb
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
@@ -86,8 +87,21 @@ def push_ring(housing, x, y, dt):
 
 @push_ring.of(Housing)
 def _push_ring(housing, x, y, dt):
-    housing.velocity[0] += dt / housing.mass * x
-    housing.velocity[1] += dt / housing.mass * y
+    over = mobility(housing, housing.mass, dt)
+    gained = over * x, over * y
+    for k in range(2):
+        housing.velocity[k] += gained[k]
+        give_way(housing, k, gained[k])
+
+
+@verb
+def settle_ring(housing, dt):
+    """Let its dashpots take their share of what a cage has given it since its kick."""
+
+
+@settle_ring.of(Housing)
+def _settle_ring(housing, dt):
+    settle(housing, dt)
 
 
 @verb

@@ -1,5 +1,7 @@
 """The time loop of the reduced model: leapfrog steps of rigid bodies on elastic contacts without mass."""
 
+from math import sqrt
+
 from fem.kernels.cage_guide import push_ring_as_a_whole
 from fem.kernels.cage_kernels import meet, rub
 from fem.kernels.course_kernels import (
@@ -16,6 +18,7 @@ from fem.kernels.course_kernels import (
     with_aside,
 )
 from fem.kernels.ending import DONE, NOT_FINITE, lost
+from fem.kernels.ground_dashpots import settle
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
@@ -29,6 +32,7 @@ from fem.kernels.reduced_housing import (
     kick_ring,
     ring_place,
     ring_rates,
+    settle_ring,
     write_ring,
 )
 from fem.kernels.reduced_kick import kick
@@ -101,6 +105,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
                 out[WORK_DRIVE] = 0.5 * (given + drive.sums[1])
                 out[DISSIPATED] = drive.sums[2]
                 write_damping(forces.dampers, bodies.n, out)
+                _note_beyond(bodies, forces)
                 _write_cage(bodies.cage, drive, out)
                 _write_shaft(bodies.shaft, drive, out)
                 write_ring(bodies.housing, before, drive, out)
@@ -191,6 +196,9 @@ def _push_cage(cage, bodies, drive):
         bodies.spin[j] += riders.turn_kick[j]
         riders.turn_kick[j] = 0.0
     _turn_drive(cage.ring, drive)
+    if cage.ring is not None:
+        settle(bodies.shaft, drive.dt)
+        settle_ring(bodies.housing, drive.dt)
 
 
 @part
@@ -256,6 +264,26 @@ def _write_motion(bodies, forces, drive, before, out, time):
             out[at + (4 + row) * n] = forces.force[row, j]
         for row in range(2):
             out[at + (7 + row) * n] = forces.traction[row, j]
+
+
+@part(inlined=False)
+def _note_beyond(bodies, forces):
+    """Keep the most that kicks have given the hub beyond forces: as contacts open and close, or repay energy."""
+    x, y = 0.0, 0.0
+    for j in range(bodies.n):
+        more = _beyond(forces.dampers, forces.force[INNER, j], forces.kick[INNER, j], j)
+        x += more * forces.normal[INNER, 0, j]
+        y += more * forces.normal[INNER, 1, j]
+    forces.beyond[0] = max(forces.beyond[0], sqrt(x * x + y * y))
+
+
+@part
+def _beyond(dampers, Q, P, j):
+    """What a kick P gives beyond the force Q that a sample holds, N, each with the damper's."""
+    if dampers is None:
+        return P - Q
+    F = dampers.force[INNER, j]
+    return P + F - max(Q + F, 0.0)
 
 
 @part

@@ -101,6 +101,7 @@ class ReducedForces(NamedTuple):
     residual: np.ndarray  # (3, columns), J, stored beyond what kicks have taken: see `law.kick_force`
     traction: np.ndarray  # (3, columns), N, on the roller along +θ, or on the next roller
     fastest: np.ndarray  # (WIDTH,), N, by lane, the most that a force has changed in a step
+    beyond: np.ndarray  # (1,), N, the most that kicks have given the hub beyond the forces of the same sample
     guess: np.ndarray  # (2, columns + 2 halo), N, the forces expected of this step
     gained: np.ndarray  # (2, columns + 2 halo), N, what they turn out beyond that
     first: np.ndarray  # (2, columns), m, approach by the guess; room

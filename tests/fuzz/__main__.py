@@ -1,10 +1,10 @@
 """Search for inputs that a reader neither takes nor refuses in a sentence: python -m tests.fuzz result --seconds 600
 
 Each target takes bytes as a file's content and lets pass only what its reader promises: a usable object, or the error
-that the commands print as a sentence. Anything else, more than 1 GB of memory or 25 s for one input stops the fuzzer,
-which leaves the input. Inputs come from `mutations` and are kept where they reach new branches of our code, of tomllib
-or csv: by Atheris, libFuzzer for Python, to be installed by hand (pip install atheris). tests/test_fuzz.py draws inputs
-for the same targets without it.
+that the commands print as a sentence. Anything else, more than 1 GB of memory or 25 s of processor time for one input
+stops the fuzzer, which leaves the input. Inputs come from `mutations` and are kept where they reach new branches of our
+code, of tomllib or csv: by Atheris, libFuzzer for Python, to be installed by hand (pip install atheris).
+tests/test_fuzz.py draws inputs for the same targets without it.
 """
 
 import argparse
@@ -20,18 +20,21 @@ from pathlib import Path
 from random import Random
 
 from tests.fuzz.mutations import MUTATIONS
-from tests.fuzz.targets import NAMES, Targets, seeds
+from tests.fuzz.sound import seeds
+from tests.fuzz.targets import NAMES, Targets
+from tests.waiting import ASLEEP
 
-INSTRUMENTED = ("lagrange", "residual", "fem.study", "tomllib", "csv")
+INSTRUMENTED = ("lagrange", "residual", "fem.study", "fem.elastic.kept", "tomllib", "csv")
+OF_RESULTS = "fem.result.checkpoint", "fem.result.fields", "fem.pictures.stored_values"
 READERS = (
     "csv", "tomllib", "lagrange.scene", "residual.sources", "residual.table_source", "residual.evaluation",
     "residual.summary", "fem.study.points", "fem.study.study_file",
-    "fem.study.sampling", "fem.study.facts", "fem.study.folder",
+    "fem.study.sampling", "fem.study.facts", "fem.study.folder", "fem.elastic.kept",
 )  # fmt: skip
 KEPT = Path(__file__).parent / "corpus"  # inputs that once found something
 MEMORY_MB = 1024
 MOST_LEAKED_MB = 200  # Atheris 3.0 never frees the result of a comparison it has traced, which may be an array
-SECONDS_PER_INPUT = 25
+SECONDS_PER_INPUT = 25  # of processor time
 FROM_SOUND = 0.4  # share of inputs made from a sound one; most of those kept are refused early
 
 
@@ -51,6 +54,7 @@ def guided(name: str, seconds: int, corpus: Path) -> None:
     taken, begun_with = [0, 0], _memory_mb()
 
     def once(data: bytes) -> None:
+        signal.setitimer(signal.ITIMER_PROF, SECONDS_PER_INPUT)
         taken[target(data)] += 1
         tried = sum(taken)
         over = seconds > 0 and tried % 100 == 0 and _processor_seconds() > seconds
@@ -62,7 +66,8 @@ def guided(name: str, seconds: int, corpus: Path) -> None:
         if tried % 100 == 0 and _memory_mb() > begun_with + MOST_LEAKED_MB:
             print(f"{tried} inputs: {taken[1]} taken, {taken[0]} refused; begun anew, for Atheris leaks", flush=True)
             shutil.rmtree(folder)
-            signal.setitimer(signal.ITIMER_REAL, 0)  # libFuzzer's, which would outlive it
+            for timer in (signal.ITIMER_REAL, signal.ITIMER_PROF):  # libFuzzer's and ours would outlive it
+                signal.setitimer(timer, 0)
             os.execv(sys.executable, [sys.executable, "-m", "tests.fuzz", *sys.argv[1:]])
 
     def mutated(data: bytes, longest: int, seed: int) -> bytes:
@@ -74,10 +79,11 @@ def guided(name: str, seconds: int, corpus: Path) -> None:
     for seed in sound:
         target(seed)  # loads what it needs, which is no part of what inputs take
     _bound_memory()
+    signal.signal(signal.SIGPROF, _hung)
     longest = 2 * max(len(seed) for seed in sound)
     once_more = "-runs=0" if seconds == 0 else "-verbosity=0"
     atheris.Setup(
-        [sys.argv[0], f"-rss_limit_mb={MEMORY_MB}", f"-timeout={SECONDS_PER_INPUT}", f"-max_len={longest}",
+        [sys.argv[0], f"-rss_limit_mb={MEMORY_MB}", f"-timeout={SECONDS_PER_INPUT * ASLEEP:.0f}", f"-max_len={longest}",
          f"-artifact_prefix={corpus.parent}/find-{name}-", once_more, str(corpus)],
         once,
         custom_mutator=mutated,
@@ -93,8 +99,13 @@ def _instrument(atheris) -> None:
         for name in READERS:
             import_module(name)
     import_module("fem.solver.simulate")
-    with atheris.instrument_imports(include=["fem.result.checkpoint"]):
-        import_module("fem.result.checkpoint")
+    with atheris.instrument_imports(include=list(OF_RESULTS)):
+        for name in OF_RESULTS:
+            import_module(name)
+
+
+def _hung(*_) -> None:
+    raise TimeoutError(f"no end after {SECONDS_PER_INPUT} s of processor time")
 
 
 def _processor_seconds() -> float:

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tests.waiting import GIVE_UP
+
 ROOT = Path(__file__).resolve().parents[2]
 ENTRIES = {
     "run-fem": "from fem.cli import run_fem as main",
@@ -25,9 +27,7 @@ def environment(**more: object) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(ROOT), **{name: str(value) for name, value in more.items()}}
 
 
-def command(
-    name: str, *arguments: object, folder: Path | None = None, prepare=None, seconds=300.0, **variables: object
-):
+def command(name: str, *arguments: object, folder: Path | None = None, prepare=None, **variables: object):
     """Run a command to its end in a folder; `prepare` is called in its process before it begins."""
     return subprocess.run(
         [*started_as(name), *map(str, arguments)],
@@ -36,5 +36,5 @@ def command(
         preexec_fn=prepare,
         capture_output=True,
         text=True,
-        timeout=seconds,
+        timeout=GIVE_UP,
     )

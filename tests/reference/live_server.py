@@ -17,8 +17,9 @@ from fem.live.player import Player
 from fem.live.server import LiveServer
 from lagrange.scene import read_scene
 from tests.reference.commands import environment, started_as
+from tests.waiting import GIVE_UP
 
-SECONDS = 60.0  # that an answer may take, where kernels are still to be compiled
+SECONDS = GIVE_UP  # that an answer may take, where kernels are still to be compiled
 
 
 @dataclass(frozen=True)

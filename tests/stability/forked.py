@@ -10,34 +10,40 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 
+from tests.waiting import ASLEEP, limit_processor_time, wait_until
+
 ENTRIES = {
     "run-fem": ("fem.cli", "run_fem"),
     "check-residual": ("residual.cli", "check_residual"),
     "render-fem": ("fem.render_cli", "render_fem"),
 }
-WITHIN = 60.0  # s: a process stops itself, strace attaches to it
+
+USUAL = (  # modules of what the commands do in tests
+    "fem.runner", "fem.solver.finite_elements", "fem.solver.lagrangian", "fem.pictures.recover", "fem.render_cli",
+    "meshes.export", "residual.cli",
+)  # fmt: skip
 
 _forks = get_context("forkserver")
+_forks.set_forkserver_preload(list(USUAL))
 
 
 @dataclass(frozen=True)
 class Ended:
     """How a command ended."""
 
-    code: int | None  # None: it did not within its limit; negative: by that signal
+    code: int | None  # None: not within its limit; negative: by that signal
     said: str  # on both outputs
 
 
 def preload(commands: list[list[str]], folder: Path) -> None:
-    """Load what commands load, before the first fork; they are run in a folder for it."""
-    modules: list[str] = []
+    """Load all that commands load, before the first fork; they are run in a folder for it."""
+    modules = list(USUAL)
     for words in commands:
         module, function = ENTRIES[words[0]]
         program = (
@@ -56,12 +62,14 @@ def run(
     strace: list[str] | None = None,
     before: Callable[[], None] | None = None,
 ) -> Ended:
-    """Run a command to its end, s of wall time at most; `strace`: under it, with these options.
+    """Run a command to its end, s of its own processor time at most; `strace`: under it, with these options.
 
     `before`, to be pickled, is called in its process before the command.
     """
     with tempfile.TemporaryFile("w+b") as output, tempfile.NamedTemporaryFile() as said:
-        process = _forks.Process(target=_command, args=(words, str(folder), said.name, strace is not None, before))
+        process = _forks.Process(
+            target=_command, args=(words, str(folder), dict(os.environ), said.name, limit, strace is not None, before)
+        )
         process.start()
         tracer = None
         if strace is not None:
@@ -69,11 +77,13 @@ def run(
             tracer = subprocess.Popen(["strace", *strace, "-p", str(process.pid)], stdout=output, stderr=output)
             _awaits(process.pid, "TracerPid:\t", other_than="0\n")
             os.kill(int(process.pid or 0), signal.SIGCONT)
-        process.join(limit)
+        process.join(ASLEEP * limit)
         code = process.exitcode
         if code is None:
             process.kill()
             process.join()
+        elif code == -signal.SIGXCPU:
+            code = None
         if tracer is not None:
             tracer.wait()
         return Ended(code, Path(said.name).read_text(encoding="utf-8", errors="replace"))
@@ -81,19 +91,31 @@ def run(
 
 def _awaits(number: int | None, wanted: str, other_than: str = "\0") -> None:
     """Wait for an entry of a process's status."""
-    until = time.monotonic() + WITHIN
     status = Path(f"/proc/{number}/status")
-    while wanted not in (told := status.read_text(encoding="utf-8")) or wanted + other_than in told:
-        if time.monotonic() > until:
-            raise RuntimeError(f"process {number} waits in vain: {wanted.strip()}; can strace attach to it?")
-        time.sleep(0.005)
+
+    def is_so() -> bool:
+        told = status.read_text(encoding="utf-8")
+        return wanted in told and wanted + other_than not in told
+
+    wait_until(is_so, pause=0.002)
 
 
-def _command(words: list[str], folder: str, said: str, waits: bool, before: Callable[[], None] | None) -> None:
+def _command(
+    words: list[str],
+    folder: str,
+    environment: dict[str, str],
+    said: str,
+    limit: float,
+    waits: bool,
+    before: Callable[[], None] | None,
+) -> None:
     """What the fork does."""
+    limit_processor_time(limit)
     with open(said, "ab") as output:
         for number in (1, 2):
             os.dup2(output.fileno(), number)
+    os.environ.clear()  # what it was when the first fork was made
+    os.environ |= environment
     os.chdir(folder)
     sys.argv = list(words)
     module, function = ENTRIES[words[0]]

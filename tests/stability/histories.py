@@ -40,7 +40,7 @@ BETWEEN = ("nothing", "nothing", "cold caches", "damaged caches", "flipped check
 BESIDE = ("nobody", "nobody", "nobody", "second process", "same caches")
 EXITS = {0, 1, 2, 130, 143, -9}
 MOST_LEGS, LAST_MOMENT = 4, 400
-TIME_LIMIT = 300.0  # s of wall time of a leg, on a busy machine
+TIME_LIMIT = 120.0  # s of processor time of a leg
 COMPLETE, ANEW = "complete", "refused by name, then made anew"
 
 app = App(help=__doc__)

@@ -9,10 +9,13 @@ compiles a time loop of its own.
 """
 
 import csv
+import re
 import sys
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Sequence
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -41,8 +44,10 @@ BALANCE = {  # of the largest force: what the hub's momentum may miss at a sampl
     "lagrange": 1e-6,  # round-off of positions
     "reduced": 1e-3,  # kicks are means over a step; where shocks are shorter than it can follow the run says so
 }
+KICKS = re.compile(r"at such samples that is up to (\S+) N off")  # the reduced model's note on its steps
+ROUNDED = 1.01  # its three digits, and what the rest of the balance misses
 STATIC = 1e-6  # of the load, what the first sample's forces may miss of it
-TIME_LIMIT = 300.0  # s of wall time, of one scene on a busy machine
+TIME_LIMIT = 600.0  # s of processor time of one scene; compiling takes most of it
 ENDINGS = {0: COMPLETE, 1: STOPPED, 2: REFUSED}
 MATERIALS = (  # GPa, kg/m³, Poisson's ratio of steel, ceramic, polymer
     {"youngs_modulus_GPa": 210.0, "density_kg_m3": 7850.0, "poisson_ratio": 0.3},
@@ -162,10 +167,17 @@ def faults_of(path: Path) -> list[str]:
         if not missed <= SUM * load:
             found.append(f"error_{direction.name} is {missed:.2g} N off the sum of its terms")
         missed = float(np.max(np.abs(budget.terms["ring_flexibility"])))
-        told = any("within one vibration" in note for note in record.notes)
-        if record.scene.model in BALANCE and not told and not missed <= BALANCE[record.scene.model] * load:
+        if record.scene.model in BALANCE and not missed <= _told(record.notes, BALANCE[record.scene.model] * load):
             found.append(f"the momentum balance in {direction.name} is {missed:.2g} N off, of {load:.3g} N")
     return found + _unstatic(record)
+
+
+def _told(notes: Sequence[str], unsaid: float) -> float:
+    """What the momentum may miss, N, by what a run has said of it, or unsaid."""
+    if any("within one vibration" in note for note in notes):
+        return inf
+    amounts = [float(found[1]) for note in notes if (found := KICKS.search(note))]
+    return max([unsaid, *(ROUNDED * amount for amount in amounts)])
 
 
 def _misplaced(record: Record) -> list[str]:

@@ -1,0 +1,38 @@
+"""How long a child may take: by its own processor time, which a busy machine does not stretch.
+
+A limit of wall time says little on a machine with more work than cores; one far beyond any sensible wait is left
+against a child that sleeps for ever.
+"""
+
+import math
+import subprocess
+import time
+from collections.abc import Callable
+
+ASLEEP = 30.0  # s of wall time for each s of processor time that is allowed
+GIVE_UP = 600.0  # s of wall time for a child of which no processor time is limited
+
+
+def limit_processor_time(seconds: float) -> None:
+    """Let this process die of SIGXCPU (no core) after so much more processor time."""
+    import resource  # of POSIX alone, as are those who call this
+
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    most = math.ceil(used.ru_utime + used.ru_stime + seconds)
+    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+    resource.setrlimit(resource.RLIMIT_CPU, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
+
+
+def wait_until(condition: Callable[[], object], process: subprocess.Popen | None = None, pause: float = 0.01) -> None:
+    """Wait for a condition, or for the process that is to bring it about to end.
+
+    Errors
+    ------
+    TimeoutError: neither in GIVE_UP.
+    """
+    until = time.monotonic() + GIVE_UP
+    while not condition() and (process is None or process.poll() is None):
+        if time.monotonic() > until:
+            raise TimeoutError(f"nothing has happened for {GIVE_UP:.0f} s")
+        time.sleep(pause)

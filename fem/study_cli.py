@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from fem.cli import new_app, run_app_main
 from fem.errors import UsageError
 from fem.outcome import Outcome
+from fem.stopping import hear_termination
 
 if TYPE_CHECKING:
     from fem.study.folder import Folder
@@ -140,6 +141,7 @@ def study_main(arguments: list[str] | None = None) -> int:
 
 def run_study() -> None:
     """Entry point."""
+    hear_termination()
     sys.exit(study_main())
 
 

@@ -65,8 +65,9 @@ class ReducedState(RowState):
         self._begin()
 
     def _begin(self) -> None:
-        stride = self._whole.stride * 2**self._halvings
-        looks = ceil(stride / LONGEST_UNWATCHED)
+        stride, looks = self._whole.stride * 2**self._halvings, self._whole.looks
+        while stride > looks * LONGEST_UNWATCHED:  # and divide the stride all the way
+            looks *= 2
         self.plan = plan = replace(self._whole, stride=stride, looks=looks)
         self.reader = SampleReader(plan)
         self._worst = 0.0  # J, the largest imbalance so far

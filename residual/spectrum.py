@@ -4,6 +4,7 @@ Units are those of an error force, N; of an acceleration read m/s² for N.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -37,6 +38,17 @@ class Spectrum:
     def amplitude(self) -> np.ndarray:
         """Amplitudes, (n_frequencies,), N: of a line in a bin's middle that line's, up to 15 % less between bins."""
         return np.sqrt(2.0 * NOISE_BINS * self.psd * self.resolution)
+
+    @cached_property
+    def smooth_background(self) -> np.ndarray:
+        """Mean density of the smooth background, N²/Hz, (n_frequencies,): what is there without any line."""
+        from scipy.special import chdtri
+
+        if self.psd.size < 5 or not np.max(self.psd) > 0.0:
+            return np.zeros_like(self.psd)
+        level = np.log(np.maximum(self.psd, np.max(self.psd) * 1e-30))
+        freedom = 2.0 * self.segments
+        return np.exp(_background(self.frequency, level)) * freedom / chdtri(freedom, 0.5)
 
     def band_rms(self, low: float, high: float) -> float:
         """Rms of the signal in the band low … high, Hz, in N: the root of the density's sum over its bins."""
@@ -134,17 +146,6 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
     at = at[keep]
     at = at[np.argsort(psd[at])[::-1][:most]]
     return [_describe(spectrum, int(i), step, lines) for i in at]
-
-
-def smooth_background(spectrum: Spectrum) -> np.ndarray:
-    """Mean density of the smooth background, N²/Hz, (n_frequencies,): what is there without any line."""
-    from scipy.special import chdtri
-
-    if spectrum.psd.size < 5 or not np.max(spectrum.psd) > 0.0:
-        return np.zeros_like(spectrum.psd)
-    level = np.log(np.maximum(spectrum.psd, np.max(spectrum.psd) * 1e-30))
-    freedom = 2.0 * spectrum.segments
-    return np.exp(_background(spectrum.frequency, level)) * freedom / chdtri(freedom, 0.5)
 
 
 def _background(frequency: np.ndarray, level: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.lines import high_harmonics, line_levels, named_peaks, sidebands, watched_level
 from residual.sources import read_result
-from residual.spectrum import find_peaks, kinematic_lines, power_spectrum, smooth_background
+from residual.spectrum import find_peaks, kinematic_lines, power_spectrum
 from tests.reference.synthetic_run import make_run, write_result
 
 STEP = 1e-5
@@ -112,7 +112,7 @@ def test_lines_go_by_the_cage_speed_of_the_run(tmp_path):
 
 def test_background_is_the_mean_density_of_noise():
     record = np.random.default_rng(0).standard_normal(60_000)
-    background = smooth_background(power_spectrum(record, STEP))
+    background = power_spectrum(record, STEP).smooth_background
     assert np.median(background) == pytest.approx(2 * STEP, rel=0.1)
 
 

@@ -5,18 +5,9 @@ from pathlib import Path
 import pytest
 
 from fem.study_cli import study_main
+from tests.reference.small_study import TWO_SPEEDS
 
-GOOD = """
-[sampling]
-method = "grid"
-[fixed]
-model = "lagrange"
-"numerics.duration_ms" = 1.0
-[parameters]
-"operation.speed_rpm" = [1500, 3000]
-[keep]
-quantities = ["hub_mean_y"]
-"""
+GOOD = '[sampling]\nmethod = "grid"' + TWO_SPEEDS
 SPEED = '"operation.speed_rpm" = [1500, 3000]'
 
 

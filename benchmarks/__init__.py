@@ -3,7 +3,7 @@
 throughput      time of every phase of a step against the machine's ceilings
 phases          the phases of a step, timed, and the work they need at least
 machine         the ceilings, measured
-skips           what a scene does not need it does not pay for
+skips           what a scene does not need it does not pay for; `table_costs`: what tables of it cost
 footprint       memory and start-up time of a process
 planning        what it takes to plan a scene after others
 studies         what a study adds to its points, and what a second worker gives

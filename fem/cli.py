@@ -15,6 +15,7 @@ from fem.collecting import importing, leave
 from fem.errors import RunFailed, UsageError
 from fem.outcome import Outcome
 from fem.solver.simulate import SOLVERS
+from fem.stopping import Terminated, hear_termination
 
 RUNS = Path("runs")
 EXAMPLES = (
@@ -184,8 +185,8 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
         result = app(arguments, exit_on_error=False, print_error=False)
         sys.stdout.flush()
         return result if isinstance(result, int) else Outcome.COMPLETE.code
-    except KeyboardInterrupt:
-        ended, reason = Outcome.ENDED, None
+    except KeyboardInterrupt as error:
+        ended, reason = Outcome.ENDED_BY_TERM if isinstance(error, Terminated) else Outcome.ENDED, None
     except CycloptsError as error:
         ended, reason = Outcome.UNUSABLE, error
     except (BrokenPipeError, SystemExit) as error:  # whoever reads what is only printed has had enough
@@ -231,6 +232,7 @@ def run_main(arguments: list[str] | None = None) -> int:
 
 def run_fem() -> None:
     """Entry point."""
+    hear_termination()
     leave(run_main())
 
 

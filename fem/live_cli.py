@@ -8,6 +8,7 @@ from cyclopts import Parameter
 
 from fem.cli import new_app, run_app_main
 from fem.outcome import Outcome
+from fem.stopping import hear_termination
 
 live_app = new_app(
     "run-live",
@@ -56,6 +57,7 @@ def live_main(arguments: list[str] | None = None) -> int:
 
 def run_live() -> None:
     """Entry point."""
+    hear_termination()
     sys.exit(live_main())
 
 

@@ -10,7 +10,8 @@ class Outcome(Enum):
     FAILED = 1, "error: failed: {reason}\nsamples up to then are in {path}", "failed: {reason}"
     FAILED_AT_START = 1, "error: {reason}\nnothing was written", None
     UNUSABLE = 2, "error: {reason}", None
-    ENDED = 130, "interrupted", None  # before there was a run
+    ENDED = 130, "interrupted", None  # where there is no run
+    ENDED_BY_TERM = 143, "interrupted", None
     INTERRUPTED = 130, "interrupted at {time:.3f} ms; {left}", "interrupted"
     TERMINATED = 143, "interrupted at {time:.3f} ms; {left}", "interrupted"
     # of a complete run whose error was to be estimated

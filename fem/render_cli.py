@@ -10,6 +10,7 @@ from fem.cli import RUNS, new_app, run_app_main
 from fem.collecting import imported, importing, leave
 from fem.errors import UsageError
 from fem.outcome import Outcome
+from fem.stopping import hear_termination
 
 FRAMES, FRAMES_PER_SECOND = 120, 25.0
 SIGNALS = (".csv", ".wav", ".mat")  # of `fem.result.acceleration`
@@ -236,6 +237,7 @@ def render_main(arguments: list[str] | None = None) -> int:
 
 def render_fem() -> None:
     """Entry point."""
+    hear_termination()
     leave(render_main())
 
 

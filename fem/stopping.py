@@ -1,8 +1,22 @@
-"""Signals that end a run, or a study, in good order."""
+"""Signals that end a command in good order, before a run or a study, during it and after."""
 
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM outside of a run: undoes what Ctrl-C undoes."""
+
+
+def hear_termination() -> None:
+    """Turn SIGTERM into Terminated from now on; a second one ends the process at once."""
+
+    def handle(number, frame):
+        signal.signal(number, signal.SIG_DFL)
+        raise Terminated
+
+    signal.signal(signal.SIGTERM, handle)
 
 
 @contextmanager

@@ -5,7 +5,7 @@ kinematics    rolling without slip: shaft, cage, roller spin, ball-pass frequenc
 laws          line-contact laws Q(δ) that need the roller's length alone: harris, palmgren, iso16281, braendlein
 ball_contact  Hertz point contact (4)-(11): curvatures, δ*(F), K of a ball on a raceway
 raceway_laws  laws that know the raceways: johnson (= tripp), houpert, teutsch_sauer; `contact_laws(name, bearing)`
-cage          the cage as a rigid body; `cage_motion`: its samples in the Lagrangian model
+cage          the cage as a rigid body; `cage_motion`: its samples in the Lagrangian model; `cage_steps`: its steps
 faults        spalls, waviness, unequal rollers, measured heights: facts; `closing`: how far a roller sinks into them
 film          a lubricant's film: how thick, on which raceway
 contact_damping  dampers beside the contacts' springs

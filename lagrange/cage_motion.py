@@ -39,7 +39,7 @@ class CageSamples:
 class CageRows:
     """A free cage as the steps leave it at samples."""
 
-    place: np.ndarray  # (n_times, 3), m and rad
+    place: np.ndarray  # (n_times, 3), m and rad, from the outer ring's centre
     rate: np.ndarray  # (n_times, 3)
     lost: np.ndarray  # (n_times, 3), J, see LOSSES
     guide: np.ndarray  # (n_times, 2), N, by dashpot and by friction at the guide
@@ -75,8 +75,8 @@ class FreeCage:
     stored: np.ndarray  # (n_times,), J, in its springs
     lift: np.ndarray  # (n_times,), kg m, mass times height
     dissipated: np.ndarray  # (n_times,), J
-    push_x: np.ndarray  # (n_times,), N, on the hub
-    push_y: np.ndarray
+    push: np.ndarray  # (2, n_times), N, on the hub, x and y
+    push_on_ring: np.ndarray  # (2, n_times), N, on an outer ring in a housing
 
 
 def free_cage(bearing: Bearing, cage: Cage, state: State, rows: CageRows, first_angle: float) -> FreeCage:
@@ -106,21 +106,23 @@ def free_cage(bearing: Bearing, cage: Cage, state: State, rows: CageRows, first_
     pushed, rubbed = rows.pockets[:, 0] - cage.stiffness * depth, rows.pockets[:, 1]
     fx, fy = pushed * nx + rubbed * ny, pushed * ny - rubbed * nx
     guided_x, guided_y, sunk = _guided(cage, state, rows)
-    on_hub = -1.0 if cage.guidance == "inner_ring" else 0.0
+    against = -np.array([guided_x, guided_y])
+    place_x, place_y = rows.place[:, 0] + state.ring_x, rows.place[:, 1] + state.ring_y  # in the fixed frame
+    rate_x, rate_y = rows.rate[:, 0] + state.ring_x_rate, rows.rate[:, 1] + state.ring_y_rate
     samples = CageSamples(
-        x=rows.place[:, 0], y=rows.place[:, 1], angle=rows.place[:, 2], speed=rows.rate[:, 2],
+        x=place_x, y=place_y, angle=rows.place[:, 2], speed=rows.rate[:, 2],
         guidance_x=guided_x, guidance_y=guided_y, force=fx * ahead_x + fy * ahead_y,
         radial_force=fx * ahead_y - fy * ahead_x, moment=-rubbed * bearing.roller_radius,
         **{f"work_{name}": rows.lost[:, k] for k, name in enumerate(LOSSES)},
     )  # fmt: skip
     return FreeCage(
         samples=samples,
-        kinetic=0.5 * (cage.mass * (rows.rate[:, 0] ** 2 + rows.rate[:, 1] ** 2) + cage.inertia * rows.rate[:, 2] ** 2),
+        kinetic=0.5 * (cage.mass * (rate_x**2 + rate_y**2) + cage.inertia * rows.rate[:, 2] ** 2),
         stored=0.5 * cage.stiffness * (np.sum(depth**2, axis=1) + sunk**2),
-        lift=cage.mass * rows.place[:, 1],
+        lift=cage.mass * place_y,
         dissipated=np.sum(rows.lost, axis=1),
-        push_x=on_hub * guided_x,
-        push_y=on_hub * guided_y,
+        push=against if cage.guidance == "inner_ring" else 0.0 * against,
+        push_on_ring=against if cage.guidance == "outer_ring" else 0.0 * against,
     )
 
 

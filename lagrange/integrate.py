@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.cage_motion import first_row, row_width
+from lagrange.cage_steps import CageSteps
 from lagrange.contact_damping import ContactDamping
 from lagrange.systems import Packed
 
@@ -17,6 +18,7 @@ ALL_KICKS = (*KICKS, 1.0 - 2.0 * sum(KICKS), *KICKS[::-1])
 ALL_DRIFTS = (*DRIFTS, 0.5 - sum(DRIFTS), 0.5 - sum(DRIFTS), *DRIFTS[::-1])
 BLOCK = 64  # samples whose directions are tabulated at a time
 MOTION = "hub", "elements", "works", "housing"  # of `Integration.memory`
+OF_CAGE = "cage."  # begins names in it of a free cage's arrays, which kinds of steps have of their own
 FARTHEST = 1e50  # m and m/s: energies of such a motion are still numbers
 
 
@@ -110,16 +112,21 @@ class NumpyIntegration(Integration):
 
     def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
         super().__init__(system, start, step, per_sample, damping)
-        self._advance = self._leapfrog if damping.acts or system.has_dashpots else self._blanes_moan
+        cage = system.problem.free_cage
+        leaps = damping.acts or system.has_dashpots or cage is not None
+        self._advance = self._leapfrog if leaps else self._blanes_moan
+        self._cage = None
+        if cage is not None:
+            ring = complex(start.z[1]) if np.ndim(start.z) else 0j
+            self._cage = CageSteps(system, cage, step, ring)
+            self.memory |= {f"{OF_CAGE}{name}": array for name, array in self._cage.memory.items()}
         sensor = system.problem.operation.mounting.sensor
         self._sensor_step = None if sensor is None else sensor.step(step)
 
     def _fill(
         self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray, cage: np.ndarray
     ) -> int:
-        if cage.size:
-            raise NotImplementedError("a free cage: only compiled steps know it, fem.solver.lagrangian_steps")
-        hub, elements, sums, senses = self.memory.values()
+        hub, elements, sums, senses = (self.memory[name] for name in MOTION)
         there, count = 0, z.shape[1]
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # seen by `Record.sound`
             while there < count and np.all(np.isfinite(hub[0])):
@@ -128,12 +135,14 @@ class NumpyIntegration(Integration):
                 for _ in self._advance(last, min(border, done + count - 1)):
                     z[:, there], q[:, there], works[:, there] = hub[:2], elements[:2], sums[:4]
                     sensor[there] = senses[:2]
+                    if self._cage is not None:
+                        cage[there] = self._cage.row(*hub[:2])
                     there += 1
         return there
 
     def _remembered(self) -> tuple[list[complex], np.ndarray, list[float]]:
         """The memory as the steps take it: Python's own numbers are faster."""
-        hub, elements, works, housing = self.memory.values()
+        hub, elements, works, housing = (self.memory[name] for name in MOTION)
         self._system.shift = complex(*housing[2:])
         return hub.tolist() if hub.ndim == 1 else list(hub.copy()), elements.copy(), works.tolist()
 
@@ -201,8 +210,10 @@ class NumpyIntegration(Integration):
     def _leapfrog(self, first: int, last: int) -> Iterator[None]:
         """Drift, kick, damp, kick, drift; second order.
 
-        The contacts' dampers flow by the midpoint rule at frozen positions, the shaft's dashpots exactly in the kicks.
+        The contacts' dampers flow by the midpoint rule at frozen positions, the shaft's dashpots exactly in the kicks;
+        a free cage's dashpots and friction end the kick.
         """
+        cage = self._cage
         system, step, per_sample, damping = self._system, self._step, self._per_sample, self._damping
         steps = np.arange(first * per_sample, last * per_sample)
         times = step * (steps + 0.5)
@@ -217,6 +228,9 @@ class NumpyIntegration(Integration):
                 z = z + half * z_rate
                 q = q + half * q_rate
                 z_acc, q_acc, power = system.accelerations(times[i], z, q, turns[i])
+                if cage is not None:
+                    cage.drift(half)
+                    z_rate, q_rate = cage.meet(z, z_rate, q, q_rate)
                 z_rate, q_rate, loss, taken = self._half_kick(z_rate, z_acc, q_rate, q_acc, half)
                 dashed += loss
                 held += step * power + taken
@@ -234,6 +248,10 @@ class NumpyIntegration(Integration):
                 z_rate, q_rate, loss, taken = self._half_kick(z_rate, z_acc, q_rate, q_acc, half)
                 dashed += loss
                 held += taken
+                if cage is not None:
+                    z_rate, q_rate, taken = cage.rub(z_rate, q_rate)
+                    held += taken
+                    cage.drift(half)
                 self._sense(before, z_rate)
                 z = z + half * z_rate
                 q = q + half * q_rate

@@ -36,7 +36,7 @@ class Problem:
     angles: Literal["kinematic", "free"] = "kinematic"
     damping: ContactDamping = UNDAMPED  # of every closed contact
     load_ramp: float = 0.0  # s
-    cage: Cage | None = None  # free angles: a body of its own, for compiled steps; else what holds the angles
+    cage: Cage | None = None  # free angles: a body of its own; else what holds the angles
 
     def __post_init__(self):
         if not (min(vars(self.damping).values()) >= 0.0 and self.load_ramp >= 0.0):

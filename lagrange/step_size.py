@@ -48,8 +48,12 @@ def fastest_of_cage(problem: Problem) -> float:
     light = 1.0 / cage.mass
     pockets = bearing.n_rollers * (light + bearing.pitch_radius**2 / cage.inertia)
     of_cage = TOGETHER * cage.stiffness * (pockets + (0.0 if cage.guidance == "rollers" else light))
-    on_hub = cage.stiffness * TOGETHER / problem.operation.inner_mass if cage.guidance == "inner_ring" else 0.0
-    return sqrt(max(of_cage, on_hub))
+    guiding, housing = inf, problem.operation.mounting.housing
+    if cage.guidance == "inner_ring":
+        guiding = problem.operation.inner_mass
+    elif cage.guidance == "outer_ring" and housing is not None:
+        guiding = housing.mass + bearing.outer_ring_mass
+    return sqrt(max(of_cage, TOGETHER * cage.stiffness / guiding))
 
 
 def _of_pocket(problem: Problem) -> float:

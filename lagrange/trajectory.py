@@ -141,7 +141,11 @@ class Completion:
             free = free_cage(bearing, problem.free_cage, state, CageRows.of(record.cage), self._system.first)
             cage, kinetic, contact, lift = free.samples, kinetic + free.kinetic, contact + free.stored, lift + free.lift
             dissipated = dissipated + free.dissipated
-            ax, ay = ax + free.push_x / operation.inner_mass, ay + free.push_y / operation.inner_mass
+            ax, ay = ax + free.push[0] / operation.inner_mass, ay + free.push[1] / operation.inner_mass
+            if housing is not None:
+                of_ring = free.push_on_ring / (housing.mass + bearing.outer_ring_mass)
+                moved["housing_ax"] = moved["housing_ax"] + of_ring[0]
+                moved["housing_ay"] = moved["housing_ay"] + of_ring[1]
         elif problem.cage is not None:
             cage = holding_cage(bearing, operation, time, state, touch)
         energy = kinetic + contact + bent + sprung

@@ -8,6 +8,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.collections import LineCollection
 from matplotlib.ticker import NullLocator
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from residual.colours import BLUE, GREY, LINE_COLOURS, ORANGE, family
 from residual.figures import Curve, SavedFigure
@@ -35,6 +37,7 @@ STYLE: "dict[RcKeyType, Any]" = {
     "axes.axisbelow": True,
     "lines.linewidth": 1.1,
     "legend.frameon": False,
+    "text.hinting": "none",  # at this resolution as legible, and quicker
     "svg.hashsalt": "residual",
     "svg.fonttype": "path",
     "path.simplify": True,
@@ -75,8 +78,11 @@ def save(figure, folder: Path, name: str, title: str, caption: str) -> SavedFigu
     )  # fmt: skip
     make_plain(figure)
     figure.set_dpi(DPI)
-    # a canvas' own printing draws once, `savefig` twice
-    FigureCanvasAgg(figure).print_png(png, metadata={"Software": None, "Title": title}, pil_kwargs=PACKED)
+    # a canvas' own drawing and printing draw once each, `savefig` twice
+    canvas, told = FigureCanvasAgg(figure), PngInfo()
+    canvas.draw()
+    told.add_text("Title", title)
+    Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").save(png, pnginfo=told, **PACKED)
     FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Title": title})
     return SavedFigure(name=name, title=title, caption=caption, png=png, svg=svg, curves=curves)
 

@@ -9,7 +9,7 @@ from residual.spectrum import WINDOW
 PASSAGE_SHARE = 0.5  # of a roller passage: what happens once per roller is told apart
 RECORD_SHARE = 1.0 / 32.0  # of the signal, where nothing passes
 FEWEST_IN_WINDOW = 32  # samples
-MOST_COLUMNS = 1200  # of a figure's width; windows overlap by at least half
+MOST_COLUMNS = 800  # a figure's panel is 750 pixels wide; windows overlap by at least half
 
 
 @dataclass(frozen=True, kw_only=True)

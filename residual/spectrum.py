@@ -4,6 +4,7 @@ Units are those of an error force, N; of an acceleration read m/s² for N.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,6 +13,8 @@ from lagrange.kinematics import Kinematics
 WINDOW = "hann"
 MAIN_LOBE = 2.0  # half-width of the Hann window's main lobe, in bins: nearer than this two lines are one peak
 NOISE_BINS = 1.5  # noise bandwidth of the Hann window, bins
+SLOWEST = 1e-6  # Hz, of a shaft that has lines: with one turn in twelve days the bearing as good as stands
+LOWEST = 1e-9  # Hz, of a line: numbers next to nothing make others infinite
 HARMONICS = {"shaft": 3, "FTF": 1, "BSF": 1, "BPFO": 5, "BPFI": 5}
 # of the slowest line: a longer signal is averaged (Welch) instead of resolved further
 REVOLUTIONS_PER_SEGMENT = 40
@@ -36,6 +39,17 @@ class Spectrum:
         """Amplitudes, (n_frequencies,), N: of a line in a bin's middle that line's, up to 15 % less between bins."""
         return np.sqrt(2.0 * NOISE_BINS * self.psd * self.resolution)
 
+    @cached_property
+    def smooth_background(self) -> np.ndarray:
+        """Mean density of the smooth background, N²/Hz, (n_frequencies,): what is there without any line."""
+        from scipy.special import chdtri
+
+        if self.psd.size < 5 or not np.max(self.psd) > 0.0:
+            return np.zeros_like(self.psd)
+        level = np.log(np.maximum(self.psd, np.max(self.psd) * 1e-30))
+        freedom = 2.0 * self.segments
+        return np.exp(_background(self.frequency, level)) * freedom / chdtri(freedom, 0.5)
+
     def band_rms(self, low: float, high: float) -> float:
         """Rms of the signal in the band low … high, Hz, in N: the root of the density's sum over its bins."""
         inside = (self.frequency >= low) & (self.frequency <= high)
@@ -58,11 +72,13 @@ def kinematic_lines(kinematics: Kinematics) -> dict[str, float]:
     """Kinematic lines and their harmonics, Hz, by name: "BPFO", "2×BPFO", ...
 
     Shaft to 3×, ball passes to 5×: what vibration analysts look for in a bearing without lubrication or
-    misalignment.
+    misalignment. Of a bearing that as good as stands there are none.
     """
-    lines = {}
+    lines: dict[str, float] = {}
+    if kinematics.frequencies["shaft"] < SLOWEST:
+        return lines
     for name, frequency in kinematics.frequencies.items():
-        if frequency > 0.0:
+        if frequency > LOWEST:
             for k in range(1, HARMONICS[name] + 1):
                 lines[name if k == 1 else f"{k}×{name}"] = k * frequency
     return lines
@@ -130,17 +146,6 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
     at = at[keep]
     at = at[np.argsort(psd[at])[::-1][:most]]
     return [_describe(spectrum, int(i), step, lines) for i in at]
-
-
-def smooth_background(spectrum: Spectrum) -> np.ndarray:
-    """Mean density of the smooth background, N²/Hz, (n_frequencies,): what is there without any line."""
-    from scipy.special import chdtri
-
-    if spectrum.psd.size < 5 or not np.max(spectrum.psd) > 0.0:
-        return np.zeros_like(spectrum.psd)
-    level = np.log(np.maximum(spectrum.psd, np.max(spectrum.psd) * 1e-30))
-    freedom = 2.0 * spectrum.segments
-    return np.exp(_background(spectrum.frequency, level)) * freedom / chdtri(freedom, 0.5)
 
 
 def _background(frequency: np.ndarray, level: np.ndarray) -> np.ndarray:

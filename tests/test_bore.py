@@ -9,6 +9,7 @@ from numba import njit
 from fem.contacts.critical_step import FINELY, critical_time_step
 from fem.contacts.patch import ring_patch_force
 from fem.elastic.bored import bored_ring
+from fem.elastic.supported import LooseRing
 from fem.errors import UsageError
 from fem.kernels import ring_kernels
 from fem.kernels.bore_kernels import ARC, AX, PLACE_X, PLACE_Y
@@ -40,6 +41,17 @@ BEARING_LOADS = [
 ]
 COLUMN = 20
 NUMERICS = {"mesh_size_mm": 2.0, "duration_ms": 2.0}
+
+
+@pytest.mark.parametrize("touching", [0, 10, 60, -1])
+def test_influences_of_a_ring_on_some_springs_are_those_that_its_factors_give(touching):
+    """From all springs' by Woodbury's formula, beside the sparse solution with the springs that act."""
+    body = in_bore(2, 20e-6)
+    far = np.abs(np.angle(np.exp(1j * (body.angles + 1.7))))
+    body = replace(body, touching=far <= np.sort(far)[touching])
+    nodes = np.array([3, 4, 5, 40, 41, 90])
+    expected, found = LooseRing._influence(body, nodes), body.surface_influence(nodes)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
 
 
 def in_bore(layers: int, clearance: float, stiffness: float | None = None):

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 
 from lagrange.stored import refusal_in_child
 from tests.fuzz.mutations import MUTATIONS
-from tests.fuzz.targets import NAMES, Targets, seeds
+from tests.fuzz.sound import seeds
+from tests.fuzz.targets import NAMES, Targets
 
 ROOT = Path(__file__).parent.parent
 CORPUS = ROOT / "tests" / "fuzz" / "corpus"  # a folder a reader
@@ -27,6 +28,8 @@ EXAMPLES = {
     "folder": 100,
     "table": 150,
     "result": 30,
+    "fields": 15,
+    "matrices": 100,
     "checkpoint": 80,
 }
 

@@ -10,9 +10,12 @@ import pytest
 from fem.cli import run_main
 from fem.result.fields import FRAME, GROUP, _checksum
 from lagrange.stored import CHECKSUM, checksum
-from tests.reference.commands import command
+from tests.stability import forked
 
 OPTIONS = ["--mesh-size", "2", "--quiet", "--set", "output.fields_every_ms=0.1", "--duration"]
+SECONDS = 60.0  # of processor time; hardly one is needed
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="forks")
 
 
 @pytest.fixture(scope="module")
@@ -107,15 +110,15 @@ def test_forged_fields_are_refused_in_a_sentence(forgery, with_fields, tmp_path)
     with h5py.File(path, "r+") as file:
         change(file, tmp_path)
     target = tmp_path / "mesh.vtu"
-    done = command("render-fem", path, "--export", target)
-    assert done.returncode == 2, done.stderr
-    assert str(path) in done.stderr and words in done.stderr and done.stderr.count("\n") == 1
+    done = forked.run(["render-fem", str(path), "--export", str(target)], tmp_path, SECONDS)
+    assert done.code == 2, done.said
+    assert str(path) in done.said and words in done.said and done.said.count("\n") == 1
     assert not target.exists()
 
 
 def test_sound_fields_are_drawn_from(with_fields, tmp_path):
-    done = command("render-fem", with_fields, "--export", tmp_path / "mesh.vtu")
-    assert done.returncode == 0, done.stderr
+    done = forked.run(["render-fem", str(with_fields), "--export", "mesh.vtu"], tmp_path, SECONDS)
+    assert done.code == 0, done.said
 
 
 @pytest.mark.parametrize("name", ["fewer nodes than the mesh", "more nodes than memory", "stresses in another file"])
@@ -126,6 +129,6 @@ def test_forged_fields_are_not_resumed(name, with_fields, tmp_path):
     with h5py.File(path, "r+") as file:
         FORGERIES[name][0](file, tmp_path)
     before = path.read_bytes()
-    done = command("run-fem", *OPTIONS, "0.4", "--output", path, "--resume")
-    assert done.returncode == 2 and str(path) in done.stderr and "Traceback" not in done.stderr
+    done = forked.run(["run-fem", *OPTIONS, "0.4", "--output", str(path), "--resume"], tmp_path, SECONDS)
+    assert done.code == 2 and str(path) in done.said and "Traceback" not in done.said
     assert path.read_bytes() == before

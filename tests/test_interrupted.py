@@ -17,6 +17,18 @@ from tests.waiting import GIVE_UP, wait_until
 LONG = ["--set", "numerics.output_interval_us=1e6", "--duration", "3000"]  # minutes a sample
 STEADY = ["--mesh-size", "2", "--duration", "100000", "--checkpoint", "0"]
 
+STRUCK = """
+import os, signal, sys
+
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background commands ignore it
+
+def strike(event, arguments):
+    if event == "open" and str(arguments[0]).endswith("s.toml"):
+        os.kill(os.getpid(), signal.{signal})
+
+sys.addaudithook(strike)
+"""
+
 
 def started(path, *options):
     """A run whose result file is there."""
@@ -63,6 +75,21 @@ def test_a_sample_that_was_left_off_leaves_the_state_as_it_was_and_cutting_it_ch
     both = other.advance(2).samples
     for name, values in both.values.items():
         assert values[:1].tobytes() == first[name].tobytes() and values[1:].tobytes() == second[name].tobytes(), name
+
+
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [("run-fem", signal.SIGTERM), ("run-fem", signal.SIGINT), ("run-study", signal.SIGTERM)],
+)
+def test_a_signal_before_there_is_a_run_ends_the_command_with_a_word(name, number, tmp_path):
+    (tmp_path / "s.toml").write_text("")
+    *python, program = started_as(name)
+    struck = STRUCK.format(signal=signal.Signals(number).name) + program
+    done = subprocess.run(
+        [*python, struck, "s.toml"], cwd=tmp_path, env=environment(), capture_output=True, text=True, timeout=GIVE_UP
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", "interrupted\n")
+    assert [file.name for file in tmp_path.iterdir()] == ["s.toml"]
 
 
 @pytest.mark.usefixtures("coarse_run")

@@ -1,9 +1,13 @@
 """Results kept on disk: made once, and made anew where the file is damaged or the folder can't be written."""
 
+import io
+import zipfile
+
 import numpy as np
 import pytest
 
 from fem.elastic.kept import LARGEST, kept
+from lagrange.sealed import write_sealed
 
 
 @pytest.fixture
@@ -47,6 +51,17 @@ def test_a_damaged_entry_is_made_anew(folder, damage):
     assert make.calls == 2
     kept("some", "key", make)
     assert make.calls == 2, "the damaged entry has been replaced"
+
+
+def test_an_archive_of_anything_but_arrays_is_made_anew(folder):
+    make = Maker()
+    kept("some", "key", make)
+    (path,) = folder.iterdir()
+    archive = io.BytesIO()
+    with zipfile.ZipFile(archive, "w") as file:
+        file.writestr("a.npy", b"no array")
+    write_sealed(path, archive.getvalue())
+    assert kept("some", "key", make)["a"].tolist() == [0.0, 1.0, 2.0]
 
 
 def test_a_folder_that_cannot_be_written_costs_time_only(folder):

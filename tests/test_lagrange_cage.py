@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.interface import simulate
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws
 from lagrange.cage_motion import CageRows, free_cage
@@ -110,14 +111,44 @@ def test_elements_keep_their_distance_within_the_clearance():
     assert 2e-5 < found.spacing < 1e-4 + 2.0 * deepest
 
 
+IN_HOUSING = {"support": {"kind": "housing", "mass_kg": 0.5, "stiffness_N_per_m": 2e8, "damping_N_s_m": 4000.0}}
+
+
 @pytest.mark.slow
-def test_a_free_cage_goes_on_bit_for_bit():
+@pytest.mark.parametrize("guidance", ["rollers", "inner_ring", "outer_ring"])
+def test_the_checker_knows_a_free_cage_in_a_housing(guidance):
+    """Its terms add up, the hub's momentum and the housing's balance, and so does the energy."""
+    guide = {"guidance": guidance} | ({} if guidance == "rollers" else {"guidance_clearance_mm": 0.02})
+    tables = {
+        "model": "lagrange", "lagrange": FREE, "cage": {"pocket_clearance_mm": 0.1} | guide,
+        "numerics": {"duration_ms": 5.0, "start": "rest", "load_ramp_ms": 0.2},
+    }  # fmt: skip
+    result = simulate(parse_scene(tables | IN_HOUSING, ""))
+    for direction in result.residual().directions:
+        budget = direction.budget
+        np.testing.assert_allclose(budget.error, sum(budget.terms.values()), rtol=0.0, atol=1e-9 * 2000.0)
+        assert np.abs(budget.terms["ring_flexibility"]).max() < 1e-9 * 2000.0
+        assert ("cage" in budget.terms) == (guidance == "inner_ring") or np.all(budget.terms["cage"] == 0.0)
+    bearing, theta = result.scene.ideal_bearing(), result["roller_theta"]
+    pushed = np.sum(result["outer_force"] * np.sin(theta), axis=1)
+    pushed -= result["cage_guidance_y"] if guidance == "outer_ring" else 0.0
+    mass, place = 0.5 + bearing.outer_ring_mass, result["housing_y"]
+    left = pushed - mass * (result["housing_ay"] + 9.81) - 2e8 * place
+    damped = 4000.0 * np.gradient(place, result["time"])
+    assert np.std(left - damped) < 0.02 * np.std(mass * result["housing_ay"])
+    assert guidance == "rollers" or np.abs(result["cage_guidance_y"]).max() > 10.0
+    assert abs(result.energies["work_dissipated"][-1]) > 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("more", [{}, IN_HOUSING])
+def test_a_free_cage_goes_on_bit_for_bit(more):
     tables = {
         "model": "lagrange",
         "lagrange": FREE,
         "cage": GUIDED | {"drag_torque_N_m": 0.5},
         "numerics": {"duration_ms": 2.0},
-    }
+    } | more
     plan = make_plan(parse_scene(tables, "scene"))
     expected, found = rest_of_run(plan, 100, 101)
     assert np.abs(expected.values["cage_force"]).max() > 1.0

@@ -408,6 +408,20 @@ def test_energy_balances_with_that_of_the_modes(settings, limit):
         assert found["energy_elastic"][1000:].mean() > 20.0 * limit * found["exchanged"][-1]
 
 
+@pytest.mark.parametrize("halvings", range(7))
+def test_a_run_that_begins_again_turns_as_its_times_say(halvings):
+    """Whatever the number of steps between samples: rollers turn from sample to sample by their spin, to its noise."""
+    plan = plan_of("numerics.output_interval_us=14", "numerics.duration_ms=0.14")
+    state = plan.first_state()
+    state._halvings = halvings
+    state._begin()
+    samples = state.advance(plan.n_samples).samples
+    turned = np.diff(samples["roller_turn"], axis=0)
+    spun = 0.5 * (samples["roller_spin"][1:] + samples["roller_spin"][:-1]) * np.diff(samples["time"])[:, None]
+    np.testing.assert_allclose(turned, spun, rtol=1e-4)
+    assert state.progress.steps == plan.stride * 2**halvings * (plan.n_samples - 1)
+
+
 @pytest.mark.slow
 def test_a_run_with_modes_goes_on_bit_for_bit_and_damaged_amplitudes_are_refused():
     plan = plan_of(*MODES, "numerics.duration_ms=2", "numerics.start=rest")

@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
+from fem.cli import run_main
 from lagrange.kinematics import kinematics
 from lagrange.scene import Scene
 from residual.cli import main
@@ -14,7 +15,7 @@ from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.lines import high_harmonics, line_levels, named_peaks, sidebands, watched_level
 from residual.sources import read_result
-from residual.spectrum import find_peaks, kinematic_lines, power_spectrum, smooth_background
+from residual.spectrum import find_peaks, kinematic_lines, power_spectrum
 from tests.reference.synthetic_run import make_run, write_result
 
 STEP = 1e-5
@@ -111,7 +112,7 @@ def test_lines_go_by_the_cage_speed_of_the_run(tmp_path):
 
 def test_background_is_the_mean_density_of_noise():
     record = np.random.default_rng(0).standard_normal(60_000)
-    background = smooth_background(power_spectrum(record, STEP))
+    background = power_spectrum(record, STEP).smooth_background
     assert np.median(background) == pytest.approx(2 * STEP, rel=0.1)
 
 
@@ -130,7 +131,7 @@ def test_a_line_can_be_asked_for_by_name_or_frequency(wanted):
     assert level.frequency == pytest.approx(expected or float(wanted), abs=0.1)
 
 
-@pytest.mark.parametrize("wanted", ["BPFX", "-5", "0", "1e9", "nan", ""])
+@pytest.mark.parametrize("wanted", ["BPFX", "-5", "0", "1e9", "nan", "", "1e-320"])
 def test_an_unknown_line_is_refused(wanted):
     with pytest.raises(InputError):
         watched_level(power_spectrum(noise(0.06), STEP), wanted, paper_lines())
@@ -176,6 +177,15 @@ def test_report_holds_term_spectra_and_warns_of_unresolved_lines(tmp_path, capsy
         assert np.sum(psd) * df == pytest.approx(weighted, rel=0.05)
         assert file["envelope_psd_x"].dims[0][0] == file["frequency"]
     assert {"envelope.png", "short_time.png"} <= {p.name for p in (tmp_path / "a-residual").iterdir()}
+
+
+@pytest.mark.parametrize("speed", ["1e-310", "1e-12", "1e-4", "1e-2"])
+def test_a_bearing_that_as_good_as_stands_is_reported_on(speed, tmp_path):
+    path = tmp_path / "slow.nc"
+    slow = ["--set", f"operation.speed_rpm={speed}", "--duration", "0.6", "--quiet", "--output", str(path)]
+    assert run_main(["--model", "lagrange", *slow]) == 0
+    assert main([str(path), "--no-figures", "--quiet"]) == 0
+    assert main([str(path), "--no-figures", "--quiet", "--line", "1e-320"]) == 2
 
 
 def test_an_unknown_line_exits_2(tmp_path, capsys):

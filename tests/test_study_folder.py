@@ -10,17 +10,9 @@ import pytest
 
 from fem.study_cli import study_main
 from lagrange.sealed import read_sealed, write_sealed
+from tests.reference.small_study import TWO_SPEEDS
 
-STUDY = """
-[fixed]
-model = "lagrange"
-"numerics.duration_ms" = 1.0
-[parameters]
-"operation.speed_rpm" = [1500, 3000]
-[keep]
-quantities = ["hub_mean_y"]
-signals = ["inner_ay"]
-"""
+STUDY = TWO_SPEEDS + 'signals = ["inner_ay"]\n'
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ from lagrange.mounting import Bore
 
 LOOSE_SPRING = 1.0  # N/m along x and along y, keeps in place a ring that nothing holds
 FIRST_ARC = 0.4 * pi  # rad to either side of straight down, where a ring in play is first taken to touch
+FEWEST_SPRINGS = 8  # that act: fewer leave too little of the stiffness of all
 MOST_SETTLINGS = 200  # measured at most 34 in 40 random rings, loads, fits and bores
 NOT_SETTLED = "no static equilibrium: where the outer ring touches its bore is not found; change fit_clearance_um"
 
@@ -29,6 +30,7 @@ class BoredRing(LooseRing):
     play: float  # m, radial; negative: what the ring is larger by
     stiffness: float  # N/m, of the bore at one node
     touching: np.ndarray  # (n_sectors,), bool, where springs are taken to act
+    surrounded: "BoredRing | None" = None  # the same ring with every spring, of which all sectors are alike
 
     @property
     def n_free_nodes(self) -> int:
@@ -43,6 +45,42 @@ class BoredRing(LooseRing):
         from scipy.sparse.linalg import splu  # see `DiscBody`
 
         return splu(whole)
+
+    @cached_property
+    def _kernel(self) -> np.ndarray:
+        """With every spring, motion of all sectors by unit forces on sector 0, (3, n_sectors, 3), m/N.
+
+        Moved and pushed: the raceway along both components, the held row along its radius.
+        """
+        rows, components = [self.raceway_row, self.raceway_row, self.held_row], [0, 1, 0]
+        force = np.zeros((self.n_rows, 2, self.n_sectors, 3))
+        force[rows, components, 0, range(3)] = 1.0
+        return self.held(force)[rows, components]
+
+    def _influence(self, nodes: np.ndarray) -> np.ndarray:
+        """As `LooseRing._influence`: that of every spring, less those that do not act.
+
+        Errors
+        ------
+        Round-off, over the share of all springs' stiffness, along an axis, that is left.
+
+        Source: Woodbury's formula; Hager, SIAM Review 31 (1989) 221.
+        """
+        if self.touching.sum() < FEWEST_SPRINGS:
+            return super()._influence(nodes)
+        kernel, away = (self.surrounded or self)._kernel, np.flatnonzero(~self.touching)
+
+        def between(moved, pushed):
+            apart = (moved[:, None] - pushed) % self.n_sectors
+            return kernel[:, apart].transpose(1, 0, 2, 3)  # (node moved, component, node pushed, component)
+
+        found = between(nodes, nodes)[:, :2, :, :2].reshape(2 * nodes.size, -1)
+        if away.size:
+            by = between(nodes, away)[:, :2, :, 2].reshape(2 * nodes.size, -1)
+            to = between(away, nodes)[:, 2, :, :2].reshape(away.size, -1)
+            left = np.eye(away.size) / self.stiffness - between(away, away)[:, 2, :, 2]
+            found = found + by @ np.linalg.solve(left, to)
+        return found
 
     def held(self, force: np.ndarray) -> np.ndarray:
         """As `RingBody.held`, with the springs that act, at no other load."""
@@ -64,7 +102,9 @@ class BoredRing(LooseRing):
     def settled(self, displacement: np.ndarray) -> "BoredRing":
         """The ring with springs where it is in the bore, displaced so, (n_rows, 2, n_sectors), m; itself if it was."""
         touching = displacement[self.held_row, 0] > self.play
-        return self if np.array_equal(touching, self.touching) else replace(self, touching=touching)
+        if np.array_equal(touching, self.touching):
+            return self
+        return replace(self, touching=touching)
 
     def rested(self, force: np.ndarray) -> np.ndarray:
         """As `RingBody.rested`.
@@ -107,9 +147,11 @@ def bored_ring(ring: RingBody, bore: Bore, thickness: float) -> BoredRing:
     radius, play = float(ring.radii[ring.held_row]), 0.5 * bore.clearance
     area = 2.0 * pi * radius / ring.n_sectors * thickness
     from_below = np.abs(np.angle(np.exp(1j * (ring.angles + 0.5 * pi))))
-    return BoredRing(
+    whole = BoredRing(
         **own_fields(ring),
         play=play,
         stiffness=area * bore.stiffness_around(radius, ring.material.lame_mu),
-        touching=np.full(ring.n_sectors, True) if play <= 0.0 else from_below < FIRST_ARC,
+        touching=np.full(ring.n_sectors, True),
     )
+    first = whole.touching if play <= 0.0 else from_below < FIRST_ARC
+    return replace(whole, surrounded=whole, touching=first)

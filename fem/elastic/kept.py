@@ -47,7 +47,8 @@ def _read(path: Path) -> dict[str, np.ndarray] | None:
         if data is None:
             return None
         with np.load(io.BytesIO(data), allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
+            found = {name: archive[name] for name in archive.files}
+            return found if all(isinstance(array, np.ndarray) for array in found.values()) else None
     except Exception:  # an archive can be damaged in more ways than there are errors to name here
         return None
 

@@ -2,6 +2,9 @@
 
 Elements roll without slip, so their spin is prescribed: what friction in the pockets takes of it, and the guide of the
 shaft's, those who prescribe it give back (`IdealMotion.works`, HELD).
+
+In a housing that moves places and velocities are from the outer ring's centre, as those of hub and elements. What the
+cage gives a guiding outer ring stands in that ring's `GuidingRing.velocity` until all that is seen from it loses it.
 """
 
 from typing import NamedTuple
@@ -9,6 +12,7 @@ from typing import NamedTuple
 from fem.kernels.cage_guide import push_ring_as_a_whole
 from fem.kernels.cage_kernels import end_works, find_contacts, rub, turn_guide
 from fem.kernels.jit import part
+from fem.kernels.lagrangian_housing import carry_cage, give_ring, velocity_of_ring
 from fem.kernels.other_bodies import drift_body, kick_body
 
 
@@ -31,8 +35,8 @@ def meet_cage(pair, shaft, spin, dt):
 
 
 @part
-def kick_cage(pair, gravity, dt):
-    """The springs' impulses on elements, cage and hub; the cage's weight and drag."""
+def kick_cage(pair, motion, bearing, dt):
+    """The springs' impulses on elements, cage and guiding ring; the cage's weight and drag."""
     if pair is not None and dt > 0.0:
         riders, over = pair.riders, 1.0 / pair.riders.mass
         for k in range(2):
@@ -40,16 +44,31 @@ def kick_cage(pair, gravity, dt):
                 riders.velocity[k, j] += riders.body_impulse[k, j] * over
                 riders.body_impulse[k, j] = 0.0
         push_ring_as_a_whole(pair.ring)
-        kick_body(pair.cage, CageDrive(gravity, dt))
+        _give_outer_ring(pair.ring, motion, bearing)
+        kick_body(pair.cage, CageDrive(bearing.gravity, dt))
 
 
 @part
-def rub_cage(pair, shaft, dt):
-    """End a kick: dashpots and friction; the work of what turns elements and shaft, J."""
+def _give_outer_ring(ring, motion, bearing):
+    if ring is not None:
+        if not ring.turns:
+            give_ring(motion.housing, motion, bearing, ring.velocity)
+
+
+@part
+def rub_cage(pair, motion, bearing, shaft, before, dt):
+    """End a kick: dashpots and friction; the work of what turns elements and shaft, J.
+
+    `before` : m/s, velocity of the outer ring before the kick
+    """
     if pair is None or dt == 0.0:
         return 0.0
+    carry_cage(motion.housing, pair, before)
     rub(pair, dt)
     end_works(pair, dt)
+    kicked = velocity_of_ring(motion.housing)
+    _give_outer_ring(pair.ring, motion, bearing)
+    carry_cage(motion.housing, pair, kicked)
     riders, pockets, work = pair.riders, pair.cage.pockets, 0.0
     for j in range(riders.n):
         work += pockets.given[1, j] * riders.radius * riders.spin[j]
@@ -58,7 +77,9 @@ def rub_cage(pair, shaft, dt):
 
 @part
 def _of_shaft(ring, shaft):
-    return 0.0 if ring is None else -shaft * ring.rubbed[2]
+    if ring is None:
+        return 0.0
+    return -shaft * ring.rubbed[2] if ring.turns else 0.0
 
 
 @part

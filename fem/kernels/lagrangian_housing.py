@@ -166,24 +166,50 @@ def _drift_housing(housing, seconds):
 
 @verb
 def velocity_of_ring(housing):
-    """Along y, m/s."""
-    return 0.0
+    """Along x and y, m/s."""
+    return 0.0, 0.0
 
 
 @velocity_of_ring.of(IdealHousing)
 def _velocity_of_ring(housing):
-    return housing.motion[1, 1]
+    return housing.motion[1, 0], housing.motion[1, 1]
+
+
+@verb
+def give_ring(housing, motion, bearing, gained):
+    """Let a ring that guides a cage have what that has given it, m/s, which all others lose as seen from the ring."""
+
+
+@give_ring.of(IdealHousing)
+def _give_ring(housing, motion, bearing, gained):
+    for k in range(2):
+        housing.motion[1, k] += gained[k]
+        motion.hub[1, k] -= gained[k]
+    _less(bearing, motion.elements, 1, (1.0, 0.0), gained[0], gained[1])  # of free elements, on the fixed axes
+    gained[0], gained[1] = 0.0, 0.0
+
+
+@verb
+def carry_cage(housing, pair, before):
+    """Take from a free cage what the housing's velocity has gained since it was `before`, m/s."""
+
+
+@carry_cage.of(IdealHousing)
+def _carry_cage(housing, pair, before):
+    if pair is not None:
+        for k in range(2):
+            pair.cage.motion[1, k] -= housing.motion[1, k] - before[k]
 
 
 @verb
 def sense(housing, before, seconds):
-    """Move a sensor on by a step, in which the housing's velocity along y was so before, m/s."""
+    """Move a sensor on by a step, in which the housing's velocity was so before, m/s."""
 
 
 @sense.of(IdealHousing)
 def _sense(housing, before, seconds):
     if seconds > 0.0:
-        acceleration = (housing.motion[1, 1] - before) / seconds
+        acceleration = (housing.motion[1, 1] - before[1]) / seconds
         r, rate, step = housing.sensor[0], housing.sensor[1], housing.sensor_step
         housing.sensor[0] = step[0, 0] * r + step[0, 1] * rate + step[0, 2] * acceleration
         housing.sensor[1] = step[1, 0] * r + step[1, 1] * rate + step[1, 2] * acceleration

@@ -18,7 +18,7 @@ from fem.live.messages import (
 from fem.live.player import Player
 from lagrange.scene import SceneError
 
-FRAME = 0.05  # s, of wall time
+FRAME = 0.04  # s, of wall time: 25 frames a second, so that waiting leaves 20
 WORK = 0.85  # of a frame's time at most that steps take: the rest is for its spectrum
 PATIENCE = 0.5  # s after the last frame: who has not asked for another by then does not look
 MEMORY = 0.1  # a frame's share in the mean pace shown

@@ -24,6 +24,7 @@ from lagrange.messages import shown
 ASPECT = 4.0 / 3.0
 SCALE_COLOURS, GREYS = 160, 32  # of a palette
 NEARLY_WHITE = 248.0
+PACKED = 1  # of PNG; 6 takes twice the time for a tenth less room
 
 
 class Renderer:
@@ -86,4 +87,4 @@ def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
     about.add_itxt("Description", f"{title}, {seen} at {1e3 * run.times[sample]:.6g} ms.")
     target = Path(target)
     target.parent.mkdir(parents=True, exist_ok=True)
-    Image.fromarray(image).save(target, format="PNG", pnginfo=about)
+    Image.fromarray(image).save(target, format="PNG", pnginfo=about, compress_level=PACKED)

@@ -160,17 +160,24 @@ def _cage(system, cage: Cage, motion: IdealMotion, bearing: IdealBearing) -> Cag
         radius=float(ideal.roller_radius),
         swelling=None,
     )
-    ring = GuidingRing(
-        place=motion.hub[0],
-        velocity=motion.hub[1],
+    body = cage_state(ideal, cage, system.first + system.spacing, float(system.ideal.cage))
+    return CagePair(cage=body, riders=riders, ring=_guiding(cage, motion, bearing))
+
+
+def _guiding(cage: Cage, motion: IdealMotion, bearing: IdealBearing) -> GuidingRing | None:
+    """The ring that guides a cage, if it moves: the hub, or the outer ring in a housing, where it is the origin."""
+    inner = cage.guidance == "inner_ring"
+    if not inner and (cage.guidance == "rollers" or motion.housing is None):
+        return None
+    return GuidingRing(
+        place=motion.hub[0] if inner else np.zeros(2),
+        velocity=motion.hub[1] if inner else np.zeros(2),
         impulse=np.zeros(2),
         rubbed=np.zeros(3),
-        mass=bearing.hub_mass,
-        speed=np.array([bearing.shaft]),
-        turns=True,
+        mass=bearing.hub_mass if inner else motion.housing.mass,
+        speed=np.array([bearing.shaft if inner else 0.0]),
+        turns=inner,
     )
-    body = cage_state(ideal, cage, system.first + system.spacing, float(system.ideal.cage))
-    return CagePair(cage=body, riders=riders, ring=ring if cage.guidance == "inner_ring" else None)
 
 
 def _housing(system, step: float) -> IdealHousing | None:

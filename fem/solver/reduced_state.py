@@ -65,8 +65,9 @@ class ReducedState(RowState):
         self._begin()
 
     def _begin(self) -> None:
-        stride = self._whole.stride * 2**self._halvings
-        looks = ceil(stride / LONGEST_UNWATCHED)
+        stride, looks = self._whole.stride * 2**self._halvings, self._whole.looks
+        while stride > looks * LONGEST_UNWATCHED:  # and divide the stride all the way
+            looks *= 2
         self.plan = plan = replace(self._whole, stride=stride, looks=looks)
         self.reader = SampleReader(plan)
         self._worst = 0.0  # J, the largest imbalance so far
@@ -130,10 +131,11 @@ class ReducedState(RowState):
         most, largest = float(self.forces.beyond[0]), float(self._largest[0])
         if most <= BEYOND * largest:
             return ()
+        key = "output_interval_us" if self.plan.stride == 1 else "time_step_safety"  # what makes steps shorter
         return (
             "steps in which contacts open or close give the hub what keeps the energy, and at such samples that is up "
             f"to {most:.3g} N off the contacts' forces ({100.0 * most / largest:.2g} % of the largest on the inner "
-            "ring): the momentum balance there misses as much; a smaller numerics.time_step_safety makes it less",
+            f"ring): the momentum balance there misses as much; a smaller numerics.{key} makes it less",
         )
 
     @property

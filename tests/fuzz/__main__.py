@@ -20,14 +20,16 @@ from pathlib import Path
 from random import Random
 
 from tests.fuzz.mutations import MUTATIONS
-from tests.fuzz.targets import NAMES, Targets, seeds
+from tests.fuzz.sound import seeds
+from tests.fuzz.targets import NAMES, Targets
 from tests.waiting import ASLEEP
 
-INSTRUMENTED = ("lagrange", "residual", "fem.study", "tomllib", "csv")
+INSTRUMENTED = ("lagrange", "residual", "fem.study", "fem.elastic.kept", "tomllib", "csv")
+OF_RESULTS = "fem.result.checkpoint", "fem.result.fields", "fem.pictures.stored_values"
 READERS = (
     "csv", "tomllib", "lagrange.scene", "residual.sources", "residual.table_source", "residual.evaluation",
     "residual.summary", "fem.study.points", "fem.study.study_file",
-    "fem.study.sampling", "fem.study.facts", "fem.study.folder",
+    "fem.study.sampling", "fem.study.facts", "fem.study.folder", "fem.elastic.kept",
 )  # fmt: skip
 KEPT = Path(__file__).parent / "corpus"  # inputs that once found something
 MEMORY_MB = 1024
@@ -97,8 +99,9 @@ def _instrument(atheris) -> None:
         for name in READERS:
             import_module(name)
     import_module("fem.solver.simulate")
-    with atheris.instrument_imports(include=["fem.result.checkpoint"]):
-        import_module("fem.result.checkpoint")
+    with atheris.instrument_imports(include=list(OF_RESULTS)):
+        for name in OF_RESULTS:
+            import_module(name)
 
 
 def _hung(*_) -> None:

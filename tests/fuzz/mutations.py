@@ -8,6 +8,7 @@ import io
 import json
 import zipfile
 from collections.abc import Callable
+from hashlib import sha256
 from random import Random
 
 NUMBERS = (
@@ -136,6 +137,14 @@ def archive(data: bytes, random: Random) -> bytes:
     return out.getvalue()
 
 
+def resealed(data: bytes, random: Random) -> bytes:
+    """Change a kept archive, half of the time with a seal that holds."""
+    if random.random() < 0.5:
+        return damaged(data, random)
+    archived = archive(data[: -sha256().digest_size], random)
+    return archived + sha256(archived).digest()
+
+
 MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
     "scene": scene,
     "heights": table,
@@ -145,6 +154,8 @@ MUTATIONS: dict[str, Callable[[bytes, Random], bytes]] = {
     "folder": facts,
     "table": table,
     "result": damaged,
+    "fields": damaged,
+    "matrices": resealed,
     "checkpoint": archive,
 }
 

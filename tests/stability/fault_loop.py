@@ -13,10 +13,10 @@ command must have
 As SQLite is tested: https://www.sqlite.org/testing.html#i_o_error_testing
 """
 
+import csv
 import hashlib
 import json
 import os
-import re
 import shutil
 import sys
 import tempfile
@@ -33,20 +33,11 @@ from rich.console import Console
 from fem.kernels.kernel_folder import cache_folder
 from tests.pages import markdown_table
 from tests.stability import forked
+from tests.stability.fault_calls import CALLS, COUNTED, calls_of, ends
 from tests.stability.samples import differing, samples_of
 
 EXITS = {0, 1, 2, 130, 143}
 TIME_LIMIT = 120.0  # s of processor time, of one trial
-CALLS = {
-    "open": (("open", "openat", "creat"), "EACCES"),
-    "read": (("read", "pread64"), "EIO"),
-    "write": (("write", "pwrite64"), "ENOSPC"),
-    "sync": (("fsync", "fdatasync"), "EIO"),
-    "rename": (("rename", "renameat", "renameat2"), "EACCES"),
-    "room": (("fallocate", "ftruncate"), "ENOSPC"),
-    "removal": (("unlink", "unlinkat"), "EPERM"),
-    "memory": (("mmap",), "ENOMEM"),
-}
 SCENE = 'name = "s"\n[numerics]\nmesh_size_mm = 2.0\nduration_ms = 0.4\n'
 COMMANDS = {
     "run": ["run-fem", "s.toml", "--quiet"],
@@ -55,7 +46,6 @@ COMMANDS = {
     "check": ["check-residual", "runs/s.nc", "--no-figures", "--quiet"],
     "render": ["render-fem", "runs/s.nc", "--output", "s.png"],
 }
-CALL = re.compile(r"^(\d+) +(\w+)\((.*)")  # thread, name, arguments and what it gave
 
 app = App(help=__doc__)
 
@@ -81,30 +71,6 @@ class Desk:
 
     def run(self, command: list[str], strace: list[str] | None = None) -> forked.Ended:
         return forked.run(command, self.folder / "work", TIME_LIMIT, strace)
-
-
-def calls_of(log: Path, kind: str, mine: str) -> list[int]:
-    """Numbers of the first thread's calls of a kind that concern files below a folder."""
-    names, first, number, found = CALLS[kind][0], None, 0, []
-    for line in log.read_text(errors="replace").splitlines():
-        match = CALL.match(line)
-        if match is None:
-            continue
-        first = first or match[1]
-        if match[1] != first or match[2] not in names:
-            continue
-        number += 1
-        arguments = match[3].split("AT_FDCWD", 1)[-1]
-        path = re.sub(r"^<[^>]*>", "", arguments)  # the current folder is not what is opened
-        if kind == "memory":
-            if "MAP_ANONYMOUS" in arguments and "MAP_FIXED" not in arguments:  # which the loader of libraries asks for
-                found.append(number)
-            continue
-        named = re.search(r'"([^"]*)"', path) if kind in ("open", "rename", "removal") else None
-        place = os.path.join(mine, "work", named[1]) if named else arguments
-        if mine in place and "site-packages" not in place:
-            found.append(number)
-    return found
 
 
 def state_of(folder: Path) -> str:
@@ -181,41 +147,45 @@ class Loop:
 
 
 @app.default
-def main(command: str = "run", *, kinds: tuple[str, ...] = tuple(CALLS), every: int = 1, seconds: float = 1e9) -> None:
+def main(
+    command: str = "run",
+    *,
+    kinds: tuple[str, ...] = tuple(CALLS),
+    alike: bool = True,
+    output: Path | None = None,
+    seconds: float = 1e9,
+) -> None:
     """Let every call of a command fail once, print what came of it.
 
     Parameters
     ----------
     command: run, resume, lagrange, check or render
     kinds: of calls
-    every: only each of so many calls
+    alike: all of the reads and writes that are alike, not only the first and the last of them
+    output: CSV, a line a call; those that stand there are not repeated
     seconds: of wall time, after which no further call fails
     """
     console, until = Console(), time.monotonic() + seconds
     findings: list[str] = []
     rows = []
     with tempfile.TemporaryDirectory() as place:
-        model, desk = Desk(Path(place) / "model"), Desk(Path(place) / "trial")
-        _first_run(model, desk, command)
-        names = ",".join(name for calls, _ in CALLS.values() for name in calls)
-        log = desk.folder / "strace.log"
-        desk.prepared(model)
-        desk.run(COMMANDS[command], ["-f", "-y", "-qq", "-o", str(log), "-e", f"trace={names}"])
-        loop = Loop(command, model, desk, samples_of(desk.result), {})
-        recorded = {kind: calls_of(log, kind, str(desk.folder)) for kind in kinds}
-        for kind, numbers in recorded.items():
-            codes: Counter[int] = Counter()
+        loop, log = prepared(Path(place), command)
+        for kind in kinds:
+            calls = calls_of(log, kind, str(loop.desk.folder))
+            done = earlier(output, command, kind)
             before = len(findings)
-            for number in numbers[::every]:
-                if time.monotonic() > until:
-                    break
-                code, wrong = loop.trial(kind, number)
-                codes[code] += 1
-                if wrong:
+            for number in calls if alike else ends(calls):
+                if number not in done and time.monotonic() < until:
+                    done[number] = loop.trial(kind, number)
+                    if output is not None:
+                        with output.open("a", newline="", encoding="utf-8") as file:
+                            csv.writer(file, lineterminator="\n").writerow([command, kind, number, *done[number]])
+                if wrong := done.get(number, (0, ""))[1]:
                     findings.append(f"{kind} {number}: {wrong}")
                     print(findings[-1], file=sys.stderr, flush=True)
+            codes = Counter(code for code, _ in done.values())
             told = ", ".join(f"{code}: {count}" for code, count in sorted(codes.items()))
-            tried = f"{codes.total()} of {len(numbers)}"
+            tried = f"{codes.total()} of {len(calls)}, {len(set(calls.values()))} kinds"
             rows.append([command, kind, CALLS[kind][1], tried, told, str(len(findings) - before)])
             print(rows[-1], file=sys.stderr, flush=True)
     headings = ["command", "call", "error", "tried", "exit codes: times", "findings"]
@@ -223,6 +193,23 @@ def main(command: str = "run", *, kinds: tuple[str, ...] = tuple(CALLS), every: 
     for finding in findings:
         console.print(finding, soft_wrap=True, markup=False)
     sys.exit(1 if findings else 0)
+
+
+def earlier(output: Path | None, command: str, kind: str) -> dict[int, tuple[int, str]]:
+    """Calls that a file tells of: number, exit code, what was wrong."""
+    if output is None or not output.exists():
+        return {}
+    with output.open(newline="", encoding="utf-8") as file:
+        return {int(n): (int(code), wrong) for *which, n, code, wrong in csv.reader(file) if which == [command, kind]}
+
+
+def prepared(place: Path, command: str) -> tuple[Loop, Path]:
+    """Desks in a folder, and strace's record of the command without a fault."""
+    model, desk, log = Desk(place / "model"), Desk(place / "trial"), place / "strace.log"
+    _first_run(model, desk, command)
+    desk.prepared(model)
+    desk.run(COMMANDS[command], ["-f", "-y", "-qq", "-o", str(log), "-e", f"trace={','.join(COUNTED)}"])
+    return Loop(command, model, desk, samples_of(desk.result), {}), log
 
 
 def _first_run(model: Desk, desk: Desk, command: str) -> None:

@@ -24,7 +24,13 @@ ENTRIES = {
     "render-fem": ("fem.render_cli", "render_fem"),
 }
 
+USUAL = (  # modules of what the commands do in tests
+    "fem.runner", "fem.solver.finite_elements", "fem.solver.lagrangian", "fem.pictures.recover", "fem.render_cli",
+    "meshes.export", "residual.cli",
+)  # fmt: skip
+
 _forks = get_context("forkserver")
+_forks.set_forkserver_preload(list(USUAL))
 
 
 @dataclass(frozen=True)
@@ -36,8 +42,8 @@ class Ended:
 
 
 def preload(commands: list[list[str]], folder: Path) -> None:
-    """Load what commands load, before the first fork; they are run in a folder for it."""
-    modules: list[str] = []
+    """Load all that commands load, before the first fork; they are run in a folder for it."""
+    modules = list(USUAL)
     for words in commands:
         module, function = ENTRIES[words[0]]
         program = (
@@ -62,7 +68,7 @@ def run(
     """
     with tempfile.TemporaryFile("w+b") as output, tempfile.NamedTemporaryFile() as said:
         process = _forks.Process(
-            target=_command, args=(words, str(folder), said.name, limit, strace is not None, before)
+            target=_command, args=(words, str(folder), dict(os.environ), said.name, limit, strace is not None, before)
         )
         process.start()
         tracer = None
@@ -95,13 +101,21 @@ def _awaits(number: int | None, wanted: str, other_than: str = "\0") -> None:
 
 
 def _command(
-    words: list[str], folder: str, said: str, limit: float, waits: bool, before: Callable[[], None] | None
+    words: list[str],
+    folder: str,
+    environment: dict[str, str],
+    said: str,
+    limit: float,
+    waits: bool,
+    before: Callable[[], None] | None,
 ) -> None:
     """What the fork does."""
     limit_processor_time(limit)
     with open(said, "ab") as output:
         for number in (1, 2):
             os.dup2(output.fileno(), number)
+    os.environ.clear()  # what it was when the first fork was made
+    os.environ |= environment
     os.chdir(folder)
     sys.argv = list(words)
     module, function = ENTRIES[words[0]]

@@ -1,0 +1,147 @@
+"""Small sound inputs for each reader, from which the search and the tests start."""
+
+import io
+import tempfile
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+
+DURATION = ["--duration", "0.4"]
+ELEMENTS = ("numerics.mesh_size_mm=2", "numerics.duration_ms=0.4")
+SETTINGS = [word for setting in ELEMENTS for word in ("--set", setting)]
+FEW_ROLLERS = """[bearing]
+rollers = 3
+inner_raceway_diameter_mm = 36.0
+"""
+
+GRID = """[fixed]
+model = "lagrange"
+"numerics.duration_ms" = 1.0
+[parameters]
+"operation.speed_rpm" = [1500, 3000]
+"bearing.clearance_um" = { from = 0, to = 40, count = 3 }
+[keep]
+quantities = ["hub_mean_y", "error_rms_y"]
+signals = ["inner_ay"]
+signal_rate_kHz = 20.0
+"""
+DRAWN = """name = "drawn"
+[sampling]
+method = "sobol"
+samples = 4
+seed = 3
+indices = true
+[fixed]
+model = "lagrange"
+[parameters]
+"operation.radial_load_N" = { from = 250.0, to = 8000.0, scale = "log" }
+"material.youngs_modulus_GPa" = { normal = [210, 5] }
+[limits]
+seconds_per_point = 5.0
+"""
+LISTED = '[sampling]\nmethod = "list"\nfile = "points.csv"\n[fixed]\nmodel = "lagrange"\n'
+STUDIES = GRID, DRAWN, DRAWN.replace("sobol", "lhs").replace("indices = true\n", ""), LISTED
+
+
+def seeds(name: str) -> list[bytes]:
+    """Make small sound inputs to start from."""
+    from lagrange.scene import Scene
+
+    if name == "scene":
+        ball = '[bearing]\ntype = "ball"\n[material.roller]\ndensity_kg_m3 = 3200\n[operation]\nspeed_rpm = -3e3\n'
+        mapped = '[table]\ntime = "t [ms]"\nroller_x = "x_{j} [um]"\ndecimal = ","\n'
+        faulty = (
+            '[[spall]]\nbody = "roller"\nroller = 3\n[[spall]]\nwidth_mm = 2.0\nangle_deg = 90\nedge_radius_mm = 0\n'
+        )
+        faulty += "[[waviness]]\norder = 14\n[[unequal_roller]]\nroller = 5\n"
+        return [text.encode() for text in (Scene().to_toml(), ball, mapped, faulty, "name = 'x'\n")]
+    if name == "heights":
+        rows = [f"{angle},{0.1 * (angle % 7):.2g}" for angle in range(360)]
+        return ["\n".join(["angle_deg,height_um", *rows]).replace(",", mark).encode() for mark in ",\t"]
+    if name == "speeds":
+        return [
+            b"time_ms,speed_rpm\n0,1000\n2,1500\n6,5000\n80,6000\n",
+            b"# ramp\nspeed_rpm;time_ms\n-300;-1\n10;900\n",
+        ]
+    if name == "loads":
+        return [
+            b"time_ms,x_N,y_N\n0,0,-2000\n2,500,-1500\n4,500,-2500\n100,-300,-2000\n",
+            b"y_N\ttime_ms\tx_N\n-1\t0\t9\n-3\t99\t8\n",
+        ]
+    if name == "matrices":
+        return [_sealed({"a": np.arange(20.0), "b": np.array([[1, 2]])}), _sealed({})]
+    if name == "study":
+        return [text.encode() for text in STUDIES]
+    with tempfile.TemporaryDirectory() as folder:
+        if name == "folder":
+            return [_study_facts(Path(folder), text) for text in STUDIES[:2]]
+        path = Path(folder) / "seed.nc"
+        if name == "checkpoint":
+            _run([*SETTINGS, "--output", str(path)])
+            return [path.with_name("seed.nc.checkpoint").read_bytes()]
+        if name == "fields":
+            _run([*SETTINGS, "--set", "output.fields_every_ms=0.2", "--output", str(path)])
+            return [path.read_bytes(), _unchecked(path)]
+        scene = Path(folder) / "few.toml"
+        scene.write_text(FEW_ROLLERS)
+        _run([str(scene), "--model", "lagrange", *DURATION, "--output", str(path)])
+        if name == "table":
+            return [_table(path, ",", True), _table(path, "\t", False)]
+        return [path.read_bytes(), _unchecked(path)]
+
+
+def _study_facts(place: Path, text: str) -> bytes:
+    """What run-study writes of a study before it solves the first point."""
+    from fem.study.folder import Folder
+    from fem.study.points import checked_points
+    from fem.study.sampling import design_of
+    from fem.study.study_file import read_study
+
+    (place / "study.toml").write_text(text, encoding="utf-8")
+    study = read_study(place / "study.toml")
+    Folder(path=place).begin(checked_points(study, design_of(study)))
+    return (place / "study.json").read_bytes()
+
+
+def _sealed(arrays: dict[str, np.ndarray]) -> bytes:
+    archive = io.BytesIO()
+    np.savez(archive, **arrays)
+    return archive.getvalue() + sha256(archive.getvalue()).digest()
+
+
+def _run(arguments: list[str]) -> None:
+    from fem.cli import run_main
+
+    if run_main([*arguments, "--quiet"]) != 0:
+        raise RuntimeError("the run that makes the first input failed")
+
+
+def _unchecked(path: Path) -> bytes:
+    """Read a result file without its checksums, which would stop most changes."""
+    import h5py
+
+    from lagrange.stored import CHECKSUM, SCENE_CHECKSUM
+
+    with h5py.File(path, "r+") as file:
+        for variable in file.values():
+            variable.attrs.pop(CHECKSUM, None)
+        file.attrs.pop(SCENE_CHECKSUM)
+    return path.read_bytes()
+
+
+def _table(path: Path, delimiter: str, forces: bool) -> bytes:
+    """Write a result file's motion as a table, with or without its accelerations and contact forces."""
+    import h5py
+
+    with h5py.File(path) as file:
+        columns = {name: file[name][:] for name in ("time", "inner_x", "inner_y")}
+        for axis in "xy":
+            columns |= {f"roller_{j}_{axis}": column for j, column in enumerate(file[f"roller_{axis}"][:].T)}
+        for name in ("inner_force", "outer_force") if forces else ():
+            columns |= {f"roller_{j}_{name}": column for j, column in enumerate(file[name][:].T)}
+        columns |= {name: file[name][:] for name in ("inner_ax", "inner_ay")} if forces else {}
+    text = io.StringIO()
+    np.savetxt(text, np.column_stack(list(columns.values())), "%.9g", delimiter,
+               header=delimiter.join(columns), comments="")  # fmt: skip
+    return text.getvalue().encode()

@@ -6,7 +6,6 @@ has what a scene without them leaves out).
 
 import statistics
 import tempfile
-from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -45,22 +44,20 @@ def seconds_of_a_step(plan: ElementPlan) -> float:
     return taken / plan.steps
 
 
-def cost_rows(size_mm: float, pairs: int, tables: Sequence[str], folder: Path) -> list[tuple[str, ...]]:
-    """Cells of a row for each table: time of a step with it over that of the paper's scene, length of the step.
+def cost_row(size_mm: float, pairs: int, name: str, folder: Path) -> tuple[str, ...]:
+    """Cells of a table's row: time of a step with it over that of the paper's scene, and how long the step is.
 
     `folder` : of speed and load tables
     """
-    duration, rows = f"numerics.duration_ms={DURATION_MS}", []
+    duration = f"numerics.duration_ms={DURATION_MS}"
     plain = paper_plan(size_mm, duration)
-    seconds_of_a_step(plain)
-    for name in tables:
-        with_it = paper_plan(size_mm, duration, *(setting.format(folder=folder) for setting in COSTS[name]))
-        seconds_of_a_step(with_it)  # compiles
-        calls = {"plain": partial(seconds_of_a_step, plain), "with it": partial(seconds_of_a_step, with_it)}
-        ratios = [found["with it"] / found["plain"] for found in in_turns(calls, pairs)]
-        more = f"{100.0 * (statistics.median(ratios) - 1.0):+.0f} %"
-        rows.append((name, more, spread(ratios, 2), f"{with_it.time_step / plain.time_step:.2f}"))
-    return rows
+    with_it = paper_plan(size_mm, duration, *(setting.format(folder=folder) for setting in COSTS[name]))
+    calls = {"plain": partial(seconds_of_a_step, plain), "with it": partial(seconds_of_a_step, with_it)}
+    for call in calls.values():  # compiles
+        call()
+    ratios = [found["with it"] / found["plain"] for found in in_turns(calls, pairs)]
+    more = f"{100.0 * (statistics.median(ratios) - 1.0):+.0f} %"
+    return name, more, spread(ratios, 2), f"{with_it.time_step / plain.time_step:.2f}"
 
 
 @app.default
@@ -75,11 +72,13 @@ def main(*, size_mm: float = 1.0, pairs: int = 7, only: tuple[str, ...] = ()) ->
     """
     tables = [name for name in COSTS if not only or any(word in name for word in only)]
     headings = ("table", "a step takes", "lowest … highest ratio", "its length over the plain one")
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
         for file, text in FILES.items():
             (folder / file).write_text(text, encoding="utf-8")
-        print(markdown_table(headings, cost_rows(size_mm, pairs, tables, folder)))
+        print(markdown_table(headings, ()))
+        for name in tables:
+            print("| " + " | ".join(cost_row(size_mm, pairs, name, folder)) + " |", flush=True)
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ class CageSteps:
     """A free cage of a system, in steps of dt, s.
 
     `memory` is what the next step needs: motion (2, 3), place, m, angle, rad, and rates; losses (3,), J; of all
-    contacts, the guide's the last, what the last kick has left, (5, n + 1), their normals, and what they gave.
+    contacts, the guide's the last, what the last kick has left, (5, n + 1), and what dashpots and friction gave.
     """
 
     def __init__(self, system, cage: Cage, dt: float, ring: complex):

@@ -18,6 +18,7 @@ ALL_KICKS = (*KICKS, 1.0 - 2.0 * sum(KICKS), *KICKS[::-1])
 ALL_DRIFTS = (*DRIFTS, 0.5 - sum(DRIFTS), 0.5 - sum(DRIFTS), *DRIFTS[::-1])
 BLOCK = 64  # samples whose directions are tabulated at a time
 MOTION = "hub", "elements", "works", "housing"  # of `Integration.memory`
+OF_CAGE = "cage."  # begins names in it of a free cage's arrays, which kinds of steps have of their own
 FARTHEST = 1e50  # m and m/s: energies of such a motion are still numbers
 
 
@@ -118,7 +119,7 @@ class NumpyIntegration(Integration):
         if cage is not None:
             ring = complex(start.z[1]) if np.ndim(start.z) else 0j
             self._cage = CageSteps(system, cage, step, ring)
-            self.memory |= {f"cage.{name}": array for name, array in self._cage.memory.items()}
+            self.memory |= {f"{OF_CAGE}{name}": array for name, array in self._cage.memory.items()}
         sensor = system.problem.operation.mounting.sensor
         self._sensor_step = None if sensor is None else sensor.step(step)
 

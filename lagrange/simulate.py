@@ -16,7 +16,7 @@ from lagrange.bearing import Bearing, Operation
 from lagrange.cage import Cage
 from lagrange.contact_damping import UNDAMPED, ContactDamping
 from lagrange.in_housing import system_of
-from lagrange.integrate import Integration, NumpyIntegration
+from lagrange.integrate import OF_CAGE, Integration, NumpyIntegration
 from lagrange.kinematics import kinematics, turned
 from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
@@ -182,7 +182,8 @@ class Simulation:
         self._begin()
         self._integration.done = done
         for name, memory in self.to_keep().items():
-            memory[...] = arrays[name]
+            if done > 1 or not name.startswith(OF_CAGE):  # steps of another kind may have kept a start
+                memory[...] = arrays[name]
 
 
 def simulate(

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from residual.errors import InputError
-from residual.spectrum import MAIN_LOBE, NOISE_BINS, Peak, Spectrum
+from residual.spectrum import LOWEST, MAIN_LOBE, NOISE_BINS, Peak, Spectrum
 
 CARRIERS = ("BPFO", "2×BPFO", "BPFI", "2×BPFI")
 CAGE_HARMONICS = (2, 3)
@@ -94,8 +94,8 @@ def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> L
                 f"--line {wanted}: neither a frequency in Hz nor a line; lines here are {', '.join(among) or 'none'}"
             ) from None
         name = f"{frequency:g} Hz"
-    if not 0.0 < frequency < top:
-        raise InputError(f"--line {wanted}: must lie between 0 and the Nyquist frequency {top:.4g} Hz")
+    if not LOWEST < frequency < top:
+        raise InputError(f"--line {wanted}: must lie between {LOWEST:g} Hz and the Nyquist frequency {top:.4g} Hz")
     return _level(spectrum, name, frequency, among if name.lower() in map(str.lower, sidebands(lines)) else lines)
 
 

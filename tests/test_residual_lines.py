@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from fem.cli import run_main
 from lagrange.kinematics import kinematics
 from lagrange.scene import Scene
 from residual.cli import main
@@ -157,7 +158,7 @@ def test_a_line_can_be_asked_for_by_name_or_frequency(wanted):
     assert level.frequency == pytest.approx(expected or float(wanted), abs=0.1)
 
 
-@pytest.mark.parametrize("wanted", ["BPFX", "-5", "0", "1e9", "nan", ""])
+@pytest.mark.parametrize("wanted", ["BPFX", "-5", "0", "1e9", "nan", "", "1e-320"])
 def test_an_unknown_line_is_refused(wanted):
     with pytest.raises(InputError):
         watched_level(power_spectrum(noise(0.06), STEP), wanted, paper_lines())
@@ -203,6 +204,15 @@ def test_report_holds_term_spectra_and_warns_of_unresolved_lines(tmp_path, capsy
         assert np.sum(psd) * df == pytest.approx(weighted, rel=0.05)
         assert file["envelope_psd_x"].dims[0][0] == file["frequency"]
     assert {"envelope.png", "short_time.png"} <= {p.name for p in (tmp_path / "a-residual").iterdir()}
+
+
+@pytest.mark.parametrize("speed", ["1e-310", "1e-12", "1e-4", "1e-2"])
+def test_a_bearing_that_as_good_as_stands_is_reported_on(speed, tmp_path):
+    path = tmp_path / "slow.nc"
+    slow = ["--set", f"operation.speed_rpm={speed}", "--duration", "0.6", "--quiet", "--output", str(path)]
+    assert run_main(["--model", "lagrange", *slow]) == 0
+    assert main([str(path), "--no-figures", "--quiet"]) == 0
+    assert main([str(path), "--no-figures", "--quiet", "--line", "1e-320"]) == 2
 
 
 def test_an_unknown_line_exits_2(tmp_path, capsys):

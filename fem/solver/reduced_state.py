@@ -131,10 +131,11 @@ class ReducedState(RowState):
         most, largest = float(self.forces.beyond[0]), float(self._largest[0])
         if most <= BEYOND * largest:
             return ()
+        key = "output_interval_us" if self.plan.stride == 1 else "time_step_safety"  # what makes steps shorter
         return (
             "steps in which contacts open or close give the hub what keeps the energy, and at such samples that is up "
             f"to {most:.3g} N off the contacts' forces ({100.0 * most / largest:.2g} % of the largest on the inner "
-            "ring): the momentum balance there misses as much; a smaller numerics.time_step_safety makes it less",
+            f"ring): the momentum balance there misses as much; a smaller numerics.{key} makes it less",
         )
 
     @property

@@ -17,6 +17,7 @@ from fem.elastic.continuum import (
     patch_displacement,
     ring_harmonic_compliance,
     ring_hertz_approach,
+    ring_sag,
 )
 from lagrange.bearing import Material
 from tests.reference.polar_navier import PolarNavier
@@ -269,3 +270,18 @@ def test_bad_input_is_refused():
         disc_harmonic_compliance(np.array([0.5]), ROLLER, STEEL)
     with pytest.raises(ValueError, match="half-width"):
         disc_hertz_approach(ROLLER, STEEL, 0.004)
+
+
+@pytest.mark.parametrize("ring", [INNER, OUTER, (0.018, 0.0175)])
+@MATERIALS
+def test_a_ring_sags_by_its_weight_as_collocation_has_it(ring, material):
+    free, held = ring
+    gravity, t = 9.81, held / free
+    problem = PolarNavier(1, min(1.0, t), max(1.0, t), 48, material)
+    U, V, *_ = problem.blocks(t)
+    surface, _, s_rr, s_rt, *_ = problem.blocks(1.0)
+    downwards = (1.0, -1.0)  # of unit size, along θ = 0
+    coefficients = problem.solve([(U, 0.0), (V, 0.0), (s_rr, 0.0), (s_rt, 0.0)], downwards)
+    expected = (surface @ coefficients)[0] * material.density * gravity * free**2 / material.lame_mu
+    assert ring_sag(free, held, material, gravity) == pytest.approx(expected, rel=1e-8)
+    assert ring_sag(free, held, material, 0.0) == 0.0

@@ -279,6 +279,15 @@ def test_a_wave_of_the_inner_ring_moves_a_preloaded_hub_as_in_finite_elements():
     assert np.abs(found[1] - found[0]).max() < 0.01 * found[0].max()
 
 
+def test_soft_rings_hang_by_their_weight_as_in_finite_elements():
+    """What a ring's weight leaves of a preloaded hub's place: half a per cent of these 42 nm, left out."""
+    soft = [f"material.{body}.youngs_modulus_GPa=3" for body in ("inner_ring", "outer_ring", "roller")]
+    settings = (*soft, *STILL, "bearing.clearance_um=-40", "operation.radial_load_N=0")
+    hub, found = make_plan(read_scene(None, settings)).start.equilibrium.hub, plan_of(*settings).start.hub
+    assert -45e-9 < hub[1] < -40e-9
+    assert found[1] == pytest.approx(hub[1], rel=5e-4)
+
+
 @pytest.mark.parametrize("force", [10.0, 1e3, 1e4])
 def test_tangential_compliance_goes_with_the_half_widths_logarithm(force):
     """Against the series of rings and rollers for the half-width itself."""

@@ -3,6 +3,7 @@
 The yardstick for a coarse mesh's contact compliance: what an infinitely fine mesh would give, without one.
 
 - `ring_harmonic_compliance`, `disc_harmonic_compliance`: surface displacement per unit pressure cos nθ.
+- `ring_sag`: what a ring's own weight does to its raceway.
 - `hertz_patch`, `cubic_bspline_patch`: Fourier transform of a unit line load spread over a patch.
 - `patch_displacement`: the two combined, displacement per unit line load (N per m of roller length).
 - `ring_hertz_approach`, `disc_hertz_approach`: centre displacement under Hertz pressure, slow tails summed
@@ -74,6 +75,38 @@ def ring_harmonic_compliance(n: np.ndarray, loaded_radius: float, held_radius: f
         radial = np.sum(surface * _ring_coefficients(near, t, kappa), axis=1)
         compliance[is_coupled] = np.sign(t - 1.0) * radial / (2.0 * lame_mu)
     return loaded_radius * compliance
+
+
+def ring_sag(free_radius: float, held_radius: float, material: Material, gravity: float) -> float:
+    """How far the free circle of an annulus that is fixed on its other circle falls by its own weight, m.
+
+    Its radii change by s cos θ from straight down, as if it had been shifted. The weight asks for a displacement c x²
+    downwards, x the depth below the centre, of which u_r has ¾ c r² cos θ; solutions without weight free the one
+    circle and hold the other.
+
+    Parameters
+    ----------
+    free_radius, held_radius : float, m, as of `ring_harmonic_compliance`
+    gravity : float, m/s²
+    Errors
+    ------
+    Round-off.
+    """
+    lame_lambda, mu, kappa = material.lame_lambda, material.lame_mu, kolosov(material)
+    one, t = np.array([1]), held_radius / free_radius
+    bend = -material.density * gravity * free_radius**2 / (2.0 * (lame_lambda + 2.0 * mu))
+
+    def of_weight(r):
+        """As the rows of `annulus_modes`, at r free radii."""
+        displacement = 0.5 * mu * bend * r**2
+        return np.array(
+            [3.0 * displacement, -displacement, (2.0 * lame_lambda + 3.0 * mu) * bend * r, -mu * bend * r]
+        )
+
+    still, free = annulus_modes(one, t, t, kappa)[0], annulus_modes(one, 1.0, t, kappa)[0]
+    conditions = np.concatenate([still[:2], free[2:]])
+    weights = np.linalg.solve(conditions, -np.concatenate([of_weight(t)[:2], of_weight(1.0)[2:]]))
+    return float(free[0] @ weights + of_weight(1.0)[0]) / (2.0 * mu)
 
 
 def disc_harmonic_compliance(n: np.ndarray, radius: float, material: Material) -> np.ndarray:

@@ -104,12 +104,12 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
     for group in range(0, n, WIDTH):
         there = count_from(group) < n
         x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
-        from_x, from_y = x - ring_x, y - ring_y
+        from_x, from_y = x - ring_x, y - ring_y + compliance.sag[1]
         out = root(select(there, from_x * from_x + from_y * from_y, 1.0))
         scale = 1.0 / out
         from_x, from_y = select(there, from_x * scale, 1.0), select(there, from_y * scale, 0.0)
         store_pair(forces.normal, 2 * columns + group, columns, from_x, from_y)
-        x, y = x - bodies.hub[0], y - bodies.hub[1]
+        x, y = x - bodies.hub[0], y - bodies.hub[1] + compliance.sag[0]
         away = root(select(there, x * x + y * y, 1.0))
         scale = 1.0 / away
         store_pair(forces.normal, group, columns, select(there, x * scale, 1.0), select(there, y * scale, 0.0))

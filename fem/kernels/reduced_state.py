@@ -70,6 +70,7 @@ class Compliance(NamedTuple):
     between: Law  # of two rollers
     reach: float  # m, distance of centres at which a roller, grown by its spin, touches the grown inner ring
     track: float  # m, and the outer ring
+    sag: tuple[float, float]  # m, by which the raceways' centres lie below hub and outer ring, by the rings' own weight
     across: float  # m/N, approach of a roller's contact by the force on its other one
     distance: np.ndarray  # (neighbours,), in rollers, of contacts that are felt along a ring: −1, 1, −2 ...
     along: np.ndarray  # (2, neighbours), m/N

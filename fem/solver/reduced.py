@@ -118,7 +118,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     ideal = kinematics(bearing, operation.speed)
     highest = 2e3 * pi * scene.reduced.modes_up_to_kHz
     modes = bearing_modes(bearing, operation.inner_mass, highest)
-    model = reduced_bearing(bearing, ideal, modes)
+    model = reduced_bearing(bearing, ideal, modes, operation.gravity)
     fastest = kinematics(bearing, operation.fastest)
     check_speed(model, fastest)
     loaded = equilibrium_start(model, operation)

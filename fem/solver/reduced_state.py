@@ -183,7 +183,7 @@ class ReducedState(RowState):
     def digest(self) -> str:
         c = self.compliance  # profiles follow from the scene, which checkpoints hold
         laws = (*c.inner, *c.outer, *c.between)
-        numbers = (*laws, c.reach, c.track, c.across, *c.tangential, *c.distance, *c.along.flat)
+        numbers = (*laws, c.reach, c.track, *c.sag, c.across, *c.tangential, *c.distance, *c.along.flat)
         for modes in self._modes.values():
             numbers += (*modes.start, *modes.stiffness, *modes.shape, *modes.carried)
         return hashlib.sha256(np.array(numbers, dtype=float).tobytes()).hexdigest()
@@ -270,6 +270,7 @@ def _compliance(plan: "ReducedPlan", columns: int) -> Compliance:
         between=model.between.constants,
         reach=float(reach + model.inner_growth + model.roller_growth),
         track=float(track - model.roller_growth),
+        sag=model.sag,
         across=model.across,
         distance=model.distance,
         along=model.along,

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
-from fem.elastic.continuum import disc_hertz_approach
+from fem.elastic.continuum import disc_hertz_approach, ring_sag
 from fem.elastic.kept import kept
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach, spinning_growth
 from fem.statics.contact_balance import Condensed
@@ -36,6 +36,7 @@ class ReducedBearing:
     across: float  # m/N
     inner_growth: float  # m, of the inner raceway as it spins
     roller_growth: float
+    sag: tuple[float, float]  # m, of the raceways below hub and outer ring, by the rings' own weight
 
     failure_hint: ClassVar[str] = ""
 
@@ -50,11 +51,15 @@ class ReducedBearing:
     def at(self, angle: np.ndarray, turns: Turns) -> Condensed:
         """The contacts with rollers at angles from +x, (n_rollers,), rad, and bodies turned so far."""
         radial = np.column_stack([np.cos(angle), np.sin(angle)])
-        return replace(self.contacts, radial=radial, turns=turns)
+        sag_i, sag_o = self.sag
+        fallen = np.concatenate([-sag_i * np.sin(angle), sag_o * np.sin(angle)])
+        return replace(self.contacts, radial=radial, turns=turns, closing=self.contacts.closing + fallen)
 
 
-def reduced_bearing(bearing: Bearing, motion: Kinematics, modes: BearingModes | None = None) -> ReducedBearing:
-    """Reduce a bearing that rolls to its contacts and to some modes of its bodies.
+def reduced_bearing(
+    bearing: Bearing, motion: Kinematics, modes: BearingModes | None = None, gravity: float = 0.0
+) -> ReducedBearing:
+    """Reduce a bearing that rolls, under gravity, m/s², to its contacts and to some modes of its bodies.
 
     Errors
     ------
@@ -85,7 +90,15 @@ def reduced_bearing(bearing: Bearing, motion: Kinematics, modes: BearingModes | 
         across=across,
         inner_growth=inner_growth,
         roller_growth=roller_growth,
+        sag=sags(bearing, gravity),
     )
+
+
+def sags(bearing: Bearing, gravity: float) -> tuple[float, float]:
+    """How far the raceways' centres fall below the bore's and the outside's by the weight of each ring, m."""
+    inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
+    outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+    return ring_sag(*inner, gravity), ring_sag(*outer, gravity)
 
 
 def growths(bearing: Bearing, motion: Kinematics) -> tuple[float, float]:

@@ -122,8 +122,8 @@ def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
     from fem.study.dataset import write_dataset
     from fem.study.page import write_page
     from fem.study.solving import COMPLETE
-    from fem.study.summary import print_outcome
-    from lagrange.messages import telling
+    from fem.study.summary import print_outcome, told_outcome
+    from lagrange.messages import say, telling
 
     with count_display("points collected", len(points), quiet) as count:
         statuses = write_dataset(points, folder, count)
@@ -131,7 +131,12 @@ def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
     if not quiet:
         with telling():
             print_outcome(points, folder, statuses)
-    return (Outcome.COMPLETE if set(statuses) == {COMPLETE} else Outcome.FAILED).code
+    if set(statuses) == {COMPLETE}:
+        return Outcome.COMPLETE.code
+    if quiet:
+        for line in told_outcome(points, folder, statuses):
+            say(line)
+    return Outcome.FAILED.code
 
 
 def study_main(arguments: list[str] | None = None) -> int:

@@ -77,11 +77,6 @@ def _damping(scene: "Scene") -> Iterator[str]:
             f"damping.bodies_1_s = {scene.damping.bodies_1_s:g}: only for bodies with meshes, which model = "
             f"{scene.model!r} has none of; leave it out, or take model = 'fem'"
         )
-    if scene.damping.bodies_1_s > 0.0 and scene.mounting().housing is not None:
-        yield (
-            f"damping.bodies_1_s = {scene.damping.bodies_1_s:g}: not together with a housing that moves, against "
-            "which the outer ring's own motion is not known; leave one of them out"
-        )
     if not scene.damping.contacts.acts:
         return
     if scene.model == "fem" and scene.contact.model != "subgrid":
@@ -153,11 +148,6 @@ def _bore(scene: "Scene") -> Iterator[str]:
 def _cage(scene: "Scene") -> Iterator[str]:
     if scene.cage is not None:
         yield from cage_faults(scene.perfect_bearing(), scene.cage)
-        if scene.model == "fem" and scene.cage.guidance == "inner_ring" and scene.operation.speed_table is not None:
-            yield (
-                'cage.guidance = "inner_ring": with model = "fem" only at a steady speed, not with '
-                f'operation.speed_table = "{scene.operation.speed_table}"; take another model or guidance'
-            )
 
 
 def _courses(scene: "Scene") -> Iterator[str]:

@@ -105,9 +105,9 @@ def read_numbers(file, name: str, count: int) -> np.ndarray:
     Damaged: no such variable, not an array of floating-point numbers in this file, too short, chunks or shapes out of
     proportion, an unknown filter, another checksum than stored.
     """
-    check_array(file, name, count)
-    values = file[name][:count].astype(float)
-    verify(file[name], values)
+    data = check_array(file, name, count)
+    values = data[:count].astype(float)
+    verify(data, values)
     return values
 
 
@@ -116,22 +116,23 @@ def has(file, name: str) -> bool:
     return file.get(name, getlink=True) is not None
 
 
-def check_array(file, name: str, count: int | None, kinds: str = "f", dimensions: tuple[int, ...] = (1, 2)) -> None:
-    """What is refused before anything is read; `count` None: a group, which is looked into no further.
+def check_array(file, name: str, count: int | None, kinds: str = "f", dimensions: tuple[int, ...] = (1, 2)):
+    """The variable, after what is refused before anything is read; `count` None: a group, looked into no further.
 
     Errors
     ------
     Damaged: see `read_numbers`.
     """
-    if not has(file, name):
+    link = file.get(name, getlink=True)
+    if link is None:
         raise Damaged(f"{name} is missing")
-    if type(file.get(name, getlink=True)).__name__ != "HardLink":
+    if type(link).__name__ != "HardLink":
         raise Damaged(f"{name} is a link to another place, which is not followed")
     data = file[name]
     if count is None:
         if type(data).__name__ != "Group":
             raise Damaged(f"{name} is not a group")
-        return
+        return data
     if type(data).__name__ != "Dataset" or data.dtype.kind not in kinds or data.dtype.itemsize > 8:
         raise Damaged(f"{name} is not an array of {WORDS.get(kinds, 'text')}")
     if data.is_virtual or data.external:
@@ -139,6 +140,7 @@ def check_array(file, name: str, count: int | None, kinds: str = "f", dimensions
     if data.ndim not in dimensions or data.shape[0] < count:
         raise Damaged(f"{name} has shape {data.shape} but {count} samples are committed; the file is truncated")
     _check_room(data, name, count)
+    return data
 
 
 def _check_room(data, name: str, count: int) -> None:

@@ -234,6 +234,4 @@ def chatter_gap(record: Record) -> int:
     speed = float(np.mean(np.abs(record.acting.speed)))
     cage = kinematics(record.bearing, speed).frequencies["FTF"]
     samples = record.time.size // 50
-    if cage > 0.0:
-        samples = min(samples, int(CHATTER / cage / record.interval))
-    return max(1, samples)
+    return max(1, samples if samples * record.interval * cage <= CHATTER else int(CHATTER / cage / record.interval))

@@ -16,6 +16,7 @@ BAND = (2.0**-0.5, 2.0**0.5)  # of the resonance: one octave around it
 FILTER_ORDER = 4
 TOP_OF_NYQUIST = 0.9
 TRANSIENT = 6.0  # periods of the band's width, both ends together
+SHORTEST = 0.01  # periods of the band's lower edge in a record: of slower ones there is no filter in double precision
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +55,8 @@ def band_envelope(signal, interval: float, low: float, high: float, slowest_line
 
     signal = np.asarray(signal, dtype=float)
     high = min(high, TOP_OF_NYQUIST * 0.5 / interval)
-    if (high - low) * signal.size * interval < TRANSIENT:
+    duration = signal.size * interval
+    if (high - low) * duration < TRANSIENT or low * duration < SHORTEST:
         return None
     sections = butter(FILTER_ORDER, (low, high), "bandpass", fs=1.0 / interval, output="sos")
     band = sosfiltfilt(sections, signal - signal.mean(), padlen=min(signal.size - 1, 60))

@@ -99,7 +99,8 @@ def _lines(record: Record, turns: float) -> dict[str, float]:
     """Orders of the kinematic lines, by the run's own cage where it turns with the shaft."""
     ideal = kinematics(record.bearing, 2.0 * np.pi)
     seen = abs(record.cage_speed) * (record.time[-1] - record.time[0]) / turns
-    return kinematic_lines(replace(ideal, cage=seen) if seen > 0.0 else ideal)
+    found = kinematic_lines(replace(ideal, cage=seen))
+    return found if "FTF" in found else kinematic_lines(ideal)
 
 
 def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, acceleration: np.ndarray) -> OrderSpectra:

@@ -13,6 +13,8 @@ from lagrange.kinematics import Kinematics
 WINDOW = "hann"
 MAIN_LOBE = 2.0  # half-width of the Hann window's main lobe, in bins: nearer than this two lines are one peak
 NOISE_BINS = 1.5  # noise bandwidth of the Hann window, bins
+SLOWEST = 1e-6  # Hz, of a shaft that has lines: with one turn in twelve days the bearing as good as stands
+LOWEST = 1e-9  # Hz, of a line: numbers next to nothing make others infinite
 HARMONICS = {"shaft": 3, "FTF": 1, "BSF": 1, "BPFO": 5, "BPFI": 5}
 # of the slowest line: a longer signal is averaged (Welch) instead of resolved further
 REVOLUTIONS_PER_SEGMENT = 40
@@ -70,11 +72,13 @@ def kinematic_lines(kinematics: Kinematics) -> dict[str, float]:
     """Kinematic lines and their harmonics, Hz, by name: "BPFO", "2×BPFO", ...
 
     Shaft to 3×, ball passes to 5×: what vibration analysts look for in a bearing without lubrication or
-    misalignment.
+    misalignment. Of a bearing that as good as stands there are none.
     """
-    lines = {}
+    lines: dict[str, float] = {}
+    if kinematics.frequencies["shaft"] < SLOWEST:
+        return lines
     for name, frequency in kinematics.frequencies.items():
-        if frequency > 0.0:
+        if frequency > LOWEST:
             for k in range(1, HARMONICS[name] + 1):
                 lines[name if k == 1 else f"{k}×{name}"] = k * frequency
     return lines

@@ -5,6 +5,7 @@ import pytest
 
 from fem.interface import simulate as run_scene
 from fem.solver.simulate import make_plan
+from lagrange.kinematics import kinematics
 from lagrange.scene import parse_scene
 from tests.accuracy.cage import FRICTION, HEAVY_HUB, PRELOADED, STIFF_POCKETS, caged
 from tests.reference.going_on import assert_same_bits, rest_of_run
@@ -117,39 +118,47 @@ def balance_of(result):
     return np.abs(left - left[0]).max() / passed
 
 
-@pytest.mark.parametrize(("model", "limit"), [("reduced", 5e-4), ("lagrange", 1e-6)])
+@pytest.mark.parametrize(("model", "limit"), [("fem", 1e-5), ("reduced", 5e-4), ("lagrange", 1e-6)])
 def test_a_ring_that_speeds_up_rubs_on_its_cage(tmp_path, model, limit):
     """With the shaft's speed of every step; the reduced model's rattling rollers cost 2e-4 guided by rollers, too."""
     cage = (
         "cage.guidance=inner_ring", "cage.guidance_clearance_mm=0.02", "cage.pocket_clearance_mm=0.2",
         "cage.friction_coefficient=0.3",
     )  # fmt: skip
-    numerics = "numerics.duration_ms=8", f"model={model}", "lagrange.angles=free"
+    numerics = "numerics.duration_ms=8", f"model={model}", "lagrange.angles=free", "numerics.mesh_size_mm=2"
     scene = scene_with(tmp_path, *cage, *numerics, speeds=RAMP)
     result = run_scene(scene)
     values = result.values
     assert values["cage_work_friction"][-1] > 1e-3
     assert np.hypot(values["cage_guidance_x"], values["cage_guidance_y"]).max() > 1.0
     assert balance_of(result) < limit
+    if model != "lagrange":  # whose raceways don't drive rollers
+        followed = kinematics(scene.ideal_bearing(), 6000.0 * np.pi / 30.0).cage
+        assert values["cage_speed"][-1] == pytest.approx(followed, rel=0.03)  # six times that of the start
     if model == "reduced":  # whose works end a step later
         expected, found = rest_of_run(make_plan(scene), 20, 10)
         assert_same_bits(found, expected)
 
 
-def test_an_outer_ring_in_a_housing_guides_its_cage():
-    """The guide's force is the housing's too: its equation of motion, and the balance of energies."""
+@pytest.mark.parametrize(("model", "limit"), [("fem", 1e-5), ("reduced", 1e-4)])
+def test_an_outer_ring_in_a_housing_guides_its_cage(model, limit):
+    """The guide's force is the housing's too: its equation of motion, and the balance of energies.
+
+    Over means of 0.1 ms: waves in the ring of finite elements are faster.
+    """
     tables = {
-        "model": "reduced",
+        "model": model,
         "support": {"kind": "housing", "mass_kg": 0.5, "stiffness_N_per_m": 2e8, "damping_N_s_m": 4000.0},
         "cage": {"guidance": "outer_ring", "guidance_clearance_mm": 0.02, "pocket_clearance_mm": 0.2, "mass_kg": 0.2},
-        "numerics": {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2, "output_interval_us": 2.0},
+        "numerics": {"duration_ms": 3.0, "start": "rest", "load_ramp_ms": 0.2, "output_interval_us": 2.0, **COARSE},
     }
     result = run_scene(parse_scene(tables, ""))
-    assert balance_of(result) < 1e-4
+    assert balance_of(result) < limit
     values, mass = result.values, 0.5 + result.scene.ideal_bearing().outer_ring_mass
     angle = values["roller_theta"]
     push = np.sum(values["outer_force"] * np.sin(angle) - values["outer_traction"] * np.cos(angle), axis=1)
     place, inertia, guide = values["housing_y"], mass * values["housing_ay"], -values["cage_guidance_y"]
     rest = push + guide - mass * 9.81 - 2e8 * place - 4000.0 * np.gradient(place, values["time"]) - inertia
+    inertia, guide, rest = (np.convolve(force, np.full(50, 0.02), "valid") for force in (inertia, guide, rest))
     assert np.std(guide) > 0.1 * np.std(inertia)
     assert np.std(rest) < 0.01 * np.std(inertia)

@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import h5py
@@ -24,6 +25,7 @@ from lagrange.scene import read_scene
 from lagrange.stored import read_numbers
 from tests.reference.recorded_disk import RecordedDisk
 from tests.reference.run_files import EARLIER, OPTIONS, SHORT, names_in, same_data
+from tests.stability import forked
 from tests.waiting import GIVE_UP, wait_until
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -206,26 +208,16 @@ def test_a_checkpoint_that_can_not_be_written_leaves_the_last_one_and_the_run_go
     assert names_in(tmp_path) == ["run.nc", "run.nc.checkpoint"]
 
 
-def limited(arguments, limit):
-    """run-fem in a process whose files can't grow beyond a limit, bytes."""
-    import resource
-
-    return subprocess.run(
-        [sys.executable, "-m", "fem.cli", *arguments],
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)),
-        capture_output=True,
-        text=True,
-    )
-
-
 @pytest.mark.skipif(os.name != "posix", reason="POSIX limits")
 def test_a_result_larger_than_a_file_may_be_is_refused_before_the_run(tmp_path):
+    import resource
+
     path = tmp_path / "run.nc"
     path.write_bytes(EARLIER)
-    done = limited([*OPTIONS, "--duration", "60", "--output", str(path)], 10**6)
-    assert done.returncode == 2
-    assert f"error: {path}: File too large" in done.stderr and "Traceback" not in done.stderr
+    small = partial(resource.setrlimit, resource.RLIMIT_FSIZE, (10**6, 10**6))
+    done = forked.run(["run-fem", *OPTIONS, "--duration", "60", "--output", str(path)], tmp_path, 60.0, before=small)
+    assert done.code == 2
+    assert f"error: {path}: File too large" in done.said and "Traceback" not in done.said
     assert names_in(tmp_path) == ["run.nc"] and path.read_bytes() == EARLIER
 
 

@@ -151,6 +151,9 @@ quantities = ["largest_force"]
 def test_what_fails_is_collected_with_its_text(here, capsys):
     """The reduced model takes no balls, which only its plan sees."""
     assert run(FAILING) == 1
+    first, second, third = capsys.readouterr().err.splitlines()[-3:]  # --quiet keeps no reason back
+    assert first == "4 points: 2 complete, 2 failed"
+    assert "model = 'reduced'): failed: " in second and "takes balls" in second and "model = 'reduced'" in third
     with xarray.open_dataset("studies/study/study.nc") as found:
         failed = found.sel(model="reduced")
         assert np.all(failed.status == "failed") and np.all(np.isnan(failed.largest_force))

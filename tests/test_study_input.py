@@ -75,6 +75,8 @@ BAD = {  # what is wrong: the study and what must be told
     "unknown signal": (GOOD + 'signals = ["inner_az"]', "keep.signals: 'inner_az' is no signal"),
     "rate without signals": (GOOD + "signal_rate_kHz = 1.0", "there are no signals"),
     "rate above the samples'": (GOOD + 'signals = ["inner_ay"]\nsignal_rate_kHz = 200.0', "samples are stored at 100"),
+    "rate of no sample": (GOOD + 'signals = ["inner_ay"]\nsignal_rate_kHz = 0.5', "keeps one of 200 samples, but"),
+    "rate next to nothing": (GOOD + 'signals = ["inner_ay"]\nsignal_rate_kHz = 1e-320', "signal_rate_kHz = 1e-320"),
     "signals of other lengths": (
         change(SPEED, '"numerics.duration_ms" = [1.0, 2.0]').replace('"numerics.duration_ms" = 1.0', "", 1)
         + 'signals = ["inner_ay"]',

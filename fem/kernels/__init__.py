@@ -10,7 +10,7 @@ disc_surface, ring_surface      the answers of elastic rollers and rings; `rigid
 other_bodies                    what steps ask of every further body; `housing_kernels`: what carries the outer ring;
                                 `support_kernels`: nodes held still; `bore_kernels`: play or a press fit;
                                 `ground_dashpots`: dashpots under forces that are found after theirs
-damping_kernels                 dampers of contacts and bodies; `reduced_damping`: those of the reduced model
+damping_kernels                 dampers of contacts; `reduced_damping`: the reduced model's; `body_damping`: of bodies
 contact_kernels                 normal forces of pairs of bodies; law, patches: the law below the grid, B-spline patches
 profile_kernels                 surfaces that are not perfect circles
 resolved_kernels                contacts as pressures on points, or penalty springs

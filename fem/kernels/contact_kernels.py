@@ -205,15 +205,21 @@ def _press(law, forces, row, near, closed, level):
 
 
 @part
-def _note_rate(dampers, forces, row, closed, dt):
-    """How fast eight approaches have grown since the last kick, for their dampers."""
+def _note_for_dampers(dampers, forces, row, closed, slopes, dt):
+    """How fast eight approaches have grown since the last kick, and by which slopes they change, for their dampers.
+
+    `slopes` : per rad of the line of centres and by sides, of side 0 and of side 1.
+    """
     if dampers is not None:
         store(dampers.rate, row, (closed - load(forces.approach, row)) * (1.0 / dt))
+        store(dampers.along, row, slopes[0] * load(forces.nearness, row))
+        store(dampers.first, row, slopes[1])
+        store(dampers.second, row, slopes[2])
 
 
 @part
 def with_dampers(dampers, row, force):
-    """Forces of eight contacts with those that their dampers had last, N."""
+    """Forces of eight contacts with their dampers', N."""
     if dampers is None:
         return force
     return force + load(dampers.force, row)
@@ -252,14 +258,14 @@ def _press_raceway(raceway, rollers, disc, contacts, drive):
         bx, by = _load_pair(patches.outward, 2 * (side + 1) * columns + group, columns)
         out_r, rate_r, ripple_r, ripple_rate_r = lowered_rollers(raceway.roller_profiles, group, motion, bx, by)
         closed = overlap + sign * out + out_r
-        _note_rate(contacts.dampers, forces, row, closed, dt)
+        slopes = sign * (rate + sideways) + rate_r + sideways_r, rate, rate_r
+        _note_for_dampers(contacts.dampers, forces, row, closed, slopes, dt)
         Q, P = _press(raceway.law, forces, row, near, closed, ripple + ripple_r)
         half = 0.5 * Q * Q
         given = P * (sign * dt)
         scatter_add(rollers.node_impulse, group, given * nx)
         scatter_add(rollers.node_impulse, columns + group, given * ny)
-        P = with_dampers(contacts.dampers, row, P)
-        aside = P * (sign * (rate + sideways) + rate_r + sideways_r) - half * (ripple_rate + ripple_rate_r)
+        aside = P * slopes[0] - half * (ripple_rate + ripple_rate_r)
         aside = aside * load(forces.nearness, row) * dt
         scatter_add(rollers.body_impulse, group, aside * ny)
         scatter_add(rollers.body_impulse, columns + group, -(aside * nx))
@@ -285,12 +291,12 @@ def _press_neighbours(pair, rollers, disc, contacts, drive):
         (out, rate, ripple, ripple_rate), sideways = kept_motion(patches, side, group)
         (out_i, rate_i, ripple_i, ripple_rate_i), sideways_i = kept_motion(patches, side + 1, group)
         closed = overlap + out + out_i
-        _note_rate(contacts.dampers, forces, row, closed, dt)
+        slopes = rate + sideways + rate_i + sideways_i, rate, rate_i
+        _note_for_dampers(contacts.dampers, forces, row, closed, slopes, dt)
         Q, P = _press(pair.law, forces, row, near, closed, ripple + ripple_i)
         half = 0.5 * Q * Q
         push_x, push_y = P * nx * dt, P * ny * dt
-        P = with_dampers(contacts.dampers, row, P)
-        aside = P * (rate + sideways + rate_i + sideways_i) - half * (ripple_rate + ripple_rate_i)
+        aside = P * slopes[0] - half * (ripple_rate + ripple_rate_i)
         aside = aside * load(forces.nearness, row) * dt
         over = dt / rollers.inertia
         scatter_add(impulse, i, push_x)

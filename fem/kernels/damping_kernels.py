@@ -1,25 +1,29 @@
-"""Dampers of contacts and of bodies.
+"""Dampers of contacts.
 
 A contact's damper stands beside the law below the grid. It pushes as the law does, along W n, with a force that is
 implicit in its own patches' velocity after the step, F = c v, so that none shortens the step, and with the law it never
 pulls. Contacts of a raceway are solved for at once, or one after another where they share rigid bodies.
 
 The rate is that of the law's approach. Velocities of nodes at a fixed patch tell how it changes in a kick; what the
-patch's own way along deformed surfaces adds, which hardly changes from step to step, is the difference between how
-far the approach went on the last way and what the nodes' velocities said then.
+patch's own way along the surfaces adds, which hardly changes from step to step, is the difference between how far the
+approach went on the last way and what the nodes' velocities said then. Slopes of surfaces turn the force aside, as they
+do the law's. Its work is that along the approach, by the mean of the forces at both ends of a way: what bodies lose, to
+second order.
 
 Of the whole approach of two bodies, of stiffness k, only a part is below the grid, of stiffness K: nodes carry the
 rest. A damper c·(K/k)² beside the former takes the power of c beside the whole, and is felt as that: of its force k/K
 is what c would give, the rest makes up for what the law below the grid gives less.
 """
 
+import numpy as np
+
 from fem.kernels.contact_kernels import next_roller, push_nodes
-from fem.kernels.course_kernels import speed_of
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import larger, logarithm, smaller
 from fem.kernels.lane_memory import gather, gather_pair, load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, total
 from fem.kernels.law import STEEPEST
+from fem.kernels.other_bodies import take_all_late
 from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import CONTACTS, DiscSurface, Hub, Neighbours, Raceway, RigidDisc, RingSurface
@@ -166,37 +170,48 @@ def _damp_eights(raceway, rollers, disc, contacts, dampers, dt):
     """Eight contacts at once; nodes have not been given the law's kick yet, and are to be given both together."""
     forces, patches, columns, sign = contacts.forces, contacts.patches, rollers.columns, raceway.sign
     side, impulse, velocity = 2 * raceway.row, rollers.node_impulse, rollers.velocity
-    before, after = splat(0.0), splat(0.0)
+    taken, ring_x, ring_y, moment = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, rollers.n, WIDTH):
         row = raceway.row * columns + group
-        Q, P = load(forces.force, row), load(forces.kick, row)
+        Q, P, last = load(forces.force, row), load(forces.kick, row), load(dampers.force, row)
         closed = Q > 0.0
-        if not any_lane(closed):
-            for array in (dampers.force, dampers.felt, dampers.left, dampers.known):
-                store(array, row, splat(0.0))
+        if not any_lane(closed | (last != 0.0)):
             continue
         nx, ny = load(patches.normal, side * columns + group), load(patches.normal, (side + 1) * columns + group)
         ring, ring_light = out_of_surface(raceway.surface, patches, side, group, 0)
         own, own_light = out_of_surface(disc, patches, side + 1, group, count_from(group))
         mobility = (ring_light + own_light) * dt
         rate = sign * (ring - load(velocity, group) * nx - load(velocity, columns + group) * ny) + own - mobility * P
-        known = load(dampers.known, row) > 0.0
-        behind = select(known, load(dampers.rate, row), rate)
-        passing = select(known, behind - load(dampers.left, row), 0.0)
+        behind = load(dampers.rate, row)
+        passing = behind - load(dampers.left, row)
+        passing = select(passing == passing, passing, 0.0)
         c, felt = _coefficient(raceway, dampers, select(closed, smaller(Q, raceway.law.Q_line), 1.0))
         F = select(closed, larger(c * (rate + passing) / (1.0 + c * mobility), -P), 0.0)
-        left = rate - mobility * F
-        before += F * behind
-        after += F * (left + passing)
+        taken += select(behind == behind, (last + F) * behind, 0.0)
         store(dampers.force, row, F)
         store(dampers.felt, row, felt * F)
-        store(dampers.left, row, select(closed, left, 0.0))
-        store(dampers.known, row, select(closed, 1.0, 0.0))
+        store(dampers.left, row, select(closed, rate - mobility * F, np.nan))
         given = F * (sign * dt)
         store(impulse, group, load(impulse, group) + given * nx)
         store(impulse, columns + group, load(impulse, columns + group) + given * ny)
-    dampers.work[0] += 0.5 * dt * total(before)
-    dampers.work[1] += 0.5 * dt * total(after)
+        aside = F * load(dampers.along, row) * dt
+        _push_rollers_aside(rollers, group, aside * ny, -(aside * nx), F * load(dampers.second, row) * dt)
+        ring_x -= aside * ny
+        ring_y += aside * nx
+        moment -= F * load(dampers.first, row)
+    dampers.work[0] += 0.5 * dt * total(taken)
+    raceway.impulse[0] += total(ring_x)
+    raceway.impulse[1] += total(ring_y)
+    raceway.moment[0] += total(moment)
+
+
+@part
+def _push_rollers_aside(rollers, group, x, y, around):
+    """Impulses, N s, on eight rollers as a whole, and those that turn them, N m s."""
+    columns, velocity, over = rollers.columns, rollers.velocity, 1.0 / rollers.total_mass
+    store(velocity, group, load(velocity, group) + x * over)
+    store(velocity, columns + group, load(velocity, columns + group) + y * over)
+    store(rollers.turn_kick, group, load(rollers.turn_kick, group) + around * (1.0 / rollers.inertia))
 
 
 @part
@@ -205,7 +220,7 @@ def _damp_in_turn(raceway, rollers, disc, contacts, dampers, dt):
     patches, row, sign, moment = contacts.patches, raceway.row, raceway.sign, 0.0
     for j in range(rollers.n):
         if not contacts.forces.force[row, j] > 0.0:
-            _let_go(dampers, row, j)
+            _let_go(dampers, row, j, dt)
             continue
         nx, ny = patches.normal[row, 0, j], patches.normal[row, 1, j]
         ring, ring_light = velocity_out(raceway.surface, patches, 2 * row, j, nx, ny)
@@ -215,7 +230,20 @@ def _damp_in_turn(raceway, rollers, disc, contacts, dampers, dt):
         x, y = sign * given * nx, sign * given * ny
         moment += push_late(raceway.surface, patches, 2 * row, j, j, -sign * given, -x, -y)
         push_late(disc, patches, 2 * row + 1, j, j, -given, x, y)
+        aside = given * dampers.along[row, j]
+        _push_roller_aside(rollers, j, aside * ny, -aside * nx, given * dampers.second[row, j])
+        raceway.impulse[0] -= aside * ny
+        raceway.impulse[1] += aside * nx
+        raceway.moment[0] -= dampers.force[row, j] * dampers.first[row, j]
     raceway.moment[1] += moment
+
+
+@part
+def _push_roller_aside(rollers, j, x, y, around):
+    """An impulse, N s, on roller j as a whole, and one that turns it, N m s."""
+    rollers.velocity[0, j] += x / rollers.total_mass
+    rollers.velocity[1, j] += y / rollers.total_mass
+    rollers.turn_kick[j] += around / rollers.inertia
 
 
 @damp.of(Neighbours)
@@ -223,7 +251,7 @@ def _damp_neighbours(pair, rollers, disc, contacts, dampers, dt, whole, later):
     patches, row, velocity = contacts.patches, pair.row, rollers.velocity
     for j in range(rollers.n):
         if not contacts.forces.force[row, j] > 0.0:
-            _let_go(dampers, row, j)
+            _let_go(dampers, row, j, dt)
             continue
         i, nx, ny = next_roller(j, rollers.n), patches.normal[row, 0, j], patches.normal[row, 1, j]
         own, own_light = roller_out(disc, patches, 2 * row, j, j)
@@ -233,28 +261,35 @@ def _damp_neighbours(pair, rollers, disc, contacts, dampers, dt, whole, later):
         x, y = given * nx, given * ny
         push_late(disc, patches, 2 * row, j, j, -given, -x, -y)
         push_late(disc, patches, 2 * row + 1, j, i, -given, x, y)
+        x, y = given * dampers.along[row, j] * ny, -given * dampers.along[row, j] * nx
+        _push_roller_aside(rollers, i, x, y, given * dampers.second[row, j])
+        _push_roller_aside(rollers, j, -x, -y, given * dampers.first[row, j])
 
 
 _damp_all = every(damp, *CONTACTS)
 
 
 @part
-def damp_contacts(groups, bodies, contacts, dampers, dt, later):
+def damp_contacts(groups, bodies, contacts, dampers, drive, later):
     """Forces of all contacts' dampers, and their impulses in this step; None: there are none. `later`: see `damp`."""
     if dampers is not None:
-        dampers.work[0] += dampers.work[1]
-        dampers.work[1] = 0.0
-        whole = contacts.friction.whole
-        _damp_all(groups, bodies.rollers, bodies.surface, contacts, dampers, dt, whole, later)
+        impulse, velocity = drive.impulse, drive.velocity
+        impulse[0] = impulse[1] = 0.0  # the hub has had those of the laws
+        _damp_all(groups, bodies.rollers, bodies.surface, contacts, dampers, drive.dt, contacts.friction.whole, later)
+        velocity[0] += impulse[0] / drive.mass
+        velocity[1] += impulse[1] / drive.mass
+        drive.moment[1] += drive.hub[0] * impulse[1] - drive.hub[1] * impulse[0]
+        take_all_late(bodies.others)
 
 
 @part
-def _let_go(dampers, row, j):
+def _let_go(dampers, row, j, dt):
     """An open contact is not damped."""
+    if dampers.force[row, j] != 0.0:
+        dampers.work[0] += 0.5 * dt * dampers.force[row, j] * dampers.rate[row, j]
     dampers.force[row, j] = 0.0
     dampers.felt[row, j] = 0.0
-    dampers.left[row, j] = 0.0
-    dampers.known[row, j] = 0.0
+    dampers.left[row, j] = np.nan
 
 
 @part
@@ -273,101 +308,13 @@ def _damper_force(pair, forces, dampers, j, rate, mobility, dt):
     """Force of a contact's damper, N. `rate` : m/s, by the nodes' velocities before it; `mobility` : 1/kg."""
     row = pair.row
     c, felt = _coefficient(pair, dampers, min(forces.force[row, j], pair.law.Q_line))
-    passing, behind = 0.0, rate
-    if dampers.known[row, j] > 0.0:
-        behind = dampers.rate[row, j]
-        passing = behind - dampers.left[row, j]
-    rate += passing
-    force = max(c * rate / (1.0 + c * mobility * dt), -forces.kick[row, j])
-    left = rate - mobility * dt * force
-    dampers.work[0] += 0.5 * dt * force * behind
-    dampers.work[1] += 0.5 * dt * force * left
+    behind = dampers.rate[row, j]
+    passing = behind - dampers.left[row, j]
+    if not passing == passing:
+        passing = 0.0
+    force = max(c * (rate + passing) / (1.0 + c * mobility * dt), -forces.kick[row, j])
+    if behind == behind:
+        dampers.work[0] += 0.5 * dt * (dampers.force[row, j] + force) * behind
     dampers.force[row, j], dampers.felt[row, j] = force, force * felt
-    dampers.left[row, j], dampers.known[row, j] = left - passing, 1.0
+    dampers.left[row, j] = rate - mobility * dt * force
     return force
-
-
-@part
-def damp_bodies(bodies, drive, damping):
-    """Take their share from the velocities that bodies have beside moving and turning as a whole; None: nothing.
-
-    Of a held ring that is the motion against hub or ground, which feel the reaction. A velocity shrinks by exp(−a dt) a
-    step, and the work that takes is what the energy of leapfrog, ½ v(t − dt/2)·M·v(t + dt/2), loses.
-    """
-    if damping is not None:
-        _damp_rollers(bodies.disc, bodies.rollers, damping, drive.dt)
-        _damp_inner(bodies.inner, drive, damping)
-        _damp_outer(bodies.outer, damping)
-
-
-@part(inlined=False)
-def _damp_rollers(disc, rollers, damping, dt):
-    """Places half a step back, where the velocities are, make what turns rigidly turn without any loss."""
-    points, mass, u, w, columns, half = disc.points, disc.mass, disc.u, disc.w, rollers.columns, 0.5 * dt
-    lost = splat(0.0)
-    for j in range(0, rollers.n, WIDTH):
-        around, size = splat(0.0), splat(0.0)
-        for i in range(mass.size):
-            at = 2 * i * columns + j
-            vx, vy = load(w, at), load(w, at + columns)
-            x = gather(points, 2 * i) + load(u, at) - half * vx
-            y = gather(points, 2 * i + 1) + load(u, at + columns) - half * vy
-            around += mass[i] * (x * vy - y * vx)
-            size += mass[i] * (x * x + y * y)
-        spin = around / size
-        for i in range(mass.size):
-            at = 2 * i * columns + j
-            vx, vy = load(w, at), load(w, at + columns)
-            x = gather(points, 2 * i) + load(u, at) - half * vx
-            y = gather(points, 2 * i + 1) + load(u, at + columns) - half * vy
-            own_x, own_y = vx + spin * y, vy - spin * x
-            store(w, at, vx - damping.share * own_x)
-            store(w, at + columns, vy - damping.share * own_y)
-            lost += mass[i] * (own_x * own_x + own_y * own_y)
-    damping.work[0] += damping.loss * total(lost)
-
-
-@part(inlined=False)
-def _damp_inner(ring, drive, damping):
-    c, s, half, width = drive.frame[1], drive.frame[2], 0.5 * drive.dt, ring.cosines.size
-    speed = speed_of(drive.course, drive)
-    hub_x, hub_y = drive.hub[0] - half * drive.velocity[0], drive.hub[1] - half * drive.velocity[1]
-    x, y = drive.velocity[0] + speed * hub_y, drive.velocity[1] - speed * hub_x
-    hub_x, hub_y = c * x + s * y, c * y - s * x
-    lost, back_x, back_y = 0.0, 0.0, 0.0
-    for row in range(ring.first_row, ring.last_row):
-        part_lost, part_x, part_y = splat(0.0), splat(0.0), splat(0.0)
-        at = 2 * row * width
-        for k in range(HALO, width - HALO, WIDTH):
-            e, f = load(ring.cosines, k), load(ring.sines, k)
-            p, q = load(ring.w, at + k), load(ring.w, at + width + k)
-            x = ring.radii[row] + load(ring.u, at + k) - half * p
-            y = load(ring.u, at + width + k) - half * q
-            own_p = p + speed * y - (hub_x * e + hub_y * f)
-            own_q = q - speed * x - (hub_y * e - hub_x * f)
-            store(ring.w, at + k, p - damping.share * own_p)
-            store(ring.w, at + width + k, q - damping.share * own_q)
-            part_lost += own_p * own_p + own_q * own_q
-            part_x += own_p * e - own_q * f
-            part_y += own_p * f + own_q * e
-        lost += ring.row_mass[row] * total(part_lost)
-        back_x += ring.row_mass[row] * total(part_x)
-        back_y += ring.row_mass[row] * total(part_y)
-    back = damping.share / drive.mass
-    drive.velocity[0] += back * (c * back_x - s * back_y)
-    drive.velocity[1] += back * (s * back_x + c * back_y)
-    damping.work[0] += damping.loss * lost
-
-
-@part(inlined=False)
-def _damp_outer(ring, damping):
-    width, lost = ring.cosines.size, 0.0
-    for row in range(ring.first_row, ring.last_row):
-        part_lost = splat(0.0)
-        for at in range(2 * row * width, 2 * (row + 1) * width, width):
-            for k in range(at + HALO, at + width - HALO, WIDTH):
-                p = load(ring.w, k)
-                store(ring.w, k, p - damping.share * p)
-                part_lost += p * p
-        lost += ring.row_mass[row] * total(part_lost)
-    damping.work[0] += damping.loss * lost

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.kernels import ring_kernels
 from fem.kernels.jit import part, verb
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body
+from fem.kernels.other_bodies import add_motion, drift_body, kick_body, take_late
 from fem.kernels.sample_kernels import DISSIPATED, WORK_GRAVITY
 from fem.kernels.state import Ring
 
@@ -112,6 +112,13 @@ def _kick(body, drive):
         body.before[k] = before
         body.velocity[k] = (before * (1.0 - slowed) + gained) / (1.0 + slowed)
         body.drag[k] = -0.5 * body.damping * (before + body.velocity[k])
+        body.impulse[k] = 0.0
+
+
+@take_late.of(Housing)
+def _take_late(body):
+    for k in range(2):
+        body.velocity[k] += body.impulse[k] / body.mass
         body.impulse[k] = 0.0
 
 

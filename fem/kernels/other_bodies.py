@@ -14,9 +14,15 @@ def drift_body(body, drive):
 
 
 @verb
+def take_late(body):
+    """Take the impulses of pairs that have come after a body's kick."""
+
+
+@verb
 def add_motion(body, drive, out, kinetic):
     """Add a body's kinetic energy at the kick just made, J, to out[kinetic]; its work of gravity, what it dissipates
     and its own numbers to their places."""
 
 
 kick_others, drift_others, add_all_motion = every(kick_body), every(drift_body), every(add_motion)
+take_all_late = every(take_late)

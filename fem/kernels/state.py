@@ -288,19 +288,22 @@ class Dampers(NamedTuple):
     hunt_crossley: float  # s/m
     whole: np.ndarray  # (3,), level of the contacts' whole approach, A Q (level − ½ ln Q)
     rate: np.ndarray  # (3, columns), m/s, at which approaches have grown on the way to the last kick
-    left: np.ndarray  # (3, columns), m/s, the same by the nodes' velocities, after the last damping
-    known: np.ndarray  # (3, columns), 1 where that was damped, else 0
+    left: np.ndarray  # (3, columns), m/s, the same by the nodes' velocities, after the last damping; NaN: not damped
+    along: np.ndarray  # (3, columns), slope of the approach by the way of side 1 across the line of centres
+    first: np.ndarray  # (3, columns), m, the same per rad by which side 0 turns back
+    second: np.ndarray  # (3, columns), m, by which side 1 does
     force: np.ndarray  # (3, columns), N, beside the laws below the grid
     felt: np.ndarray  # (3, columns), N, beside the contacts' whole approach
-    work: np.ndarray  # (2,), J, dissipated up to the last kick; and after it in that step
+    work: np.ndarray  # (1,), J, dissipated up to the last kick
 
 
 class BodyDamping(NamedTuple):
-    """Damping of bodies, in proportion to mass, see `damping_kernels.damp_bodies`."""
+    """Damping of bodies, in proportion to mass, see `body_damping`."""
 
     share: float  # of a velocity, that a step takes
     loss: float  # of twice a kinetic energy
     work: np.ndarray  # (1,), J, dissipated so far
+    around: tuple | None  # `Bore` of an outer ring in play, or the `Housing` that carries one; None: the ground
 
 
 class Contacts(NamedTuple):

@@ -7,11 +7,12 @@ import fem.kernels.rigid_surfaces
 import fem.kernels.ring_surface
 import fem.kernels.shaft_kernels
 import fem.kernels.support_kernels  # noqa: F401
+from fem.kernels.body_damping import damp_bodies
 from fem.kernels.cage_kernels import rub_cage
 from fem.kernels.cage_state import CagePair
 from fem.kernels.contact_kernels import press_patches, push_neighbours, push_patches
 from fem.kernels.course_kernels import follow, load_at, step_of, with_aside
-from fem.kernels.damping_kernels import damp_bodies, damp_contacts
+from fem.kernels.damping_kernels import damp_contacts
 from fem.kernels.drive_kernels import kick_hub, move_hub
 from fem.kernels.ending import DONE, NOT_FINITE, lost
 from fem.kernels.friction_solution import friction_contacts, pushes_later, slips_before
@@ -82,7 +83,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     kick_others(bodies.others, drive)
     rub_cages(groups, drive)
     _take_back_torque(rollers, scratch)
-    damp_contacts(groups, bodies, contacts, contacts.dampers, drive.dt, later)
+    damp_contacts(groups, bodies, contacts, contacts.dampers, drive, later)
     if friction.coefficient > 0.0:
         rubbed = friction_contacts(
             groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole, later

@@ -6,6 +6,8 @@ from math import exp, sinh
 import numpy as np
 
 from fem.contacts.model import Model
+from fem.kernels.bore_kernels import Bore
+from fem.kernels.housing_kernels import Housing
 from fem.kernels.state import BodyDamping, Dampers
 from fem.solver.cache_lines import lined_up
 from fem.solver.run_arrays import Arrays
@@ -22,23 +24,26 @@ def with_damping(arrays: Arrays, model: Model, table: DampingTable) -> Arrays:
         contacts = contacts._replace(dampers=lined_up(_dampers(table.contacts, levels, shape)))
     if table.bodies_1_s > 0.0:
         step = table.bodies_1_s * dt
-        damping = BodyDamping(share=1.0 - exp(-step), loss=sinh(step), work=np.zeros(1))
-        bodies = bodies._replace(damping=lined_up(damping))
+        around = [body for (body,) in bodies.others if isinstance(body, Bore | Housing)]  # a housing's bore first
+        damping = lined_up(BodyDamping(share=1.0 - exp(-step), loss=sinh(step), work=np.zeros(1), around=None))
+        bodies = bodies._replace(damping=damping._replace(around=around[0] if around else None))
     return replace(arrays, contacts=contacts, bodies=bodies)
 
 
 def _dampers(damping: ContactDamping, levels: np.ndarray, shape: tuple[int, int]) -> Dampers:
     """At rest. `levels` : of the contacts' whole approach; `shape` : pairs and columns."""
-    rate, left, known, force, felt = np.zeros((5, *shape))
+    along, first, second, force, felt = np.zeros((5, *shape))
     return Dampers(
         constant=float(damping.constant),
         time=float(damping.time),
         hunt_crossley=float(damping.hunt_crossley),
         whole=levels,
-        rate=rate,
-        left=left,
-        known=known,
+        rate=np.full(shape, np.nan),  # as of contacts out of reach later
+        left=np.full(shape, np.nan),
+        along=along,
+        first=first,
+        second=second,
         force=force,
         felt=felt,
-        work=np.zeros(2),
+        work=np.zeros(1),
     )

@@ -91,6 +91,11 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
                 f"{key} = {value}: signals are as long in every point; the first one has {first[key]}; give all the "
                 "same in [fixed]"
             )
+    if one_of > 1 and (count := sample_count(scene)) <= one_of:
+        raise UsageError(
+            f"keep.signal_rate_kHz = {rate:g}: keeps one of {one_of} samples, but the run has {count}; "
+            "take a higher rate, or run longer (numerics.duration_ms)"
+        )
     stored = 1e3 / interval  # kHz
     if rate is not None and rate > stored * (1.0 + 1e-9):
         raise UsageError(

@@ -61,7 +61,7 @@ def decimation(interval: float, rate: float | None) -> int:
 class KeepTable(Table):
     quantities: list[str] = Field(list(USUAL), max_length=MOST_NAMES)
     signals: list[str] = Field([], max_length=MOST_NAMES)
-    signal_rate_kHz: float | None = Field(None, gt=0.0, le=1e6)
+    signal_rate_kHz: float | None = Field(None, ge=1e-6, le=1e6)
 
     def checks(self) -> tuple[Check, ...]:
         return self._known, self._twice, self._rate

@@ -42,16 +42,19 @@ def print_plan(points: Points, pending: list[int], found: Expected | None, optio
         console.print(f"{name + ':':16s} {shown(value)}", soft_wrap=True, markup=False)
 
 
-def print_outcome(points: Points, folder: Folder, found: dict[str, int]) -> None:
-    """How many points there are of each status, the first that failed, and where the dataset is."""
-    console = Console(highlight=False)
-    told = ", ".join(f"{count} {status}" for status, count in sorted(found.items()))
-    console.print(f"{len(points)} points: {told}")
+def told_outcome(points: Points, folder: Folder, found: dict[str, int]) -> list[str]:
+    """How many points there are of each status, and the first that failed, a line each."""
+    lines = [f"{len(points)} points: {', '.join(f'{count} {status}' for status, count in sorted(found.items()))}"]
     with open_dataset(folder.dataset) as dataset:
-        for number, (i, status, text) in enumerate(statuses(dataset)):
-            if number == MOST_TOLD:
-                console.print("… more are on the page")
-                break
-            console.print(shown(f"{points.design.told(i)}: {status}: {text}"), soft_wrap=True, markup=False)
+        lines += [f"{points.design.told(i)}: {status}: {text}" for i, status, text in statuses(dataset)]
+    more = ["… more are on the page"] if len(lines) > 1 + MOST_TOLD else []
+    return [*lines[: 1 + MOST_TOLD], *more]
+
+
+def print_outcome(points: Points, folder: Folder, found: dict[str, int]) -> None:
+    """What came of a study, and where its dataset is."""
+    console = Console(highlight=False)
+    for line in told_outcome(points, folder, found):
+        console.print(shown(line), soft_wrap=True, markup=False)
     console.print(f"Dataset: {shown(folder.dataset)}", soft_wrap=True, markup=False)
     console.print(f"Page: {shown(folder.page)}", soft_wrap=True, markup=False)

@@ -51,31 +51,31 @@ class RecordedDisk:
         there, content = None, None
         for kind, *what in self._log:
             if kind == "move" and what[1] == str(path):
-                there, _, content = what
+                there, content = what[0], bytearray(what[2])
             elif kind == "write" and what[0] == there:
-                content = _with(content, *what[1:])
+                _put(content, *what[1:])
             if content is not None:
-                yield content
+                yield bytes(content)
 
     def after_power_cuts(self, path, numbers: np.random.Generator, tries: int):
         """The content of a file after power cuts, any of the sectors since the last sync on the disk or not."""
         there, synced, since = None, None, []
         for kind, *what in self._log:
             if kind == "move" and what[1] == str(path):
-                (there, _, synced), since = what, []
+                there, synced, since = what[0], bytearray(what[2]), []
             elif kind == "write" and what[0] == there:
                 since += _sectors(*what[1:])
             if synced is None:
                 continue
             for _ in range(tries):
-                content = synced
+                content = synced.copy()
                 for place, data in since:
                     if numbers.random() < 0.5:
-                        content = _with(content, place, data)
-                yield content
+                        _put(content, place, data)
+                yield bytes(content)
             if kind == "sync":
                 for place, data in since:
-                    synced = _with(synced, place, data)
+                    _put(synced, place, data)
                 since = []
 
 
@@ -85,5 +85,5 @@ def _sectors(place: int, data: bytes):
     return [(a, data[a - place : b - place]) for a, b in itertools.pairwise(borders)]
 
 
-def _with(content: bytes, place: int, data: bytes) -> bytes:
-    return content[:place] + data + content[place + len(data) :]
+def _put(content: bytearray, place: int, data: bytes) -> None:
+    content[place : place + len(data)] = data

@@ -104,16 +104,22 @@ def named_peaks(
 ) -> list[Peak]:
     """Name peaks without a line after a resolved sideband within half a bin, or after higher harmonics of passes.
 
-    Those near the hub's resonance, Hz, are named so too; peaks of no more than the noise, N rms, are left out.
+    Those near the hub's resonance, Hz, are named so too, and what passing rollers make of a higher one of them; peaks
+    of no more than the noise, N rms, are left out. Peaks: highest first.
     """
     bands = [level for level in line_levels(spectrum, lines) if level.name not in lines]
-    named = []
+    named: list[Peak] = []
+    hubs: list[float] = []  # Hz
     for peak in peaks:
         if peak.rms <= noise:
             continue
-        if abs(peak.frequency - resonance) <= NEAR_RESONANCE * resonance:
+        modulated = None if peak.line else modulated_hub(peak.frequency, hubs, lines, spectrum.resolution)
+        if modulated:
+            peak = replace(peak, also=(*peak.also, modulated))
+        elif abs(peak.frequency - resonance) <= NEAR_RESONANCE * resonance:
             peak = replace(peak, also=(*peak.also, HUB))
-        if peak.line is None:
+            hubs += [] if peak.line else [peak.frequency]
+        if peak.line is None and not modulated:
             near = [level.name for level in bands if abs(level.frequency - peak.frequency) <= 0.5 * spectrum.resolution]
             names = near[:1] or high_harmonics(peak.frequency, lines, spectrum.resolution)
             peak = replace(peak, line=names[0], also=(*names[1:], *peak.also)) if names else peak
@@ -138,6 +144,25 @@ def high_harmonics(frequency: float, lines: dict[str, float], resolution: float)
         if k > 0 and full not in lines and away <= 0.5 * resolution:
             found.append((away, full))
     return [full for _, full in sorted(found)]
+
+
+def modulated_hub(frequency: float, hubs: list[float], lines: dict[str, float], resolution: float) -> str | None:
+    """Which multiple of BPFO a frequency lies below or above one of the hub's, within half a bin: "2×BPFO − hub ...".
+
+    A free vibration, Hz, of a hub on contacts whose stiffness every passing roller changes alike is a product of its
+    own oscillation and of what repeats with BPFO (Floquet), so it shows at |k BPFO ± f|, too: near half-odd multiples
+    of BPFO where f lies near one. None where these lie so near each other that chance would name peaks.
+    """
+    passing = lines.get("BPFO", 0.0)
+    if not hubs or passing < 2 * len(hubs) * APART * resolution:
+        return None
+    for hub in hubs:
+        for sign in (-1, 1):
+            k = round((frequency - sign * hub) / passing)
+            if k != 0 and abs(k * passing + sign * hub - frequency) <= 0.5 * resolution:
+                multiple = "BPFO" if abs(k) == 1 else f"{abs(k)}×BPFO"
+                return f"{HUB} − {multiple}" if k < 0 else f"{multiple} {'−' if sign < 0 else '+'} {HUB}"
+    return None
 
 
 def nearest_line(frequency: float, among: dict[str, float]) -> tuple[str, float]:

@@ -36,7 +36,8 @@ def whole_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
                              label=f"hub on its contacts ≈ {evaluation.resonance / 1e3:.3g} kHz")
             )  # fmt: skip
         for peak in direction.peaks:
-            colour = LINE_COLOURS[family(peak.line)] if peak.line else SKY if HUB in peak.also else "black"
+            unnamed = SKY if any(HUB in name for name in peak.also) else "black"
+            colour = LINE_COLOURS[family(peak.line)] if peak.line else unnamed
             mark = axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour,
                              markerfacecolor=colour if peak.resolved else "white", linestyle="none")  # fmt: skip
             mark[0].set_clip_on(False)

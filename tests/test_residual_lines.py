@@ -5,6 +5,7 @@ from dataclasses import replace
 import h5py
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from fem.cli import run_main
 from lagrange.kinematics import kinematics
@@ -13,7 +14,7 @@ from residual.cli import main
 from residual.envelope import envelope
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.lines import high_harmonics, line_levels, named_peaks, sidebands, watched_level
+from residual.lines import HUB, high_harmonics, line_levels, named_peaks, sidebands, watched_level
 from residual.sources import read_result
 from residual.spectrum import find_peaks, kinematic_lines, power_spectrum
 from tests.reference.synthetic_run import make_run, write_result
@@ -108,6 +109,32 @@ def test_lines_go_by_the_cage_speed_of_the_run(tmp_path):
     assert evaluation.ideal_cage == pytest.approx(ideal, rel=1e-4)
     assert evaluation.lines["BPFI"] == pytest.approx(13 * (SHAFT - slow), rel=1e-3)
     assert any(peak.line == "BPFO" and abs(peak.frequency - 13 * slow) < 0.5 for peak in evaluation.x.peaks)
+
+
+def test_a_hub_on_contacts_that_every_passage_softens_is_named_with_its_sidebands():
+    # Mathieu's equation with a damper; its exponent by the monodromy matrix of one passage, not by a spectrum
+    lines, omega, damping, depth = paper_lines(), 2.0 * np.pi * 0.54 * BPFO, 4.0, 0.2
+    time = STEP * np.arange(30_000)
+
+    def slope(t, state):
+        stiffness = omega**2 * (1.0 + depth * np.cos(2.0 * np.pi * BPFO * t))
+        return [state[1], -damping * state[1] - stiffness * state[0]]
+
+    exact = {"rtol": 1e-8, "atol": 1e-10}
+    passage = 1.0 / BPFO
+    columns = [solve_ivp(slope, (0.0, passage), start, **exact).y[:, -1] for start in ([1.0, 0.0], [0.0, 1.0])]
+    turn = abs(np.angle(np.linalg.eigvals(np.array(columns)))).max() / (2.0 * np.pi)  # of a passage, folded to ½
+    assert 0.4 < turn < 0.5
+    record = solve_ivp(slope, (0.0, time[-1]), [1.0, 0.0], t_eval=time, **exact).y[0]
+    spectrum = power_spectrum(record, STEP)
+    peaks = named_peaks(find_peaks(spectrum, lines), spectrum, lines, omega / (2.0 * np.pi), 0.0)
+    told = {peak.also: peak.frequency for peak in peaks if peak.line is None}
+    assert told[(HUB,)] == pytest.approx((1.0 - turn) * BPFO, abs=0.5 * spectrum.resolution)
+    assert told[(f"BPFO − {HUB}",)] == pytest.approx(turn * BPFO, abs=0.5 * spectrum.resolution)
+    assert told[(f"BPFO + {HUB}",)] == pytest.approx((2.0 - turn) * BPFO, abs=0.5 * spectrum.resolution)
+    short = power_spectrum(record[:3000], STEP)
+    found = named_peaks(find_peaks(short, lines), short, lines, omega / (2.0 * np.pi), 0.0)
+    assert {also for peak in found for also in peak.also if HUB in also} <= {HUB}  # chance would name peaks
 
 
 def test_background_is_the_mean_density_of_noise():

@@ -44,7 +44,7 @@ def print_plan(plan: Plan) -> None:
 def _of_the_bearing(scene: Scene) -> dict[str, str]:
     """What the scene alone decides and its file does not say."""
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
-    rows = {"radial clearance": f"{1e6 * bearing.radial_clearance + 1e-9:.3f} µm"}
+    rows = {"diametral clearance": f"{2e6 * bearing.radial_clearance + 1e-9:.3f} µm"}
     if operation.course is not None:
         rows["largest load"] = f"at most {operation.heaviest:.5g} N"
     if operation.varies_speed:

@@ -16,6 +16,7 @@ POINTS = 800  # of each rounded edge; on the bottom and on either side half as m
 PIECES, STRIDE = 8, 16  # of an outline; in each every so many points are looked at, then all around the best
 BESIDE = 0.2  # of half the opening, of the sound surface on either side
 UNSEEN = 1e-9  # m, that a circle sinks between two points of a measured surface: a parabola finds most of it
+NO_HEIGHT = 1e-30  # m: slopes of lesser heights would overflow where monotone cubics take their harmonic mean
 WINDOW = 1.2  # times the way on which a circle over the deepest point could touch the highest one
 
 
@@ -74,6 +75,7 @@ def measured_sinkage(found: MeasuredSurface, own: float, other: float, meeting: 
     from scipy.interpolate import CubicSpline, PchipInterpolator
 
     turn, angle, height = 2.0 * pi, found.table.angle + found.angle, found.table.height
+    height = np.where(np.abs(height) < NO_HEIGHT, 0.0, height)
     count = angle.size * ceil(points_around(own, other, meeting) / angle.size)  # evenly spaced points are among them
     at = angle[0] + turn * np.arange(count + 1) / count
     ends = slice(-3, None), slice(0, 3)  # slopes of monotone cubics know three points

@@ -1,6 +1,8 @@
 """gmsh makes the cross-sections: a disc of near-equilateral triangles, an annulus of equal sectors of quads."""
 
 import itertools
+import signal
+import threading
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import cos, pi, sin
@@ -115,12 +117,22 @@ def gmsh_session(algorithm: int):
     """
     gmsh = _load_gmsh()
     gmsh.initialize(interruptible=False)
+    _hear_signals_again()
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("Mesh.Algorithm", algorithm)
         yield gmsh
     finally:
         gmsh.finalize()
+
+
+def _hear_signals_again() -> None:
+    """Give SIGINT and SIGTERM back to those who listen: gmsh takes them for the system's defaults as it starts."""
+    if threading.current_thread() is threading.main_thread():
+        for number in (signal.SIGINT, signal.SIGTERM):
+            listener = signal.getsignal(number)
+            if listener is not None:
+                signal.signal(number, listener)
 
 
 def _load_gmsh():

@@ -152,7 +152,7 @@ def test_the_option_puts_a_standard_bearing_in_place_of_the_scenes(here, capsys)
     run_main(["--example", "paper"])
     settings = ["--set", "bearing.clearance_um=20", "--set", "operation.inner_ring_and_shaft_kg=1"]
     assert run_main(["paper.toml", "--bearing", "NU206", *settings, "--model", "lagrange", "--dry-run"]) == 0
-    assert "10.000 µm" in capsys.readouterr().out
+    assert "20.000 µm" in capsys.readouterr().out
 
 
 def test_a_clearance_is_another_way_to_give_the_outer_raceway():

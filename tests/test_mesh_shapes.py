@@ -1,5 +1,7 @@
 """gmsh's cross-sections: nodes where the contact weights expect them, cells that tile the shape, bounded distortion."""
 
+import os
+import signal
 from collections import Counter
 from itertools import pairwise
 from math import pi, sin, sqrt, tan
@@ -163,3 +165,16 @@ def test_a_bearings_shapes_have_the_surface_spacing_asked_for(size_mm):
         bearing.outer_raceway_radius,
         bearing.outside_radius,
     )
+
+
+@pytest.mark.skipif(os.name != "posix", reason="POSIX signals")
+def test_meshing_leaves_signals_with_those_who_listen():
+    """gmsh sets SIGTERM to its default as it starts, unseen by Python's signal module."""
+    heard = []
+    before = signal.signal(signal.SIGTERM, lambda number, frame: heard.append(number))
+    try:
+        make(DISCS[1])
+        os.kill(os.getpid(), signal.SIGTERM)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert heard == [signal.SIGTERM]

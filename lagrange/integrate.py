@@ -117,7 +117,7 @@ class NumpyIntegration(Integration):
         self._advance = self._leapfrog if leaps else self._blanes_moan
         self._cage = None
         if cage is not None:
-            ring = complex(start.z[1]) if np.ndim(start.z) else 0j
+            ring = complex(np.asarray(start.z)[1]) if np.ndim(start.z) else 0j
             self._cage = CageSteps(system, cage, step, ring)
             self.memory |= {f"{OF_CAGE}{name}": array for name, array in self._cage.memory.items()}
         sensor = system.problem.operation.mounting.sensor

@@ -2,13 +2,17 @@
 
 import os
 import shutil
+import signal
 import tempfile
+import threading
 from pathlib import Path
 from unittest import mock
 
 import pytest
 
 os.environ.setdefault("MPLBACKEND", "Agg")
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN and threading.current_thread() is threading.main_thread():
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background command: children ignore it, too
 _CACHE = tempfile.TemporaryDirectory(prefix="test-cache-")  # a user's cache neither helps a test nor is changed by one
 mock.patch("meshes.cache.cache_folder", lambda: Path(_CACHE.name) / "meshes").start()
 

@@ -4,6 +4,7 @@ import pytest
 
 from lagrange.scene import read_scene
 from tests.reference.live_server import command_served
+from tests.waiting import GIVE_UP
 
 WIDTHS = (390, 1280)
 
@@ -18,6 +19,7 @@ def live():
 def page(browser, live, request):
     """The page of a width; what it asked for and complained of is kept. Tests leave it as they found it."""
     context = browser.new_context(viewport={"width": request.param, "height": 800})
+    context.set_default_timeout(1e3 * GIVE_UP)
     page = context.new_page()
     page.asked, page.complaints = [], []
     page.on("request", lambda asked: page.asked.append(asked.url))
@@ -144,6 +146,7 @@ def test_it_can_be_paused_slowed_down_and_taken_step_by_step(page):
 def test_the_page_says_when_the_program_has_ended(browser):
     with command_served() as address:
         page = browser.new_page()
+        page.set_default_timeout(1e3 * GIVE_UP)
         page.goto(address)
         wait_for_frames(page, 1)
     page.locator("#ended").wait_for()

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.waiting import GIVE_UP
+
 WIDTHS = (390, 1280)
 
 
@@ -30,6 +32,7 @@ def report(coarse_run, tmp_path_factory):
 def page(browser, report, request):
     """The report open at a width; what it asked for and complained of is kept."""
     context = browser.new_context(viewport={"width": request.param, "height": 800}, offline=True)
+    context.set_default_timeout(1e3 * GIVE_UP)
     page = context.new_page()
     page.asked, page.complaints = [], []
     page.on("request", lambda asked: page.asked.append(asked.url))

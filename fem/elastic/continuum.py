@@ -99,9 +99,7 @@ def ring_sag(free_radius: float, held_radius: float, material: Material, gravity
     def of_weight(r):
         """As the rows of `annulus_modes`, at r free radii."""
         displacement = 0.5 * mu * bend * r**2
-        return np.array(
-            [3.0 * displacement, -displacement, (2.0 * lame_lambda + 3.0 * mu) * bend * r, -mu * bend * r]
-        )
+        return np.array([3.0 * displacement, -displacement, (2.0 * lame_lambda + 3.0 * mu) * bend * r, -mu * bend * r])
 
     still, free = annulus_modes(one, t, t, kappa)[0], annulus_modes(one, 1.0, t, kappa)[0]
     conditions = np.concatenate([still[:2], free[2:]])

@@ -45,7 +45,7 @@ class Wish(BaseModel):
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
 
     frame: bool = False  # the next one, when there is one
-    step: bool = False  # one frame, where the run is paused
+    step: bool = False  # `playing.STEP` further, where the run is paused
     values: Values | None = None
     pace: Pace | None = None
 

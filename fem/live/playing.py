@@ -19,6 +19,7 @@ from fem.live.player import Player
 from lagrange.scene import SceneError
 
 FRAME = 0.04  # s, of wall time: 25 frames a second, so that waiting leaves 20
+STEP = 0.05  # s, of the page's time: how far a paused run goes on when asked to
 WORK = 0.85  # of a frame's time at most that steps take: the rest is for its spectrum
 PATIENCE = 0.5  # s after the last frame: who has not asked for another by then does not look
 MEMORY = 0.1  # a frame's share in the mean pace shown
@@ -50,7 +51,7 @@ class Playing(Thread):
             self._changed.notify()
 
     def ask_for_step(self) -> None:
-        """Go on by one frame, of a paused run."""
+        """Go on by a step, of a paused run."""
         with self._changed:
             self._step = True
             self._changed.notify()
@@ -116,7 +117,8 @@ class Playing(Thread):
         """Go on by what the pace asks for since the last time."""
         with self._changed:
             pace, step, self._step = self._pace, self._step, False
-            since = FRAME if step or self._advanced is None else min(began - self._advanced, 2.0 * FRAME)
+            since = FRAME if self._advanced is None else min(began - self._advanced, 2.0 * FRAME)
+            since = STEP if step else since
         if not (pace.playing or step):
             return
         interval = self._player.plan.interval

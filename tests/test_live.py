@@ -198,7 +198,7 @@ def test_frames_are_made_for_those_who_wait_and_no_others(player):
     playing.ask_for_frame()
     playing.ask_for_step()
     second = next_frame()
-    assert second["time"] - first["time"] == pytest.approx(0.8)  # ms: a 25th of a second at 1/50
+    assert second["time"] - first["time"] == pytest.approx(1.0)  # ms: a twentieth of a second at 1/50
     playing.change_pace(Pace(slowness=500.0))
     for _ in range(2):
         playing.ask_for_frame()

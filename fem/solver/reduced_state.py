@@ -96,7 +96,7 @@ class ReducedState(RowState):
             return block
         step, self.void_steps = self.plan.time_step, self.void_steps + self.progress.steps
         self._halvings += 1
-        self.done, self.imbalance = 0, 0.0
+        self.done, self.imbalance, self._largest = 0, 0.0, np.zeros_like(self._largest)
         self._begin()
         reason = f"energy does not balance to {LIMIT:g} of what is exchanged with steps of {1e6 * step:.3g} µs"
         return Block(samples=samples, begins_again=f"{reason}; the run begins again with half of it")

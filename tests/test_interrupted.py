@@ -20,8 +20,6 @@ STEADY = ["--mesh-size", "2", "--duration", "100000", "--checkpoint", "0"]
 STRUCK = """
 import os, signal, sys
 
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background commands ignore it
-
 def strike(event, arguments):
     if event == "open" and str(arguments[0]).endswith("s.toml"):
         os.kill(os.getpid(), signal.{signal})

@@ -173,13 +173,18 @@ def result_name(scene_name: str, settings: Sequence[str]) -> str:
     return f"{whole[:LONGEST_NAME]}-{zlib.crc32(whole.encode()):08x}"
 
 
-def run_app_main(app: App, arguments: list[str] | None) -> int:
-    """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback."""
+def open_streams() -> None:
+    """Make both streams ready for any text."""
     for name in ("stdout", "stderr"):  # closed ones' numbers would go to the next file opened, and complaints into that
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))
         elif hasattr(stream := getattr(sys, name), "reconfigure"):
             stream.reconfigure(errors="replace")  # of a code page that lacks the minus sign
+
+
+def run_app_main(app: App, arguments: list[str] | None) -> int:
+    """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback."""
+    open_streams()
     try:
         _check_environment()
         result = app(arguments, exit_on_error=False, print_error=False)

@@ -1,12 +1,13 @@
 """The command `render-fem`. Imports little: everything heavy waits until a run has been found."""
 
+import os
 from math import inf
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from fem.cli import RUNS, new_app, run_app_main
+from fem.cli import RUNS, new_app, open_streams, run_app_main
 from fem.collecting import imported, importing, leave
 from fem.errors import UsageError
 from fem.outcome import Outcome
@@ -160,9 +161,6 @@ def _samples(stored, start: float | None, stop: float | None, frames: int | None
 
 
 def _picture(stored, target: Path, request, sample: int) -> int:
-    from fem.pictures.rendering_probe import check_rendering
-
-    check_rendering()
     from fem.pictures.render import draw
 
     draw(stored, target, request, sample)
@@ -171,9 +169,6 @@ def _picture(stored, target: Path, request, sample: int) -> int:
 
 
 def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> int:
-    from fem.pictures.rendering_probe import check_rendering
-
-    check_rendering()
     from fem.pictures.film import write_film
     from fem.pictures.render import Renderer
     from fem.progress import count_display
@@ -235,10 +230,27 @@ def render_main(arguments: list[str] | None = None) -> int:
         return run_app_main(render_app, arguments)
 
 
+def _render_here() -> None:
+    """`render-fem` in this process, which ends."""
+    hear_termination()
+    leave(render_main())
+
+
 def render_fem() -> None:
     """Entry point."""
     hear_termination()
-    leave(render_main())
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others would only wait, and waiting takes their time too
+    open_streams()
+    try:
+        from fem.pictures.own_process import run_apart
+
+        code = run_apart(_render_here)
+    except UsageError as error:
+        from lagrange.messages import say
+
+        say(Outcome.UNUSABLE.told(reason=error))
+        code = Outcome.UNUSABLE.code
+    leave(code)
 
 
 if __name__ == "__main__":

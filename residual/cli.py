@@ -1,6 +1,7 @@
 """The command `check-residual`. Imports little: everything heavy waits until a run is read."""
 
 import gc
+import os
 import signal
 import sys
 from pathlib import Path
@@ -242,6 +243,7 @@ def main(arguments: list[str] | None = None) -> int:
 def check_residual() -> None:
     """Entry point of the installed command."""
     signal.signal(signal.SIGTERM, _terminated)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others would only wait, and waiting takes their time too
     gc.disable()  # a report's only garbage is its figures, 20 MB; looking for it takes a tenth of the time
     code = main()
     gc.freeze()  # nor is all that libraries have made searched once more as the process ends

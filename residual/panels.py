@@ -10,7 +10,7 @@ BELOW, BETWEEN = 0.52, 0.17  # tick labels and the axis' name; panels that share
 MARGIN, LINE = 0.1, 0.2  # above panels, and for each line of text there
 NAME_BESIDE, NAME_BELOW = 0.68, 0.36  # of axes, from the panel to the name's middle
 SLIM, SLIM_GAP, SLIM_LABELS = 0.6, 0.12, 0.5  # axes for the paper's ranges
-MOST_STEPS = 6  # between ticks of a y axis; each tick is five artists, and ticks take half of a figure's time
+MOST_STEPS = 5  # between ticks of a y axis; each tick is five artists, and ticks take half of a figure's time
 COLOUR_BAR = 1.0  # at the right of panels with a scale of colours
 
 

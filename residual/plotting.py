@@ -1,5 +1,6 @@
 """What gives all figures one look: style, colours, marks of kinematic lines, files in PNG and SVG."""
 
+import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 
 DPI = 150
 MARK = 0.012  # of a panel's height, long
-PACKED: "dict[str, Any]" = {"compress_level": 1}  # PNG of half as large again as 6, in a quarter of the time
+# PNG about as large as at level 6 by default, in a third of the time
+PACKED: "dict[str, Any]" = {"compress_level": 1, "compress_type": zlib.Z_RLE}
 STYLE: "dict[RcKeyType, Any]" = {
     "font.family": "DejaVu Sans",
     "font.size": 11,

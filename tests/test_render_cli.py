@@ -1,13 +1,14 @@
 """The command render-fem: pictures, films, exports, and what it says of unusable options."""
 
-import subprocess
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from fem.render_cli import render_main
+from fem.errors import UsageError
+from fem.pictures.rendering_probe import trouble
+from fem.render_cli import render_fem, render_main
 
 
 def test_the_command_writes_a_png_of_the_width_asked_for(can_draw, coarse_run, tmp_path, capsys):
@@ -68,15 +69,17 @@ def test_a_film_that_fails_leaves_nothing(can_draw, coarse_run, tmp_path, monkey
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_command_on_a_machine_that_cannot_draw_exits_2_and_leaves_no_picture(
-    monkeypatch, coarse_run, tmp_path, capsys
-):
-    monkeypatch.setattr(subprocess, "run", lambda *_, **__: subprocess.CompletedProcess([], -11, "", ""))
-    target = tmp_path / "bearing.png"
-    assert render_main([str(coarse_run), "--output", str(target)]) == 2
+def test_the_command_on_a_machine_that_cannot_draw_exits_2(monkeypatch, capsys):
+    def crash(command):
+        raise UsageError(trouble("the renderer crashed"))
+
+    monkeypatch.setattr("fem.pictures.own_process.run_apart", crash)
+    monkeypatch.setattr("fem.render_cli.hear_termination", lambda: None)
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
+    with pytest.raises(SystemExit) as ended:
+        render_fem()
     told = capsys.readouterr().err
-    assert "apt-get install" in told and "Traceback" not in told
-    assert not target.exists()
+    assert ended.value.code == 2 and "apt-get install" in told and "Traceback" not in told
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """Pictures of a run, drawn off-screen; the same run and request give the same picture.
 
-Call `fem.pictures.rendering_probe.check_rendering` before importing this: where system libraries are missing, the
-renderer does not raise but ends the process.
+Call `fem.pictures.rendering_probe.check_rendering` before importing this, or use it in a process of its own, as by
+`fem.pictures.own_process`: where system libraries are missing, the renderer does not raise but ends the process.
 """
 
 from collections.abc import Sequence

@@ -16,6 +16,9 @@ import pyvista as pv
 from matplotlib.colors import Colormap
 from PIL import Image
 
+from fem.errors import UsageError
+from fem.pictures.rendering_probe import trouble
+
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
 BOLD = FONT.replace("DejaVuSans", "DejaVuSans-Bold")
 FROM_FILE = 4  # VTK_FONT_FILE
@@ -128,9 +131,16 @@ class Canvas:
             renderer.clear_actors()
 
     def image(self) -> np.ndarray:
-        """(height, width, 3) bytes."""
+        """(height, width, 3) bytes.
+
+        Errors
+        ------
+        UsageError: the driver draws nothing.
+        """
         self._plotter.render()
         pixels = np.ascontiguousarray(self._plotter.screenshot(return_img=True)[..., :3])
+        if pixels.min() == pixels.max():
+            raise UsageError(trouble("the picture is blank"))
         return np.asarray(Image.fromarray(pixels).reduce(self._finer))
 
     def __enter__(self) -> "Canvas":

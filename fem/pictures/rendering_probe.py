@@ -1,4 +1,7 @@
-"""Whether this machine can draw off-screen, asked of another process: it may crash."""
+"""Whether this machine can draw off-screen, asked of another process, because drawing may crash: for Python.
+
+The command `render-fem` draws in a process of its own instead, `own_process`.
+"""
 
 import os
 import subprocess
@@ -47,11 +50,11 @@ def check_rendering() -> None:
             timeout=PATIENCE,
         )
     except subprocess.TimeoutExpired:
-        raise UsageError(_trouble(f"a trial picture was not finished in {PATIENCE:.0f} s")) from None
+        raise UsageError(trouble(f"a trial picture was not finished in {PATIENCE:.0f} s")) from None
     except OSError as error:
-        raise UsageError(_trouble(f"a trial could not be started: {error.strerror}")) from None
+        raise UsageError(trouble(f"a trial could not be started: {error.strerror}")) from None
     if done.returncode != 0:
-        raise UsageError(_trouble(_reason(done)))
+        raise UsageError(trouble(_reason(done)))
 
 
 def _reason(done: subprocess.CompletedProcess) -> str:
@@ -61,5 +64,6 @@ def _reason(done: subprocess.CompletedProcess) -> str:
     return f"a trial picture failed (exit {done.returncode})" + (f": {said[-1].strip()[:200]}" if said else "")
 
 
-def _trouble(reason: str) -> str:
+def trouble(reason: str) -> str:
+    """Say why nothing can be drawn, and what cures it."""
     return f"this machine can't draw off-screen ({reason}); install the system libraries:\n{CURE}"

@@ -42,7 +42,8 @@ class Direction:
     spectrum: Spectrum
     peaks: list[Peak]
     levels: list[LineLevel]  # of kinematic lines and resolved sidebands
-    envelope: Envelope | None
+    resonance: float  # Hz, estimate of the inner ring on its contacts in this direction; 0 where they hold nothing
+    envelope: Envelope | None  # around it
     term_spectra: dict[str, Spectrum]  # of each term of the budget
     vibration: Vibration  # of the hub, by the run's own acceleration where the source tells it
     orders: OrderSpectra | None  # where the shaft's speed changes
@@ -62,7 +63,6 @@ class Evaluation:
     lines: dict[str, float]  # kinematic lines, Hz; none where the shaft stands, or its speed changes
     watched: list[tuple[LineLevel, LineLevel]]  # lines the user asked for, in x and y
     ideal_cage: float  # Hz, of rolling without slip; `lines` go by the run's own cage speed
-    resonance: float  # Hz, estimate of the inner ring on its contacts
     quarters: Quarters | None  # what varies in each; None for a record too short for it
     chatter: int  # samples, the longest opening within one pass through the load zone
     identified: dict[str, Identification]  # laws fitted to the run's own forces, by name
@@ -172,11 +172,14 @@ def evaluate(
     tracking = tracking_of(used)
     notes += _speed_notes(used, tracking)
     far = ~near_contact_change(budget.loaded, order // 2)
-    resonance = _resonance(used, law, budget)
+    own = identified.get("fitted")
+    resonances = _resonances(used, law if own is None else own.law, budget)  # a law may be a tenth too soft
     noise = NOISE * _largest_force(used, budget)
     central = slice(max(0, order // 2 - first), used.time.size - order // 2)  # where stencils are
 
-    def direction(name: str, part: DirectionBudget, motion: np.ndarray, acceleration: np.ndarray) -> Direction:
+    def direction(
+        name: str, part: DirectionBudget, motion: np.ndarray, acceleration: np.ndarray, resonance: float
+    ) -> Direction:
         spectrum = power_spectrum(part.error, interval, _slowest(lines))
         return Direction(
             name=name,
@@ -188,6 +191,7 @@ def evaluate(
             spectrum=spectrum,
             peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines, resonance, noise),
             levels=line_levels(spectrum, lines),
+            resonance=resonance,
             envelope=envelope(part.error, interval, resonance, _slowest(lines)),
             term_spectra={name: power_spectrum(term, interval, _slowest(lines)) for name, term in part.terms.items()},
             vibration=vibration(acceleration, interval, lines),
@@ -195,21 +199,21 @@ def evaluate(
         )
 
     x, y = (
-        direction(name, part, place, whole if own is None else own)
-        for name, part, place, whole, own in zip(
+        direction(name, part, place, whole if own is None else own, resonance)
+        for name, part, place, whole, own, resonance in zip(
             "xy", (budget.x, budget.y), (used.inner_x, used.inner_y), accelerations.whole,
-            (used.inner_ax, used.inner_ay), strict=True,
+            (used.inner_ax, used.inner_ay), resonances, strict=True,
         )
     )  # fmt: skip
     watched = [(watched_level(x.spectrum, name, lines), watched_level(y.spectrum, name, lines)) for name in watch]
     notes += [_unresolved_note(level, x.spectrum.resolution) for level, _ in watched if not level.resolved]
-    notes += _rate_notes(resonance, interval, order)
+    notes += _rate_notes(max(resonances), interval, order)
     notes += _folding_notes(used, law, budget, (x, y))
     parts = quarters(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
     notes += [] if parts is None or parts.note is None else [parts.note]
     return Evaluation(
         record=used, law=law, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
-        watched=watched, ideal_cage=ideal.frequencies["FTF"], resonance=resonance, chatter=chatter, quarters=parts,
+        watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=parts,
         identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), notes=tuple(notes),
     )  # fmt: skip
 
@@ -290,13 +294,20 @@ def _largest_force(record: Record, budget: Budget) -> float:
     return max(record.load, float(budget.law_force.max()))
 
 
-def _resonance(record: Record, law: Law, budget: Budget) -> float:
-    """Frequency of the inner ring's vertical mode, Hz, each roller's two contacts in series, rollers without mass."""
+def _resonances(record: Record, law: Law, budget: Budget) -> tuple[float, float]:
+    """Frequencies of the inner ring's modes along x and y, Hz, each roller's contacts in series, rollers without mass.
+
+    Rollers about the load line hold the ring along it better than across it.
+    """
     slope = law.slope(budget.contacts.inner)
-    stiffness = 0.5 * np.mean(np.sum(slope * budget.contacts.direction_y**2, axis=1))
     shaft = record.operation.mounting.shaft
-    stiffness += 0.0 if shaft is None else shaft.stiffness
-    return float(np.sqrt(stiffness / record.operation.inner_mass) / (2.0 * np.pi))
+    beside = 0.0 if shaft is None else shaft.stiffness
+
+    def mode(direction: np.ndarray) -> float:
+        stiffness = 0.5 * np.mean(np.sum(slope * direction**2, axis=1)) + beside
+        return float(np.sqrt(stiffness / record.operation.inner_mass) / (2.0 * np.pi))
+
+    return mode(budget.contacts.direction_x), mode(budget.contacts.direction_y)
 
 
 def _rate_notes(resonance: float, interval: float, order: int) -> list[str]:

@@ -18,9 +18,11 @@ CARRIERS = ("BPFO", "2×BPFO", "BPFI", "2×BPFI")
 CAGE_HARMONICS = (2, 3)
 SIDES = tuple((carrier, modulator) for carrier in CARRIERS for modulator in ("shaft", "FTF"))
 HUB = "hub on its contacts"
-NEAR_RESONANCE = 0.08  # of it: the estimate takes rollers without mass, and both directions for one
+NEAR_RESONANCE = 0.08  # of it: of rollers without mass, whose two contacts are taken as equally stiff
+MOST_PASSAGES = 4  # that are told of in a product with the hub's vibration: further ones are weak
 SURE = 0.999  # a line stands out where noise on the background would stay below with this probability
-PASSES = ("BPFO", 1), ("BPFI", 1), ("BSF", 2)  # what passes a place of the outer ring, the inner ring, a roller
+# what passes a place of the outer ring, the inner ring, a roller, and what swells and fades its force
+PASSES = ("BPFO", 1, "FTF"), ("BPFI", 1, "shaft"), ("BSF", 2, "FTF")
 APART = 20  # bins between harmonics of one family: by chance a peak lies within half a bin of one in twenty
 SAME_LINE = 0.01  # relative: a frequency asked for in Hz this near a line is that line
 
@@ -102,10 +104,10 @@ def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> L
 def named_peaks(
     peaks: list[Peak], spectrum: Spectrum, lines: dict[str, float], resonance: float, noise: float
 ) -> list[Peak]:
-    """Name peaks without a line after a resolved sideband within half a bin, or after higher harmonics of passes.
+    """Name peaks without a line after a resolved sideband within half a bin, or after higher multiples of passes.
 
-    Those near the hub's resonance, Hz, are named so too, and what passing rollers make of a higher one of them; peaks
-    of no more than the noise, N rms, are left out. Peaks: highest first.
+    Those near the hub's resonance in the spectrum's direction, Hz, are named so too, and what passing rollers make of a
+    higher one of them; peaks of no more than the noise, N rms, are left out. Peaks: highest first.
     """
     bands = [level for level in line_levels(spectrum, lines) if level.name not in lines]
     named: list[Peak] = []
@@ -121,29 +123,42 @@ def named_peaks(
             hubs += [] if peak.line else [peak.frequency]
         if peak.line is None and not modulated:
             near = [level.name for level in bands if abs(level.frequency - peak.frequency) <= 0.5 * spectrum.resolution]
-            names = near[:1] or high_harmonics(peak.frequency, lines, spectrum.resolution)
+            names = near[:1] or high_lines(peak.frequency, spectrum, lines)
             peak = replace(peak, line=names[0], also=(*names[1:], *peak.also)) if names else peak
         named.append(peak)
     return named
 
 
-def high_harmonics(frequency: float, lines: dict[str, float], resolution: float) -> list[str]:
-    """Harmonics of passes beyond `lines`, Hz, within half a bin of a frequency, nearest first: ["10×BPFO"].
+def high_lines(frequency: float, spectrum: Spectrum, lines: dict[str, float]) -> list[str]:
+    """Multiples of passes beyond `lines`, Hz, and their sidebands within half a bin of a frequency, nearest first.
 
-    A spall's strikes are short, and strongest where they meet a resonance, many harmonics up. None of a family whose
-    harmonics lie so near each other that chance would name peaks.
+    "10×BPFO": a spall's strikes are short, and strongest where they meet a resonance, many harmonics up. A name needs
+    evidence: of a multiple that another one stands out too, the next below or above it or the first; of a sideband its
+    multiple, or the same sideband of the next multiples. None of a family whose multiples lie so near each other that
+    chance would name peaks.
     """
     found = []
-    for name, every in PASSES:
+    for name, every, modulator in PASSES:
         spacing = every * lines.get(name, 0.0)
-        if spacing < APART * resolution:
+        if spacing < APART * spectrum.resolution:
             continue
-        k = round(frequency / spacing)
-        away = abs(frequency - k * spacing)
-        full = name if k * every == 1 else f"{k * every}×{name}"
-        if k > 0 and full not in lines and away <= 0.5 * resolution:
-            found.append((away, full))
+        for symbol, shift in (("", 0.0), ("−", -lines.get(modulator, 0.0)), ("+", lines.get(modulator, 0.0))):
+            k = round((frequency - shift) / spacing)
+            away = abs(frequency - shift - k * spacing)
+            full = name if k * every == 1 else f"{k * every}×{name}"
+            if k < 1 or away > 0.5 * spectrum.resolution or (symbol and not shift) or (not symbol and full in lines):
+                continue
+            witnesses = [(k + side) * spacing + shift for side in (-1, 1) if k + side > 0]
+            witnesses.append(k * spacing if symbol else spacing)
+            if any(_is_witness(spectrum, each, frequency) for each in witnesses):
+                found.append((away, f"{full}{symbol}{modulator}" if symbol else full))
     return [full for _, full in sorted(found)]
+
+
+def _is_witness(spectrum: Spectrum, frequency: float, peak: float) -> bool:
+    """Whether a line stands out of the background, so far from a peak that it is no part of that."""
+    reach = MAIN_LOBE * spectrum.resolution
+    return abs(frequency - peak) >= 2.0 * reach and _in_band(spectrum, frequency - reach, frequency + reach)[2]
 
 
 def modulated_hub(frequency: float, hubs: list[float], lines: dict[str, float], resolution: float) -> str | None:
@@ -159,7 +174,7 @@ def modulated_hub(frequency: float, hubs: list[float], lines: dict[str, float], 
     for hub in hubs:
         for sign in (-1, 1):
             k = round((frequency - sign * hub) / passing)
-            if k != 0 and abs(k * passing + sign * hub - frequency) <= 0.5 * resolution:
+            if 0 < abs(k) <= MOST_PASSAGES and abs(k * passing + sign * hub - frequency) <= 0.5 * resolution:
                 multiple = "BPFO" if abs(k) == 1 else f"{abs(k)}×BPFO"
                 return f"{HUB} − {multiple}" if k < 0 else f"{multiple} {'−' if sign < 0 else '+'} {HUB}"
     return None
@@ -183,14 +198,19 @@ def _level(spectrum: Spectrum, name: str, frequency: float, among: dict[str, flo
     obstacle, gap = nearest_line(frequency, among)
     half = half_band(gap, step)
     low, high = frequency - half, frequency + half
-    inside = (spectrum.frequency >= low) & (spectrum.frequency <= high) & (spectrum.frequency > 0.0)
-    background = spectrum.smooth_background[inside].sum() * step
-    rms = float(np.sqrt(spectrum.psd[inside].sum() * step))
+    rms, background, stands_out = _in_band(spectrum, low, high)
     return LineLevel(
-        name=name, frequency=frequency, rms=rms, background=float(np.sqrt(background)), low=low, high=high,
-        stands_out=bool(rms**2 > background * _excess(int(inside.sum()), spectrum.segments)),
+        name=name, frequency=frequency, rms=rms, background=background, low=low, high=high, stands_out=stands_out,
         resolved=bool(gap >= MAIN_LOBE * step), obstacle=obstacle, record_needed=MAIN_LOBE / gap,
     )  # fmt: skip
+
+
+def _in_band(spectrum: Spectrum, low: float, high: float) -> tuple[float, float, bool]:
+    """Rms in a band, Hz, rms of the background alone there, and whether the first exceeds what noise would be."""
+    inside = (spectrum.frequency >= low) & (spectrum.frequency <= high) & (spectrum.frequency > 0.0)
+    background = spectrum.smooth_background[inside].sum() * spectrum.resolution
+    rms = float(np.sqrt(spectrum.psd[inside].sum() * spectrum.resolution))
+    return rms, float(np.sqrt(background)), bool(rms**2 > background * _excess(int(inside.sum()), spectrum.segments))
 
 
 def _excess(n_bins: int, segments: int) -> float:

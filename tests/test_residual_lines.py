@@ -14,10 +14,10 @@ from residual.cli import main
 from residual.envelope import envelope
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.lines import HUB, high_harmonics, line_levels, named_peaks, sidebands, watched_level
+from residual.lines import HUB, high_lines, line_levels, named_peaks, sidebands, watched_level
 from residual.sources import read_result
 from residual.spectrum import find_peaks, kinematic_lines, power_spectrum
-from tests.reference.synthetic_run import make_run, write_result
+from tests.reference.synthetic_run import harris_force, make_run, run_variables, write_result
 
 STEP = 1e-5
 BPFO, SHAFT, CAGE = 381.52, 75.0, 29.348
@@ -73,14 +73,60 @@ def test_peaks_at_sidebands_get_their_name():
     assert {"BPFO", "BPFO−shaft", "BPFO+shaft"} <= {peak.line for peak in peaks}
 
 
-def test_high_harmonics_of_a_spalls_passes_get_their_name():
+def tones(duration, *frequencies):
+    return sum(np.cos(2.0 * np.pi * f * times(duration)) for f in frequencies) + noise(duration)
+
+
+def test_high_multiples_of_a_spalls_passes_get_their_name():
     """A strike rings out near 4 kHz at the outer ring and at 6 kHz on a roller; 4.3 kHz belongs to nothing."""
-    time, roller = times(0.6), 2.0 * paper_lines()["BSF"]
-    rings = sum(np.cos(2.0 * np.pi * f * time) for f in (10 * BPFO, 11 * BPFO, 18 * roller, 4310.0))
-    spectrum = power_spectrum(rings + noise(0.6), STEP)
+    roller = 2.0 * paper_lines()["BSF"]
+    rings = tones(0.6, 10 * BPFO, 11 * BPFO, 18 * roller, 19 * roller, 4310.0)
+    spectrum = power_spectrum(rings, STEP)
     peaks = named_peaks(find_peaks(spectrum, paper_lines()), spectrum, paper_lines(), 0.0, 0.0)
-    assert {peak.line for peak in peaks[:4]} == {"10×BPFO", "11×BPFO", "36×BSF", None}
-    assert high_harmonics(10 * BPFO, paper_lines(), BPFO / 10.0) == []  # ten bins apart: chance would name peaks
+    assert {peak.line for peak in peaks[:5]} == {"10×BPFO", "11×BPFO", "36×BSF", "38×BSF", None}
+    coarse = power_spectrum(rings[: round(10.0 / BPFO / STEP)], STEP)
+    assert high_lines(10 * BPFO, coarse, paper_lines()) == []  # ten bins apart: chance would name peaks
+
+
+@pytest.mark.parametrize("beside", ["12×BPFO", "11×BPFO+FTF"])
+def test_a_sideband_of_a_multiple_that_is_there_wins_over_a_multiple_of_what_is_not(beside):
+    """28×BSF and 12×BPFO+FTF are one frequency here: what else stands in the spectrum says which of them it is."""
+    lines = {"FTF": 19.3, "BPFO": 250.9, "BPFI": 377.0, "shaft": 48.3}
+    frequency = 12 * lines["BPFO"] + lines["FTF"]
+    lines["BSF"] = frequency / 28
+    witness = {"12×BPFO": frequency - lines["FTF"], "11×BPFO+FTF": frequency - lines["BPFO"]}[beside]
+    spectrum = power_spectrum(tones(0.6, frequency, witness), STEP)
+    assert high_lines(frequency, spectrum, lines) == ["12×BPFO+FTF"]
+    rolling = power_spectrum(tones(0.6, frequency, 2 * lines["BSF"]), STEP)
+    assert high_lines(frequency, rolling, lines) == ["28×BSF"]
+    both = power_spectrum(tones(0.6, frequency, witness, 26 * lines["BSF"]), STEP)
+    assert set(high_lines(frequency, both, lines)) == {"12×BPFO+FTF", "28×BSF"}
+    alone = power_spectrum(tones(0.6, frequency), STEP)
+    assert high_lines(frequency, alone, lines) == []
+
+
+def test_the_hub_has_a_resonance_of_its_own_in_each_direction(tmp_path):
+    """Stiffnesses of the prescribed approaches by differences of Harris's law, half of them for two contacts in series.
+
+    The run's own forces are 0.9 of that law's, and so are its stiffnesses.
+    """
+    run = make_run(n_times=2001)
+    evaluation = evaluate(read_result(write_result(tmp_path / "a.nc", run, run_variables(run, force_factor=0.9))))
+    depth, step = 2.05e-6 * -np.sin(run.angle), 1e-10
+    slope = (harris_force(depth + step) - harris_force(depth - step)) / (2.0 * step)
+    mass = run.scene.operation.inner_ring_and_shaft_kg
+    for found, part in ((evaluation.x, np.cos), (evaluation.y, np.sin)):
+        stiffness = 0.9 * 0.5 * np.mean(np.sum(slope * part(run.angle) ** 2, axis=1))
+        assert found.resonance == pytest.approx(np.sqrt(stiffness / mass) / (2.0 * np.pi), rel=1e-3)
+    assert evaluation.x.resonance < 0.99 * evaluation.y.resonance
+
+
+def test_a_vibration_across_the_load_is_named_by_the_resonance_across_it():
+    lines = {"BPFO": 250.9}
+    spectrum = power_spectrum(tones(0.6, 2700.0), STEP)
+    found = find_peaks(spectrum, lines)
+    assert [HUB in peak.also for peak in named_peaks(found, spectrum, lines, 2750.0, 0.0)[:1]] == [True]
+    assert [HUB in peak.also for peak in named_peaks(found, spectrum, lines, 4600.0, 0.0)[:1]] == [False]
 
 
 def test_sideband_frequencies():

@@ -13,6 +13,7 @@ import numpy as np
 
 from fem.errors import RunFailed
 from fem.solver.compiling import CompiledPlan
+from fem.solver.guards import THROUGH, n_in_place, through_trouble
 from fem.solver.pace import in_words, pace
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import Block, Numbers, RunState, Samples, sample_count
@@ -187,8 +188,14 @@ class LagrangianState(RunState):
         with self.timed():
             part = simulation.advance(most)
             samples = None if part is None else self._samples(part)
-        self.done = simulation.done
+        begun, self.done = self.done, simulation.done
         if samples is not None:
+            bearing = self.plan.problem.bearing
+            in_place = n_in_place(bearing, THROUGH * bearing.roller_radius, samples)
+            if in_place < len(samples):
+                self.done = begun + in_place
+                trouble = through_trouble(simulation.time_step, samples, in_place)
+                return Block(samples=samples.first(in_place), trouble=trouble)
             self.imbalance = float(samples.relative_imbalance()[-1])
             self._largest = np.fmax(self._largest, largest_forces(samples))
         if simulation.trouble is not None or self.done < self.plan.n_samples or simulation.verdict is Verdict.RESOLVED:

@@ -46,6 +46,7 @@ class ReducedPlan(CompiledPlan):
     operation: Operation
     tangential: np.ndarray  # (3,), m/N, of contacts that stick under the largest static force
     start: ReducedStart
+    static_energy: float  # J, of contacts that hold the load at rest
     critical_time_step: float  # s
     stride: int  # steps between samples
     looks: int  # at the energy per sample
@@ -147,6 +148,10 @@ def make_plan(scene: Scene) -> ReducedPlan:
         operation=operation,
         tangential=tangential,
         start=rest_start(model, operation) if numerics.start == "rest" else loaded,
+        static_energy=float(
+            model.contacts.inner_law.energy(loaded.inner_force).sum()
+            + model.contacts.outer_law.energy(loaded.outer_force).sum()
+        ),
         critical_time_step=critical,
         stride=looks * ceil(steps / looks),
         looks=looks,

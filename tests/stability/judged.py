@@ -33,6 +33,7 @@ ROUNDED = 1.01  # its three digits, and what the rest of the balance misses
 STATIC = 1e-6  # of the load, what the first sample's forces may miss of it
 OTHER_MODEL = {"fem": "reduced", "reduced": "fem"}
 MESH = 0.05  # of the hub's place, what coarse meshes of soft rings may miss of series
+GROWTH = 0.01  # of what rings grow by as they spin
 NOTHING = 1e-10  # m, an atom's radius
 
 
@@ -141,7 +142,8 @@ def _unlike(record: Record) -> list[str]:
         return []
     wanted = plan.start.hub if other == "reduced" else plan.start.equilibrium.hub
     missed = float(np.hypot(record.inner_x[0] - wanted[0], record.inner_y[0] - wanted[1]))
-    if missed <= MESH * float(np.hypot(*wanted)) + NOTHING:
+    clearance = abs(record.bearing.radial_clearance)  # of which the hub may have what growing rings leave
+    if missed <= MESH * float(np.hypot(*wanted)) + GROWTH * clearance + NOTHING:
         return []
     place = f"{1e6 * record.inner_x[0]:.4g}, {1e6 * record.inner_y[0]:.4g} µm"
     return [f"the hub starts at {place}, by {other} at {1e6 * wanted[0]:.4g}, {1e6 * wanted[1]:.4g} µm"]

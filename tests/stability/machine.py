@@ -30,15 +30,15 @@ ENDINGS = {0: COMPLETE, 1: STOPPED, 2: REFUSED}
 app = App(help=__doc__)
 
 
-def tried(seed: int, number: int, models: tuple[str, ...]) -> tuple[str, str, str, float] | None:
+def tried(seed: int, number: int, sets: int, models: tuple[str, ...]) -> tuple[str, str, str, float] | None:
     """Model, ending, what it said, seconds; None of a scene of another model."""
-    model = model_of(seed, number)
+    model = model_of(seed, number, sets)
     if model not in models:
         return None
     began = time.perf_counter()
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        tables = machine_scene(seed, number, folder)
+        tables = machine_scene(seed, number, sets, folder)
         (folder / "scene.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
         done = forked.run(["run-fem", "scene.toml", "--output", "run.nc", "--quiet"], folder, TIME_LIMIT)
         ending, what = ENDINGS.get(done.code, FAILED), done.said
@@ -57,6 +57,7 @@ def main(
     scenes: int = 200,
     seed: int = 1,
     first: int = 0,
+    sets: int = 48,
     models: tuple[str, ...] = MODELS,
     output: Path | None = None,
     seconds: float = 1e9,
@@ -68,6 +69,7 @@ def main(
     scenes: how many
     seed: of all
     first: number of the first scene
+    sets: of tables, each of which compiles a time loop of its own
     models: only scenes of these; the others are passed over
     output: CSV, a line a scene
     seconds: of wall time, after which no further scene begins
@@ -78,7 +80,7 @@ def main(
     for number in range(first, first + scenes):
         if time.monotonic() > until:
             break
-        ended = tried(seed, number, models)
+        ended = tried(seed, number, sets, models)
         if ended is None:
             continue
         row = (number, *ended)

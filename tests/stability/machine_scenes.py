@@ -15,7 +15,6 @@ import numpy as np
 
 from tests.stability.random_scenes import random_scene
 
-SETS = 48
 MODELS = ("lagrange", "reduced", "fem")
 SHARES = 0.45, 0.45, 0.1  # of the sets
 DURATION = 5.0  # ms
@@ -46,14 +45,14 @@ class Draw:
         return str(self.rng.choice(choices))
 
 
-def model_of(seed: int, number: int) -> str:
+def model_of(seed: int, number: int, sets: int) -> str:
     """The model of a scene."""
-    return str(_of_set(seed, number).rng.choice(MODELS, p=SHARES))
+    return str(_of_set(seed, number, sets).rng.choice(MODELS, p=SHARES))
 
 
-def machine_scene(seed: int, number: int, folder: Path) -> dict[str, Any]:
-    """Tables of a scene; what its speed and load do is written to files in the folder."""
-    kinds, values = _of_set(seed, number), Draw(np.random.default_rng([seed, number, 1]))
+def machine_scene(seed: int, number: int, sets: int, folder: Path) -> dict[str, Any]:
+    """Tables of a scene of one of so many sets; what its speed and load do is written to files in the folder."""
+    kinds, values = _of_set(seed, number, sets), Draw(np.random.default_rng([seed, number, 1]))
     model = str(kinds.rng.choice(MODELS, p=SHARES))
     tables = random_scene(seed, number, DURATION, 2e8) | {"name": f"machine {number}", "model": model}
     bearing, operation = tables["bearing"], tables["operation"]
@@ -82,8 +81,8 @@ def machine_scene(seed: int, number: int, folder: Path) -> dict[str, Any]:
     return tables
 
 
-def _of_set(seed: int, number: int) -> Draw:
-    return Draw(np.random.default_rng([seed, number % SETS, 2]))
+def _of_set(seed: int, number: int, sets: int) -> Draw:
+    return Draw(np.random.default_rng([seed, number % sets, 2]))
 
 
 def _damping(tables: dict[str, Any], kinds: Draw, values: Draw) -> None:

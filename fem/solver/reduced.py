@@ -13,6 +13,7 @@ from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
 from fem.solver.cage_arrays import critical_with_cage
+from fem.solver.cage_seat import cage_seat
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
@@ -45,6 +46,7 @@ class ReducedPlan(CompiledPlan):
     operation: Operation
     tangential: np.ndarray  # (3,), m/N, of contacts that stick under the largest static force
     start: ReducedStart
+    seat: np.ndarray  # (2,), m, of a cage's centre at the start, from the outer ring's
     critical_time_step: float  # s
     stride: int  # steps between samples
     looks: int  # at the energy per sample
@@ -139,13 +141,16 @@ def make_plan(scene: Scene) -> ReducedPlan:
     longest = min(longest, _time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts))
     longest *= numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
+    start = rest_start(model, operation) if numerics.start == "rest" else loaded
+    raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)
     return ReducedPlan(
         scene=scene,
         model=model,
         operation=operation,
         tangential=tangential,
-        start=rest_start(model, operation) if numerics.start == "rest" else loaded,
+        start=start,
+        seat=cage_seat(bearing, scene.ideal_cage(), start.angle, start.rho, start.hub, raceways),
         critical_time_step=critical,
         stride=looks * ceil(steps / looks),
         looks=looks,

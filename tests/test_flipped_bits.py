@@ -35,7 +35,7 @@ def test_clocks_that_jump_change_nothing(clock, whole, tmp_path, monkeypatch):
     assert load_checkpoint(path, make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=2"))))
 
 
-@pytest.mark.parametrize("flips", [100, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("flips", [40, pytest.param(1000, marks=pytest.mark.slow)])
 def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path, monkeypatch):
     """Either the file is refused, or all that is read from it is what was written."""
     monkeypatch.setattr("residual.sources.READ_SECONDS", 0.3)  # some bits send HDF5 round in circles

@@ -378,3 +378,35 @@ def test_a_run_that_begins_again_turns_as_its_times_say(halvings):
     spun = 0.5 * (samples["roller_spin"][1:] + samples["roller_spin"][:-1]) * np.diff(samples["time"])[:, None]
     np.testing.assert_allclose(turned, spun, rtol=1e-4)
     assert state.progress.steps == plan.stride * 2**halvings * (plan.n_samples - 1)
+
+
+THIN = """
+[bearing]
+rollers = 4
+roller_diameter_mm = 3.1423
+roller_length_mm = 3.857
+inner_raceway_diameter_mm = 4.2146
+outer_raceway_diameter_mm = 10.6093
+bore_diameter_mm = 2.9746
+outside_diameter_mm = 15.05
+[operation]
+speed_rpm = 19000
+radial_load_N = 1100
+inner_ring_and_shaft_kg = 2e-3
+shaft = "springs"
+shaft_stiffness_N_per_m = 1.5e7
+[material.roller]
+youngs_modulus_GPa = 3.6
+[material.inner_ring]
+youngs_modulus_GPa = 3.6
+[numerics]
+mesh_size_mm = 0.5
+"""
+
+
+def test_contacts_beyond_the_range_of_their_law_do_not_decide_on_the_step():
+    """Under ten times the largest static force the law's two contacts of a roller would push one another in."""
+    plan = make_plan(parse_scene(tomllib.loads(THIN) | {"model": "reduced"}, "thin"))
+    rocking = 4.0 / float(plan.tangential.min()) / plan.model.bearing.roller_mass
+    shaft = plan.operation.mounting.shaft.stiffness / plan.operation.inner_mass
+    assert 0.1 < plan.critical_time_step * 0.5 * np.sqrt(max(rocking, shaft)) < 1.0

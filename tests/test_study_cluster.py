@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -72,11 +73,15 @@ def test_two_workers_of_a_scheduler_give_what_one_process_gives(here, started, s
     same("studies/study/study.nc", "here/study.nc")
 
 
-def test_a_scheduler_that_does_not_answer_is_named(here, monkeypatch, capsys):
+def test_what_is_no_scheduler_is_named(here, monkeypatch, capsys):
     monkeypatch.setattr("fem.study.cluster.CONNECT", 0.5)
     Path("study.toml").write_text(GRID, encoding="utf-8")
-    assert study_main(["study.toml", "--quiet", "--scheduler", "tcp://127.0.0.1:9"]) == 2
-    assert "tcp://127.0.0.1:9: does not answer" in capsys.readouterr().err
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # takes connections and says nothing
+        hangs = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        for address in ("tcp://127.0.0.1:9", hangs, "tls://127.0.0.1:9", "ucx://a", "inproc://x", "tcp://", ""):
+            assert study_main(["study.toml", "--quiet", "--resume", "--scheduler", address]) == 2
+            said = capsys.readouterr().err
+            assert f"--scheduler {address}: does not answer: " in said and not said.endswith(": \n")
 
 
 @pytest.mark.slow

@@ -40,6 +40,14 @@ class ContactLaw:
         line = at_line + self.A * STEEPEST * (force - self.Q_line)
         return np.where(force > self.Q_line, line, self.A * force * bracket)
 
+    def energy(self, force):
+        """Stored energy, J, of a force, N, >= 0: ∫ Q dδ."""
+        force = np.asarray(force, dtype=float)
+        low = np.minimum(force, self.Q_line)
+        bracket = self.B - 0.5 * np.log(np.maximum(low, 1e-300))
+        line = 0.5 * self.A * STEEPEST * (force**2 - low**2)
+        return 0.5 * self.A * low**2 * (bracket - 0.25) + line
+
     def force(self, approach: float) -> float:
         """Force, N, of an approach, m."""
         return contact_force(approach, self.A, self.B, self.Q_line, 0.0)

@@ -5,6 +5,7 @@ integrals by Gauss: frequencies that a body has few nodal circles in are exact t
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import pi
 
 import numpy as np
@@ -51,23 +52,25 @@ def ring_vibrations(
     return _vibrations(min(loaded, held), max(loaded, held), loaded, material, thickness, highest, hub)
 
 
-def _vibrations(inner, outer, loaded, material, thickness, highest, hub=None) -> Modes:
-    from scipy.linalg import eigh  # takes its time to load, and most scenes have no modes
+@lru_cache(maxsize=8)
+def shift_vibrations(
+    loaded: float, held: float, material: Material, thickness: float, hub: float | None = None
+) -> Modes:
+    """The modes of one wave around, which shift the loaded circle; parameters are those of `ring_vibrations`.
 
+    As many as the polynomials have: the fastest are theirs, not the ring's, and all together carry its statics.
+    """
+    frequency, into, carried = _of_order(1, min(loaded, held), max(loaded, held), loaded, material, thickness, hub)
+    first = 0 if hub is None else 1  # what moves ring and hub as one
+    order = np.ones(len(frequency) - first, dtype=np.intp)
+    return Modes(order=order, frequency=frequency[first:], shape=into[first:], carried=carried[first:])
+
+
+def _vibrations(inner, outer, loaded, material, thickness, highest, hub=None) -> Modes:
     found = []
     for n in range(MOST_WAVES):
-        stiffness, mass = _matrices(n, inner, outer, material, thickness)
-        free = _admitted(n, inner, loaded, hub is not None)
-        stiffness, mass = free.T @ stiffness @ free, free.T @ mass @ free
-        held_by_hub = hub is not None and n == 1
-        if held_by_hub:
-            mass[0, 0] += hub
-        values, vectors = eigh(stiffness, mass)
-        frequency = np.sqrt(np.maximum(values, 0.0))
+        frequency, into, carried = _of_order(n, inner, outer, loaded, material, thickness, hub)
         some = (frequency > RIGID * highest) & (frequency <= highest)
-        surface = free[DEGREE if loaded == outer else 0] @ vectors
-        into = -surface if loaded == outer else surface
-        carried = vectors[0] if held_by_hub else np.zeros_like(into)
         found += [(n, *mode) for mode in zip(frequency[some], into[some], carried[some], strict=True)]
         # a surface wave around a disc, or a layer's slowest wave, has its speed from below: none is left beyond
         if n > 2 and frequency[0] > highest:
@@ -75,6 +78,23 @@ def _vibrations(inner, outer, loaded, material, thickness, highest, hub=None) ->
     table = np.array(found).reshape(-1, 4)
     order, frequency, shape, carried = table.T
     return Modes(order=order.astype(np.intp), frequency=frequency, shape=shape, carried=carried)
+
+
+def _of_order(n, inner, outer, loaded, material, thickness, hub) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Frequencies, rad/s, of all modes of n waves around, slowest first; `Modes.shape` and `carried` of each."""
+    from scipy.linalg import eigh  # takes its time to load, and most scenes have no modes
+
+    stiffness, mass = _matrices(n, inner, outer, material, thickness)
+    free = _admitted(n, inner, loaded, hub is not None)
+    stiffness, mass = free.T @ stiffness @ free, free.T @ mass @ free
+    held_by_hub = hub is not None and n == 1
+    if held_by_hub:
+        mass[0, 0] += hub
+    values, vectors = eigh(stiffness, mass)
+    surface = free[DEGREE if loaded == outer else 0] @ vectors
+    into = -surface if loaded == outer else surface
+    carried = vectors[0] if held_by_hub else np.zeros_like(into)
+    return np.sqrt(np.maximum(values, 0.0)), into, carried
 
 
 def _admitted(n: int, inner: float, loaded: float, on_hub: bool) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Looks at the samples of a run of finite elements: what no sound one shows, and what to say of it."""
+"""Looks at the samples of a run: what no sound one shows, and what to say of it."""
 
 from typing import TYPE_CHECKING
 
@@ -11,12 +11,14 @@ from lagrange.profile import profiles
 
 if TYPE_CHECKING:
     from fem.solver.finite_elements import ElementPlan
+    from lagrange import Bearing
 
 IMBALANCE_LIMIT = 0.05  # of the exchanged energy; a sound run stays far below 1e-2
 # Modes that grow balance too: leapfrog's kinetic energy ½ v(t − dt/2)·M·v(t + dt/2) goes to minus the stored one. In a
 # mode of frequency ω it is −(ω dt/2)² of it at least, −0.98 at 0.99 of the critical step.
 NEGATIVE_LIMIT = 0.98
 ASTRAY = 0.05  # of a roller's radius, beyond the raceways: no elastic body gives way so far
+THROUGH = 0.5  # of a roller's radius: rigid bodies that overlap so far are on their way through one another
 
 
 def good_rows(rows: np.ndarray) -> int:
@@ -33,11 +35,9 @@ def n_balanced(samples: Samples) -> int:
     return int(np.argmax(bad)) if bad.any() else len(bad)
 
 
-def n_in_place(plan: "ElementPlan", samples: Samples) -> int:
-    """How many samples from the first have rollers between the raceways and the hub between the rollers."""
-    bearing = plan.model.bearing
+def n_in_place(bearing: "Bearing", give: float, samples: Samples) -> int:
+    """How many samples from the first have rollers between the raceways and the hub between them, up to `give`, m."""
     reach, track = touching_distances(bearing)
-    give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.heaviest)
     surfaces = profiles(bearing)
     give += 0.0 if surfaces is None else surfaces.deepest
     hub_x, hub_y, x, y = from_outer_ring(samples, "inner", "roller")
@@ -50,16 +50,23 @@ def n_in_place(plan: "ElementPlan", samples: Samples) -> int:
 
 def place_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
     """What to say of a sample whose bodies are out of place."""
-    step = round(samples["time"][at] / plan.time_step)
-    hub_x, hub_y = from_outer_ring(samples, "inner")
     hint = "without a cage few rollers gather on one side: give the scene a [cage], take more rollers or "
     if plan.scene.cage is not None:
         hint = "take a lighter load, more rollers, stiffer pockets of the cage or "
-    return (
-        f"the bearing has come apart at step {step}, t = {1e3 * samples['time'][at]:.5g} ms: the hub is "
-        f"{1e3 * np.hypot(hub_x[at], hub_y[at]):.3g} mm from the middle; "
-        f"{hint}contact.friction_coefficient above 0"
-    )
+    then = _hub_then(plan.time_step, samples, at)
+    return f"the bearing has come apart {then}; {hint}contact.friction_coefficient above 0"
+
+
+def through_trouble(time_step: float, samples: Samples, at: int) -> str:
+    """What to say of a sample whose rigid bodies are in one another."""
+    hint = "take a lighter load, more or larger rollers or a stiffer material"
+    return f"rigid bodies have gone through one another {_hub_then(time_step, samples, at)}; {hint}"
+
+
+def _hub_then(time_step: float, samples: Samples, at: int) -> str:
+    step, (hub_x, hub_y) = round(samples["time"][at] / time_step), from_outer_ring(samples, "inner")
+    place = f"{1e3 * np.hypot(hub_x[at], hub_y[at]):.3g} mm from the middle"
+    return f"at step {step}, t = {1e3 * samples['time'][at]:.5g} ms: the hub is {place}"
 
 
 def energy_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:

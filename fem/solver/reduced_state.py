@@ -23,13 +23,15 @@ from fem.kernels.reduced_state import (
 from fem.solver.cage_arrays import cage_state, pair_of_rigid, row_width
 from fem.solver.course_arrays import course_arrays
 from fem.solver.housing_arrays import housing_of
+from fem.solver.hub_vibration import add_samples, no_sums, vibration_caution
 from fem.solver.profile_arrays import raceway_profiles
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader
 from fem.solver.shaft_arrays import shaft_springs
-from fem.solver.solver import Block, Numbers
+from fem.solver.solver import Block, Numbers, Samples
 from fem.solver.vibrations import vibrations
+from fem.solver.wide_contacts import law_caution
 from fem.statics.reduced_bearing import growths
 from lagrange import Bearing, kinematics
 from lagrange.contact_damping import ContactDamping
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
 
 
 LIMIT = 1e-3  # of the exchanged energy: what a run's balance may be off by
+ROUND_OFF = 1e-9  # of the kinetic energy: a bearing without load exchanges next to nothing
 MOST_TURN = 1e6  # rad, that `lane_functions.cosine_and_sine` takes
 MOST_HALVINGS = 6  # of the time step
 
@@ -53,7 +56,7 @@ MODES, MODES_HARD = 2.5, 4.2  # highest mode, over the bodies' slowest vibration
 
 
 class ReducedState(RowState):
-    """Rigid bodies and contacts. A run whose energy does not balance to LIMIT begins again with half the step.
+    """Rigid bodies and contacts. A run whose energy will not balance to LIMIT begins again with half the step.
 
     What opens and closes at once is all that takes such steps: rollers that rattle without friction.
     """
@@ -71,6 +74,7 @@ class ReducedState(RowState):
         self.plan = plan = replace(self._whole, stride=stride, looks=looks)
         self.reader = SampleReader(plan)
         self._worst = 0.0  # J, the largest imbalance so far
+        self._hub_sums = no_sums()
         self.bodies = _bodies(plan)
         columns = self.bodies.columns
         self.compliance = _compliance(plan, columns)
@@ -87,12 +91,11 @@ class ReducedState(RowState):
     def advance(self, most: int) -> Block:
         block = super().advance(most)
         samples = block.samples
-        balanced = True
+        lost = block.trouble is not None
         if samples is not None and len(samples):
-            self._worst = max(self._worst, float(np.abs(samples.imbalance).max()))
-            balanced = self._worst <= LIMIT * float(samples.exchanged[-1])
-        at_end = self.done == self.plan.n_samples
-        if self._halvings >= MOST_HALVINGS or not (block.trouble or (at_end and not balanced)):
+            lost = lost or self._loses_energy(samples)
+            add_samples(self._hub_sums, samples)
+        if self._halvings >= MOST_HALVINGS or not lost:
             return block
         step, self.void_steps = self.plan.time_step, self.void_steps + self.progress.steps
         self._halvings += 1
@@ -100,6 +103,20 @@ class ReducedState(RowState):
         self._begin()
         reason = f"energy does not balance to {LIMIT:g} of what is exchanged with steps of {1e6 * step:.3g} µs"
         return Block(samples=samples, begins_again=f"{reason}; the run begins again with half of it")
+
+    def _loses_energy(self, samples: Samples) -> bool:
+        """Whether the run's energy is, or by its end will be, off by more than LIMIT of what is exchanged.
+
+        Before the end that is taken to grow in proportion to the time, from what the load stores in contacts at rest
+        where less has been exchanged: but for one of 444 random bearings, runs that end well stay 14 % below.
+        """
+        worst = np.fmax(np.maximum.accumulate(np.abs(samples.imbalance)), self._worst)
+        self._worst = float(worst[-1])
+        if self.done == self.plan.n_samples:
+            return self._worst > LIMIT * float(samples.exchanged[-1])
+        share = np.arange(self.done - len(samples) + 1, self.done + 1) / self.plan.n_samples
+        least = np.fmax(self.plan.static_energy, ROUND_OFF * np.abs(samples["energy_kinetic"]))
+        return bool(np.any(worst * share > LIMIT * np.fmax(samples.exchanged, least)))
 
     @property
     def shock(self) -> float:
@@ -113,7 +130,7 @@ class ReducedState(RowState):
         hard = self.shock > HARD_SHOCK
         needed = (MODES_HARD if hard else MODES) / slowest_vibration(self.plan.model.bearing)
         if self.shock < SHOCK or self.plan.scene.reduced.modes_up_to_kHz >= 1e-3 * needed:
-            return found + self._unequal_kicks
+            return found + self._slow_hub + self._stiff_laws + self._unequal_kicks
         off = "tens of per cent" if hard else "several per cent"
         mounting = self.plan.operation.mounting
         alone = mounting.shaft is None and mounting.housing is None  # modes are not made for these
@@ -124,6 +141,22 @@ class ReducedState(RowState):
             "bodies: elastic waves, which the reduced model lacks but for the modes it is given, take part, and forces "
             f'may be off by {off}; where they matter take {modes}model = "fem"',
         )
+
+    @property
+    def _slow_hub(self) -> tuple[str, ...]:
+        """A sentence where the rings' mass changes the hub's vibration."""
+        plan, mounting = self.plan, self.plan.operation.mounting
+        if mounting.shaft is not None or mounting.housing is not None:  # then they are not what the hub vibrates by
+            return ()
+        up_to = plan.scene.reduced.modes_up_to_kHz
+        said = vibration_caution(plan.model.bearing, plan.operation.inner_mass, self._hub_sums, up_to)
+        return () if said is None else (said,)
+
+    @property
+    def _stiff_laws(self) -> tuple[str, ...]:
+        """A sentence where contacts became so wide that their laws are too stiff."""
+        said = law_caution(self.plan.model.contacts, self._largest)
+        return () if said is None else (said,)
 
     @property
     def _unequal_kicks(self) -> tuple[str, ...]:
@@ -144,7 +177,7 @@ class ReducedState(RowState):
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         arrays, numbers = super().to_keep()
-        return arrays, numbers | {"halvings": self._halvings, "worst": self._worst}
+        return arrays | {"hub_sums": self._hub_sums}, numbers | {"halvings": self._halvings, "worst": self._worst}
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
         halvings = int(numbers["halvings"])
@@ -153,6 +186,7 @@ class ReducedState(RowState):
         self._halvings = halvings
         self._begin()
         self._worst = float(numbers["worst"])
+        self._hub_sums = arrays["hub_sums"]
         super().take_back(arrays, numbers)
 
     def named_arrays(self) -> dict[str, np.ndarray]:

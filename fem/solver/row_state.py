@@ -8,7 +8,15 @@ import numpy as np
 from fem.errors import UsageError
 from fem.kernels.ending import DONE
 from fem.solver.cage_arrays import row_width
-from fem.solver.guards import energy_trouble, good_rows, n_balanced, n_in_place, place_trouble, velocity_trouble
+from fem.solver.guards import (
+    ASTRAY,
+    energy_trouble,
+    good_rows,
+    n_balanced,
+    n_in_place,
+    place_trouble,
+    velocity_trouble,
+)
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
 from fem.solver.solver import Block, Numbers, Plan, RunState
@@ -101,7 +109,9 @@ class RowState(RunState):
             rows, trouble = rows[: good_rows(rows)], velocity_trouble(plan, step, body)
         if len(rows):
             looked = self.reader.read(rows)
-            balanced, in_place = n_balanced(looked), n_in_place(plan, looked)
+            bearing = plan.model.bearing
+            give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.heaviest)
+            balanced, in_place = n_balanced(looked), n_in_place(bearing, give, looked)
             self.imbalance = float(looked.relative_imbalance()[min(balanced, len(looked) - 1)])
             sound = looked.first(min(balanced, in_place))
             self._largest = np.maximum(self._largest, largest_forces(sound))

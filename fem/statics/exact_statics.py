@@ -4,6 +4,7 @@ The yardstick for the finite-element model: any bearing, frictionless, standing,
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from math import log
 
 import numpy as np
@@ -89,6 +90,29 @@ def _ring_coupling(radius: float, held: float, material: Material, half_width: f
         i = np.arange(len(angle))
         coupling[i, (i + shift) % len(angle)] = value
     return coupling
+
+
+@lru_cache(maxsize=8)
+def law_error(bearing: Bearing, law: ContactLaw, force: float) -> float:
+    """By how much of its approach a raceway contact's law is too stiff under a force, N, as far as series know.
+
+    The law takes a body's displacement near a contact for a half-plane's and what a narrow load adds; series have all
+    of a body, under Hertz's pressure.
+
+    Errors
+    ------
+    The pressure's own change is not in it: collocation of twenty contacts, of half-widths of 2 to 9 % of the roller's
+    radius and up to 23 % of the ring's thickness, finds 1.6 to 2.4 times as much.
+    ValueError: a half-width beyond the roller's radius.
+    """
+    inner = law.pair.kind == "inner"
+    ring = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
+    if not inner:
+        ring = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+    half_width = law.pair.half_width(force)
+    roller = disc_hertz_approach(bearing.roller_radius, bearing.roller, half_width, 1)
+    whole = force * (ring_hertz_approach(*ring, half_width) + roller) / law.pair.length
+    return whole / float(law.approach(force)) - 1.0
 
 
 def _law(ring, roller_approach: float, half_width: float, pair: Pair) -> ContactLaw:

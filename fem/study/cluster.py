@@ -5,6 +5,7 @@ holds the study; a worker that dies is the scheduler's business, which gives its
 killed (`stuck`).
 """
 
+import asyncio
 import logging
 import time
 from collections.abc import Callable, Iterator
@@ -127,9 +128,11 @@ def _client(where: Cluster) -> Iterator[Any]:
             yield client
         return
     try:
+        asyncio.run(asyncio.wait_for(_knock(where.scheduler), CONNECT))
         client = Client(where.scheduler, timeout=CONNECT)
-    except (OSError, TimeoutError, ValueError) as error:
-        raise UsageError(f"--scheduler {where.scheduler}: does not answer: {error}") from None
+    except Exception as error:  # whatever dask says of addresses and of what it finds there
+        reason = str(error) or "nothing was said in time"
+        raise UsageError(f"--scheduler {where.scheduler}: does not answer: {reason}") from None
     with client:
         try:
             client.wait_for_workers(1, timeout=FIRST_WORKER)
@@ -139,3 +142,11 @@ def _client(where: Cluster) -> Iterator[Any]:
                 f"dask worker {where.scheduler} --nthreads 1"
             ) from None
         yield client
+
+
+async def _knock(scheduler: str) -> None:
+    """Greet what is at an address, and leave: a client would wait for its answer without end."""
+    from distributed.comm import connect
+
+    comm = await connect(scheduler, timeout=CONNECT)
+    await comm.close()

@@ -33,6 +33,11 @@ SEED, DURATION_MS = 7, 5.0
 CLASSES = (0.0, 0.01, SHOCK, HARD_SHOCK, inf)  # of `ReducedState.shock`
 HUB_LIMIT, LOAD_LIMIT = 0.003, 0.01  # meant for scenes without shocks; coarse meshes err by as much
 NOTHING = 1e-10  # m, an atom's radius: hubs that are off by less are where they should be
+WARNINGS = {  # words of a run's sentence: what it warns of
+    "elastic waves": "shocks",
+    "is vibration": "rings that vibrate with the hub",
+    "too stiff": "wide contacts",
+}
 NAMED = {  # what a refusal says: its name in the table
     "Hertz": "contacts too wide for Hertz's theory",
     "strain": "centrifugal load",
@@ -53,7 +58,7 @@ class Found:
     largest: float = nan  # N, contact force
     imbalance: float = nan  # largest, over the exchanged energy
     shock: float = nan
-    warned: bool = False
+    warned: tuple[str, ...] = ()  # of what: values of WARNINGS
     halvings: int = 0
     seconds: float = nan  # of the time loop
 
@@ -96,7 +101,7 @@ def watched(tables: dict[str, Any], model: str) -> Found:
         largest=float(max(inner.max(), outer.max())),
         imbalance=watch.imbalance,
         shock=state.shock if model == "reduced" else nan,
-        warned=any("elastic waves" in sentence for sentence in state.cautions),
+        warned=tuple(name for words, name in WARNINGS.items() if any(words in said for said in state.cautions)),
         halvings=len(again),
         seconds=state.wall,
     )
@@ -128,8 +133,12 @@ class Pair:
         return found / of - 1.0 if of > 0.0 else 0.0
 
     @property
+    def off(self) -> bool:
+        return self.hub_error > HUB_LIMIT or abs(self.load_error) > LOAD_LIMIT
+
+    @property
     def silently_off(self) -> bool:
-        return not self.reduced.warned and (self.hub_error > HUB_LIMIT or abs(self.load_error) > LOAD_LIMIT)
+        return not self.reduced.warned and self.off
 
 
 def tried(tables: dict[str, Any], model: str) -> Found:
@@ -189,6 +198,16 @@ def ending_rows(pairs: list[Pair]) -> Iterable[list[str]]:
         yield [*key, str(count), ", ".join(map(str, numbers[key][:8])) + (" …" if count > 8 else "")]
 
 
+def warning_rows(pairs: list[Pair]) -> Iterable[list[str]]:
+    """A row for each warning: scenes that have it, have no other, and are off."""
+    for name in WARNINGS.values():
+        some = [pair for pair in pairs if name in pair.reduced.warned]
+        alone = [pair for pair in some if len(pair.reduced.warned) == 1]
+        off = [sum(pair.off for pair in found) for found in (some, alone)]
+        numbers = ", ".join(str(pair.number) for pair in alone)
+        yield [name, f"{len(some)}, {off[0]}", f"{len(alone)}, {off[1]}", numbers if len(alone) <= 10 else ""]
+
+
 def section(pairs: list[Pair]) -> str:
     """Text of the page's section."""
     compared = [pair for pair in pairs if pair.compared]
@@ -206,6 +225,7 @@ def section(pairs: list[Pair]) -> str:
         "scene's mesh (0.5 to 3 mm for a roller of 10 mm). The hub's mean is compared with the root mean square of its "
         "displacement; `halved` counts scenes that began again with a shorter step.\n\n"
         f"{markdown_table(headings, class_rows(compared))}\n\n"
+        f"{markdown_table(('warned of', 'scenes, off', 'of this alone, off', 'which'), warning_rows(compared))}\n\n"
         f"Without a warning, and off by more than {100.0 * HUB_LIMIT:g} % (hub) or {100.0 * LOAD_LIMIT:g} % (largest "
         f"load): {said or 'none'}.\n\n"
         "Not compared:\n\n"

@@ -1,0 +1,95 @@
+"""How far a hub's vibration is off because elastic rings have no mass: watched in a run of the reduced model.
+
+A hub of mass M (its ring's with it) vibrates at ω on contacts and rings that all give way by c per unit force. In the
+model 1/(M ω²) = c, where c holds the rings' statics, Σ (s + h)²/ω_k² of all modes of one wave around: s what a mode
+shifts the raceway by, h the hub. With their mass
+
+    1/(M ω²) = c − Σ (s + h)²/ω_k² + Σ s²/(ω_k² − ω²)
+
+for the inner ring on the hub, and for the outer one, h = 0, likewise. What frequency the model has is what the run
+itself shows: the hub's mean squared acceleration over its mean squared velocity.
+"""
+
+from math import ceil, hypot, inf, pi, sqrt
+
+import numpy as np
+
+from fem.elastic.vibration import Modes, shift_vibrations
+from fem.solver.solver import Samples
+from lagrange import Bearing
+
+LARGEST_ERROR = 0.005  # of the hub's displacement: share of the frequency that is off, times share that vibrates
+NOTHING = 1e-10  # m, an atom's radius: hubs that are displaced by less are where they should be
+ENOUGH = 4.0  # highest mode, over the ring's slowest vibration against the hub, that makes up for it
+COUNT, X, Y, SQUARE, VELOCITY, ACCELERATION = range(6)  # of the sums
+
+
+def no_sums() -> np.ndarray:
+    """Of no sample yet: their number, and sums of x, y, x² + y², velocities and accelerations squared, (6,), SI."""
+    return np.zeros(6)
+
+
+def add_samples(sums: np.ndarray, samples: Samples) -> None:
+    """Add samples, one after another, so that blocks of any size give the same sums."""
+    x, y, vx, vy, ax, ay = (samples[f"inner_{name}"] for name in ("x", "y", "vx", "vy", "ax", "ay"))
+    terms = np.stack([np.ones_like(x), x, y, x**2 + y**2, vx**2 + vy**2, ax**2 + ay**2], axis=1)
+    sums[:] = np.cumsum(np.vstack([sums, terms]), axis=0)[-1]
+
+
+def frequency_error(bearing: Bearing, hub_mass: float, omega: float) -> float:
+    """Share by which a hub of so many kg, its ring with it, vibrates faster than at ω, rad/s, which the model gives it.
+
+    Infinite where the model's is so fast that rings have modes below. Errors: rollers are taken for massless, contacts
+    for closed and of one stiffness.
+    """
+    from scipy.optimize import brentq  # takes its time to load, and few hubs vibrate
+
+    inner, outer = _rings(bearing, hub_mass)
+    modes = inner.frequency**2
+    static = np.sum((inner.shape + inner.carried) ** 2 / modes) + np.sum((outer.shape / outer.frequency) ** 2)
+    soft = 1.0 / (hub_mass * omega**2) - static  # of all else
+
+    def gives_way(square):
+        return (
+            soft
+            - 1.0 / (hub_mass * square)
+            + np.sum(inner.shape**2 / (modes - square))
+            + np.sum(outer.shape**2 / (outer.frequency**2 - square))
+        )
+
+    below, above = 1e-6 * omega**2, (1.0 - 1e-9) * min(modes[0], outer.frequency[0] ** 2)
+    if not omega**2 < above or gives_way(below) >= 0.0:
+        return inf
+    return sqrt(brentq(gives_way, below, above)) / omega - 1.0
+
+
+def _rings(bearing: Bearing, hub_mass: float) -> tuple[Modes, Modes]:
+    """Modes of the inner ring on the hub and of the held outer ring that shift their raceways."""
+    inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
+    outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+    length, hub = bearing.roller_length, hub_mass - bearing.inner_ring_mass
+    return shift_vibrations(*inner, length, hub), shift_vibrations(*outer, length)
+
+
+def vibration_caution(bearing: Bearing, hub_mass: float, sums: np.ndarray, modes_up_to_kHz: float) -> str | None:
+    """A sentence where the hub's vibration is off by more than LARGEST_ERROR of its displacement."""
+    count = max(sums[COUNT], 1.0)
+    size = sqrt(sums[SQUARE] / count)
+    still = hypot(sums[X], sums[Y]) / count
+    vibrates = sqrt(max(size**2 - still**2, 0.0)) / max(size, NOTHING)
+    if size < NOTHING or sums[VELOCITY] == 0.0 or vibrates < LARGEST_ERROR:
+        return None
+    omega = sqrt(sums[ACCELERATION] / sums[VELOCITY])
+    error = min(frequency_error(bearing, hub_mass, omega), 1.0)
+    if error * vibrates < LARGEST_ERROR:
+        return None
+    needed = ENOUGH * float(_rings(bearing, hub_mass)[0].frequency[0]) / (2.0 * pi)
+    if 1e3 * modes_up_to_kHz >= needed:
+        return None
+    off = f"{100.0 * error:.2g} % too slow" if error < 1.0 else "far too slow"
+    return (
+        f"{100.0 * vibrates:.0f} % of the hub's displacement is vibration, at {1e-3 * omega / (2.0 * pi):.2g} kHz: "
+        f"{off}, because the rings' elastic motion has no mass in the reduced model; the hub's path goes out of step "
+        f"with that, and its mean place may be off by {100.0 * error * vibrates:.2g} %; where that matters take "
+        f'reduced.modes_up_to_kHz = {ceil(1e-4 * needed) * 10}, or model = "fem"'
+    )

@@ -24,6 +24,7 @@ from lagrange.integrate import Integration, NumpyIntegration
 from lagrange.problem import Problem
 from lagrange.scene import read_scene
 from lagrange.simulate import Simulation
+from lagrange.step_size import steps_of
 from lagrange.systems import FreeAngles, KinematicAngles
 from residual import evaluate, read_result
 
@@ -54,17 +55,24 @@ def problem_of(name: str, faults: tuple = (), **options) -> Problem:
     return Problem(bearing=bearing, operation=scene.ideal_operation(), laws=laws, **options)
 
 
-def solve(problem: Problem, kind: type[Integration], step: float | None = None) -> tuple[float, Trajectory]:
+def solve(problem: Problem, kind: type[Integration], refinements: int = 0) -> tuple[float, Trajectory]:
     """Processor time of 60 ms, from the start to the energies of the samples, s, and the trajectory."""
     problem = replace(problem)  # a start of its own
-    return timed(lambda: Simulation(problem, INTERVAL, step, kind).advance(SAMPLES))
+
+    def run() -> Trajectory:
+        simulation = Simulation(problem, INTERVAL, None, kind)
+        for _ in range(refinements):
+            simulation.refine()
+        return simulation.advance(SAMPLES)
+
+    return timed(run)
 
 
-def steps_alone(problem: Problem, per_sample: int) -> float:
+def steps_alone(problem: Problem) -> float:
     """Processor time of the compiled steps of 60 ms, s."""
     system = (KinematicAngles if problem.angles == "kinematic" else FreeAngles)(problem)
-    start, step = system.pack(problem.first_state), INTERVAL / per_sample
-    return timed(CompiledIntegration(system, start, step, per_sample, problem.damping).advance, SAMPLES)[0]
+    start, steps = system.pack(problem.first_state), steps_of(problem, INTERVAL)
+    return timed(CompiledIntegration(system, start, INTERVAL, steps, problem.damping).advance, SAMPLES)[0]
 
 
 def solutions() -> Table:
@@ -79,7 +87,7 @@ def solutions() -> Table:
         slow, reference = solve(problem, NumpyIntegration)
         finer = solve(problem, CompiledIntegration, 0.5 * reference.time_step)[1]
         fast, run = min((solve(problem, CompiledIntegration) for _ in range(REPEATS)), key=lambda found: found[0])
-        steps = min(steps_alone(problem, run.steps // (SAMPLES - 1)) for _ in range(REPEATS))
+        steps = min(steps_alone(problem) for _ in range(REPEATS))
         early = slice(round(1e-3 / INTERVAL))  # before round-off of rattling elements has grown
         error = np.abs(finer.inner_y - reference.inner_y)[early].max()
         apart = np.abs(run.inner_y - reference.inner_y)[early].max() / error

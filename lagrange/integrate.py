@@ -9,12 +9,15 @@ import numpy as np
 from lagrange.cage_motion import first_row, row_width
 from lagrange.cage_steps import CageSteps
 from lagrange.contact_damping import ContactDamping
+from lagrange.near_faults import near_faults
+from lagrange.step_size import Steps
 from lagrange.systems import Packed
 
 # Blanes and Moan 2002, RKN scheme of order 4 with six stages: kicks b, drifts a, of which half are independent
 KICKS = (0.0829844064174052, 0.396309801498368, -0.0390563049223486)
 DRIFTS = (0.245298957184271, 0.604872665711080)
 ALL_KICKS = (*KICKS, 1.0 - 2.0 * sum(KICKS), *KICKS[::-1])
+LEAP_KICKS, LEAP_DRIFTS = (0.5, 0.5), (1.0,)  # of second order; better for its costs where steps follow a profile
 ALL_DRIFTS = (*DRIFTS, 0.5 - sum(DRIFTS), 0.5 - sum(DRIFTS), *DRIFTS[::-1])
 BLOCK = 64  # samples whose directions are tabulated at a time
 MOTION = "hub", "elements", "works", "housing"  # of `Integration.memory`
@@ -47,7 +50,7 @@ class Record:
 
 
 class Integration(ABC):
-    """Steps of a system, `per_sample` of them from one sample to the next; the start is the first sample.
+    """Steps of a system from one sample to the next, `interval` s apart; the start is the first sample.
 
     `memory` is all that the next steps need, arrays that are changed in place: hub and elements, their rates and
     accelerations after the last step; the works of held angles, of the ramp, of the dampers and of dashpots, and the
@@ -55,8 +58,9 @@ class Integration(ABC):
     first step accelerations and power are not known yet.
     """
 
-    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
-        self._system, self._step, self._per_sample, self._damping = system, step, per_sample, damping
+    def __init__(self, system, start: Packed, interval: float, steps: Steps, damping: ContactDamping):
+        self._system, self._steps, self._damping = system, steps, damping
+        self._section = interval / steps.sections
         self.done = 0  # samples
         self.memory = {
             "hub": np.array([start.z, start.z_rate, 0.0 * start.z], dtype=complex),
@@ -88,6 +92,19 @@ class Integration(ABC):
         self.done += len(record.z)
         return record
 
+    def _near(self, done: int, count: int) -> np.ndarray:
+        """Whether contacts are near faults in the sections of so many samples after `done`, (count, sections)."""
+        sections, steps = self._steps.sections, self._steps
+        if not steps.looks:
+            return np.ones((count, sections), dtype=bool)
+        found = near_faults(self._system.problem, (done - 1) * sections, count * sections, self._section)
+        return found.reshape(count, sections)
+
+    @property
+    def _scheme(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Kicks and drifts of a step without damping."""
+        return (LEAP_KICKS, LEAP_DRIFTS) if self._steps.leaps else (ALL_KICKS, ALL_DRIFTS)
+
     @abstractmethod
     def _fill(
         self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray, cage: np.ndarray
@@ -110,35 +127,52 @@ class Integration(ABC):
 class NumpyIntegration(Integration):
     """Steps in plain numpy."""
 
-    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
-        super().__init__(system, start, step, per_sample, damping)
+    def __init__(self, system, start: Packed, interval: float, steps: Steps, damping: ContactDamping):
+        super().__init__(system, start, interval, steps, damping)
         cage = system.problem.free_cage
         leaps = damping.acts or system.has_dashpots or cage is not None
-        self._advance = self._leapfrog if leaps else self._blanes_moan
+        self._advance = self._leapfrog if leaps else self._composed
+        step = self._section / steps.near  # where elements are free all steps are equal
         self._cage = None
         if cage is not None:
             ring = complex(np.asarray(start.z)[1]) if np.ndim(start.z) else 0j
             self._cage = CageSteps(system, cage, step, ring)
             self.memory |= {f"{OF_CAGE}{name}": array for name, array in self._cage.memory.items()}
         sensor = system.problem.operation.mounting.sensor
-        self._sensor_step = None if sensor is None else sensor.step(step)
+        self._sensor_steps = None if sensor is None else {n: sensor.step(self._section / n) for n in {*steps.counts}}
 
     def _fill(
         self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray, cage: np.ndarray
     ) -> int:
         hub, elements, sums, senses = (self.memory[name] for name in MOTION)
         there, count = 0, z.shape[1]
+        near = self._near(done, count)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # seen by `Record.sound`
             while there < count and np.all(np.isfinite(hub[0])):
                 last = done + there - 1
-                border = last - last % BLOCK + BLOCK
-                for _ in self._advance(last, min(border, done + count - 1)):
+                border = min(last - last % BLOCK + BLOCK, done + count - 1)
+                for _ in self._through(last, border, near[there:]):
                     z[:, there], q[:, there], works[:, there] = hub[:2], elements[:2], sums[:4]
                     sensor[there] = senses[:2]
                     if self._cage is not None:
                         cage[there] = self._cage.row(*hub[:2])
                     there += 1
         return there
+
+    def _through(self, first: int, last: int, near: np.ndarray) -> Iterator[None]:
+        """Steps from one sample to another, with contacts near faults or not in the sections; stops at each sample."""
+        sections = self._steps.sections
+        if near.all():  # turns of many steps are tabulated at once
+            for at, _ in enumerate(self._advance(first * sections, last * sections, True), 1):
+                if at % sections == 0:
+                    yield
+            return
+        for sample in range(first, last):
+            for k in range(sections):
+                at = sample * sections + k
+                for _ in self._advance(at, at + 1, bool(near[sample - first, k])):
+                    pass
+            yield
 
     def _remembered(self) -> tuple[list[complex], np.ndarray, list[float]]:
         """The memory as the steps take it: Python's own numbers are faster."""
@@ -151,37 +185,39 @@ class NumpyIntegration(Integration):
             self.memory[name][:] = now
         self.memory["housing"][2:] = self._system.shift.real, self._system.shift.imag
 
-    def _sense(self, before, after) -> None:
-        """Move a sensor on by a step, in which the housing's velocity, the second one, has changed so."""
-        if self._sensor_step is not None:
-            acceleration = (after[1] - before[1]).imag / self._step
+    def _sense(self, before, after, count: int) -> None:
+        """Move a sensor on by one of so many steps of a section, in which the housing's velocity, the second one, has
+        changed so."""
+        if self._sensor_steps is not None:
+            acceleration = (after[1] - before[1]).imag * count / self._section
             motion = self.memory["housing"][:2]
-            motion[:] = self._sensor_step @ [*motion, acceleration]
+            motion[:] = self._sensor_steps[count] @ [*motion, acceleration]
 
-    def _blanes_moan(self, first: int, last: int) -> Iterator[None]:
-        """Six-stage symplectic steps of fourth order from one sample to another; stops at each in between."""
-        system, step, per_sample = self._system, self._step, self._per_sample
-        at = np.cumsum(ALL_DRIFTS)
-        steps = np.arange(first * per_sample, last * per_sample)
+    def _composed(self, first: int, last: int, near: bool) -> Iterator[None]:
+        """Symplectic steps from one section's begin to another's; stops at the end of each."""
+        system, count = self._system, self._steps.near if near else self._steps.far
+        step = self._section / count
+        kicks, drifts = self._scheme
+        at = np.cumsum(drifts)
+        steps = np.arange(first * count, last * count)
         times = step * (steps[:, None] + at).ravel()
         turns = system.directions(times)
         times = times.tolist()
         whole = np.ones(system.n, dtype=system.dtype)
         pairs = [
-            (step * a, step * a * whole, step * b, step * b * whole)
-            for a, b in zip(ALL_DRIFTS, ALL_KICKS[1:], strict=True)
+            (step * a, step * a * whole, step * b, step * b * whole) for a, b in zip(drifts, kicks[1:], strict=True)
         ]
-        begin, begin_all = step * ALL_KICKS[0], step * ALL_KICKS[0] * whole
+        begin, begin_all = step * kicks[0], step * kicks[0] * whole
         (z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, dashed, power) = self._remembered()
         accelerations, ramping, carries = system.accelerations, system.load_changes, system.carries
-        if first % BLOCK == 0:  # anew, at a time without the round-off of the stages' sum
-            time = step * first * per_sample
+        if first % (BLOCK * self._steps.sections) == 0:  # anew, at a time without the round-off of the stages' sum
+            time = step * first * count
             z_acc, q_acc, power = accelerations(time, z, q, system.directions(np.array([time]))[0])
         else:
-            time = step * (first * per_sample - 1 + float(at[-1]))
+            time = step * (first * count - 1 + float(at[-1]))
         i = 0
         for _ in range(first, last):
-            for _ in range(per_sample):
+            for _ in range(count):
                 before = z_rate
                 z_rate = z_rate + begin * z_acc
                 q_rate = q_rate + begin_all * q_acc
@@ -203,19 +239,20 @@ class NumpyIntegration(Integration):
                         held += kick * system.carried_power(z_rate, z_acc, kick)
                     if ramping:
                         ramped += kick * system.change_power(time, z)
-                self._sense(before, z_rate)
+                self._sense(before, z_rate, count)
             self._remember((z, z_rate, z_acc), (q, q_rate, q_acc), (held, ramped, lost, dashed, power))
             yield
 
-    def _leapfrog(self, first: int, last: int) -> Iterator[None]:
+    def _leapfrog(self, first: int, last: int, near: bool) -> Iterator[None]:
         """Drift, kick, damp, kick, drift; second order.
 
         The contacts' dampers flow by the midpoint rule at frozen positions, the shaft's dashpots exactly in the kicks;
         a free cage's dashpots and friction end the kick.
         """
         cage = self._cage
-        system, step, per_sample, damping = self._system, self._step, self._per_sample, self._damping
-        steps = np.arange(first * per_sample, last * per_sample)
+        system, damping, count = self._system, self._damping, self._steps.near if near else self._steps.far
+        step = self._section / count
+        steps = np.arange(first * count, last * count)
         times = step * (steps + 0.5)
         turns = system.directions(times)
         times = times.tolist()
@@ -223,7 +260,7 @@ class NumpyIntegration(Integration):
         half = 0.5 * step
         i = 0
         for _ in range(first, last):
-            for _ in range(per_sample):
+            for _ in range(count):
                 before = z_rate
                 z = z + half * z_rate
                 q = q + half * q_rate
@@ -252,7 +289,7 @@ class NumpyIntegration(Integration):
                     z_rate, q_rate, taken = cage.rub(z_rate, q_rate)
                     held += taken
                     cage.drift(half)
-                self._sense(before, z_rate)
+                self._sense(before, z_rate, count)
                 z = z + half * z_rate
                 q = q + half * q_rate
                 i += 1

@@ -20,7 +20,7 @@ from lagrange.integrate import OF_CAGE, Integration, NumpyIntegration
 from lagrange.kinematics import kinematics, turned
 from lagrange.problem import Problem
 from lagrange.raceway_laws import ContactLaws
-from lagrange.step_size import DAMPED_STABLE, STABLE, STEP, critical_time_step, fastest_mode, steps_per_sample
+from lagrange.step_size import DAMPED_STABLE, STABLE, STEP, critical_time_step, fastest_mode, steps_of
 from lagrange.trajectory import Completion, Trajectory
 
 ENERGY_TOLERANCE = 1e-2  # where contacts rattle, each impact lasting a few steps; else errors are 1e-5 of it
@@ -68,7 +68,7 @@ class Simulation:
     ):
         self.problem, self.interval, self._kind = problem, interval, integration
         self.refinements = 0
-        self._least = steps_per_sample(problem, interval, time_step)
+        self._least = steps_of(problem, interval, time_step)
         self._most_refinements = REFINEMENTS if time_step is None else 0
         self._start = problem.first_state
         self._begin()
@@ -77,13 +77,14 @@ class Simulation:
         problem = self.problem
         system = system_of(problem)
         start = system.pack(self._start)
-        self._integration = self._kind(system, start, self.time_step, self.steps_per_sample, problem.damping)
+        steps = self._least.finer(2**self.refinements)
+        self._integration = self._kind(system, start, self.interval, steps, problem.damping)
         self._completion = Completion(problem, system)
         self.trouble: str | None = None  # why it can't go on
 
     @property
     def steps_per_sample(self) -> int:
-        return self._least * 2**self.refinements
+        return self._least.finer(2**self.refinements).per_sample
 
     @property
     def time_step(self) -> float:
@@ -134,8 +135,9 @@ class Simulation:
     @property
     def verdict(self) -> Verdict:
         """How the step has resolved the motion so far; its last word is at the end."""
-        stable = DAMPED_STABLE if self.problem.is_damped else STABLE
-        if not fastest_mode(self.problem, *self._largest_forces) * self.time_step < stable:
+        stable = DAMPED_STABLE if self.problem.is_damped or self._least.leaps else STABLE
+        longest = self.time_step * self._least.near / self._least.far
+        if not fastest_mode(self.problem, *self._largest_forces) * longest < stable:
             return Verdict.TOO_FAST
         return Verdict.RESOLVED if self._energy_share() <= ENERGY_TOLERANCE else Verdict.RATTLING
 

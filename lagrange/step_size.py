@@ -1,5 +1,6 @@
 """How long a time step may be: from the stiffest mode, an element between its contacts."""
 
+from dataclasses import dataclass, replace
 from math import ceil, inf, sqrt
 
 import numpy as np
@@ -15,18 +16,69 @@ OVERLOAD = 2.0  # the stiffest mode is estimated at this many times the largest 
 LIMIT, DAMPED_LIMIT = 3.05, 2.0  # ω·step at which the six-stage scheme and the leapfrog become unstable
 STABLE, DAMPED_STABLE = 2.8, 1.0  # ω·step that they may reach
 LARGEST_DAMPING = 0.5  # of a step times the rate of the damper on an element
-KNOTS_PER_STEP = 0.25  # of a surface's profile under a rolling contact; with one, energy over spalls is up to 4 % off
+# of a surface's profile under a rolling contact, with dampers; energy over spalls is off by their square
+KNOTS_PER_STEP, KNOTS_PER_UNDAMPED_STEP = 0.25, 0.08
 CAGE_STEP = 0.8  # of 1/ω of a cage with all contacts closed
 TOGETHER = 2.0  # a spring between two bodies counts so often on each
 SMALLEST_FORCE = 1e-3  # N, for the frequency of an unloaded element
 
 
-def steps_per_sample(problem: Problem, interval: float, time_step: float | None = None) -> int:
-    """Equal steps from sample to sample, `interval` s, before any refinement; `time_step`: s, at most."""
-    longest = _longest_step(problem)
+@dataclass(frozen=True, kw_only=True)
+class Steps:
+    """Equal steps in each section of a sample.
+
+    Where sections are looked at, those without a contact near a fault are on perfect circles: their steps are cheap
+    and, where dampers end what faults begin, longer. Undamped contacts rattle after a fault as they do over it.
+    """
+
+    sections: int  # of a sample
+    near: int  # steps of a section with a contact near a fault, or of every one that is not looked at
+    far: int  # of another
+    looks: bool
+    leaps: bool  # whether undamped steps are so short that a scheme of second order is better for its costs
+
+    @classmethod
+    def equal(cls, count: int) -> "Steps":
+        """So many from sample to sample, by the scheme of fourth order where nothing is damped."""
+        return cls(sections=1, near=count, far=count, looks=False, leaps=False)
+
+    @property
+    def per_sample(self) -> int:
+        """At most."""
+        return self.sections * self.near
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Of steps in a section far from faults, and near."""
+        return self.far, self.near
+
+    def finer(self, times: int) -> "Steps":
+        """So many times as many."""
+        return replace(self, near=times * self.near, far=times * self.far)
+
+
+def steps_of(problem: Problem, interval: float, time_step: float | None = None) -> Steps:
+    """Steps from sample to sample, `interval` s, before any refinement; `time_step`: s, at most."""
+    smooth, passage, omega = _longest_step(problem), _passage(problem), _stiffest(problem)
     if time_step is not None:
-        longest = min(longest, time_step)
-    return max(1, ceil(interval / longest * (1.0 - 1e-12)))
+        smooth = min(smooth, time_step)
+    surfaces = profiles(problem.bearing)
+    looks = problem.angles == "kinematic" and surfaces is not None and surfaces.leave_perfect_arcs
+    sections = _count(interval, STEP / omega) if looks else 1
+    section = interval / sections
+    near = _count(section, min(smooth, passage))
+    return Steps(
+        sections=sections,
+        near=near,
+        far=_count(section, smooth) if looks and problem.is_damped else near,
+        looks=looks,
+        leaps=not problem.is_damped and passage < min(smooth, DAMPED_STEP / omega),
+    )
+
+
+def _count(whole: float, longest: float) -> int:
+    """Equal steps of a time, s."""
+    return max(1, ceil(whole / longest * (1.0 - 1e-12)))
 
 
 def fastest_mode(problem: Problem, inner_force: float, outer_force: float) -> float:
@@ -99,22 +151,33 @@ def _expected_force(problem: Problem) -> float:
     return OVERLOAD * (squeeze + spin + bearing.roller_mass * operation.gravity + 5.0 * weight / bearing.n_rollers)
 
 
-def _longest_step(problem: Problem) -> float:
+def _stiffest(problem: Problem) -> float:
+    """Angular frequency, rad/s, of the stiffest mode under the largest force to be expected."""
     force = _expected_force(problem)
-    omega = fastest_mode(problem, force, force)
-    passage, cage = _passage(problem), fastest_of_cage(problem)
-    if cage > 0.0:
-        passage = min(passage, CAGE_STEP / cage)
+    return fastest_mode(problem, force, force)
+
+
+def _longest_step(problem: Problem) -> float:
+    """On perfect circles, s."""
+    force, omega, cage = _expected_force(problem), _stiffest(problem), fastest_of_cage(problem)
+    longest = inf if cage == 0.0 else CAGE_STEP / cage
     if not problem.is_damped:
-        return min(STEP / omega, passage)
+        return min(STEP / omega, longest)
     if not problem.damping.acts:  # dashpots of shaft and housing are exact at any step
-        return min(DAMPED_STEP / omega, passage)
+        return min(DAMPED_STEP / omega, longest)
     dampers = sum(float(problem.damping.coefficient(force, law.slope(law.approach(force)))) for law in problem.laws)
-    return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / dampers, passage)
+    return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / dampers, longest)
 
 
 def _passage(problem: Problem) -> float:
     """Time in which contacts roll over as many knots of a profile as a step may, s."""
-    surfaces, ideal = profiles(problem.bearing), kinematics(problem.bearing, problem.operation.fastest)
-    speed = abs(ideal.roller - ideal.cage) * problem.bearing.roller_radius
-    return inf if surfaces is None or speed == 0.0 else KNOTS_PER_STEP * surfaces.shortest / speed
+    surfaces, speed = profiles(problem.bearing), contact_speed(problem)
+    if surfaces is None or speed == 0.0:
+        return inf
+    return (KNOTS_PER_STEP if problem.is_damped else KNOTS_PER_UNDAMPED_STEP) * surfaces.shortest / speed
+
+
+def contact_speed(problem: Problem) -> float:
+    """Of contacts along the surfaces at the highest speed of the run, m/s."""
+    ideal = kinematics(problem.bearing, problem.operation.fastest)
+    return abs(ideal.roller - ideal.cage) * problem.bearing.roller_radius

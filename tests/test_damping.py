@@ -13,6 +13,7 @@ from lagrange.integrate import NumpyIntegration
 from lagrange.laws import PowerLaw
 from lagrange.problem import Problem
 from lagrange.scene import SceneError, parse_scene_text, read_scene
+from lagrange.step_size import Steps
 from lagrange.systems import KinematicAngles, Packed
 
 PAPER = read_scene().ideal_bearing()
@@ -31,7 +32,7 @@ def thrown(bearing: Bearing, damping: ContactDamping, speed: float, exponent: fl
     ones = np.ones(system.n)
     start = Packed(0j, 0j, touching * ones - 1e-12, speed * ones)
     steps = 1000 if exponent == 1.0 else 3000
-    record = NumpyIntegration(system, start, STEP / frequency, steps, damping).advance(2)
+    record = NumpyIntegration(system, start, steps * STEP / frequency, Steps.equal(steps), damping).advance(2)
     assert np.all(record.q[-1] < touching)  # they have left
     return float(-record.q_rate[-1, 0] / speed)
 

@@ -9,12 +9,14 @@ from lagrange import contact_laws, simulate, static_equilibrium, step_size
 from lagrange.contact_damping import ContactDamping
 from lagrange.energy import contact_energy
 from lagrange.faults import Spall, UnequalRoller, Waviness
+from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import State, accelerations, contact_state
+from lagrange.near_faults import near_faults
 from lagrange.problem import Problem
-from lagrange.profile import Turns
+from lagrange.profile import Turns, profiles
 from lagrange.scene import Scene
 from lagrange.simulate import Simulation
-from lagrange.step_size import KNOTS_PER_STEP
+from lagrange.step_size import KNOTS_PER_UNDAMPED_STEP
 
 PAPER = Scene().ideal_bearing()
 RUNNING = Scene().ideal_operation()
@@ -116,8 +118,8 @@ def test_energy_is_balanced_over_a_spall_and_the_strike(body, angle, monkeypatch
     """Of second order in the step where the kink in the spall's middle and the strike are crossed."""
     bearing = replace(PAPER, faults=(spall(body, angle),))
     errors = []
-    for times in (4.0, 1.0):
-        monkeypatch.setattr(step_size, "KNOTS_PER_STEP", times * KNOTS_PER_STEP)
+    for times in (3.5, 1.0):
+        monkeypatch.setattr(step_size, "KNOTS_PER_UNDAMPED_STEP", times * KNOTS_PER_UNDAMPED_STEP)
         run = simulate(bearing, RUNNING, HARRIS, 0.6e-3, 1e-5)
         errors.append(np.abs(run.energy_error).max() / run.energy_contact.max())
         # the roller was unloaded and struck
@@ -164,3 +166,30 @@ def test_a_run_in_parts_has_the_same_bits(angles):
     found = second.advance(5)
     for name in ("inner_y", "roller_rho", "work_cage", "energy_error"):
         assert np.array_equal(getattr(found, name), getattr(expected, name)[3:])
+
+
+@pytest.mark.parametrize("body", ["inner_ring", "outer_ring", "roller"])
+def test_far_from_faults_contacts_are_on_perfect_circles(body):
+    """At places a hub's way out of the middle; and not all sections are called near."""
+    bearing = replace(PAPER, faults=(spall(body, DOWN + 0.1), spall(body, 0.0)))
+    problem = Problem(bearing=bearing, operation=RUNNING, laws=HARRIS)
+    count, section = 4000, 5e-6
+    near = near_faults(problem, 7, count, section)
+    assert 0.05 < near.mean() < 0.5
+    surfaces, hub = profiles(bearing), 0.03 * bearing.roller_radius * np.exp(1j * np.linspace(0.0, 50.0, count))
+    for share in (0.0, 0.5, 1.0):
+        time = (7 + np.arange(count) + share)[:, None] * section
+        turns = Turns.rolling(bearing, RUNNING, time)
+        cage = kinematics(bearing, RUNNING.speed).cage
+        outward = roller_angles(bearing, RUNNING.first_roller_angle) + cage * time
+        inward = np.angle(bearing.pitch_radius * np.exp(1j * outward) - hub[:, None])
+        both = surfaces.inner(inward, turns), surfaces.outer(outward, turns)
+        sunk = np.max([np.abs(met.sinkage).max(axis=1) for met in both], axis=0)
+        assert sunk[near].max() > 1e-6
+        assert sunk[~near].max() < 1e-12
+
+
+def test_waves_leave_no_perfect_arcs_and_spalls_do():
+    assert not profiles(replace(PAPER, faults=wavy())).leave_perfect_arcs
+    across = profiles(replace(PAPER, faults=(spall("outer_ring", 0.0),)))  # from the last knots to the first
+    assert across.leave_perfect_arcs and len(across.outer_ring.arcs) == 1

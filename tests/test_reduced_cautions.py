@@ -10,8 +10,8 @@ import pytest
 from fem.elastic.continuum import disc_harmonic_compliance, ring_harmonic_compliance
 from fem.elastic.vibration import ring_vibrations, shift_vibrations
 from fem.solver.hub_vibration import add_samples, frequency_error, no_sums, vibration_caution
+from fem.solver.law_errors import BY_PRESSURE, law_caution
 from fem.solver.simulate import make_plan, run
-from fem.solver.wide_contacts import BY_PRESSURE, law_caution
 from fem.statics.exact_statics import exact_contacts, law_error
 from lagrange import Material
 from lagrange.kinematics import roller_angles

@@ -37,7 +37,9 @@ def _power_force(law, depth, guess, soft):
     closed = depth > 0.0
     own = select(closed, depth, 1.0)
     if soft is not None:
-        own = _less_yielding(law, own, select(closed, soft, 0.0))
+        yielding = select(closed, soft, 0.0)
+        if any_lane(yielding != 0.0):
+            own = _less_yielding(law, own, yielding)
     return select(closed, _power(law, own), depth - depth)  # what is not a number stays so
 
 
@@ -198,13 +200,15 @@ def _met(surfaces, group, rolled, axes, inner_at, outer_at):
     """
     if surfaces is None:
         return None, None
-    rings, rollers = surfaces
+    still = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    if surfaces.near[0] == 0:
+        return (still, still), (still, still)
+    rings, rollers = surfaces.rings, surfaces.rollers
     _, ix, iy = inner_at
     _, ox, oy = outer_at
     c, s = axes
     fx, fy, gx, gy = c * ix - s * iy, s * ix + c * iy, c * ox - s * oy, s * ox + c * oy  # along fixed axes
     rx, ry, wx, wy = rolled
-    still = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     ring_i = lowered_ring(rings[INNER], 1.0, still, rx * fx + ry * fy, rx * fy - ry * fx)
     ring_o = lowered_ring(rings[OUTER], 1.0, still, gx, gy)
     own_i = lowered_rollers(rollers[INNER], group, still, -(wx * fx + wy * fy), wy * fx - wx * fy)

@@ -202,17 +202,18 @@ def _carry_cage(housing, pair, before):
 
 
 @verb
-def sense(housing, before, seconds):
-    """Move a sensor on by a step, in which the housing's velocity was so before, m/s."""
+def sense(housing, before, near, seconds):
+    """Move a sensor on by a step, in which the housing's velocity was so before, m/s; `near` a fault, 1, or far, 0."""
 
 
 @sense.of(IdealHousing)
-def _sense(housing, before, seconds):
+def _sense(housing, before, near, seconds):
     if seconds > 0.0:
         acceleration = (housing.motion[1, 1] - before[1]) / seconds
         r, rate, step = housing.sensor[0], housing.sensor[1], housing.sensor_step
-        housing.sensor[0] = step[0, 0] * r + step[0, 1] * rate + step[0, 2] * acceleration
-        housing.sensor[1] = step[1, 0] * r + step[1, 1] * rate + step[1, 2] * acceleration
+        for k in range(2):
+            moved = step[near, k, 0] * r + step[near, k, 1] * rate
+            housing.sensor[k] = moved + step[near, k, 2] * acceleration
 
 
 @part

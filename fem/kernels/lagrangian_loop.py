@@ -26,18 +26,22 @@ HELD, RAMPED, DISSIPATED, DASHPOTS, POWER = range(5)  # of `IdealMotion.works`
 def advance_lagrangian(motion, bearing, dampers, clock, rows):
     """Fill rows with the samples after those that are done, and leave the motion at the last.
 
-    By Blanes and Moan's scheme, by leapfrog where the clock has no kicks: with dampers, the shaft's dashpots, a cage.
+    By the clock's scheme, by leapfrog where it has none: with dampers, the shaft's dashpots, a cage.
 
     Returns the number of rows filled: fewer where the hub's place is no number any more.
     """
     for row in range(rows.works.shape[0]):
-        first = (clock.done + row - 1) * clock.per_sample
+        first = (clock.done + row - 1) * clock.sections
         for at in range(0, motion.force.size, WIDTH):  # a sample's bits do not depend on where the last call ended
             store(motion.force, at, splat(0.0))
-        begin = -1 if first == 0 else first  # a step of no length finds the accelerations at the start
-        for number in range(begin, first + clock.per_sample):
-            length = clock.step if number >= 0 else 0.0
-            _step(clock.kicks, motion, bearing, dampers, clock, number, length)
+        for section in range(first - (first == 0), first + clock.sections):
+            # a step of no length, before the first section, finds the accelerations at the start
+            near = 1 if section < 0 else clock.near[row, section - first]
+            count = 1 if section < 0 else clock.counts[near]
+            length = 0.0 if section < 0 else clock.lengths[near]
+            _look(bearing.surfaces, near)
+            for number in range(section * count, (section + 1) * count):
+                _step(clock.kicks, motion, bearing, dampers, clock, near, number, length)
         for k in range(2):
             if not motion.hub[0, k] - motion.hub[0, k] == 0.0:
                 return row
@@ -69,28 +73,35 @@ def _write_housing(housing, row, rows):
 
 
 @part
-def _step(kicks, motion, bearing, dampers, clock, number, length):
+def _look(surfaces, near):
+    """Let contacts look for what surfaces lack, or not."""
+    if surfaces is not None:
+        surfaces.near[0] = near
+
+
+@part
+def _step(kicks, motion, bearing, dampers, clock, near, number, length):
     if kicks is None:
-        _damped(motion, bearing, dampers, number, length)
+        _damped(motion, bearing, dampers, near, number, length)
     else:
-        _composed(motion, bearing, clock, number, length)
+        _composed(motion, bearing, clock.kicks, clock.drifts, near, number, length)
 
 
 @part
-def _composed(motion, bearing, clock, number, length):
-    """Kicks and drifts of a symplectic scheme of fourth order."""
-    way, n, before = 0.0, clock.drifts.size, velocity_of_ring(motion.housing)
+def _composed(motion, bearing, kicks, drifts, near, number, length):
+    """Kicks and drifts of a symplectic scheme."""
+    way, n, before = 0.0, drifts.size, velocity_of_ring(motion.housing)
     for stage in range(n):
-        _kick(motion, bearing, length * clock.kicks[stage], length * (number + way))
-        _drift(motion, length * clock.drifts[stage])
-        way += clock.drifts[stage]
+        _kick(motion, bearing, length * kicks[stage], length * (number + way))
+        _drift(motion, length * drifts[stage])
+        way += drifts[stage]
         motion.works[POWER] = accelerate(motion, bearing, None, length * (number + way))
-    _kick(motion, bearing, length * clock.kicks[n], length * (number + way))
-    sense(motion.housing, before, length)
+    _kick(motion, bearing, length * kicks[n], length * (number + way))
+    sense(motion.housing, before, near, length)
 
 
 @part
-def _damped(motion, bearing, dampers, number, length):
+def _damped(motion, bearing, dampers, near, number, length):
     """Drift, kick, damp, kick, drift; second order."""
     half, time, works = 0.5 * length, length * (number + 0.5), motion.works
     before = velocity_of_ring(motion.housing)
@@ -106,7 +117,7 @@ def _damped(motion, bearing, dampers, number, length):
     _kick(motion, bearing, half, time)
     _slow(motion, bearing, half)
     works[HELD] += rub_cage(motion.cage, motion, bearing, shaft, before, length)
-    sense(motion.housing, before, length)
+    sense(motion.housing, before, near, length)
     _drift(motion, half)
     drift_cage(motion.cage, half)
 

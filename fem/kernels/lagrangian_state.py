@@ -32,7 +32,7 @@ class IdealHousing(NamedTuple):
 
     motion: np.ndarray  # (3, 2), place, m, velocity, acceleration
     sensor: np.ndarray  # (2,), r, m, and ṙ, m/s; 0 without one
-    sensor_step: np.ndarray  # (2, 3), of a step
+    sensor_step: np.ndarray  # (2, 2, 3), of a step far from faults and near
     shift: np.ndarray  # (2,), N, S: by the housing's velocity, power that held angles take up
     lever: np.ndarray  # (2,), kg m/s, L: minus that by its acceleration
     damped: np.ndarray  # (2,), m/s², acceleration by the contacts' dampers
@@ -60,6 +60,7 @@ class Surfaces(NamedTuple):
 
     rings: tuple  # the inner and the outer raceway
     rollers: tuple  # the elements in their contacts with them
+    near: np.ndarray  # (1,), 0 while no contact is near a fault
 
 
 class ShaftSprings(NamedTuple):
@@ -106,10 +107,12 @@ class Dampers(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """Where the steps are, and their scheme."""
+    """Where the steps are, and their scheme; of two values the first is far from faults, the second near."""
 
-    step: float  # s
-    per_sample: int  # steps
+    lengths: np.ndarray  # (2,), s, of steps
+    counts: np.ndarray  # (2,), steps of a section
+    sections: int  # of a sample
+    near: np.ndarray  # (n_rows, sections), 1 where a contact is near a fault
     done: int  # samples so far
     kicks: np.ndarray | None  # (stages + 1,), of a step; None: of leapfrog, for what takes energy
     drifts: np.ndarray | None  # (stages,)

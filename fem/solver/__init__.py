@@ -8,7 +8,8 @@ samples            rows of a time loop as quantities; `compiling`: plans whose l
 lagrangian         the Lagrangian model as a solver; `lagrangian_steps`: its integration, compiled
 reduced            the reduced model as a solver: its plan; `reduced_start`: where its runs begin; `reduced_state`: its
                    arrays, and runs that begin again; `vibrations`: modes of its bodies; `hub_vibration`: what runs
-                   without them miss of the hub's; `reduced_estimate`: how far it is from finite elements
+                   without them miss of the hub's, `law_errors` what laws of wide contacts;
+                   `reduced_estimate`: how far it is from finite elements
 
 The finite elements:
 

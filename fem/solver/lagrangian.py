@@ -27,7 +27,7 @@ from lagrange.raceway_laws import caution
 from lagrange.scene import Scene
 from lagrange.simulate import ENERGY_TOLERANCE, Simulation, Verdict
 from lagrange.spall_events import interval_caution
-from lagrange.step_size import critical_time_step, steps_per_sample
+from lagrange.step_size import Steps, critical_time_step, steps_of
 
 ROUND_OFF = 1e-9  # of the kinetic energy: a bearing without load exchanges next to nothing
 ARRAYS = 30  # per roller and sample of a block, at the most at a time
@@ -35,6 +35,7 @@ ARRAYS = 30  # per roller and sample of a block, at the most at a time
 SECONDS_PER_EIGHT = {True: 0.1e-6, False: 0.2e-6}  # power law, other
 DAMPED = 1.5  # times, dampers with them
 ON_SURFACES = 3.0  # times, where these are not perfect circles
+NEAR_SHARE = 0.2  # of the time in which a contact is near one of a few faults
 SECONDS_PER_SAMPLE = 0.2e-6  # and element, for energies and works
 SAME = ("time", "inner_x", "inner_y", "inner_vx", "inner_vy", "inner_ax", "inner_ay", "roller_x", "roller_y",
         "roller_rho", "roller_theta", "inner_force", "outer_force", "energy_kinetic", "energy_contact",
@@ -49,12 +50,16 @@ class LagrangianPlan(CompiledPlan):
     problem: Problem
     interval: float  # s, between samples
     n_samples: int
-    steps_per_sample: int
+    least_steps: Steps  # before any refinement
     law_caution: str | None  # on law and material, which concern this run alone
     cautions: tuple[str, ...] = ()
     model_name = "Lagrangian model"
     compiling_takes = "some seconds"
     lacks = "rings that bend, elastic waves"
+
+    @property
+    def steps_per_sample(self) -> int:
+        return self.least_steps.per_sample
 
     @property
     def time_step(self) -> float:
@@ -80,9 +85,14 @@ class LagrangianPlan(CompiledPlan):
     def expected_seconds(self) -> float:
         """Of all steps and samples, s, unless contacts rattle."""
         problem = self.problem
-        times = self.steps * ceil(problem.bearing.n_rollers / 8)
-        times *= (DAMPED if problem.damping.acts else 1.0) if problem.is_damped else len(ALL_DRIFTS)
-        times *= ON_SURFACES if problem.bearing.faults else 1.0
+        plan = self.least_steps
+        near = NEAR_SHARE if plan.looks else 1.0
+        times = near * plan.near * (ON_SURFACES if problem.bearing.faults else 1.0) + (1.0 - near) * plan.far
+        times *= plan.sections * (self.n_samples - 1) * ceil(problem.bearing.n_rollers / 8)
+        if problem.damping.acts:
+            times *= DAMPED
+        elif not (problem.is_damped or plan.leaps):
+            times *= len(ALL_DRIFTS)
         looked_at = SECONDS_PER_SAMPLE * self.n_samples * problem.bearing.n_rollers
         steps = times * SECONDS_PER_EIGHT[isinstance(problem.laws.inner, PowerLaw)]
         return pace("lagrange") * (steps + looked_at)
@@ -158,7 +168,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         problem=problem,
         interval=interval,
         n_samples=sample_count(scene),
-        steps_per_sample=steps_per_sample(problem, interval),
+        least_steps=steps_of(problem, interval),
         law_caution=caution(options.law, bearing),
         cautions=() if too_seldom is None else (too_seldom,),
     )

@@ -24,18 +24,19 @@ from fem.solver.profile_arrays import raceway_profiles
 from fem.solver.run_arrays import changing_arrays
 from lagrange.cage import Cage
 from lagrange.contact_damping import ContactDamping
-from lagrange.integrate import ALL_DRIFTS, ALL_KICKS, MOTION, Integration
+from lagrange.integrate import MOTION, Integration
 from lagrange.laws import PowerLaw
 from lagrange.overlap import touching_distances
 from lagrange.raceway_laws import LogarithmicLaw
+from lagrange.step_size import Steps
 from lagrange.systems import Packed
 
 
 class CompiledIntegration(Integration):
     """Steps by a kernel."""
 
-    def __init__(self, system, start: Packed, step: float, per_sample: int, damping: ContactDamping):
-        super().__init__(system, start, step, per_sample, damping)
+    def __init__(self, system, start: Packed, interval: float, steps: Steps, damping: ContactDamping):
+        super().__init__(system, start, interval, steps, damping)
         columns = -(-system.n // WIDTH) * WIDTH
         axes = 1 if system.holds_angles else 2
         self._motion = lined_up(
@@ -44,7 +45,7 @@ class CompiledIntegration(Integration):
                 elements=np.zeros((3, axes, columns)),
                 works=np.zeros(5),
                 force=np.zeros((2, columns)),
-                housing=_housing(system, step),
+                housing=_housing(system, [self._section / count for count in steps.counts]),
             )
         )
         self._bearing = lined_up(_bearing(system, columns))
@@ -69,12 +70,16 @@ class CompiledIntegration(Integration):
             housing.sensor[:], housing.shift[:] = of_housing[:2], of_housing[2:]
         motion.elements[:, :, :n] = np.moveaxis(_parts(elements, axes), 2, 1)
         motion.works[:] = sums
+        counts = self._steps.counts
+        kicks, drifts = self._scheme
         clock = Clock(
-            step=float(self._step),
-            per_sample=self._per_sample,
+            lengths=np.array([self._section / count for count in counts]),
+            counts=np.array(counts),
+            sections=self._steps.sections,
+            near=self._near(done, z.shape[1]).astype(np.intp),
             done=done,
-            kicks=None if self._leaps else np.array(ALL_KICKS),
-            drifts=None if self._leaps else np.array(ALL_DRIFTS),
+            kicks=None if self._leaps else np.array(kicks),
+            drifts=None if self._leaps else np.array(drifts),
         )
         rows = Rows(
             hub=np.empty((z.shape[1], 2, 2)),
@@ -117,7 +122,9 @@ def _bearing(system, columns: int) -> IdealBearing:
     surfaces = first = None
     if bearing.faults:
         surfaces = Surfaces(
-            rings=(inner["profile"], outer["profile"]), rollers=(inner["roller_profiles"], outer["roller_profiles"])
+            rings=(inner["profile"], outer["profile"]),
+            rollers=(inner["roller_profiles"], outer["roller_profiles"]),
+            near=np.ones(1, dtype=np.intp),
         )
     if system.holds_angles:
         angle = np.zeros(columns)
@@ -180,15 +187,16 @@ def _guiding(cage: Cage, motion: IdealMotion, bearing: IdealBearing) -> GuidingR
     )
 
 
-def _housing(system, step: float) -> IdealHousing | None:
-    """The housing and a sensor on it, None where the ground holds the outer ring; `step` in s."""
+def _housing(system, steps: list[float]) -> IdealHousing | None:
+    """The housing and a sensor on it, None where the ground holds the outer ring; `steps`, s: far from faults, near."""
     mounting = system.problem.operation.mounting
     if mounting.housing is None:
         return None
+    sensors = [np.zeros((2, 3)) if mounting.sensor is None else mounting.sensor.step(step) for step in steps]
     return IdealHousing(
         motion=np.zeros((3, 2)),
         sensor=np.zeros(2),
-        sensor_step=np.zeros((2, 3)) if mounting.sensor is None else np.ascontiguousarray(mounting.sensor.step(step)),
+        sensor_step=np.array(sensors),
         shift=np.zeros(2),
         lever=np.zeros(2),
         damped=np.zeros(2),

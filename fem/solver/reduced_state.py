@@ -24,6 +24,7 @@ from fem.solver.cage_arrays import cage_state, pair_of_rigid, row_width
 from fem.solver.course_arrays import course_arrays
 from fem.solver.housing_arrays import housing_of
 from fem.solver.hub_vibration import add_samples, no_sums, vibration_caution
+from fem.solver.law_errors import law_caution
 from fem.solver.profile_arrays import raceway_profiles
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import changing_arrays
@@ -31,7 +32,6 @@ from fem.solver.samples import SampleReader
 from fem.solver.shaft_arrays import shaft_springs
 from fem.solver.solver import Block, Numbers, Samples
 from fem.solver.vibrations import vibrations
-from fem.solver.wide_contacts import law_caution
 from fem.statics.reduced_bearing import growths
 from lagrange import Bearing, kinematics
 from lagrange.contact_damping import ContactDamping

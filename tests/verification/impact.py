@@ -9,6 +9,7 @@ from lagrange.contact_damping import UNDAMPED
 from lagrange.integrate import NumpyIntegration
 from lagrange.motion import State
 from lagrange.problem import Problem
+from lagrange.step_size import Steps
 from lagrange.systems import FreeAngles
 from tests.reference.bearings import STEEL, STEEL_ON_STEEL
 from tests.reference.disc_impact import thrown_at_flat
@@ -119,7 +120,7 @@ def ball_impact():
         x_rate=0.0, y_rate=0.0, rho_rate=zero + speed, theta_rate=zero,
     )  # fmt: skip
     step = 2e-8
-    record = NumpyIntegration(system, system.pack(start), step, 1, UNDAMPED).advance(2000)
+    record = NumpyIntegration(system, system.pack(start), step, Steps.equal(1), UNDAMPED).advance(2000)
     depth = np.abs(record.q[:, 0]) - track
     law = laws.outer
     touching = np.flatnonzero(depth > 0.0)

@@ -138,9 +138,9 @@ def test_a_housing_rings_down_as_if_bodies_were_not_damped():
     assert found[-1]["work_damping_bodies"][-1] < 1e-6 * found[-1]["work_dissipated"][-1]
 
 
-@pytest.mark.parametrize(("support", "limit"), [(HELD, 1e-4), (IN_PLAY, 2e-3)], ids=["housing", "bore"])
+@pytest.mark.parametrize(("support", "limit"), [(HELD, 1e-4), (IN_PLAY, 5e-4)], ids=["housing", "bore"])
 def test_energy_is_balanced_to_the_square_of_the_step_where_the_outer_ring_moves(support, limit):
-    """From rest under a sudden load; strong damping of waves that steps hardly resolve costs accuracy."""
+    """From rest under a sudden load."""
     missing = []
     for safety in (0.9, 0.45):
         numerics = COARSE | {"duration_ms": 1.0, "start": "rest", "load_ramp_ms": 0.05, "output_interval_us": 5.0,
@@ -149,4 +149,4 @@ def test_energy_is_balanced_to_the_square_of_the_step_where_the_outer_ring_moves
         result = run_scene(parse_scene(tables, ""))
         assert result.values["work_damping_bodies"][-1] > 10.0 * limit * np.ptp(result.energies["energy_kinetic"])
         missing.append(balance_of(result))
-    assert missing[0] < limit and missing[1] < 0.5 * missing[0]
+    assert missing[0] < limit and missing[1] < 0.3 * missing[0]

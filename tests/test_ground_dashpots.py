@@ -5,7 +5,7 @@ import pytest
 from numba import njit
 
 from fem.interface import simulate
-from fem.kernels.ground_dashpots import give_way, mobility, settle
+from fem.kernels.ground_dashpots import conclude, give_way, late_mass, mobility, settle
 from fem.kernels.jit import OPTIONS
 from fem.kernels.shaft_kernels import Shaft, pull
 from lagrange.scene import parse_scene
@@ -14,30 +14,38 @@ DT, MASS, DAMPING, STIFFNESS = 4e-7, 7.6e-4, 300.0, 1e6
 FIRST, LATER = np.array([40.0, -7.0]), np.array([-9.0, 25.0])  # N
 
 
+ASKING, UNKNOWING, HEAVIER = range(3)  # how forces are given that are found after the dashpots'
+LATE_MASS = late_mass(MASS, DAMPING, DT)
+
+
 @njit(**OPTIONS)
-def shake(shaft, first, later, knowing):
-    """A kick by forces, the shaft's, and forces found later, which ask how the dashpots give way or do not."""
+def shake(shaft, first, later, how):
+    """A kick by forces, the shaft's, and forces found later."""
     for k in range(2):
         shaft.velocity[k] += DT / MASS * first[k]
     pull(shaft, DT, shaft.place[0], shaft.place[1])
     for k in range(2):
-        gained = (mobility(shaft, MASS, DT) if knowing else DT / MASS) * later[k]
-        shaft.velocity[k] += gained
-        if knowing:
+        if how == ASKING:
+            gained = mobility(shaft, MASS, DT) * later[k]
+            shaft.velocity[k] += gained
             give_way(shaft, k, gained)
-    if not knowing:
+        else:
+            shaft.velocity[k] += DT / (MASS if how == UNKNOWING else LATE_MASS) * later[k]
+    if how == UNKNOWING:
         settle(shaft, DT)
+    elif how == HEAVIER:
+        conclude(shaft)
 
 
-@pytest.mark.parametrize("knowing", [True, False])
-def test_the_dashpots_force_is_that_of_the_mean_of_the_velocities_before_and_after_all_forces(knowing):
+@pytest.mark.parametrize("how", [ASKING, UNKNOWING, HEAVIER])
+def test_the_dashpots_force_is_that_of_the_mean_of_the_velocities_before_and_after_all_forces(how):
     """M (v₁ − v₀)/dt = F − k x − ½ c (v₀ + v₁), solved by hand."""
     v0, place = np.array([0.02, -0.03]), np.array([3e-6, -5e-6])
     shaft = Shaft(
         place=place, velocity=v0.copy(), before=v0.copy(), drag=np.zeros(2), stored=np.zeros(1),
         dissipated=np.zeros(1), mass=MASS, stiffness=STIFFNESS, damping=DAMPING, column=0,
     )  # fmt: skip
-    shake(shaft, FIRST, LATER, knowing)
+    shake(shaft, FIRST, LATER, how)
     half = 0.5 * DAMPING
     wanted = ((MASS / DT - half) * v0 + FIRST + LATER - STIFFNESS * place) / (MASS / DT + half)
     np.testing.assert_allclose(shaft.velocity, wanted, rtol=1e-13)

@@ -17,13 +17,16 @@ from fem.kernels.ring_kernels import HALO
 def damp_bodies(bodies, drive, damping):
     """Take their share from the velocities that bodies have beside moving and turning as a whole; None: nothing.
 
-    A velocity shrinks by exp(−a dt) a step, and the work that takes is what the energy of leapfrog,
-    ½ v(t − dt/2)·M·v(t + dt/2), loses.
+    Of a velocity v₀ before a kick and v₁ after it, of such motion, a share s = 1 − exp(−a dt) of v₀ is taken. From one
+    kick to the next the energy of leapfrog, ½ v₀·M·v₁ + V, thereby loses ½ s v₁·M·(v₀ + v₁). The sum of that is of
+    s v₀·M·v₀ over all kicks, less a quarter of the last one's, but for ¼ s (v₁ − v₀)·M·(v₁ − v₀), of third order in dt.
     """
     if damping is not None:
+        before = damping.work[0]
         _damp_rollers(bodies.disc, bodies.rollers, damping, drive.dt)
         _damp_inner(bodies.inner, drive, damping)
         _damp_outer(damping.around, bodies.outer, damping, drive.dt)
+        damping.work[1] = damping.work[0] - before
 
 
 @part(inlined=False)
@@ -50,7 +53,7 @@ def _damp_rollers(disc, rollers, damping, dt):
             store(w, at, vx - damping.share * own_x)
             store(w, at + columns, vy - damping.share * own_y)
             lost += mass[i] * (own_x * own_x + own_y * own_y)
-    damping.work[0] += damping.loss * total(lost)
+    damping.work[0] += damping.share * total(lost)
 
 
 @part(inlined=False)
@@ -90,7 +93,7 @@ def _damp_ring(ring, damping, half, speed, whole_x, whole_y):
         lost += ring.row_mass[row] * total(part_lost)
         back_x += ring.row_mass[row] * total(part_x)
         back_y += ring.row_mass[row] * total(part_y)
-    damping.work[0] += damping.loss * lost
+    damping.work[0] += damping.share * lost
     return damping.share * back_x, damping.share * back_y
 
 
@@ -158,4 +161,4 @@ def _damp_held(ring, damping):
                 store(ring.w, k, p - damping.share * p)
                 part_lost += p * p
         lost += ring.row_mass[row] * total(part_lost)
-    damping.work[0] += damping.loss * lost
+    damping.work[0] += damping.share * lost

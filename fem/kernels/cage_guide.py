@@ -112,6 +112,22 @@ def guide_force(guide):
 
 
 @part
+def given_beyond(pair):
+    """What the last kick of a cage's guide gave the inner ring beyond its force, N, x and y."""
+    if pair is None:
+        return 0.0, 0.0
+    return _beyond(pair.cage.guide, pair.ring)
+
+
+@part
+def _beyond(guide, ring):
+    if guide is None or ring is None or not ring.turns:
+        return 0.0, 0.0
+    more = guide.kick[0] - guide.force[0]
+    return more * guide.normal[0, 0], more * guide.normal[1, 0]
+
+
+@part
 def guide_squared(guide):
     return 0.0 if guide is None else guide.force[0] ** 2
 

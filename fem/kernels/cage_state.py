@@ -32,7 +32,7 @@ class GuidingRing(NamedTuple):
     velocity: np.ndarray  # (2,), m/s
     impulse: np.ndarray  # (2,), N s, of this step, which the kick takes
     rubbed: np.ndarray  # (3,), N s, of this step, in the velocity already; N m s about its centre
-    mass: float
+    mass: float  # kg; in finite elements, which kick it by themselves, a `late_mass`, see `ground_dashpots`
     speed: np.ndarray  # (1,), rad/s, in this step
     turns: bool  # with the shaft
 

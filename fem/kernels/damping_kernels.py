@@ -19,15 +19,15 @@ import numpy as np
 
 from fem.kernels.contact_kernels import next_roller, push_nodes
 from fem.kernels.jit import every, part, verb
-from fem.kernels.lane_functions import larger, logarithm, smaller
-from fem.kernels.lane_memory import gather, gather_pair, load, store
+from fem.kernels.lane_functions import larger, smaller
+from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, total
 from fem.kernels.law import STEEPEST
 from fem.kernels.other_bodies import take_all_late
 from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import CONTACTS, DiscSurface, Hub, Neighbours, Raceway, RigidDisc, RingSurface
-from fem.kernels.surfaces import first_weight, gather_seam, next_node, push, push_body, unseal
+from fem.kernels.surfaces import both_ways, gather_seam, next_node, out_of_surface, push, push_body, seal, unseal
 
 
 @verb
@@ -50,7 +50,7 @@ def _of_ring(ring, patches, side, j, nx, ny):
 
 @velocity_out.of(Hub)
 def _of_hub(hub, patches, side, j, nx, ny):
-    return hub.velocity[0] * nx + hub.velocity[1] * ny, 1.0 / hub.mass
+    return hub.velocity[0] * nx + hub.velocity[1] * ny, 1.0 / hub.late_mass
 
 
 @verb
@@ -112,42 +112,6 @@ def _push_rigid(body, patches, side, j, column, impulse, x, y):
 
 
 @verb
-def out_of_surface(surface, patches, side, group, column):
-    """`velocity_out` of eight patches on surfaces with nodes, of a roller against its centre of mass; of others 0."""
-    return splat(0.0), splat(0.0)
-
-
-@out_of_surface.of(RingSurface)
-def _eight_of_ring(ring, patches, side, group, column):
-    at, columns, width = first_weight(patches, side, group), patches.columns, ring.w.shape[2]
-    first = 2 * ring.row * width + HALO
-    out, light, node = splat(0.0), splat(0.0), load(patches.start, side * columns + group)
-    for k in range(N_NODES * len(patches.units)):
-        j = at + k * columns
-        radial, around = gather_pair(ring.w, node + first, width)
-        share = load(patches.weight, j)
-        out += load(patches.along, j) * radial + load(patches.across, j) * around
-        light += share * share
-        node = next_node(node, ring.n_nodes)
-    return out, light * (1.0 / ring.node_mass)
-
-
-@out_of_surface.of(DiscSurface)
-def _eight_of_rollers(disc, patches, side, group, column):
-    at, columns, first = first_weight(patches, side, group), patches.columns, 2 * side * patches.columns
-    x, y, light, node = splat(0.0), splat(0.0), splat(0.0), load(patches.start, side * columns + group)
-    column = column + 2 * columns * disc.first
-    for k in range(N_NODES * len(patches.units)):
-        share = load(patches.weight, at + k * columns)
-        vx, vy = gather_pair(disc.w, node * (2 * columns) + column, columns)
-        x += share * vx
-        y += share * vy
-        light += share * share * gather(disc.lightness, node + disc.first)
-        node = next_node(node, disc.n_nodes)
-    return x * load(patches.outward, first + group) + y * load(patches.outward, first + columns + group), light
-
-
-@verb
 def damp(pair, rollers, disc, contacts, dampers, dt, whole, later):
     """Damp a pair's closed contacts. `whole` : of `Friction`; not None where contacts share rigid bodies.
 
@@ -158,7 +122,7 @@ def damp(pair, rollers, disc, contacts, dampers, dt, whole, later):
 @damp.of(Raceway)
 def _damp_raceway(raceway, rollers, disc, contacts, dampers, dt, whole, later):
     if whole is None:
-        _damp_eights(raceway, rollers, disc, contacts, dampers, dt)
+        _damp_eights(raceway, rollers, disc, contacts, dampers, dt, later)
         if not later:
             push_nodes(raceway, rollers, disc, contacts, dampers, dt)
     else:
@@ -166,26 +130,27 @@ def _damp_raceway(raceway, rollers, disc, contacts, dampers, dt, whole, later):
 
 
 @part
-def _damp_eights(raceway, rollers, disc, contacts, dampers, dt):
+def _damp_eights(raceway, rollers, disc, contacts, dampers, dt, later):
     """Eight contacts at once; nodes have not been given the law's kick yet, and are to be given both together."""
     forces, patches, columns, sign = contacts.forces, contacts.patches, rollers.columns, raceway.sign
     side, impulse, velocity = 2 * raceway.row, rollers.node_impulse, rollers.velocity
     taken, ring_x, ring_y, moment = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    seal(raceway.surface)
     for group in range(0, rollers.n, WIDTH):
         row = raceway.row * columns + group
-        Q, P, last = load(forces.force, row), load(forces.kick, row), load(dampers.force, row)
+        Q, P, left = load(forces.force, row), load(forces.kick, row), load(dampers.left, row)
         closed = Q > 0.0
-        if not any_lane(closed | (last != 0.0)):
+        if not any_lane(closed | (left == left)):
             continue
         nx, ny = load(patches.normal, side * columns + group), load(patches.normal, (side + 1) * columns + group)
-        ring, ring_light = out_of_surface(raceway.surface, patches, side, group, 0)
-        own, own_light = out_of_surface(disc, patches, side + 1, group, count_from(group))
-        mobility = (ring_light + own_light) * dt
-        rate = sign * (ring - load(velocity, group) * nx - load(velocity, columns + group) * ny) + own - mobility * P
-        behind = load(dampers.rate, row)
-        passing = behind - load(dampers.left, row)
+        out, mobility = _read_nodes(raceway, disc, contacts, group, later)
+        mobility = mobility * dt
+        rate = out - sign * (load(velocity, group) * nx + load(velocity, columns + group) * ny) - mobility * P
+        behind, last = load(dampers.rate, row), load(dampers.force, row)
+        passing = behind - left
         passing = select(passing == passing, passing, 0.0)
-        c, felt = _coefficient(raceway, dampers, select(closed, smaller(Q, raceway.law.Q_line), 1.0))
+        level = _level(raceway.law, select(closed, Q, 1.0), load(forces.approach, row), load(forces.bracket, row))
+        c, felt = _coefficient(raceway, dampers, smaller(Q, raceway.law.Q_line), level)
         F = select(closed, larger(c * (rate + passing) / (1.0 + c * mobility), -P), 0.0)
         taken += select(behind == behind, (last + F) * behind, 0.0)
         store(dampers.force, row, F)
@@ -203,6 +168,23 @@ def _damp_eights(raceway, rollers, disc, contacts, dampers, dt):
     raceway.impulse[0] += total(ring_x)
     raceway.impulse[1] += total(ring_y)
     raceway.moment[0] += total(moment)
+
+
+@part
+def _read_nodes(raceway, disc, contacts, group, later):
+    """How fast the nodes of eight contacts bring the surfaces together, m/s, and their mobilities, 1/kg.
+
+    `later` : in the same pass what they add to the slip, which becomes all of the slip left so far.
+    """
+    patches, surface, side, sign = contacts.patches, raceway.surface, 2 * raceway.row, raceway.sign
+    if later:
+        ring, ring_light, ring_along = both_ways(surface, patches, side, group)
+        own, own_light, own_along = both_ways(disc, patches, side + 1, group)
+        store(contacts.friction.slip_left, raceway.row * patches.columns + group, -(sign * own_along) - ring_along)
+    else:
+        ring, ring_light = out_of_surface(surface, patches, side, group)
+        own, own_light = out_of_surface(disc, patches, side + 1, group)
+    return sign * ring + own, ring_light + own_light
 
 
 @part
@@ -248,22 +230,32 @@ def _push_roller_aside(rollers, j, x, y, around):
 
 @damp.of(Neighbours)
 def _damp_neighbours(pair, rollers, disc, contacts, dampers, dt, whole, later):
+    for group in range(0, rollers.n, WIDTH):
+        row = pair.row * rollers.columns + group
+        left = load(dampers.left, row)
+        if any_lane((load(contacts.forces.force, row) > 0.0) | (left == left)):
+            for j in range(group, min(group + WIDTH, rollers.n)):
+                _damp_touching(pair, rollers, disc, contacts, dampers, dt, j)
+
+
+@part
+def _damp_touching(pair, rollers, disc, contacts, dampers, dt, j):
+    """Roller j and the next one."""
     patches, row, velocity = contacts.patches, pair.row, rollers.velocity
-    for j in range(rollers.n):
-        if not contacts.forces.force[row, j] > 0.0:
-            _let_go(dampers, row, j, dt)
-            continue
-        i, nx, ny = next_roller(j, rollers.n), patches.normal[row, 0, j], patches.normal[row, 1, j]
-        own, own_light = roller_out(disc, patches, 2 * row, j, j)
-        other, other_light = roller_out(disc, patches, 2 * row + 1, j, i)
-        rate = own + other - (velocity[0, i] - velocity[0, j]) * nx - (velocity[1, i] - velocity[1, j]) * ny
-        given = dt * _damper_force(pair, contacts.forces, dampers, j, rate, own_light + other_light, dt)
-        x, y = given * nx, given * ny
-        push_late(disc, patches, 2 * row, j, j, -given, -x, -y)
-        push_late(disc, patches, 2 * row + 1, j, i, -given, x, y)
-        x, y = given * dampers.along[row, j] * ny, -given * dampers.along[row, j] * nx
-        _push_roller_aside(rollers, i, x, y, given * dampers.second[row, j])
-        _push_roller_aside(rollers, j, -x, -y, given * dampers.first[row, j])
+    if not contacts.forces.force[row, j] > 0.0:
+        _let_go(dampers, row, j, dt)
+        return
+    i, nx, ny = next_roller(j, rollers.n), patches.normal[row, 0, j], patches.normal[row, 1, j]
+    own, own_light = roller_out(disc, patches, 2 * row, j, j)
+    other, other_light = roller_out(disc, patches, 2 * row + 1, j, i)
+    rate = own + other - (velocity[0, i] - velocity[0, j]) * nx - (velocity[1, i] - velocity[1, j]) * ny
+    given = dt * _damper_force(pair, contacts.forces, dampers, j, rate, own_light + other_light, dt)
+    x, y = given * nx, given * ny
+    push_late(disc, patches, 2 * row, j, j, -given, -x, -y)
+    push_late(disc, patches, 2 * row + 1, j, i, -given, x, y)
+    x, y = given * dampers.along[row, j] * ny, -given * dampers.along[row, j] * nx
+    _push_roller_aside(rollers, i, x, y, given * dampers.second[row, j])
+    _push_roller_aside(rollers, j, -x, -y, given * dampers.first[row, j])
 
 
 _damp_all = every(damp, *CONTACTS)
@@ -276,8 +268,8 @@ def damp_contacts(groups, bodies, contacts, dampers, drive, later):
         impulse, velocity = drive.impulse, drive.velocity
         impulse[0] = impulse[1] = 0.0  # the hub has had those of the laws
         _damp_all(groups, bodies.rollers, bodies.surface, contacts, dampers, drive.dt, contacts.friction.whole, later)
-        velocity[0] += impulse[0] / drive.mass
-        velocity[1] += impulse[1] / drive.mass
+        velocity[0] += impulse[0] / drive.late_mass
+        velocity[1] += impulse[1] / drive.late_mass
         drive.moment[1] += drive.hub[0] * impulse[1] - drive.hub[1] * impulse[0]
         take_all_late(bodies.others)
 
@@ -293,12 +285,21 @@ def _let_go(dampers, row, j, dt):
 
 
 @part
-def _coefficient(pair, dampers, Q):
-    """N s/m beside the law below the grid under forces, N, scalars or lanes; what of that is beside the whole."""
-    law, half = pair.law, 0.5 * logarithm(Q) + 0.5
-    below, whole = larger(law.B - half, STEEPEST), larger(dampers.whole[pair.row] - half, STEEPEST)
+def _level(law, Q, approach, bracket):
+    """B − ½ ln Q, from what the law below the grid, whose level is `bracket` at this place, makes of an approach, m."""
+    return approach / (law.A * Q) + (law.B - bracket)
+
+
+@part
+def _coefficient(pair, dampers, Q, level):
+    """N s/m beside the law below the grid under forces, N, scalars or lanes; what of that is beside the whole.
+
+    `level` : B − ½ ln Q; of forces beyond the law's line whatever is below that at its beginning.
+    """
+    law, below = pair.law, larger(level - 0.5, STEEPEST)
+    whole = larger(below + (dampers.whole[pair.row] - law.B), STEEPEST)
     over = 1.0 / (below * whole)
-    softer, stiffness = whole * whole * over, below * over / law.A
+    softer, stiffness = whole * whole * over, below * over * (1.0 / law.A)
     c = dampers.constant + dampers.time * stiffness + 1.5 * dampers.hunt_crossley * Q
     return c * softer * softer, below * below * over
 
@@ -306,8 +307,9 @@ def _coefficient(pair, dampers, Q):
 @part
 def _damper_force(pair, forces, dampers, j, rate, mobility, dt):
     """Force of a contact's damper, N. `rate` : m/s, by the nodes' velocities before it; `mobility` : 1/kg."""
-    row = pair.row
-    c, felt = _coefficient(pair, dampers, min(forces.force[row, j], pair.law.Q_line))
+    row, Q = pair.row, forces.force[pair.row, j]
+    level = _level(pair.law, Q, forces.approach[row, j], forces.bracket[row, j])
+    c, felt = _coefficient(pair, dampers, min(Q, pair.law.Q_line), level)
     behind = dampers.rate[row, j]
     passing = behind - dampers.left[row, j]
     if not passing == passing:

@@ -6,12 +6,14 @@ from fem.kernels.jit import part
 from fem.kernels.lane_memory import add_at_places, gather_pair, gather_places, gather_rows, load, scatter_add, store
 from fem.kernels.lanes import select, splat
 from fem.kernels.law import seamless
-from fem.kernels.patches import N_NODES, dot, put, take, weight_slopes, weights
+from fem.kernels.patches import N_NODES, dot, products, put, take, weight_slopes, weights
 from fem.kernels.state import DiscSurface
 from fem.kernels.surfaces import (
+    both_ways,
     count_impulse,
     first_weight,
     grip,
+    out_of_surface,
     place_patch,
     push,
     push_along,
@@ -74,6 +76,21 @@ def _push(disc, patches, side, group, impulse):
     return 0.0
 
 
+@out_of_surface.of(DiscSurface)
+def _out_of_surface(disc, patches, side, group):
+    at, columns = first_weight(patches, side, group), patches.columns
+    out = 2 * side * columns + group
+    along_x, along_y, light = splat(0.0), splat(0.0), splat(0.0)
+    for unit in range(len(patches.units)):
+        i = at + unit * N_NODES * columns
+        share = take(patches.weight, i, columns)
+        x, y = _take_pairs(disc.w, patches, i)
+        along_x += dot(share, x)
+        along_y += dot(share, y)
+        light += dot(products(share, share), take(patches.lightness, i, columns))
+    return along_x * load(patches.outward, out) + along_y * load(patches.outward, out + columns), light
+
+
 @part
 def _directions(disc, node):
     """Unit directions of the patches' first nodes."""
@@ -129,6 +146,22 @@ def _sideways(disc, patches, side, group, column, nx, ny):
         x, y = _take_pairs(disc.w, patches, i)
         found += dot(take(patches.traction_x, i, columns), x) + dot(take(patches.traction_y, i, columns), y)
     return found
+
+
+@both_ways.of(DiscSurface)
+def _both_ways(disc, patches, side, group):
+    at, columns = first_weight(patches, side, group), patches.columns
+    out = 2 * side * columns + group
+    along_x, along_y, light, found = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    for unit in range(len(patches.units)):
+        i = at + unit * N_NODES * columns
+        share = take(patches.weight, i, columns)
+        x, y = _take_pairs(disc.w, patches, i)
+        along_x += dot(share, x)
+        along_y += dot(share, y)
+        light += dot(products(share, share), take(patches.lightness, i, columns))
+        found += dot(take(patches.traction_x, i, columns), x) + dot(take(patches.traction_y, i, columns), y)
+    return along_x * load(patches.outward, out) + along_y * load(patches.outward, out + columns), light, found
 
 
 @push_along.of(DiscSurface)

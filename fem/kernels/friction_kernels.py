@@ -162,6 +162,28 @@ def _slip_neighbours(pair, rollers, disc, contacts, turn_kick, out):
             store(out, row, slip)
 
 
+@verb
+def slip_with_nodes(pair, rollers, disc, contacts, turn_kick):
+    """`slip_pair` to the slips left, where those of a raceway have what its nodes add to them already."""
+
+
+@slip_with_nodes.of(Raceway)
+def _slip_raceway_with_nodes(raceway, rollers, disc, contacts, turn_kick):
+    velocity, columns, left, sign = rollers.velocity, rollers.columns, contacts.friction.slip_left, raceway.sign
+    for group in range(0, rollers.n, WIDTH):
+        row = raceway.row * columns + group
+        if _closed(contacts, row):
+            nx, ny = normals(contacts, raceway, group)
+            slip = load(velocity, columns + group) * nx - load(velocity, group) * ny
+            slip -= load(turn_kick, group) * (sign * rollers.radius)
+            store(left, row, load(left, row) + slip)
+
+
+@slip_with_nodes.of(Neighbours)
+def _slip_neighbours_with_nodes(pair, rollers, disc, contacts, turn_kick):
+    slip_pair(pair, rollers, disc, contacts, turn_kick, contacts.friction.slip_left)
+
+
 @part
 def find_tractions(pair, rollers, disc, contacts, dt, some, again):
     """Tractions of a pair's contacts, EVEN, ODD or ALL, from the slips, which become those that are left.

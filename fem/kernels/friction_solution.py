@@ -11,6 +11,7 @@ from fem.kernels.friction_kernels import (
     push_and_drag,
     slip_of_push,
     slip_pair,
+    slip_with_nodes,
     whole_mobility,
 )
 from fem.kernels.jit import every, part, verb
@@ -23,6 +24,7 @@ WHERE_ROLLERS_TOUCH, ALWAYS = 0, 1  # when patches of neighbouring contacts over
 
 grip_all = every(grip_pair, *CONTACTS)
 slip_all = every(slip_pair, *CONTACTS)
+slip_all_with_nodes = every(slip_with_nodes, *CONTACTS)
 
 
 @part
@@ -71,13 +73,24 @@ def friction_contacts(groups, rollers, disc, contacts, drive, overlapping, whole
 def _solve_at_once(groups, rollers, disc, contacts, drive, whole, later):
     """Tractions and impulses of contacts that share no nodes."""
     if whole is None:
-        slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
+        _slips_left(groups, rollers, disc, contacts, contacts.dampers, later)
         if later:
             _creep_all_and_push(groups, rollers, disc, contacts, drive)
         else:
             _creep_all(groups, rollers, disc, contacts, drive)
     else:
         _solve_on_whole_bodies(groups, rollers, disc, contacts, drive)
+
+
+@part
+def _slips_left(groups, rollers, disc, contacts, dampers, later):
+    """Slips left; what raceways' nodes add to them dampers may have found already, see `damping_kernels`."""
+    if dampers is None:
+        slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
+    elif later:
+        slip_all_with_nodes(groups, rollers, disc, contacts, rollers.turn_kick)
+    else:
+        slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
 
 
 @part

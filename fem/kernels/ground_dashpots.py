@@ -1,6 +1,10 @@
 """Dashpots between the ground and what a bearing sits in or on, a housing or a shaft: by the mean of the velocities
 before and after a kick, which forces that are found after theirs change once more.
 
+Finite elements divide the impulses of such forces by a body's `late_mass`, its mass and half a step of its dashpots,
+which is what both together resist with, and let the dashpots `conclude` a kick; the reduced model's forces ask how they
+give way.
+
 A body here is a named tuple with `velocity`, `before`, `drag`, `mass`, `damping`: `Shaft`, which shares its arrays with
 the hub, or `Housing`. None: nothing is held so.
 """
@@ -34,3 +38,15 @@ def settle(body, dt):
             free = body.velocity[k] - over * body.drag[k]
             body.velocity[k] = (free - slowed * body.before[k]) / (1.0 + slowed)
             body.drag[k] = -0.5 * body.damping * (body.before[k] + body.velocity[k])
+
+
+def late_mass(mass: float, damping: float, dt: float) -> float:
+    """What resists forces that are found after those of dashpots, kg."""
+    return mass + 0.5 * dt * damping
+
+
+@part
+def conclude(body):
+    """The dashpots' forces by all velocities after a kick."""
+    for k in range(2):
+        body.drag[k] = -0.5 * body.damping * (body.before[k] + body.velocity[k])

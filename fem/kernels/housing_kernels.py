@@ -10,8 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels import ring_kernels
+from fem.kernels.ground_dashpots import conclude
 from fem.kernels.jit import part, verb
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body, take_late
+from fem.kernels.other_bodies import add_motion, drift_body, end_kick, kick_body, take_late
 from fem.kernels.sample_kernels import DISSIPATED, WORK_GRAVITY
 from fem.kernels.state import Ring
 
@@ -40,6 +41,7 @@ class Housing(NamedTuple):
     line: np.ndarray  # (2, ring's width), room
     sensor: Resonator | None
     mass: float  # kg, with held nodes or a rigid ring, if it has them
+    late_mass: float  # kg, see `ground_dashpots`
     stiffness: float  # N/m
     damping: float  # N s/m
     column: int  # of a sample's row, its first
@@ -118,8 +120,13 @@ def _kick(body, drive):
 @take_late.of(Housing)
 def _take_late(body):
     for k in range(2):
-        body.velocity[k] += body.impulse[k] / body.mass
+        body.velocity[k] += body.impulse[k] / body.late_mass
         body.impulse[k] = 0.0
+
+
+@end_kick.of(Housing)
+def _end_kick(body, drive):
+    conclude(body)
 
 
 @drift_body.of(Housing)

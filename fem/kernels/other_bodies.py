@@ -19,10 +19,15 @@ def take_late(body):
 
 
 @verb
+def end_kick(body, drive):
+    """Conclude a kick in which a body's velocities are those after it."""
+
+
+@verb
 def add_motion(body, drive, out, kinetic):
     """Add a body's kinetic energy at the kick just made, J, to out[kinetic]; its work of gravity, what it dissipates
     and its own numbers to their places."""
 
 
 kick_others, drift_others, add_all_motion = every(kick_body), every(drift_body), every(add_motion)
-take_all_late = every(take_late)
+take_all_late, end_kicks = every(take_late), every(end_kick)

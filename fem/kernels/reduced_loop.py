@@ -2,7 +2,7 @@
 
 from math import sqrt
 
-from fem.kernels.cage_guide import push_ring_as_a_whole
+from fem.kernels.cage_guide import given_beyond, push_ring_as_a_whole
 from fem.kernels.cage_kernels import meet, rub
 from fem.kernels.course_kernels import (
     FORCE_X,
@@ -269,11 +269,11 @@ def _write_motion(bodies, forces, drive, before, out, time):
 @part(inlined=False)
 def _note_beyond(bodies, forces):
     """Keep the most that kicks have given the hub beyond forces: as contacts open and close, or repay energy."""
-    x, y = 0.0, 0.0
+    x, y = given_beyond(bodies.cage)
     for j in range(bodies.n):
         more = _beyond(forces.dampers, forces.force[INNER, j], forces.kick[INNER, j], j)
-        x += more * forces.normal[INNER, 0, j]
-        y += more * forces.normal[INNER, 1, j]
+        x -= more * forces.normal[INNER, 0, j]
+        y -= more * forces.normal[INNER, 1, j]
     forces.beyond[0] = max(forces.beyond[0], sqrt(x * x + y * y))
 
 

@@ -33,8 +33,8 @@ def _sideways_hub(hub, patches, side, group, column, nx, ny):
 
 @push_body.of(Hub)
 def _push_hub_along(hub, column, x, y, around):
-    hub.velocity[0] += x / hub.mass
-    hub.velocity[1] += y / hub.mass
+    hub.velocity[0] += x / hub.late_mass
+    hub.velocity[1] += y / hub.late_mass
     return hub.place[0] * y - hub.place[1] * x + hub.radius * around
 
 
@@ -45,7 +45,7 @@ def _hub_mobility(hub):
     They are solved for at once, each with its own mobility; with the bound none takes back what others have given. Of a
     roller's patch it is a small part.
     """
-    return hub.n_contacts / hub.mass
+    return hub.n_contacts / hub.late_mass
 
 
 @body_motion.of(Hub)

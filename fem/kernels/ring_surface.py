@@ -10,9 +10,11 @@ from fem.kernels.patches import N_NODES, combined, dot, products, put, take, tim
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import RingSurface
 from fem.kernels.surfaces import (
+    both_ways,
     first_weight,
     gather_seam,
     grip,
+    out_of_surface,
     place_patch,
     push,
     push_along,
@@ -91,6 +93,19 @@ def _push(ring, patches, side, group, impulse):
     return _give_all(ring, patches, side, group, patches.along, patches.across, impulse)
 
 
+@out_of_surface.of(RingSurface)
+def _out_of_surface(ring, patches, side, group):
+    at, columns, width = first_weight(patches, side, group), patches.columns, ring.cosines.size
+    out, light = splat(0.0), splat(0.0)
+    for unit in range(len(patches.units)):
+        i = at + unit * N_NODES * columns
+        along, across = take(patches.along, i, columns), take(patches.across, i, columns)
+        out += dot(along, gather_rows(ring.w, patches.place, i, 0))
+        out += dot(across, gather_rows(ring.w, patches.place, i, width))
+        light += dot(along, along) + dot(across, across)
+    return out, light * (1.0 / ring.node_mass)
+
+
 @grip.of(RingSurface)
 def _grip(ring, patches, side, group):
     at, columns = first_weight(patches, side, group), patches.columns
@@ -120,6 +135,20 @@ def _sideways(ring, patches, side, group, column, nx, ny):
         found += dot(take(patches.traction_x, i, columns), gather_rows(ring.w, patches.place, i, 0))
         found += dot(take(patches.traction_y, i, columns), gather_rows(ring.w, patches.place, i, width))
     return found
+
+
+@both_ways.of(RingSurface)
+def _both_ways(ring, patches, side, group):
+    at, columns, width = first_weight(patches, side, group), patches.columns, ring.cosines.size
+    out, light, found = splat(0.0), splat(0.0), splat(0.0)
+    for unit in range(len(patches.units)):
+        i = at + unit * N_NODES * columns
+        along, across = take(patches.along, i, columns), take(patches.across, i, columns)
+        radial, around = gather_rows(ring.w, patches.place, i, 0), gather_rows(ring.w, patches.place, i, width)
+        out += dot(along, radial) + dot(across, around)
+        light += dot(along, along) + dot(across, across)
+        found += dot(take(patches.traction_x, i, columns), radial) + dot(take(patches.traction_y, i, columns), around)
+    return out, light * (1.0 / ring.node_mass), found
 
 
 @push_along.of(RingSurface)

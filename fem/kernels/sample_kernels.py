@@ -133,7 +133,7 @@ def _lines(ring, row):
 def add_damped(dampers, damping, out):
     """What contacts and bodies have damped, J; nothing where there is None."""
     out[DAMPED_BY_CONTACTS] = 0.0 if dampers is None else dampers.work[0]
-    out[DAMPED_BY_BODIES] = 0.0 if damping is None else damping.work[0]
+    out[DAMPED_BY_BODIES] = 0.0 if damping is None else damping.work[0] - 0.25 * damping.work[1]  # `damp_bodies`
     out[DISSIPATED] += out[DAMPED_BY_CONTACTS] + out[DAMPED_BY_BODIES]
 
 

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels.ground_dashpots import conclude
 from fem.kernels.jit import part
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body
+from fem.kernels.other_bodies import add_motion, drift_body, end_kick, kick_body
 from fem.kernels.sample_kernels import DISSIPATED
 
 
@@ -46,6 +47,12 @@ def pull(shaft, dt, x, y):
 def _kick(shaft, drive):
     place = shaft.place
     pull(shaft, drive.dt, place[0], place[1])
+
+
+@end_kick.of(Shaft)
+def _end_kick(shaft, drive):
+    conclude(shaft)
+    place = shaft.place
     drive.moment[1] += drive.dt * (place[0] * shaft.drag[1] - place[1] * shaft.drag[0])
 
 

@@ -131,7 +131,7 @@ class Hub(NamedTuple):
     velocity: np.ndarray  # (2,), m/s
     impulse: np.ndarray  # (2,), N s
     n_contacts: int
-    mass: float
+    late_mass: float  # kg, see `ground_dashpots`
     speed: float
     radius: float
     course: Course | None = None  # None: the speed stays
@@ -301,8 +301,7 @@ class BodyDamping(NamedTuple):
     """Damping of bodies, in proportion to mass, see `body_damping`."""
 
     share: float  # of a velocity, that a step takes
-    loss: float  # of twice a kinetic energy
-    work: np.ndarray  # (1,), J, dissipated so far
+    work: np.ndarray  # (2,), J, the share of twice the kinetic energy that it was of: of all kicks, and of the last
     around: tuple | None  # `Bore` of an outer ring in play, or the `Housing` that carries one; None: the ground
 
 
@@ -328,6 +327,7 @@ class Drive(NamedTuple):
     sums: np.ndarray  # (6,), so far: work of the load, J; moment on hub and ring but for drive and gravity, N m s;
     # work of tractions, J; that of gravity, and what it was at which time
     mass: float  # hub and held nodes, kg
+    late_mass: float  # kg, see `ground_dashpots`
     speed: float  # rad/s
     gravity: float  # m/s²
     dt: float

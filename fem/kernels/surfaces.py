@@ -63,6 +63,13 @@ def push(surface, patches, side, group, impulse):
 
 
 @verb
+def out_of_surface(surface, patches, side, group):
+    """Velocities of patches along b, m/s, of rollers against their centres of mass, and their mobilities, 1/kg; of a
+    raceway that has been sealed. Rigid bodies have neither."""
+    return splat(0.0), splat(0.0)
+
+
+@verb
 def grip(surface, patches, side, group):
     """Mobilities of patches, 1/kg; keeps what a unit traction does to their nodes, W g, for what follows.
 
@@ -75,6 +82,12 @@ def grip(surface, patches, side, group):
 def sideways(surface, patches, side, group, column, nx, ny):
     """Velocity of surfaces along t = Jn, m/s; of a roller relative to its centre of mass and against a clock."""
     return splat(0.0)
+
+
+@verb
+def both_ways(surface, patches, side, group):
+    """`out_of_surface` and `sideways` in one pass: the velocities along b, mobilities, the velocities along t."""
+    return splat(0.0), splat(0.0), splat(0.0)
 
 
 @verb

@@ -21,7 +21,7 @@ from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, fma
 from fem.kernels.node_kernels import drift_nodes, kick_nodes
-from fem.kernels.other_bodies import drift_others, kick_others
+from fem.kernels.other_bodies import drift_others, end_kicks, kick_others
 from fem.kernels.resolved_kernels import press_all_points
 from fem.kernels.rigid_surfaces import settle, turn
 from fem.kernels.sample_kernels import remember, write_sample
@@ -88,6 +88,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
         rubbed = friction_contacts(
             groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole, later
         )
+    end_kicks(bodies.others, drive)
     work_load = -radial_load * drive.dt * 0.5 * (before + drive.velocity[1])  # friction may have moved a rigid hub
     work_load = with_aside(drive.course, work_load, aside * drive.dt * 0.5 * (before_x + drive.velocity[0]))
     return work_load, moment + drive.moment[1] - drive.moment[0] * drive.dt, rubbed

@@ -19,8 +19,9 @@ discretise         the model of a scene: mesh, contact model, width of the patch
 limits, cautions   what is refused; what is warned of
 wide_contacts      the largest contacts of a run, of all models
 start, arrays      the state a run starts from; the time loop's arrays filled with it, `contact_arrays` the contacts',
-                   `damping_arrays` the dampers'; `cage_arrays` the cage's, `profile_arrays` the surfaces', of the
-                   reduced model too; `run_arrays`: which of all arrays a run changes
+                   `damping_arrays` the dampers'; `cage_arrays` the cage's, `cage_seat` where it stands,
+                   `profile_arrays` the surfaces', of the reduced model too; `run_arrays`: which of all arrays a run
+                   changes
 frames             displacements at an instant
 processor          what the compiler makes the kernels for
 error_estimate     what a scene's results may be off by, from a second mesh

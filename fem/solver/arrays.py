@@ -9,6 +9,7 @@ from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.rigid import RigidRing
 from fem.elastic.supported import SupportedRing
 from fem.kernels import disc_kernels, ring_kernels
+from fem.kernels.ground_dashpots import late_mass
 from fem.kernels.lanes import WIDTH
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
@@ -203,6 +204,7 @@ def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, d
 
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float) -> Drive:
+    mass, shaft = hub_mass(model.inner_ring, operation), operation.mounting.shaft
     return Drive(
         hub=start.equilibrium.hub + start.housing,
         velocity=start.hub_velocity.copy(),
@@ -210,7 +212,8 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: fl
         impulse=np.zeros(2),
         moment=np.zeros(2),
         sums=np.zeros(6),
-        mass=hub_mass(model.inner_ring, operation),
+        mass=mass,
+        late_mass=late_mass(mass, 0.0 if shaft is None else shaft.damping, dt),
         speed=float(operation.speed),
         gravity=float(operation.gravity),
         dt=float(dt),

@@ -52,15 +52,19 @@ def cage_columns(rows: np.ndarray, n_rollers: int, at: int) -> dict[str, np.ndar
     return found
 
 
-def with_cage(arrays: Arrays, bearing: Bearing, cage: Cage, start: "Start", mounting: Mounting) -> Arrays:
-    """Arrays of the finite elements with a cage, concentric with its pockets around the rollers."""
+def with_cage(
+    arrays: Arrays, bearing: Bearing, cage: Cage, start: "Start", seat: np.ndarray, mounting: Mounting
+) -> Arrays:
+    """Arrays of the finite elements with a cage; `seat` : (2,), m, of its centre from the outer ring's."""
     rollers, drive = arrays.bodies.rollers, arrays.drive
     first = row_width(bearing.n_rollers, None, mounting)
     body = cage_state(bearing, cage, start.angle, start.kinematics.cage, first)
-    body.motion[0, :2] = start.housing
+    body.motion[0, :2] = start.housing + seat
     if arrays.bodies.disc.mass.size:
         rollers = rollers._replace(swelling=np.zeros(rollers.columns))
-    pair = CagePair(cage=body, riders=_riders(rollers), ring=_guiding(cage, _hub(drive), _housing(arrays)))
+    housing = _housing(arrays)
+    outer = None if housing is None else _of_housing(housing, housing.late_mass)
+    pair = CagePair(cage=body, riders=_riders(rollers), ring=_guiding(cage, _hub(drive), outer))
     return replace(
         arrays,
         bodies=arrays.bodies._replace(rollers=rollers, others=(*arrays.bodies.others, (body,))),
@@ -148,20 +152,21 @@ def pair_of_rigid(body: kernels.Cage, cage: Cage, bodies: RigidBodies, speed: fl
         swelling=None,
     )
     hub = _ring(bodies.hub, bodies.hub_velocity, np.zeros(2), bodies.hub_mass, speed)
-    return CagePair(cage=body, riders=riders, ring=_guiding(cage, hub, bodies.housing))
+    outer = None if bodies.housing is None else _of_housing(bodies.housing, bodies.housing.mass)
+    return CagePair(cage=body, riders=riders, ring=_guiding(cage, hub, outer))
 
 
-def _guiding(cage: Cage, hub: GuidingRing, housing: Housing | None) -> GuidingRing | None:
+def _guiding(cage: Cage, hub: GuidingRing, outer: GuidingRing | None) -> GuidingRing | None:
     """The ring that guides a cage; None where rollers do, or an outer ring that the ground holds."""
-    if cage.guidance == "inner_ring":
-        return hub
-    if cage.guidance == "rollers" or housing is None:
-        return None
-    return _ring(housing.place, housing.velocity, housing.impulse, housing.mass)
+    return {"inner_ring": hub, "outer_ring": outer, "rollers": None}[cage.guidance]
+
+
+def _of_housing(housing: Housing, mass: float) -> GuidingRing:
+    return _ring(housing.place, housing.velocity, housing.impulse, mass)
 
 
 def _hub(drive: Drive) -> GuidingRing:
-    return _ring(drive.hub, drive.velocity, drive.impulse, drive.mass, drive.speed)
+    return _ring(drive.hub, drive.velocity, drive.impulse, drive.late_mass, drive.speed)
 
 
 def _housing(arrays: Arrays) -> Housing | None:

@@ -58,7 +58,7 @@ def pair_groups(
     if not hub.material.rigid:
         inner_surface = _ring_surface(hub, rings[0], data.ripples[INNER])
     else:
-        inner_surface = _moved_with(bearing, drive.hub, drive, drive.mass, hub.raceway_radius)._replace(
+        inner_surface = _moved_with(bearing, drive.hub, drive, hub.raceway_radius)._replace(
             speed=drive.speed, course=drive.course
         )
     if not ground.material.rigid:
@@ -66,7 +66,7 @@ def pair_groups(
     elif housing is None:
         outer_surface = Ground(radius=ground.raceway_radius)
     else:
-        outer_surface = _moved_with(bearing, housing.place, housing, housing.mass, ground.raceway_radius)
+        outer_surface = _moved_with(bearing, housing.place, housing, ground.raceway_radius)
     orbit = ground.raceway_radius - model.roller.shape.radius
     inner_profiles, outer_profiles = raceway_profiles(bearing, columns)
     on_inner = Raceway(
@@ -101,14 +101,14 @@ def pair_groups(
     return tuple(tuple(group) for _, group in groupby((on_inner, on_outer, between), key=numba.typeof))
 
 
-def _moved_with(bearing: Bearing, place: np.ndarray, body: Drive | Housing, mass: float, radius: float) -> Hub:
+def _moved_with(bearing: Bearing, place: np.ndarray, body: Drive | Housing, radius: float) -> Hub:
     """A rigid ring that is part of the hub, or of the housing, and does not turn."""
     return Hub(
         place=place,
         velocity=body.velocity,
         impulse=body.impulse,
         n_contacts=bearing.n_rollers,
-        mass=mass,
+        late_mass=body.late_mass,
         speed=0.0,
         radius=radius,
     )

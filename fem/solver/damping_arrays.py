@@ -1,7 +1,7 @@
 """Dampers of contacts and bodies for the time loop, where a scene has any."""
 
 from dataclasses import replace
-from math import exp, sinh
+from math import expm1
 
 import numpy as np
 
@@ -25,7 +25,7 @@ def with_damping(arrays: Arrays, model: Model, table: DampingTable) -> Arrays:
     if table.bodies_1_s > 0.0:
         step = table.bodies_1_s * dt
         around = [body for (body,) in bodies.others if isinstance(body, Bore | Housing)]  # a housing's bore first
-        damping = lined_up(BodyDamping(share=1.0 - exp(-step), loss=sinh(step), work=np.zeros(1), around=None))
+        damping = lined_up(BodyDamping(share=-expm1(-step), work=np.zeros(2), around=None))
         bodies = bodies._replace(damping=damping._replace(around=around[0] if around else None))
     return replace(arrays, contacts=contacts, bodies=bodies)
 

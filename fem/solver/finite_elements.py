@@ -10,6 +10,7 @@ from fem.contacts.model import Model
 from fem.elastic.bored import BoredRing
 from fem.solver.arrays import hub_mass, make_arrays
 from fem.solver.cage_arrays import critical_with_cage, with_cage
+from fem.solver.cage_seat import cage_seat
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.damping_arrays import with_damping
@@ -38,6 +39,7 @@ class ElementPlan(CompiledPlan):
     model: Model
     operation: Operation
     start: Start
+    seat: np.ndarray  # (2,), m, of a cage's centre at the start, from the outer ring's
     critical_time_step: float  # s
     time_step: float  # s
     stride: int  # steps between samples
@@ -88,7 +90,7 @@ class ElementPlan(CompiledPlan):
         cage, start = self.scene.ideal_cage(), self.start
         if cage is None:
             return arrays
-        return with_cage(arrays, self.model.bearing, cage, start, self.operation.mounting)
+        return with_cage(arrays, self.model.bearing, cage, start, self.seat, self.operation.mounting)
 
     def static_hub(self) -> np.ndarray:
         return static_equilibrium(self.model, self.operation).hub
@@ -138,6 +140,9 @@ def make_plan(scene: Scene) -> ElementPlan:
         scene.ideal_cage(),
         operation,
     )
+    found = start.equilibrium
+    raceways = float(max(found.inner_force.max(), found.outer_force.max()))
+    seat = cage_seat(model.bearing, scene.ideal_cage(), start.angle, found.rho, found.hub, raceways)
     interval = 1e-6 * numerics.output_interval_us
     longest = min(numerics.time_step_safety * critical, KNOTS_A_STEP * time_along_a_knot(model.bearing, fastest))
     steps = max(1, ceil(interval / longest))
@@ -148,6 +153,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         model=model,
         operation=operation,
         start=start,
+        seat=seat,
         critical_time_step=critical,
         time_step=interval / stride,
         stride=stride,

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.kernels.ground_dashpots import late_mass
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.state import Ring
 from lagrange import Operation
@@ -50,6 +51,7 @@ def housing_of(
         line=np.zeros((2, 0 if ring is None else ring.u.shape[2])),
         sensor=None if sensor is None else _resonator(sensor, dt),
         mass=float(housing.mass + carried),
+        late_mass=late_mass(float(housing.mass + carried), float(housing.damping), dt),
         stiffness=float(housing.stiffness),
         damping=float(housing.damping),
         column=column,

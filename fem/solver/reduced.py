@@ -13,6 +13,7 @@ from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
 from fem.solver.cage_arrays import critical_with_cage
+from fem.solver.cage_seat import cage_seat
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
@@ -46,6 +47,7 @@ class ReducedPlan(CompiledPlan):
     operation: Operation
     tangential: np.ndarray  # (3,), m/N, of contacts that stick under the largest static force
     start: ReducedStart
+    seat: np.ndarray  # (2,), m, of a cage's centre at the start, from the outer ring's
     static_energy: float  # J, of contacts that hold the load at rest
     critical_time_step: float  # s
     stride: int  # steps between samples
@@ -141,13 +143,16 @@ def make_plan(scene: Scene) -> ReducedPlan:
     longest = min(longest, _time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts))
     longest *= numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
+    start = rest_start(model, operation) if numerics.start == "rest" else loaded
+    raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)
     return ReducedPlan(
         scene=scene,
         model=model,
         operation=operation,
         tangential=tangential,
-        start=rest_start(model, operation) if numerics.start == "rest" else loaded,
+        start=start,
+        seat=cage_seat(bearing, scene.ideal_cage(), start.angle, start.rho, start.hub, raceways),
         static_energy=float(
             model.contacts.inner_law.energy(loaded.inner_force).sum()
             + model.contacts.outer_law.energy(loaded.outer_force).sum()

@@ -290,7 +290,7 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
     if ideal is None:
         return bodies
     state = cage_state(bearing, ideal, start.angle, cage, row_width(n, None, plan.operation.mounting))
-    state.motion[0, :2] = start.ring
+    state.motion[0, :2] = start.ring + plan.seat
     return bodies._replace(cage=pair_of_rigid(state, ideal, bodies, float(plan.operation.speed)))
 
 

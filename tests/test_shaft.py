@@ -12,6 +12,7 @@ from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.sample_kernels import DISSIPATED
 from fem.kernels.shaft_kernels import Shaft
 from fem.solver.reduced_start import equilibrium_start
+from fem.solver.simulate import make_plan
 from fem.statics.reduced_bearing import reduced_bearing
 from lagrange import contact_laws, simulate, static_equilibrium
 from lagrange.contact_damping import ContactDamping
@@ -110,6 +111,20 @@ def test_two_statics_that_share_nothing_balance_the_springs(ring):
         outward = start.rho * np.exp(1j * start.angle) - complex(*start.hub)
         pushed = -np.sum(start.inner_force * outward / np.abs(outward)) - 3e7 * complex(*start.hub)
         assert abs(pushed + complex(*load)) < 1e-4
+
+
+@pytest.mark.parametrize("width", ["of one point", "of many"])
+def test_contacts_of_elastic_bodies_share_the_load_with_the_springs(width):
+    """What the finite elements' inner contacts carry is what the springs leave of load and weight."""
+    soft, mesh, spring = (5.0, 2.2, 3e7) if width == "of one point" else (1.0, 0.8, 3e5)
+    bodies = f"material.youngs_modulus_GPa={soft}", f"numerics.mesh_size_mm={mesh}", "operation.radial_load_N=400"
+    held_by = "operation.speed_rpm=0", "operation.shaft=springs", f"operation.shaft_stiffness_N_per_m={spring}"
+    start = make_plan(read_scene(None, (*bodies, *held_by, "operation.inner_ring_and_shaft_kg=5"))).start
+    found = start.equilibrium
+    outward = found.rho[:, None] * np.stack([np.cos(start.angle), np.sin(start.angle)], axis=1) - found.hub
+    pushed = -found.inner_force @ (outward / np.linalg.norm(outward, axis=1)[:, None])
+    assert pushed[1] > 40.0 and spring * np.linalg.norm(found.hub) > 4.0  # both carry some of it
+    np.testing.assert_allclose(pushed - spring * found.hub - [0.0, 400.0 + 5 * 9.81], 0.0, atol=0.01)
 
 
 def decay(damping, **choices):

@@ -91,6 +91,15 @@ def first_guess(bearing: Bearing, radial, load: float, aside: float = 0.0) -> np
     return np.concatenate([hub, bearing.pitch_radius + 0.5 * (radial @ hub)])
 
 
+def springs_of(bearing: Bearing, spring: HubSpring | None) -> tuple[np.ndarray, np.ndarray]:
+    """What holds hub and rollers beside contacts: stiffness, N/m, and where it rests, m, (n_rollers + 2,) each."""
+    stiffness = np.full(bearing.n_rollers + 2, LOOSE_SPRING)
+    middle = np.concatenate([np.zeros(2), np.full(bearing.n_rollers, bearing.pitch_radius)])
+    if spring is not None and spring.stiffness > LOOSE_SPRING:
+        stiffness[:2], middle[:2] = spring.stiffness, (spring.x, spring.y)
+    return stiffness, middle
+
+
 def closed_forces(forces: np.ndarray) -> np.ndarray:
     """The contact forces of a solution, N; what the barrier leaves at open contacts is 0."""
     return np.where(forces > FAINTEST, forces, 0.0)
@@ -154,12 +163,8 @@ class _Held:
         overlap, directions = geometry(bearing, radial, position, turns, last)
         soft = edge_compliances(bearing, radial, position, turns)
         # the centrifugal force's own growth is left out: a roller in clearance would be sent the wrong way
-        n, spring = bearing.n_rollers, loads.spring
         on_rollers = bearing.roller_mass * (loads.cage_speed**2 * position[2:] - loads.gravity * radial[:, 1])
-        middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
-        springs = np.full(n + 2, LOOSE_SPRING)
-        if spring is not None and spring.stiffness > LOOSE_SPRING:
-            springs[:2], middle[:2] = spring.stiffness, (spring.x, spring.y)
+        springs, middle = springs_of(bearing, loads.spring)
         return cls(
             contacts=contacts,
             position=position,

@@ -52,7 +52,7 @@ def equilibrium(
     ----------
     start : one that is near
     side_load : N, along +x
-    spring : of a shaft; for contacts of one point each
+    spring : of a shaft
 
     Steady rotation acts as centrifugal load on rollers and ring. Friction and the rollers' balance along the raceway
     are left out: their angles are given.
@@ -110,9 +110,7 @@ def _solved(
             place, pressed = balance(contacts, loads, place, forces)
             pressed = closed_forces(pressed)
         else:
-            outward = bearing.roller_mass * (motion.cage_speed**2 * place[2:] - gravity * radial[:, 1])
-            on_hub = np.array([loads.aside, -loads.hub])
-            place, pressed = balance_pressures(bearing, radial, reduced, on_hub, outward, place)
+            place, pressed = balance_pressures(bearing, radial, reduced, loads, place)
         forces = _sums(reduced, pressed, bearing.n_rollers)
         found = _settled(model, reduced.fields(pressed)[1]) if isinstance(model.outer_ring, BoredRing) else model
         if found is not model:

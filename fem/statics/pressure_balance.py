@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from fem.contacts.reduction import PressurePoints
-from fem.statics.contact_balance import LOOSE_SPRING, NotFound, geometry
+from fem.statics.contact_balance import LOOSE_SPRING, Loads, NotFound, geometry, springs_of
 from lagrange import Bearing
 from lagrange.overlap import overlaps
 
@@ -18,14 +18,13 @@ ENOUGH = 1e-9  # of the load
 
 
 def balance_pressures(
-    bearing: Bearing, radial: np.ndarray, points: PressurePoints, hub_load: np.ndarray, outward: np.ndarray, start
+    bearing: Bearing, radial: np.ndarray, points: PressurePoints, loads: Loads, start: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Hub and radii in equilibrium, (n_rollers + 2,), and the forces of all points, N.
 
     Parameters
     ----------
-    radial : (n_rollers, 2), unit, from the outer ring's centre to the rollers; hub_load : (2,), N
-    outward : (n_rollers,), N, other forces on the rollers along `radial`; start : (n_rollers + 2,), m
+    radial : (n_rollers, 2), unit, from the outer ring's centre to the rollers; start : (n_rollers + 2,), m
 
     Errors
     ------
@@ -33,20 +32,21 @@ def balance_pressures(
     """
     n = bearing.n_rollers
     active = np.zeros(points.contact.size, dtype=bool)
-    applied = np.concatenate([hub_load, outward])
-    middle = np.concatenate([np.zeros(2), np.full(n, bearing.pitch_radius)])
+    outward = bearing.roller_mass * (loads.cage_speed**2 * start[2:] - loads.gravity * radial[:, 1])
+    applied = np.concatenate([[loads.aside, -loads.hub], outward])
+    springs, middle = springs_of(bearing, loads.spring)
 
     def system(place, active):
         overlap, directions = geometry(bearing, radial, place)
         force, slopes, active = _pressed(points, overlap, active)
         total = np.bincount(points.contact, force, minlength=2 * n)
-        residual = applied - directions.T @ total - LOOSE_SPRING * (place - middle)
-        jacobian = -directions.T @ slopes @ directions - LOOSE_SPRING * np.eye(2 + n)
+        residual = applied - directions.T @ total - springs * (place - middle)
+        jacobian = -directions.T @ slopes @ directions - np.diag(springs)
         return residual, jacobian + _turning(bearing, radial, place, total[:n]), force, active
 
     place = start
     residual, jacobian, force, active = system(place, active)
-    size = float(np.hypot(*hub_load))
+    size = float(np.hypot(loads.aside, loads.hub))
     enough = ENOUGH * max(size, 1.0)
     for _ in range(MAX_NEWTON):
         norm = np.linalg.norm(residual)

@@ -69,7 +69,7 @@ def quadratic_statics(
     start = _start(
         bearing, radial, points, area * np.sqrt(np.maximum(0.0, 1.0 - (along / half_width) ** 2)), radial_load
     )
-    place, force = balance_pressures(bearing, radial, points, np.array([0.0, -radial_load]), np.zeros(n), start)
+    place, force = balance_pressures(bearing, radial, points, Loads(radial_load, 0.0, 0.0), start)
     overlap, _ = geometry(bearing, radial, place)
     pressed = force.reshape(2, n, -1)
     if (pressed[..., [0, -1]] > 0.0).any():

@@ -2,7 +2,7 @@
 
 cli, render_cli, live_cli, study_cli   the commands; outcome: how they end
 summary, progress          what they print, answers: of a run, cage_answers: of its cage
-collecting                when Python looks for garbage
+collecting, children      when Python looks for garbage; where processes that libraries begin look for modules
 runner                    a run of any solver with its file, checkpoints and signals
 examples                  commented scenes to begin with
 live                      a run played in a browser's page

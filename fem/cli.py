@@ -45,7 +45,7 @@ def new_app(name: str, text: str) -> App:
         suppress_keyboard_interrupt=False,
         result_action="return_value",
         help_format="plaintext",
-        help=text,
+        help=re.sub(r"(?<!\n)\n(?![\n ])", " ", text),  # a paragraph is a line, which the terminal breaks
     )
 
     @app.command(name="--install-completion", help="complete options in this shell from now on: bash, zsh or fish")

@@ -1,5 +1,6 @@
 """Figures of what the errors are made of: their terms over time, stacked over a few roller passages, and as spectra."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from residual.words import text, words
 PASSAGES_SHOWN = 2.0
 BINS_PER_DECADE = 120
 DYNAMIC_RANGE = 1e-9  # of a spectrum's plot
+NEAR = 1.7  # times a frequency: names of lines would overlap
 NAMES = 1.2  # inches, of terms beside their bars
 
 
@@ -82,7 +84,7 @@ def stacked_terms(evaluation: Evaluation, folder: Path) -> SavedFigure:
         axis.plot(time, total[shown] - total.mean(), color="black", linewidth=1.2, label="error")
         axis.set_ylabel(f"error_{direction.name} less its mean, N")
         axis.margins(x=0.0)
-        mean = ", ".join(f"{words(name)} {text(v.mean(), 3)}" for name, v in terms.items())
+        mean = ", ".join(f"{words(name)} {text(v.mean(), 3, evaluation.noise)}" for name, v in terms.items())
         means.append(f"in {direction.name} {mean}")
     legend_above(axes[0], 5, left=-0.08, columnspacing=1.0, handlelength=1.2)
     axes[1].set_xlabel("time, ms")
@@ -118,12 +120,12 @@ def budget_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
         top = max(float(psd.max()), 1e-30)
         axis.set_ylim(DYNAMIC_RANGE * top, 10.0 * top)
         axis.set_ylabel(f"PSD, {direction.name}, N²/Hz")
-        for line, frequency in evaluation.lines.items():
-            if "×" not in line and f[0] <= frequency <= f[-1]:
-                axis.axvline(frequency, color=GREY, linestyle=(0, (4, 2)), linewidth=0.9, zorder=0)
-                if direction is evaluation.x:
-                    axis.annotate(line, (frequency, 1.01), xycoords=("data", "axes fraction"), ha="center",
-                                  va="bottom", fontsize=9, color="#555555")  # fmt: skip
+        lines = {n: at for n, at in evaluation.lines.items() if "×" not in n and f[0] <= at <= f[-1]}
+        for line, frequency in lines.items():
+            axis.axvline(frequency, color=GREY, linestyle=(0, (4, 2)), linewidth=0.9, zorder=0)
+            if direction is evaluation.x:
+                axis.annotate(line, (frequency, 1.01), xycoords=("data", "axes fraction"), fontsize=9, va="bottom",
+                              ha=_side(frequency, lines.values()), color="#555555")  # fmt: skip
     legend_above(axes[0], 5, borderaxespad=1.6, columnspacing=1.2, handlelength=1.4)
     axes[1].set_xlabel("frequency, Hz")
     caption = (
@@ -132,6 +134,14 @@ def budget_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
         "cancel, the error lies below both."
     )
     return save(figure, folder, "budget_spectra", "Spectra of the budget's terms", caption)
+
+
+def _side(frequency: float, others: Iterable[float]) -> str:
+    """Where a line's name is set on a logarithmic axis: away from a neighbour that is too near for both."""
+    near = [other for other in others if 1.0 < max(other / frequency, frequency / other) < NEAR]
+    if not near:
+        return "center"
+    return "right" if min(near, key=lambda other: abs(other - frequency)) > frequency else "left"
 
 
 def _thinned(spectrum: Spectrum) -> tuple[np.ndarray, np.ndarray]:

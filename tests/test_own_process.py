@@ -31,6 +31,16 @@ def test_the_exit_code_comes_back(command, code):
     assert run_apart(command) == code
 
 
+def test_nothing_is_imported_from_the_current_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("multiprocessing", "pickle", "pyvista"):
+        (tmp_path / f"{name}.py").write_text("import os\nos._exit(99)\n", encoding="utf-8")
+    monkeypatch.delenv("PYTHONSAFEPATH", raising=False)
+    monkeypatch.delenv("PYTHONPATH", raising=False)  # which may name the current folder
+    assert run_apart(_ends_with_three) == 3
+    assert "PYTHONSAFEPATH" not in os.environ
+
+
 def test_a_crash_is_answered_with_what_cures_it():
     with pytest.raises(UsageError, match="can't draw off-screen") as caught:
         run_apart(_crashes)

@@ -4,6 +4,7 @@ import multiprocessing
 import signal
 from collections.abc import Callable
 
+from fem.children import from_no_current_folder
 from fem.errors import UsageError
 from fem.pictures.rendering_probe import trouble
 from fem.stopping import Terminated
@@ -23,7 +24,8 @@ def run_apart(command: Callable[[], None]) -> int:
     UsageError: it crashed, with what cures that.
     """
     process = multiprocessing.get_context("spawn").Process(target=command, daemon=True)
-    process.start()
+    with from_no_current_folder():
+        process.start()
     while process.exitcode is None:
         try:
             process.join()

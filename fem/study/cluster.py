@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from fem.children import from_no_current_folder
 from fem.errors import UsageError
 from fem.study.points import program
 from fem.study.solving import LOST, STOPPED, Solved, Wanted, solve
@@ -120,6 +121,7 @@ def _client(where: Cluster) -> Iterator[Any]:
         raise UsageError(f"--workers, --scheduler: dask.distributed is not installed: {INSTALL}") from None
     if where.scheduler is None:
         with (
+            from_no_current_folder(),
             LocalCluster(
                 n_workers=where.workers, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL
             ) as cluster,

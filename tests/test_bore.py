@@ -182,8 +182,8 @@ def alive(body, dt: float, mass: float):
     ring = ring_nodes(body, dt)
     zeros = {name: np.zeros(2) for name in ("place", "velocity", "before", "impulse", "drag")}
     housing = HousingBody(
-        **zeros, dissipated=np.zeros(1), ring=None, line=np.zeros((2, 8)), sensor=None, mass=mass, stiffness=1e6,
-        damping=0.0, column=COLUMN + 7,
+        **zeros, dissipated=np.zeros(1), ring=None, line=np.zeros((2, 8)), sensor=None, mass=mass, late_mass=mass,
+        stiffness=1e6, damping=0.0, column=COLUMN + 7,
     )  # fmt: skip
     return ring, bore_body(body, ring, np.zeros((body.n_rows, 2, body.n_sectors)), housing, COLUMN), housing
 

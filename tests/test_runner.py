@@ -101,9 +101,14 @@ def test_a_run_that_is_stopped_and_resumed_is_the_uninterrupted_one(case, looks,
     assert run(case, whole, "--quiet") == 0
     with interrupted_after(monkeypatch, looks):
         assert run(case, path, "--quiet") == 130
-    assert f"{looks % 201} samples are in {path}; the same command with --resume goes on" in capsys.readouterr().err
     with h5py.File(path) as file:
-        assert file.attrs["status"] == "interrupted" and file.attrs["committed_samples"] == looks % 201
+        assert file.attrs["status"] == "interrupted"
+        count = int(file.attrs["committed_samples"])
+    assert f"{count} samples are in {path}; the same command with --resume goes on" in capsys.readouterr().err
+    if refines and "reduced" in case and looks > 17:  # begins again as soon as its energy is lost
+        assert 0 < count < looks
+    else:
+        assert count == looks % 201
     assert run(case, path, "--quiet", "--resume") == 0
     assert content(path) == content(whole)
     with h5py.File(path) as file:
@@ -237,7 +242,7 @@ def test_where_no_refinement_is_left_rattling_is_warned_of_and_too_long_a_step_f
     assert run(CASES["Lagrangian"], path, "--set", "numerics.output_interval_us=20") == 1
     assert "error: failed: the forces met make a mode of " in capsys.readouterr().err
     with h5py.File(path) as file:
-        assert file.attrs["status"].startswith("failed: the forces met") and file["time"].shape == (101,)
+        assert file.attrs["status"].startswith("failed: the forces met") and len(file["time"]) < 101
 
 
 def test_a_run_that_begins_again_without_room_for_its_state_is_not_resumed_from_an_old_one(tmp_path, monkeypatch):

@@ -204,10 +204,9 @@ class LagrangianState(RunState):
         if samples is not None:
             bearing = self.plan.problem.bearing
             in_place = n_in_place(bearing, THROUGH * bearing.roller_radius, samples)
-            if in_place < len(samples):
+            if in_place < len(samples) and not self._may_begin_again:
                 self.done = begun + in_place
-                trouble = through_trouble(simulation.time_step, samples, in_place)
-                return Block(samples=samples.first(in_place), trouble=trouble)
+                return Block(samples=samples.first(in_place), trouble=self._trouble_of(samples, in_place))
             self.imbalance = float(samples.relative_imbalance()[-1])
             self.missed = max(self.missed, float(np.max(np.abs(samples.imbalance))))
             self._round_off = max(self._round_off, ROUND_OFF * float(np.max(np.abs(samples["energy_kinetic"]))))
@@ -223,6 +222,20 @@ class LagrangianState(RunState):
         self.missed, self._round_off = 0.0, 0.0
         simulation.refine()
         return Block(samples=samples, begins_again=f"{reason}; the run begins again with half of it")
+
+    @property
+    def _may_begin_again(self) -> bool:
+        """Whether it will at its end, because the step is too long for what has happened so far."""
+        return self._simulation.can_be_refined and self._simulation.verdict is not Verdict.RESOLVED
+
+    def _trouble_of(self, samples: Samples, at: int) -> str:
+        """Why bodies are in one another: by the step, or by the scene."""
+        simulation = self._simulation
+        if simulation.trouble is not None:
+            return simulation.trouble
+        if simulation.verdict is Verdict.TOO_FAST:
+            return simulation.sentence
+        return through_trouble(simulation.time_step, samples, at)
 
     def _samples(self, part: Trajectory) -> Samples:
         """A part of the solution by the result file's names."""

@@ -9,6 +9,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -130,7 +131,8 @@ def _client(where: Cluster) -> Iterator[Any]:
             yield client
         return
     try:
-        asyncio.run(asyncio.wait_for(_knock(where.scheduler), CONNECT))
+        with ThreadPoolExecutor(1) as apart:  # here a loop may be running: a notebook's
+            apart.submit(asyncio.run, asyncio.wait_for(_knock(where.scheduler), CONNECT)).result()
         client = Client(where.scheduler, timeout=CONNECT)
     except Exception as error:  # whatever dask says of addresses and of what it finds there
         reason = str(error) or "nothing was said in time"

@@ -112,7 +112,8 @@ def first_answers(bearing: Bearing, speed: float, blocks: Iterable[Mapping[str, 
     ideal = kinematics(bearing, speed)
     if ideal.cage and seen.samples > 1:
         slip = 100.0 * (1.0 - seen.cage_speed / ideal.cage)
-        found["cage"] = f"{seen.cage_speed / tau:.4g} Hz, slip {slip:.2g} % of rolling"
+        whose = "rollers' orbit" if caged.samples else "cage"
+        found[whose] = f"{seen.cage_speed / tau:.4g} Hz, slip {slip:.2g} % of rolling"
         found["ball passes"] = passes(ideal, seen.cage_speed)
     if caged.samples:
         found |= caged.rows(seen.last_time - seen.first_time, ideal.cage)

@@ -18,6 +18,7 @@ PASSAGES_SHOWN = 2.0
 BINS_PER_DECADE = 120
 DYNAMIC_RANGE = 1e-9  # of a spectrum's plot
 NEAR = 1.7  # times a frequency: names of lines would overlap
+USUAL_TERMS, ROOM_FOR_A_TERM, INCHES_OF_A_SHARE = 4, 0.4, 1.6  # more terms take more room for their bars
 NAMES = 1.2  # inches, of terms beside their bars
 
 
@@ -32,7 +33,9 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     sizes = {name: {term: rms(values) for term, values in found.items()} for name, found in terms.items()}
     for d in evaluation.directions:
         sizes[d.name]["momentum"] = 0.0 if d.balance is None else d.balance.rms
-    figure, (*axes, bars) = panels((2, 1), 8.4, lines=2, shares=(1.0, 1.0, 1.4), left=NAMES)
+    more = ROOM_FOR_A_TERM * max(0, len(acting) - USUAL_TERMS)
+    shares = 1.0, 1.0, 1.4 + more / INCHES_OF_A_SHARE
+    figure, (*axes, bars) = panels((2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES)
     for axis, direction in zip(axes, evaluation.directions, strict=True):
         for name in ("error", *acting):
             axis.plot(1e3 * t.time, terms[direction.name][name], color=TERM_COLOURS[name], label=words(name),

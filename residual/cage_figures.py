@@ -64,7 +64,7 @@ def _slips(axes, t: Record, cage: CageMotion, ideal: float) -> str:
     for angle, colour, name in ((rollers, ORANGE, "rollers"), (cage.angle, BLUE, "cage")):
         speed = (angle[reach:] - angle[:-reach]) / (reach * t.interval)
         axes.plot(middle, 100.0 * (1.0 - speed / ideal), color=colour, linewidth=0.9, label=name)
-    axes.legend(loc="upper right", ncols=2)
+    axes.legend(loc="upper right", ncols=2, frameon=True, framealpha=0.8, edgecolor="none")
     whole = 100.0 * (1.0 - cage.speed(t.interval) / ideal)
     return (
         f" Below: how far cage and rollers (their mean) are slower than rolling, over {text(1e3 * reach * t.interval)} "

@@ -6,6 +6,8 @@ import re
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
     "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",
 )  # fmt: skip
+# of Tol's muted palette (Paul Tol's Notes, SRON/EPS/TN/09-002), where eight colours are too few
+INDIGO, OLIVE, WINE = "#332288", "#999933", "#882255"
 TERM_COLOURS = {
     "error": "black",
     "contact_law": RED,
@@ -13,12 +15,12 @@ TERM_COLOURS = {
     "friction": GREEN,
     "cage": SKY,
     "ring_flexibility": BLUE,
-    "other_forces": BLUE,
+    "other_forces": BLUE,  # in the place of the one above
     "differentiation": GREY,
-    "outer_ring": SKY,
+    "outer_ring": INDIGO,
     "shaft": ORANGE,
-    "load_and_weight": ORANGE,
-    "momentum": PURPLE,
+    "load_and_weight": OLIVE,
+    "momentum": WINE,
 }
 LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "BSF": ORANGE, "BPFO": RED, "BPFI": GREEN}
 

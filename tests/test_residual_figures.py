@@ -3,6 +3,7 @@
 import pytest
 
 from lagrange.scene import parse_scene
+from residual.colours import TERM_COLOURS
 from residual.evaluation import evaluate
 from residual.paper_figures import point_contact
 from residual.parts import Parts
@@ -41,3 +42,8 @@ def test_short_time_spectra_need_two_passages(ball_run, tmp_path):
     assert "half a roller passage" in drawn.caption
     short = make_run(n_times=401)
     assert short_time_figure(evaluate(read_result(write_result(tmp_path / "a.nc", short))), tmp_path) is None
+
+
+def test_terms_that_may_stand_in_one_figure_have_colours_of_their_own():
+    colours = {name: colour for name, colour in TERM_COLOURS.items() if name != "other_forces"}  # in another's place
+    assert len(set(colours.values())) == len(colours)

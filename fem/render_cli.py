@@ -230,7 +230,7 @@ def render_main(arguments: list[str] | None = None) -> int:
         return run_app_main(render_app, arguments)
 
 
-def _render_here() -> None:
+def render_here() -> None:
     """`render-fem` in this process, which ends."""
     hear_termination()
     leave(render_main())
@@ -244,7 +244,7 @@ def render_fem() -> None:
     try:
         from fem.pictures.own_process import run_apart
 
-        code = run_apart(_render_here)
+        code = run_apart(render_here)
     except UsageError as error:
         from lagrange.messages import say
 

@@ -21,7 +21,7 @@ from tests.waiting import ASLEEP, limit_processor_time, wait_until
 ENTRIES = {
     "run-fem": ("fem.cli", "run_fem"),
     "check-residual": ("residual.cli", "check_residual"),
-    "render-fem": ("fem.render_cli", "render_fem"),
+    "render-fem": ("fem.render_cli", "render_here"),  # what it does in the process of its own
 }
 
 USUAL = (  # modules of what the commands do in tests

@@ -82,15 +82,16 @@ def _vibrations(inner, outer, loaded, material, thickness, highest, hub=None) ->
 
 def _of_order(n, inner, outer, loaded, material, thickness, hub) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Frequencies, rad/s, of all modes of n waves around, slowest first; `Modes.shape` and `carried` of each."""
-    from scipy.linalg import eigh  # takes its time to load, and most scenes have no modes
-
     stiffness, mass = _matrices(n, inner, outer, material, thickness)
     free = _admitted(n, inner, loaded, hub is not None)
     stiffness, mass = free.T @ stiffness @ free, free.T @ mass @ free
     held_by_hub = hub is not None and n == 1
     if held_by_hub:
         mass[0, 0] += hub
-    values, vectors = eigh(stiffness, mass)
+    # as scipy.linalg.eigh, which takes its time to load, and every run that vibrates asks for a ring's modes
+    root = np.linalg.cholesky(mass)
+    values, vectors = np.linalg.eigh(np.linalg.solve(root, np.linalg.solve(root, stiffness).T))
+    vectors = np.linalg.solve(root.T, vectors)
     surface = free[DEGREE if loaded == outer else 0] @ vectors
     into = -surface if loaded == outer else surface
     carried = vectors[0] if held_by_hub else np.zeros_like(into)

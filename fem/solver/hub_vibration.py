@@ -36,14 +36,12 @@ def add_samples(sums: np.ndarray, samples: Samples) -> None:
     sums[:] = np.cumsum(np.vstack([sums, terms]), axis=0)[-1]
 
 
-def frequency_error(bearing: Bearing, hub_mass: float, omega: float) -> float:
+def frequency_error(bearing: Bearing, hub_mass: float, omega: float, least: float = 0.0) -> float:
     """Share by which a hub of so many kg, its ring with it, vibrates faster than at ω, rad/s, which the model gives it.
 
-    Infinite where the model's is so fast that rings have modes below. Errors: rollers are taken for massless, contacts
-    for closed and of one stiffness.
+    Infinite where the model's is so fast that rings have modes below; 0 where it is no more than `least`. Errors:
+    rollers are taken for massless, contacts for closed and of one stiffness.
     """
-    from scipy.optimize import brentq  # takes its time to load, and few hubs vibrate
-
     inner, outer = _rings(bearing, hub_mass)
     modes = inner.frequency**2
     static = np.sum((inner.shape + inner.carried) ** 2 / modes) + np.sum((outer.shape / outer.frequency) ** 2)
@@ -60,6 +58,11 @@ def frequency_error(bearing: Bearing, hub_mass: float, omega: float) -> float:
     below, above = 1e-6 * omega**2, (1.0 - 1e-9) * min(modes[0], outer.frequency[0] ** 2)
     if not omega**2 < above or gives_way(below) >= 0.0:
         return inf
+    enough = (1.0 + least) ** 2 * omega**2
+    if enough < above and gives_way(enough) >= 0.0:
+        return 0.0
+    from scipy.optimize import brentq  # takes its time to load, and few hubs vibrate so
+
     return sqrt(brentq(gives_way, below, above)) / omega - 1.0
 
 
@@ -80,7 +83,7 @@ def vibration_caution(bearing: Bearing, hub_mass: float, sums: np.ndarray, modes
     if size < NOTHING or sums[VELOCITY] == 0.0 or vibrates < LARGEST_ERROR:
         return None
     omega = sqrt(sums[ACCELERATION] / sums[VELOCITY])
-    error = min(frequency_error(bearing, hub_mass, omega), 1.0)
+    error = min(frequency_error(bearing, hub_mass, omega, LARGEST_ERROR / vibrates), 1.0)
     if error * vibrates < LARGEST_ERROR:
         return None
     needed = ENOUGH * float(_rings(bearing, hub_mass)[0].frequency[0]) / (2.0 * pi)

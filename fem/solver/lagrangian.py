@@ -16,7 +16,7 @@ from fem.solver.compiling import CompiledPlan
 from fem.solver.guards import THROUGH, n_in_place, through_trouble
 from fem.solver.pace import in_words, pace
 from fem.solver.simulate import LARGEST_BLOCK
-from fem.solver.solver import Block, Numbers, RunState, Samples, sample_count
+from fem.solver.solver import ROUND_OFF, Block, Numbers, RunState, Samples, sample_count
 from fem.solver.wide_contacts import largest_forces, run_cautions
 from lagrange import Trajectory, contact_laws, static_equilibrium
 from lagrange.integrate import ALL_DRIFTS, Integration, NumpyIntegration
@@ -29,7 +29,6 @@ from lagrange.simulate import ENERGY_TOLERANCE, Simulation, Verdict
 from lagrange.spall_events import interval_caution
 from lagrange.step_size import Steps, critical_time_step, steps_of
 
-ROUND_OFF = 1e-9  # of the kinetic energy: a bearing without load exchanges next to nothing
 ARRAYS = 30  # per roller and sample of a block, at the most at a time
 # one thread of a 2024 server core, forces of eight elements once; only a guide
 SECONDS_PER_EIGHT = {True: 0.1e-6, False: 0.2e-6}  # power law, other

@@ -30,7 +30,7 @@ from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader
 from fem.solver.shaft_arrays import shaft_springs
-from fem.solver.solver import Block, Numbers, Samples
+from fem.solver.solver import ROUND_OFF, Block, Numbers, Samples
 from fem.solver.vibrations import vibrations
 from fem.statics.reduced_bearing import growths
 from lagrange import Bearing, kinematics
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
 
 
 LIMIT = 1e-3  # of the exchanged energy: what a run's balance may be off by
-ROUND_OFF = 1e-9  # of the kinetic energy: a bearing without load exchanges next to nothing
 MOST_TURN = 1e6  # rad, that `lane_functions.cosine_and_sine` takes
 MOST_HALVINGS = 6  # of the time step
 

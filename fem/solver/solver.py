@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from fem.solver.error_estimate import ErrorEstimate
     from fem.solver.frames import Frame
 
+ROUND_OFF = 1e-9  # of the kinetic energy, no imbalance: a bearing without load exchanges next to nothing
 Numbers = dict[str, object]  # what a line of JSON holds
 
 
@@ -64,8 +65,7 @@ class Samples:
 
     def relative_imbalance(self) -> np.ndarray:
         """Imbalance over the energy exchanged, (n,)."""
-        # a bearing without load exchanges next to nothing: round-off of the kinetic energy is not an imbalance
-        return self.imbalance / np.fmax(self.exchanged, 1e-9 * np.abs(self["energy_kinetic"]) + 1e-30)
+        return self.imbalance / np.fmax(self.exchanged, ROUND_OFF * np.abs(self["energy_kinetic"]) + 1e-30)
 
 
 @dataclass(frozen=True, kw_only=True)

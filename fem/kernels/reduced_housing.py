@@ -4,7 +4,7 @@ Where the ground holds the ring the housing is None: its place and motion are 0,
 """
 
 from fem.kernels.ground_dashpots import give_way, mobility, settle
-from fem.kernels.housing_kernels import Housing
+from fem.kernels.housing_kernels import PLACE_X, PLACE_Y, STORED, Housing
 from fem.kernels.jit import verb
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.sample_kernels import CONTACT, KINETIC
@@ -116,7 +116,10 @@ def _drift_ring(housing, drive):
 
 @verb
 def write_ring(housing, before, drive, out):
-    """Add the housing to a sample: what steps conserve holds forces that are taken ahead, see `reduced_loop`."""
+    """Add the housing to a sample, at the place that its springs' force is taken at, and what steps conserve beside.
+
+    See `reduced_loop`.
+    """
 
 
 @write_ring.of(Housing)
@@ -124,6 +127,7 @@ def _write_ring(housing, before, drive, out):
     add_motion(housing, drive, out, KINETIC)
     a, square = before.ring_acceleration, drive.dt * drive.dt
     out[CONTACT] += square / 24.0 * housing.mass * (a[0] * a[0] + a[1] * a[1] + 2.0 * drive.gravity * a[1])
-    for k in range(2):
-        ahead = TWELFTH * square * a[k]
-        out[CONTACT] += housing.stiffness * ahead * (housing.place[k] + 0.5 * ahead)
+    ahead = TWELFTH * square
+    x, y = housing.place[0] + ahead * a[0], housing.place[1] + ahead * a[1]
+    out[housing.column + PLACE_X], out[housing.column + PLACE_Y] = x, y
+    out[housing.column + STORED] = 0.5 * housing.stiffness * (x * x + y * y)

@@ -9,6 +9,7 @@ import pytest
 
 from fem.elastic.continuum import disc_harmonic_compliance, ring_harmonic_compliance
 from fem.elastic.vibration import ring_vibrations, shift_vibrations
+from fem.solver import row_state
 from fem.solver.hub_vibration import add_samples, frequency_error, no_sums, vibration_caution
 from fem.solver.law_errors import BY_PRESSURE, law_caution
 from fem.solver.simulate import make_plan, run
@@ -140,6 +141,15 @@ def test_a_run_that_goes_wrong_begins_again_before_its_end():
     assert len(told) >= 1
     assert told[0][1] < 0.7 * plan.stride * (plan.n_samples - 1)
     assert abs(state.imbalance) < 1e-3
+
+
+def test_a_bearing_that_comes_apart_with_shorter_steps_too_ends_with_that_reason(monkeypatch):
+    """Its energy balances, so that it does not begin again six times."""
+    monkeypatch.setattr(row_state, "n_in_place", lambda bearing, give, samples: min(3, len(samples)))
+    state = make_plan(parse_scene({"model": "reduced"}, "test")).first_state()
+    first, second = state.advance(10), state.advance(10)
+    assert first.begins_again.startswith("the bearing comes apart with steps of") and first.trouble is None
+    assert second.begins_again is None and second.trouble.startswith("the bearing has come apart at step")
 
 
 def test_a_soft_ring_vibrates_faster_by_its_modes():

@@ -35,6 +35,7 @@ class RowState(RunState):
         super().__init__(plan)
         self.reader = SampleReader(plan)
         self._largest = np.zeros(3)  # N, so far: see `largest_forces`
+        self._came_apart = False  # whether the last block ended because bodies were out of place
 
     @property
     def steps_per_sample(self) -> int:
@@ -104,7 +105,7 @@ class RowState(RunState):
         if taken is None:
             return Block()
         rows, status, step, body = taken
-        samples, trouble = None, None
+        samples, trouble, self._came_apart = None, None, False
         if status != DONE:
             rows, trouble = rows[: good_rows(rows)], velocity_trouble(plan, step, body)
         if len(rows):
@@ -117,7 +118,8 @@ class RowState(RunState):
             self._largest = np.maximum(self._largest, largest_forces(sound))
             samples = sound.every(plan.looks)
             self.done += len(samples)
-            if in_place < balanced:
+            self._came_apart = in_place < balanced
+            if self._came_apart:
                 trouble = place_trouble(plan, looked, in_place)
             elif balanced < len(rows):
                 trouble = energy_trouble(plan, looked, balanced)

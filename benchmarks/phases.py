@@ -55,6 +55,12 @@ def _rings_kick(inner, outer):
 
 
 @njit
+def _rings_slow_waves(inner, outer):
+    ring_kernels.slow_waves(*inner)
+    ring_kernels.slow_waves(*outer)
+
+
+@njit
 def _rings_kick_and_weight(inner, outer, cosines, sines, weight):
     for k, ring in enumerate((inner, outer)):
         ring_kernels.set_rigid(weight[k], 0, cosines[k], sines[k], 0.0, 1e-12)
@@ -116,6 +122,9 @@ def time_phases(plan: ElementPlan) -> dict[str, float]:
     still, turn = np.zeros(r.columns), np.full(r.columns, 1e-12)
     out["rollers' forces"] = _seconds(disc_kernels.kick, d, d.w, r.columns, x.torque)
     out["rings' forces"] = _seconds(_rings_kick, _rows(i), _rows(o))
+    slowed = [(ring.slowed, *_rows(ring)[1:]) for ring in (i, o)]
+    out["rollers' waves"] = _seconds(disc_kernels.slow_waves, d, r.columns, a.drive.slowing, x.torque)
+    out["rings' waves"] = _seconds(_rings_slow_waves, *slowed)
     a = plan.arrays()
     r, d, i, o, x = a.bodies.rollers, a.bodies.disc, a.bodies.inner, a.bodies.outer, a.scratch
     turns = disc_kernels.Turns(still, np.ones(r.columns), turn, still, still)
@@ -168,12 +177,15 @@ def least_work(plan: ElementPlan) -> Work:
     a, n = plan.arrays(), plan.model.bearing.n_rollers
     disc = a.bodies.disc.mass.size * n
     rings = [(ring.last_row - ring.first_row) * ring.n_sectors for ring in (a.bodies.inner, a.bodies.outer)]
+    slowed = 1.0 if plan.share else 0.0  # the stiffness is applied twice
     turning = TURN if plan.operation.speed else STILL
     tables = a.bodies.disc.blocks.nbytes + a.bodies.disc.neighbours.nbytes
     return Work(
         operations={
             "rollers' forces": a.bodies.disc.blocks.size * n,
             "rings' forces": RING_STENCIL * sum(rings),
+            "rollers' waves": slowed * a.bodies.disc.blocks.size * n,
+            "rings' waves": slowed * RING_STENCIL * sum(rings),
             "rollers' motion": ROLLER_UPDATE * disc,
             "rings' motion": turning * rings[0] + STILL * rings[1],
         },

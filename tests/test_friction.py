@@ -198,7 +198,7 @@ def test_a_mass_on_a_spring_that_sticks_vibrates_without_loss_and_with_newmarks_
     omega = np.sqrt(1.0 / (mass * soft))
     for per_period in (10, 40):
         dt = 2.0 * np.pi / omega / per_period
-        shear, room = Shear(np.zeros(1), *(np.zeros((1, WIDTH)) for _ in range(3))), np.zeros((1, 1))
+        shear, room = Shear(np.zeros(1), *(np.zeros((1, WIDTH)) for _ in range(3)), np.zeros(1)), np.zeros((1, 1))
         shear.compliance[:] = soft
         place, velocity, places, totals = 0.0, 1.0, [], []
         shear.gained[:] = dt * velocity
@@ -219,7 +219,7 @@ def test_a_mass_on_a_spring_that_sticks_vibrates_without_loss_and_with_newmarks_
 
 def test_a_contact_dragged_along_is_stretched_until_it_slides_steadily_and_then_springs_back():
     soft, limit, dt, speed = 2e-9, 60.0, 1e-7, 0.1
-    shear, tractions = Shear(np.zeros(1), *(np.zeros((1, WIDTH)) for _ in range(3))), []
+    shear, tractions = Shear(np.zeros(1), *(np.zeros((1, WIDTH)) for _ in range(3)), np.zeros(1)), []
     shear.compliance[:] = soft
     for step in range(60):
         velocity = speed if step < 40 else -speed

@@ -43,7 +43,7 @@ def test_the_dashpots_force_is_that_of_the_mean_of_the_velocities_before_and_aft
     v0, place = np.array([0.02, -0.03]), np.array([3e-6, -5e-6])
     shaft = Shaft(
         place=place, velocity=v0.copy(), before=v0.copy(), drag=np.zeros(2), stored=np.zeros(1),
-        dissipated=np.zeros(1), mass=MASS, stiffness=STIFFNESS, damping=DAMPING, column=0,
+        slowed=np.zeros((2, 2)), dissipated=np.zeros(1), mass=MASS, stiffness=STIFFNESS, damping=DAMPING, column=0,
     )  # fmt: skip
     shake(shaft, FIRST, LATER, how)
     half = 0.5 * DAMPING

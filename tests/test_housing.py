@@ -7,6 +7,7 @@ import pytest
 from numba import njit
 from scipy.linalg import expm
 
+from fem.elastic.reciprocal_mass import slowing
 from fem.kernels.ground_dashpots import late_mass
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.jit import OPTIONS
@@ -30,14 +31,18 @@ def housing(dt: float, mass=12.638, stiffness=15.1e6, damping=2210.7) -> Housing
     resonator = Resonator(np.zeros(2), sensor.step(dt).copy(), sensor.step(0.5 * dt).copy(), sensor.pull)
     return Housing(
         place=np.zeros(2), velocity=np.zeros(2), before=np.zeros(2), impulse=np.zeros(2), drag=np.zeros(2),
-        dissipated=np.zeros(1), ring=None, line=np.zeros((2, 8)), sensor=resonator, mass=mass,
+        slowed=np.zeros((2, 2)), dissipated=np.zeros(1), ring=None, line=np.zeros((2, 8)), sensor=resonator, mass=mass,
         late_mass=late_mass(mass, damping, dt), stiffness=stiffness, damping=damping, column=20,
     )  # fmt: skip
 
 
 def drive(dt: float, gravity: float = 0.0) -> Drive:
     arrays = {name: np.zeros(6) for name in ("hub", "velocity", "frame", "impulse", "moment", "sums")}
-    return Drive(**arrays, mass=1.0, late_mass=1.0, speed=0.0, gravity=gravity, dt=dt, radial_load=0.0, ramp=0.0)
+    numbers = {name: 0.0 for name in ("speed", "radial_load", "ramp")}
+    return Drive(
+        **arrays, **numbers, slowed=np.zeros((2, 2)), mass=1.0, late_mass=1.0, gravity=gravity, dt=dt,
+        slowing=slowing(dt),
+    )  # fmt: skip
 
 
 @njit(**OPTIONS)

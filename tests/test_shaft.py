@@ -213,7 +213,7 @@ def swung(damping):
     dt, rows = 1e-6, np.zeros((40_000, 20))
     body = Shaft(
         place=np.array([1e-5, 0.0]), velocity=np.zeros(2), before=np.zeros(2), drag=np.zeros(2), stored=np.zeros(1),
-        dissipated=np.zeros(1), mass=12.638, stiffness=15.1e6, damping=damping, column=17,
+        slowed=np.zeros((2, 2)), dissipated=np.zeros(1), mass=12.638, stiffness=15.1e6, damping=damping, column=17,
     )  # fmt: skip
     swing_alone(body, drive(dt), rows)
     return rows

@@ -130,7 +130,7 @@ def test_the_critical_step_is_below_the_true_limit_by_less_than_15_percent():
     assert np.isnan(energy_drift(at_ratio(plan, 1.0 + SAFE_SIDE, 6000)))
 
 
-@pytest.mark.parametrize("ratio", [1.04, 1.07, 1.2])
+@pytest.mark.parametrize("ratio", [1.015, 1.02, 1.03])
 def test_no_sample_of_a_run_that_blows_up_is_handed_on(ratio):
     """A growing mode balances its energy: the elastic one goes to infinity, the kinetic one to minus infinity."""
     plan = at_ratio(make_plan(read_scene(None, ("numerics.mesh_size_mm=2",))), ratio, 6000)

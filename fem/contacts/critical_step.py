@@ -1,4 +1,4 @@
-"""The critical time step of leapfrog, 2/ω_max, with the contacts' stiffness in it."""
+"""The critical time step of leapfrog with the reciprocal mass, the contacts' stiffness in it."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -12,6 +12,7 @@ from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.bored import BoredRing
 from fem.elastic.kept import kept
+from fem.elastic.reciprocal_mass import SHARE
 from fem.elastic.supported import LooseRing
 from lagrange.mounting import HELD, Housing, Mounting
 
@@ -22,20 +23,32 @@ EVENLY, LIGHT, HEAVY = 2.0, 10.0 / 9.0, 10.0
 FINELY = 40.0
 RUNGS = 8  # an octave of forces: under the next rung's the paper's bearing has a step that is at most 1e-3 shorter
 LANCZOS_TOLERANCE = 1e-6  # of ω²; with 1e-4 the fastest of a ring's clustered modes is missed by up to 1e-3
+STEP_TOLERANCE = 2e-3  # of the step, where contacts shorten it
+# of z = (ω dt)² over 1/γ: at 1 the mesh's fastest wave would stand still, with nothing that brings it back
+FASTEST = 0.98
 
 
-def critical_time_step(model: Model, largest_force: float, mounting: Mounting = HELD, hub_mass: float = inf) -> float:
-    """2/ω_max, s, of all bodies with every contact closed at LOAD_MARGIN times `largest_force`, N.
+def critical_time_step(
+    model: Model,
+    largest_force: float,
+    mounting: Mounting = HELD,
+    hub_mass: float = inf,
+    further: float = 0.0,
+    share: float = SHARE,
+) -> float:
+    """Longest stable step, s, of all bodies with every contact closed at LOAD_MARGIN times `largest_force`, N.
 
-    A spring k between two bodies is counted as 2k on each: k (a + b)² <= 2k a² + 2k b², so no coupled mode is
-    faster than the fastest body. Where one of them is rigid, and moves with its whole mass, as LIGHT k on the other and
-    HEAVY k on itself, which is as true. Friction, its springs and dashpots are implicit and do not count. A housing's
-    own springs k on its mass m add at most k/m to any ω², and so do a shaft's on the mass, kg, that moves with the hub;
-    of both the larger counts.
+    Of a body with waves A = M⁻¹K and springs S on its surface, steps of dt have ω² of (1 − γ dt² A)(A + S), which must
+    stay below 4/dt², and γ dt² A below FASTEST (`reciprocal_mass`). A spring k between two bodies is counted as 2k on
+    each: k (a + b)² <= 2k a² + 2k b², so no coupled mode is faster than the fastest body. Where one of them is rigid,
+    and moves with its whole mass, as LIGHT k on the other and HEAVY k on itself, which is as true. Friction, its
+    springs and dashpots are implicit and do not count. A housing's own springs k on its mass m add at most k/m to any
+    ω², and so do a shaft's on the mass, kg, that moves with the hub; of both the larger counts. `further`, 1/s², is
+    added too. `share` : γ; 0 for lumped masses, with which the step is 2/ω_max of A + S.
 
     Errors
     ------
-    Lanczos approaches ω_max² from below; its tolerance is added.
+    Lanczos approaches the largest ω² from below; its tolerance is added.
     """
     bodies = [(body.shape, body.material) for body in (model.roller, model.inner_ring, model.outer_ring)]
     perfect = replace(model.bearing, faults=())  # what surfaces lack makes no contact stiffer
@@ -44,12 +57,14 @@ def critical_time_step(model: Model, largest_force: float, mounting: Mounting = 
     of_mount = 0.0 if housing is None else housing.stiffness / housing.mass
     if shaft is not None:
         of_mount, carried = max(of_mount, shaft.stiffness / hub_mass), (*carried, hub_mass)
+    if further > 0.0:
+        of_mount, carried = of_mount + further, (*carried, further)
     if isinstance(model.outer_ring, BoredRing):
         carried = (*carried, model.outer_ring.stiffness)
     elif isinstance(model.outer_ring, LooseRing):  # held at points: all of it counts as free
         carried = (*carried, "free outer ring")
-    key = repr((type(model).__name__, perfect, bodies, model.laws, largest_force, *carried))
-    found = kept("step", key, lambda: {"critical": np.array(_found(model, largest_force, housing, of_mount))})
+    key = repr((type(model).__name__, perfect, bodies, model.laws, largest_force, share, *carried))
+    found = kept("step", key, lambda: {"critical": np.array(_found(model, largest_force, housing, of_mount, share))})
     return float(found["critical"])
 
 
@@ -58,18 +73,20 @@ def next_rung(force: float) -> float:
     return 2.0 ** (ceil(RUNGS * log2(max(force, 1.0))) / RUNGS)
 
 
-def _found(model: Model, largest_force: float, housing: Housing | None, of_mount: float) -> float:
+def _found(model: Model, largest_force: float, housing: Housing | None, of_mount: float, share: float) -> float:
     force = LOAD_MARGIN * max(largest_force, 1.0)
     springs, ring = model.springs(force), model.outer_ring
     if isinstance(ring, BoredRing):
         springs["outer_ring"] = sparse.hstack([springs["outer_ring"], ring.springs(FINELY)])
         of_mount += 0.0 if housing is None else HEAVY * 0.5 * ring.n_sectors * ring.stiffness / housing.mass
-    limits = {"roller": _disc_limit, "inner_ring": _ring_limit, "outer_ring": _ring_limit}
-    elastic = [name for name in limits if not getattr(model, name).material.rigid]
-    found = [limits[name](getattr(model, name), springs[name]) for name in elastic]
-    if len(elastic) < len(limits):
-        found.extend(_rigid_limits(model, force, housing))
-    return 2.0 / sqrt(max(found) * (1.0 + LANCZOS_TOLERANCE) + of_mount)
+    waves = {"roller": _disc_waves, "inner_ring": _ring_waves, "outer_ring": _ring_waves}
+    elastic = [name for name in waves if not getattr(model, name).material.rigid]
+    steps = [_longest_step(*waves[name](getattr(model, name), springs[name]), of_mount, share) for name in elastic]
+    if isinstance(ring, BoredRing):
+        steps.append(2.0 / sqrt(FINELY * ring.stiffness / ring.row_mass[ring.held_row]))
+    if len(elastic) < len(waves):
+        steps.extend(2.0 / sqrt(limit + of_mount) for limit in _rigid_limits(model, force, housing))
+    return min(steps)
 
 
 def _rigid_limits(model: Model, force: float, housing: Housing | None) -> Iterator[float]:
@@ -83,27 +100,53 @@ def _rigid_limits(model: Model, force: float, housing: Housing | None) -> Iterat
         yield model.bearing.n_rollers * HEAVY * outer / (housing.mass + model.outer_ring.total_mass)
 
 
-def _disc_limit(disc: DiscBody, springs: sparse.csc_matrix) -> float:
-    """Largest ω², 1/s², of a disc on springs."""
-    return _largest(disc.stiffness, springs, 1.0 / np.sqrt(np.repeat(disc.mass, 2)))
+def _disc_waves(disc: DiscBody, springs: sparse.csc_matrix) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
+    """A, of a disc, and what S is the square of, both scaled by 1/√mass on either side."""
+    scale = sparse.diags(1.0 / np.sqrt(np.repeat(disc.mass, 2)))
+    return (scale @ disc.stiffness @ scale).tocsr(), (scale @ springs).tocsr()
 
 
-def _ring_limit(ring: RingBody, springs: sparse.csc_matrix) -> float:
-    """Largest ω², 1/s², of a held ring on springs; held at points, of a free one, which is not less."""
+def _ring_waves(ring: RingBody, springs: sparse.csc_matrix) -> tuple[sparse.csr_matrix, sparse.csr_matrix]:
+    """The same of a held ring; held at points, of a free one, which is not less."""
     free = (2 * ring.n_sectors * ring.free_rows[:, None] + np.arange(2 * ring.n_sectors)).ravel()
-    stiffness, springs = ring.matrix[free][:, free].tocsr(), springs[free]
-    scale = 1.0 / np.sqrt(np.repeat(ring.row_mass[ring.free_rows], 2 * ring.n_sectors))
-    return _largest(stiffness, springs, scale)
+    scale = sparse.diags(1.0 / np.sqrt(np.repeat(ring.row_mass[ring.free_rows], 2 * ring.n_sectors)))
+    return (scale @ ring.matrix[free][:, free] @ scale).tocsr(), (scale @ springs.tocsr()[free]).tocsr()
 
 
-def _largest(stiffness: sparse.csr_matrix, springs: sparse.csc_matrix, scale: np.ndarray) -> float:
-    """Largest eigenvalue of stiffness, springs with it, scaled by 1/√mass on either side."""
-    from scipy.sparse.linalg import LinearOperator, eigsh  # takes its time to load, and a step that is kept needs none
+def _longest_step(waves: sparse.csr_matrix, springs: sparse.csr_matrix, further: float, share: float) -> float:
+    """Largest stable step, s, of waves A and springs S = `springs`·`springs`ᵀ, with `further` added to any ω²."""
+    from scipy.optimize import brentq
+    from scipy.sparse.linalg import LinearOperator, eigs, eigsh  # a step that is kept need not load them
 
-    def apply(vector):
-        u = scale * vector.ravel()
-        return scale * (stiffness @ u + springs @ (springs.T @ u))
+    start = np.random.default_rng(0).standard_normal(waves.shape[0])  # seeded: the same scene gets the same step
+    how = {"k": 1, "v0": start, "return_eigenvectors": False}
 
-    operator = LinearOperator((scale.size, scale.size), matvec=apply, dtype=float)
-    start = np.random.default_rng(0).standard_normal(scale.size)  # seeded: the same scene gets the same step
-    return float(eigsh(operator, k=1, which="LA", v0=start, tol=LANCZOS_TOLERANCE, return_eigenvectors=False)[0])
+    def sprung(u):
+        return waves @ u + springs @ (springs.T @ u)
+
+    def largest(apply):
+        operator = LinearOperator(waves.shape, matvec=lambda u: apply(u.ravel()), dtype=float)
+        found = float(eigsh(operator, which="LA", tol=LANCZOS_TOLERANCE, **how)[0])
+        return found * (1.0 + LANCZOS_TOLERANCE)
+
+    def excess(dt):
+        """Of dt² ω² over 4."""
+        gamma = share * dt**2
+
+        def slowed(u):
+            found = sprung(u)
+            return found - gamma * (waves @ found)
+
+        operator = LinearOperator(waves.shape, matvec=lambda u: slowed(u.ravel()), dtype=float)
+        found = eigs(operator, which="LM", tol=0.1 * STEP_TOLERANCE, **how)[0].real
+        return dt**2 * (found * (1.0 + 0.1 * STEP_TOLERANCE) + further) - 4.0
+
+    sure = 2.0 / sqrt(largest(sprung) + further)  # of the lumped mass: slowing makes no wave faster
+    if share == 0.0:
+        return sure
+    longest = sqrt(FASTEST / (share * largest(lambda u: waves @ u)))
+    if excess(longest) <= 0.0:
+        return longest
+    if excess(sure) >= 0.0:  # by its tolerance
+        return sure
+    return (1.0 - STEP_TOLERANCE) * brentq(excess, sure, longest, rtol=STEP_TOLERANCE)

@@ -211,6 +211,11 @@ class RingBody:
         return np.delete(np.arange(self.n_rows), self.held_row)
 
     @property
+    def free_places(self) -> np.ndarray:
+        """Places of the free components among the rows of `matrix`."""
+        return (2 * self.n_sectors * self.free_rows[:, None] + np.arange(2 * self.n_sectors)).ravel()
+
+    @property
     def n_free_nodes(self) -> int:
         return (self.n_rows - 1) * self.n_sectors
 

@@ -56,8 +56,7 @@ class SupportedRing(LooseRing):
         return self.n_rows * self.n_sectors - len(self.held_sectors)
 
     @cached_property
-    def _free(self) -> np.ndarray:
-        """Places of the free components among the rows of `matrix`."""
+    def free_places(self) -> np.ndarray:
         held = np.concatenate([self.on_held_row(component)[self.held_sectors] for component in range(2)])
         return np.setdiff1d(np.arange(self.matrix.shape[0]), held)
 
@@ -65,13 +64,13 @@ class SupportedRing(LooseRing):
     def _factor(self):
         from scipy.sparse.linalg import splu  # see `DiscBody`
 
-        return splu(self.matrix[self._free][:, self._free])
+        return splu(self.matrix[self.free_places][:, self.free_places])
 
     def held(self, force: np.ndarray) -> np.ndarray:
         """As `RingBody.held`: displacement under nodal forces, (n_rows, 2, n_sectors, ...), polar, m and N."""
         flat = force.reshape(self.matrix.shape[0], -1)
         displacement = np.zeros_like(flat)
-        displacement[self._free] = self._factor.solve(np.ascontiguousarray(flat[self._free]))
+        displacement[self.free_places] = self._factor.solve(np.ascontiguousarray(flat[self.free_places]))
         return displacement.reshape(force.shape)
 
 

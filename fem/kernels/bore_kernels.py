@@ -13,8 +13,8 @@ from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, select, splat, total
 from fem.kernels.law import kick_force
-from fem.kernels.other_bodies import add_motion, kick_body
-from fem.kernels.ring_kernels import HALO
+from fem.kernels.other_bodies import add_motion, kick_body, slow_body
+from fem.kernels.ring_kernels import HALO, row_force
 from fem.kernels.sample_kernels import CONTACT
 from fem.kernels.state import Ring
 
@@ -32,6 +32,7 @@ class Bore(NamedTuple):
     depth: np.ndarray  # (n_sectors,), m, of the nodes in the bore at the last kick; below 0: apart, NaN: not known
     kick: np.ndarray  # (n_sectors,), N, that the last kick gave them
     residual: np.ndarray  # (n_sectors,), J, stored beyond what kicks have taken
+    line: np.ndarray  # (2, ring's width), room
     play: float  # m, radial; negative: what the ring is larger by
     stiffness: float  # N/m, at one node
     column: int  # of a sample's row, its first
@@ -53,9 +54,9 @@ def _depths(bore, radial, k):
 
 
 @part
-def _mean(ring, polar):
-    """Mean of vectors at the nodes of the ring's outside, x and y; `polar` has a displacement's layout."""
-    radial, around = _lines(ring)
+def _mean(ring, polar, radial):
+    """Mean of vectors at the nodes of the ring's outside, x and y, whose radial components begin at `radial`."""
+    around = radial + ring.cosines.size
     x, y = splat(0.0), splat(0.0)
     for k in range(HALO, HALO + ring.n_sectors, WIDTH):
         c, s, a, b = load(ring.cosines, k), load(ring.sines, k), load(polar, radial + k), load(polar, around + k)
@@ -97,7 +98,18 @@ def _kick(bore, drive):
     for k in range(HALO, HALO + ring.n_sectors, WIDTH):
         store(ring.w, around + k, load(ring.w, around + k) - mean)
     bore.before[0], bore.before[1] = bore.velocity[0], bore.velocity[1]
-    bore.velocity[0], bore.velocity[1] = _mean(ring, ring.w)
+
+
+@slow_body.of(Bore)
+def _slow(bore, drive):
+    """The mean velocity of the outside: that of momenta, and what the reciprocal mass adds."""
+    ring = bore.ring
+    bore.velocity[0], bore.velocity[1] = _mean(ring, ring.w, _lines(ring)[0])
+    if drive.slowing > 0.0:
+        row_force(ring.slowed, ring.w, ring.held, bore.line)
+        x, y = _mean(ring, bore.line, 0)
+        bore.velocity[0] += x / drive.dt
+        bore.velocity[1] += y / drive.dt
 
 
 @add_motion.of(Bore)
@@ -113,7 +125,7 @@ def _add_motion(bore, drive, out, kinetic):
         square += pushed * pushed
         touching += select(depth > 0.0, splat(1.0), 0.0)
     out[CONTACT] += 0.5 * bore.stiffness * total(square)
-    out[at + PLACE_X], out[at + PLACE_Y] = _mean(ring, ring.u)
+    out[at + PLACE_X], out[at + PLACE_Y] = _mean(ring, ring.u, radial)
     out[at + AX], out[at + AY] = (bore.velocity[0] - bore.before[0]) / dt, (bore.velocity[1] - bore.before[1]) / dt
     out[at + FORCE_X], out[at + FORCE_Y] = -bore.stiffness * total(x), -bore.stiffness * total(y)
     out[at + ARC] = 2.0 * np.pi * total(touching) / ring.n_sectors

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import gather, load, store
-from fem.kernels.lanes import fma, splat
+from fem.kernels.lanes import fma, splat, total
 
 COLUMNS = 16  # handled together
 
@@ -27,6 +27,32 @@ class Turns(NamedTuple):
     swelling: np.ndarray | None = None  # kg m², filled as sums are: Σ m X·u; None: nobody asks
 
 
+@part
+def _row_product(disc, field, columns, i, block):
+    """blocks·field of node i in sixteen columns from `block` on: x of the first eight and of the others, then y."""
+    starts, neighbours, blocks = disc.starts, disc.neighbours, disc.blocks
+    stride = 2 * columns
+    fx0, fx1, fy0, fy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    gx0, gx1, gy0, gy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)  # sums apart: none waits for another
+    for k in range(gather(starts, i), gather(starts, i + 1)):
+        at = gather(neighbours, k) * stride + block
+        x0, x1 = load(field, at), load(field, at + 8)
+        y0, y1 = load(field, at + columns), load(field, at + columns + 8)
+        xx, xy = gather(blocks, 4 * k), gather(blocks, 4 * k + 1)
+        yx, yy = gather(blocks, 4 * k + 2), gather(blocks, 4 * k + 3)
+        fx0, fx1 = fma(xx, x0, fx0), fma(xx, x1, fx1)
+        fy0, fy1 = fma(yx, x0, fy0), fma(yx, x1, fy1)
+        gx0, gx1 = fma(xy, y0, gx0), fma(xy, y1, gx1)
+        gy0, gy1 = fma(yy, y0, gy0), fma(yy, y1, gy1)
+    return fx0 + gx0, fx1 + gx1, fy0 + gy0, fy1 + gy1
+
+
+@part
+def _moment(mass, field, at, columns, x, y, so_far):
+    """`so_far` and mass times field x (x, y) of eight columns."""
+    return fma(mass, load(field, at) * y - load(field, at + columns) * x, so_far)
+
+
 @part(inlined=False)
 def kick(disc, w, columns, torque):
     """w += dt·internal acceleration; torque of the internal forces.
@@ -36,34 +62,58 @@ def kick(disc, w, columns, torque):
     disc : `state.Disc`; w : its velocities, or others to be changed instead
     torque : filled with dt·Σ u x f by column, N m s: second order in u, 0 for exact elasticity
     """
-    starts, neighbours, blocks, mass, u = disc.starts, disc.neighbours, disc.blocks, disc.mass, disc.u
-    stride = 2 * columns
+    mass, u = disc.mass, disc.u
     for block in range(0, columns, COLUMNS):
         t0, t1 = splat(0.0), splat(0.0)
         for i in range(mass.size):
-            fx0, fx1, fy0, fy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-            gx0, gx1, gy0, gy1 = splat(0.0), splat(0.0), splat(0.0), splat(0.0)  # sums apart: none waits for another
-            for k in range(gather(starts, i), gather(starts, i + 1)):
-                at = gather(neighbours, k) * stride + block
-                x0, x1 = load(u, at), load(u, at + 8)
-                y0, y1 = load(u, at + columns), load(u, at + columns + 8)
-                xx, xy = gather(blocks, 4 * k), gather(blocks, 4 * k + 1)
-                yx, yy = gather(blocks, 4 * k + 2), gather(blocks, 4 * k + 3)
-                fx0, fx1 = fma(xx, x0, fx0), fma(xx, x1, fx1)
-                fy0, fy1 = fma(yx, x0, fy0), fma(yx, x1, fy1)
-                gx0, gx1 = fma(xy, y0, gx0), fma(xy, y1, gx1)
-                gy0, gy1 = fma(yy, y0, gy0), fma(yy, y1, gy1)
-            fx0, fx1, fy0, fy1 = fx0 + gx0, fx1 + gx1, fy0 + gy0, fy1 + gy1
-            at = i * stride + block
-            m = gather(mass, i)
-            t0 = fma(m, load(u, at) * fy0 - load(u, at + columns) * fx0, t0)
-            t1 = fma(m, load(u, at + 8) * fy1 - load(u, at + columns + 8) * fx1, t1)
-            store(w, at, load(w, at) + fx0)
-            store(w, at + 8, load(w, at + 8) + fx1)
-            store(w, at + columns, load(w, at + columns) + fy0)
-            store(w, at + columns + 8, load(w, at + columns + 8) + fy1)
+            x0, x1, y0, y1 = _row_product(disc, u, columns, i, block)
+            at, m = i * (2 * columns) + block, gather(mass, i)
+            t0 = _moment(m, u, at, columns, x0, y0, t0)
+            t1 = _moment(m, u, at + 8, columns, x1, y1, t1)
+            store(w, at, load(w, at) + x0)
+            store(w, at + 8, load(w, at + 8) + x1)
+            store(w, at + columns, load(w, at + columns) + y0)
+            store(w, at + columns + 8, load(w, at + columns + 8) + y1)
         store(torque, block, t0)
         store(torque, block + 8, t1)
+
+
+@part(inlined=False)
+def slow_waves(disc, columns, slowing, torque):
+    """Take from the nodes' motion what the reciprocal mass does: u += γ dt²·blocks·w; turning it must not give.
+
+    Parameters
+    ----------
+    slowing : γ dt², s²
+    torque : filled with Σ m (blocks·w) x w by column, N m: what γ dt² of it adds to a roller's angular momentum
+    """
+    mass, u, w, line = disc.mass, disc.u, disc.w, 2 * columns
+    for block in range(0, columns, COLUMNS):
+        t0, t1 = splat(0.0), splat(0.0)
+        for i in range(mass.size):
+            x0, x1, y0, y1 = _row_product(disc, w, columns, i, block)
+            at, m = i * line + block, gather(mass, i)
+            t0 = _moment(-m, w, at, columns, x0, y0, t0)
+            t1 = _moment(-m, w, at + 8, columns, x1, y1, t1)
+            store(u, at, fma(slowing, x0, load(u, at)))
+            store(u, at + 8, fma(slowing, x1, load(u, at + 8)))
+            store(u, at + columns, fma(slowing, y0, load(u, at + columns)))
+            store(u, at + columns + 8, fma(slowing, y1, load(u, at + columns + 8)))
+        store(torque, block, t0)
+        store(torque, block + 8, t1)
+
+
+@part(inlined=False)
+def strain_power(disc, w, before, columns, n):
+    """Σ m before·(blocks·w) of all rollers, n of them."""
+    found = splat(0.0)
+    for block in range(0, n, COLUMNS):
+        for i in range(disc.mass.size):
+            x0, x1, y0, y1 = _row_product(disc, w, columns, i, block)
+            at, m = i * (2 * columns) + block, gather(disc.mass, i)
+            first = load(before, at) * x0 + load(before, at + columns) * y0
+            found = fma(m, first + load(before, at + 8) * x1 + load(before, at + columns + 8) * y1, found)
+    return total(found)
 
 
 @part(inlined=False)

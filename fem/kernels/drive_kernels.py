@@ -29,8 +29,8 @@ def kick_hub(inner, drive, aside, radial_load, scratch):
 def move_hub(inner, drive, step):
     """Move the hub and turn it by `step`, rad, and the inner ring's held row with it."""
     hub, frame = drive.hub, drive.frame
-    hub[0] += drive.dt * drive.velocity[0]
-    hub[1] += drive.dt * drive.velocity[1]
+    hub[0] += drive.dt * drive.velocity[0] + drive.slowed[1, 0]
+    hub[1] += drive.dt * drive.velocity[1] + drive.slowed[1, 1]
     if is_turning(drive.course, drive):
         frame[0] += step
         frame[1], frame[2] = cosine_and_sine(frame[0])

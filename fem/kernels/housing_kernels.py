@@ -12,7 +12,16 @@ import numpy as np
 from fem.kernels import ring_kernels
 from fem.kernels.ground_dashpots import conclude
 from fem.kernels.jit import part, verb
-from fem.kernels.other_bodies import add_motion, drift_body, end_kick, kick_body, take_late
+from fem.kernels.other_bodies import (
+    add_motion,
+    drift_body,
+    end_kick,
+    kick_body,
+    prepare,
+    remember_slowed,
+    slow_body,
+    take_late,
+)
 from fem.kernels.sample_kernels import DISSIPATED, WORK_GRAVITY
 from fem.kernels.state import Ring
 
@@ -35,6 +44,7 @@ class Housing(NamedTuple):
     velocity: np.ndarray  # (2,), m/s, at t − dt/2
     before: np.ndarray  # (2,), m/s, before the last kick
     impulse: np.ndarray  # (2,), N s, of this step, by contacts on the outer ring as a whole
+    slowed: np.ndarray  # (2, 2), m, that the reciprocal mass adds to its motion: in the last step, in the next
     drag: np.ndarray  # (2,), N, of the dashpots in the last kick
     dissipated: np.ndarray  # (1,), J, so far
     ring: Ring | None  # None: rigid, or with play in the housing's bore
@@ -59,6 +69,30 @@ def _held_reaction(ring, line):
     x, y = ring_kernels.resultant(line, ring.cosines, ring.sines)
     mass = ring.row_mass[ring.held]
     return mass * x, mass * y
+
+
+@verb
+def slow_motion(ring, line, mass, slowed):
+    """What the reciprocal mass adds to the motion of a body of `mass`, kg, with an elastic ring's held row."""
+
+
+@slow_motion.of(Ring)
+def _slow_motion(ring, line, mass, slowed):
+    ring_kernels.row_force(ring.slowed, ring.w, ring.held, line)
+    x, y = ring_kernels.resultant(line, ring.cosines, ring.sines)
+    share = ring.row_mass[ring.held] / mass
+    remember_slowed(slowed, share * x, share * y)
+
+
+@verb
+def set_held_row(ring, velocity):
+    """Give an elastic ring's held row a velocity, m/s."""
+
+
+@set_held_row.of(Ring)
+def _set_held_row(ring, velocity):
+    at = 2 * ring.held * ring.cosines.size
+    ring_kernels.set_rigid(ring.w, at, ring.cosines, ring.sines, velocity[0], velocity[1])
 
 
 @verb
@@ -129,12 +163,24 @@ def _end_kick(body, drive):
     conclude(body)
 
 
+@prepare.of(Housing)
+def _prepare(body):
+    set_held_row(body.ring, body.velocity)
+
+
+@slow_body.of(Housing)
+def _slow(body, drive):
+    if drive.slowing > 0.0:
+        slow_motion(body.ring, body.line, body.mass, body.slowed)
+
+
 @drift_body.of(Housing)
 def _drift(body, drive):
-    dt = drive.dt
+    dt, slowed = drive.dt, body.slowed
     for k in range(2):
-        body.dissipated[0] -= 0.5 * dt * body.drag[k] * (body.before[k] + body.velocity[k])
-        body.place[k] += dt * body.velocity[k]
+        moved = dt * (body.before[k] + body.velocity[k]) + slowed[0, k] + slowed[1, k]
+        body.dissipated[0] -= 0.5 * body.drag[k] * moved
+        body.place[k] += dt * body.velocity[k] + slowed[1, k]
     carry(body.ring, body.place[0], body.place[1])
     sense(body.sensor, (body.velocity[1] - body.before[1]) / dt)
 
@@ -145,7 +191,8 @@ def _add_motion(body, drive, out, kinetic):
         out[kinetic] += 0.5 * body.mass * body.before[k] * body.velocity[k]
     place, dt, at = body.place, drive.dt, body.column
     out[WORK_GRAVITY] -= drive.gravity * body.mass * place[1]
-    out[DISSIPATED] += body.dissipated[0] - 0.5 * dt * (body.drag[0] * body.before[0] + body.drag[1] * body.before[1])
+    moved_x, moved_y = dt * body.before[0] + body.slowed[0, 0], dt * body.before[1] + body.slowed[0, 1]
+    out[DISSIPATED] += body.dissipated[0] - 0.5 * (body.drag[0] * moved_x + body.drag[1] * moved_y)
     out[at + PLACE_X], out[at + PLACE_Y] = place[0], place[1]
     out[at + AX], out[at + AY] = (body.velocity[0] - body.before[0]) / dt, (body.velocity[1] - body.before[1]) / dt
     out[at + STORED] = 0.5 * body.stiffness * (place[0] * place[0] + place[1] * place[1])

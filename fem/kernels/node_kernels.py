@@ -1,8 +1,11 @@
 """The bodies' own part of a step: kicks by internal forces and gravity, and the motion, of all nodes."""
 
 from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.course_kernels import is_turning
+from fem.kernels.course_kernels import is_turning, speed_of
 from fem.kernels.jit import part
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH
+from fem.kernels.other_bodies import prepare_others, remember_slowed, slow_others
 
 
 @part
@@ -23,16 +26,66 @@ def kick_nodes(bodies, drive, scratch):
 
 
 @part
+def make_ready(bodies, drive, scratch):
+    """Give held rows and halos of w what the stencil needs, and find the hub's share in the step to come."""
+    if drive.slowing > 0.0:
+        inner = bodies.inner
+        set_held_row(inner, drive, 1.0)
+        prepare_others(bodies.others)
+        ring_kernels.wrap_all(bodies.outer.w)
+        ring_kernels.wrap_all(inner.w)
+        ring_kernels.row_force(inner.slowed, inner.w, inner.held, scratch.bore)
+        x, y = ring_kernels.resultant(scratch.bore, inner.cosines, inner.sines)
+        c, s, share = drive.frame[1], drive.frame[2], inner.row_mass[inner.held] / drive.mass
+        remember_slowed(drive.slowed, share * (c * x - s * y), share * (s * x + c * y))
+    slow_others(bodies.others, drive)
+
+
+@part
 def drift_nodes(bodies, drive, scratch, cosine, sine):
-    """Move all nodes by a step; `cosine`, `sine` of the inner ring's turn; the rollers' lead in `scratch.torque`."""
-    rollers, inner, outer = bodies.rollers, bodies.inner, bodies.outer
+    """Move all nodes by a step; `cosine`, `sine` of the inner ring's turn; the rollers' lead in `scratch.torque`.
+
+    Where masses are not lumped all is ready for the stencil to be applied to w (`make_ready`), and is no more after.
+    """
+    rollers, inner, outer, turn_kick = bodies.rollers, bodies.inner, bodies.outer, bodies.rollers.turn_kick
+    slowing, dt = drive.slowing, drive.dt
+    if slowing > 0.0:
+        disc_kernels.slow_waves(bodies.disc, rollers.columns, slowing, scratch.torque)
+        for j in range(rollers.n):
+            turn_kick[j] -= slowing / rollers.inertia * scratch.torque[j]
     turns = disc_kernels.Turns(
-        rollers.turn_kick, scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1], rollers.swelling
+        turn_kick, scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1], rollers.swelling
     )
-    disc_kernels.drift(bodies.disc, turns, rollers.columns, drive.dt, scratch.torque)
-    ring_kernels.drift_still(outer.u, outer.w, drive.dt, outer.first_row, outer.last_row)
+    disc_kernels.drift(bodies.disc, turns, rollers.columns, dt, scratch.torque)
+    _drift_still(outer, dt, slowing)
     if is_turning(drive.course, drive):
         first, end = inner.first_row, inner.last_row
-        ring_kernels.drift(inner.u, inner.w, inner.radii, drive.dt, cosine, sine, first, end)
+        if slowing > 0.0:
+            ring_kernels.slow_waves(inner.slowed, inner.u, inner.w, first, end)
+            ring_kernels.unwrap(inner.w, inner.raceway)
+        ring_kernels.drift(inner.u, inner.w, inner.radii, dt, cosine, sine, first, end)
     else:
-        ring_kernels.drift_still(inner.u, inner.w, drive.dt, inner.first_row, inner.last_row)
+        _drift_still(inner, dt, slowing)
+
+
+@part
+def _drift_still(ring, dt, slowing):
+    if slowing > 0.0:
+        ring_kernels.drift_slowed(ring.slowed, ring.u, ring.w, dt, ring.first_row, ring.last_row)
+        ring_kernels.unwrap(ring.w, ring.raceway)
+    else:
+        ring_kernels.drift_still(ring.u, ring.w, dt, ring.first_row, ring.last_row)
+
+
+@part
+def set_held_row(inner, drive, half):
+    """Give the inner ring's held row the hub's velocity, `half` a step after a kick (−1: before it): along a chord."""
+    c, s, vx, vy = drive.frame[1], drive.frame[2], drive.velocity[0], drive.velocity[1]
+    width, speed = inner.cosines.size, speed_of(drive.course, drive)
+    at = 2 * inner.held * width
+    ring_kernels.set_rigid(inner.w, at, inner.cosines, inner.sines, c * vx + s * vy, c * vy - s * vx)
+    rim = speed * inner.radii[inner.held]
+    inward = 0.5 * half * drive.dt * speed * rim
+    for k in range(at, at + width, WIDTH):
+        store(inner.w, k, load(inner.w, k) - inward)
+        store(inner.w, k + width, load(inner.w, k + width) + rim)

@@ -1,6 +1,6 @@
 """What the time loop asks of every further body: one that is neither roller nor ring nor hub."""
 
-from fem.kernels.jit import every, verb
+from fem.kernels.jit import every, part, verb
 
 
 @verb
@@ -24,6 +24,23 @@ def end_kick(body, drive):
 
 
 @verb
+def prepare(body):
+    """Give an elastic ring's held row the velocity of the body that carries it."""
+
+
+@verb
+def slow_body(body, drive):
+    """Find what the reciprocal mass adds to a body's motion in the next step."""
+
+
+@part
+def remember_slowed(slowed, x, y):
+    """What the reciprocal mass adds in the next step, m, after that of the last one; (2, 2)."""
+    slowed[0, 0], slowed[0, 1] = slowed[1, 0], slowed[1, 1]
+    slowed[1, 0], slowed[1, 1] = x, y
+
+
+@verb
 def add_motion(body, drive, out, kinetic):
     """Add a body's kinetic energy at the kick just made, J, to out[kinetic]; its work of gravity, what it dissipates
     and its own numbers to their places."""
@@ -31,3 +48,4 @@ def add_motion(body, drive, out, kinetic):
 
 kick_others, drift_others, add_all_motion = every(kick_body), every(drift_body), every(add_motion)
 take_all_late, end_kicks = every(take_late), every(end_kick)
+prepare_others, slow_others = every(prepare), every(slow_body)

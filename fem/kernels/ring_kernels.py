@@ -3,7 +3,7 @@
 State in polar components in the ring's own frame, about the outer ring's centre: `u` displacement (rigid motion of the
 hub included), `w` absolute velocity. Arrays (n_rows, 2, HALO + n_sectors + HALO), n_sectors a multiple of 8. Halos of
 `u` repeat the other end, one column on the left, all on the right, so that neither the stencil nor patches need a wrap;
-those of `w` are room, see `ring_surface`.
+those of `w` do while the stencil is applied to it, and are room at other times, see `ring_surface`.
 """
 
 import numpy as np
@@ -45,10 +45,11 @@ def _give_both(r, u, below, row, above, width, k):
 
 
 @part
-def _row_force(table, u, row, out, at, line, with_line):
+def _row_force(table, u, row, out, at, line, from_, times):
     """out += table·u for one row of nodes, radial from index `at` on, tangential a line further.
 
     Every node's part is formed once and handed to its neighbours' columns, instead of reading three columns for each.
+    With `line` from index `from_` on, `times` that is added, too; None: nothing.
     """
     width = u.shape[2]
     # past the ends coefficients are 0
@@ -63,8 +64,8 @@ def _row_force(table, u, row, out, at, line, with_line):
         next_r, next_t = _give_both(r, u, below, row, above, width, k + WIDTH)
         x = radial[0] + (from_left(before_r[2], radial[2]) + from_right(radial[1], next_r[1]))
         y = tangential[0] + (from_left(before_t[2], tangential[2]) + from_right(tangential[1], next_t[1]))
-        if with_line:
-            x, y = x + load(line, k), y + load(line, width + k)
+        if line is not None:
+            x, y = fma(times, load(line, from_ + k), x), fma(times, load(line, from_ + width + k), y)
         store(out, at + k, load(out, at + k) + x)
         store(out, at + width + k, load(out, at + width + k) + y)
         before_r, radial, before_t, tangential = radial, next_r, tangential, next_t
@@ -80,21 +81,28 @@ def row_force(table, u, row, out):
     """
     for k in range(0, out.size, WIDTH):
         store(out, k, splat(0.0))
-    _row_force(table, u, row, out, 0, out, False)
+    _row_force(table, u, row, out, 0, None, 0, 0.0)
 
 
 @part(inlined=False)
 def kick(table, u, w, first_row, last_row):
     """w += dt·internal acceleration for rows first_row ... last_row − 1; table holds −dt·M⁻¹K."""
     for row in range(first_row, last_row):
-        _row_force(table, u, row, w, 2 * row * u.shape[2], w, False)
+        _row_force(table, u, row, w, 2 * row * u.shape[2], None, 0, 0.0)
 
 
 @part(inlined=False)
 def kick_and_add(table, u, w, line, first_row, last_row):
     """`kick`, and the velocities of one row, (2, width), m/s, added to every row: gravity."""
     for row in range(first_row, last_row):
-        _row_force(table, u, row, w, 2 * row * u.shape[2], line, True)
+        _row_force(table, u, row, w, 2 * row * u.shape[2], line, 0, 1.0)
+
+
+@part(inlined=False)
+def slow_waves(slowed, u, w, first_row, last_row):
+    """Take from the nodes' motion what the reciprocal mass does; `slowed` holds −γ dt³·M⁻¹K."""
+    for row in range(first_row, last_row):
+        _row_force(slowed, w, row, u, 2 * row * u.shape[2], None, 0, 0.0)
 
 
 @part(inlined=False)
@@ -125,11 +133,37 @@ def drift_still(u, w, dt, first_row, last_row):
 
 
 @part(inlined=False)
+def drift_slowed(slowed, u, w, dt, first_row, last_row):
+    """Move by dt·w and do what `slow_waves` does; the frame does not turn."""
+    width = u.shape[2]
+    for row in range(first_row, last_row):
+        at = 2 * row * width
+        _row_force(slowed, w, row, u, at, w, at, dt)
+        wrap(u, at, width)
+        wrap(u, at + width, width)
+
+
+@part(inlined=False)
 def wrap(u, at, width):
     """Repeat the first eight sectors and the last one of the line of `width` from index `at` on in its halo."""
     last = at + width - HALO
     store(u, at + HALO - 1, gather(u, last - 1))
     store(u, last, load(u, at + HALO))
+
+
+@part(inlined=False)
+def wrap_all(w):
+    """Repeat every line's ends in its halos, for the stencil to be applied to velocities."""
+    for at in range(0, w.size, w.shape[2]):
+        wrap(w, at, w.shape[2])
+
+
+@part(inlined=False)
+def unwrap(w, row):
+    """Clear the right halo of a row of velocities again: the raceway's, where patches that reach over the end push."""
+    width = w.shape[2]
+    for at in range(2 * row * width, 2 * (row + 1) * width, width):
+        store(w, at + width - HALO, splat(0.0))
 
 
 @part(inlined=False)

@@ -13,10 +13,11 @@ from fem.kernels.lane_memory import load
 from fem.kernels.lanes import WIDTH, splat
 from fem.kernels.lanes import total as lane_total
 from fem.kernels.law import contact_energy
-from fem.kernels.other_bodies import add_all_motion
+from fem.kernels.node_kernels import set_held_row
+from fem.kernels.other_bodies import add_all_motion, prepare_others
 from fem.kernels.rigid_surfaces import turning_energy
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.shear_kernels import spring_energy
+from fem.kernels.shear_kernels import behind_places, spring_energy
 from fem.kernels.state import CONTACTS, Course
 
 # columns of a sample: the hub, the energies, then blocks of n_rollers, then those of further bodies
@@ -58,6 +59,9 @@ BLOCKS = (
 def remember(bodies, drive, scratch):
     """Keep the velocities before a kick: a sample needs those of both half steps."""
     rollers, w = bodies.rollers, bodies.disc.w
+    if drive.slowing > 0.0:
+        set_held_row(bodies.inner, drive, -1.0)
+        prepare_others(bodies.others)
     for i in range(w.size):
         scratch.rollers_w[i] = w[i]
     for component in range(2):
@@ -96,7 +100,8 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     out[CONTACT] = 0.0
     add_contact_energy(groups, contacts, rollers.n, contacts.points, out)
     aside, radial_load = load_at(drive.course, drive, time)
-    work = with_aside(drive.course, drive.sums[0] - 0.5 * radial_load * dt * before[1], 0.5 * aside * dt * before[0])
+    moved_x, moved_y = dt * before[0] + drive.slowed[0, 0], dt * before[1] + drive.slowed[0, 1]
+    work = with_aside(drive.course, drive.sums[0] - 0.5 * radial_load * moved_y, 0.5 * aside * moved_x)
     out[WORK_LOAD] = work
     out[WORK_GRAVITY] = -drive.gravity * weighted_height(bodies, drive)
     rubbed = 0.0
@@ -105,7 +110,8 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
             rubbed -= friction.traction[row, j] * friction.slip[row, j]
     stored = spring_energy(friction.shear, friction.traction, rollers.n)
     out[CONTACT] += stored
-    out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed - stored
+    lag = behind_places(friction.shear, friction.traction, rollers.n)
+    out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed - stored + lag
     add_damped(contacts.dampers, bodies.damping, out)
     n = rollers.n
     for j in range(n):
@@ -201,9 +207,10 @@ def _work_at_changing_speed(course, rate, given, held):
 
 @part(inlined=False)
 def kinetic_energy(bodies, drive, scratch):
-    """½ v(t − dt/2)·M·v(t + dt/2): with ½ uᵀKu the energy leapfrog conserves exactly.
+    """½ w(t − dt/2)·M·v(t + dt/2): with ½ uᵀKu the energy leapfrog conserves exactly.
 
-    Less ½ (1 − cos ω dt) Σ m X·a of the bodies that turn: their forces turn with them within a step.
+    v = w − γ dt² M⁻¹K·w is what nodes move at. Less ½ (1 − cos ω dt) Σ m X·a of the bodies that turn: their forces turn
+    with them within a step.
     """
     rollers, disc, inner = bodies.rollers, bodies.disc, bodies.inner
     total, dt = 0.0, drive.dt
@@ -239,9 +246,32 @@ def kinetic_energy(bodies, drive, scratch):
     total -= (1.0 - cos(speed * dt)) * outward / dt
     before, after = scratch.hub_velocity, drive.velocity
     total += drive.mass * (before[0] * after[0] + before[1] * after[1])
+    if drive.slowing > 0.0:
+        total += drive.slowing / dt * _strain_power(bodies, drive, scratch)
     rim = speed * inner.radii[inner.held]
     total += inner.row_mass[inner.held] * inner.n_sectors * rim * rim
     return 0.5 * total
+
+
+@part(inlined=False)
+def _strain_power(bodies, drive, scratch):
+    """−dt wᵀKw of the velocities before and after a kick, J/s; all is ready for the stencil."""
+    rollers, inner, outer = bodies.rollers, bodies.inner, bodies.outer
+    total = disc_kernels.strain_power(bodies.disc, bodies.disc.w, scratch.rollers_w, rollers.columns, rollers.n)
+    total += _ring_strain_power(inner, scratch.inner_w, scratch.bore)
+    return total + _ring_strain_power(outer, scratch.outer_w, scratch.line)
+
+
+@part(inlined=False)
+def _ring_strain_power(ring, before, line):
+    total, width = 0.0, ring.cosines.size
+    for row in range(ring.radii.size):
+        ring_kernels.row_force(ring.table, ring.w, row, line)
+        part, at = splat(0.0), 2 * row * width
+        for k in range(HALO, HALO + ring.n_sectors, WIDTH):
+            part += load(before, at + k) * load(line, k) + load(before, at + width + k) * load(line, width + k)
+        total += ring.row_mass[row] * lane_total(part)
+    return total
 
 
 @part(inlined=False)

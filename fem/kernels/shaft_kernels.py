@@ -20,6 +20,7 @@ class Shaft(NamedTuple):
     place: np.ndarray  # (2,), m, of the hub; 0 where the springs are slack
     velocity: np.ndarray  # (2,), m/s, of the hub at t − dt/2; after its kick by all else at t + dt/2
     before: np.ndarray  # (2,), m/s, before the kick
+    slowed: np.ndarray  # (2, 2), m, of the hub, see `Drive`
     drag: np.ndarray  # (2,), N, of the dashpots in the last kick
     stored: np.ndarray  # (1,), J, in the springs
     dissipated: np.ndarray  # (1,), J, so far
@@ -58,13 +59,16 @@ def _end_kick(shaft, drive):
 
 @drift_body.of(Shaft)
 def _drift(shaft, drive):
+    slowed = shaft.slowed
     for k in range(2):
-        shaft.dissipated[0] -= 0.5 * drive.dt * shaft.drag[k] * (shaft.before[k] + shaft.velocity[k])
+        moved = drive.dt * (shaft.before[k] + shaft.velocity[k]) + slowed[0, k] + slowed[1, k]
+        shaft.dissipated[0] -= 0.5 * shaft.drag[k] * moved
         shaft.before[k] = shaft.velocity[k]
 
 
 @add_motion.of(Shaft)
 def _add_motion(shaft, drive, out, kinetic):
-    drag, before = shaft.drag, shaft.before
-    out[DISSIPATED] += shaft.dissipated[0] - 0.5 * drive.dt * (drag[0] * before[0] + drag[1] * before[1])
+    drag, before, slowed = shaft.drag, shaft.before, shaft.slowed
+    moved_x, moved_y = drive.dt * before[0] + slowed[0, 0], drive.dt * before[1] + slowed[0, 1]
+    out[DISSIPATED] += shaft.dissipated[0] - 0.5 * (drag[0] * moved_x + drag[1] * moved_y)
     out[shaft.column] = shaft.stored[0]

@@ -98,3 +98,18 @@ def _spring_energy(shear, traction, n):
             half_way = shear.stretch[row, j] - 0.5 * gained
             found += 0.5 * (half_way * half_way / shear.compliance[row, j] + traction[row, j] * gained)
     return found
+
+
+@verb
+def behind_places(shear, traction, n):
+    """Work that slips of momenta lack of those of places, J: in a patch that gives way, ½ softness T²."""
+    return 0.0
+
+
+@behind_places.of(Shear)
+def _behind_places(shear, traction, n):
+    found = 0.0
+    for row in range(traction.shape[0]):
+        for j in range(n):
+            found += 0.5 * shear.softness[row] * traction[row, j] * traction[row, j]
+    return found

@@ -44,15 +44,16 @@ class Disc(NamedTuple):
     points: np.ndarray  # (2 n_nodes,), m
     mass: np.ndarray  # (n_nodes,), kg
     u: np.ndarray  # (n_nodes · 2 · columns,), m
-    w: np.ndarray  # m/s
+    w: np.ndarray  # momentum over lumped mass, m/s
 
 
 class Ring(NamedTuple):
     """Nodes of a ring. Frames: see `ring_kernels`. A rigid one is a held row of one node at the radius of gyration."""
 
     table: np.ndarray  # −dt·M⁻¹K
+    slowed: np.ndarray  # γ dt² times that, see `reciprocal_mass`
     u: np.ndarray  # (n_rows, 2, n_sectors + 2 HALO)
-    w: np.ndarray
+    w: np.ndarray  # momentum over lumped mass
     radii: np.ndarray
     row_mass: np.ndarray
     cosines: np.ndarray  # (n_sectors + 2 HALO,), of the sectors' angles
@@ -235,6 +236,7 @@ class Shear(NamedTuple):
     stretch: np.ndarray  # (3, columns), m, after this step, along the slip
     gained: np.ndarray  # (3, columns), m, of it in this step
     compliance: np.ndarray  # (3, columns), m/N, at the last kick
+    softness: np.ndarray  # (3,), m/N, by which patches give way more in momenta than in places
 
 
 class Friction(NamedTuple):
@@ -331,6 +333,8 @@ class Drive(NamedTuple):
     speed: float  # rad/s
     gravity: float  # m/s²
     dt: float
+    slowed: np.ndarray  # (2, 2), m, that the reciprocal mass adds to the hub's motion: in the last step, in the next
+    slowing: float  # γ dt², s², see `reciprocal_mass`
     radial_load: float  # N
     ramp: float  # s, 0: full load at once
     course: Course | None = None  # of speed and load; None: they stay

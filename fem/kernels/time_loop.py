@@ -20,7 +20,7 @@ from fem.kernels.jit import every, kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, fma
-from fem.kernels.node_kernels import drift_nodes, kick_nodes
+from fem.kernels.node_kernels import drift_nodes, kick_nodes, make_ready
 from fem.kernels.other_bodies import drift_others, end_kicks, kick_others
 from fem.kernels.resolved_kernels import press_all_points
 from fem.kernels.rigid_surfaces import settle, turn
@@ -89,8 +89,12 @@ def kick(bodies, groups, contacts, drive, time, scratch):
             groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole, later
         )
     end_kicks(bodies.others, drive)
-    work_load = -radial_load * drive.dt * 0.5 * (before + drive.velocity[1])  # friction may have moved a rigid hub
-    work_load = with_aside(drive.course, work_load, aside * drive.dt * 0.5 * (before_x + drive.velocity[0]))
+    make_ready(bodies, drive, scratch)
+    slowed = drive.slowed
+    moved_x = drive.dt * (before_x + drive.velocity[0]) + slowed[0, 0] + slowed[1, 0]
+    moved_y = drive.dt * (before + drive.velocity[1]) + slowed[0, 1] + slowed[1, 1]
+    work_load = -radial_load * 0.5 * moved_y  # friction may have moved a rigid hub
+    work_load = with_aside(drive.course, work_load, aside * 0.5 * moved_x)
     return work_load, moment + drive.moment[1] - drive.moment[0] * drive.dt, rubbed
 
 

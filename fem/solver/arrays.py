@@ -6,6 +6,7 @@ import numpy as np
 
 from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.reciprocal_mass import SHARE, disc_momenta, ring_momenta, slowing
 from fem.elastic.rigid import RigidRing
 from fem.elastic.supported import SupportedRing
 from fem.kernels import disc_kernels, ring_kernels
@@ -41,33 +42,39 @@ def make_arrays(
     friction: float,
     ramp: float,
     largest_force: float,
+    share: float = SHARE,
 ) -> Arrays:
-    """Positions at t = 0 and velocities at −dt/2. `ramp` in s; the largest static contact force in N."""
-    inner = ring_nodes(model.inner_ring, dt)
-    outer = ring_nodes(model.outer_ring, dt)
+    """Positions at t = 0 and velocities at −dt/2.
+
+    `ramp` in s; the largest static contact force in N; `share` : γ of the reciprocal mass.
+    """
+    slowed = slowing(dt, share)
+    inner = ring_nodes(model.inner_ring, dt, slowed)
+    outer = ring_nodes(model.outer_ring, dt, slowed)
     rollers = _rollers(model.roller, model.bearing.n_rollers)
     disc = disc_nodes(model.roller, dt, rollers.columns)
-    drive = _drive(model, operation, start, dt, ramp)
+    drive = _drive(model, operation, start, dt, ramp, slowed)
     data = model.kernel_data(largest_force)
-    contacts = contact_arrays(model, operation, start, data, friction, rollers.columns)
+    contacts = contact_arrays(model, operation, start, data, friction, slowed, rollers.columns)
     if not model.inner_ring.material.rigid:
-        _place_inner(model.inner_ring, inner, start, operation.speed, dt)
+        _place_inner(model.inner_ring, inner, start, operation.speed, dt, slowed)
     if not model.outer_ring.material.rigid:
         shift = np.broadcast_to(start.housing, (len(model.outer_ring.points), 2))
         _fill(outer.u, start.equilibrium.outer_ring + model.outer_ring.polar(shift))
-        _fill(outer.w, start.outer_rate)
-    _place_rollers(model.roller, rollers, disc, start, dt)
+        _fill(outer.w, ring_momenta(model.outer_ring, start.outer_rate, slowed))
+    _place_rollers(model.roller, rollers, disc, start, dt, slowed)
     rollers, disc, inner, outer = (lined_up(group) for group in (rollers, disc, inner, outer))
     surface = disc_surface(model, rollers, disc, data)
     column = N_SCALARS + len(BLOCKS) * rollers.n
     housing = housing_body(model, operation, outer, start.housing, dt, column)
-    shaft = shaft_springs(operation.mounting, drive.hub, drive.velocity, drive.mass, rollers.n)
+    shaft = shaft_springs(operation.mounting, drive, rollers.n)
     of_bore = column + len(replace(operation.mounting, bore=None).columns)
     bore = bore_body(model.outer_ring, outer, start.outer_rate, housing, of_bore)
     others = tuple((body,) for body in (bore, housing, shaft) if body is not None)  # the bore moves the housing
     if isinstance(model.outer_ring, SupportedRing):
         held = model.outer_ring.held_sectors.astype(np.int64)
-        others = (*others, (HeldNodes(w=outer.w, sectors=held, row=outer.held),))
+        place = outer.u[outer.held][:, HALO + held].copy()
+        others = (*others, (HeldNodes(u=outer.u, w=outer.w, sectors=held, place=place, row=outer.held),))
     return Arrays(
         bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer, others=others),
         groups=pair_groups(model, (inner, outer), drive, housing, data, rollers.columns),
@@ -117,16 +124,17 @@ def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
     )
 
 
-def ring_nodes(ring: RingBody, dt: float) -> Ring:
-    """Nodes at rest of a ring, for steps of `dt`, s."""
+def ring_nodes(ring: RingBody, dt: float, slowed: float) -> Ring:
+    """Nodes at rest of a ring, for steps of `dt`, s; `slowed` : γ dt², s²."""
     if isinstance(ring, RigidRing):
         return _rigid_ring(ring)
     width = ring.n_sectors + 2 * HALO
     angle = 2.0 * np.pi * (np.arange(width) - HALO) / ring.n_sectors
-    table = ring_kernels.coefficients(ring.stencil)
+    table = -dt * ring_kernels.coefficients(ring.stencil) / ring.row_mass[:, None]
     first = int(ring.free_rows[0])
     return Ring(
-        table=-dt * table / ring.row_mass[:, None],
+        table=table,
+        slowed=slowed * table,
         u=np.zeros((ring.n_rows, 2, width)),
         w=np.zeros((ring.n_rows, 2, width)),
         radii=ring.radii.copy(),
@@ -145,6 +153,7 @@ def _rigid_ring(ring: RigidRing) -> Ring:
     width = WIDTH + 2 * HALO  # one node, in a register of its own
     return Ring(
         table=np.zeros((1, 18)),
+        slowed=np.zeros((1, 18)),
         u=np.zeros((1, 2, width)),
         w=np.zeros((1, 2, width)),
         radii=np.array([np.sqrt(ring.polar_inertia / ring.total_mass)]),
@@ -165,7 +174,7 @@ def _fill(target: np.ndarray, values: np.ndarray) -> None:
     target[:, :, -HALO:] = target[:, :, HALO : 2 * HALO]
 
 
-def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: float) -> None:
+def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: float, slowed: float) -> None:
     """Polar state about the outer ring's centre: the hub's motion, the rotation and the deformation."""
     cosine, sine = np.cos(body.angles), np.sin(body.angles)
 
@@ -178,12 +187,11 @@ def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: flo
     position[:, 0] += body.radii[:, None]
     turned = np.stack([-position[:, 1], position[:, 0]], axis=1)
     velocity = start.inner_rate + speed * turned + polar(start.hub_velocity)
-    if start.steady:
-        velocity += 0.5 * dt * speed**2 * position
-    _fill(ring.w, velocity)
+    kick = dt * speed**2 * position if start.steady else np.zeros_like(position)  # along chords after it
+    _fill(ring.w, ring_momenta(body, velocity - 0.5 * kick, slowed) + kick)
 
 
-def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, dt: float) -> None:
+def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, dt: float, slowed: float) -> None:
     n, spin, cage = rollers.n, start.kinematics.roller, start.kinematics.cage
     rho, angle = start.equilibrium.rho, start.angle
     radial = rho * np.stack([np.cos(angle), np.sin(angle)])
@@ -197,13 +205,14 @@ def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, d
         return
     position = body.points + start.equilibrium.rollers
     turned = np.stack([-position[..., 1], position[..., 0]], axis=-1)
-    velocity = start.roller_rate + spin * turned + half_step * spin**2 * position
+    kick = 2.0 * half_step * spin**2 * position  # along chords after it
+    momenta = disc_momenta(body, start.roller_rate + spin * turned - 0.5 * kick, slowed) + kick
     shape = (body.n_nodes, 2, rollers.columns)
     disc.u.reshape(shape)[:, :, :n] = np.moveaxis(start.equilibrium.rollers, 0, -1)
-    disc.w.reshape(shape)[:, :, :n] = np.moveaxis(velocity, 0, -1)
+    disc.w.reshape(shape)[:, :, :n] = np.moveaxis(momenta, 0, -1)
 
 
-def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float) -> Drive:
+def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float, slowed: float) -> Drive:
     mass, shaft = hub_mass(model.inner_ring, operation), operation.mounting.shaft
     return Drive(
         hub=start.equilibrium.hub + start.housing,
@@ -217,6 +226,8 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: fl
         speed=float(operation.speed),
         gravity=float(operation.gravity),
         dt=float(dt),
+        slowed=np.zeros((2, 2)),
+        slowing=slowed,
         radial_load=float(operation.radial_load),
         ramp=float(ramp),
         course=course_arrays(model.bearing, operation),

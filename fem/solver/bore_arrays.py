@@ -27,6 +27,7 @@ def bore_body(body: RingBody, ring: Ring, outer_rate: np.ndarray, housing: Housi
         depth=np.full(body.n_sectors, np.nan),
         kick=np.zeros(body.n_sectors),
         residual=np.zeros(body.n_sectors),
+        line=np.zeros((2, ring.w.shape[2])),
         play=float(body.play),
         stiffness=float(body.stiffness),
         column=column,

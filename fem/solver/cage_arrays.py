@@ -188,20 +188,26 @@ def _ring(
     )
 
 
-def critical_with_cage(critical: float, bearing: Bearing, cage: Cage | None, operation: Operation) -> float:
-    """Critical step, s, of a bearing, s, with all its cage's contacts closed too.
+def cage_springs(bearing: Bearing, cage: Cage | None, operation: Operation) -> tuple[float, float]:
+    """What all contacts of a cage, closed, add to ω² of the bearing's bodies, and the cage's own ω², 1/s².
 
-    A spring k between two bodies is counted as EVENLY k on each, as in `critical_time_step`. On the bearing's bodies,
-    which have other springs too, that adds to ω²; on the cage there is nothing else.
+    A spring k between two bodies is counted as EVENLY k on each, as in `critical_time_step`. The bearing's bodies have
+    other springs too; on the cage there is nothing else.
     """
     if cage is None:
-        return critical
-    from fem.contacts.critical_step import EVENLY  # and with it scipy.sparse.linalg, which runs without a cage save
+        return 0.0, 0.0
+    from fem.contacts.critical_step import EVENLY  # and with it scipy.sparse, which runs without a cage save
 
     spring, n, pitch = EVENLY * cage.stiffness, bearing.n_rollers, bearing.pitch_radius
     guided = cage.guidance != "rollers"
     housing = operation.mounting.housing
     guiding = {"inner_ring": operation.inner_mass, "outer_ring": inf if housing is None else housing.mass}
-    of_bearing = 4.0 / critical**2 + spring / min(bearing.roller_mass, guiding.get(cage.guidance, inf))
+    of_bearing = spring / min(bearing.roller_mass, guiding.get(cage.guidance, inf))
     of_cage = spring * (n * (1.0 / cage.mass + pitch**2 / cage.inertia) + (1.0 / cage.mass if guided else 0.0))
-    return 2.0 / sqrt(max(of_bearing, of_cage))
+    return of_bearing, of_cage
+
+
+def critical_with_cage(critical: float, bearing: Bearing, cage: Cage | None, operation: Operation) -> float:
+    """Critical step of leapfrog, s, of a bearing, s, with all its cage's contacts closed too."""
+    of_bearing, of_cage = cage_springs(bearing, cage, operation)
+    return critical if cage is None else 2.0 / sqrt(max(4.0 / critical**2 + of_bearing, of_cage))

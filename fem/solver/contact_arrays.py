@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 import numba
 import numpy as np
 
+from fem.contacts.patch import disc_patch_traction, ring_patch_traction
+from fem.elastic.reciprocal_mass import disc_softness, ring_softness
 from fem.elastic.supported import LooseRing
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.housing_kernels import Housing
@@ -46,6 +48,8 @@ if TYPE_CHECKING:
 SLACK = 0.1  # node spacings, by which rollers that press on each other may be nearer than rigid ones
 REACH = 0.01  # of a roller's radius
 REACH_OF_LOOSE = 0.1  # the same where an outer ring bends or moves as a whole; twice what guards let rollers go
+
+PLACES = np.array([0.0, 0.25, 0.5, 0.75])  # of a patch between two nodes
 
 
 def pair_groups(
@@ -156,9 +160,15 @@ def _ring_surface(body: "RingBody", ring: Ring, ripple: np.ndarray) -> RingSurfa
 
 
 def contact_arrays(
-    model: "Model", operation: Operation, start: "Start", data: "KernelData", friction: float, columns: int
+    model: "Model",
+    operation: Operation,
+    start: "Start",
+    data: "KernelData",
+    friction: float,
+    slowed: float,
+    columns: int,
 ) -> Contacts:
-    """Contacts at the start, with its static forces."""
+    """Contacts at the start, with its static forces. `slowed` : γ dt², s²."""
     n = model.bearing.n_rollers
     pairs = len(data.laws)
     force = np.zeros((pairs, columns))
@@ -202,7 +212,7 @@ def contact_arrays(
             overlapping=_overlapping(model, data.neighbourly),
             apart=bool(min(_nodes_between(model)) > N_NODES + SLACK),
             whole=True if _shares_rigid_bodies(model, operation) else None,
-            shear=None if data.shear_levels is None else _shear(data.shear_levels, columns),
+            shear=None if data.shear_levels is None else _shear(model, data, slowed, columns),
         ),
         points=data.points,
         reach=_reach(model, operation) + data.facet_depth,
@@ -215,10 +225,30 @@ def _shares_rigid_bodies(model: "Model", operation: Operation) -> bool:
     return model.roller.material.rigid or model.inner_ring.material.rigid or (model.outer_ring.material.rigid and moves)
 
 
-def _shear(levels: tuple[float, ...], columns: int) -> Shear:
-    """Springs that are not stretched: in statics, and as a bearing begins to roll, there are no tractions."""
-    shape = len(levels), columns
-    return Shear(level=np.array(levels), stretch=np.zeros(shape), gained=np.zeros(shape), compliance=np.ones(shape))
+def _shear(model: "Model", data: "KernelData", slowed: float, columns: int) -> Shear:
+    """Springs that are not stretched: in statics, and as a bearing begins to roll, there are no tractions.
+
+    Slips are read off momenta, in which patches seem to give way more than they do: the springs give way less for that.
+    Not where patches of neighbours overlap: there softer springs keep tractions, solved for in turn, from shaking each
+    other.
+    """
+    shape = len(data.shear_levels), columns
+    disc, raceways = model.roller, (model.inner_ring, model.outer_ring)
+    roller = 0.0
+    if not disc.material.rigid:
+        angles = 2.0 * np.pi / disc.shape.surface_nodes * PLACES
+        roller = disc_softness(disc, np.stack([disc_patch_traction(disc, angle) for angle in angles], 1), slowed)
+    rings = [0.0 if ring.material.rigid else _softness_of(ring, slowed) for ring in raceways]
+    softness, level = roller + np.array([*rings, roller]), np.array(data.shear_levels)
+    if _overlapping(model, data.neighbourly) == ALWAYS:
+        softness *= 0.0
+    level -= softness / np.array([law.A for law in data.laws])
+    return Shear(level, np.zeros(shape), np.zeros(shape), np.ones(shape), softness)
+
+
+def _softness_of(ring: "RingBody", slowed: float) -> float:
+    angles = 2.0 * np.pi / ring.n_sectors * PLACES
+    return ring_softness(ring, np.stack([ring_patch_traction(ring, angle).ravel() for angle in angles], 1), slowed)
 
 
 def _overlapping(model: "Model", width: float) -> int | None:

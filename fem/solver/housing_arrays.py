@@ -45,6 +45,7 @@ def housing_of(
         velocity=np.zeros(2),
         before=np.zeros(2),
         impulse=np.zeros(2),
+        slowed=np.zeros((2, 2)),
         drag=np.zeros(2),
         dissipated=np.zeros(1),
         ring=ring,

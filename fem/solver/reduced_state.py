@@ -29,7 +29,7 @@ from fem.solver.profile_arrays import raceway_profiles
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader
-from fem.solver.shaft_arrays import shaft_springs
+from fem.solver.shaft_arrays import springs_on
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Samples
 from fem.solver.vibrations import vibrations
 from fem.statics.reduced_bearing import growths
@@ -287,7 +287,8 @@ def _bodies(plan: "ReducedPlan") -> RigidBodies:
     bodies.centre[:, :n] = (1.0 + (half * cage) ** 2 / 3.0) * start.rho * radial + start.ring[:, None]
     bodies.velocity[:, :n] = start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial
     bodies.spin[:n] = start.kinematics.roller
-    shaft = shaft_springs(plan.operation.mounting, bodies.hub, bodies.hub_velocity, bodies.hub_mass, n)
+    hub = bodies.hub, bodies.hub_velocity, np.zeros((2, 2)), bodies.hub_mass
+    shaft = springs_on(plan.operation.mounting, *hub, n)
     column = row_width(n, None)
     housing = housing_of(plan.operation.mounting, bearing.outer_ring_mass, None, start.ring, dt, column)
     bodies, ideal = bodies._replace(shaft=shaft, housing=housing), plan.scene.ideal_cage()

@@ -4,20 +4,26 @@ import numpy as np
 
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.shaft_kernels import Shaft
+from fem.kernels.state import Drive
 from lagrange.mounting import OF_SHAFT, Mounting
 
 
-def shaft_springs(mounting: Mounting, hub: np.ndarray, velocity: np.ndarray, mass: float, n: int) -> Shaft | None:
-    """Springs and dashpots on a hub with its place and velocity, (2,), m and m/s; None where nothing holds the shaft.
+def shaft_springs(mounting: Mounting, drive: Drive, n: int) -> Shaft | None:
+    """Springs and dashpots on the finite elements' hub, of n rollers; None where nothing holds the shaft."""
+    return springs_on(mounting, drive.hub, drive.velocity, drive.slowed, drive.mass, n)
 
-    `n` : rollers
-    """
+
+def springs_on(
+    mounting: Mounting, hub: np.ndarray, velocity: np.ndarray, slowed: np.ndarray, mass: float, n: int
+) -> Shaft | None:
+    """The same on a hub with its place and velocity, (2,), m and m/s; `slowed` : (2, 2), m, as `Drive`'s."""
     shaft = mounting.shaft
     if shaft is None:
         return None
     return Shaft(
         place=hub,
         velocity=velocity,
+        slowed=slowed,
         before=velocity.copy(),
         drag=np.zeros(2),
         stored=np.zeros(1),

@@ -20,10 +20,12 @@ from fem.kernels.lanes import splat
 from fem.solver.run_arrays import Arrays
 
 kick_disc, drift_disc = kernel(disc_kernels.kick), kernel(disc_kernels.drift)
+slow_disc, slow_ring = kernel(disc_kernels.slow_waves), kernel(ring_kernels.slow_waves)
 kick_ring, kick_ring_and_add = kernel(ring_kernels.kick), kernel(ring_kernels.kick_and_add)
-drift_ring, drift_still_ring = kernel(ring_kernels.drift), kernel(ring_kernels.drift_still)
+drift_ring, drift_slowed_ring = kernel(ring_kernels.drift), kernel(ring_kernels.drift_slowed)
 row_force, resultant = kernel(ring_kernels.row_force), kernel(ring_kernels.resultant)
 wrap, set_rigid = kernel(ring_kernels.wrap), kernel(ring_kernels.set_rigid)
+wrap_all = kernel(ring_kernels.wrap_all)
 kick_force, stored_energy = kernel(law.kick_force), kernel(law.contact_energy)
 next_force = kernel(law.next_force)
 weight_slopes, place = kernel(patches.weight_slopes), kernel(surfaces.place)

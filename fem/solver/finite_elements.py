@@ -5,7 +5,7 @@ from math import ceil, sqrt
 
 import numpy as np
 
-from fem.contacts.critical_step import critical_time_step, next_rung
+from fem.contacts.critical_step import WORTH, critical_time_step, next_rung
 from fem.contacts.model import Model
 from fem.elastic.bored import BoredRing
 from fem.elastic.reciprocal_mass import SHARE
@@ -31,9 +31,6 @@ from lagrange.faults import Spall
 from lagrange.scene import Scene
 
 GENTLE = 1e-3  # s, of a load that grows from 0
-# times that a reciprocal mass must lengthen a step: it costs a step of 1 mm 1.4 times, of fine meshes 1.45 times as
-# much, and on these contacts' springs leave less to gain
-WORTH = 1.5
 KNOTS_A_STEP = 0.3  # of a profile's spline: with more, spalls that pass at 40 m/s cost per cents of the energy
 
 

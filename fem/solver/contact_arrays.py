@@ -232,23 +232,24 @@ def _shear(model: "Model", data: "KernelData", slowed: float, columns: int) -> S
     Not where patches of neighbours overlap: there softer springs keep tractions, solved for in turn, from shaking each
     other.
     """
-    shape = len(data.shear_levels), columns
-    disc, raceways = model.roller, (model.inner_ring, model.outer_ring)
-    roller = 0.0
-    if not disc.material.rigid:
-        angles = 2.0 * np.pi / disc.shape.surface_nodes * PLACES
-        roller = disc_softness(disc, np.stack([disc_patch_traction(disc, angle) for angle in angles], 1), slowed)
-    rings = [0.0 if ring.material.rigid else _softness_of(ring, slowed) for ring in raceways]
-    softness, level = roller + np.array([*rings, roller]), np.array(data.shear_levels)
-    if _overlapping(model, data.neighbourly) == ALWAYS:
-        softness *= 0.0
-    level -= softness / np.array([law.A for law in data.laws])
+    shape, level, softness = (len(data.shear_levels), columns), np.array(data.shear_levels), np.zeros(3)
+    if slowed > 0.0 and _overlapping(model, data.neighbourly) != ALWAYS:
+        softness = _softness(model, slowed)
+        level -= softness / np.array([law.A for law in data.laws])
     return Shear(level, np.zeros(shape), np.zeros(shape), np.ones(shape), softness)
 
 
-def _softness_of(ring: "RingBody", slowed: float) -> float:
-    angles = 2.0 * np.pi / ring.n_sectors * PLACES
-    return ring_softness(ring, np.stack([ring_patch_traction(ring, angle).ravel() for angle in angles], 1), slowed)
+def _softness(model: "Model", slowed: float) -> np.ndarray:
+    """By how much more both patches of a contact give way in momenta than in places, by kind, (3,), m/N."""
+    disc, found = model.roller, []
+    for ring in (model.inner_ring, model.outer_ring):
+        angles = 2.0 * np.pi / ring.n_sectors * PLACES
+        patches = [ring_patch_traction(ring, angle).ravel() for angle in angles]
+        found.append(0.0 if ring.material.rigid else ring_softness(ring, np.stack(patches, 1), slowed))
+    angles = 2.0 * np.pi / disc.shape.surface_nodes * PLACES
+    patches = [disc_patch_traction(disc, angle) for angle in angles]
+    roller = 0.0 if disc.material.rigid else disc_softness(disc, np.stack(patches, 1), slowed)
+    return roller + np.array([*found, roller])
 
 
 def _overlapping(model: "Model", width: float) -> int | None:

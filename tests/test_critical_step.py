@@ -157,7 +157,7 @@ def leapfrog_disc(body, dt, n_steps):
     first = np.abs(u).max()
     for _ in range(n_steps):
         compiled.kick_disc(nodes, nodes.w, columns, torque)
-        compiled.slow_disc(nodes, columns, slowing(dt), torque)
+        compiled.slow_disc(nodes, turns.cosine, columns, slowing(dt), dt, torque)
         compiled.drift_disc(nodes, turns, columns, dt, torque)
     return np.abs(nodes.u).max() / first
 

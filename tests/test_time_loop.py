@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 from scipy.sparse.linalg import eigsh
 
 from fem.contacts.critical_step import critical_time_step
-from fem.elastic.reciprocal_mass import slowing
+from fem.elastic.reciprocal_mass import SHARE, slowing
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.course_kernels import radial_load_at
 from fem.kernels.ring_kernels import HALO
@@ -86,7 +86,7 @@ def ring_up_disc(body, shape, omega, dt, n_steps):
     for _ in range(n_steps):
         found.append(weight @ nodes.u.reshape(-1, columns)[:, 3])
         compiled.kick_disc(nodes, nodes.w, columns, torque)
-        compiled.slow_disc(nodes, columns, slowing(dt), torque)
+        compiled.slow_disc(nodes, turns.cosine, columns, slowing(dt), dt, torque)
         compiled.drift_disc(nodes, turns, columns, dt, torque)
     return np.array(found)
 
@@ -258,8 +258,9 @@ SAMPLES, INTERVAL = 61, 5e-6
 def whole_run(friction=0.1, courant=0.9, from_rest=False, ramp=0.0, mesh_size=2e-3, **changes):
     """0.3 ms of the paper's scene at 2 mm; samples and the step."""
     whole, how = model(paper(), mesh_size), operation(**changes)
-    stride = int(np.ceil(INTERVAL / (courant * critical_time_step(whole, 800.0))))
-    state = arrays(whole, how, INTERVAL / stride, friction, from_rest=from_rest, ramp=ramp)
+    share = 0.0 if from_rest else SHARE  # as `fem.solver.finite_elements.may_strike`
+    stride = int(np.ceil(INTERVAL / (courant * critical_time_step(whole, 800.0, share=share))))
+    state = arrays(whole, how, INTERVAL / stride, friction, from_rest=from_rest, ramp=ramp, share=share)
     samples = run(state, SAMPLES, stride)
     samples.flags.writeable = False
     return samples, state, how

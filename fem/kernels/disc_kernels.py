@@ -79,19 +79,26 @@ def kick(disc, w, columns, torque):
 
 
 @part(inlined=False)
-def slow_waves(disc, columns, slowing, torque):
+def slow_waves(disc, cosine, columns, slowing, dt, torque):
     """Take from the nodes' motion what the reciprocal mass does: u += γ dt²·blocks·w; turning it must not give.
+
+    A roller that turns moves in chords, half a step ahead of its frame, where w has a part along its points: what the
+    stencil makes of that is taken out.
 
     Parameters
     ----------
+    cosine : (columns,), of the frame's turn in a step
     slowing : γ dt², s²
     torque : filled with Σ m (blocks·w) x w by column, N m: what γ dt² of it adds to a roller's angular momentum
     """
     mass, u, w, line = disc.mass, disc.u, disc.w, 2 * columns
     for block in range(0, columns, COLUMNS):
+        ahead0, ahead1 = (1.0 - load(cosine, block)) * (1.0 / dt), (1.0 - load(cosine, block + 8)) * (1.0 / dt)
         t0, t1 = splat(0.0), splat(0.0)
         for i in range(mass.size):
             x0, x1, y0, y1 = _row_product(disc, w, columns, i, block)
+            x, y = gather(disc.grown, 2 * i), gather(disc.grown, 2 * i + 1)
+            x0, x1, y0, y1 = fma(x, ahead0, x0), fma(x, ahead1, x1), fma(y, ahead0, y0), fma(y, ahead1, y1)
             at, m = i * line + block, gather(mass, i)
             t0 = _moment(-m, w, at, columns, x0, y0, t0)
             t1 = _moment(-m, w, at + 8, columns, x1, y1, t1)

@@ -50,7 +50,7 @@ def drift_nodes(bodies, drive, scratch, cosine, sine):
     rollers, inner, outer, turn_kick = bodies.rollers, bodies.inner, bodies.outer, bodies.rollers.turn_kick
     slowing, dt = drive.slowing, drive.dt
     if slowing > 0.0:
-        disc_kernels.slow_waves(bodies.disc, rollers.columns, slowing, scratch.torque)
+        disc_kernels.slow_waves(bodies.disc, scratch.cosine, rollers.columns, slowing, dt, scratch.torque)
         for j in range(rollers.n):
             turn_kick[j] -= slowing / rollers.inertia * scratch.torque[j]
     turns = disc_kernels.Turns(
@@ -63,7 +63,7 @@ def drift_nodes(bodies, drive, scratch, cosine, sine):
         if slowing > 0.0:
             ring_kernels.slow_waves(inner.slowed, inner.u, inner.w, first, end)
             ring_kernels.unwrap(inner.w, inner.raceway)
-        ring_kernels.drift(inner.u, inner.w, inner.radii, dt, cosine, sine, first, end)
+        ring_kernels.drift(inner.u, inner.w, inner.radii, inner.grown, dt, cosine, sine, first, end)
     else:
         _drift_still(inner, dt, slowing)
 
@@ -84,8 +84,8 @@ def set_held_row(inner, drive, half):
     width, speed = inner.cosines.size, speed_of(drive.course, drive)
     at = 2 * inner.held * width
     ring_kernels.set_rigid(inner.w, at, inner.cosines, inner.sines, c * vx + s * vy, c * vy - s * vx)
-    rim = speed * inner.radii[inner.held]
-    inward = 0.5 * half * drive.dt * speed * rim
+    ahead, rim = 0.5 * half * drive.dt * speed, speed * inner.radii[inner.held]
+    inward, around = ahead * rim, (1.0 - 0.5 * ahead * ahead) * rim
     for k in range(at, at + width, WIDTH):
         store(inner.w, k, load(inner.w, k) - inward)
-        store(inner.w, k + width, load(inner.w, k + width) + rim)
+        store(inner.w, k + width, load(inner.w, k + width) + around)

@@ -106,14 +106,18 @@ def slow_waves(slowed, u, w, first_row, last_row):
 
 
 @part(inlined=False)
-def drift(u, w, radii, dt, cosine, sine, first_row, last_row):
-    """Move by dt·w and turn the frame by the given angle."""
-    width = u.shape[2]
+def drift(u, w, radii, grown, dt, cosine, sine, first_row, last_row):
+    """Move by dt·w and turn the frame by the given angle.
+
+    `grown` : (n_rows,), m/s; what `slow_waves` has made of the motion along chords, half a step ahead of the frame
+    """
+    width, ahead = u.shape[2], (1.0 - cosine) * (1.0 / dt)
     for row in range(first_row, last_row):
         radius, at = radii[row], 2 * row * width
+        reached = radius + ahead * grown[row]
         for k in range(at + HALO, at + width - HALO, WIDTH):
             p, q = load(w, k), load(w, k + width)
-            x, y = radius + fma(dt, p, load(u, k)), fma(dt, q, load(u, k + width))
+            x, y = reached + fma(dt, p, load(u, k)), fma(dt, q, load(u, k + width))
             store(u, k, (cosine * x + sine * y) - radius)
             store(u, k + width, cosine * y - sine * x)
             store(w, k, cosine * p + sine * q)

@@ -42,6 +42,7 @@ class Disc(NamedTuple):
     neighbours: np.ndarray
     blocks: np.ndarray  # −dt·M⁻¹K
     points: np.ndarray  # (2 n_nodes,), m
+    grown: np.ndarray  # (2 n_nodes,), m/s, blocks·points
     mass: np.ndarray  # (n_nodes,), kg
     u: np.ndarray  # (n_nodes · 2 · columns,), m
     w: np.ndarray  # momentum over lumped mass, m/s
@@ -55,6 +56,7 @@ class Ring(NamedTuple):
     u: np.ndarray  # (n_rows, 2, n_sectors + 2 HALO)
     w: np.ndarray  # momentum over lumped mass
     radii: np.ndarray
+    grown: np.ndarray  # (n_rows,), slowed·radii
     row_mass: np.ndarray
     cosines: np.ndarray  # (n_sectors + 2 HALO,), of the sectors' angles
     sines: np.ndarray

@@ -110,14 +110,16 @@ def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
     """Nodes at rest of so many rollers, for steps of `dt`, s; none of rigid ones."""
     starts, neighbours, blocks = disc.blocks()
     points, mass = disc.points, disc.mass
+    grown = -dt * (disc.stiffness @ points.ravel()) / np.repeat(mass, 2)
     if disc.material.rigid:
-        starts, points, mass = np.zeros(1, dtype=np.int64), np.zeros((0, 2)), np.zeros(0)
+        starts, points, mass, grown = np.zeros(1, dtype=np.int64), np.zeros((0, 2)), np.zeros(0), np.zeros(0)
     rows = np.repeat(np.arange(len(mass)), np.diff(starts))
     return Disc(
         starts=starts,
         neighbours=neighbours,
         blocks=np.ascontiguousarray(-dt * blocks / mass[rows][:, None, None]).ravel(),
         points=np.ascontiguousarray(points).ravel(),
+        grown=grown,
         mass=mass.copy(),
         u=np.zeros(len(mass) * 2 * columns),
         w=np.zeros(len(mass) * 2 * columns),
@@ -131,6 +133,7 @@ def ring_nodes(ring: RingBody, dt: float, slowed: float) -> Ring:
     width = ring.n_sectors + 2 * HALO
     angle = 2.0 * np.pi * (np.arange(width) - HALO) / ring.n_sectors
     table = -dt * ring_kernels.coefficients(ring.stencil) / ring.row_mass[:, None]
+    widening = ring.harmonic_stiffness(np.zeros(1)).real.reshape(ring.n_rows, 2, ring.n_rows, 2)
     first = int(ring.free_rows[0])
     return Ring(
         table=table,
@@ -138,6 +141,7 @@ def ring_nodes(ring: RingBody, dt: float, slowed: float) -> Ring:
         u=np.zeros((ring.n_rows, 2, width)),
         w=np.zeros((ring.n_rows, 2, width)),
         radii=ring.radii.copy(),
+        grown=-slowed * dt * (widening[:, 0, :, 0] @ ring.radii) / ring.row_mass,
         row_mass=ring.row_mass.copy(),
         cosines=np.cos(angle),
         sines=np.sin(angle),
@@ -156,6 +160,7 @@ def _rigid_ring(ring: RigidRing) -> Ring:
         slowed=np.zeros((1, 18)),
         u=np.zeros((1, 2, width)),
         w=np.zeros((1, 2, width)),
+        grown=np.zeros(1),
         radii=np.array([np.sqrt(ring.polar_inertia / ring.total_mass)]),
         row_mass=np.array([ring.total_mass]),
         cosines=np.ones(width),
@@ -188,7 +193,7 @@ def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: flo
     turned = np.stack([-position[:, 1], position[:, 0]], axis=1)
     velocity = start.inner_rate + speed * turned + polar(start.hub_velocity)
     kick = dt * speed**2 * position if start.steady else np.zeros_like(position)  # along chords after it
-    _fill(ring.w, ring_momenta(body, velocity - 0.5 * kick, slowed) + kick)
+    _fill(ring.w, ring_momenta(body, velocity, slowed) + 0.5 * kick)
 
 
 def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, dt: float, slowed: float) -> None:
@@ -206,7 +211,7 @@ def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, d
     position = body.points + start.equilibrium.rollers
     turned = np.stack([-position[..., 1], position[..., 0]], axis=-1)
     kick = 2.0 * half_step * spin**2 * position  # along chords after it
-    momenta = disc_momenta(body, start.roller_rate + spin * turned - 0.5 * kick, slowed) + kick
+    momenta = disc_momenta(body, start.roller_rate + spin * turned, slowed) + 0.5 * kick
     shape = (body.n_nodes, 2, rollers.columns)
     disc.u.reshape(shape)[:, :, :n] = np.moveaxis(start.equilibrium.rollers, 0, -1)
     disc.w.reshape(shape)[:, :, :n] = np.moveaxis(momenta, 0, -1)

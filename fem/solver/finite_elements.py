@@ -30,7 +30,6 @@ from lagrange import Operation, kinematics
 from lagrange.faults import Spall
 from lagrange.scene import Scene
 
-GENTLE = 1e-3  # s, of a load that grows from 0
 KNOTS_A_STEP = 0.3  # of a profile's spline: with more, spalls that pass at 40 m/s cost per cents of the energy
 
 
@@ -110,11 +109,9 @@ class ElementPlan(CompiledPlan):
 
 
 def may_strike(scene: Scene, operation: Operation) -> bool:
-    """Whether bodies may strike each other, by spalls, tables or a load put on within GENTLE."""
-    numerics = scene.numerics
+    """Whether bodies may strike each other: from rest, by spalls, under tables of speed or load."""
     spalled = any(isinstance(fault, Spall) for fault in scene.ideal_bearing().faults)
-    sudden = numerics.start == "rest" and 1e-3 * numerics.load_ramp_ms < GENTLE
-    return spalled or sudden or operation.course is not None
+    return spalled or scene.numerics.start == "rest" or operation.course is not None
 
 
 def make_plan(scene: Scene) -> ElementPlan:

@@ -8,15 +8,16 @@ from typing import ClassVar
 import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
-from fem.elastic.continuum import disc_hertz_approach, ring_sag
+from fem.elastic.continuum import disc_hertz_approach, ring_harmonic_compliance, ring_sag
 from fem.elastic.kept import kept
+from fem.elastic.moving_load import moving_softening
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach, spinning_growth
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import HALF_WIDTH, exact_contacts
 from fem.statics.vibrating_bearing import BearingModes, softened
 from lagrange import Bearing, Kinematics
 from lagrange.kinematics import roller_angles
-from lagrange.pair import Pair, contact_pairs
+from lagrange.pair import Pair, contact_pairs, line_compliance
 from lagrange.profile import Turns
 
 FAINT = 1e-6  # of a contact's own compliance: a neighbour's force that moves it less is left out
@@ -64,9 +65,15 @@ def reduced_bearing(
     Errors
     ------
     As of `exact_statics`. Compliances between contacts are those of rollers at equal angles; the rollers' own growth is
-    that of their rolling speed.
+    that of their rolling speed. What flows through a contact makes its own law softer, but no other compliance.
+    UsageError: contacts roll nearly as fast as waves (`moving_softening`).
     """
     contacts, between = _kept_contacts(bearing)
+    contacts = replace(
+        contacts,
+        inner_law=_rolling(contacts.inner_law, bearing, motion),
+        outer_law=_rolling(contacts.outer_law, bearing, motion),
+    )
     n, own = bearing.n_rollers, contacts.inner_law.A
     distance = np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
     along = np.array([[contacts.compliance[row * n, row * n + d % n] for d in distance] for row in range(2)])
@@ -92,6 +99,30 @@ def reduced_bearing(
         roller_growth=roller_growth,
         sag=sags(bearing, gravity),
     )
+
+
+def _rolling(law: ContactLaw, bearing: Bearing, motion: Kinematics) -> ContactLaw:
+    """The law of a contact that rolls along both surfaces: its two sides by how much softer they are.
+
+    A ring's harmonics that are longer than two rollers' distance stand still with the load zone: they are as they were.
+    """
+    speed, pair = motion.cage * bearing.outer_raceway_radius, law.pair
+    of_ring, of_roller = (moving_softening(material, speed) for material in pair.materials)
+    sides = [line_compliance(material, pair.length) for material in pair.materials]
+    share = (of_ring * sides[0] + of_roller * sides[1]) / sum(sides)
+    still = _long_waves(bearing, pair.kind == "inner")
+    faster = ContactLaw.of_level(law.A * share, law.B - 0.5 * log(share), pair)  # b² grows as A
+    return softened(faster, (of_ring - 1.0) * still)
+
+
+def _long_waves(bearing: Bearing, inner: bool) -> float:
+    """What harmonics longer than two rollers' distance have of a ring's own compliance, m/N."""
+    ring = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
+    if not inner:
+        ring = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+    series = ring_harmonic_compliance(np.arange((bearing.n_rollers + 1) // 2), *ring)
+    series[0] *= 0.5
+    return float(series.sum()) / (np.pi * ring[0] * bearing.roller_length)
 
 
 def sags(bearing: Bearing, gravity: float) -> tuple[float, float]:

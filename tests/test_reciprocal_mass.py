@@ -22,3 +22,20 @@ def test_a_ring_and_rollers_that_turn_fast_keep_their_energy(friction):
     run(plan, blocks.append)
     imbalance = np.concatenate([block.imbalance for block in blocks])
     assert np.abs(imbalance).max() < 3e-5 * blocks[-1].exchanged[-1]
+
+
+@pytest.mark.parametrize(
+    ("tables", "long_steps"),
+    [
+        ({}, True),
+        ({"operation": {"speed_rpm": 0.0}}, True),
+        ({"operation": {"speed_rpm": 500.0}}, False),  # gravity is half of what turning presses rollers outwards by
+        ({"operation": {"speed_rpm": 500.0, "gravity_m_s2": 0.0}}, True),
+        ({"numerics": {"start": "rest", "load_ramp_ms": 5.0}}, False),
+        ({"spall": [{"body": "outer_ring", "angle_deg": 0.0, "width_mm": 1.0}]}, False),
+        ({"numerics": {"mesh_size_mm": 0.4}}, False),  # contacts leave too little
+    ],
+)
+def test_steps_are_long_where_nothing_strikes_and_it_pays(tables, long_steps):
+    numerics = {"mesh_size_mm": 2.2, "duration_ms": 0.1} | tables.get("numerics", {})
+    assert (make_plan(parse_scene(tables | {"numerics": numerics}, "scene")).share > 0.0) is long_steps

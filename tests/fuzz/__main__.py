@@ -33,7 +33,7 @@ READERS = (
 )  # fmt: skip
 KEPT = Path(__file__).parent / "corpus"  # inputs that once found something
 MEMORY_MB = 1024
-MOST_LEAKED_MB = 200  # Atheris 3.0 never frees the result of a comparison it has traced, which may be an array
+MOST_LEAKED_MB = 400  # Atheris 3.0 never frees the result of a comparison it has traced, which may be an array
 SECONDS_PER_INPUT = 25  # of processor time
 FROM_SOUND = 0.4  # share of inputs made from a sound one; most of those kept are refused early
 

@@ -1,8 +1,9 @@
 """What a study varies: a list of values, a range, or a distribution of scipy.stats, under a dotted key of the scene."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, nan
 from sys import float_info
 from typing import Any
 
@@ -88,7 +89,8 @@ class Distribution(Parameter):
     arguments: tuple[float, ...]
 
     def drawn(self, shares: np.ndarray) -> list[Value]:
-        return self.frozen().ppf(shares).tolist()
+        with warnings.catch_warnings(action="ignore"):  # of what is no number, which is refused
+            return self.frozen().ppf(shares).tolist()
 
     def frozen(self):
         from scipy import stats
@@ -175,12 +177,14 @@ def _distribution(key: str, name: str, arguments: Any) -> Distribution:
         raise UsageError(f"{place}.{name} = {told(arguments)}: must be a list of numbers: shapes, location, scale")
     found = Distribution(key=key, name=SHORTHAND.get(name, name), arguments=tuple(float(a) for a in numbers))
     try:
-        middle = float(found.frozen().ppf(0.5))
+        (middle,) = found.drawn(np.array([0.5]))
     except TypeError:
         shapes = known.shapes or "none"
         raise UsageError(
             f"{place}.{name}: {len(numbers)} arguments; it takes shapes ({shapes}), then location and scale"
         ) from None
+    except (ArithmeticError, ValueError, RuntimeError):  # of a search for what has no closed form
+        middle = nan
     if not isfinite(middle):
         raise UsageError(f"{place}.{name} = {told(arguments)}: outside what the distribution is defined for")
     return found

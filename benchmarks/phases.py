@@ -9,9 +9,10 @@ from numba import njit
 
 from benchmarks.machine import Machine
 from benchmarks.measuring import median_seconds
+from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.kernels import disc_kernels, ring_kernels, sample_kernels, time_loop
 from fem.kernels.contact_kernels import press_patches
-from fem.kernels.friction_solution import friction_contacts, slips_before
+from fem.kernels.friction_solution import friction_contacts, slips_after, slips_before
 from fem.solver.finite_elements import ElementPlan
 from fem.solver.run_arrays import Arrays
 
@@ -43,9 +44,11 @@ def _normal(groups, rollers, surface, contacts, drive):
 @njit
 def _slip_and_friction(groups, rollers, surface, contacts, drive, still):
     """Normal forces' impulses on nodes, too: friction gives both at once."""
-    slips_before(groups, rollers, surface, contacts, still)
+    lumped = drive.slowing == 0.0
+    slips_before(groups, rollers, surface, contacts, still, lumped)
     friction = contacts.friction
     friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole, True)
+    slips_after(groups, rollers, surface, contacts, drive.dt, lumped)
 
 
 @njit
@@ -55,9 +58,12 @@ def _rings_kick(inner, outer):
 
 
 @njit
-def _rings_slow_waves(inner, outer):
-    ring_kernels.slow_waves(*inner)
-    ring_kernels.slow_waves(*outer)
+def _rings_slow_waves(inner, outer, calming, dt):
+    for ring in (inner, outer):
+        if calming > 0.0:
+            ring_kernels.calm(ring.calming, ring.w, ring.calmed, ring.grown, 0.0, ring.first_row, ring.last_row)
+        ring_kernels.find_velocities(ring.slowed, ring.calmed, ring.w, ring.v, dt, ring.raceway)
+        ring_kernels.slow_waves(ring.slowed, ring.u, ring.calmed, ring.first_row, ring.last_row, ring.raceway)
 
 
 @njit
@@ -69,9 +75,9 @@ def _rings_kick_and_weight(inner, outer, cosines, sines, weight):
 
 
 @njit
-def _rings_drift(inner, outer, radii):
+def _rings_drift(inner, outer, radii, grown):
     _, u, w, first, last = inner
-    ring_kernels.drift(u, w, radii, 1e-12, 1.0, 1e-12, first, last)
+    ring_kernels.drift(u, w, w, radii, grown, 1e-12, 1.0, 1e-12, first, last, -1)
     _, u, w, first, last = outer
     ring_kernels.drift_still(u, w, 1e-12, first, last)
 
@@ -122,15 +128,16 @@ def time_phases(plan: ElementPlan) -> dict[str, float]:
     still, turn = np.zeros(r.columns), np.full(r.columns, 1e-12)
     out["rollers' forces"] = _seconds(disc_kernels.kick, d, d.w, r.columns, x.torque)
     out["rings' forces"] = _seconds(_rings_kick, _rows(i), _rows(o))
-    slowed = [(ring.slowed, *_rows(ring)[1:]) for ring in (i, o)]
-    out["rollers' waves"] = _seconds(disc_kernels.slow_waves, d, r.columns, a.drive.slowing, x.torque)
-    out["rings' waves"] = _seconds(_rings_slow_waves, *slowed)
+    slowing, calming, dt = a.drive.slowing, a.drive.calming, a.drive.dt
+    waves = (d, np.ones(r.columns), r.columns, slowing, calming, dt, x.torque)
+    out["rollers' waves"] = _seconds(disc_kernels.slow_waves, *waves) if slowing else 0.0
+    out["rings' waves"] = _seconds(_rings_slow_waves, i, o, calming, dt) if slowing else 0.0
     a = plan.arrays()
     r, d, i, o, x = a.bodies.rollers, a.bodies.disc, a.bodies.inner, a.bodies.outer, a.scratch
     turns = disc_kernels.Turns(still, np.ones(r.columns), turn, still, still)
     out["rollers' motion"] = _seconds(disc_kernels.drift, d, turns, r.columns, 1e-12, x.torque)
     inner, outer = _rows(i), _rows(o)
-    out["rings' motion"] = _seconds(_rings_drift, inner, outer, i.radii)
+    out["rings' motion"] = _seconds(_rings_drift, inner, outer, i.radii, i.grown)
     lines = (i.cosines, o.cosines), (i.sines, o.sines), (x.bore, x.line)
     out["gravity"] = _seconds(_rings_kick_and_weight, inner, outer, *lines) - out["rings' forces"]  # added on the way
     out["hub"] = _seconds(_hub, i, x)
@@ -177,7 +184,7 @@ def least_work(plan: ElementPlan) -> Work:
     a, n = plan.arrays(), plan.model.bearing.n_rollers
     disc = a.bodies.disc.mass.size * n
     rings = [(ring.last_row - ring.first_row) * ring.n_sectors for ring in (a.bodies.inner, a.bodies.outer)]
-    slowed = 1.0 if plan.share else 0.0  # the stiffness is applied twice
+    slowed = {LUMPED: 0.0, SECOND: 1.0, THIRD: 2.0}[plan.mass]  # the stiffness is applied as often again
     turning = TURN if plan.operation.speed else STILL
     tables = a.bodies.disc.blocks.nbytes + a.bodies.disc.neighbours.nbytes
     return Work(

@@ -7,6 +7,7 @@ from scipy.sparse.linalg import spsolve
 
 from fem.elastic.assembly import assemble
 from fem.elastic.bodies import rigid_modes
+from fem.elastic.reciprocal_mass import LUMPED
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.ring_kernels import HALO
 from fem.solver.arrays import disc_nodes
@@ -210,7 +211,7 @@ def column_blocks(body, columns, seed):
 
 def kick_disc(body, u, w, dt):
     """disc_kernels.kick on (n_nodes, 2, columns); returns new w and the torque."""
-    nodes, torque = disc_nodes(body, dt, u.shape[2]), np.zeros(u.shape[2])
+    nodes, torque = disc_nodes(body, dt, u.shape[2], LUMPED.at(dt)), np.zeros(u.shape[2])
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
     compiled.kick_disc(nodes, nodes.w, u.shape[2], torque)
     return nodes.w.reshape(u.shape), torque
@@ -234,7 +235,7 @@ def test_disc_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     u, w = 1e-6 * column_blocks(body, columns, 8), column_blocks(body, columns, 9)
     shift = np.random.default_rng(10).standard_normal((2, columns))
     turn_kick = np.random.default_rng(7).standard_normal(columns) / RADIUS
-    nodes, moment = disc_nodes(body, dt, columns), np.zeros(columns)
+    nodes, moment = disc_nodes(body, dt, columns, LUMPED.at(dt)), np.zeros(columns)
     nodes.u[:], nodes.w[:] = u.ravel(), w.ravel()
     cosine, sine = np.full(columns, np.cos(turn)), np.full(columns, np.sin(turn))
     turns = disc_kernels.Turns(turn_kick, cosine, sine, shift[0], shift[1])
@@ -257,7 +258,8 @@ def test_ring_drift_moves_and_turns_the_frame_without_moving_the_body(turn):
     rng = np.random.default_rng(11)
     u, w = 1e-6 * rng.standard_normal((2, body.n_rows, 2, body.n_sectors))
     found_u, found_w = halo(u), halo(w)
-    compiled.drift_ring(found_u, found_w, body.radii, 0.0 * body.radii, dt, np.cos(turn), np.sin(turn), 1, body.n_rows)
+    places = 0.0 * body.radii, dt, np.cos(turn), np.sin(turn), 1, body.n_rows, body.raceway_row
+    compiled.drift_ring(found_u, found_w, found_w, body.radii, *places)
     back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     own = np.zeros_like(u)
     own[:, 0] = body.radii[:, None]  # in its sector's axes every node lies at (radius, 0)

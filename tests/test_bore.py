@@ -9,7 +9,7 @@ from numba import njit
 from fem.contacts.critical_step import FINELY, critical_time_step
 from fem.contacts.patch import ring_patch_force
 from fem.elastic.bored import bored_ring
-from fem.elastic.reciprocal_mass import SHARE, slowing
+from fem.elastic.reciprocal_mass import SECOND
 from fem.elastic.supported import LooseRing
 from fem.errors import UsageError
 from fem.kernels import ring_kernels
@@ -161,9 +161,9 @@ def test_the_critical_step_counts_the_whole_bore():
     scale = 1.0 / np.sqrt(np.repeat(body.row_mass, 2))
     sprung, waves = scale[:, None] * stiffness * scale, scale[:, None] * body.harmonic_stiffness(harmonics) * scale
     found = critical_time_step(model, 650.0)
-    slowed = (np.eye(len(scale)) - SHARE * found**2 * waves) @ sprung
+    slowed = (np.eye(len(scale)) - SECOND.share * found**2 * waves) @ sprung
     assert found**2 * np.abs(np.linalg.eigvals(slowed)).max() < 4.0
-    assert SHARE * found**2 * np.linalg.eigvalsh(waves).max() < 1.0
+    assert SECOND.share * found**2 * np.linalg.eigvalsh(waves).max() < 1.0
     turn = np.sqrt(body.stiffness / body.row_mass[-1]) * found
     assert turn < 2.0 / np.sqrt(FINELY) * (1.0 + 1e-12), "rad in a step"
     light = critical_time_step(model, 650.0, Mounting(housing=Housing(mass=1e-3, stiffness=1e6, damping=0.0)))
@@ -189,19 +189,23 @@ def live(ring, bore, housing, drive, room, line, rows, stride):
             add_motion(bore, drive, row, KINETIC)
             add_motion(housing, drive, row, KINETIC)
             row[ELASTIC] = 0.5 * _ring_elastic(ring, room, drive.dt)
-        ring_kernels.drift_slowed(ring.slowed, ring.u, ring.w, drive.dt, ring.first_row, ring.last_row)
+        ring_kernels.find_velocities(ring.slowed, ring.calmed, ring.w, ring.v, drive.dt, ring.raceway)
+        ring_kernels.drift_slowed(
+            ring.slowed, ring.u, ring.w, ring.v, ring.calmed, drive.dt, ring.first_row, ring.last_row, ring.raceway
+        )
         drift_body(housing, drive)
 
 
 def alive(body, dt: float, mass: float):
     """The ring's nodes, its bore and the bore's housing, at rest."""
-    ring = ring_nodes(body, dt, slowing(dt))
+    ring = ring_nodes(body, dt, SECOND.at(dt))
     zeros = {name: np.zeros(2) for name in ("place", "velocity", "before", "impulse", "drag")}
     housing = HousingBody(
         **zeros, slowed=np.zeros((2, 2)), dissipated=np.zeros(1), ring=None, line=np.zeros((2, 8)), sensor=None,
         mass=mass, late_mass=mass,
         stiffness=1e6, damping=0.0, column=COLUMN + 7,
     )  # fmt: skip
+    ring = ring._replace(calmed=ring.w)
     return ring, bore_body(body, ring, np.zeros((body.n_rows, 2, body.n_sectors)), housing, COLUMN), housing
 
 

@@ -249,7 +249,7 @@ def test_the_time_loop_stays_in_static_equilibrium():
     state = copies(arrays(model(paper(), 2e-3), nothing_turns(), dt))
     for _ in range(200):
         kick(state.bodies, state.groups, state.contacts, state.drive, 0.0, state.scratch)
-        drift(state.bodies, state.drive, state.scratch)
+        drift(state.bodies, state.groups, state.contacts, state.drive, state.scratch)
     # a surface node of 3e-5 kg under one newton more would run at 3e-3 m/s after one step
     assert np.abs(state.drive.velocity).max() < 1e-7
     assert np.abs(state.bodies.disc.w).max() < 1e-6

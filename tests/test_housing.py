@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 from scipy.linalg import expm
 
-from fem.elastic.reciprocal_mass import slowing
+from fem.elastic.reciprocal_mass import SECOND
 from fem.kernels.ground_dashpots import late_mass
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.jit import OPTIONS
@@ -41,7 +41,7 @@ def drive(dt: float, gravity: float = 0.0) -> Drive:
     numbers = {name: 0.0 for name in ("speed", "radial_load", "ramp")}
     return Drive(
         **arrays, **numbers, slowed=np.zeros((2, 2)), mass=1.0, late_mass=1.0, gravity=gravity, dt=dt,
-        slowing=slowing(dt),
+        slowing=SECOND.at(dt).waves, calming=0.0,
     )  # fmt: skip
 
 

@@ -59,8 +59,8 @@ def test_a_signal_is_heard_within_a_sample_of_minutes(number, tmp_path):
 
 
 def test_a_sample_that_was_left_off_leaves_the_state_as_it_was_and_cutting_it_changes_no_bit():
-    plan = make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=4",
-                                       "numerics.output_interval_us=1000")))  # fmt: skip
+    plan = make_plan(read_scene(None, ("numerics.mesh_size_mm=2", "numerics.duration_ms=8",
+                                       "numerics.output_interval_us=2000")))  # fmt: skip
     assert plan.looks > 20
     state, other = plan.first_state(), plan.first_state()
     asked = iter([False, True])

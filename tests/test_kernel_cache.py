@@ -12,7 +12,7 @@ def test_a_change_of_any_module_makes_kernels_anew(tmp_path):
     folder = tmp_path / "kernels"
     shutil.copytree(Path(fem.kernels.__file__).parent, folder, ignore=shutil.ignore_patterns("__pycache__"))
     before = digest(folder)
-    assert cache_folder().name == version() == before
+    assert cache_folder().name == version() and version().removesuffix("-checked") == before
     found = {before}
     for module in sorted(folder.glob("*.py")):
         text = module.read_bytes()

@@ -117,7 +117,7 @@ def test_kernels_and_matrices_use_the_same_roller_patches():
     u = np.random.default_rng(1).standard_normal((body.n_nodes, 2, COLUMNS))
     ripples = np.random.default_rng(2).standard_normal(3 * 8)
     surface = DiscSurface(
-        u=u.ravel(), w=u.ravel(), points=body.points.ravel(), lightness=np.ones(body.n_nodes + 8),
+        u=u.ravel(), w=u.ravel(), v=u.ravel(), points=body.points.ravel(), lightness=np.ones(body.n_nodes + 8),
         impulse=np.zeros((2, COLUMNS)), ripple=with_seam(ripples), first=body.first_surface_node,
         n_nodes=body.shape.surface_nodes, columns=COLUMNS, radius=RADIUS,
     )  # fmt: skip
@@ -146,7 +146,7 @@ def test_kernels_and_matrices_use_the_same_ring_patches():
     ripples = np.random.default_rng(4).standard_normal(8)
     sector = 2.0 * np.pi * (np.arange(56 + 2 * HALO) - HALO) / 56
     surface = RingSurface(
-        u=padded, w=padded, cosines=np.cos(sector), sines=np.sin(sector), ripple=with_seam(ripples),
+        u=padded, w=padded, v=padded, cosines=np.cos(sector), sines=np.sin(sector), ripple=with_seam(ripples),
         row=body.raceway_row, n_nodes=56, node_mass=1.0, radius=0.018,
     )  # fmt: skip
 

@@ -13,7 +13,7 @@ from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.bored import BoredRing
 from fem.elastic.kept import kept
-from fem.elastic.reciprocal_mass import SHARE
+from fem.elastic.reciprocal_mass import LUMPED, ReciprocalMass
 from fem.elastic.supported import LooseRing
 from lagrange.mounting import HELD, Housing, Mounting
 
@@ -25,12 +25,8 @@ FINELY = 40.0
 RUNGS = 8  # an octave of forces: under the next rung's the paper's bearing has a step that is at most 1e-3 shorter
 LANCZOS_TOLERANCE = 1e-6  # of ω²; with 1e-4 the fastest of a ring's clustered modes is missed by up to 1e-3
 STEP_TOLERANCE = 2e-3  # of the step, where contacts shorten it
-# of z = (ω dt)² over 1/γ: at 1 the mesh's fastest wave would stand still, with nothing that brings it back
-FASTEST = 0.98
-# times that a reciprocal mass must lengthen every body's step, or it is not looked for: it makes a step of 1 mm
-# 1.4 times, of fine meshes, where contacts' springs leave less to gain, 1.45 times as dear
-WORTH = 1.5
-LOOKED_AT = WORTH, 1.65  # times a body's step with lumped masses, where slowed waves and springs are at their worst
+# times a body's step with lumped masses, where slowed waves and springs are at their worst
+LOOKED_AT = 1.5, 1.65, 2.0, 2.25, 2.5
 CLOSE = 0.02  # of 4, in which that is found by so few looks
 
 
@@ -40,18 +36,20 @@ def critical_time_step(
     mounting: Mounting = HELD,
     hub_mass: float = inf,
     further: float = 0.0,
-    share: float = SHARE,
+    mass: ReciprocalMass = LUMPED,
+    sticks: bool = True,
 ) -> float:
     """Longest stable step, s, of all bodies with every contact closed at LOAD_MARGIN times `largest_force`, N.
 
-    Of a body with waves A = M⁻¹K and springs S on its surface, steps of dt have ω² of (1 − γ dt² A)(A + S), which must
-    stay below 4/dt², and γ dt² A below FASTEST (`reciprocal_mass`). A spring k between two bodies is counted as 2k on
-    each: k (a + b)² <= 2k a² + 2k b², so no coupled mode is faster than the fastest body. Where one of them is rigid,
-    and moves with its whole mass, as LIGHT k on the other and HEAVY k on itself, which is as true. Friction, its
-    springs and dashpots are implicit and do not count. A housing's own springs k on its mass m add at most k/m to any
-    ω², and so do a shaft's on the mass, kg, that moves with the hub; of both the larger counts. `further`, 1/s², is
-    added too. `share` : γ; 0 for lumped masses, with which the step is 2/ω_max of A + S;
-    that step, too, where the share would not make every body's WORTH times as long.
+    0 where `mass` does not make every body's as long as is worth it.
+
+    Of a body with waves A = M⁻¹K and springs S on its surface, steps of dt have ω² of q(dt² A)(A + S), which must stay
+    below 4/dt², and dt² A below its reach (`reciprocal_mass`). A spring k between two bodies is counted as 2k on
+    each: k (a + b)² <= 2k a² + 2k b², so no coupled mode is faster than the fastest body. Where one of them is
+    rigid, and moves with its whole mass, as LIGHT k on the other and HEAVY k on itself, which is as true. Where a
+    contact `sticks` its tangential spring counts likewise; creep and dashpots are implicit and do not. A housing's
+    own springs k on its mass m add at most k/m to any ω², and so do a shaft's on the mass, kg, that moves with the
+    hub; of both the larger counts. `further`, 1/s², is added too.
 
     Errors
     ------
@@ -70,10 +68,9 @@ def critical_time_step(
         carried = (*carried, model.outer_ring.stiffness)
     elif isinstance(model.outer_ring, LooseRing):  # held at points: all of it counts as free
         carried = (*carried, "free outer ring")
-    key = repr((type(model).__name__, perfect, bodies, model.laws, largest_force, share, *carried))
-    found = kept("step", key, lambda: {"critical": np.array(_found(model, largest_force, housing, of_mount, share))})
-    if found["critical"] == 0.0:
-        return critical_time_step(model, largest_force, mounting, hub_mass, further, 0.0)
+    key = repr((type(model).__name__, perfect, bodies, model.laws, largest_force, mass, sticks, *carried))
+    force = LOAD_MARGIN * max(largest_force, 1.0)
+    found = kept("step", key, lambda: {"critical": np.array(_found(model, force, housing, of_mount, mass, sticks))})
     return float(found["critical"])
 
 
@@ -82,9 +79,12 @@ def next_rung(force: float) -> float:
     return 2.0 ** (ceil(RUNGS * log2(max(force, 1.0))) / RUNGS)
 
 
-def _found(model: Model, largest_force: float, housing: Housing | None, of_mount: float, share: float) -> float:
-    force = LOAD_MARGIN * max(largest_force, 1.0)
+def _found(
+    model: Model, force: float, housing: Housing | None, of_mount: float, mass: ReciprocalMass, sticks: bool
+) -> float:
     springs, ring = model.springs(force), model.outer_ring
+    if sticks:
+        springs |= {name: sparse.hstack([springs[name], more]) for name, more in model.shear_springs(force).items()}
     if isinstance(ring, BoredRing):
         springs["outer_ring"] = sparse.hstack([springs["outer_ring"], ring.springs(FINELY)])
         of_mount += 0.0 if housing is None else HEAVY * 0.5 * ring.n_sectors * ring.stiffness / housing.mass
@@ -92,24 +92,23 @@ def _found(model: Model, largest_force: float, housing: Housing | None, of_mount
     elastic = [name for name in waves if not getattr(model, name).material.rigid]
     steps = []
     for name in elastic:
-        step = _longest_step(
-            *waves[name](getattr(model, name), springs[name]), of_mount, share, min(steps, default=inf)
-        )
+        step = _longest_step(*waves[name](getattr(model, name), springs[name]), of_mount, mass, min(steps, default=inf))
         if step == 0.0:
             return 0.0  # without looking at the others, which takes its time on fine meshes
         steps.append(step)
     if isinstance(ring, BoredRing):
         steps.append(2.0 / sqrt(FINELY * ring.stiffness / ring.row_mass[ring.held_row]))
     if len(elastic) < len(waves):
-        steps.extend(2.0 / sqrt(limit + of_mount) for limit in _rigid_limits(model, force, housing))
+        steps.extend(2.0 / sqrt(limit + of_mount) for limit in _rigid_limits(model, force, housing, sticks))
     return min(steps)
 
 
-def _rigid_limits(model: Model, force: float, housing: Housing | None) -> Iterator[float]:
+def _rigid_limits(model: Model, force: float, housing: Housing | None, sticks: bool) -> Iterator[float]:
     """Largest ω², 1/s², or more, of the bodies that move as a whole; the inner ring's without the shaft's mass."""
-    inner, outer, between = model.stiffnesses(force)
+    inner, outer, between = np.maximum(model.stiffnesses(force), model.shear_stiffnesses(force) if sticks else 0.0)
     if model.roller.material.rigid:
-        yield (HEAVY * (inner + outer) + 2.0 * EVENLY * between) / model.roller.total_mass
+        lightness = (1.0 + 2.0 * sticks) / model.roller.total_mass  # of a disc along its surface, that turns, too
+        yield (HEAVY * (inner + outer) + 2.0 * EVENLY * between) * lightness
     if model.inner_ring.material.rigid:
         yield model.bearing.n_rollers * HEAVY * inner / model.inner_ring.total_mass
     if model.outer_ring.material.rigid and housing is not None:
@@ -130,12 +129,12 @@ def _ring_waves(ring: RingBody, springs: sparse.csc_matrix) -> tuple[sparse.csr_
 
 
 def _longest_step(
-    waves: sparse.csr_matrix, springs: sparse.csr_matrix, further: float, share: float, at_most: float = inf
+    waves: sparse.csr_matrix, springs: sparse.csr_matrix, further: float, mass: ReciprocalMass, at_most: float = inf
 ) -> float:
     """Largest stable step, s, of waves A and springs S = `springs`·`springs`ᵀ, with `further` added to any ω².
 
-    No longer than `at_most`. 0 if `share` does not make it WORTH times as long as it is with lumped masses, nor that
-    long. All shorter steps must be stable, too, and what exceeds 4 first rises with the step and then may fall.
+    No longer than `at_most`. 0 if `mass` does not make it as long as is worth it, nor that long. All shorter steps must
+    be stable, too, and what exceeds 4 first rises with the step and then may fall.
     """
     from scipy.optimize import brentq  # a step that is kept need not load it
     from scipy.sparse.linalg import LinearOperator, eigsh
@@ -146,15 +145,17 @@ def _longest_step(
         return found * (1.0 + LANCZOS_TOLERANCE)
 
     def excess(dt):
-        return _excess(waves, springs, further, share, dt)
+        return _excess(waves, springs, further, mass, dt)
 
     # of the lumped mass: slowing makes no wave faster
     sure = 2.0 / sqrt(largest(lambda u: waves @ u + springs @ (springs.T @ u)) + further)
-    if share == 0.0:
+    if mass.share == 0.0:
         return sure
-    longest = min(at_most, sqrt(FASTEST / (share * largest(lambda u: waves @ u))))
+    longest = min(at_most, sqrt(mass.reach / largest(lambda u: waves @ u)))
+    if longest < min(mass.worth * sure, at_most):
+        return 0.0
     stable = 0.0
-    for dt in sorted({min(times * sure, longest) for times in LOOKED_AT} | {longest}):
+    for dt in sorted({min(times * sure, longest) for times in LOOKED_AT if times >= mass.worth} | {longest}):
         if excess(dt) > 0.0:
             return (1.0 - STEP_TOLERANCE) * brentq(excess, stable, dt, rtol=STEP_TOLERANCE) if stable else 0.0
         stable = dt
@@ -167,16 +168,16 @@ def _how(waves: sparse.csr_matrix) -> dict[str, Any]:
     return {"k": 1, "v0": start, "return_eigenvectors": False}
 
 
-def _excess(waves, springs, further: float, share: float, dt: float) -> float:
-    """By how much dt² ω² of (1 − γ dt² A)(A + S) is above 4, nearly."""
+def _excess(waves, springs, further: float, mass: ReciprocalMass, dt: float) -> float:
+    """By how much dt² ω² of q(dt² A)(A + S) is above 4, nearly."""
     from scipy.sparse.linalg import LinearOperator, eigs
 
-    gamma = share * dt**2
+    slowing = mass.at(dt)
 
     def slowed(u):
         u = u.ravel()
         found = waves @ u + springs @ (springs.T @ u)
-        return found - gamma * (waves @ found)
+        return found - slowing.waves * (waves @ (found - slowing.velocities * (waves @ found)))
 
     operator = LinearOperator(waves.shape, matvec=slowed, dtype=float)
     found = eigs(operator, which="LM", tol=0.1 * STEP_TOLERANCE, **_how(waves))[0].real

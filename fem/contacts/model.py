@@ -47,6 +47,7 @@ class Model:
     coarsest: ClassVar[float] = inf  # surface spacing over a half-width at which the model is still good
     is_of_mesh_alone: ClassVar[bool] = False  # `build` asks for nothing but sound surfaces and the mesh size
     is_made_for_a_force: ClassVar[bool] = False  # points stand where the largest static force needs them
+    has_shear_springs: ClassVar[bool] = False  # gives contacts that stick the compliance that the mesh lacks
     is_sized_by_forces: ClassVar[bool] = False  # statics need to know about how wide contacts are
     takes_profiles: ClassVar[bool] = False  # knows surfaces that are not perfect circles
     static_passes: ClassVar[int] = 3  # contacts sit along the lines of centres, which the solution moves
@@ -81,6 +82,14 @@ class Model:
     def stiffnesses(self, force: float) -> list[float]:
         """Stiffnesses of an inner, an outer and a roller's contact, N/m, at a force, N, where bodies may be rigid."""
         raise NotImplementedError
+
+    def shear_springs(self, force: float) -> dict[str, sparse.csc_matrix]:
+        """The same of the tangential springs of contacts that stick; empty where they have none."""
+        return {}
+
+    def shear_stiffnesses(self, force: float) -> list[float]:
+        """Those springs' stiffnesses, N/m, as `stiffnesses`."""
+        return [0.0, 0.0, 0.0]
 
     def kernel_data(self, largest_force: float) -> KernelData:
         """What the time loop needs; with room for contacts wider than the largest static force, N, makes them."""

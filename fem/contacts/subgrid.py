@@ -42,7 +42,7 @@ from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
 from fem.elastic.kept import kept
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
-from fem.kernels.law import KNOTS_PER_NODE, ripple_at
+from fem.kernels.law import KNOTS_PER_NODE, STEEPEST, ripple_at
 from fem.kernels.patches import ONE
 from fem.kernels.state import INNER, OUTER
 from lagrange import Bearing, Material
@@ -79,6 +79,7 @@ class SubgridModel(Model):
 
     takes_profiles: ClassVar[bool] = True
     is_of_mesh_alone: ClassVar[bool] = True
+    has_shear_springs: ClassVar[bool] = True
 
     @classmethod
     def build(cls, bearing: Bearing, mesh_size: float, expected=None, contact=None) -> "SubgridModel":
@@ -138,21 +139,32 @@ class SubgridModel(Model):
 
     def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
         """See `Model.springs`: one on each patch, stiffer the larger the force."""
+        return self._on_patches(self.stiffnesses(force), disc_patch_force, ring_patch_force)
+
+    def shear_springs(self, force: float) -> dict[str, sparse.csc_matrix]:
+        return self._on_patches(self.shear_stiffnesses(force), disc_patch_traction, ring_patch_traction)
+
+    def _on_patches(self, stiffnesses: list[float], on_disc: Callable, on_ring: Callable):
+        """Springs, N/m, by kind, on a patch each, by what unit forces do to a body's nodes."""
         ends = [
             EVENLY if not (self.roller.material.rigid or ring.material.rigid) else LIGHT
             for ring in (self.inner_ring, self.outer_ring)
         ]
-        sizes = [sqrt(share * k) for share, k in zip((*ends, EVENLY), self.stiffnesses(force), strict=True)]
+        sizes = [sqrt(share * k) for share, k in zip((*ends, EVENLY), stiffnesses, strict=True)]
         angles = 2.0 * np.pi * np.arange(3) / 3.0
-        on_roller = [size * disc_patch_force(self.roller, a) for size, a in zip(sizes, angles, strict=True)]
+        on_roller = [size * on_disc(self.roller, a) for size, a in zip(sizes, angles, strict=True)]
         return {
             "roller": sparse.csc_matrix(np.stack(on_roller, axis=1)),
-            "inner_ring": _column(sizes[INNER] * ring_patch_force(self.inner_ring, 0.0)),
-            "outer_ring": _column(sizes[OUTER] * ring_patch_force(self.outer_ring, 0.0)),
+            "inner_ring": _column(sizes[INNER] * on_ring(self.inner_ring, 0.0)),
+            "outer_ring": _column(sizes[OUTER] * on_ring(self.outer_ring, 0.0)),
         }
 
     def stiffnesses(self, force: float) -> list[float]:
         return [law.stiffness(min(force, law.Q_line)) for law in self.laws]
+
+    def shear_stiffnesses(self, force: float) -> list[float]:
+        found = zip(self.laws, self.shear_levels or (np.inf,) * 3, strict=True)
+        return [1.0 / (law.A * max(level - 0.5 * log(min(force, law.Q_line)), STEEPEST)) for law, level in found]
 
     def kernel_data(self, largest_force: float) -> KernelData:
         """See `Model.kernel_data`: the laws and their ripples."""

@@ -16,7 +16,7 @@ profile_kernels                 surfaces that are not perfect circles
 resolved_kernels                contacts as pressures on points, or penalty springs
 point_kernels, spread_kernels   one point on one surface; forces of points spread over patches
 facet_kernels                   polygons in place of circles
-friction_kernels                Carter's creep and Coulomb's limit; `friction_solution`: of all contacts together
+friction_kernels                tractions of a pair, `creep` Carter's law; `friction_solution`: of all contacts together
 shear_kernels                   tangential springs of contacts, in series with creep
 sample_kernels                  what a stored sample holds
 cage_kernels                    a cage in a step: `cage_pockets` rollers in it, `cage_guide` its guide,

@@ -106,7 +106,7 @@ def _slow(bore, drive):
     ring = bore.ring
     bore.velocity[0], bore.velocity[1] = _mean(ring, ring.w, _lines(ring)[0])
     if drive.slowing > 0.0:
-        row_force(ring.slowed, ring.w, ring.held, bore.line)
+        row_force(ring.slowed, ring.calmed, ring.held, bore.line)
         x, y = _mean(ring, bore.line, 0)
         bore.velocity[0] += x / drive.dt
         bore.velocity[1] += y / drive.dt

@@ -27,7 +27,7 @@ from fem.kernels.other_bodies import take_all_late
 from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import CONTACTS, DiscSurface, Hub, Neighbours, Raceway, RigidDisc, RingSurface
-from fem.kernels.surfaces import both_ways, gather_seam, next_node, out_of_surface, push, push_body, seal, unseal
+from fem.kernels.surfaces import gather_seam, next_node, out_of_surface, push, push_body, seal, unseal
 
 
 @verb
@@ -122,7 +122,7 @@ def damp(pair, rollers, disc, contacts, dampers, dt, whole, later):
 @damp.of(Raceway)
 def _damp_raceway(raceway, rollers, disc, contacts, dampers, dt, whole, later):
     if whole is None:
-        _damp_eights(raceway, rollers, disc, contacts, dampers, dt, later)
+        _damp_eights(raceway, rollers, disc, contacts, dampers, dt)
         if not later:
             push_nodes(raceway, rollers, disc, contacts, dampers, dt)
     else:
@@ -130,7 +130,7 @@ def _damp_raceway(raceway, rollers, disc, contacts, dampers, dt, whole, later):
 
 
 @part
-def _damp_eights(raceway, rollers, disc, contacts, dampers, dt, later):
+def _damp_eights(raceway, rollers, disc, contacts, dampers, dt):
     """Eight contacts at once; nodes have not been given the law's kick yet, and are to be given both together."""
     forces, patches, columns, sign = contacts.forces, contacts.patches, rollers.columns, raceway.sign
     side, impulse, velocity = 2 * raceway.row, rollers.node_impulse, rollers.velocity
@@ -143,8 +143,9 @@ def _damp_eights(raceway, rollers, disc, contacts, dampers, dt, later):
         if not any_lane(closed | (left == left)):
             continue
         nx, ny = load(patches.normal, side * columns + group), load(patches.normal, (side + 1) * columns + group)
-        out, mobility = _read_nodes(raceway, disc, contacts, group, later)
-        mobility = mobility * dt
+        ring, ring_light = out_of_surface(raceway.surface, patches, side, group)
+        own, own_light = out_of_surface(disc, patches, side + 1, group)
+        out, mobility = sign * ring + own, (ring_light + own_light) * dt
         rate = out - sign * (load(velocity, group) * nx + load(velocity, columns + group) * ny) - mobility * P
         behind, last = load(dampers.rate, row), load(dampers.force, row)
         passing = behind - left
@@ -168,23 +169,6 @@ def _damp_eights(raceway, rollers, disc, contacts, dampers, dt, later):
     raceway.impulse[0] += total(ring_x)
     raceway.impulse[1] += total(ring_y)
     raceway.moment[0] += total(moment)
-
-
-@part
-def _read_nodes(raceway, disc, contacts, group, later):
-    """How fast the nodes of eight contacts bring the surfaces together, m/s, and their mobilities, 1/kg.
-
-    `later` : in the same pass what they add to the slip, which becomes all of the slip left so far.
-    """
-    patches, surface, side, sign = contacts.patches, raceway.surface, 2 * raceway.row, raceway.sign
-    if later:
-        ring, ring_light, ring_along = both_ways(surface, patches, side, group)
-        own, own_light, own_along = both_ways(disc, patches, side + 1, group)
-        store(contacts.friction.slip_left, raceway.row * patches.columns + group, -(sign * own_along) - ring_along)
-    else:
-        ring, ring_light = out_of_surface(surface, patches, side, group)
-        own, own_light = out_of_surface(disc, patches, side + 1, group)
-    return sign * ring + own, ring_light + own_light
 
 
 @part

@@ -78,9 +78,52 @@ def kick(disc, w, columns, torque):
         store(torque, block + 8, t1)
 
 
+@part
+def _calm(disc, columns, calming, ahead0, ahead1, block):
+    """calmed = w + β dt·(blocks·w) in sixteen columns; w lacks `ahead` times the points, 1/s, see `slow_waves`."""
+    w, calmed = disc.w, disc.calmed
+    for i in range(disc.mass.size):
+        x0, x1, y0, y1 = _slowing(disc, w, columns, ahead0, ahead1, i, block)
+        at = i * (2 * columns) + block
+        store(calmed, at, fma(calming, x0, load(w, at)))
+        store(calmed, at + 8, fma(calming, x1, load(w, at + 8)))
+        store(calmed, at + columns, fma(calming, y0, load(w, at + columns)))
+        store(calmed, at + columns + 8, fma(calming, y1, load(w, at + columns + 8)))
+
+
+@part
+def _slowing(disc, field, columns, ahead0, ahead1, i, block):
+    """blocks·(field + ahead·points) of node i in sixteen columns."""
+    x0, x1, y0, y1 = _row_product(disc, field, columns, i, block)
+    x, y = gather(disc.grown, 2 * i), gather(disc.grown, 2 * i + 1)
+    return fma(x, ahead0, x0), fma(x, ahead1, x1), fma(y, ahead0, y0), fma(y, ahead1, y1)
+
+
 @part(inlined=False)
-def slow_waves(disc, cosine, columns, slowing, dt, torque):
-    """Take from the nodes' motion what the reciprocal mass does: u += γ dt²·blocks·w; turning it must not give.
+def calm(disc, columns, calming):
+    """The calmed velocities of discs that do not turn. `calming` : β dt, s"""
+    for block in range(0, columns, COLUMNS):
+        _calm(disc, columns, calming, splat(0.0), splat(0.0), block)
+
+
+@part
+def _slow(disc, columns, slowing, ahead0, ahead1, i, block, t0, t1):
+    """u of node i, what it gains over `slowing`, and the moments so far."""
+    x0, x1, y0, y1 = _slowing(disc, disc.calmed, columns, ahead0, ahead1, i, block)
+    u, at, m = disc.u, i * (2 * columns) + block, gather(disc.mass, i)
+    store(u, at, fma(slowing, x0, load(u, at)))
+    store(u, at + 8, fma(slowing, x1, load(u, at + 8)))
+    store(u, at + columns, fma(slowing, y0, load(u, at + columns)))
+    store(u, at + columns + 8, fma(slowing, y1, load(u, at + columns + 8)))
+    t0 = _moment(-m, disc.w, at, columns, x0, y0, t0)
+    return x0, x1, y0, y1, t0, _moment(-m, disc.w, at + 8, columns, x1, y1, t1)
+
+
+@part(inlined=False)
+def slow_waves(disc, cosine, columns, slowing, calming, dt, torque):
+    """Take from the nodes' motion what the reciprocal mass does: u += γ dt²·blocks·(w + β dt·blocks·w).
+
+    Turning it must not give. The surface's nodes get their velocities in this step.
 
     A roller that turns moves in chords, half a step ahead of its frame, where w has a part along its points: what the
     stencil makes of that is taken out.
@@ -88,31 +131,31 @@ def slow_waves(disc, cosine, columns, slowing, dt, torque):
     Parameters
     ----------
     cosine : (columns,), of the frame's turn in a step
-    slowing : γ dt², s²
-    torque : filled with Σ m (blocks·w) x w by column, N m: what γ dt² of it adds to a roller's angular momentum
+    slowing, calming : γ dt², s², and β dt, s
+    torque : filled with Σ m (u gained/γ dt²) x w by column, N m: what γ dt² of it adds to a roller's angular momentum
     """
-    mass, u, w, line = disc.mass, disc.u, disc.w, 2 * columns
+    w, v, over = disc.w, disc.v, slowing / dt
     for block in range(0, columns, COLUMNS):
         ahead0, ahead1 = (1.0 - load(cosine, block)) * (1.0 / dt), (1.0 - load(cosine, block + 8)) * (1.0 / dt)
+        if calming > 0.0:
+            _calm(disc, columns, calming, ahead0, ahead1, block)
         t0, t1 = splat(0.0), splat(0.0)
-        for i in range(mass.size):
-            x0, x1, y0, y1 = _row_product(disc, w, columns, i, block)
-            x, y = gather(disc.grown, 2 * i), gather(disc.grown, 2 * i + 1)
-            x0, x1, y0, y1 = fma(x, ahead0, x0), fma(x, ahead1, x1), fma(y, ahead0, y0), fma(y, ahead1, y1)
-            at, m = i * line + block, gather(mass, i)
-            t0 = _moment(-m, w, at, columns, x0, y0, t0)
-            t1 = _moment(-m, w, at + 8, columns, x1, y1, t1)
-            store(u, at, fma(slowing, x0, load(u, at)))
-            store(u, at + 8, fma(slowing, x1, load(u, at + 8)))
-            store(u, at + columns, fma(slowing, y0, load(u, at + columns)))
-            store(u, at + columns + 8, fma(slowing, y1, load(u, at + columns + 8)))
+        for i in range(disc.first):
+            x0, x1, y0, y1, t0, t1 = _slow(disc, columns, slowing, ahead0, ahead1, i, block, t0, t1)
+        for i in range(disc.first, disc.mass.size):
+            x0, x1, y0, y1, t0, t1 = _slow(disc, columns, slowing, ahead0, ahead1, i, block, t0, t1)
+            at = i * (2 * columns) + block
+            store(v, at, fma(over, x0, load(w, at)))
+            store(v, at + 8, fma(over, x1, load(w, at + 8)))
+            store(v, at + columns, fma(over, y0, load(w, at + columns)))
+            store(v, at + columns + 8, fma(over, y1, load(w, at + columns + 8)))
         store(torque, block, t0)
         store(torque, block + 8, t1)
 
 
 @part(inlined=False)
 def strain_power(disc, w, before, columns, n):
-    """Σ m before·(blocks·w) of all rollers, n of them."""
+    """Σ m before·(blocks·w) of all rollers, n of them, of a field w."""
     found = splat(0.0)
     for block in range(0, n, COLUMNS):
         for i in range(disc.mass.size):

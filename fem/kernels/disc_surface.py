@@ -9,7 +9,6 @@ from fem.kernels.law import seamless
 from fem.kernels.patches import N_NODES, dot, products, put, take, weight_slopes, weights
 from fem.kernels.state import DiscSurface
 from fem.kernels.surfaces import (
-    both_ways,
     count_impulse,
     first_weight,
     grip,
@@ -123,7 +122,7 @@ def _grip(disc, patches, side, group):
         x += share * node_x
         y += share * node_y
     scale, slope = 1.0 / (1.0 + (bx * x + by * y)), bx * y - by * x
-    x, y, mobility, coupling = slope * bx - by, slope * by + bx, splat(0.0), splat(0.0)
+    x, y, mobility = slope * bx - by, slope * by + bx, splat(0.0)
     for k in range(N_NODES * len(patches.units)):
         i = at + k * columns
         weight, light = load(patches.weight, i), load(patches.lightness, i)
@@ -133,8 +132,7 @@ def _grip(disc, patches, side, group):
         store(patches.traction_x, i, along_x)
         store(patches.traction_y, i, along_y)
         mobility += (along_x * along_x + along_y * along_y) * light
-        coupling += (along_x * bx + along_y * by) * (weight * light)
-    return mobility, coupling
+    return mobility
 
 
 @sideways.of(DiscSurface)
@@ -143,25 +141,9 @@ def _sideways(disc, patches, side, group, column, nx, ny):
     found = splat(0.0)
     for unit in range(len(patches.units)):
         i = at + unit * N_NODES * columns
-        x, y = _take_pairs(disc.w, patches, i)
+        x, y = _take_pairs(disc.v, patches, i)
         found += dot(take(patches.traction_x, i, columns), x) + dot(take(patches.traction_y, i, columns), y)
     return found
-
-
-@both_ways.of(DiscSurface)
-def _both_ways(disc, patches, side, group):
-    at, columns = first_weight(patches, side, group), patches.columns
-    out = 2 * side * columns + group
-    along_x, along_y, light, found = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-    for unit in range(len(patches.units)):
-        i = at + unit * N_NODES * columns
-        share = take(patches.weight, i, columns)
-        x, y = _take_pairs(disc.w, patches, i)
-        along_x += dot(share, x)
-        along_y += dot(share, y)
-        light += dot(products(share, share), take(patches.lightness, i, columns))
-        found += dot(take(patches.traction_x, i, columns), x) + dot(take(patches.traction_y, i, columns), y)
-    return along_x * load(patches.outward, out) + along_y * load(patches.outward, out + columns), light, found
 
 
 @push_along.of(DiscSurface)

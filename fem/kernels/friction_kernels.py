@@ -1,15 +1,17 @@
-"""Friction of a pair: Coulomb's limit, Carter's creep below it, solved implicitly; `friction_solution`: of all pairs.
+"""Friction of a pair: Coulomb's limit, Carter's creep below it; `friction_solution`: of all pairs.
 
 A traction T acts along t = Jn, spread over the nodes of both patches. The slip is the velocity conjugate to it, so that
-what T dissipates is exactly what it takes from the bodies.
+what T dissipates is exactly what it takes from the bodies. Where a contact has a tangential spring, T is the spring's
+(`shear_kernels`); without, creep is solved for implicitly.
 """
 
 from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers, with_dampers
+from fem.kernels.creep import SLIP_FLOOR, creep_traction
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger
 from fem.kernels.lane_memory import gather, load, store
-from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, real, root, select, splat, total, whole, with_sign
-from fem.kernels.shear_kernels import let_go, spring_back, stretch
+from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, real, root, select, splat, total, whole
+from fem.kernels.shear_kernels import let_go, pull
 from fem.kernels.state import Neighbours, Raceway
 from fem.kernels.surfaces import (
     body_mobility,
@@ -24,32 +26,7 @@ from fem.kernels.surfaces import (
     unseal,
 )
 
-SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
 EVEN, ODD, ALL = 0, 1, 2  # contacts of a pair that are solved for at once
-
-
-@part
-def creep_traction(slip, limit, full_slip, mobility_dt):
-    """Traction, N, that opposes a slip velocity, and the slip it leaves, m/s; scalars or lanes.
-
-    Carter's law T = limit·(1 − (1 − v/v_full)²) up to v_full, then `limit`; solved implicitly for the velocity after
-    the step, v = slip − mobility·dt·T(v), so that no stiffness limits the step.
-
-    Parameters
-    ----------
-    limit : N, μQ; full_slip : m/s; mobility_dt : m/s per N
-
-    Source: Carter, On the action of a locomotive driving wheel (1926); Johnson, Contact Mechanics (1985), chapter 8.
-    """
-    v = magnitude(slip)
-    k = mobility_dt * limit / full_slip
-    x = v / full_slip
-    sliding = x >= 1.0 + k
-    b = 1.0 + 2.0 * k
-    x = 2.0 * x / (b + root(select(sliding, 0.0, b * b - 4.0 * k * x)))
-    traction = select(sliding, limit, limit * x * (2.0 - x))
-    left = select(sliding, v - mobility_dt * limit, x * full_slip)
-    return with_sign(traction, slip), with_sign(left, slip)
 
 
 @part
@@ -72,21 +49,8 @@ def grip_pair(pair, rollers, disc, contacts):
     for group in range(0, rollers.n, WIDTH):
         row, side = pair.row * rollers.columns + group, 2 * pair.row
         if _closed(contacts, row):
-            mobility, coupling = grip(first_surface(pair, disc), contacts.patches, side, group)
-            mobility_1, coupling_1 = grip(disc, contacts.patches, side + 1, group)
-            store(contacts.friction.mobility, row, mobility + mobility_1)
-            store(contacts.friction.coupling, row, (coupling + coupling_1) * outward_sign(pair))
-
-
-@verb
-def outward_sign(pair):
-    """1, of a bore −1."""
-    return 1.0
-
-
-@outward_sign.of(Raceway)
-def _sign_of_raceway(raceway):
-    return raceway.sign
+            mobility = grip(first_surface(pair, disc), contacts.patches, side, group)
+            store(contacts.friction.mobility, row, mobility + grip(disc, contacts.patches, side + 1, group))
 
 
 @verb
@@ -104,20 +68,6 @@ def _without_dampers(pair, contacts, row):
     if contacts.dampers is None:
         return load(contacts.forces.kick, row)
     return splat(0.0)  # dampers of rollers that touch come one by one and need them before
-
-
-@part
-def slip_of_push(pair, rollers, contacts, dt):
-    """Add to the slips left what the normal forces' impulses, not yet given, will do to them.
-
-    Where no patches overlap that is each contact's own.
-    """
-    friction = contacts.friction
-    for group in range(0, rollers.n, WIDTH):
-        row = pair.row * rollers.columns + group
-        push = still_to_push(pair, contacts, row)
-        if any_lane(push != 0.0):
-            store(friction.slip_left, row, load(friction.slip_left, row) + load(friction.coupling, row) * push * dt)
 
 
 @verb
@@ -162,28 +112,6 @@ def _slip_neighbours(pair, rollers, disc, contacts, turn_kick, out):
             store(out, row, slip)
 
 
-@verb
-def slip_with_nodes(pair, rollers, disc, contacts, turn_kick):
-    """`slip_pair` to the slips left, where those of a raceway have what its nodes add to them already."""
-
-
-@slip_with_nodes.of(Raceway)
-def _slip_raceway_with_nodes(raceway, rollers, disc, contacts, turn_kick):
-    velocity, columns, left, sign = rollers.velocity, rollers.columns, contacts.friction.slip_left, raceway.sign
-    for group in range(0, rollers.n, WIDTH):
-        row = raceway.row * columns + group
-        if _closed(contacts, row):
-            nx, ny = normals(contacts, raceway, group)
-            slip = load(velocity, columns + group) * nx - load(velocity, group) * ny
-            slip -= load(turn_kick, group) * (sign * rollers.radius)
-            store(left, row, load(left, row) + slip)
-
-
-@slip_with_nodes.of(Neighbours)
-def _slip_neighbours_with_nodes(pair, rollers, disc, contacts, turn_kick):
-    slip_pair(pair, rollers, disc, contacts, turn_kick, contacts.friction.slip_left)
-
-
 @part
 def find_tractions(pair, rollers, disc, contacts, dt, some, again):
     """Tractions of a pair's contacts, EVEN, ODD or ALL, from the slips, which become those that are left.
@@ -198,11 +126,8 @@ def find_tractions(pair, rollers, disc, contacts, dt, some, again):
         if not any_lane(Q > 0.0):
             store(friction.traction, row, splat(0.0))
             store(friction.change, row, splat(0.0))
-            let_go(friction.shear, row)
             continue
-        half_width = root(pair.law.half_width_factor * Q)
-        rolling = _rolling_speed(pair, rollers, contacts, group)
-        full_slip = larger(friction.coefficient * pair.law.curvature * half_width * rolling, SLIP_FLOOR)
+        full_slip = _full_slip(pair, rollers, contacts, group, Q)
         mobility = load(friction.mobility, row) * dt
         given, found = splat(0.0), load(friction.slip_left, row)
         chosen, taken = Q > 0.0, mobility
@@ -213,15 +138,37 @@ def find_tractions(pair, rollers, disc, contacts, dt, some, again):
         if some != ALL:
             number = count_from(group + some)
             chosen = chosen & (number - whole(real(number) * 0.5) * 2 == 0)
-        free = found - taken * given
-        ahead, give = spring_back(friction.shear, contacts, pair, row, dt)
-        limit = friction.coefficient * Q
-        T, left = creep_traction(free - ahead, limit, full_slip, mobility + give)
-        left = stretch(friction.shear, row, chosen, T, limit, left, free - mobility * T)
+        T, left = creep_traction(found - taken * given, friction.coefficient * Q, full_slip, mobility)
         T = select(chosen, -T, select(Q > 0.0, given, 0.0))  # on side 1, along t
         store(friction.slip_left, row, select(chosen, left, found))
         store(friction.traction, row, T)
         store(friction.change, row, T - given)
+
+
+@part
+def spring_tractions(pair, rollers, contacts, dt):
+    """Tractions of a pair's contacts from springs that have followed the slips; all of them is left in `change`."""
+    friction, columns = contacts.friction, rollers.columns
+    for group in range(0, rollers.n, WIDTH):
+        row = pair.row * columns + group
+        Q, T = with_dampers(contacts.dampers, row, load(contacts.forces.force, row)), splat(0.0)
+        if any_lane(Q > 0.0):
+            full_slip = _full_slip(pair, rollers, contacts, group, Q)
+            T = -pull(
+                friction.shear, contacts, pair, row, dt, friction.coefficient * Q, full_slip
+            )  # on side 1, along t
+        else:
+            let_go(friction.shear, row)
+        store(friction.traction, row, T)
+        store(friction.change, row, T)
+
+
+@part
+def _full_slip(pair, rollers, contacts, group, Q):
+    """Creep speeds, m/s, beyond which eight contacts slide."""
+    half_width = root(pair.law.half_width_factor * Q)
+    rolling = _rolling_speed(pair, rollers, contacts, group)
+    return larger(contacts.friction.coefficient * pair.law.curvature * half_width * rolling, SLIP_FLOOR)
 
 
 @verb

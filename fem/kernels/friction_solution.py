@@ -9,14 +9,14 @@ from fem.kernels.friction_kernels import (
     grip_pair,
     normals,
     push_and_drag,
-    slip_of_push,
     slip_pair,
-    slip_with_nodes,
+    spring_tractions,
     whole_mobility,
 )
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, total
+from fem.kernels.shear_kernels import follow_slips_after, follow_slips_before
 from fem.kernels.state import CONTACTS, ROLLER, Neighbours, Raceway
 from fem.kernels.surfaces import body_motion
 
@@ -24,73 +24,81 @@ WHERE_ROLLERS_TOUCH, ALWAYS = 0, 1  # when patches of neighbouring contacts over
 
 grip_all = every(grip_pair, *CONTACTS)
 slip_all = every(slip_pair, *CONTACTS)
-slip_all_with_nodes = every(slip_with_nodes, *CONTACTS)
 
 
 @part
-def slips_before(groups, rollers, disc, contacts, still):
-    """Slips before a kick, m/s; `still`, (columns,), is 0: no roller is to gain anything by turning as a whole."""
-    grip_all(groups, rollers, disc, contacts)
-    slip_all(groups, rollers, disc, contacts, still, contacts.friction.slip)
+def slips_before(groups, rollers, disc, contacts, still, lumped):
+    """Slips before a kick, m/s; in long steps springs are content with those after the last.
 
-
-@part
-def pushes_later(friction, points, whole):
-    """Whether the normal forces' impulses on nodes are given with the tractions', in one pass.
-
-    They can be where no patches share a node: a contact's own then is all that reaches its slip, and known beforehand.
+    `still`, (columns,), is 0: no roller is to gain anything by turning as a whole.
     """
-    if points is None:
-        if whole is None:
-            return friction.apart
+    friction = contacts.friction
+    grip_all(groups, rollers, disc, contacts)
+    if lumped:
+        slip_all(groups, rollers, disc, contacts, still, friction.slip)
+    follow_slips_before(friction.shear, friction, rollers.n)
+
+
+@part
+def slips_after(groups, rollers, disc, contacts, dt, lumped):
+    """Slips after a kick, m/s, which springs follow; of others the solution leaves them.
+
+    Returns what tractions take per second in the steps before and after the kick, together, W: lost, or in springs.
+    """
+    friction, taken = contacts.friction, splat(0.0)
+    if friction.shear is not None:
+        slip_all(groups, rollers, disc, contacts, rollers.turn_kick, friction.slip_left)
+    for at in range(0, friction.traction.size, WIDTH):
+        slips = load(friction.slip, at) + load(friction.slip_left, at)
+        taken -= select(load(contacts.forces.force, at) > 0.0, load(friction.traction, at) * slips, 0.0)
+    if friction.shear is not None:
+        follow_slips_after(friction.shear, contacts.forces, friction, dt, rollers.n)
+        if not lumped:
+            for at in range(0, friction.slip.size, WIDTH):
+                store(friction.slip, at, load(friction.slip_left, at))
+    return total(taken)
+
+
+@part
+def pushes_later(friction, whole):
+    """Whether the normal forces' impulses on nodes are given with the tractions', in one pass: no spring needs them."""
+    if friction.shear is not None:
+        return whole is None
     return False
 
 
 @part
 def friction_contacts(groups, rollers, disc, contacts, drive, overlapping, whole, later):
-    """Tractions of every contact and their impulses; returns the work they take in this step, J: lost, or in springs.
+    """Tractions of every contact and their impulses.
 
-    Each is implicit in its own patch's velocity. Where patches of neighbours overlap (on coarse meshes), each starts
-    from its last value and every other one is solved for in turn (Gauss and Seidel): without neighbours' part sticking
-    contacts would shake each other. Where they share a rigid body, each knows the others' last values.
+    Those of springs are given by places. Of others each is implicit in its own patch's velocity. Where patches of
+    neighbours overlap (on coarse meshes), each starts from its last value and every other one is solved for in turn
+    (Gauss and Seidel): without neighbours' part sticking contacts would shake each other. Where they share a rigid
+    body, each knows the others' last values.
 
     `overlapping`, `whole`: of `Friction`; what is None is not compiled; `later`: see `pushes_later`.
     """
-    if overlapping is None:
-        _solve_at_once(groups, rollers, disc, contacts, drive, whole, later)
+    if contacts.friction.shear is not None:
+        if later:
+            _pull_all_and_push(groups, rollers, disc, contacts, drive)
+        else:
+            _pull_all(groups, rollers, disc, contacts, drive)
+    elif overlapping is None:
+        _solve_at_once(groups, rollers, disc, contacts, drive, whole)
     elif overlapping == ALWAYS or _rollers_touch(contacts, rollers):
         _solve_in_turn(groups, rollers, disc, contacts, drive)
     else:
-        _solve_at_once(groups, rollers, disc, contacts, drive, whole, later)
-    friction = contacts.friction
-    taken = splat(0.0)
-    for at in range(0, friction.traction.size, WIDTH):
-        taken -= load(friction.traction, at) * (load(friction.slip, at) + load(friction.slip_left, at))
-    return 0.5 * drive.dt * total(taken)
+        _solve_at_once(groups, rollers, disc, contacts, drive, whole)
 
 
 @part
-def _solve_at_once(groups, rollers, disc, contacts, drive, whole, later):
+def _solve_at_once(groups, rollers, disc, contacts, drive, whole):
     """Tractions and impulses of contacts that share no nodes."""
     if whole is None:
-        _slips_left(groups, rollers, disc, contacts, contacts.dampers, later)
-        if later:
-            _creep_all_and_push(groups, rollers, disc, contacts, drive)
-        else:
-            _creep_all(groups, rollers, disc, contacts, drive)
+        slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
+        _creep_all(groups, rollers, disc, contacts, drive)
     else:
         _solve_on_whole_bodies(groups, rollers, disc, contacts, drive)
-
-
-@part
-def _slips_left(groups, rollers, disc, contacts, dampers, later):
-    """Slips left; what raceways' nodes add to them dampers may have found already, see `damping_kernels`."""
-    if dampers is None:
-        slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
-    elif later:
-        slip_all_with_nodes(groups, rollers, disc, contacts, rollers.turn_kick)
-    else:
-        slip_all(groups, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
 
 
 @part
@@ -109,10 +117,16 @@ def _creep(pair, rollers, disc, contacts, drive):
 
 
 @part
-def _creep_and_push(pair, rollers, disc, contacts, drive):
-    """The same from slips that the normal forces' impulses are not in yet, and these impulses."""
-    slip_of_push(pair, rollers, contacts, drive.dt)
-    find_tractions(pair, rollers, disc, contacts, drive.dt, ALL, False)
+def _pull(pair, rollers, disc, contacts, drive):
+    """Tractions of the springs of a pair's contacts, and their impulses."""
+    spring_tractions(pair, rollers, contacts, drive.dt)
+    drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
+
+
+@part
+def _pull_and_push(pair, rollers, disc, contacts, drive):
+    """The same, and the normal forces' impulses."""
+    spring_tractions(pair, rollers, contacts, drive.dt)
     push_and_drag(pair, rollers, disc, contacts, drive.dt)
 
 
@@ -132,9 +146,9 @@ def _drag_as_before(pair, rollers, disc, contacts, drive):
     drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
 
 
-_creep_all, _creep_all_and_push, _creep_all_in_turn, _drag_all_as_before = (
+_pull_all, _pull_all_and_push = every(_pull, *CONTACTS), every(_pull_and_push, *CONTACTS)
+_creep_all, _creep_all_in_turn, _drag_all_as_before = (
     every(_creep, *CONTACTS),
-    every(_creep_and_push, *CONTACTS),
     every(_creep_in_turn, *CONTACTS),
     every(_drag_as_before, *CONTACTS),
 )

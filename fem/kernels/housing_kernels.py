@@ -14,6 +14,7 @@ from fem.kernels.ground_dashpots import conclude
 from fem.kernels.jit import part, verb
 from fem.kernels.other_bodies import (
     add_motion,
+    calm_body,
     drift_body,
     end_kick,
     kick_body,
@@ -78,10 +79,20 @@ def slow_motion(ring, line, mass, slowed):
 
 @slow_motion.of(Ring)
 def _slow_motion(ring, line, mass, slowed):
-    ring_kernels.row_force(ring.slowed, ring.w, ring.held, line)
+    ring_kernels.row_force(ring.slowed, ring.calmed, ring.held, line)
     x, y = ring_kernels.resultant(line, ring.cosines, ring.sines)
     share = ring.row_mass[ring.held] / mass
     remember_slowed(slowed, share * x, share * y)
+
+
+@verb
+def calm_row(ring, mass, line):
+    """Calm the velocity of an elastic ring's held row, which moves with a body of `mass`, kg."""
+
+
+@calm_row.of(Ring)
+def _calm_row(ring, mass, line):
+    ring_kernels.calm_held(ring, mass, line)
 
 
 @verb
@@ -166,6 +177,11 @@ def _end_kick(body, drive):
 @prepare.of(Housing)
 def _prepare(body):
     set_held_row(body.ring, body.velocity)
+
+
+@calm_body.of(Housing)
+def _calm(body):
+    calm_row(body.ring, body.mass, body.line)
 
 
 @slow_body.of(Housing)

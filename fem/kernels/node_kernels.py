@@ -3,9 +3,10 @@
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.course_kernels import is_turning, speed_of
 from fem.kernels.jit import part
+from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH
-from fem.kernels.other_bodies import prepare_others, remember_slowed, slow_others
+from fem.kernels.other_bodies import calm_others, prepare_others, remember_slowed, slow_others
 
 
 @part
@@ -34,7 +35,9 @@ def make_ready(bodies, drive, scratch):
         prepare_others(bodies.others)
         ring_kernels.wrap_all(bodies.outer.w)
         ring_kernels.wrap_all(inner.w)
-        ring_kernels.row_force(inner.slowed, inner.w, inner.held, scratch.bore)
+        if drive.calming > 0.0:
+            _calm_rings(bodies, drive, scratch)
+        ring_kernels.row_force(inner.slowed, inner.calmed, inner.held, scratch.bore)
         x, y = ring_kernels.resultant(scratch.bore, inner.cosines, inner.sines)
         c, s, share = drive.frame[1], drive.frame[2], inner.row_mass[inner.held] / drive.mass
         remember_slowed(drive.slowed, share * (c * x - s * y), share * (s * x + c * y))
@@ -42,17 +45,43 @@ def make_ready(bodies, drive, scratch):
 
 
 @part
+def _calm_rings(bodies, drive, scratch):
+    inner, outer = bodies.inner, bodies.outer
+    step = speed_of(drive.course, drive) * drive.dt
+    # `grown` is that of γ dt², along a chord
+    ahead = (1.0 - cosine_and_sine(step)[0]) / drive.dt * drive.calming / drive.slowing
+    ring_kernels.calm(inner.calming, inner.w, inner.calmed, inner.grown, ahead, inner.first_row, inner.last_row)
+    ring_kernels.calm(outer.calming, outer.w, outer.calmed, outer.grown, 0.0, outer.first_row, outer.last_row)
+    ring_kernels.calm_held(inner, drive.mass, scratch.bore)
+    calm_others(bodies.others)
+
+
+@part
+def slow_nodes(bodies, drive, scratch):
+    """Do to the rollers' nodes what the reciprocal mass does; find the velocities of all surfaces' nodes.
+
+    `scratch.cosine` : of the rollers' turns in the step to come
+    """
+    rollers, slowing = bodies.rollers, drive.slowing
+    if slowing > 0.0:
+        disc_kernels.slow_waves(
+            bodies.disc, scratch.cosine, rollers.columns, slowing, drive.calming, drive.dt, scratch.torque
+        )
+        for j in range(rollers.n):
+            rollers.turn_kick[j] -= slowing / rollers.inertia * scratch.torque[j]
+        for ring in (bodies.inner, bodies.outer):
+            ring_kernels.find_velocities(ring.slowed, ring.calmed, ring.w, ring.v, drive.dt, ring.raceway)
+
+
+@part
 def drift_nodes(bodies, drive, scratch, cosine, sine):
     """Move all nodes by a step; `cosine`, `sine` of the inner ring's turn; the rollers' lead in `scratch.torque`.
 
-    Where masses are not lumped all is ready for the stencil to be applied to w (`make_ready`), and is no more after.
+    Where masses are not lumped all is ready for the stencil to be applied to rings' w (`make_ready`), and is no more
+    after.
     """
     rollers, inner, outer, turn_kick = bodies.rollers, bodies.inner, bodies.outer, bodies.rollers.turn_kick
     slowing, dt = drive.slowing, drive.dt
-    if slowing > 0.0:
-        disc_kernels.slow_waves(bodies.disc, scratch.cosine, rollers.columns, slowing, dt, scratch.torque)
-        for j in range(rollers.n):
-            turn_kick[j] -= slowing / rollers.inertia * scratch.torque[j]
     turns = disc_kernels.Turns(
         turn_kick, scratch.cosine, scratch.sine, scratch.shift[0], scratch.shift[1], rollers.swelling
     )
@@ -61,9 +90,11 @@ def drift_nodes(bodies, drive, scratch, cosine, sine):
     if is_turning(drive.course, drive):
         first, end = inner.first_row, inner.last_row
         if slowing > 0.0:
-            ring_kernels.slow_waves(inner.slowed, inner.u, inner.w, first, end)
+            ring_kernels.slow_waves(inner.slowed, inner.u, inner.calmed, first, end, inner.raceway)
             ring_kernels.unwrap(inner.w, inner.raceway)
-        ring_kernels.drift(inner.u, inner.w, inner.radii, inner.grown, dt, cosine, sine, first, end)
+        ring_kernels.drift(
+            inner.u, inner.w, inner.v, inner.radii, inner.grown, dt, cosine, sine, first, end, inner.raceway
+        )
     else:
         _drift_still(inner, dt, slowing)
 
@@ -71,7 +102,9 @@ def drift_nodes(bodies, drive, scratch, cosine, sine):
 @part
 def _drift_still(ring, dt, slowing):
     if slowing > 0.0:
-        ring_kernels.drift_slowed(ring.slowed, ring.u, ring.w, dt, ring.first_row, ring.last_row)
+        ring_kernels.drift_slowed(
+            ring.slowed, ring.u, ring.w, ring.v, ring.calmed, dt, ring.first_row, ring.last_row, ring.raceway
+        )
         ring_kernels.unwrap(ring.w, ring.raceway)
     else:
         ring_kernels.drift_still(ring.u, ring.w, dt, ring.first_row, ring.last_row)

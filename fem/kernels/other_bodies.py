@@ -29,6 +29,11 @@ def prepare(body):
 
 
 @verb
+def calm_body(body):
+    """Give what an elastic ring's row has of a body's motion to its calmed velocities."""
+
+
+@verb
 def slow_body(body, drive):
     """Find what the reciprocal mass adds to a body's motion in the next step."""
 
@@ -48,4 +53,4 @@ def add_motion(body, drive, out, kinetic):
 
 kick_others, drift_others, add_all_motion = every(kick_body), every(drift_body), every(add_motion)
 take_all_late, end_kicks = every(take_late), every(end_kick)
-prepare_others, slow_others = every(prepare), every(slow_body)
+prepare_others, calm_others, slow_others = every(prepare), every(calm_body), every(slow_body)

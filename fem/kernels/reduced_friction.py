@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.kernels.contact_kernels import next_rollers
 from fem.kernels.course_kernels import speed_of
-from fem.kernels.friction_kernels import SLIP_FLOOR, creep_traction
+from fem.kernels.creep import SLIP_FLOOR, creep_traction
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import larger
 from fem.kernels.lane_memory import gather, load, scatter_add, store

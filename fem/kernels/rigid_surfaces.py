@@ -23,7 +23,7 @@ def _push_hub(hub, patches, side, group, impulse):
 
 @grip.of(Hub)
 def _grip_hub(hub, patches, side, group):
-    return splat(body_mobility(hub)), splat(0.0)
+    return splat(body_mobility(hub))
 
 
 @sideways.of(Hub)
@@ -55,7 +55,7 @@ def _hub_motion(hub, column, nx, ny):
 
 @grip.of(RigidDisc)
 def _grip_disc(disc, patches, side, group):
-    return splat(body_mobility(disc)), splat(0.0)
+    return splat(body_mobility(disc))
 
 
 @sideways.of(RigidDisc)

@@ -45,11 +45,11 @@ def _give_both(r, u, below, row, above, width, k):
 
 
 @part
-def _row_force(table, u, row, out, at, line, from_, times):
-    """out += table·u for one row of nodes, radial from index `at` on, tangential a line further.
+def _row_force(table, u, row, out, at, base, line, from_, times):
+    """out = base + table·u for one row of nodes, radial from index `at` on, tangential a line further.
 
     Every node's part is formed once and handed to its neighbours' columns, instead of reading three columns for each.
-    With `line` from index `from_` on, `times` that is added, too; None: nothing.
+    With `line` from index `from_` on, `times` that is added, too; None, of `base`, too: nothing.
     """
     width = u.shape[2]
     # past the ends coefficients are 0
@@ -66,8 +66,10 @@ def _row_force(table, u, row, out, at, line, from_, times):
         y = tangential[0] + (from_left(before_t[2], tangential[2]) + from_right(tangential[1], next_t[1]))
         if line is not None:
             x, y = fma(times, load(line, from_ + k), x), fma(times, load(line, from_ + width + k), y)
-        store(out, at + k, load(out, at + k) + x)
-        store(out, at + width + k, load(out, at + width + k) + y)
+        if base is not None:
+            x, y = load(base, at + k) + x, load(base, at + width + k) + y
+        store(out, at + k, x)
+        store(out, at + width + k, y)
         before_r, radial, before_t, tangential = radial, next_r, tangential, next_t
 
 
@@ -79,35 +81,78 @@ def row_force(table, u, row, out):
     ----------
     table : (n_rows, 18), see `coefficients`, times any factor; out : (2, n_sectors + 2 HALO)
     """
-    for k in range(0, out.size, WIDTH):
-        store(out, k, splat(0.0))
-    _row_force(table, u, row, out, 0, None, 0, 0.0)
+    _row_force(table, u, row, out, 0, None, None, 0, 0.0)
 
 
 @part(inlined=False)
 def kick(table, u, w, first_row, last_row):
     """w += dt·internal acceleration for rows first_row ... last_row − 1; table holds −dt·M⁻¹K."""
     for row in range(first_row, last_row):
-        _row_force(table, u, row, w, 2 * row * u.shape[2], None, 0, 0.0)
+        _row_force(table, u, row, w, 2 * row * u.shape[2], w, None, 0, 0.0)
 
 
 @part(inlined=False)
 def kick_and_add(table, u, w, line, first_row, last_row):
     """`kick`, and the velocities of one row, (2, width), m/s, added to every row: gravity."""
     for row in range(first_row, last_row):
-        _row_force(table, u, row, w, 2 * row * u.shape[2], line, 0, 1.0)
+        _row_force(table, u, row, w, 2 * row * u.shape[2], w, line, 0, 1.0)
 
 
 @part(inlined=False)
-def slow_waves(slowed, u, w, first_row, last_row):
-    """Take from the nodes' motion what the reciprocal mass does; `slowed` holds −γ dt³·M⁻¹K."""
+def calm(calming, w, calmed, grown, ahead, first_row, last_row):
+    """calmed = w + calming·w, ready for the stencil as w is; `calming` holds −β dt²·M⁻¹K.
+
+    `grown` : (n_rows,), m/s, of which `ahead` times is added all around, see `drift`
+    """
+    width = w.shape[2]
     for row in range(first_row, last_row):
-        _row_force(slowed, w, row, u, 2 * row * u.shape[2], None, 0, 0.0)
+        at, more = 2 * row * width, ahead * grown[row]
+        _row_force(calming, w, row, calmed, at, w, None, 0, 0.0)
+        if more != 0.0:
+            for k in range(at + HALO, at + width - HALO, WIDTH):
+                store(calmed, k, load(calmed, k) + more)
+        wrap(calmed, at, width)
+        wrap(calmed, at + width, width)
+
+
+@part
+def calm_held(ring, mass, line):
+    """The same of a ring's held row, which moves with a body of `mass`, kg. `line` : (2, width), room"""
+    row_force(ring.calming, ring.w, ring.held, line)
+    x, y = resultant(line, ring.cosines, ring.sines)
+    width, share = ring.cosines.size, ring.row_mass[ring.held] / mass
+    at = 2 * ring.held * width
+    set_rigid(ring.calmed, at, ring.cosines, ring.sines, share * x, share * y)
+    for k in range(at, at + 2 * width, WIDTH):
+        store(ring.calmed, k, load(ring.calmed, k) + load(ring.w, k))
 
 
 @part(inlined=False)
-def drift(u, w, radii, grown, dt, cosine, sine, first_row, last_row):
-    """Move by dt·w and turn the frame by the given angle.
+def slow_waves(slowed, u, calmed, first_row, last_row, raceway):
+    """Take from the nodes' motion what the reciprocal mass does; `slowed` holds −γ dt³·M⁻¹K.
+
+    Not from that of the raceway's, which have their velocities.
+    """
+    for row in range(first_row, last_row):
+        if row != raceway:
+            _row_force(slowed, calmed, row, u, 2 * row * u.shape[2], u, None, 0, 0.0)
+
+
+@part(inlined=False)
+def find_velocities(slowed, calmed, w, v, dt, raceway):
+    """v, velocities of a raceway's nodes in the step to come; all is ready for the stencil."""
+    width, over = w.shape[2], 1.0 / dt
+    at = 2 * raceway * width
+    _row_force(slowed, calmed, raceway, v, at, None, w, at, dt)
+    for k in range(at, at + 2 * width, WIDTH):
+        store(v, k, load(v, k) * over)
+    wrap(v, at, width)
+    wrap(v, at + width, width)
+
+
+@part(inlined=False)
+def drift(u, w, v, radii, grown, dt, cosine, sine, first_row, last_row, raceway):
+    """Move by dt·w, the raceway by dt·v, and turn the frame by the given angle.
 
     `grown` : (n_rows,), m/s; what `slow_waves` has made of the motion along chords, half a step ahead of the frame
     """
@@ -115,15 +160,25 @@ def drift(u, w, radii, grown, dt, cosine, sine, first_row, last_row):
     for row in range(first_row, last_row):
         radius, at = radii[row], 2 * row * width
         reached = radius + ahead * grown[row]
-        for k in range(at + HALO, at + width - HALO, WIDTH):
-            p, q = load(w, k), load(w, k + width)
-            x, y = reached + fma(dt, p, load(u, k)), fma(dt, q, load(u, k + width))
-            store(u, k, (cosine * x + sine * y) - radius)
-            store(u, k + width, cosine * y - sine * x)
-            store(w, k, cosine * p + sine * q)
-            store(w, k + width, cosine * q - sine * p)
+        if row == raceway:
+            _drift_row(u, w, v, at, radius, reached, dt, cosine, sine)
+        else:
+            _drift_row(u, w, w, at, radius, reached, dt, cosine, sine)
         wrap(u, at, width)
         wrap(u, at + width, width)
+
+
+@part
+def _drift_row(u, w, moved, at, radius, reached, dt, cosine, sine):
+    width = u.shape[2]
+    for k in range(at + HALO, at + width - HALO, WIDTH):
+        x = reached + fma(dt, load(moved, k), load(u, k))
+        y = fma(dt, load(moved, k + width), load(u, k + width))
+        p, q = load(w, k), load(w, k + width)
+        store(u, k, (cosine * x + sine * y) - radius)
+        store(u, k + width, cosine * y - sine * x)
+        store(w, k, cosine * p + sine * q)
+        store(w, k + width, cosine * q - sine * p)
 
 
 @part(inlined=False)
@@ -137,12 +192,16 @@ def drift_still(u, w, dt, first_row, last_row):
 
 
 @part(inlined=False)
-def drift_slowed(slowed, u, w, dt, first_row, last_row):
-    """Move by dt·w and do what `slow_waves` does; the frame does not turn."""
+def drift_slowed(slowed, u, w, v, calmed, dt, first_row, last_row, raceway):
+    """Move by dt·w and do what `slow_waves` does, the raceway by dt·v; the frame does not turn."""
     width = u.shape[2]
     for row in range(first_row, last_row):
         at = 2 * row * width
-        _row_force(slowed, w, row, u, at, w, at, dt)
+        if row == raceway:
+            for k in range(at, at + 2 * width, WIDTH):
+                store(u, k, fma(dt, load(v, k), load(u, k)))
+        else:
+            _row_force(slowed, calmed, row, u, at, u, w, at, dt)
         wrap(u, at, width)
         wrap(u, at + width, width)
 

@@ -10,7 +10,6 @@ from fem.kernels.patches import N_NODES, combined, dot, products, put, take, tim
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import RingSurface
 from fem.kernels.surfaces import (
-    both_ways,
     first_weight,
     gather_seam,
     grip,
@@ -109,7 +108,7 @@ def _out_of_surface(ring, patches, side, group):
 @grip.of(RingSurface)
 def _grip(ring, patches, side, group):
     at, columns = first_weight(patches, side, group), patches.columns
-    x, slope, mobility, coupling = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    x, slope, mobility = splat(0.0), splat(0.0), splat(0.0)
     for k in range(N_NODES * len(patches.units)):
         i = at + k * columns
         x += load(patches.along, i)
@@ -122,8 +121,7 @@ def _grip(ring, patches, side, group):
         store(patches.traction_x, i, radial)
         store(patches.traction_y, i, around)
         mobility += radial * radial + around * around
-        coupling += c * radial + s * around
-    return mobility * (1.0 / ring.node_mass), coupling * (1.0 / ring.node_mass)
+    return mobility * (1.0 / ring.node_mass)
 
 
 @sideways.of(RingSurface)
@@ -132,23 +130,9 @@ def _sideways(ring, patches, side, group, column, nx, ny):
     found = splat(0.0)
     for unit in range(len(patches.units)):
         i = at + unit * N_NODES * columns
-        found += dot(take(patches.traction_x, i, columns), gather_rows(ring.w, patches.place, i, 0))
-        found += dot(take(patches.traction_y, i, columns), gather_rows(ring.w, patches.place, i, width))
+        found += dot(take(patches.traction_x, i, columns), gather_rows(ring.v, patches.place, i, 0))
+        found += dot(take(patches.traction_y, i, columns), gather_rows(ring.v, patches.place, i, width))
     return found
-
-
-@both_ways.of(RingSurface)
-def _both_ways(ring, patches, side, group):
-    at, columns, width = first_weight(patches, side, group), patches.columns, ring.cosines.size
-    out, light, found = splat(0.0), splat(0.0), splat(0.0)
-    for unit in range(len(patches.units)):
-        i = at + unit * N_NODES * columns
-        along, across = take(patches.along, i, columns), take(patches.across, i, columns)
-        radial, around = gather_rows(ring.w, patches.place, i, 0), gather_rows(ring.w, patches.place, i, width)
-        out += dot(along, radial) + dot(across, around)
-        light += dot(along, along) + dot(across, across)
-        found += dot(take(patches.traction_x, i, columns), radial) + dot(take(patches.traction_y, i, columns), around)
-    return out, light * (1.0 / ring.node_mass), found
 
 
 @push_along.of(RingSurface)

@@ -17,7 +17,7 @@ from fem.kernels.node_kernels import set_held_row
 from fem.kernels.other_bodies import add_all_motion, prepare_others
 from fem.kernels.rigid_surfaces import turning_energy
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.shear_kernels import behind_places, spring_energy
+from fem.kernels.shear_kernels import spring_energy
 from fem.kernels.state import CONTACTS, Course
 
 # columns of a sample: the hub, the energies, then blocks of n_rollers, then those of further bodies
@@ -108,10 +108,9 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     for row in range(friction.traction.shape[0]):
         for j in range(rollers.n):
             rubbed -= friction.traction[row, j] * friction.slip[row, j]
-    stored = spring_energy(friction.shear, friction.traction, rollers.n)
+    stored = spring_energy(friction.shear, rollers.n)
     out[CONTACT] += stored
-    lag = behind_places(friction.shear, friction.traction, rollers.n)
-    out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed - stored + lag
+    out[DISSIPATED] = drive.sums[2] + 0.5 * dt * rubbed - stored
     add_damped(contacts.dampers, bodies.damping, out)
     n = rollers.n
     for j in range(n):
@@ -255,9 +254,11 @@ def kinetic_energy(bodies, drive, scratch):
 
 @part(inlined=False)
 def _strain_power(bodies, drive, scratch):
-    """−dt wᵀKw of the velocities before and after a kick, J/s; all is ready for the stencil."""
+    """−dt wᵀKw of the velocities before and the calmed ones after a kick, J/s; rings' are ready for the stencil."""
     rollers, inner, outer = bodies.rollers, bodies.inner, bodies.outer
-    total = disc_kernels.strain_power(bodies.disc, bodies.disc.w, scratch.rollers_w, rollers.columns, rollers.n)
+    if drive.calming > 0.0:
+        disc_kernels.calm(bodies.disc, rollers.columns, drive.calming)
+    total = disc_kernels.strain_power(bodies.disc, bodies.disc.calmed, scratch.rollers_w, rollers.columns, rollers.n)
     total += _ring_strain_power(inner, scratch.inner_w, scratch.bore)
     return total + _ring_strain_power(outer, scratch.outer_w, scratch.line)
 
@@ -266,7 +267,7 @@ def _strain_power(bodies, drive, scratch):
 def _ring_strain_power(ring, before, line):
     total, width = 0.0, ring.cosines.size
     for row in range(ring.radii.size):
-        ring_kernels.row_force(ring.table, ring.w, row, line)
+        ring_kernels.row_force(ring.table, ring.calmed, row, line)
         part, at = splat(0.0), 2 * row * width
         for k in range(HALO, HALO + ring.n_sectors, WIDTH):
             part += load(before, at + k) * load(line, k) + load(before, at + width + k) * load(line, width + k)

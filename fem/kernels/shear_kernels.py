@@ -1,40 +1,78 @@
 """Tangential springs of contacts: what the mesh can't see of how a contact that sticks gives way.
 
-A spring is in series with Carter's creep: a contact's slip is its creep and how fast the spring is stretched. With the
-stretch e at a kick and d₋, d₊ what it gains in the steps before and after,
+A spring is in series with Carter's creep. Its stretch e follows the places of the surfaces' nodes, as normal forces do,
+and the traction at a kick is what it has come to by then:
 
-    T C = e + (d₊ − d₋)/4,    d₊ = dt (slip after the kick − creep),    C = A (level − ½ ln Q),
+    e − e₋ = dt (slip − creep),    T C = e,    C = A (level − ½ ln Q).
 
-so T is the mean of the spring's forces half a step before and after: of second order, and no C > 0 limits the step
-(Newmark's method with a quarter, of the springs alone; leapfrog moves the rest). What it stores at a kick,
+The slip is the mean of what the patches before and after the motion make of it, so that what tractions take from the
+bodies is what springs store and creep loses. In long steps, which are for bearings that roll, it is that of the patches
+before. The creep is the mean of both kicks', implicit in the traction, so that none, however fast, limits the step (of
+a contact that slides, whose traction is given, what is left). The springs do, as normal contacts do. With a reciprocal
+mass slips must be those of places, too: a spring stretched by momenta and the normal forces would belong to different
+masses, and waves that both reach would flutter.
 
-    (e + d₊/2)² / 2C − ½ T d₊,
+C follows the normal force: as that grows the traction stays, as it falls the stretch does, and neither makes energy.
 
-changes in a step by what tractions do to the spring, exactly. Of a contact that slides, whose traction is given, the
-first equation would make e swing from step to step; there the stretch is T C. C follows the normal force: as that
-grows the traction stays, as it falls the stretch does, and neither makes energy.
-
-Source: Newmark, ASCE J. Eng. Mech. 85 (1959) 67; Elata and Berryman, Mechanics of Materials 24 (1996) 229, on the last.
+Source: Hairer, Lubich and Wanner, Acta Numerica 12 (2003) 399, on leapfrog; Elata and Berryman, Mechanics of Materials
+24 (1996) 229, on the last.
 """
 
+from fem.kernels.creep import creep_traction
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger, smaller
 from fem.kernels.lane_memory import gather, load, store
-from fem.kernels.lanes import magnitude, select, splat
+from fem.kernels.lanes import WIDTH, magnitude, select, splat
 from fem.kernels.law import STEEPEST
 from fem.kernels.state import Shear
 
 
 @verb
-def spring_back(shear, contacts, pair, row, dt):
-    """What eight springs add to the slip, m/s, and to the mobility times dt, m/s per N, of their contacts' creep."""
-    return 0.0, 0.0
+def follow_slips_after(shear, forces, friction, dt, n):
+    """Stretch the springs of closed contacts by half of the slips that a kick leaves, less half of their creep."""
 
 
-@spring_back.of(Shear)
-def _spring_back(shear, contacts, pair, row, dt):
+@follow_slips_after.of(Shear)
+def _follow_slips_after(shear, forces, friction, dt, n):
+    columns, half = shear.stretch.shape[1], 0.5 * dt
+    for row in range(shear.stretch.shape[0]):
+        for at in range(row * columns, row * columns + n, WIDTH):
+            gained = half * (load(friction.slip_left, at) - load(shear.creep, at))
+            store(shear.stretch, at, load(shear.stretch, at) + select(load(forces.force, at) > 0.0, gained, 0.0))
+
+
+@verb
+def follow_slips_before(shear, friction, n):
+    """The other half of the slips, before the next kick, of contacts that were closed at the last."""
+
+
+@follow_slips_before.of(Shear)
+def _follow_slips_before(shear, friction, n):
+    columns = shear.stretch.shape[1]
+    for row in range(shear.stretch.shape[0]):
+        for at in range(row * columns, row * columns + n, WIDTH):
+            gained = 0.5 * load(shear.since, at) * load(friction.slip, at)
+            store(shear.stretch, at, load(shear.stretch, at) + select(load(shear.since, at) > 0.0, gained, 0.0))
+
+
+@verb
+def pull(shear, contacts, pair, row, dt, limit, full_slip):
+    """Forces, N, of the springs of eight contacts along their slips; `limit`, N, and `full_slip`, m/s, as Carter's."""
+    return splat(0.0)
+
+
+@pull.of(Shear)
+def _pull(shear, contacts, pair, row, dt, limit, full_slip):
+    closed = load(contacts.forces.force, row) > 0.0
     compliance = _follow(shear, contacts.forces, pair, row)
-    return (load(shear.gained, row) - 4.0 * load(shear.stretch, row)) * (1.0 / dt), compliance * (4.0 / dt)
+    stretched = load(shear.stretch, row)
+    force, creep = creep_traction(stretched * (2.0 / dt), limit, full_slip, compliance * (2.0 / dt))
+    stretch = compliance * force
+    slid = (stretched - stretch) * (1.0 / dt) + 0.5 * load(shear.creep, row)
+    store(shear.stretch, row, stretch)
+    store(shear.creep, row, select(closed, select(magnitude(force) >= limit, slid, creep), 0.0))
+    store(shear.since, row, select(closed, splat(dt), 0.0))
+    return force
 
 
 @part
@@ -49,27 +87,7 @@ def _follow(shear, forces, pair, row):
     kept = select(closed, smaller(soft / load(shear.compliance, row), 1.0), 0.0)
     store(shear.compliance, row, soft)
     store(shear.stretch, row, kept * load(shear.stretch, row))
-    store(shear.gained, row, kept * load(shear.gained, row))
     return soft
-
-
-@verb
-def stretch(shear, row, chosen, traction, limit, creep, slip):
-    """Stretch the springs of chosen ones of eight contacts by their tractions; the slips left, m/s.
-
-    `traction`, `limit` : N, against the slip, and where it slides; `creep`, `slip` : m/s, without and with springs
-    """
-    return creep
-
-
-@stretch.of(Shear)
-def _stretch(shear, row, chosen, traction, limit, creep, slip):
-    before, last = load(shear.stretch, row), load(shear.gained, row)
-    own, sliding = load(shear.compliance, row) * traction, magnitude(traction) >= limit
-    gained = select(sliding, 0.0, 4.0 * (own - before) + last)
-    store(shear.stretch, row, select(chosen, select(sliding, own, before + gained), before))
-    store(shear.gained, row, select(chosen, gained, last))
-    return slip
 
 
 @verb
@@ -80,36 +98,21 @@ def let_go(shear, row):
 @let_go.of(Shear)
 def _let_go(shear, row):
     store(shear.stretch, row, splat(0.0))
-    store(shear.gained, row, splat(0.0))
+    store(shear.creep, row, splat(0.0))
+    store(shear.since, row, splat(0.0))
 
 
 @verb
-def spring_energy(shear, traction, n):
-    """What all springs store at the kick just made, J; `traction` on side 1, N."""
+def spring_energy(shear, n):
+    """What all springs store at the kick just made, J."""
     return 0.0
 
 
 @spring_energy.of(Shear)
-def _spring_energy(shear, traction, n):
+def _spring_energy(shear, n):
     found = 0.0
-    for row in range(traction.shape[0]):
+    for row in range(shear.stretch.shape[0]):
         for j in range(n):
-            gained = shear.gained[row, j]
-            half_way = shear.stretch[row, j] - 0.5 * gained
-            found += 0.5 * (half_way * half_way / shear.compliance[row, j] + traction[row, j] * gained)
-    return found
-
-
-@verb
-def behind_places(shear, traction, n):
-    """Work that slips of momenta lack of those of places, J: in a patch that gives way, ½ softness T²."""
-    return 0.0
-
-
-@behind_places.of(Shear)
-def _behind_places(shear, traction, n):
-    found = 0.0
-    for row in range(traction.shape[0]):
-        for j in range(n):
-            found += 0.5 * shear.softness[row] * traction[row, j] * traction[row, j]
+            stretch = shear.stretch[row, j]
+            found += 0.5 * stretch * stretch / shear.compliance[row, j]
     return found

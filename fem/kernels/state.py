@@ -44,8 +44,11 @@ class Disc(NamedTuple):
     points: np.ndarray  # (2 n_nodes,), m
     grown: np.ndarray  # (2 n_nodes,), m/s, blocks·points
     mass: np.ndarray  # (n_nodes,), kg
+    first: int  # node of the surface, whose nodes are the last ones
     u: np.ndarray  # (n_nodes · 2 · columns,), m
     w: np.ndarray  # momentum over lumped mass, m/s
+    v: np.ndarray  # velocities of the surface's nodes, m/s; w itself where masses are lumped
+    calmed: np.ndarray  # w with its fastest waves lessened, m/s, see `reciprocal_mass`; empty where masses are lumped
 
 
 class Ring(NamedTuple):
@@ -53,8 +56,11 @@ class Ring(NamedTuple):
 
     table: np.ndarray  # −dt·M⁻¹K
     slowed: np.ndarray  # γ dt² times that, see `reciprocal_mass`
+    calming: np.ndarray  # β dt times that
     u: np.ndarray  # (n_rows, 2, n_sectors + 2 HALO)
     w: np.ndarray  # momentum over lumped mass
+    v: np.ndarray  # of the raceway's nodes, as a disc's
+    calmed: np.ndarray  # as a disc's
     radii: np.ndarray
     grown: np.ndarray  # (n_rows,), slowed·radii
     row_mass: np.ndarray
@@ -72,6 +78,7 @@ class DiscSurface(NamedTuple):
 
     u: np.ndarray
     w: np.ndarray
+    v: np.ndarray
     points: np.ndarray
     lightness: np.ndarray  # (n_nodes + 8,), 1/kg, inverse masses; the surface's first eight once more
     impulse: np.ndarray  # (2, columns), N s, of this step, through nodes
@@ -87,6 +94,7 @@ class RingSurface(NamedTuple):
 
     u: np.ndarray
     w: np.ndarray
+    v: np.ndarray
     cosines: np.ndarray
     sines: np.ndarray
     ripple: np.ndarray
@@ -235,10 +243,10 @@ class Shear(NamedTuple):
     """Tangential springs of contacts, by pair and roller: see `shear_kernels`."""
 
     level: np.ndarray  # (3,), of what the mesh lacks of a contact's compliance over the law's A, less ½ ln Q
-    stretch: np.ndarray  # (3, columns), m, after this step, along the slip
-    gained: np.ndarray  # (3, columns), m, of it in this step
-    compliance: np.ndarray  # (3, columns), m/N, at the last kick
-    softness: np.ndarray  # (3,), m/N, by which patches give way more in momenta than in places
+    stretch: np.ndarray  # (3, columns), m, along the slip; between two kicks halfway, see `shear_kernels`
+    creep: np.ndarray  # (3, columns), m/s, at the last kick
+    since: np.ndarray  # (3, columns), s, a step where the contact was closed then, else 0
+    compliance: np.ndarray  # (3, columns), m/N, then
 
 
 class Friction(NamedTuple):
@@ -249,10 +257,8 @@ class Friction(NamedTuple):
     slip: np.ndarray  # (3, columns), m/s, before the step's kick
     slip_left: np.ndarray  # (3, columns), m/s, after it
     mobility: np.ndarray  # (3, columns), 1/kg, of both sides together
-    coupling: np.ndarray  # (3, columns), 1/kg, slip against t per impulse that pushes both sides apart
     coefficient: float
     overlapping: int | None  # when patches of neighbouring contacts overlap, see `friction_kernels`; None: never
-    apart: bool  # whether no two contacts ever share a node; see `friction_solution.pushes_later`
     whole: bool | None  # None: no contacts share rigid bodies
     shear: Shear | None  # None: surfaces give way tangentially as the mesh does
 
@@ -337,6 +343,7 @@ class Drive(NamedTuple):
     dt: float
     slowed: np.ndarray  # (2, 2), m, that the reciprocal mass adds to the hub's motion: in the last step, in the next
     slowing: float  # γ dt², s², see `reciprocal_mass`
+    calming: float  # β dt, s
     radial_load: float  # N
     ramp: float  # s, 0: full load at once
     course: Course | None = None  # of speed and load; None: they stay

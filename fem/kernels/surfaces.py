@@ -71,23 +71,14 @@ def out_of_surface(surface, patches, side, group):
 
 @verb
 def grip(surface, patches, side, group):
-    """Mobilities of patches, 1/kg; keeps what a unit traction does to their nodes, W g, for what follows.
-
-    And the sideways velocity that a unit impulse along b gives a patch, 1/kg.
-    """
-    return splat(0.0), splat(0.0)
+    """Mobilities of patches, 1/kg; keeps what a unit traction does to their nodes, W g, for what follows."""
+    return splat(0.0)
 
 
 @verb
 def sideways(surface, patches, side, group, column, nx, ny):
     """Velocity of surfaces along t = Jn, m/s; of a roller relative to its centre of mass and against a clock."""
     return splat(0.0)
-
-
-@verb
-def both_ways(surface, patches, side, group):
-    """`out_of_surface` and `sideways` in one pass: the velocities along b, mobilities, the velocities along t."""
-    return splat(0.0), splat(0.0), splat(0.0)
 
 
 @verb

@@ -15,12 +15,12 @@ from fem.kernels.course_kernels import follow, load_at, step_of, with_aside
 from fem.kernels.damping_kernels import damp_contacts
 from fem.kernels.drive_kernels import kick_hub, move_hub
 from fem.kernels.ending import DONE, NOT_FINITE, lost
-from fem.kernels.friction_solution import friction_contacts, pushes_later, slips_before
+from fem.kernels.friction_solution import friction_contacts, pushes_later, slips_after, slips_before
 from fem.kernels.jit import every, kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, fma
-from fem.kernels.node_kernels import drift_nodes, kick_nodes, make_ready
+from fem.kernels.node_kernels import drift_nodes, kick_nodes, make_ready, slow_nodes
 from fem.kernels.other_bodies import drift_others, end_kicks, kick_others
 from fem.kernels.resolved_kernels import press_all_points
 from fem.kernels.rigid_surfaces import settle, turn
@@ -59,18 +59,18 @@ def push_touching(groups, bodies, contacts, drive, dampers):
 def kick(bodies, groups, contacts, drive, time, scratch):
     """Advance all velocities by one step at fixed positions, but for the rollers' turning as a whole (`drift`).
 
-    Returns of this step the work of the load, J, the moment on hub and ring about the origin other than the drive's and
-    gravity's, N m s, and the work that friction takes, J.
+    Returns of this step the work of the load, J, and the moment on hub and ring about the origin other than the drive's
+    and gravity's, N m s.
     """
-    rollers, surface, rubbed = bodies.rollers, bodies.surface, 0.0
+    rollers, surface = bodies.rollers, bodies.surface
     follow(drive.course, time, drive.dt)
     _clear(rollers, drive)
     damp_bodies(bodies, drive, bodies.damping)
     press_contacts(groups, bodies, contacts, drive, contacts.points)
     friction, later = contacts.friction, False
     if friction.coefficient > 0.0:
-        slips_before(groups, rollers, surface, contacts, scratch.still)
-        later = pushes_later(friction, contacts.points, friction.whole)
+        slips_before(groups, rollers, surface, contacts, scratch.still, drive.slowing == 0.0)
+        later = pushes_later(friction, friction.whole)
     if later:
         push_touching(groups, bodies, contacts, drive, contacts.dampers)
     else:
@@ -85,9 +85,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     _take_back_torque(rollers, scratch)
     damp_contacts(groups, bodies, contacts, contacts.dampers, drive, later)
     if friction.coefficient > 0.0:
-        rubbed = friction_contacts(
-            groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole, later
-        )
+        friction_contacts(groups, rollers, surface, contacts, drive, friction.overlapping, friction.whole, later)
     end_kicks(bodies.others, drive)
     make_ready(bodies, drive, scratch)
     slowed = drive.slowed
@@ -95,7 +93,7 @@ def kick(bodies, groups, contacts, drive, time, scratch):
     moved_y = drive.dt * (before + drive.velocity[1]) + slowed[0, 1] + slowed[1, 1]
     work_load = -radial_load * 0.5 * moved_y  # friction may have moved a rigid hub
     work_load = with_aside(drive.course, work_load, aside * 0.5 * moved_x)
-    return work_load, moment + drive.moment[1] - drive.moment[0] * drive.dt, rubbed
+    return work_load, moment + drive.moment[1] - drive.moment[0] * drive.dt
 
 
 @part
@@ -124,6 +122,23 @@ def _take_back_torque(rollers, scratch):
 
 
 @part
+def slide(bodies, groups, contacts, drive, scratch):
+    """Slow the fastest waves, and find how surfaces slip in the step to come.
+
+    Returns the work that friction takes at this kick in the steps before and after it, J.
+    """
+    rollers, taken = bodies.rollers, 0.0
+    for j in range(0, rollers.n, WIDTH):
+        c, s = cosine_and_sine(load(rollers.increment, j))
+        store(scratch.cosine, j, c)
+        store(scratch.sine, j, s)
+    slow_nodes(bodies, drive, scratch)
+    if contacts.friction.coefficient > 0.0:
+        taken = slips_after(groups, rollers, bodies.surface, contacts, drive.dt, drive.slowing == 0.0)
+    return 0.5 * drive.dt * taken
+
+
+@part
 def drift(bodies, drive, scratch):
     """Advance all positions by one step."""
     dt, rollers = drive.dt, bodies.rollers
@@ -139,7 +154,7 @@ def drift(bodies, drive, scratch):
 
 @part
 def _move_rollers(rollers, dt, scratch):
-    """Move the centres of mass; what that is in the rollers' frames, and how far these turn, to `scratch`."""
+    """Move the centres of mass; what that is in the rollers' frames to `scratch`."""
     columns, over = rollers.columns, 1.0 / rollers.total_mass
     impulse, velocity, centre, shift = rollers.node_impulse, rollers.velocity, rollers.centre, scratch.shift
     for j in range(0, rollers.n, WIDTH):
@@ -147,9 +162,6 @@ def _move_rollers(rollers, dt, scratch):
         px, py = load(impulse, j) * over, load(impulse, columns + j) * over
         store(shift, j, c * px + s * py)
         store(shift, columns + j, c * py - s * px)
-        step_c, step_s = cosine_and_sine(load(rollers.increment, j))
-        store(scratch.cosine, j, step_c)
-        store(scratch.sine, j, step_s)
         vx, vy = load(velocity, j) + px, load(velocity, columns + j) + py
         store(velocity, j, vx)
         store(velocity, columns + j, vy)
@@ -188,12 +200,12 @@ def advance(bodies, groups, contacts, drive, scratch, first_step, stride, sample
             time = step * drive.dt
             if inside == 0:
                 remember(bodies, drive, scratch)
-            work, moment, rubbed = kick(bodies, groups, contacts, drive, time, scratch)
+            work, moment = kick(bodies, groups, contacts, drive, time, scratch)
             if inside == 0:
                 write_sample(bodies, groups, contacts, drive, scratch, samples[row], time, moment)
             drive.sums[0] += work
             drive.sums[1] += moment
-            drive.sums[2] += rubbed
+            drive.sums[2] += slide(bodies, groups, contacts, drive, scratch)
             drift(bodies, drive, scratch)
             step += 1
             body = lost(drive.velocity, bodies.rollers)

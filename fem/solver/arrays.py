@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
-from fem.elastic.reciprocal_mass import SHARE, disc_momenta, ring_momenta, slowing
+from fem.elastic.reciprocal_mass import ReciprocalMass, Slowing, disc_momenta, held_velocity, ring_momenta
 from fem.elastic.rigid import RigidRing
 from fem.elastic.supported import SupportedRing
 from fem.kernels import disc_kernels, ring_kernels
@@ -42,28 +42,33 @@ def make_arrays(
     friction: float,
     ramp: float,
     largest_force: float,
-    share: float = SHARE,
+    mass: ReciprocalMass,
 ) -> Arrays:
     """Positions at t = 0 and velocities at −dt/2.
 
-    `ramp` in s; the largest static contact force in N; `share` : γ of the reciprocal mass.
+    `ramp` in s; the largest static contact force in N; `mass` : of nodes.
     """
-    slowed = slowing(dt, share)
-    inner = ring_nodes(model.inner_ring, dt, slowed)
-    outer = ring_nodes(model.outer_ring, dt, slowed)
+    slowing = mass.at(dt)
+    inner = ring_nodes(model.inner_ring, dt, slowing)
+    outer = ring_nodes(model.outer_ring, dt, slowing)
     rollers = _rollers(model.roller, model.bearing.n_rollers)
-    disc = disc_nodes(model.roller, dt, rollers.columns)
-    drive = _drive(model, operation, start, dt, ramp, slowed)
+    disc = disc_nodes(model.roller, dt, rollers.columns, slowing)
+    drive = _drive(model, operation, start, dt, ramp, slowing)
     data = model.kernel_data(largest_force)
-    contacts = contact_arrays(model, operation, start, data, friction, slowed, rollers.columns)
+    contacts = contact_arrays(model, operation, start, data, friction, mass, rollers.columns)
     if not model.inner_ring.material.rigid:
-        _place_inner(model.inner_ring, inner, start, operation.speed, dt, slowed)
+        momenta = _place_inner(model.inner_ring, inner, start, operation.speed, dt, slowing)
+        drive.velocity[:] -= held_velocity(model.inner_ring, momenta, slowing, drive.mass)
     if not model.outer_ring.material.rigid:
         shift = np.broadcast_to(start.housing, (len(model.outer_ring.points), 2))
         _fill(outer.u, start.equilibrium.outer_ring + model.outer_ring.polar(shift))
-        _fill(outer.w, ring_momenta(model.outer_ring, start.outer_rate, slowed))
-    _place_rollers(model.roller, rollers, disc, start, dt, slowed)
+        _fill(outer.w, ring_momenta(model.outer_ring, start.outer_rate, slowing))
+    _place_rollers(model.roller, rollers, disc, start, dt, slowing)
     rollers, disc, inner, outer = (lined_up(group) for group in (rollers, disc, inner, outer))
+    if mass.share == 0.0:
+        disc, inner, outer = (group._replace(v=group.w) for group in (disc, inner, outer))
+    if mass.calming == 0.0:
+        disc, inner, outer = (group._replace(calmed=group.w) for group in (disc, inner, outer))
     surface = disc_surface(model, rollers, disc, data)
     column = N_SCALARS + len(BLOCKS) * rollers.n
     housing = housing_body(model, operation, outer, start.housing, dt, column)
@@ -71,10 +76,16 @@ def make_arrays(
     of_bore = column + len(replace(operation.mounting, bore=None).columns)
     bore = bore_body(model.outer_ring, outer, start.outer_rate, housing, of_bore)
     others = tuple((body,) for body in (bore, housing, shaft) if body is not None)  # the bore moves the housing
+    if housing is not None and housing.ring is not None:
+        momenta = ring_momenta(model.outer_ring, start.outer_rate, slowing)
+        housing.velocity[:] -= held_velocity(model.outer_ring, momenta, slowing, housing.mass)
     if isinstance(model.outer_ring, SupportedRing):
         held = model.outer_ring.held_sectors.astype(np.int64)
         place = outer.u[outer.held][:, HALO + held].copy()
-        others = (*others, (HeldNodes(u=outer.u, w=outer.w, sectors=held, place=place, row=outer.held),))
+        nodes = HeldNodes(
+            u=outer.u, w=outer.w, calmed=outer.calmed, sectors=held, place=place, row=outer.held
+        )  # fmt: skip
+        others = (*others, (nodes,))
     return Arrays(
         bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer, others=others),
         groups=pair_groups(model, (inner, outer), drive, housing, data, rollers.columns),
@@ -106,7 +117,7 @@ def _rollers(disc: DiscBody, n: int) -> Rollers:
     )
 
 
-def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
+def disc_nodes(disc: DiscBody, dt: float, columns: int, slowing: Slowing) -> Disc:
     """Nodes at rest of so many rollers, for steps of `dt`, s; none of rigid ones."""
     starts, neighbours, blocks = disc.blocks()
     points, mass = disc.points, disc.mass
@@ -121,13 +132,16 @@ def disc_nodes(disc: DiscBody, dt: float, columns: int) -> Disc:
         points=np.ascontiguousarray(points).ravel(),
         grown=grown,
         mass=mass.copy(),
+        first=0 if disc.material.rigid else disc.first_surface_node,
         u=np.zeros(len(mass) * 2 * columns),
         w=np.zeros(len(mass) * 2 * columns),
+        v=np.zeros(len(mass) * 2 * columns),
+        calmed=np.zeros(len(mass) * 2 * columns),
     )
 
 
-def ring_nodes(ring: RingBody, dt: float, slowed: float) -> Ring:
-    """Nodes at rest of a ring, for steps of `dt`, s; `slowed` : γ dt², s²."""
+def ring_nodes(ring: RingBody, dt: float, slowing: Slowing) -> Ring:
+    """Nodes at rest of a ring, for steps of `dt`, s."""
     if isinstance(ring, RigidRing):
         return _rigid_ring(ring)
     width = ring.n_sectors + 2 * HALO
@@ -137,11 +151,14 @@ def ring_nodes(ring: RingBody, dt: float, slowed: float) -> Ring:
     first = int(ring.free_rows[0])
     return Ring(
         table=table,
-        slowed=slowed * table,
+        slowed=slowing.waves * table,
+        calming=slowing.velocities / dt * table,
         u=np.zeros((ring.n_rows, 2, width)),
         w=np.zeros((ring.n_rows, 2, width)),
+        v=np.zeros((ring.n_rows, 2, width)),
+        calmed=np.zeros((ring.n_rows, 2, width)),
         radii=ring.radii.copy(),
-        grown=-slowed * dt * (widening[:, 0, :, 0] @ ring.radii) / ring.row_mass,
+        grown=-slowing.waves * dt * (widening[:, 0, :, 0] @ ring.radii) / ring.row_mass,
         row_mass=ring.row_mass.copy(),
         cosines=np.cos(angle),
         sines=np.sin(angle),
@@ -158,8 +175,11 @@ def _rigid_ring(ring: RigidRing) -> Ring:
     return Ring(
         table=np.zeros((1, 18)),
         slowed=np.zeros((1, 18)),
+        calming=np.zeros((1, 18)),
         u=np.zeros((1, 2, width)),
         w=np.zeros((1, 2, width)),
+        v=np.zeros((1, 2, width)),
+        calmed=np.zeros((1, 2, width)),
         grown=np.zeros(1),
         radii=np.array([np.sqrt(ring.polar_inertia / ring.total_mass)]),
         row_mass=np.array([ring.total_mass]),
@@ -179,8 +199,11 @@ def _fill(target: np.ndarray, values: np.ndarray) -> None:
     target[:, :, -HALO:] = target[:, :, HALO : 2 * HALO]
 
 
-def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: float, slowed: float) -> None:
-    """Polar state about the outer ring's centre: the hub's motion, the rotation and the deformation."""
+def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: float, slowing: Slowing) -> np.ndarray:
+    """Polar state about the outer ring's centre: the hub's motion, the rotation and the deformation.
+
+    Returns the momenta, (n_rows, 2, n_sectors), m/s, without what half a step turns of them.
+    """
     cosine, sine = np.cos(body.angles), np.sin(body.angles)
 
     def polar(vector):
@@ -193,10 +216,12 @@ def _place_inner(body: RingBody, ring: Ring, start: Start, speed: float, dt: flo
     turned = np.stack([-position[:, 1], position[:, 0]], axis=1)
     velocity = start.inner_rate + speed * turned + polar(start.hub_velocity)
     kick = dt * speed**2 * position if start.steady else np.zeros_like(position)  # along chords after it
-    _fill(ring.w, ring_momenta(body, velocity, slowed) + 0.5 * kick)
+    momenta = ring_momenta(body, velocity, slowing)
+    _fill(ring.w, momenta + 0.5 * kick)
+    return momenta
 
 
-def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, dt: float, slowed: float) -> None:
+def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, dt: float, slowing: Slowing) -> None:
     n, spin, cage = rollers.n, start.kinematics.roller, start.kinematics.cage
     rho, angle = start.equilibrium.rho, start.angle
     radial = rho * np.stack([np.cos(angle), np.sin(angle)])
@@ -211,13 +236,13 @@ def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, d
     position = body.points + start.equilibrium.rollers
     turned = np.stack([-position[..., 1], position[..., 0]], axis=-1)
     kick = 2.0 * half_step * spin**2 * position  # along chords after it
-    momenta = disc_momenta(body, start.roller_rate + spin * turned, slowed) + 0.5 * kick
+    momenta = disc_momenta(body, start.roller_rate + spin * turned, slowing) + 0.5 * kick
     shape = (body.n_nodes, 2, rollers.columns)
     disc.u.reshape(shape)[:, :, :n] = np.moveaxis(start.equilibrium.rollers, 0, -1)
     disc.w.reshape(shape)[:, :, :n] = np.moveaxis(momenta, 0, -1)
 
 
-def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float, slowed: float) -> Drive:
+def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float, slowing: Slowing) -> Drive:
     mass, shaft = hub_mass(model.inner_ring, operation), operation.mounting.shaft
     return Drive(
         hub=start.equilibrium.hub + start.housing,
@@ -232,7 +257,8 @@ def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: fl
         gravity=float(operation.gravity),
         dt=float(dt),
         slowed=np.zeros((2, 2)),
-        slowing=slowed,
+        slowing=slowing.waves,
+        calming=slowing.velocities / float(dt),
         radial_load=float(operation.radial_load),
         ramp=float(ramp),
         course=course_arrays(model.bearing, operation),

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 import numba
 import numpy as np
 
-from fem.contacts.patch import disc_patch_traction, ring_patch_traction
-from fem.elastic.reciprocal_mass import disc_softness, ring_softness
+from fem.elastic.reciprocal_mass import ReciprocalMass
 from fem.elastic.supported import LooseRing
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.housing_kernels import Housing
@@ -45,11 +44,8 @@ if TYPE_CHECKING:
     from fem.elastic.bodies import RingBody
     from fem.solver.start import Start
 
-SLACK = 0.1  # node spacings, by which rollers that press on each other may be nearer than rigid ones
 REACH = 0.01  # of a roller's radius
 REACH_OF_LOOSE = 0.1  # the same where an outer ring bends or moves as a whole; twice what guards let rollers go
-
-PLACES = np.array([0.0, 0.25, 0.5, 0.75])  # of a patch between two nodes
 
 
 def pair_groups(
@@ -133,6 +129,7 @@ def disc_surface(model: "Model", rollers: Rollers, disc: Disc, data: "KernelData
     return DiscSurface(
         u=disc.u,
         w=disc.w,
+        v=disc.v,
         points=disc.points,
         lightness=at_line(1.0 / np.append(disc.mass, np.resize(disc.mass[model.roller.first_surface_node :], WIDTH))),
         impulse=rollers.node_impulse,
@@ -149,6 +146,7 @@ def _ring_surface(body: "RingBody", ring: Ring, ripple: np.ndarray) -> RingSurfa
     return RingSurface(
         u=ring.u,
         w=ring.w,
+        v=ring.v,
         cosines=ring.cosines,
         sines=ring.sines,
         ripple=at_line(with_seam(ripple)),
@@ -165,10 +163,17 @@ def contact_arrays(
     start: "Start",
     data: "KernelData",
     friction: float,
-    slowed: float,
+    mass: ReciprocalMass,
     columns: int,
 ) -> Contacts:
-    """Contacts at the start, with its static forces. `slowed` : γ dt², s²."""
+    """Contacts at the start, with its static forces. `mass` : of nodes.
+
+    Errors
+    ------
+    ValueError: long steps, in which velocities are not momenta's, and friction that is solved for by these.
+    """
+    if mass.share > 0.0 and friction > 0.0 and data.shear_levels is None:
+        raise ValueError("contacts without tangential springs need lumped masses")
     n = model.bearing.n_rollers
     pairs = len(data.laws)
     force = np.zeros((pairs, columns))
@@ -207,12 +212,10 @@ def contact_arrays(
             slip=np.zeros((pairs, columns)),
             slip_left=np.zeros((pairs, columns)),
             mobility=np.zeros((pairs, columns)),
-            coupling=np.zeros((pairs, columns)),
             coefficient=float(friction),
-            overlapping=_overlapping(model, data.neighbourly),
-            apart=bool(min(_nodes_between(model)) > N_NODES + SLACK),
+            overlapping=_overlapping(model, data.neighbourly) if data.shear_levels is None else None,
             whole=True if _shares_rigid_bodies(model, operation) else None,
-            shear=None if data.shear_levels is None else _shear(model, data, slowed, columns),
+            shear=None if data.shear_levels is None else _shear(data.shear_levels, columns),
         ),
         points=data.points,
         reach=_reach(model, operation) + data.facet_depth,
@@ -225,31 +228,10 @@ def _shares_rigid_bodies(model: "Model", operation: Operation) -> bool:
     return model.roller.material.rigid or model.inner_ring.material.rigid or (model.outer_ring.material.rigid and moves)
 
 
-def _shear(model: "Model", data: "KernelData", slowed: float, columns: int) -> Shear:
-    """Springs that are not stretched: in statics, and as a bearing begins to roll, there are no tractions.
-
-    Slips are read off momenta, in which patches seem to give way more than they do: the springs give way less for that.
-    Not where patches of neighbours overlap: there softer springs keep tractions, solved for in turn, from shaking each
-    other.
-    """
-    shape, level, softness = (len(data.shear_levels), columns), np.array(data.shear_levels), np.zeros(3)
-    if slowed > 0.0 and _overlapping(model, data.neighbourly) != ALWAYS:
-        softness = _softness(model, slowed)
-        level -= softness / np.array([law.A for law in data.laws])
-    return Shear(level, np.zeros(shape), np.zeros(shape), np.ones(shape), softness)
-
-
-def _softness(model: "Model", slowed: float) -> np.ndarray:
-    """By how much more both patches of a contact give way in momenta than in places, by kind, (3,), m/N."""
-    disc, found = model.roller, []
-    for ring in (model.inner_ring, model.outer_ring):
-        angles = 2.0 * np.pi / ring.n_sectors * PLACES
-        patches = [ring_patch_traction(ring, angle).ravel() for angle in angles]
-        found.append(0.0 if ring.material.rigid else ring_softness(ring, np.stack(patches, 1), slowed))
-    angles = 2.0 * np.pi / disc.shape.surface_nodes * PLACES
-    patches = [disc_patch_traction(disc, angle) for angle in angles]
-    roller = 0.0 if disc.material.rigid else disc_softness(disc, np.stack(patches, 1), slowed)
-    return roller + np.array([*found, roller])
+def _shear(levels: tuple[float, ...], columns: int) -> Shear:
+    """Springs that are not stretched: in statics, and as a bearing begins to roll, there are no tractions."""
+    shape = len(levels), columns
+    return Shear(np.array(levels), np.zeros(shape), np.zeros(shape), np.zeros(shape), np.ones(shape))
 
 
 def _overlapping(model: "Model", width: float) -> int | None:

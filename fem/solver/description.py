@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
+from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.elastic.supported import LooseRing
 from fem.solver.pace import in_words, pace
 from fem.solver.run_arrays import Arrays
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from fem.solver.finite_elements import ElementPlan
 
 # one thread of a 2024 server core; only a guide, `wall_seconds` of a run is the truth
-SECONDS_PER_DOF = {False: 0.9e-9, True: 1.4e-9}  # with lumped and with reciprocal masses
+SECONDS_PER_DOF = {LUMPED: 0.9e-9, SECOND: 1.4e-9, THIRD: 1.9e-9}
 SECONDS_PER_ROLLER = 0.35e-6
 BYTES_PER_NODE = 20  # of a stored frame: displacement and stress in single precision
 
@@ -46,7 +47,7 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
     rows = {
         "degrees of freedom": f"{model.degrees_of_freedom}",
         "time step": f"{1e9 * plan.time_step:.2f} ns ({plan.time_step / plan.critical_time_step:.2f} of the critical "
-        f"{1e9 * plan.critical_time_step:.2f} ns{', with the fastest waves slowed' if plan.share else ''})",
+        f"{1e9 * plan.critical_time_step:.2f} ns{', with the fastest waves slowed' if plan.mass.share else ''})",
         "steps": f"{plan.steps} for {1e3 * (plan.n_samples - 1) * plan.interval:g} ms",
         "samples": f"{plan.n_samples}, one each {plan.stride} steps",
         **damping_rows(plan.scene),
@@ -78,7 +79,7 @@ def damping_rows(scene: Scene) -> dict[str, str]:
 def expected_seconds(plan: "ElementPlan") -> float:
     """Of the time loop."""
     model = plan.model
-    each = SECONDS_PER_DOF[plan.share > 0.0] * model.degrees_of_freedom + SECONDS_PER_ROLLER * model.bearing.n_rollers
+    each = SECONDS_PER_DOF[plan.mass] * model.degrees_of_freedom + SECONDS_PER_ROLLER * model.bearing.n_rollers
     return pace("fem") * each * plan.steps
 
 

@@ -5,10 +5,10 @@ from math import ceil, sqrt
 
 import numpy as np
 
-from fem.contacts.critical_step import WORTH, critical_time_step, next_rung
+from fem.contacts.critical_step import critical_time_step, next_rung
 from fem.contacts.model import Model
 from fem.elastic.bored import BoredRing
-from fem.elastic.reciprocal_mass import SHARE
+from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
 from fem.solver.arrays import hub_mass, make_arrays
 from fem.solver.cage_arrays import cage_springs, with_cage
 from fem.solver.cage_seat import cage_seat
@@ -32,6 +32,7 @@ from lagrange.scene import Scene
 
 # times gravity that turning must press rollers outwards by, or those without load fall within the bearing
 HELD = 5.0
+LONG = THIRD, SECOND  # which of them is tried first
 KNOTS_A_STEP = 0.3  # of a profile's spline: with more, spalls that pass at 40 m/s cost per cents of the energy
 
 
@@ -49,7 +50,7 @@ class ElementPlan(CompiledPlan):
     stride: int  # steps between samples
     n_samples: int
     largest_force: float  # N, static, of any contact
-    share: float  # γ, see `reciprocal_mass`
+    mass: ReciprocalMass  # of nodes
     frame_stride: int  # samples between stored fields; 0: none
     cautions: tuple[str, ...] = ()
 
@@ -90,7 +91,7 @@ class ElementPlan(CompiledPlan):
         numerics = self.scene.numerics
         ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
         friction = self.scene.friction_coefficient
-        how = self.time_step, friction, ramp, self.largest_force, self.share
+        how = self.time_step, friction, ramp, self.largest_force, self.mass
         arrays = make_arrays(self.model, self.operation, self.start, *how)
         arrays = with_damping(arrays, self.model, self.scene.damping)
         cage, start = self.scene.ideal_cage(), self.start
@@ -153,8 +154,10 @@ def make_plan(scene: Scene) -> ElementPlan:
     on_bearing, on_cage = cage_springs(model.bearing, scene.ideal_cage(), operation)
     springs = operation.mounting, hub_mass(model.inner_ring, operation), on_bearing
 
-    def critical_with(share: float) -> float:
-        found = critical_time_step(model, next_rung(expected), *springs, share)
+    sticks = scene.contact.friction_coefficient > 0.0
+
+    def critical_with(mass: ReciprocalMass) -> float:
+        found = critical_time_step(model, next_rung(expected), *springs, mass, sticks)
         return found if on_cage == 0.0 else min(found, 2.0 / sqrt(on_cage))
 
     found = start.equilibrium
@@ -162,13 +165,15 @@ def make_plan(scene: Scene) -> ElementPlan:
     seat = cage_seat(model.bearing, scene.ideal_cage(), start.angle, found.rho, found.hub, raceways)
     interval = 1e-6 * numerics.output_interval_us
     along = KNOTS_A_STEP * time_along_a_knot(model.bearing, fastest)
-    share, critical = 0.0, critical_with(0.0)
-    longest = min(numerics.time_step_safety * critical, along)
-    if not may_strike(scene, operation):
-        slowed = critical_with(SHARE)
-        further = min(numerics.time_step_safety * slowed, along)
-        if further > WORTH * longest:
-            share, critical, longest = SHARE, slowed, further
+    mass, critical = LUMPED, critical_with(LUMPED)
+    longest = lumped = min(numerics.time_step_safety * critical, along)
+    if not may_strike(scene, operation) and (model.has_shear_springs or not sticks):
+        for slowed in LONG:
+            further = critical_with(slowed)
+            if min(numerics.time_step_safety * further, along) > slowed.worth * lumped:
+                mass, critical = slowed, further
+                longest = min(numerics.time_step_safety * further, along)
+                break
     steps = max(1, ceil(interval / longest))
     looks = ceil(steps / LONGEST_UNWATCHED)
     stride = looks * ceil(steps / looks)  # `ElementPlan.looks` shall divide it
@@ -182,7 +187,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         time_step=interval / stride,
         stride=stride,
         largest_force=expected,
-        share=share,
+        mass=mass,
         cautions=cautions(model, operation, loaded.equilibrium, interval),
         n_samples=sample_count(scene),
         frame_stride=round(1e-3 * scene.output.fields_every_ms / interval),

@@ -85,9 +85,9 @@ class Arrays:
 
 # What the model determines, beside whole numbers, which are places in arrays: all but those in STATE_INDICES.
 GIVEN = {
-    Disc: ("blocks", "points", "mass"),
+    Disc: ("blocks", "points", "grown", "mass"),
     DiscSurface: ("lightness", "ripple"),
-    Ring: ("table", "radii", "row_mass", "cosines", "sines"),
+    Ring: ("table", "slowed", "calming", "radii", "grown", "row_mass", "cosines", "sines"),
     Points: ("shift", "tangent", "rise", "sagitta", "stiffness"),
     Shear: ("level",),
     Course: ("turn_knots", "turn", "load_knots", "load"),
@@ -96,6 +96,7 @@ GIVEN = {
     Dampers: ("whole",),
     Cage: ("cosine", "sine"),
 }
+ROOM = "v", "calmed", "line"  # what every step fills anew before it is read
 STATE_INDICES = {Patches: ("start", "place"), Spread: ("closed",)}
 
 
@@ -116,7 +117,7 @@ def changing_arrays(group: tuple, place: str) -> dict[str, np.ndarray]:
 def _collect(group: tuple, place: str, found: dict[str, tuple[np.ndarray, bool]]) -> None:
     given, indices = GIVEN.get(type(group), ()), STATE_INDICES.get(type(group), ())
     for name, entry in zip(getattr(group, "_fields", range(len(group))), group, strict=True):
-        if isinstance(entry, np.ndarray):
+        if isinstance(entry, np.ndarray) and name not in ROOM:
             if not any(entry is other for other, _ in found.values()):
                 determined = name in given or (entry.dtype.kind != "f" and name not in indices)
                 found[f"{place}.{name}"] = entry, determined

@@ -89,6 +89,9 @@ class Distribution(Parameter):
     arguments: tuple[float, ...]
 
     def drawn(self, shares: np.ndarray) -> list[Value]:
+        return list(self.quantiles(shares))
+
+    def quantiles(self, shares: np.ndarray) -> list[float]:
         with warnings.catch_warnings(action="ignore"):  # of what is no number, which is refused
             return self.frozen().ppf(shares).tolist()
 
@@ -177,7 +180,7 @@ def _distribution(key: str, name: str, arguments: Any) -> Distribution:
         raise UsageError(f"{place}.{name} = {told(arguments)}: must be a list of numbers: shapes, location, scale")
     found = Distribution(key=key, name=SHORTHAND.get(name, name), arguments=tuple(float(a) for a in numbers))
     try:
-        (middle,) = found.drawn(np.array([0.5]))
+        middle = found.quantiles(np.array([0.5]))[0]
     except TypeError:
         shapes = known.shapes or "none"
         raise UsageError(

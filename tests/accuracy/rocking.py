@@ -6,12 +6,14 @@ as the mesh does. Writes docs/rocking.md. Takes two minutes.
 """
 
 from dataclasses import replace
-from math import pi
+from math import ceil, pi
 
 import numpy as np
 from rich.console import Console
 from scipy.linalg import eigh
 
+from fem.contacts.critical_step import critical_time_step
+from fem.elastic.reciprocal_mass import LUMPED
 from fem.solver.finite_elements import ElementPlan
 from fem.statics.reduced_bearing import tangential_compliance
 from lagrange import Bearing
@@ -33,8 +35,13 @@ def standing_plan(mesh_size_mm: float, duration_ms: float = 0.4, springs: bool =
         operation__speed_rpm=0.0, contact__friction_coefficient=0.5,
     )  # fmt: skip
     struck = replace(plan.start, kinematics=replace(plan.start.kinematics, roller=SPIN))
-    model = plan.model if springs else replace(plan.model, shear_levels=None)
-    return replace(plan, start=struck, model=model)
+    if springs:
+        return replace(plan, start=struck)
+    # creep that is solved for needs lumped masses, and their step
+    critical = critical_time_step(plan.model, plan.largest_force)
+    stride = ceil(plan.interval / (0.9 * critical))
+    short = {"mass": LUMPED, "critical_time_step": critical, "time_step": plan.interval / stride, "stride": stride}
+    return replace(plan, start=struck, model=replace(plan.model, shear_levels=None), **short)
 
 
 def peak(signal: np.ndarray, interval: float, band: tuple[float, float]) -> float:

@@ -11,7 +11,7 @@ from fem.contacts.model import Model
 from fem.contacts.resolved import ResolvedModel
 from fem.contacts.subgrid import SubgridModel
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
-from fem.elastic.reciprocal_mass import SHARE
+from fem.elastic.reciprocal_mass import LUMPED, ReciprocalMass
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.time_loop import advance
 from fem.solver.arrays import make_arrays
@@ -113,10 +113,10 @@ def arrays(
     friction: float = 0.0,
     from_rest: bool = False,
     ramp: float = 0.0,
-    share: float = SHARE,
+    mass: ReciprocalMass = LUMPED,
 ) -> Arrays:
     """Arrays of the time loop at t = 0."""
-    return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE, share)
+    return make_arrays(a_model, how, start_of(a_model, how, from_rest), dt, friction, ramp, LARGEST_FORCE, mass)
 
 
 def copies(state: Arrays) -> Arrays:

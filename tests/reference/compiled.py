@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from fem.elastic.reciprocal_mass import ReciprocalMass
 from fem.kernels import (
     contact_kernels,
+    creep,
     disc_kernels,
-    friction_kernels,
     friction_solution,
     law,
     patches,
@@ -20,16 +21,17 @@ from fem.kernels.lanes import splat
 from fem.solver.run_arrays import Arrays
 
 kick_disc, drift_disc = kernel(disc_kernels.kick), kernel(disc_kernels.drift)
-slow_disc, slow_ring = kernel(disc_kernels.slow_waves), kernel(ring_kernels.slow_waves)
+slow_disc, calm_ring = kernel(disc_kernels.slow_waves), kernel(ring_kernels.calm)
 kick_ring, kick_ring_and_add = kernel(ring_kernels.kick), kernel(ring_kernels.kick_and_add)
 drift_ring, drift_slowed_ring = kernel(ring_kernels.drift), kernel(ring_kernels.drift_slowed)
+find_velocities = kernel(ring_kernels.find_velocities)
 row_force, resultant = kernel(ring_kernels.row_force), kernel(ring_kernels.resultant)
 wrap, set_rigid = kernel(ring_kernels.wrap), kernel(ring_kernels.set_rigid)
 wrap_all = kernel(ring_kernels.wrap_all)
 kick_force, stored_energy = kernel(law.kick_force), kernel(law.contact_energy)
 next_force = kernel(law.next_force)
 weight_slopes, place = kernel(patches.weight_slopes), kernel(surfaces.place)
-creep_traction = kernel(friction_kernels.creep_traction)
+creep_traction = kernel(creep.creep_traction)
 
 
 @kernel
@@ -39,9 +41,11 @@ def kick(bodies, groups, contacts, drive, time, scratch):
 
 
 @kernel
-def drift(bodies, drive, scratch):
-    """`fem.kernels.time_loop.drift`."""
+def drift(bodies, groups, contacts, drive, scratch):
+    """`fem.kernels.time_loop.slide` and `drift`; the work that friction takes, J."""
+    taken = time_loop.slide(bodies, groups, contacts, drive, scratch)
     time_loop.drift(bodies, drive, scratch)
+    return taken
 
 
 @kernel
@@ -86,7 +90,9 @@ def _slips(groups, rollers, surface, contacts, turn_kick, out):
 
 @kernel
 def _rub(groups, rollers, surface, contacts, drive, overlapping, whole, later):
-    return friction_solution.friction_contacts(groups, rollers, surface, contacts, drive, overlapping, whole, later)
+    shear_kernels.follow_slips_before(contacts.friction.shear, contacts.friction, rollers.n)
+    friction_solution.friction_contacts(groups, rollers, surface, contacts, drive, overlapping, whole, later)
+    return 0.5 * drive.dt * friction_solution.slips_after(groups, rollers, surface, contacts, drive.dt, True)
 
 
 @kernel
@@ -95,16 +101,40 @@ def _energy(groups, contacts, n, points, out):
 
 
 @kernel
-def stretch_spring(shear, traction, limit, creep, slip):
-    """Stretch the first eight springs, all alike; see `fem.kernels.shear_kernels.stretch`."""
-    force = splat(traction)
-    shear_kernels.stretch(shear, 0, force == traction, force, splat(limit), splat(creep), splat(slip))
+def pull_spring(shear, contacts, pair, dt, limit, full_slip):
+    """Pull with the first eight springs; see `fem.kernels.shear_kernels.pull`."""
+    shear_kernels.pull(shear, contacts, pair, 0, dt, splat(limit), splat(full_slip))
 
 
 @kernel
-def spring_energy(shear, traction, n):
+def follow_slips(shear, forces, friction, dt, n):
+    """Both halves of `fem.kernels.shear_kernels`."""
+    shear_kernels.follow_slips_after(shear, forces, friction, dt, n)
+    shear_kernels.follow_slips_before(shear, friction, n)
+
+
+@kernel
+def spring_energy(shear, n):
     """`fem.kernels.shear_kernels.spring_energy`, J."""
-    return shear_kernels.spring_energy(shear, traction, n)
+    return shear_kernels.spring_energy(shear, n)
+
+
+def move_slowed_ring(
+    table: np.ndarray,
+    u: np.ndarray,
+    w: np.ndarray,
+    mass: ReciprocalMass,
+    dt: float,
+    rows: tuple[int, int],
+    raceway: int,
+) -> None:
+    """Move a ring that does not turn in a long step; `table` : −dt·M⁻¹K. Halos of w must repeat its ends."""
+    slowing, v, calmed = mass.at(dt), np.zeros_like(w), w
+    if mass.calming:
+        calmed = np.zeros_like(w)
+        calm_ring(slowing.velocities / dt * table, w, calmed, np.zeros(len(w)), 0.0, *rows)
+    find_velocities(slowing.waves * table, calmed, w, v, dt, raceway)
+    drift_slowed_ring(slowing.waves * table, u, w, v, calmed, dt, *rows, raceway)
 
 
 def press_contacts(state: Arrays) -> None:
@@ -128,7 +158,7 @@ def find_slips(state: Arrays, turn_kick: np.ndarray, out: np.ndarray) -> None:
 
 
 def rub_contacts(state: Arrays, later: bool = False) -> float:
-    """Tractions of a state whose patches grip, and their impulses; what they take in a step, J.
+    """Tractions of a state whose patches grip and slip, and their impulses; what they take in a step, J.
 
     `later`: the normal forces' impulses are still to be given, see `fem.kernels.friction_solution.pushes_later`.
     """

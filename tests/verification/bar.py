@@ -67,7 +67,7 @@ def fall(n_elements: int, duration: float, safety: float = 0.9) -> Fall:
     nodes = Disc(
         starts=blocks.indptr.astype(np.int64), neighbours=blocks.indices.astype(np.int64), blocks=scaled,
         points=np.ascontiguousarray(mesh.points).ravel(), grown=np.zeros(2 * mass.size),
-        mass=mass, u=u.reshape(-1), w=w.reshape(-1),
+        mass=mass, first=0, u=u.reshape(-1), w=w.reshape(-1), v=w.reshape(-1), calmed=w.reshape(-1),
     )  # fmt: skip
     turns = disc_kernels.Turns(still, np.ones(columns), still, still, still)
     floor = slice(0, 2)  # the nodes that touch it

@@ -208,8 +208,13 @@ def test_rigid_rollers_obey_newton_and_euler_at_every_step(slides):
     force[..., 1] -= body.total_mass * plan.operation.gravity
     centres = np.stack([found["roller_x"], found["roller_y"]], axis=-1)
     acceleration = (centres[2:] - 2.0 * centres[1:-1] + centres[:-2]) / dt**2
+    error = np.abs(body.total_mass * acceleration - force[1:-1]).max(axis=-1)
+    closed = np.stack([found["inner_force"], found["outer_force"]]) > 0.0
+    changes = ((closed[:, 2:] != closed[:, 1:-1]) | (closed[:, :-2] != closed[:, 1:-1])).any(axis=0)
     # but for the slope of the deformed raceways, 3e-5 of 630 N; under 190 N of sudden traction 2e-3, measured
-    np.testing.assert_allclose(body.total_mass * acceleration, force[1:-1], rtol=0.0, atol=2.0 if slides else 0.05)
+    assert error[~changes].max() < (2.0 if slides else 0.05)
+    # a contact that opens or closes within a step gives what its energy has changed by, here 4.6 N beside its force
+    assert changes.any() == slides and (not slides or error[changes].max() < 10.0)
     turning = body.polar_inertia * np.diff(found["roller_spin"], axis=0) / dt
     np.testing.assert_allclose(turning, 0.005 * (T_o - T_i)[:-1, :, 0], rtol=0.0, atol=1e-9)
     assert np.abs(T_i).max() > (180.0 if slides else 0.1)

@@ -59,8 +59,11 @@ def refusal_in_child(read: Callable[[], object], name: str, seconds: float, memo
             else f"crashes the HDF5 library ({signal.Signals(number).name})"
         )
         return f"{name}: damaged: reading it {what}"
-    if os.WEXITSTATUS(status) == STARVED:
+    code = os.WEXITSTATUS(status)
+    if code == STARVED:
         return f"{name}: reading it takes more than {memory / 2**30:.1f} GiB of memory; is it damaged?"
+    if code != 0:
+        return f"{name}: damaged: reading it ends the process (exit code {code})"
     return text or None
 
 
@@ -85,7 +88,9 @@ def _limit(seconds: float, memory: int) -> None:
     import resource
 
     faulthandler.disable()
-    signal.signal(signal.SIGPROF, signal.SIG_DFL)
+    crashes = signal.SIGSEGV, signal.SIGBUS, signal.SIGABRT, signal.SIGFPE, signal.SIGILL
+    for number in (signal.SIGPROF, *crashes):  # handlers of the parent's might end it in another way
+        signal.signal(number, signal.SIG_DFL)
     signal.setitimer(signal.ITIMER_PROF, seconds)
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     used = Path("/proc/self/statm")

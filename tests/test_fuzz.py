@@ -104,6 +104,16 @@ def test_memory_and_time_are_bounded_in_the_child():
     assert "crashes the HDF5 library (SIGSEGV)" in refusal_in_child(crashing, "a.nc", 5.0, 2**28)
     assert refusal_in_child(refusing, "a.nc", 5.0, 2**28) == "said by the reader"
     assert refusal_in_child(lambda: None, "a.nc", 5.0, 2**28) is None
+    assert "ends the process (exit code 77)" in refusal_in_child(lambda: os._exit(77), "a.nc", 5.0, 2**28)
+
+
+def test_a_crash_is_told_where_the_program_around_handles_crashes_itself():
+    before = signal.signal(signal.SIGSEGV, lambda *_: os._exit(0))
+    try:
+        told = refusal_in_child(lambda: os.kill(os.getpid(), signal.SIGSEGV), "a.nc", 5.0, 2**28)
+    finally:
+        signal.signal(signal.SIGSEGV, before)
+    assert "crashes the HDF5 library (SIGSEGV)" in told
 
 
 def test_a_lower_limit_of_the_user_is_no_reason_to_refuse():

@@ -152,12 +152,15 @@ def _longest_step(
     if mass.share == 0.0:
         return sure
     longest = min(at_most, sqrt(mass.reach / largest(lambda u: waves @ u)))
-    if longest < min(mass.worth * sure, at_most):
+    least, stable = min(mass.worth * sure, at_most), 0.0
+    if longest < least:
         return 0.0
-    stable = 0.0
-    for dt in sorted({min(times * sure, longest) for times in LOOKED_AT if times >= mass.worth} | {longest}):
+    for dt in sorted({min(times * sure, longest) for times in LOOKED_AT} | {longest}):
         if excess(dt) > 0.0:
-            return (1.0 - STEP_TOLERANCE) * brentq(excess, stable, dt, rtol=STEP_TOLERANCE) if stable else 0.0
+            if dt <= least:
+                return 0.0
+            found = (1.0 - STEP_TOLERANCE) * brentq(excess, stable, dt, rtol=STEP_TOLERANCE)
+            return found if found >= least else 0.0
         stable = dt
     return stable
 

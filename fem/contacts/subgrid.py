@@ -138,7 +138,7 @@ class SubgridModel(Model):
         )
 
     def springs(self, force: float) -> dict[str, sparse.csc_matrix]:
-        """See `Model.springs`: one on each patch, stiffer the larger the force."""
+        """See `Model.springs`: one on each patch, stiffer the larger the force; so are those of `shear_springs`."""
         return self._on_patches(self.stiffnesses(force), disc_patch_force, ring_patch_force)
 
     def shear_springs(self, force: float) -> dict[str, sparse.csc_matrix]:
@@ -163,7 +163,7 @@ class SubgridModel(Model):
         return [law.stiffness(min(force, law.Q_line)) for law in self.laws]
 
     def shear_stiffnesses(self, force: float) -> list[float]:
-        found = zip(self.laws, self.shear_levels or (np.inf,) * 3, strict=True)
+        found = zip(self.laws, self.shear_levels, strict=True)
         return [1.0 / (law.A * max(level - 0.5 * log(min(force, law.Q_line)), STEEPEST)) for law, level in found]
 
     def kernel_data(self, largest_force: float) -> KernelData:

@@ -83,6 +83,8 @@ def held_velocity(ring: "RingBody", momenta: np.ndarray, slowing: Slowing, mass:
 
     `momenta` : of the ring's nodes, over lumped masses, (n_rows, 2, n_sectors), m/s
     """
+    if slowing.waves == 0.0:
+        return np.zeros(2)
     lightness, flat = _lightness(ring), momenta.ravel()
     calmed = flat - slowing.velocities * lightness * (ring.matrix @ flat)
     radial, around = (ring.matrix @ calmed).reshape(momenta.shape)[ring.held_row]

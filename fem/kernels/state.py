@@ -48,7 +48,9 @@ class Disc(NamedTuple):
     u: np.ndarray  # (n_nodes · 2 · columns,), m
     w: np.ndarray  # momentum over lumped mass, m/s
     v: np.ndarray  # velocities of the surface's nodes, m/s; w itself where masses are lumped
-    calmed: np.ndarray  # w with its fastest waves lessened, m/s, see `reciprocal_mass`; empty where masses are lumped
+    calmed: (
+        np.ndarray
+    )  # w with its fastest waves lessened, m/s, see `reciprocal_mass`; w itself but in the third degree
 
 
 class Ring(NamedTuple):

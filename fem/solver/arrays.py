@@ -62,7 +62,8 @@ def make_arrays(
     if not model.outer_ring.material.rigid:
         shift = np.broadcast_to(start.housing, (len(model.outer_ring.points), 2))
         _fill(outer.u, start.equilibrium.outer_ring + model.outer_ring.polar(shift))
-        _fill(outer.w, ring_momenta(model.outer_ring, start.outer_rate, slowing))
+        outer_momenta = ring_momenta(model.outer_ring, start.outer_rate, slowing)
+        _fill(outer.w, outer_momenta)
     _place_rollers(model.roller, rollers, disc, start, dt, slowing)
     rollers, disc, inner, outer = (lined_up(group) for group in (rollers, disc, inner, outer))
     if mass.share == 0.0:
@@ -77,15 +78,12 @@ def make_arrays(
     bore = bore_body(model.outer_ring, outer, start.outer_rate, housing, of_bore)
     others = tuple((body,) for body in (bore, housing, shaft) if body is not None)  # the bore moves the housing
     if housing is not None and housing.ring is not None:
-        momenta = ring_momenta(model.outer_ring, start.outer_rate, slowing)
-        housing.velocity[:] -= held_velocity(model.outer_ring, momenta, slowing, housing.mass)
+        housing.velocity[:] -= held_velocity(model.outer_ring, outer_momenta, slowing, housing.mass)
     if isinstance(model.outer_ring, SupportedRing):
         held = model.outer_ring.held_sectors.astype(np.int64)
         place = outer.u[outer.held][:, HALO + held].copy()
-        nodes = HeldNodes(
-            u=outer.u, w=outer.w, calmed=outer.calmed, sectors=held, place=place, row=outer.held
-        )  # fmt: skip
-        others = (*others, (nodes,))
+        moved = {"u": outer.u, "w": outer.w, "calmed": outer.calmed}
+        others = (*others, (HeldNodes(**moved, sectors=held, place=place, row=outer.held),))
     return Arrays(
         bodies=Bodies(rollers=rollers, disc=disc, surface=surface, inner=inner, outer=outer, others=others),
         groups=pair_groups(model, (inner, outer), drive, housing, data, rollers.columns),

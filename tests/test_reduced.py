@@ -241,18 +241,6 @@ def test_rollers_that_meet_exchange_their_momentum():
     assert np.abs(found["imbalance"]).max() < 1e-3 * found["exchanged"][-1]  # as `fem.solver.reduced_state.LIMIT`
 
 
-def test_a_run_whose_energy_does_not_balance_begins_again_with_half_the_step():
-    plan = plan_of(
-        *CLEARANCE, "contact.friction_coefficient=0", "numerics.duration_ms=40", "numerics.time_step_safety=0.95"
-    )
-    told, state = [], plan.first_state()
-    written = []
-    run(plan, written.append, state=state, begin_again=told.append)
-    assert len(told) == 1 and "begins again with half" in told[0]
-    assert state.outcome_attributes["time_step"] == pytest.approx(0.5 * plan.time_step)
-    assert abs(state.imbalance) < 1e-3
-
-
 @pytest.mark.parametrize(("setting", "word"), [
     ("bodies.inner_ring=rigid", 'bodies.inner_ring = "rigid"'),
     ("contact.model=resolved numerics.mesh_size_mm=0.03", 'contact.model = "resolved"'),
@@ -386,20 +374,6 @@ def test_an_estimate_of_its_error_runs_finite_elements_beside_it():
     assert found["cage_speed"].relative < 1e-4
     with pytest.raises(UsageError, match="exact series itself"):
         plan_of("numerics.duration_ms=0").error_estimate()
-
-
-@pytest.mark.parametrize("halvings", range(7))
-def test_a_run_that_begins_again_turns_as_its_times_say(halvings):
-    """Whatever the number of steps between samples: rollers turn from sample to sample by their spin, to its noise."""
-    plan = plan_of("numerics.output_interval_us=14", "numerics.duration_ms=0.14")
-    state = plan.first_state()
-    state._halvings = halvings
-    state._begin()
-    samples = state.advance(plan.n_samples).samples
-    turned = np.diff(samples["roller_turn"], axis=0)
-    spun = 0.5 * (samples["roller_spin"][1:] + samples["roller_spin"][:-1]) * np.diff(samples["time"])[:, None]
-    np.testing.assert_allclose(turned, spun, rtol=1e-4)
-    assert state.progress.steps == plan.stride * 2**halvings * (plan.n_samples - 1)
 
 
 THIN = """

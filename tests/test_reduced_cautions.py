@@ -9,16 +9,17 @@ import pytest
 
 from fem.elastic.continuum import disc_harmonic_compliance, ring_harmonic_compliance
 from fem.elastic.vibration import ring_vibrations, shift_vibrations
-from fem.solver import row_state
 from fem.solver.hub_vibration import add_samples, frequency_error, no_sums, vibration_caution
 from fem.solver.law_errors import BY_PRESSURE, law_caution
-from fem.solver.simulate import make_plan, run
+from fem.solver.reduced_state import MOST_HALVINGS
+from fem.solver.simulate import make_plan
 from fem.statics.exact_statics import exact_contacts, law_error
 from lagrange import Material
 from lagrange.kinematics import roller_angles
 from lagrange.scene import parse_scene
 from tests.reference.collocated_contact import approach
 from tests.stability.random_scenes import random_scene
+from tests.test_reduced_steps import RATTLES, ran
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 RING = 0.018, 0.0125, STEEL, 0.01  # raceway, bore, m, material, thickness, m
@@ -28,18 +29,6 @@ PAPER = parse_scene({}, "test").ideal_bearing()
 def plan_of(number: int, **reduced):
     """A random scene of the campaign in docs/reduced.md."""
     return make_plan(parse_scene(random_scene(7, number, 5.0) | {"model": "reduced", "reduced": reduced}, "test"))
-
-
-def ran(plan):
-    """Its state at the end, the last pass' samples of the hub's height, and what it was told."""
-    state, blocks, told = plan.first_state(), [], []
-
-    def begin_again(reason):
-        told.append((reason, state.void_steps))
-        blocks.clear()
-
-    run(plan, blocks.append, state=state, begin_again=begin_again)
-    return state, np.concatenate([block["inner_y"] for block in blocks]), told
 
 
 @pytest.mark.parametrize("hub", [None, 0.05, 1.0])
@@ -134,22 +123,20 @@ def test_wide_contacts_are_warned_of_and_narrow_ones_are_not():
     assert law_caution(model.contacts, 0.1 * wide) is None
 
 
-def test_a_run_that_goes_wrong_begins_again_before_its_end():
-    """Rollers that rattle without friction: a step of the plan's loses energy from the first impacts on."""
-    plan = plan_of(1)
-    state, _, told = ran(plan)
-    assert len(told) >= 1
-    assert told[0][1] < 0.7 * plan.stride * (plan.n_samples - 1)
-    assert abs(state.imbalance) < 1e-3
-
-
-def test_a_bearing_that_comes_apart_with_shorter_steps_too_ends_with_that_reason(monkeypatch):
-    """Its energy balances, so that it does not begin again six times."""
-    monkeypatch.setattr(row_state, "n_in_place", lambda bearing, give, samples: min(3, len(samples)))
-    state = make_plan(parse_scene({"model": "reduced"}, "test")).first_state()
-    first, second = state.advance(10), state.advance(10)
-    assert first.begins_again.startswith("the bearing comes apart with steps of") and first.trouble is None
-    assert second.begins_again is None and second.trouble.startswith("the bearing has come apart at step")
+def test_a_run_whose_energy_is_off_says_so():
+    """Rollers that rattle without friction, and no shorter steps: 1 % of what is exchanged in 20 ms."""
+    plan = make_plan(parse_scene(RATTLES, "test"))
+    state, worst = plan.first_state(), 0.0
+    state._halvings = MOST_HALVINGS  # none is left
+    while state.done < plan.n_samples:
+        samples = state.advance(100).samples
+        worst = max(worst, np.abs(samples.imbalance).max())
+    said = next(sentence for sentence in state.cautions if sentence.startswith("the energy is off"))
+    share = float(re.search(r"by up to ([\d.]+) %", said).group(1))
+    assert share == pytest.approx(100.0 * worst / samples.exchanged[-1], rel=0.06)  # two digits are told
+    assert said.endswith("lower numerics.time_step_safety")
+    # with those steps that it chooses it is not
+    assert not any(sentence.startswith("the energy") for sentence in ran(plan)[0].cautions)
 
 
 def test_a_soft_ring_vibrates_faster_by_its_modes():

@@ -6,7 +6,7 @@ integrals by Gauss: frequencies that a body has few nodal circles in are exact t
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import pi
+from math import inf, pi
 
 import numpy as np
 from numpy.polynomial import Legendre, legendre
@@ -14,6 +14,7 @@ from numpy.polynomial import Legendre, legendre
 from lagrange import Material
 
 DEGREE = 20  # of U and V: frequencies of up to seven nodal circles to 1e-8
+LITTLE = 1e-4  # of a sum over waves around: where it ends
 MOST_WAVES = 400  # around: a guard; shear waves along a surface end the search long before
 RIGID = 1e-3  # of the highest frequency: a slower mode is a motion of the whole body
 
@@ -64,6 +65,33 @@ def shift_vibrations(
     first = 0 if hub is None else 1  # what moves ring and hub as one
     order = np.ones(len(frequency) - first, dtype=np.intp)
     return Modes(order=order, frequency=frequency[first:], shape=into[first:], carried=carried[first:])
+
+
+def disc_inertia(radius: float, material: Material, thickness: float) -> tuple[float, float]:
+    """Σ s²/ω⁴, s⁴/kg, of all modes of a free disc, and the slowest's frequency, rad/s; parameters as above.
+
+    It is also ∫ρ u² of the displacements u by a unit force at rest, and most of it is that of the longest waves.
+    """
+    return _inertia(0.0, radius, radius, material, thickness, None)
+
+
+def ring_inertia(
+    loaded: float, held: float, material: Material, thickness: float, hub: float | None = None
+) -> tuple[float, float]:
+    """The same of a ring; parameters are those of `ring_vibrations`."""
+    return _inertia(min(loaded, held), max(loaded, held), loaded, material, thickness, hub)
+
+
+def _inertia(inner, outer, loaded, material, thickness, hub) -> tuple[float, float]:
+    total, slowest = 0.0, inf
+    for n in range(MOST_WAVES):
+        frequency, into, _ = _of_order(n, inner, outer, loaded, material, thickness, hub)
+        own = frequency > RIGID * frequency[-1]
+        more = float(np.sum((into[own] / frequency[own] ** 2) ** 2))
+        total, slowest = total + more, min(slowest, float(frequency[own][0]))
+        if n > 2 and more < LITTLE * total:  # they fall as 1/n³
+            break
+    return total, slowest
 
 
 def _vibrations(inner, outer, loaded, material, thickness, highest, hub=None) -> Modes:

@@ -12,6 +12,7 @@ from fem.kernels.reduced_contacts import both_forces, felt, level, store_pair, t
 from fem.kernels.reduced_friction import tractions
 from fem.kernels.reduced_housing import TWELFTH, ring_acceleration
 from fem.kernels.reduced_modes import push_modes
+from fem.kernels.reduced_radiation import note_strikes
 from fem.kernels.reduced_slopes import push_along
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.state import Course
@@ -53,8 +54,8 @@ def kick(bodies, compliance, forces, drive, before):
         more_i, more_o = _no_less(Q_i, more_i), _no_less(Q_o, more_o)
         Q_i, Q_o = Q_i + more_i, Q_o + more_o
         take_more(forces.taken, columns, group, across * more_o, across * more_i)
-        P_i = _kicked(compliance.inner, forces, group, ahead_i - across * more_o, Q_i, there)
-        P_o = _kicked(compliance.outer, forces, columns + group, ahead_o - across * more_i, Q_o, there)
+        P_i = _kicked(compliance.inner, forces, dt, group, ahead_i - across * more_o, Q_i, there)
+        P_o = _kicked(compliance.outer, forces, dt, columns + group, ahead_o - across * more_i, Q_o, there)
         _note_ahead(forces.ahead, forces, group, further_i, P_i)
         _note_ahead(forces.ahead, forces, columns + group, further_o, P_o)
         _keep_brackets(forces, group, columns, forces.bracket)
@@ -140,11 +141,12 @@ def _less_by_neighbours(asked, compliance, forces, columns, group, inner, outer)
 
 
 @part
-def _kicked(law, forces, at, ahead, Q, there):
+def _kicked(law, forces, dt, at, ahead, Q, there):
     """What a kick gives of eight contacts' forces, N, whose approach is so far ahead, m: see `law.kick_force`."""
     approach = load(forces.first, at) + ahead
     free = approach
     approach = select(Q > 0.0, larger(approach, 1e-30), select(approach > 0.0, 0.0, approach))
+    note_strikes(forces.radiation, load(forces.approach, at), approach, at, there, dt)
     B_before, B = level(law, forces.bracket, at), level(law, forces.bracket_now, at)
     P, residual = kick_force(
         load(forces.approach, at), load(forces.force, at), B_before, load(forces.kick, at), load(forces.residual, at),

@@ -37,6 +37,7 @@ from fem.kernels.reduced_housing import (
 )
 from fem.kernels.reduced_kick import kick
 from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings, vibration_energies
+from fem.kernels.reduced_radiation import note_radiated, radiate, write_radiation
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.sample_kernels import (
     CONTACT,
@@ -94,7 +95,9 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             _pull_hub(bodies.shaft, before.hub_acceleration, drive.dt)
             kick_ring(bodies.housing, before, drive, ring_x, ring_y)
             _push_cage(bodies.cage, bodies, drive)
+            radiate(forces.radiation, bodies, compliance, forces, before, drive)
             damp_contacts(forces.dampers, bodies, compliance, forces, before, drive)
+            note_radiated(forces.radiation, bodies, forces, before, drive)
             if inside == 0:
                 out = samples[row]
                 _write_motion(bodies, forces, drive, before, out, time)
@@ -105,6 +108,7 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
                 out[WORK_DRIVE] = 0.5 * (given + drive.sums[1])
                 out[DISSIPATED] = drive.sums[2]
                 write_damping(forces.dampers, bodies.n, out)
+                write_radiation(forces.radiation, bodies.n, out)
                 _note_beyond(bodies, forces)
                 _write_cage(bodies.cage, drive, out)
                 _write_shaft(bodies.shaft, drive, out)

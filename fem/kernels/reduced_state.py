@@ -93,6 +93,18 @@ class ReducedDampers(NamedTuple):
     work: np.ndarray  # (2,), J, dissipated up to the last kick; and after it in that step
 
 
+class Radiation(NamedTuple):
+    """What strikes give to elastic waves that the model does not follow: see `reduced_radiation`."""
+
+    inertia: tuple[float, float]  # s⁴/kg, of both raceways' contacts, Σ s²/ω⁴ of all modes that the model lacks
+    settling: float  # s, 1/ω of the slowest of them
+    owed: np.ndarray  # (2, columns), J, lost by contacts that have opened, and not yet taken from what moves
+    speed: np.ndarray  # (2, columns), m/s, at which contacts have closed, or < 0 opened, in this step; room
+    kick: np.ndarray  # (2, columns), N, what the last step's impulses are over a step
+    work: np.ndarray  # (2,), J, given up to the last kick; and after it in that step
+    state: np.ndarray  # (1,), whole: whether a contact has been struck in this step, or kicked in the last
+
+
 class ReducedForces(NamedTuple):
     """Contacts by row and roller. Arrays with a halo repeat a ring's other end on either side."""
 
@@ -115,11 +127,12 @@ class ReducedForces(NamedTuple):
     bracket_now: np.ndarray | None  # (2, columns); room
     slope: np.ndarray | None  # (4, columns), m/rad; room
     softening: np.ndarray | None  # (4, columns), m/N/rad; room
+    radiation: Radiation
     taken: np.ndarray | None  # (2, 2, columns), m, of approaches by other contacts' forces: now, at the last kick
     halo: int
     dampers: ReducedDampers | None = None  # None: contacts without
-    # (2, 2, columns), where rollers rattle in a cage, of the last kick: how far forces were ahead, m (NaN: not known),
-    # and what the kick gave beyond forces that are not, N; None: not asked for
+    # (2, 2, columns), where bodies may strike each other, of the last kick: how far forces were ahead, m (NaN: not
+    # known), and what the kick gave beyond forces that are not, N; None: not asked for
     ahead: np.ndarray | None = None
     cut: np.ndarray | None = None  # (2, columns), m, there too, what the last kick's approaches were cut by
 

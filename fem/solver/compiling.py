@@ -17,6 +17,7 @@ class CompiledPlan(Plan):
     """A plan whose first state has `take_steps(count)`."""
 
     compiling_takes = "half a minute, or one on a slow processor"
+    finer = "lower numerics.time_step_safety or numerics.mesh_size_mm"  # what keeps the energy better
 
     @property
     def pressed_energy(self) -> float:

@@ -24,14 +24,12 @@ from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.run_arrays import Arrays
 from fem.solver.solver import sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
+from fem.solver.strikes import may_strike
 from fem.statics.contact_balance import NotFound
 from fem.statics.static_error import static_equilibrium
 from lagrange import Operation, kinematics
-from lagrange.faults import Spall
 from lagrange.scene import Scene
 
-# times gravity that turning must press rollers outwards by, or those without load fall within the bearing
-HELD = 5.0
 LONG = THIRD, SECOND  # which of them is tried first
 KNOTS_A_STEP = 0.3  # of a profile's spline: with more, spalls that pass at 40 m/s cost per cents of the energy
 
@@ -109,15 +107,6 @@ class ElementPlan(CompiledPlan):
         from fem.solver.error_estimate import error_estimate
 
         return error_estimate(self)
-
-
-def may_strike(scene: Scene, operation: Operation) -> bool:
-    """Whether bodies may strike each other: from rest, by spalls, under tables of speed or load, or as rollers fall."""
-    bearing = scene.ideal_bearing()
-    spalled = any(isinstance(fault, Spall) for fault in bearing.faults)
-    outwards = kinematics(bearing, operation.speed).cage ** 2 * bearing.pitch_radius
-    falling = 0.0 < outwards < HELD * operation.gravity
-    return spalled or falling or scene.numerics.start == "rest" or operation.course is not None
 
 
 def make_plan(scene: Scene) -> ElementPlan:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from lagrange import Bearing
 
 IMBALANCE_LIMIT = 0.05  # of the exchanged energy; a sound run stays far below 1e-2
+DOUBTFUL = 0.005  # of it: a run that ends says so
 # Modes that grow balance too: leapfrog's kinetic energy ½ v(t − dt/2)·M·v(t + dt/2) goes to minus the stored one. In a
 # mode of frequency ω it is −(ω dt/2)² of it at least, −0.98 at 0.99 of the critical step.
 NEGATIVE_LIMIT = 0.98
@@ -78,7 +79,17 @@ def energy_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
         return f"vibrations grow without end {where}: the time step is too long; lower numerics.time_step_safety"
     return (
         f"energy imbalance {100 * imbalance:.3g} % of the exchanged energy exceeds {100 * IMBALANCE_LIMIT:.0f} % "
-        f"{where}; lower numerics.time_step_safety or numerics.mesh_size_mm"
+        f"{where}; {plan.finer}"
+    )
+
+
+def energy_caution(plan: "ElementPlan", missed: float, passed_on: float) -> tuple[str, ...]:
+    """A sentence where the energy was off by so many J of those passed on, if that is more than DOUBTFUL."""
+    if missed <= DOUBTFUL * passed_on:
+        return ()
+    return (
+        f"the energy is off by up to {100.0 * missed / passed_on:.2g} % of what is exchanged ({1e3 * passed_on:.3g} "
+        f"mJ): the motion may be off by as much; {plan.finer}",
     )
 
 

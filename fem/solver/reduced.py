@@ -23,9 +23,10 @@ from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import sample_count
+from fem.solver.strikes import may_strike
 from fem.solver.vibrations import critical_with_modes, longest_with_modes
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
-from fem.statics.vibrating_bearing import bearing_modes
+from fem.statics.vibrating_bearing import UnseenWaves, bearing_modes, unseen_waves
 from lagrange import Operation, kinematics
 from lagrange.contact_damping import ContactDamping
 from lagrange.scene import Scene
@@ -46,6 +47,8 @@ class ReducedPlan(CompiledPlan):
     model: ReducedBearing
     operation: Operation
     tangential: np.ndarray  # (3,), m/N, of contacts that stick under the largest static force
+    waves: UnseenWaves
+    strikes: bool  # whether bodies may strike each other: then accounts of energy are kept that others need not
     start: ReducedStart
     seat: np.ndarray  # (2,), m, of a cage's centre at the start, from the outer ring's
     static_energy: float  # J, of contacts that hold the load at rest
@@ -55,7 +58,8 @@ class ReducedPlan(CompiledPlan):
     n_samples: int
     cautions: tuple[str, ...] = ()
     model_name = "reduced model"
-    lacks = "elastic waves; it warns where shocks excite them"
+    finer = "lower numerics.time_step_safety"
+    lacks = "elastic waves, but for what strikes lose to them; it warns where shocks excite them"
 
     @property
     def interval(self) -> float:
@@ -151,6 +155,8 @@ def make_plan(scene: Scene) -> ReducedPlan:
         model=model,
         operation=operation,
         tangential=tangential,
+        waves=unseen_waves(bearing, operation.inner_mass, modes),
+        strikes=scene.cage is not None or may_strike(scene, operation),
         start=start,
         seat=cage_seat(bearing, scene.ideal_cage(), start.angle, start.rho, start.hub, raceways),
         static_energy=float(

@@ -15,6 +15,7 @@ from fem.kernels.reduced_state import (
     Before,
     Compliance,
     Modes,
+    Radiation,
     ReducedDampers,
     ReducedDrive,
     ReducedForces,
@@ -72,7 +73,8 @@ class ReducedState(RowState):
             looks *= 2
         self.plan = plan = replace(self._whole, stride=stride, looks=looks)
         self.reader = SampleReader(plan)
-        self._worst = 0.0  # J, the largest imbalance so far
+        self._worst = 0.0  # J, the largest imbalance of samples so far
+        self._missed, self._passed_on = 0.0, 0.0
         self._hub_sums = no_sums()
         self.bodies = _bodies(plan)
         columns = self.bodies.columns
@@ -200,6 +202,7 @@ class ReducedState(RowState):
             found |= {f"{place}.{name}": array for name, array in arrays.items()}
         if self.forces.dampers is not None:
             found |= {f"dampers.{name}": getattr(self.forces.dampers, name) for name in ("force", "work")}
+        found |= {f"radiation.{name}": getattr(self.forces.radiation, name) for name in ("owed", "work")}
         for place, modes in self._modes.items():
             found |= {f"{place}.{name}": getattr(modes, name) for name in ("amplitude", "rate", "before")}
         if self.bodies.cage is not None:
@@ -221,6 +224,8 @@ class ReducedState(RowState):
     def digest(self) -> str:
         c = self.compliance  # profiles follow from the scene, which checkpoints hold
         laws = (*c.inner, *c.outer, *c.between)
+        waves = self.forces.radiation
+        laws += (*waves.inertia, waves.settling)
         numbers = (*laws, c.reach, c.track, *c.sag, c.across, *c.tangential, *c.distance, *c.along.flat)
         for modes in self._modes.values():
             numbers += (*modes.start, *modes.stiffness, *modes.shape, *modes.carried)
@@ -341,17 +346,30 @@ def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         bracket_now=np.zeros((2, columns)) if uneven else None,
         slope=np.zeros((4, columns)) if uneven else None,
         softening=np.zeros((4, columns)) if uneven else None,
-        taken=None if plan.model.modes is None and plan.scene.cage is None else np.zeros((2, 2, columns)),
+        radiation=_radiation(plan, columns),
+        taken=None if plan.model.modes is None and not plan.strikes else np.zeros((2, 2, columns)),
         halo=halo,
         dampers=_dampers(plan.scene.damping.contacts, columns),
-        ahead=None if plan.scene.cage is None else np.full((2, 2, columns), np.nan),
-        cut=None if plan.scene.cage is None else np.zeros((2, columns)),
+        ahead=np.full((2, 2, columns), np.nan) if plan.strikes else None,
+        cut=np.zeros((2, columns)) if plan.strikes else None,
     )
     for row, force in ((INNER, start.inner_force), (OUTER, start.outer_force)):
         found.force[row, :n] = force
         at = np.arange(-halo, n + halo)
         found.guess[row, : n + 2 * halo] = force[at % n]
     return found
+
+
+def _radiation(plan: "ReducedPlan", columns: int) -> Radiation:
+    return Radiation(
+        inertia=plan.waves.inertia,
+        settling=1.0 / plan.waves.slowest,
+        owed=np.zeros((2, columns)),
+        speed=np.zeros((2, columns)),
+        kick=np.zeros((2, columns)),
+        work=np.zeros(2),
+        state=np.zeros(1, dtype=np.intp),
+    )
 
 
 def _dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:

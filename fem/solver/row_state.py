@@ -10,6 +10,7 @@ from fem.kernels.ending import DONE
 from fem.solver.cage_arrays import row_width
 from fem.solver.guards import (
     ASTRAY,
+    energy_caution,
     energy_trouble,
     good_rows,
     n_balanced,
@@ -35,6 +36,7 @@ class RowState(RunState):
         super().__init__(plan)
         self.reader = SampleReader(plan)
         self._largest = np.zeros(3)  # N, so far: see `largest_forces`
+        self._missed, self._passed_on = 0.0, 0.0  # J, the largest imbalance so far, and what it is measured by
         self._came_apart = False  # whether the last block ended because bodies were out of place
 
     @property
@@ -116,6 +118,9 @@ class RowState(RunState):
             self.imbalance = float(looked.relative_imbalance()[min(balanced, len(looked) - 1)])
             sound = looked.first(min(balanced, in_place))
             self._largest = np.maximum(self._largest, largest_forces(sound))
+            if len(sound):
+                self._missed = max(self._missed, float(np.abs(sound.imbalance).max()))
+                self._passed_on = float(sound.passed_on[-1])
             samples = sound.every(plan.looks)
             self.done += len(samples)
             self._came_apart = in_place < balanced
@@ -127,11 +132,13 @@ class RowState(RunState):
 
     @property
     def cautions(self) -> tuple[str, ...]:
-        return run_cautions(self.plan.model.bearing, self._largest)
+        wide = run_cautions(self.plan.model.bearing, self._largest)
+        return wide + energy_caution(self.plan, self._missed, self._passed_on)
 
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         arrays = self.named_arrays() | {f"reader.{name}": value for name, value in self.reader.to_keep().items()}
-        return arrays | {"largest": self._largest}, {"model": self.digest()}
+        numbers = {"model": self.digest(), "missed": self._missed, "passed_on": self._passed_on}
+        return arrays | {"largest": self._largest}, numbers
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
         if numbers["model"] != self.digest():
@@ -145,4 +152,5 @@ class RowState(RunState):
         if np.any(arrays["largest"] < 0.0):
             raise ValueError("forces that pull")
         self._largest = arrays["largest"]
+        self._missed, self._passed_on = float(numbers["missed"]), float(numbers["passed_on"])
         self.reader.take_back({name: arrays[f"reader.{name}"] for name in self.reader.to_keep()}, self.done)

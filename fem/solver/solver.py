@@ -65,7 +65,12 @@ class Samples:
 
     def relative_imbalance(self) -> np.ndarray:
         """Imbalance over the energy exchanged, (n,)."""
-        return self.imbalance / np.fmax(self.exchanged, ROUND_OFF * np.abs(self["energy_kinetic"]) + 1e-30)
+        return self.imbalance / self.passed_on
+
+    @property
+    def passed_on(self) -> np.ndarray:
+        """Energy that an imbalance is measured by, (n,), J: that exchanged, or what the kinetic energy rounds to."""
+        return np.fmax(self.exchanged, ROUND_OFF * np.abs(self["energy_kinetic"]) + 1e-30)
 
 
 @dataclass(frozen=True, kw_only=True)

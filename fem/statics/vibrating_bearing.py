@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.contacts.contact_law import ContactLaw
 from fem.elastic.kept import kept
-from fem.elastic.vibration import Modes, disc_vibrations, ring_vibrations
+from fem.elastic.vibration import Modes, disc_inertia, disc_vibrations, ring_inertia, ring_vibrations
 from lagrange import Bearing
 
 
@@ -63,6 +63,38 @@ def bearing_modes(bearing: Bearing, inner_mass: float, highest: float) -> Bearin
     roller, inner, outer = (Modes(**{name: arrays[f"{name}.{i}"] for name in names}) for i in range(3))
     found = BearingModes(roller=roller, inner=inner, outer=outer)
     return found if found.highest > 0.0 else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnseenWaves:
+    """All modes of a bearing's bodies beside those that a model has."""
+
+    inertia: tuple[float, float]  # s⁴/kg, Σ s²/ω⁴ of them at an inner and an outer contact
+    slowest: float  # rad/s
+
+
+def unseen_waves(bearing: Bearing, inner_mass: float, modes: BearingModes | None) -> UnseenWaves:
+    """What is left beside some modes of a bearing with a hub that makes its inner ring `inner_mass`, kg."""
+    length, hub = bearing.roller_length, inner_mass - bearing.inner_ring_mass
+
+    def make():
+        inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
+        outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+        found = (
+            disc_inertia(bearing.roller_radius, bearing.roller, length),
+            ring_inertia(*inner, length, hub),
+            ring_inertia(*outer, length),
+        )
+        return {"inertia": np.array(found)}
+
+    table = kept("inertia", repr((replace(bearing, faults=()), inner_mass)), make)["inertia"]
+    roller, inner, outer = table[:, 0]
+    slowest = float(table[:, 1].min())
+    if modes is not None:
+        seen = [float(np.sum((body.shape / body.frequency**2) ** 2)) for body in modes.bodies]
+        roller, inner, outer = (max(a - b, 0.0) for a, b in zip((roller, inner, outer), seen, strict=True))
+        slowest = modes.highest
+    return UnseenWaves(inertia=(float(roller + inner), float(roller + outer)), slowest=slowest)
 
 
 def softened(law: ContactLaw, compliance: float) -> ContactLaw:

@@ -1,7 +1,7 @@
 """What waves of elastic bodies do, with and without modes: `python -m tests.accuracy.reduced_waves [rattling] [bands]`.
 
 rattling  statistics of bearings in clearance that start with a step of load, over starts that differ a little: single
-          paths are chaotic. Some four minutes.
+          paths are chaotic. Some half an hour, most of it by finite elements of 0.5 mm.
 bands     the hub's acceleration by bands of frequency, against finite elements of 0.25 mm. Some three minutes.
 
 Each writes its section of docs/reduced.md.
@@ -22,14 +22,20 @@ RATTLING = {
     "40 µm, 200 N": ("bearing.outer_raceway_diameter_mm=56.04", "operation.radial_load_N=200", *STEP),
     "20 µm, 100 N": ("bearing.outer_raceway_diameter_mm=56.02", "operation.radial_load_N=100", *STEP),
     "40 µm, 20 N": ("bearing.outer_raceway_diameter_mm=56.04", "operation.radial_load_N=20", *STEP),
+    "40 µm, 200 N, no friction": (
+        "bearing.outer_raceway_diameter_mm=56.04",
+        "operation.radial_load_N=200",
+        "contact.friction_coefficient=0",
+        *STEP,
+    ),
 }
 BANDED = {  # scene: settings, ms; of a shock only what comes before paths go apart
     "load grown in 50 µs": (("numerics.start=rest", "numerics.load_ramp_ms=0.05"), 2.0),
     "steady": ((), 10.0),
 }
 FINEST_MM = 0.25
-FINER = "finite elements, 0.5 mm"
 MODELS = {  # label: model, mesh in mm, settings
+    "finite elements, 0.5 mm": ("fem", 0.5, ()),
     "finite elements, 1 mm": ("fem", 1.0, ()),
     "finite elements, 2 mm": ("fem", 2.0, ()),
     "reduced": ("reduced", 1.0, ()),
@@ -37,6 +43,8 @@ MODELS = {  # label: model, mesh in mm, settings
     "modes to 600 kHz": ("reduced", 1.0, ("reduced.modes_up_to_kHz=600",)),
     "modes to 1000 kHz": ("reduced", 1.0, ("reduced.modes_up_to_kHz=1000",)),
 }
+# beside them, of rattling bearings: a wave's amplitude dies in 0.2 ms
+DAMPED = {"the same, 1 mm, waves damped by 10⁴/s": ("fem", 1.0, ("damping.bodies_1_s=1e4",))}
 MEMBERS_MS = 150.0
 APART_DEG = 0.37  # of the first roller, from start to start
 IMPACT = 10.0  # N: a contact that has closed and rises above it has been struck
@@ -67,7 +75,7 @@ def rattling(members: int) -> str:
     """A row for each bearing and model: means over the starts, and their standard errors."""
     rows = []
     for name, settings in RATTLING.items():
-        for label, (model, mesh, more) in MODELS.items():
+        for label, (model, mesh, more) in (MODELS | DAMPED).items():
             timing = (f"numerics.duration_ms={MEMBERS_MS}", "numerics.output_interval_us=4")
             starts = [f"operation.first_roller_deg={APART_DEG * k - 90.0}" for k in range(members)]
             runs = [found(plan_of((*settings, *more, *timing, start), model, mesh)) for start in starts]
@@ -111,7 +119,7 @@ def bands() -> str:
         title = f"finite elements, {FINEST_MM:g} mm: m/s²"
         rows.append([f"{name}, {duration:g} ms", title, *(f"{x:.3g}, {y:.3g}" for x, y in fine)])
         Console().print(*rows[-1])
-        for label, (model, mesh, more) in ({FINER: ("fem", 0.5, ())} | MODELS).items():
+        for label, (model, mesh, more) in MODELS.items():
             other = band_levels(found(plan_of((*settings, *more, *timing), model, mesh)))
             errors = 100.0 * (other / fine - 1.0)
             rows.append(["", label, *(f"{x:+.0f} %, {y:+.0f} %" for x, y in errors)])

@@ -1,0 +1,73 @@
+"""Runs of the reduced model that begin again with shorter steps, and those that don't."""
+
+import numpy as np
+import pytest
+
+from fem.solver import row_state
+from fem.solver.simulate import make_plan, run
+from lagrange.scene import parse_scene
+from tests.test_reduced import CLEARANCE, plan_of
+
+RATTLES = {
+    "model": "reduced",
+    "bearing": {"outer_raceway_diameter_mm": 56.04},
+    "operation": {"radial_load_N": 200.0},
+    "contact": {"friction_coefficient": 0.0},
+    "numerics": {"start": "rest", "load_ramp_ms": 0.0, "duration_ms": 20.0, "time_step_safety": 0.9},
+}
+
+
+def ran(plan):
+    """Its state at the end, the last pass' samples of the hub's height, and what it was told."""
+    state, blocks, told = plan.first_state(), [], []
+
+    def begin_again(reason):
+        told.append((reason, state.void_steps))
+        blocks.clear()
+
+    run(plan, blocks.append, state=state, begin_again=begin_again)
+    return state, np.concatenate([block["inner_y"] for block in blocks]), told
+
+
+def test_a_run_whose_energy_does_not_balance_begins_again_with_half_the_step():
+    plan = plan_of(
+        *CLEARANCE, "contact.friction_coefficient=0", "numerics.duration_ms=40", "numerics.time_step_safety=0.95"
+    )
+    told, state = [], plan.first_state()
+    written = []
+    run(plan, written.append, state=state, begin_again=told.append)
+    assert len(told) == 1 and "begins again with half" in told[0]
+    assert state.outcome_attributes["time_step"] == pytest.approx(0.5 * plan.time_step)
+    assert abs(state.imbalance) < 1e-3
+
+
+@pytest.mark.parametrize("halvings", range(7))
+def test_a_run_that_begins_again_turns_as_its_times_say(halvings):
+    """Whatever the number of steps between samples: rollers turn from sample to sample by their spin, to its noise."""
+    plan = plan_of("numerics.output_interval_us=14", "numerics.duration_ms=0.14")
+    state = plan.first_state()
+    state._halvings = halvings
+    state._begin()
+    samples = state.advance(plan.n_samples).samples
+    turned = np.diff(samples["roller_turn"], axis=0)
+    spun = 0.5 * (samples["roller_spin"][1:] + samples["roller_spin"][:-1]) * np.diff(samples["time"])[:, None]
+    np.testing.assert_allclose(turned, spun, rtol=1e-4)
+    assert state.progress.steps == plan.stride * 2**halvings * (plan.n_samples - 1)
+
+
+def test_a_run_that_goes_wrong_begins_again_before_its_end():
+    """Rollers that rattle without friction: a step of the plan's loses energy from the first impacts on."""
+    plan = make_plan(parse_scene(RATTLES, "test"))
+    state, _, told = ran(plan)
+    assert len(told) >= 1
+    assert told[0][1] < 0.7 * plan.stride * (plan.n_samples - 1)
+    assert abs(state.imbalance) < 1e-3
+
+
+def test_a_bearing_that_comes_apart_with_shorter_steps_too_ends_with_that_reason(monkeypatch):
+    """Its energy balances, so that it does not begin again six times."""
+    monkeypatch.setattr(row_state, "n_in_place", lambda bearing, give, samples: min(3, len(samples)))
+    state = make_plan(parse_scene({"model": "reduced"}, "test")).first_state()
+    first, second = state.advance(10), state.advance(10)
+    assert first.begins_again.startswith("the bearing comes apart with steps of") and first.trouble is None
+    assert second.begins_again is None and second.trouble.startswith("the bearing has come apart at step")

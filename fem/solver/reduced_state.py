@@ -144,8 +144,9 @@ class ReducedState(RowState):
         return (
             *found,
             f"contact forces have changed by {100.0 * self.shock:.0f} % of the largest within one vibration of the "
-            "bodies: elastic waves, which the reduced model lacks but for the modes it is given, take part, and forces "
-            f'may be off by {off}; where they matter take {modes}model = "fem"',
+            "bodies: elastic waves take part, of which the reduced model has the modes that it is given and what "
+            f"strikes lose to all others; single forces may be off by {off}, statistics of rattling by some per cent; "
+            f'where single ones matter take {modes}model = "fem"',
         )
 
     @property

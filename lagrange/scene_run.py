@@ -94,7 +94,7 @@ class ReducedTable(Table):
         0.0,
         ge=0.0,
         le=1e5,
-        description="modes of bodies that vibrate: 600 where single shocks matter; 0: none, strikes lose to waves all the same",
+        description="modes of bodies that vibrate: 600 where single shocks matter; 0: none, strikes lose all to waves",
     )
 
 

@@ -66,8 +66,8 @@ def given(law, inertia, settling, mass, speed):
     """Energy, J, that a contact gives to waves as it closes or opens at a speed, m/s.
 
     k² Σ s²/ω⁴ is taken for a mass of the surface that the roller strikes plastically, so that no strike loses more than
-    its energy. k is the chord of the law: the spectrum of a force that grows as t^p, p = 1.1, falls as if it were linear
-    with Γ(p + 1) = 1.05 times the chord over 1/ω.
+    its energy. k is the law's chord: the spectrum of a force that grows as t^p, p = 1.1, falls as that of a straight
+    line with Γ(p + 1) = 1.05 times the chord over 1/ω.
     """
     approach = abs(speed) * settling
     soft = law.A * max(law.B - 0.5 * log(approach / (law.A * law.B)), STEEPEST)  # of the chord

@@ -14,7 +14,8 @@ from numpy.polynomial import Legendre, legendre
 from lagrange import Material
 
 DEGREE = 20  # of U and V: frequencies of up to seven nodal circles to 1e-8
-LITTLE = 1e-4  # of a sum over waves around: where it ends
+BY_MODES, AT_ONCE = 3, 24  # waves around whose modes a sum takes; of how many more at a time displacements
+LITTLE = 1e-3  # of a sum over waves around: where what is left is estimated
 MOST_WAVES = 400  # around: a guard; shear waves along a surface end the search long before
 RIGID = 1e-3  # of the highest frequency: a slower mode is a motion of the whole body
 
@@ -83,14 +84,26 @@ def ring_inertia(
 
 
 def _inertia(inner, outer, loaded, material, thickness, hub) -> tuple[float, float]:
+    """Of few waves around by modes, of which one moves the whole body; of more by the displacements at rest."""
     total, slowest = 0.0, inf
-    for n in range(MOST_WAVES):
+    for n in range(BY_MODES):
         frequency, into, _ = _of_order(n, inner, outer, loaded, material, thickness, hub)
         own = frequency > RIGID * frequency[-1]
-        more = float(np.sum((into[own] / frequency[own] ** 2) ** 2))
-        total, slowest = total + more, min(slowest, float(frequency[own][0]))
-        if n > 2 and more < LITTLE * total:  # they fall as 1/n³
-            break
+        total += float(np.sum((into[own] / frequency[own] ** 2) ** 2))
+        slowest = min(slowest, float(frequency[own][0]))
+    once, twice, thrice = (_matrices(n, inner, outer, material, thickness)[0] for n in (1, 2, 3))
+    square = 0.5 * (once - 2.0 * twice + thrice)  # stiffness is a polynomial of second degree in the waves around
+    linear = twice - once - 3.0 * square
+    mass, kept = _matrices(1, inner, outer, material, thickness)[1], _free(inner, loaded)
+    mass, at = mass[np.ix_(kept, kept)], int(np.searchsorted(kept, DEGREE if loaded == outer else 0))
+    for first in range(BY_MODES, MOST_WAVES, AT_ONCE):
+        n = np.arange(first, first + AT_ONCE)[:, None, None]
+        stiffness = (once - linear - square + n * (linear + n * square))[:, kept[:, None], kept]
+        moved = np.linalg.solve(stiffness, np.eye(len(kept))[:, at : at + 1])[:, :, 0]
+        each = np.einsum("ki,ij,kj->k", moved, mass, moved)
+        total += float(each.sum())
+        if each[-1] < LITTLE * total:
+            return total + 0.5 * float((first + AT_ONCE - 1) * each[-1]), slowest  # the rest falls as 1/n³
     return total, slowest
 
 
@@ -126,6 +139,12 @@ def _of_order(n, inner, outer, loaded, material, thickness, hub) -> tuple[np.nda
     return np.sqrt(np.maximum(values, 0.0)), into, carried
 
 
+def _free(inner: float, loaded: float) -> np.ndarray:
+    """What moves of U and V at the points where a held circle or the centre does not, whole."""
+    at = 0 if inner == 0.0 or loaded > inner else DEGREE
+    return np.delete(np.arange(2 * (DEGREE + 1)), [at, DEGREE + 1 + at])
+
+
 def _admitted(n: int, inner: float, loaded: float, on_hub: bool) -> np.ndarray:
     """Motions that keep a disc whole at its centre, or a held circle in its place, as columns (2 (DEGREE + 1), ...).
 
@@ -135,7 +154,7 @@ def _admitted(n: int, inner: float, loaded: float, on_hub: bool) -> np.ndarray:
     at = 0 if inner == 0.0 or loaded > inner else DEGREE  # held circle or centre
     kept = np.eye(2 * size)
     moved = kept[:, at] - kept[:, size + at]
-    others = np.delete(kept, [at, size + at], axis=1)
+    others = kept[:, _free(inner, loaded)]
     if n == 0:
         return others[:, :DEGREE]  # nothing moves around
     if n == 1 and (inner == 0.0 or on_hub):
@@ -143,14 +162,21 @@ def _admitted(n: int, inner: float, loaded: float, on_hub: bool) -> np.ndarray:
     return others
 
 
-def _matrices(n, inner, outer, material, thickness) -> tuple[np.ndarray, np.ndarray]:
-    """Stiffness and mass of U and V at Gauss-Lobatto points, (2 (DEGREE + 1),) each way; N/m and kg."""
-    middle, half = 0.5 * (inner + outer), 0.5 * (outer - inner)
+@lru_cache
+def _basis() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Gauss' points and weights on -1 ... 1; there values and slopes of the polynomials of Gauss-Lobatto's points."""
     nodes = np.concatenate([[-1.0], np.sort(Legendre.basis(DEGREE).deriv().roots().real), [1.0]])
     points, weights = legendre.leggauss(DEGREE + 4)
     to_series = np.linalg.inv(legendre.legvander(nodes, DEGREE))
-    f = legendre.legvander(points, DEGREE) @ to_series
-    df = legendre.legval(points, legendre.legder(to_series)).T / half
+    slopes = legendre.legval(points, legendre.legder(to_series)).T
+    return points, weights, legendre.legvander(points, DEGREE) @ to_series, slopes
+
+
+def _matrices(n, inner, outer, material, thickness) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffness and mass of U and V at Gauss-Lobatto points, (2 (DEGREE + 1),) each way; N/m and kg."""
+    middle, half = 0.5 * (inner + outer), 0.5 * (outer - inner)
+    points, weights, f, slopes = _basis()
+    df = slopes / half
     r = (middle + half * points)[:, None]
     zero = np.zeros_like(f)
     rr, tt = np.hstack([df, zero]), np.hstack([f, n * f]) / r

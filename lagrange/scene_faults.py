@@ -188,7 +188,13 @@ def _usable(model: type[Table], data: dict[str, Any], unusable: set[Place], plac
     """A table without the values that can't be used: who asks for them meets an AttributeError."""
     given = place not in unusable  # a table of an array may be no table
     data, inner, arrays = model.completed(data) if given else {}, _tables(model), _arrays(model)
-    left_out = [name for name in model.model_fields if not given or (*place, name) in unusable]
+    depth = len(place) + 1
+    inside = {at[:depth] for at in unusable}  # a list of which an item can't be used can't be used
+    left_out = [
+        name
+        for name in model.model_fields
+        if not given or (*place, name) in (unusable if name in inner or name in arrays else inside)
+    ]
     values = {name: value for name, value in data.items() if name in model.model_fields and name not in inner}
     for name, kind in inner.items():
         absent = name not in data and model.model_fields[name].default is None

@@ -71,6 +71,7 @@ BAD = {  # what is wrong: the study and what must be told
         "99,980,001 points; at most",
     ),
     "unknown quantity": (change("hub_mean_y", "hub_mean_z"), "'hub_mean_z' is unknown; did you mean hub_mean_"),
+    "quantities that are no names": (change('["hub_mean_y"]', "[1, 2]"), "keep.quantities.1 = 2: "),
     "quantity twice": (change('["hub_mean_y"]', '["hub_mean_y", "hub_mean_y"]'), "is there twice"),
     "unknown signal": (GOOD + 'signals = ["inner_az"]', "keep.signals: 'inner_az' is no signal"),
     "rate without signals": (GOOD + "signal_rate_kHz = 1.0", "there are no signals"),

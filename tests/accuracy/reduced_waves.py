@@ -44,7 +44,7 @@ MODELS = {  # label: model, mesh in mm, settings
     "modes to 1000 kHz": ("reduced", 1.0, ("reduced.modes_up_to_kHz=1000",)),
 }
 # beside them, of rattling bearings: a wave's amplitude dies in 0.2 ms
-DAMPED = {"the same, 1 mm, waves damped by 10⁴/s": ("fem", 1.0, ("damping.bodies_1_s=1e4",))}
+DAMPED = {"1 mm, waves damped by 10⁴/s": ("fem", 1.0, ("damping.bodies_1_s=1e4",))}
 MEMBERS_MS = 150.0
 APART_DEG = 0.37  # of the first roller, from start to start
 IMPACT = 10.0  # N: a contact that has closed and rises above it has been struck

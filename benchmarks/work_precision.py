@@ -159,16 +159,19 @@ def plot(scenes: dict[str, list[Point]], finest: dict[str, Point], path: Path) -
                 axes.loglog(
                     [p.seconds for p in mine], error, ls=line, marker=marker, color=colour, lw=0.8, ms=5, alpha=0.85
                 )
-            for p in mine:
-                lowest = 100 * min(off(p, finest[scene], name) for name in LINES)
-                text = p.name.removeprefix("rigid, ")
+            for i, p in enumerate(mine):
+                errors = [100 * off(p, finest[scene], name) for name in LINES]
+                above = kind == "lagrange"  # their markers lie over the reduced model's
+                points = 6 if above else -11 - 8 * (i % 2 if kind == "subgrid" else 0)  # coarse meshes stand close
                 axes.annotate(
-                    text, (p.seconds, lowest), textcoords="offset points", xytext=(0, -11), fontsize=7, ha="center",
-                    color=colour,
+                    p.name.removeprefix("rigid, "), (p.seconds, max(errors) if above else min(errors)),
+                    textcoords="offset points", xytext=(0, points), fontsize=7, ha="center", color=colour,
                 )  # fmt: skip
         axes.axvline(1e-3 * FULL_MS, color="0.5", linestyle=":")
         axes.set_title(scene, fontsize=10)
         axes.grid(True, color="0.92")
+    panels[0, 0].set_ylim(bottom=0.2 * panels[0, 0].get_ylim()[0])  # room for names
+    panels[0, 0].set_xlim(left=0.6 * panels[0, 0].get_xlim()[0])
     panels[0, 0].annotate(
         "real time", (1e-3 * FULL_MS, 0.98), xycoords=("data", "axes fraction"), rotation=90, ha="right", va="top",
         fontsize=8, color="0.4",

@@ -16,7 +16,8 @@ The finite elements:
 finite_elements    their plan: everything decided before the first step; `description`: what is shown of it
 element_state      their state
 discretise         the model of a scene: mesh, contact model, width of the patches
-limits, cautions   what is refused; what is warned of
+limits, cautions   what is refused; what is warned of; `strikes`: whether bodies may strike each other, of the reduced
+                   model too
 wide_contacts      the largest contacts of a run, of all models
 start, arrays      the state a run starts from; the time loop's arrays filled with it, `contact_arrays` the contacts',
                    `damping_arrays` the dampers'; `cage_arrays` the cage's, `cage_seat` where it stands,

@@ -336,16 +336,6 @@ def test_rows_of_contacts_are_those_of_the_samples():
     assert (INNER, OUTER) == (0, 1)
 
 
-def test_shocks_are_warned_of_and_steady_running_is_not():
-    """Between the two lie two orders of magnitude."""
-    for settings, told in (((), False), (("numerics.start=rest", "numerics.load_ramp_ms=0", *CLEARANCE[:1]), True)):
-        plan = plan_of(*settings, "numerics.duration_ms=10")
-        state = plan.first_state()
-        run(plan, lambda samples: None, state=state)
-        assert (state.shock > 0.5) is told and (state.shock < 0.05) is not told
-        assert any("elastic waves" in sentence for sentence in state.cautions) is told
-
-
 def test_loads_and_hub_of_a_running_bearing_are_those_of_finite_elements():
     """Two independent discretisations, of other equations: series without mass, and meshes with it (2 mm: 0.2 %)."""
     found = []

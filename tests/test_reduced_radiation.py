@@ -87,3 +87,12 @@ def test_a_run_goes_on_bit_for_bit_with_what_contacts_owe():
     assert state.forces.radiation.owed.max() > 0.0
     np.testing.assert_array_equal(rest["inner_y"], whole["inner_y"][200:])
     np.testing.assert_array_equal(rest["work_dissipated"], whole["work_dissipated"][200:])
+
+
+def test_contacts_that_waves_owe_energy_are_refused():
+    plan = plan_of(*RATTLING)
+    arrays, numbers = plan.first_state().to_keep()
+    arrays = {name: array.copy() for name, array in arrays.items()}
+    arrays["radiation.owed"][0, 3] = -1e-6
+    with pytest.raises(ValueError, match="owed energy by waves"):
+        plan.first_state().take_back(arrays, numbers)

@@ -1,4 +1,4 @@
-"""Runs of the reduced model that begin again with shorter steps, and those that don't."""
+"""Runs of the reduced model that begin again with shorter steps, and those that don't; how hard their shocks are."""
 
 import numpy as np
 import pytest
@@ -71,3 +71,13 @@ def test_a_bearing_that_comes_apart_with_shorter_steps_too_ends_with_that_reason
     first, second = state.advance(10), state.advance(10)
     assert first.begins_again.startswith("the bearing comes apart with steps of") and first.trouble is None
     assert second.begins_again is None and second.trouble.startswith("the bearing has come apart at step")
+
+
+def test_shocks_are_warned_of_and_steady_running_is_not():
+    """Between the two lie two orders of magnitude."""
+    for settings, told in (((), False), (("numerics.start=rest", "numerics.load_ramp_ms=0", *CLEARANCE[:1]), True)):
+        plan = plan_of(*settings, "numerics.duration_ms=10")
+        state = plan.first_state()
+        run(plan, lambda samples: None, state=state)
+        assert (state.shock > 0.5) is told and (state.shock < 0.05) is not told
+        assert any("elastic waves" in sentence for sentence in state.cautions) is told

@@ -6,9 +6,9 @@ simulate           the registry of solvers, and the loop that advances a run of 
 row_state          states that a compiled time loop advances; `guards`: looks at the samples that no sound run fails
 samples            rows of a time loop as quantities; `compiling`: plans whose loop is compiled
 lagrangian         the Lagrangian model as a solver; `lagrangian_steps`: its integration, compiled
-reduced            the reduced model as a solver: its plan; `reduced_start`: where its runs begin; `reduced_state`: its
-                   arrays, and runs that begin again; `vibrations`: modes of its bodies; `hub_vibration`: what runs
-                   without them miss of the hub's, `law_errors` what laws of wide contacts;
+reduced            the reduced model as a solver: its plan; `reduced_start`: where its runs begin; `reduced_arrays`: its
+                   time loop's; `reduced_state`: runs that begin again; `vibrations`: modes of its bodies;
+                   `hub_vibration`: what runs without them miss of the hub's, `law_errors` what laws of wide contacts;
                    `reduced_estimate`: how far it is from finite elements
 
 The finite elements:

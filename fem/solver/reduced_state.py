@@ -1,4 +1,4 @@
-"""The reduced model's state: the arrays of its time loop."""
+"""The reduced model's state: runs that begin again, what they warn of, what a checkpoint keeps."""
 
 import hashlib
 from dataclasses import replace
@@ -7,37 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_loop import advance_reduced
 from fem.kernels.reduced_state import (
-    INNER,
-    OUTER,
     Before,
-    Compliance,
     Modes,
-    Radiation,
-    ReducedDampers,
-    ReducedDrive,
-    ReducedForces,
-    RigidBodies,
 )
-from fem.solver.cage_arrays import cage_state, pair_of_rigid, row_width
-from fem.solver.course_arrays import course_arrays
-from fem.solver.housing_arrays import housing_of
 from fem.solver.hub_vibration import add_samples, no_sums, vibration_caution
 from fem.solver.law_errors import law_caution
-from fem.solver.profile_arrays import raceway_profiles
+from fem.solver.reduced_arrays import contact_compliance, contact_forces, outer_drive, rigid_bodies
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader
-from fem.solver.shaft_arrays import springs_on
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Samples
-from fem.solver.vibrations import vibrations
-from fem.statics.reduced_bearing import growths
-from lagrange import Bearing, kinematics
-from lagrange.contact_damping import ContactDamping
-from lagrange.overlap import touching_distances
-from lagrange.profile import profiles
+from lagrange import Bearing
 
 if TYPE_CHECKING:
     from fem.solver.reduced import ReducedPlan
@@ -76,10 +58,10 @@ class ReducedState(RowState):
         self._worst = 0.0  # J, the largest imbalance of samples so far
         self._missed, self._passed_on = 0.0, 0.0
         self._hub_sums = no_sums()
-        self.bodies = _bodies(plan)
+        self.bodies = rigid_bodies(plan)
         columns = self.bodies.columns
-        self.compliance = _compliance(plan, columns)
-        self.forces, self.drive = _forces(plan, columns), _drive(plan)
+        self.compliance = contact_compliance(plan, columns)
+        self.forces, self.drive = contact_forces(plan, columns), outer_drive(plan)
         self._before = Before(
             hub_velocity=np.zeros(2),
             velocity=np.zeros((2, columns)),
@@ -240,6 +222,8 @@ class ReducedState(RowState):
         uneven = self.forces.slope is not None  # then kernels look up surfaces by how far bodies have turned
         if nearest < bodies.radius or (uneven and np.abs(bodies.turn).max() > MOST_TURN):
             raise ValueError("rollers where no bearing has them, or turned beyond all bounds")
+        if np.any(self.forces.radiation.owed < 0.0):
+            raise ValueError("contacts that are owed energy by waves")
         for name, modes in self._modes.items():
             if np.abs(np.moveaxis(modes.amplitude, 0, -1) * modes.shape).max(initial=0.0) > bodies.radius:
                 raise ValueError(f"{name}: vibrations beyond all bounds")
@@ -260,147 +244,3 @@ def slowest_vibration(bearing: Bearing) -> float:
         (4.0 * (bearing.outside_radius - bearing.outer_raceway_radius), bearing.outer_ring),
     )
     return max(way / material.dilatational_wave_speed for way, material in ways)
-
-
-def _bodies(plan: "ReducedPlan") -> RigidBodies:
-    """Everything that moves, half a step behind in velocity."""
-    bearing, start, dt = plan.model.bearing, plan.start, plan.time_step
-    n = bearing.n_rollers
-    columns = -(-n // WIDTH) * WIDTH
-    radial = np.array([np.cos(start.angle), np.sin(start.angle)])
-    around = np.array([-radial[1], radial[0]])
-    cage, half = start.kinematics.cage, 0.5 * dt if start.steady else 0.0
-    load = (plan.operation.side_load, -plan.operation.radial_load) if start.steady else (0.0, 0.0)
-    vibrating = vibrations(plan.model, start, load, columns, dt)
-    carried = np.zeros(2) if vibrating is None else vibrating.inner.carried @ vibrating.inner.amplitude
-    bodies = RigidBodies(
-        hub=start.hub + start.ring - carried,
-        hub_velocity=start.hub_velocity.copy(),
-        centre=np.zeros((2, columns)),
-        velocity=np.zeros((2, columns)),
-        turn=np.zeros(columns),
-        spin=np.zeros(columns),
-        hub_mass=float(plan.operation.inner_mass),
-        mass=float(bearing.roller_mass),
-        inertia=float(0.5 * bearing.roller_mass * bearing.roller_radius**2),
-        radius=float(bearing.roller_radius),
-        vibrations=vibrating,
-        n=n,
-        columns=columns,
-        cage=None,
-    )
-    # steps take forces dt²/12 of the acceleration ahead, on a circle inwards; that far out they are the static ones
-    bodies.centre[:, :n] = (1.0 + (half * cage) ** 2 / 3.0) * start.rho * radial + start.ring[:, None]
-    bodies.velocity[:, :n] = start.rho_rate * radial + cage * start.rho * around + half * cage**2 * start.rho * radial
-    bodies.spin[:n] = start.kinematics.roller
-    hub = bodies.hub, bodies.hub_velocity, np.zeros((2, 2)), bodies.hub_mass
-    shaft = springs_on(plan.operation.mounting, *hub, n)
-    column = row_width(n, None)
-    housing = housing_of(plan.operation.mounting, bearing.outer_ring_mass, None, start.ring, dt, column)
-    bodies, ideal = bodies._replace(shaft=shaft, housing=housing), plan.scene.ideal_cage()
-    if ideal is None:
-        return bodies
-    state = cage_state(bearing, ideal, start.angle, cage, row_width(n, None, plan.operation.mounting))
-    state.motion[0, :2] = start.ring + plan.seat
-    return bodies._replace(cage=pair_of_rigid(state, ideal, bodies, float(plan.operation.speed)))
-
-
-def _compliance(plan: "ReducedPlan", columns: int) -> Compliance:
-    model = plan.model
-    reach, track = touching_distances(model.bearing)
-    inner, outer = raceway_profiles(model.bearing, columns)
-    return Compliance(
-        inner=model.inner_law.constants,
-        outer=model.outer_law.constants,
-        between=model.between.constants,
-        reach=float(reach + model.inner_growth + model.roller_growth),
-        track=float(track - model.roller_growth),
-        sag=model.sag,
-        across=model.across,
-        distance=model.distance,
-        along=model.along,
-        tangential=plan.tangential,
-        ring_profiles=(inner["profile"], outer["profile"]),
-        roller_profiles=(inner["roller_profiles"], outer["roller_profiles"]),
-    )
-
-
-def _forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
-    n, start = plan.model.bearing.n_rollers, plan.start
-    halo = int(np.abs(plan.model.distance).max(initial=0))
-    uneven = profiles(plan.model.bearing) is not None
-    found = ReducedForces(
-        force=np.zeros((3, columns)),
-        approach=np.full((3, columns), np.nan),
-        kick=np.zeros((3, columns)),
-        residual=np.zeros((3, columns)),
-        traction=np.zeros((3, columns)),
-        fastest=np.zeros(WIDTH),
-        beyond=np.zeros(1),
-        guess=np.zeros((2, columns + 2 * halo)),
-        gained=np.zeros((2, columns + 2 * halo)),
-        first=np.zeros((2, columns)),
-        estimate=np.zeros((2, columns)),
-        stiffness=np.zeros((2, columns)),
-        normal=np.zeros((2, 2, columns)),
-        bracket=np.zeros((2, columns)) if uneven else None,
-        bracket_now=np.zeros((2, columns)) if uneven else None,
-        slope=np.zeros((4, columns)) if uneven else None,
-        softening=np.zeros((4, columns)) if uneven else None,
-        radiation=_radiation(plan, columns),
-        taken=None if plan.model.modes is None and not plan.strikes else np.zeros((2, 2, columns)),
-        halo=halo,
-        dampers=_dampers(plan.scene.damping.contacts, columns),
-        ahead=np.full((2, 2, columns), np.nan) if plan.strikes else None,
-        cut=np.zeros((2, columns)) if plan.strikes else None,
-    )
-    for row, force in ((INNER, start.inner_force), (OUTER, start.outer_force)):
-        found.force[row, :n] = force
-        at = np.arange(-halo, n + halo)
-        found.guess[row, : n + 2 * halo] = force[at % n]
-    return found
-
-
-def _radiation(plan: "ReducedPlan", columns: int) -> Radiation:
-    return Radiation(
-        inertia=plan.waves.inertia,
-        settling=1.0 / plan.waves.slowest,
-        owed=np.zeros((2, columns)),
-        speed=np.zeros((2, columns)),
-        kick=np.zeros((2, columns)),
-        work=np.zeros(2),
-        state=np.zeros(1, dtype=np.intp),
-    )
-
-
-def _dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:
-    if not damping.acts:
-        return None
-    return ReducedDampers(
-        constant=float(damping.constant),
-        time=float(damping.time),
-        hunt_crossley=float(damping.hunt_crossley),
-        force=np.zeros((3, columns)),
-        rate=np.zeros((2, columns)),
-        gain=np.zeros((1, columns)),
-        coefficient=np.zeros((2, columns)),
-        pair_work=np.zeros(WIDTH),
-        work=np.zeros(2),
-    )
-
-
-def _drive(plan: "ReducedPlan") -> ReducedDrive:
-    bearing: Bearing = plan.model.bearing
-    numerics, operation = plan.scene.numerics, plan.operation
-    inner, roller = growths(bearing, kinematics(bearing, 1.0))
-    return ReducedDrive(
-        sums=np.zeros(3),
-        speed=float(operation.speed),
-        gravity=float(operation.gravity),
-        dt=float(plan.time_step),
-        radial_load=float(operation.radial_load),
-        ramp=1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0,
-        friction=float(plan.scene.friction_coefficient),
-        inner_radius=float(bearing.inner_raceway_radius),
-        course=course_arrays(bearing, operation, growth=inner + roller, roller_growth=roller),
-    )

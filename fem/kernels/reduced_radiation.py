@@ -53,9 +53,9 @@ def _radiate(radiation, bodies, compliance, forces, before, drive):
                 radiation.owed[row, j] += given(law, radiation.inertia[row], radiation.settling, bodies.mass, speed)
             if speed > 0.0:
                 any_kick = True
-                most = MOST * bodies.mass * speed
-                impulse = min(radiation.owed[row, j] / speed, most)
-                radiation.owed[row, j] -= impulse * speed
+                taken = min(radiation.owed[row, j], MOST * bodies.mass * speed * speed)
+                radiation.owed[row, j] = max(radiation.owed[row, j] - taken, 0.0)
+                impulse = taken / speed
                 radiation.kick[row, j] = impulse / drive.dt
                 _push(bodies, forces, drive, row, j, impulse)
     radiation.state[0] = KICKED if any_kick else QUIET

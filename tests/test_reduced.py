@@ -53,13 +53,14 @@ def frequency(time, values, near: float) -> float:
     "material.roller.youngs_modulus_GPa=300", "operation.radial_load_N=700",
 )])  # fmt: skip
 def test_a_standing_bearing_is_the_exact_series(settings):
-    scene = read_scene(None, ("model=reduced", *settings, *STILL, "operation.gravity_m_s2=0"))
+    more = "operation.gravity_m_s2=0", "numerics.output_interval_us=2"
+    scene = read_scene(None, ("model=reduced", *settings, *STILL, *more))
     plan = make_plan(scene)
     operation = plan.operation
     exact = exact_statics(scene.ideal_bearing(), operation.radial_load, operation.first_roller_angle)
     np.testing.assert_allclose(plan.start.hub, exact.hub, rtol=0.0, atol=1e-9 * np.abs(exact.hub).max())
     np.testing.assert_allclose(plan.start.inner_force, exact.inner_force, rtol=0.0, atol=1e-7 * operation.radial_load)
-    found = samples_of(dataclasses.replace(plan, stride=1), count=3)
+    found = samples_of(plan, count=3)
     # an equilibrium stays one, until rollers without friction set off along the raceways
     assert np.abs(found["inner_y"] - exact.hub[1]).max() < 1e-6 * abs(exact.hub[1])
     assert np.abs(found["inner_force"] - exact.inner_force).max() < 1e-5 * operation.radial_load

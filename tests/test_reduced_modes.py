@@ -26,7 +26,7 @@ def test_modes_change_no_static_force_nor_the_hubs_place():
         whole = (plain.model.inner_law, plain.model.outer_law)[row]
         assert law.approach(500.0) + 500.0 * modes.own(ring) == pytest.approx(whole.approach(500.0), rel=1e-12)
         step = 2.0 * np.pi / n
-        along = model.along[row, list(model.distance).index(1)] + ring.compliance(np.array(step))
+        along = model.rings.along[row, list(model.rings.distance).index(1)] + ring.compliance(np.array(step))
         assert along == pytest.approx(compliance[row * n, row * n + 1], rel=1e-12)
 
 

@@ -178,8 +178,7 @@ def patch_displacement(
     amplitude = compliance * transform_load * transform_probe
     amplitude[0] *= 0.5
     terms = amplitude * np.cos(n * angle)
-    fade = np.cos(0.5 * pi * np.clip(2.0 * n / n.size - 1.0, 0.0, 1.0)) ** 2
-    truncation = abs(np.sum(terms * (1.0 - fade)))
+    truncation = abs(np.sum(terms * (1.0 - _fade(n))))
     limit = SUM_TOLERANCE * np.sum(np.abs(amplitude))
     if not truncation <= limit:
         raise ValueError(
@@ -187,6 +186,25 @@ def patch_displacement(
             f"above {limit:.1e}; give more harmonics"
         )
     return float(np.sum(terms)) / (pi * radius)
+
+
+def patch_slope(compliance: np.ndarray, transform_load: np.ndarray, radius: float, angle: float) -> float:
+    """How the displacement at a point changes with its angle from the middle of a loaded patch, m/rad per N/m.
+
+    Parameters are those of `patch_displacement`.
+
+    Errors
+    ------
+    Terms fall slowly, as n^-3/2, but change their signs outside the patch: fading out the last half leaves less than 1e-8
+    of slopes from 0.3 rad to 1 rad away.
+    """
+    n = np.arange(compliance.size)
+    return -float(np.sum(n * compliance * transform_load * _fade(n) * np.sin(n * angle))) / (pi * radius)
+
+
+def _fade(n: np.ndarray) -> np.ndarray:
+    """Shares of a series' terms whose last half is faded out."""
+    return np.cos(0.5 * pi * np.clip(2.0 * n / n.size - 1.0, 0.0, 1.0)) ** 2
 
 
 def ring_hertz_approach(loaded_radius: float, held_radius: float, material: Material, half_width: float) -> float:

@@ -38,6 +38,12 @@ class Modes:
         each = np.cos(np.multiply.outer(angle, self.order)) * (relative / self.frequency) ** 2
         return each.sum(axis=-1)
 
+    def slope(self, angle: np.ndarray) -> np.ndarray:
+        """How that changes with the angle, m/N per rad."""
+        relative = self.shape + self.carried
+        each = -np.sin(np.multiply.outer(angle, self.order)) * self.order * (relative / self.frequency) ** 2
+        return each.sum(axis=-1)
+
 
 def disc_vibrations(radius: float, material: Material, thickness: float, highest: float) -> Modes:
     """All modes of a free disc, but for rotation, up to a frequency, rad/s."""

@@ -35,12 +35,29 @@ def wrap(array, row, n, halo):
 
 
 @part
-def felt(compliance, array, row, at):
+def felt(compliance, forces, array, row, group):
     """Approach of eight contacts, m, that forces along their ring take away."""
-    found = splat(0.0)
-    for k in range(compliance.distance.size):
-        found += compliance.along[row, k] * load(array, at + compliance.distance[k])
+    found, to, columns = splat(0.0), _place(forces, row, group), forces.normal.shape[2]
+    for k in range(compliance.felt[row, 1]):
+        Q = load(array, to + compliance.distance[k])
+        found += load(forces.along, (row * compliance.distance.size + k) * columns + group) * Q
     return found
+
+
+@part
+def _tilted(compliance, forces, row, group):
+    """How fast the approach of eight contacts grows along their ring by the forces guessed, m/rad."""
+    found, to, columns = splat(0.0), _place(forces, row, group), forces.normal.shape[2]
+    for k in range(compliance.felt[row, 0]):
+        Q = load(forces.guess, to + compliance.distance[k])
+        found += load(forces.steep, (row * compliance.distance.size + k) * columns + group) * Q
+    return found
+
+
+@part
+def _place(forces, row, group):
+    """Of eight contacts in an array with a halo."""
+    return row * forces.guess.shape[1] + forces.halo + group
 
 
 @part
@@ -106,18 +123,20 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
         x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
         from_x, from_y = x - ring_x, y - ring_y + compliance.sag[1]
         out = root(select(there, from_x * from_x + from_y * from_y, 1.0))
-        scale = 1.0 / out
-        from_x, from_y = select(there, from_x * scale, 1.0), select(there, from_y * scale, 0.0)
+        over_o = 1.0 / out
+        from_x, from_y = select(there, from_x * over_o, 1.0), select(there, from_y * over_o, 0.0)
         store_pair(forces.normal, 2 * columns + group, columns, from_x, from_y)
         x, y = x - bodies.hub[0], y - bodies.hub[1] + compliance.sag[0]
         away = root(select(there, x * x + y * y, 1.0))
-        scale = 1.0 / away
-        store_pair(forces.normal, group, columns, select(there, x * scale, 1.0), select(there, y * scale, 0.0))
+        over_i = 1.0 / away
+        store_pair(forces.normal, group, columns, select(there, x * over_i, 1.0), select(there, y * over_i, 0.0))
         at = halo + group
         guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
         guess_i, guess_o = select(there, guess_i, 0.0), select(there, guess_o, 0.0)
-        first_i = reach - away - across * guess_o - felt(compliance, forces.guess, INNER, at)
-        first_o = out - track - across * guess_i - felt(compliance, forces.guess, OUTER, width + at)
+        first_i = reach - away - across * guess_o - felt(compliance, forces, forces.guess, INNER, group)
+        first_o = out - track - across * guess_i - felt(compliance, forces, forces.guess, OUTER, group)
+        tilt_i, tilt_o = _tilted(compliance, forces, INNER, group), _tilted(compliance, forces, OUTER, group)
+        store_pair(forces.tilt, group, columns, tilt_i * over_i, tilt_o * over_o)
         _take(forces.taken, columns, group, reach - away - first_i, out - track - first_o)
         first_i, first_o = _lowered(bodies, compliance, forces, group, turn, first_i, first_o, forces.slope)
         first_i, first_o = less_vibration(bodies.vibrations, forces, columns, group, first_i, first_o)
@@ -193,8 +212,10 @@ def sweep_again(vibrations, bodies, compliance, forces):
             at = halo + group
             stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
             guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
-            Q_i = load(forces.estimate, group) - stiff_i * felt(compliance, forces.gained, INNER, at)
-            Q_o = load(forces.estimate, columns + group) - stiff_o * felt(compliance, forces.gained, OUTER, width + at)
+            less_i = felt(compliance, forces, forces.gained, INNER, group)
+            less_o = felt(compliance, forces, forces.gained, OUTER, group)
+            Q_i = load(forces.estimate, group) - stiff_i * less_i
+            Q_o = load(forces.estimate, columns + group) - stiff_o * less_o
             Q_i, Q_o = both_forces(Q_i, Q_o, stiff_i * across, stiff_o * across, guess_i, guess_o)
             gained_i, gained_o = larger(Q_i, 0.0) - guess_i, larger(Q_o, 0.0) - guess_o
             there = count_from(group) < n
@@ -214,8 +235,8 @@ def set_right(bodies, compliance, forces):
     hub_x, hub_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, n, WIDTH):
         at = halo + group
-        less_i = felt(compliance, forces.gained, INNER, at)
-        less_o = felt(compliance, forces.gained, OUTER, width + at)
+        less_i = felt(compliance, forces, forces.gained, INNER, group)
+        less_o = felt(compliance, forces, forces.gained, OUTER, group)
         stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
         guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
         Q_i = load(forces.estimate, group) - stiff_i * less_i

@@ -66,6 +66,7 @@ def kick(bodies, compliance, forces, drive, before):
         store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
         along_i, along_o = push_along(forces.slope, bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o))
         T_i, T_o = T_i + along_i, T_o + along_o
+        T_i, T_o = T_i - P_i * load(forces.tilt, group), T_o - P_o * load(forces.tilt, columns + group)
         T_i, T_o = push_modes(bodies.vibrations, bodies, forces, drive, group, P_i, P_o, T_i, T_o)
         fx, fy = P_i * ix - T_i * iy, P_i * iy + T_i * ix
         hub_x -= select(there, fx, 0.0)
@@ -133,9 +134,8 @@ def _less_by_neighbours(asked, compliance, forces, columns, group, inner, outer)
     """Changes of eight rollers' approaches, m, less what `_tell_neighbours` has said that neighbours take."""
     if asked is None:
         return inner, outer
-    at = forces.halo + group
-    felt_i = felt(compliance, forces.gained, INNER, at)
-    felt_o = felt(compliance, forces.gained, OUTER, columns + 2 * forces.halo + at)
+    felt_i = felt(compliance, forces, forces.gained, INNER, group)
+    felt_o = felt(compliance, forces, forces.gained, OUTER, group)
     take_more(forces.taken, columns, group, felt_i, felt_o)
     return inner - felt_i, outer - felt_o
 

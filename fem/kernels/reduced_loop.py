@@ -22,6 +22,7 @@ from fem.kernels.ground_dashpots import settle
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.law import contact_energy
 from fem.kernels.other_bodies import add_motion, drift_body, kick_body
+from fem.kernels.reduced_angles import AGAIN, follow_angles
 from fem.kernels.reduced_contacts import estimate_forces, set_right, sweep_again
 from fem.kernels.reduced_damping import damp_contacts, write_damping
 from fem.kernels.reduced_friction import press_neighbours
@@ -77,6 +78,8 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             _remember(bodies, before)
             follow(drive.course, time, drive.dt)
             _meet_cage(bodies.cage, drive)
+            if inside % AGAIN == 0:
+                follow_angles(bodies, compliance, forces)
             estimate_forces(bodies, compliance, forces, drive, turn_at(drive.course, drive, time))
             sweep_again(bodies.vibrations, bodies, compliance, forces)
             hub_x, hub_y, ring_x, ring_y = set_right(bodies, compliance, forces)
@@ -347,10 +350,10 @@ def _write_energies(bodies, compliance, forces, drive, before, out, acting):
         stored += _curved(bodies, forces, drive, before, INNER, j) + _curved(bodies, forces, drive, before, OUTER, j)
         for row in range(2):
             if forces.force[row, j] > 0.0:
-                for k in range(compliance.distance.size):
+                for k in range(compliance.felt[row, 1]):
                     i = j + compliance.distance[k]
                     i = i + n if i < 0 else i - n if i >= n else i
-                    stored += 0.5 * compliance.along[row, k] * forces.force[row, j] * forces.force[row, i]
+                    stored += 0.5 * forces.along[row, k, j] * forces.force[row, j] * forces.force[row, i]
     vibrating, strained = vibration_energies(bodies.vibrations, n, bodies.columns)
     out[KINETIC] = 0.5 * kinetic + vibrating
     out[ELASTIC] = strained

@@ -73,7 +73,12 @@ class Compliance(NamedTuple):
     sag: tuple[float, float]  # m, by which the raceways' centres lie below hub and outer ring, by the rings' own weight
     across: float  # m/N, approach of a roller's contact by the force on its other one
     distance: np.ndarray  # (neighbours,), in rollers, of contacts that are felt along a ring: −1, 1, −2 ...
-    along: np.ndarray  # (2, neighbours), m/N
+    felt: np.ndarray  # (2, 2), whole: by row, of how many of these compliances follow angles, and how many count
+    along: np.ndarray  # (2, neighbours), m/N, at equal angles
+    steep: np.ndarray  # (2, neighbours), m/N per rad that the angle to the neighbour is larger
+    bent: np.ndarray  # (2, 4, neighbours), m/N/rad² to m/N/rad⁵
+    strays: float  # rad, by which angles may be smaller or larger; beyond, compliances stay
+    apart: np.ndarray  # (2, columns), cosine and sine of the angles from the first roller on, if they are equal
     tangential: np.ndarray  # (3,), m/N, of contacts that stick
     ring_profiles: tuple  # of the inner and the outer raceway, see `profile_kernels`; None: a perfect circle
     roller_profiles: tuple  # of the rollers in their contacts with them
@@ -121,6 +126,11 @@ class ReducedForces(NamedTuple):
     estimate: np.ndarray  # (2, columns), N, its force; room
     stiffness: np.ndarray  # (2, columns), N/m; room
     normal: np.ndarray  # (2, 2, columns), outward; room
+    # at the angles where rollers are: see `reduced_angles`
+    strayed: np.ndarray  # (columns + 2 halo,), rad, by how much rollers are ahead of equal angles; room
+    along: np.ndarray  # (2, neighbours, columns), m/N
+    steep: np.ndarray  # (2, neighbours, columns), m/N per rad
+    tilt: np.ndarray  # (2, columns), of the raceways under contacts by forces on others; room
     # of surfaces that are not perfect circles, or None: laws' B with the edges' compliance; slopes of approaches and of
     # compliances along the inner raceway, the roller's share of that, the outer raceway, the roller's share
     bracket: np.ndarray | None  # (2, columns), in the last kick

@@ -79,6 +79,7 @@ def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance:
     model = plan.model
     reach, track = touching_distances(model.bearing)
     inner, outer = raceway_profiles(model.bearing, columns)
+    apart = 2.0 * np.pi / model.bearing.n_rollers * np.arange(columns)
     return Compliance(
         inner=model.inner_law.constants,
         outer=model.outer_law.constants,
@@ -87,8 +88,8 @@ def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance:
         track=float(track - model.roller_growth),
         sag=model.sag,
         across=model.across,
-        distance=model.distance,
-        along=model.along,
+        **vars(model.rings),
+        apart=np.array([np.cos(apart), np.sin(apart)]),
         tangential=plan.tangential,
         ring_profiles=(inner["profile"], outer["profile"]),
         roller_profiles=(inner["roller_profiles"], outer["roller_profiles"]),
@@ -98,7 +99,8 @@ def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance:
 def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
     """Contacts under the start's forces, with the accounts that the plan's scene asks for."""
     n, start = plan.model.bearing.n_rollers, plan.start
-    halo = int(np.abs(plan.model.distance).max(initial=0))
+    rings = plan.model.rings
+    halo = int(np.abs(rings.distance).max(initial=0))
     uneven = profiles(plan.model.bearing) is not None
     found = ReducedForces(
         force=np.zeros((3, columns)),
@@ -114,6 +116,10 @@ def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         estimate=np.zeros((2, columns)),
         stiffness=np.zeros((2, columns)),
         normal=np.zeros((2, 2, columns)),
+        strayed=np.zeros(columns + 2 * halo),
+        along=np.repeat(rings.along[:, :, None], columns, axis=2),
+        steep=np.zeros((2, rings.distance.size, columns)),
+        tilt=np.zeros((2, columns)),
         bracket=np.zeros((2, columns)) if uneven else None,
         bracket_now=np.zeros((2, columns)) if uneven else None,
         slope=np.zeros((4, columns)) if uneven else None,

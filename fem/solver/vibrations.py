@@ -55,7 +55,7 @@ def _coupled(model: ReducedBearing, force: float, hub_mass: float) -> tuple[np.n
     for row, law in enumerate((model.inner_law, model.outer_law)):
         soft[row, rollers, row, rollers] = law.softness(force)
         soft[row, rollers, 1 - row, rollers] = model.across
-        for distance, along in zip(model.distance, model.along[row], strict=True):
+        for distance, along in zip(model.rings.distance, model.rings.along[row], strict=True):
             soft[row, rollers, row, (rollers + distance) % n] += along
     angle = roller_angles(model.bearing, 0.0)
     own, sign = modes.roller.shape, np.where(modes.roller.order % 2 == 0, 1.0, -1.0)

@@ -14,6 +14,7 @@ from fem.elastic.continuum import (
     disc_hertz_approach,
     hertz_patch,
     patch_displacement,
+    patch_slope,
     ring_harmonic_compliance,
     ring_hertz_approach,
 )
@@ -81,15 +82,34 @@ def exact_contacts(bearing: Bearing, angle: np.ndarray) -> Condensed:
 
 def _ring_coupling(radius: float, held: float, material: Material, half_width: float, angle) -> np.ndarray:
     """Displacement of each contact by a unit load, N/m, on each other; zero on the diagonal."""
-    harmonics = np.arange(int(N_HARMONICS_PER_WIDTH * radius / half_width))
-    series = ring_harmonic_compliance(harmonics, radius, held, material)
-    pressure = hertz_patch(harmonics, half_width, radius)
-    coupling = np.zeros((len(angle), len(angle)))
-    for shift in range(1, len(angle)):  # equally spaced: one value per distance
+    series, pressure = _loaded_ring(radius, held, material, half_width)
+    n = len(angle)
+    i, coupling = np.arange(n), np.zeros((n, n))
+    for shift in range(1, n // 2 + 1):  # equally spaced: one value per distance
         value = patch_displacement(series, pressure, 1.0, radius, angle[shift] - angle[0])
-        i = np.arange(len(angle))
-        coupling[i, (i + shift) % len(angle)] = value
+        coupling[i, (i + shift) % n] = coupling[(i + shift) % n, i] = value
     return coupling
+
+
+def _loaded_ring(radius: float, held: float, material: Material, half_width: float) -> tuple[np.ndarray, np.ndarray]:
+    """Compliance, m/Pa, and transform of the load, by harmonics, (n_harmonics,)."""
+    harmonics = np.arange(int(N_HARMONICS_PER_WIDTH * radius / half_width))
+    return ring_harmonic_compliance(harmonics, radius, held, material), hertz_patch(harmonics, half_width, radius)
+
+
+def couplings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
+    """What a contact gives way by a force so many rad along its ring, and the slope of that: (2, 2, n_angles).
+
+    By ring, inner and outer: m/N, and m/N per rad.
+    """
+    inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
+    outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+    found = []
+    for ring in (inner, outer):
+        loaded = _loaded_ring(*ring, HALF_WIDTH * bearing.roller_radius)
+        given = [patch_displacement(*loaded, 1.0, ring[0], each) for each in angle]
+        found.append([given, [patch_slope(*loaded, ring[0], each) for each in angle]])
+    return np.array(found) / bearing.roller_length
 
 
 @lru_cache(maxsize=8)

@@ -14,13 +14,12 @@ from fem.elastic.moving_load import moving_softening
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach, spinning_growth
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import HALF_WIDTH, exact_contacts
+from fem.statics.ring_couplings import RingCouplings, ring_couplings, series_around
 from fem.statics.vibrating_bearing import BearingModes, softened
 from lagrange import Bearing, Kinematics
 from lagrange.kinematics import roller_angles
 from lagrange.pair import Pair, contact_pairs, line_compliance
 from lagrange.profile import Turns
-
-FAINT = 1e-6  # of a contact's own compliance: a neighbour's force that moves it less is left out
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,8 +31,7 @@ class ReducedBearing:
     inner_law: ContactLaw
     outer_law: ContactLaw
     between: ContactLaw  # of two rollers
-    distance: np.ndarray  # (neighbours,), in rollers, whose forces are felt along a ring
-    along: np.ndarray  # (2, neighbours), m/N
+    rings: RingCouplings
     across: float  # m/N
     inner_growth: float  # m, of the inner raceway as it spins
     roller_growth: float
@@ -74,16 +72,12 @@ def reduced_bearing(
         inner_law=_rolling(contacts.inner_law, bearing, motion),
         outer_law=_rolling(contacts.outer_law, bearing, motion),
     )
-    n, own = bearing.n_rollers, contacts.inner_law.A
-    distance = np.array([d for k in range(1, n // 2 + 1) for d in ((-k, k) if 2 * k < n else (k,))], dtype=np.intp)
-    along = np.array([[contacts.compliance[row * n, row * n + d % n] for d in distance] for row in range(2)])
+    n, rings = bearing.n_rollers, () if modes is None else (modes.inner, modes.outer)
     laws, across = (contacts.inner_law, contacts.outer_law), float(contacts.compliance[0, n])
     if modes is not None:
-        rings = modes.inner, modes.outer
         laws = tuple(softened(law, modes.own(ring)) for law, ring in zip(laws, rings, strict=True))
-        along -= np.array([ring.compliance(2.0 * np.pi / n * distance) for ring in rings])
         across -= modes.across
-    felt = np.abs(along).max(axis=0) > FAINT * own
+    series = _kept_series(replace(bearing, faults=()))["around"]
     inner_growth, roller_growth = growths(bearing, motion)
     closing = np.repeat([inner_growth + roller_growth, roller_growth], n)
     return ReducedBearing(
@@ -92,8 +86,7 @@ def reduced_bearing(
         inner_law=laws[0],
         outer_law=laws[1],
         between=between,
-        distance=distance[felt],
-        along=np.ascontiguousarray(along[:, felt]),
+        rings=ring_couplings(bearing, series, rings, contacts.inner_law.A),
         across=across,
         inner_growth=inner_growth,
         roller_growth=roller_growth,
@@ -167,6 +160,7 @@ def _kept_series(bearing: Bearing) -> dict[str, np.ndarray]:
         return {
             "compliance": found.compliance,
             "laws": np.array([(law.A, law.B, law.Q_line) for law in laws]),
+            "around": series_around(bearing),
             "stick": _stick_compliance(bearing, HALF_WIDTH * bearing.roller_radius),
         }
 

@@ -36,6 +36,15 @@ def test_a_frequency_below_all_modes_is_the_model_without_and_too_many_modes_are
         plan_of("reduced.modes_up_to_kHz=20000")
 
 
+def test_modes_found_for_the_first_time_are_laid_out_as_kept_ones_are(tmp_path, monkeypatch):
+    """The time loop is compiled for contiguous arrays; of a body with one mode any layout is."""
+    monkeypatch.setattr("meshes.cache.cache_folder", lambda: tmp_path / "meshes")
+    for up_to in (170, 300):
+        bodies = plan_of(f"reduced.modes_up_to_kHz={up_to}").first_state().bodies
+        for modes in (bodies.vibrations.roller, bodies.vibrations.inner, bodies.vibrations.outer):
+            assert all(array.flags.c_contiguous for array in modes), up_to
+
+
 @pytest.mark.slow  # the loop with modes is a variant of its own
 def test_a_bearing_with_modes_rests_in_the_exact_equilibrium():
     plan = plan_of(*MODES, *STILL, "operation.gravity_m_s2=0")

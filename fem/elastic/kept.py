@@ -32,7 +32,7 @@ def kept(kind: str, key: str, make: Callable[[], dict[str, np.ndarray]]) -> dict
     path = mesh_cache.cache_folder().with_name("kept") / f"{kind}-{_digest(key, _program())}.npz"
     found = _read(path)
     if found is None:
-        found = make()
+        found = {name: np.asarray(array, order="C") for name, array in make().items()}  # as they come back from there
         if sum(array.nbytes for array in found.values()) <= LARGEST:
             archive = io.BytesIO()
             np.savez(archive, **found)

@@ -5,7 +5,10 @@ A raceway's contact gives way by its own law and by the forces on other contacts
     approach = overlap of the circles − across·(force on the roller's other contact) − Σ along_k·(force k rollers away)
 
 Those forces are guessed from the last steps, the law gives force and stiffness, and two linear sweeps set them right:
-what is left is the square of a few hundredths of what the guess was off by.
+what is left is the square of a few hundredths of what the guess was off by. In rings of soft material with many rollers
+neighbours may give way by as much as a contact itself, and whole load zones would gain or lose force together: others
+are told of 1/(1 + λ) of what a force gains, λ the largest eigenvalue of couplings over contacts' own softness. Sweeps
+leave λᵢ(λᵢ − λ)/(1 + λ) of each eigenvector then; with strikes, where neighbours are told of the rest, λᵢ²(λ − λᵢ)/(1 + λ).
 """
 
 from math import cos, sin
@@ -148,7 +151,7 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
         store_pair(forces.estimate, group, columns, Q_i, Q_o)
         store_pair(forces.stiffness, group, columns, stiff_i, stiff_o)
         Q_i, Q_o = both_forces(Q_i, Q_o, stiff_i * across, stiff_o * across, guess_i, guess_o)
-        store_pair(forces.gained, at, width, Q_i - guess_i, Q_o - guess_o)
+        store_pair(forces.gained, at, width, compliance.told * (Q_i - guess_i), compliance.told * (Q_o - guess_o))
     wrap(forces.gained, INNER, n, halo)
     wrap(forces.gained, OUTER, n, halo)
 
@@ -217,7 +220,9 @@ def sweep_again(vibrations, bodies, compliance, forces):
             Q_i = load(forces.estimate, group) - stiff_i * less_i
             Q_o = load(forces.estimate, columns + group) - stiff_o * less_o
             Q_i, Q_o = both_forces(Q_i, Q_o, stiff_i * across, stiff_o * across, guess_i, guess_o)
-            gained_i, gained_o = larger(Q_i, 0.0) - guess_i, larger(Q_o, 0.0) - guess_o
+            known_i, known_o = load(forces.gained, at), load(forces.gained, width + at)
+            gained_i = known_i + compliance.told * (larger(Q_i, 0.0) - guess_i - known_i)
+            gained_o = known_o + compliance.told * (larger(Q_o, 0.0) - guess_o - known_o)
             there = count_from(group) < n
             store_pair(forces.gained, at, width, select(there, gained_i, 0.0), select(there, gained_o, 0.0))
         wrap(forces.gained, INNER, n, halo)

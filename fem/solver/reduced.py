@@ -47,6 +47,7 @@ class ReducedPlan(CompiledPlan):
     model: ReducedBearing
     operation: Operation
     tangential: np.ndarray  # (3,), m/N, of contacts that stick under the largest static force
+    told: float  # share of what forces gain at first, that other contacts are told of
     waves: UnseenWaves
     strikes: bool  # whether bodies may strike each other: then accounts of energy are kept that others need not
     start: ReducedStart
@@ -155,6 +156,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         model=model,
         operation=operation,
         tangential=tangential,
+        told=1.0 / (1.0 + strongest_coupling(model, LOAD_MARGIN * largest)),
         waves=unseen_waves(bearing, operation.inner_mass, modes),
         strikes=scene.cage is not None or may_strike(scene, operation),
         start=start,
@@ -203,14 +205,31 @@ def _softness(model: ReducedBearing, force: float) -> np.ndarray:
     return np.array([[inner, model.across], [model.across, outer]])
 
 
-def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, operation: Operation) -> float:
-    """2/ω_max, s, with all contacts closed under a force, N, that stick: of a roller, or of all with their modes."""
-    bearing = model.bearing
+def _softness_below(model: ReducedBearing, force: float) -> tuple[np.ndarray, float]:
+    """The same, and the force, which is less where that is beyond Hertz and contacts would push one another in."""
     soft = _softness(model, force)
     usual = np.linalg.eigvalsh(_softness(model, force / LOAD_MARGIN))[0]
-    while np.linalg.eigvalsh(soft)[0] < usual / STIFFEST:  # beyond Hertz, where contacts would push one another in
+    while np.linalg.eigvalsh(soft)[0] < usual / STIFFEST:
         force *= 0.5
         soft = _softness(model, force)
+    return soft, force
+
+
+def strongest_coupling(model: ReducedBearing, force: float) -> float:
+    """Largest eigenvalue, >= 0, of what forces along the rings give, over rollers' own softness under a force, N.
+
+    Of all contacts closed; of fewer it is no larger.
+    """
+    rings, n = model.rings, model.bearing.n_rollers
+    waves = np.cos(2.0 * pi / n * np.multiply.outer(rings.distance, np.arange(n // 2 + 1)))
+    along = rings.along @ waves  # (2, orders), every ring's eigenvalues
+    stiff = np.linalg.inv(_softness_below(model, force)[0])
+    return max(float(np.linalg.eigvals(stiff[:, :, None].T * along.T[:, None, :]).real.max()), 0.0)
+
+
+def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, operation: Operation) -> float:
+    """2/ω_max, s, with all contacts closed under a force, N, that stick: of a roller, or of all with their modes."""
+    bearing, (soft, force) = model.bearing, _softness_below(model, force)
     stiff = np.linalg.inv(soft)
     pushed = np.array([-1.0, 1.0])
     radial = float(pushed @ stiff @ pushed) + 2.0 / float(model.between.softness(force))

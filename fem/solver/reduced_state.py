@@ -209,7 +209,18 @@ class ReducedState(RowState):
         laws = (*c.inner, *c.outer, *c.between)
         waves = self.forces.radiation
         laws += (*waves.inertia, waves.settling)
-        numbers = (*laws, c.reach, c.track, *c.sag, c.across, *c.tangential, *c.distance, *c.felt.flat, *c.along.flat)
+        numbers = (
+            *laws,
+            c.reach,
+            c.track,
+            *c.sag,
+            c.across,
+            c.told,
+            *c.tangential,
+            *c.distance,
+            *c.felt.flat,
+            *c.along.flat,
+        )
         numbers += (*c.steep.flat, *c.bent.flat, c.strays)
         for modes in self._modes.values():
             numbers += (*modes.start, *modes.stiffness, *modes.shape, *modes.carried)

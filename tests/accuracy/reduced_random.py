@@ -41,6 +41,7 @@ WARNINGS = {  # words of a run's sentence: what it warns of
 NAMED = {  # what a refusal says: its name in the table
     "Hertz": "contacts too wide for Hertz's theory",
     "strain": "centrifugal load",
+    "shear waves": "contacts roll nearly as fast as waves",
     "is only": "ring too thin for its mesh",
     "equilibrium": "no static equilibrium",
 }

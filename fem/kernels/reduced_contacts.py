@@ -6,9 +6,8 @@ A raceway's contact gives way by its own law and by the forces on other contacts
 
 Those forces are guessed from the last steps, the law gives force and stiffness, and two linear sweeps set them right:
 what is left is the square of a few hundredths of what the guess was off by. In rings of soft material with many rollers
-neighbours may give way by as much as a contact itself, and whole load zones would gain or lose force together: others
-are told of 1/(1 + λ) of what a force gains, λ the largest eigenvalue of couplings over contacts' own softness. Of each
-eigenvector λᵢ(λᵢ − λ)/(1 + λ) is left then; with strikes, where others are told of the rest, λᵢ²(λ − λᵢ)/(1 + λ).
+neighbours give way by as much as a contact itself, and whole load zones would gain and lose force together, by turns:
+there others are told of a share only of what a force gains (`fem.solver.reduced.share_told`).
 """
 
 from math import cos, sin

@@ -32,6 +32,7 @@ from lagrange.contact_damping import ContactDamping
 from lagrange.scene import Scene
 from lagrange.step_size import fastest_in_machine
 
+LEFT = 0.2  # of what a guess was off by, the most that sweeps may leave with its sign turned
 STIFFEST = 3.0  # times as stiff as under a LOAD_MARGIN-th of the force; the paper's bearing is 1.2 times
 SHARE = 0.7  # of the critical step, at a safety of 1: beyond, contacts that open and close gain energy
 KNOTS_A_STEP = 0.25  # of a profile's spline
@@ -156,7 +157,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         model=model,
         operation=operation,
         tangential=tangential,
-        told=1.0 / (1.0 + strongest_coupling(model, LOAD_MARGIN * largest)),
+        told=share_told(strongest_coupling(model, LOAD_MARGIN * largest)),
         waves=unseen_waves(bearing, operation.inner_mass, modes),
         strikes=scene.cage is not None or may_strike(scene, operation),
         start=start,
@@ -225,6 +226,15 @@ def strongest_coupling(model: ReducedBearing, force: float) -> float:
     along = rings.along @ waves  # (2, orders), every ring's eigenvalues
     stiff = np.linalg.inv(_softness_below(model, force)[0])
     return max(float(np.linalg.eigvals(stiff[:, :, None].T * along.T[:, None, :]).real.max()), 0.0)
+
+
+def share_told(coupling: float) -> float:
+    """Share of what forces gain by their own contact that others are told of, by their `strongest_coupling`.
+
+    All of it, which leaves −λ³ of what a guess was off by, and grows by turns from a third on; or, of strong couplings,
+    as much as leaves −LEFT, λ²(1 − share (1 + λ)).
+    """
+    return 1.0 if coupling**3 <= LEFT else (1.0 + LEFT / coupling**2) / (1.0 + coupling)
 
 
 def critical_time_step(model: ReducedBearing, force: float, tangential: np.ndarray, operation: Operation) -> float:

@@ -92,3 +92,10 @@ def test_rollers_are_pushed_along_raceways_as_elastic_energy_falls():
     found_along = np.sum(pushed * along, axis=0)
     tilt = np.abs(wanted - flat).max()
     np.testing.assert_allclose(found_along[loaded], wanted[loaded], rtol=0.0, atol=0.02 * tilt)
+
+
+def test_checkpoints_hold_no_compliances():
+    """They follow from the model and from where rollers are."""
+    kept = plan_of().first_state().named_arrays()
+    assert "forces.force" in kept
+    assert not {"forces.along", "forces.steep", "forces.strayed", "forces.tilt"} & set(kept)

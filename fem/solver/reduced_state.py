@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from fem.solver.reduced import ReducedPlan
 
 
+FOLLOW = ("along", "steep", "strayed", "tilt")  # from the model and from where rollers are, at every sample
 LIMIT = 1e-3  # of the exchanged energy: what a run's balance may be off by
 MOST_TURN = 1e6  # rad, that `lane_functions.cosine_and_sine` takes
 MOST_HALVINGS = 6  # of the time step
@@ -182,7 +183,7 @@ class ReducedState(RowState):
         found: dict[str, np.ndarray] = {}
         for place, group in (("bodies", self.bodies), ("forces", self.forces), ("drive", self.drive)):
             arrays = {name: value for name, value in group._asdict().items() if isinstance(value, np.ndarray)}
-            found |= {f"{place}.{name}": array for name, array in arrays.items()}
+            found |= {f"{place}.{name}": array for name, array in arrays.items() if name not in FOLLOW}
         if self.forces.dampers is not None:
             found |= {f"dampers.{name}": getattr(self.forces.dampers, name) for name in ("force", "work")}
         found |= {f"radiation.{name}": getattr(self.forces.radiation, name) for name in ("owed", "work")}

@@ -322,6 +322,21 @@ def _curved(bodies, forces, drive, before, row, j):
     return -risen if row == INNER else risen
 
 
+@part
+def _yet_to_give(bodies, forces, drive, row, j):
+    """What a kick gives beyond its force has worked on the way here; in the step ahead it works once more, J."""
+    beyond = forces.kick[row, j] - forces.force[row, j]
+    if beyond == 0.0:
+        return 0.0
+    vx, vy = bodies.velocity[0, j], bodies.velocity[1, j]
+    if row == INNER:
+        vx, vy = bodies.hub_velocity[0] - vx, bodies.hub_velocity[1] - vy
+    else:
+        ring_vx, ring_vy = ring_rates(bodies.housing)[1]
+        vx, vy = vx - ring_vx, vy - ring_vy
+    return 0.5 * drive.dt * beyond * (vx * forces.normal[row, 0, j] + vy * forces.normal[row, 1, j])
+
+
 @part(inlined=False)
 def _write_energies(bodies, compliance, forces, drive, before, out, acting):
     """Kinetic energy as leapfrog conserves it, ½ v(t − dt/2)·M·v(t + dt/2), and all elastic energy as the contacts'.
@@ -347,7 +362,8 @@ def _write_energies(bodies, compliance, forces, drive, before, out, acting):
         stored += _stored(compliance.outer, compliance, forces, OUTER, j, forces.bracket)
         stored += _stored(compliance.between, compliance, forces, NEXT, j, None)
         stored += compliance.across * forces.force[INNER, j] * forces.force[OUTER, j]
-        stored += _curved(bodies, forces, drive, before, INNER, j) + _curved(bodies, forces, drive, before, OUTER, j)
+        for row in range(2):
+            stored += _curved(bodies, forces, drive, before, row, j) - _yet_to_give(bodies, forces, drive, row, j)
         for row in range(2):
             if forces.force[row, j] > 0.0:
                 for k in range(compliance.felt[row, 1]):

@@ -145,7 +145,8 @@ def make_plan(scene: Scene) -> ReducedPlan:
     critical = critical_time_step(model, LOAD_MARGIN * largest, tangential, operation)
     critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation)
     interval = 1e-6 * numerics.output_interval_us
-    longest = min(SHARE * critical, KNOTS_A_STEP * time_along_a_knot(bearing, fastest), longest_with_modes(modes))
+    longest = min(SHARE * critical, longest_with_modes(modes, float(scene.friction_coefficient)))
+    longest = min(longest, KNOTS_A_STEP * time_along_a_knot(bearing, fastest))
     longest = min(longest, _time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts))
     longest *= numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))

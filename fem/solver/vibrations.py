@@ -11,7 +11,8 @@ from fem.statics.reduced_bearing import ReducedBearing
 from fem.statics.vibrating_bearing import BearingModes
 from lagrange.kinematics import roller_angles
 
-TURN = 1.0  # rad, of the fastest mode in a step at a safety of 1
+# rad, of the fastest mode in a step at a safety of 1; energy of rollers that rattle without friction takes shorter ones
+TURN, FRICTIONLESS_TURN = 1.5, 1.0
 STEADY = 1e-3  # of a step: how closely the critical one is found
 MOST_LOOKS = 30
 
@@ -21,9 +22,9 @@ def leapfrogs_mass(frequency: np.ndarray, dt: float) -> np.ndarray:
     return 1.0 / np.sinc(frequency * dt / (2.0 * pi)) ** 2
 
 
-def longest_with_modes(modes: BearingModes | None) -> float:
+def longest_with_modes(modes: BearingModes | None, friction: float) -> float:
     """The longest step, s, that follows modes; infinite without them."""
-    return inf if modes is None else TURN / modes.highest
+    return inf if modes is None else (TURN if friction > 0.0 else FRICTIONLESS_TURN) / modes.highest
 
 
 def critical_with_modes(model: ReducedBearing, force: float, hub_mass: float) -> float:

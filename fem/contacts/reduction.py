@@ -8,6 +8,8 @@ from lagrange import Bearing
 from lagrange.kinematics import roller_angles
 from lagrange.profile import Turns
 
+GROWN_PASSES = 2  # each leaves ρω²r²/(λ + 2μ) of what growth was off by, some 0.3 % at most
+
 
 @dataclass(frozen=True, kw_only=True)
 class Motion:
@@ -85,8 +87,14 @@ class Reduced(PressurePoints):
 def unloaded(model, motion: Motion, gravity: float) -> Unloaded:
     """The bodies in motion. A roller's weight is a uniform load: it deforms only through contacts."""
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
+    mass, spins = np.repeat(disc.mass, 2), inner.body_load(0.0, 0.0, motion.ring_speed)
+    # what spins carries around what it has grown by
+    ring, roller = np.zeros_like(spins), np.zeros(mass.size)
+    for _ in range(1 + GROWN_PASSES):
+        ring = inner.held(spins + motion.ring_speed**2 * inner.row_mass[:, None, None] * ring)
+        roller = disc.relaxed(motion.roller_speed**2 * mass * (disc.points.ravel() + roller))
     return Unloaded(
-        inner_growth=inner.held(inner.body_load(gravity, motion.ring_turn, motion.ring_speed)),
+        inner_growth=ring + inner.held(inner.body_load(gravity, motion.ring_turn)),
         outer_sag=outer.sag(gravity),
-        roller_growth=disc.relaxed(motion.roller_speed**2 * (disc.mass[:, None] * disc.points).ravel()),
+        roller_growth=roller,
     )

@@ -4,9 +4,10 @@ The tangential half of `continuum`, with its conventions: displacement per unit 
 what the body does as a whole.
 """
 
-from math import log, pi
+from math import log, pi, sqrt
 
 import numpy as np
+from scipy.special import j0, j1, y0, y1
 
 from fem.elastic.continuum import DECOUPLED, annulus_modes, hertz_centre, kolosov
 from lagrange.bearing import Material
@@ -97,17 +98,27 @@ def spinning_growth(radius: float, held_radius: float, material: Material, speed
 
     `held_radius`, m: a circle that does not give; 0: a solid disc.
 
-    Source: Timoshenko and Goodier, Theory of Elasticity, section 32, in plane strain: u = a r + b/r − ρω² r³/8(λ+2μ).
+    What has grown is carried around, too: (λ+2μ)(u'' + u'/r − u/r²) = −ρω²(r + u), so that r + u is a combination of
+    J₁(kr) and Y₁(kr), k² = ρω²/(λ+2μ). Errors: round-off of the radius.
+
+    Source: Timoshenko and Goodier, Theory of Elasticity, section 32, in plane strain, for the load ρω²r alone.
     """
-    if material.rigid:
+    if material.rigid or speed == 0.0:
         return 0.0
     mu, lame = material.lame_mu, material.lame_lambda
-    cubic = -material.density * speed**2 / (8.0 * (lame + 2.0 * mu))
+    k = abs(speed) * sqrt(material.density / (lame + 2.0 * mu))
+
+    def reaches(r):
+        """r + u of two solutions, near r and 1/r where k is small."""
+        return np.array([2.0 / k * j1(k * r), -0.5 * pi * k * y1(k * r)])
+
+    def slope(r):
+        return np.array([2.0 * j0(k * r), -0.5 * pi * k**2 * y0(k * r)]) - reaches(r) / r
+
     # σ_rr = (λ + 2μ) u' + λ u/r, nothing at `radius`
-    stress = [2.0 * (lame + mu), -2.0 * mu / radius**2, (3.0 * (lame + 2.0 * mu) + lame) * cubic * radius**2]
+    stress = (lame + 2.0 * mu) * slope(radius) + lame / radius * reaches(radius)
     if held_radius == 0.0:
-        a, b = -stress[2] / stress[0], 0.0
+        weights = np.array([2.0 * (lame + mu) / stress[0], 0.0])
     else:
-        matrix = [stress[:2], [held_radius, 1.0 / held_radius]]
-        a, b = np.linalg.solve(matrix, [-stress[2], -cubic * held_radius**3])
-    return float(a * radius + b / radius + cubic * radius**3)
+        weights = np.linalg.solve([stress, reaches(held_radius)], [2.0 * (lame + mu), held_radius])
+    return float(weights @ reaches(radius) - radius)

@@ -19,7 +19,7 @@ from lagrange.kinematics import roller_angles
 from lagrange.scene import parse_scene
 from tests.reference.collocated_contact import approach
 from tests.stability.random_scenes import random_scene
-from tests.test_reduced_steps import RATTLES, ran
+from tests.test_reduced_steps import RATTLES, in_longer_steps, ran
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 RING = 0.018, 0.0125, STEEL, 0.01  # raceway, bore, m, material, thickness, m
@@ -125,7 +125,7 @@ def test_wide_contacts_are_warned_of_and_narrow_ones_are_not():
 
 def test_a_run_whose_energy_is_off_says_so():
     """Rollers that rattle without friction, and no shorter steps: 1 % of what is exchanged in 20 ms."""
-    plan = make_plan(parse_scene(RATTLES, "test"))
+    plan = in_longer_steps(RATTLES)
     state, worst = plan.first_state(), 0.0
     state._halvings = MOST_HALVINGS  # none is left
     while state.done < plan.n_samples:

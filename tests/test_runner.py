@@ -113,8 +113,8 @@ def test_a_run_that_is_stopped_and_resumed_is_the_uninterrupted_one(case, looks,
     assert content(path) == content(whole)
     with h5py.File(path) as file:
         assert file.attrs["status"] == "complete" and file.attrs["committed_samples"] == 201
-        # of the last pass: four a sample in place of two, twenty in place of five
-        assert not refines or file.attrs["steps"] == (800 if "lagrange" in case else 4000)
+        # of the last pass: four a sample in place of two, ten in place of five
+        assert not refines or file.attrs["steps"] == (800 if "lagrange" in case else 2000)
 
 
 @each_case

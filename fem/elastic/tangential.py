@@ -12,6 +12,8 @@ from scipy.special import j0, j1, y0, y1
 from fem.elastic.continuum import DECOUPLED, annulus_modes, hertz_centre, kolosov
 from lagrange.bearing import Material
 
+SLOW = 1e-8  # of the waves' speed: what spins grows by less than round-off of its radius
+
 
 def disc_shear_compliance(n: np.ndarray, radius: float, material: Material) -> np.ndarray:
     """Tangential displacement of a free solid disc per unit tangential traction sin nθ, less its mean motion.
@@ -103,10 +105,12 @@ def spinning_growth(radius: float, held_radius: float, material: Material, speed
 
     Source: Timoshenko and Goodier, Theory of Elasticity, section 32, in plane strain, for the load ρω²r alone.
     """
-    if material.rigid or speed == 0.0:
+    if material.rigid:
         return 0.0
     mu, lame = material.lame_mu, material.lame_lambda
     k = abs(speed) * sqrt(material.density / (lame + 2.0 * mu))
+    if k * radius < SLOW:
+        return 0.0
 
     def reaches(r):
         """r + u of two solutions, near r and 1/r where k is small."""

@@ -10,6 +10,7 @@ from scipy.integrate import solve_bvp
 from fem.elastic.tangential import (
     disc_shear_approach,
     disc_shear_compliance,
+    ring_cross_compliance,
     ring_shear_approach,
     ring_shear_compliance,
     spinning_growth,
@@ -23,12 +24,14 @@ RADIUS, INNER, OUTER = 0.005, (0.018, 0.0125), (0.028, 0.0325)
 
 
 def sheared_ring(n, loaded, held, material):
+    """Displacement along the traction, and into the ring, m/Pa."""
     t = held / loaded
     problem = PolarNavier(n, min(1.0, t), max(1.0, t), 48, material)
     U, V, *_ = problem.blocks(t)
-    _, around, s_rr, s_rt, *_ = problem.blocks(1.0)
-    coefficients = problem.solve([(U, 0.0), (V, 0.0), (s_rr, 0.0), (s_rt, 1.0)])
-    return np.sign(1.0 - t) * (around @ coefficients)[0] * loaded / material.lame_mu
+    out, around, s_rr, s_rt, *_ = problem.blocks(1.0)
+    coefficients = problem.solve([(U, 0.0), (V, 0.0), (s_rr, 0.0), (s_rt, np.sign(1.0 - t))])
+    along, outwards = (around @ coefficients)[0], (out @ coefficients)[0]
+    return along * loaded / material.lame_mu, -np.sign(1.0 - t) * outwards * loaded / material.lame_mu
 
 
 def sheared_disc(n, radius, material):
@@ -50,8 +53,19 @@ def sheared_disc(n, radius, material):
 @pytest.mark.parametrize("ring", [INNER, OUTER, (0.02, 0.005)])
 def test_a_sheared_ring_agrees_with_navier_equations(ring, material):
     n = np.array([0, 1, 2, 3, 5, 8, 13, 20])
-    wanted = [sheared_ring(k, *ring, material) for k in n]
-    np.testing.assert_allclose(ring_shear_compliance(n, *ring, material), wanted, rtol=1e-8)
+    along, inwards = np.transpose([sheared_ring(k, *ring, material) for k in n])
+    np.testing.assert_allclose(ring_shear_compliance(n, *ring, material), along, rtol=1e-8)
+    np.testing.assert_allclose(ring_cross_compliance(n, *ring, material), inwards, rtol=1e-8, atol=1e-20)
+
+
+@pytest.mark.parametrize("ring", [INNER, OUTER])
+def test_narrow_tractions_press_a_surface_down_ahead_of_them(ring):
+    """A half-plane by (1 − 2ν)(1 + ν)/2E, Johnson, Contact Mechanics (1985), section 2.5, which is Σ sin(nθ)/n = π/2."""
+    n = np.array([2000, 20000])
+    found = ring_cross_compliance(n, *ring, STEEL) * n / ring[0]  # of a half-plane the same for every wave
+    wanted = (1.0 - 2.0 * 0.3) * (1.0 + 0.3) / STEEL.youngs_modulus
+    assert np.all(np.abs(-found / wanted - 1.0) < 4.0 / n)  # the circle's curvature adds a share 1/n
+    assert np.all(found < 0.0)  # sin nθ lags a quarter of a wave behind cos nθ: down ahead of a pull along +θ
 
 
 @pytest.mark.parametrize("material", [STEEL, SOFT])

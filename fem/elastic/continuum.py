@@ -202,6 +202,16 @@ def patch_slope(compliance: np.ndarray, transform_load: np.ndarray, radius: floa
     return -float(np.sum(n * compliance * transform_load * _fade(n) * np.sin(n * angle))) / (pi * radius)
 
 
+def patch_crossing(crossing: np.ndarray, transform_load: np.ndarray, radius: float, angle: float) -> float:
+    """Displacement into the body at an angle, rad, from the middle of a patch that is pulled along +θ, m per N/m.
+
+    Parameters are those of `patch_displacement` and errors those of `patch_slope`; `crossing` : ndarray,
+    (n_harmonics,), m/Pa, of displacements cos nθ by tractions sin nθ
+    """
+    n = np.arange(crossing.size)
+    return -float(np.sum(crossing * transform_load * _fade(n) * np.sin(n * angle))) / (pi * radius)
+
+
 def _fade(n: np.ndarray) -> np.ndarray:
     """Shares of a series' terms whose last half is faded out."""
     return np.cos(0.5 * pi * np.clip(2.0 * n / n.size - 1.0, 0.0, 1.0)) ** 2

@@ -49,18 +49,45 @@ def ring_shear_compliance(n: np.ndarray, loaded_radius: float, held_radius: floa
     mu, kappa = material.lame_mu, kolosov(material)
     found = np.empty(n.shape)
     found[n == 0] = abs(1.0 / t**2 - 1.0) / (2.0 * mu)
-    far = (n > 1) & (2.0 * np.log(np.maximum(n, 1)) - 2.0 * n * abs(log(t)) < log(DECOUPLED))
+    far = _decoupled(n, t)
     convexity = 1 if t < 1.0 else -1
     found[far] = (kappa / (n[far] + convexity) + 1.0 / (n[far] - convexity)) / (4.0 * mu)
     near = n[(n > 0) & ~far]
     if near.size:
-        conditions = np.concatenate(
-            (annulus_modes(near, t, t, kappa)[:, :2], annulus_modes(near, 1.0, t, kappa)[:, 2:]), axis=1
-        )
-        weights = np.linalg.solve(conditions, np.array([0.0, 0.0, 0.0, 1.0]).reshape(1, 4, 1))[..., 0]
-        around = np.sum(annulus_modes(near, 1.0, t, kappa)[:, 1, :] * weights, axis=1)
+        around = np.sum(annulus_modes(near, 1.0, t, kappa)[:, 1, :] * _sheared(near, t, kappa), axis=1)
         found[(n > 0) & ~far] = np.sign(1.0 - t) * around / (2.0 * mu)
     return loaded_radius * found
+
+
+def ring_cross_compliance(n: np.ndarray, loaded_radius: float, held_radius: float, material: Material) -> np.ndarray:
+    """Displacement cos nθ into an annulus, fixed on one circle, per unit tangential traction sin nθ on the other.
+
+    Parameters and errors as of `continuum.ring_harmonic_compliance`; m/Pa. By Betti it is also what a pressure cos nθ
+    moves the surface by along sin nθ.
+    """
+    n = np.asarray(n)
+    t = held_radius / loaded_radius
+    mu, kappa = material.lame_mu, kolosov(material)
+    convexity = 1 if t < 1.0 else -1
+    found = np.zeros(n.shape)
+    far = _decoupled(n, t)
+    found[far] = (1.0 / (n[far] - convexity) - kappa / (n[far] + convexity)) / (4.0 * mu)
+    near = n[(n > 0) & ~far]
+    if near.size:
+        out = np.sum(annulus_modes(near, 1.0, t, kappa)[:, 0, :] * _sheared(near, t, kappa), axis=1)
+        found[(n > 0) & ~far] = -out / (2.0 * mu)
+    return loaded_radius * found
+
+
+def _decoupled(n: np.ndarray, t: float) -> np.ndarray:
+    """Whether harmonics of a ring do not feel the circle that is held, t loaded radii from the centre."""
+    return (n > 1) & (2.0 * np.log(np.maximum(n, 1)) - 2.0 * n * abs(log(t)) < log(DECOUPLED))
+
+
+def _sheared(n: np.ndarray, t: float, kappa: float) -> np.ndarray:
+    """Weights, (n_n, 4), of the annulus modes for σ_rθ = sin nθ on radius 1, n >= 1, with radius t fixed."""
+    conditions = np.concatenate((annulus_modes(n, t, t, kappa)[:, :2], annulus_modes(n, 1.0, t, kappa)[:, 2:]), axis=1)
+    return np.linalg.solve(conditions, np.array([0.0, 0.0, 0.0, 1.0]).reshape(1, 4, 1))[..., 0]
 
 
 def disc_shear_approach(radius: float, material: Material, half_width: float) -> float:

@@ -71,7 +71,7 @@ def next_force(approach, A, B, Q_line, before, approach_before, B_before):
     sure = known & (magnitude(step) < NEAR * Q) & (Q < 0.99 * Q_line)
     Q = select(apart, 0.0, Q + step)
     if any_lane(select(apart, 0.0, select(sure, 0.0, 1.0)) != 0.0):  # what is not a number is neither
-        return _long_way(approach, A, B, Q_line, before)
+        return distant_force(approach, A, B, Q_line, before)
     return Q
 
 
@@ -85,7 +85,8 @@ def _third_order(delta, Q, bracket):
 
 
 @part(inlined=False)
-def _long_way(approach, A, B, Q_line, guess):
+def distant_force(approach, A, B, Q_line, guess):
+    """`contact_force` where it is seldom asked for: one copy in a kernel."""
     return contact_force(approach, A, B, Q_line, guess)
 
 

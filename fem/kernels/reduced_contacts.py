@@ -3,6 +3,7 @@
 A raceway's contact gives way by its own law and by the forces on other contacts of its bodies:
 
     approach = overlap of the circles − across·(force on the roller's other contact) − Σ along_k·(force k rollers away)
+               − Σ crossed_k·(traction k rollers away)
 
 Those forces are guessed from the last steps, the law gives force and stiffness, and two linear sweeps set them right:
 what is left is the square of a few hundredths of what the guess was off by. In rings of soft material with many rollers
@@ -17,7 +18,7 @@ from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
-from fem.kernels.law import STEEPEST, contact_force
+from fem.kernels.law import STEEPEST, distant_force
 from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.reduced_housing import ring_place
 from fem.kernels.reduced_modes import gather_waves, less_vibration
@@ -25,7 +26,7 @@ from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.state import Course
 
 MORE_SWEEPS = 2  # where bodies vibrate
-NEAR = 1e-3  # of a force: a guess no further off needs one step of Newton's
+NEAR = 0.03  # of a force: a step of third order no longer leaves a hundredth of its cube, less than sweeps do
 
 
 @part
@@ -57,6 +58,18 @@ def _tilted(compliance, forces, row, group):
 
 
 @part
+def _lift(compliance, forces, drive, row, group):
+    """Approach of eight contacts, m, that tractions along their ring, of the last step, take away."""
+    found = splat(0.0)
+    if drive.friction > 0.0:
+        to = _place(forces, row, group)
+        for k in range(compliance.crossing[row]):
+            found += load(forces.pulled, to + compliance.distance[k]) * compliance.crossed[row, k]
+        store(forces.lifted, row * forces.normal.shape[2] + group, found)
+    return found
+
+
+@part
 def _place(forces, row, group):
     """Of eight contacts in an array with a halo."""
     return row * forces.guess.shape[1] + forces.halo + group
@@ -82,22 +95,30 @@ def level(law, brackets, at):
 def _force(law, B, approach, guess):
     """Forces of eight approaches, N, and their stiffness, N/m, 0 of open contacts.
 
-    From a good guess one step of third order, from any other `law.contact_force`.
+    From a good guess one step of third order, from a fair one two, from any other `law.distant_force`.
     """
     known = guess > 0.0
-    Q = select(known, guess, 1.0)
-    bracket = B - 0.5 * logarithm(Q)
-    relative = 1.0 / (law.A * Q * (bracket - 0.5))  # stiffness over force
-    step = (approach - law.A * Q * bracket) * relative  # of the force, over it
-    stiffness = relative * Q
-    bend = 0.5 * law.A * stiffness * step
-    rough = (magnitude(step) >= NEAR) | (Q + step * Q >= law.Q_line)
-    found = select(known, Q + Q * step * (1.0 + 0.5 * bend), 0.0)
-    stiffness = select(known, stiffness * (1.0 + bend), 0.0)
-    if any_lane((known & rough) | ((guess <= 0.0) & (approach > 0.0))):
-        found = contact_force(approach, law.A, B, law.Q_line, guess)
+    Q, stiffness, step = _nearer(law, B, approach, select(known, guess, 1.0))
+    rough = known & ((magnitude(step) >= NEAR) | (Q >= law.Q_line))
+    if any_lane(rough):
+        Q, stiffness, step = _nearer(law, B, approach, select(known, larger(Q, 0.1 * guess), 1.0))
+        rough = known & ((magnitude(step) >= NEAR) | (Q >= law.Q_line))
+    found, stiffness = select(known, Q, 0.0), select(known, stiffness, 0.0)
+    if any_lane(rough | ((guess <= 0.0) & (approach > 0.0))):
+        found = distant_force(approach, law.A, B, law.Q_line, guess)
         stiffness = _stiffness(law, found, approach)
     return found, stiffness
+
+
+@part
+def _nearer(law, B, approach, Q):
+    """Forces of eight approaches by a step of third order from forces Q > 0, their stiffness, and the step over Q."""
+    bracket = B - 0.5 * logarithm(Q)
+    relative = 1.0 / (law.A * Q * (bracket - 0.5))  # stiffness over force
+    step = (approach - law.A * Q * bracket) * relative
+    stiffness = relative * Q
+    bend = 0.5 * law.A * stiffness * step
+    return Q + Q * step * (1.0 + 0.5 * bend), stiffness * (1.0 + bend), step
 
 
 @part
@@ -137,6 +158,8 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
         guess_i, guess_o = select(there, guess_i, 0.0), select(there, guess_o, 0.0)
         first_i = reach - away - across * guess_o - felt(compliance, forces, forces.guess, INNER, group)
         first_o = out - track - across * guess_i - felt(compliance, forces, forces.guess, OUTER, group)
+        first_i -= _lift(compliance, forces, drive, INNER, group)
+        first_o -= _lift(compliance, forces, drive, OUTER, group)
         tilt_i, tilt_o = _tilted(compliance, forces, INNER, group), _tilted(compliance, forces, OUTER, group)
         store_pair(forces.tilt, group, columns, tilt_i * over_i, tilt_o * over_o)
         _take(forces.taken, columns, group, reach - away - first_i, out - track - first_o)

@@ -65,6 +65,9 @@ def kick(bodies, compliance, forces, drive, before):
         T_i, T_o = splat(0.0), splat(0.0)
         if drive.friction > 0.0:
             T_i, T_o = tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o)
+            store_pair(forces.pulled, halo + group, width, select(there, T_i, 0.0), select(there, T_o, 0.0))
+            _shift(forces, drive, INNER, group, Q_i)
+            _shift(forces, drive, OUTER, group, Q_o)
         store(bodies.spin, group, load(bodies.spin, group) + (T_o - T_i) * (dt * bodies.radius / bodies.inertia))
         along_i, along_o = push_along(forces.slope, bodies, forces, drive, group, (P_i, P_o), (Q_i, Q_o))
         T_i, T_o = T_i + along_i, T_o + along_o
@@ -80,9 +83,23 @@ def kick(bodies, compliance, forces, drive, before):
         store(bodies.velocity, at, load(bodies.velocity, at) + over * fy - drive.gravity * dt)
         _expect(forces, halo + group, group, Q_i)
         _expect(forces, width + halo + group, columns + group, Q_o)
-    wrap(forces.guess, INNER, n, halo)
-    wrap(forces.guess, OUTER, n, halo)
+    for row in range(2):
+        wrap(forces.guess, row, n, halo)
+        if drive.friction > 0.0:
+            wrap(forces.pulled, row, n, halo)
     return total(hub_x), total(hub_y), total(ring_x), total(ring_y)
+
+
+@part
+def _shift(forces, drive, row, group, Q):
+    """Less dissipation, J, by how eight contacts' forces, N, shift the raceways under all tractions along their ring.
+
+    By Betti that is how far tractions push raceways back, times what forces have changed.
+    """
+    columns = forces.normal.shape[2]
+    now, last = load(forces.lifted, row * columns + group), load(forces.lifted, (2 + row) * columns + group)
+    store(forces.lifted, (2 + row) * columns + group, now)
+    drive.sums[2] -= 0.5 * total((now + last) * (Q - load(forces.force, row * columns + group)))
 
 
 @part

@@ -365,6 +365,7 @@ def _write_energies(bodies, compliance, forces, drive, before, out, acting):
         for row in range(2):
             stored += _curved(bodies, forces, drive, before, row, j) - _yet_to_give(bodies, forces, drive, row, j)
         for row in range(2):
+            stored += forces.lifted[0, row, j] * forces.force[row, j]
             if forces.force[row, j] > 0.0:
                 for k in range(compliance.felt[row, 1]):
                     i = j + compliance.distance[k]

@@ -79,6 +79,8 @@ class Compliance(NamedTuple):
     steep: np.ndarray  # (2, neighbours), m/N per rad that the angle to the neighbour is larger
     bent: np.ndarray  # (2, 4, neighbours), m/N/rad² to m/N/rad⁵
     strays: float  # rad, by which angles may be smaller or larger; beyond, compliances stay
+    crossed: np.ndarray  # (2, neighbours), m/N, by their tractions on these rollers
+    crossing: np.ndarray  # (2,), whole: by row, of how many of them
     apart: np.ndarray  # (2, columns), cosine and sine of the angles from the first roller on, if they are equal
     tangential: np.ndarray  # (3,), m/N, of contacts that stick
     ring_profiles: tuple  # of the inner and the outer raceway, see `profile_kernels`; None: a perfect circle
@@ -139,6 +141,8 @@ class ReducedForces(NamedTuple):
     slope: np.ndarray | None  # (4, columns), m/rad; room
     softening: np.ndarray | None  # (4, columns), m/N/rad; room
     radiation: Radiation
+    pulled: np.ndarray  # (2, columns + 2 halo), N, tractions of the last step
+    lifted: np.ndarray  # (2, 2, columns), m, how far they push the raceways back: now, at the last kick
     taken: np.ndarray | None  # (2, 2, columns), m, of approaches by other contacts' forces: now, at the last kick
     halo: int
     dampers: ReducedDampers | None = None  # None: contacts without

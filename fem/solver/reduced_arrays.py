@@ -126,6 +126,8 @@ def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
         slope=np.zeros((4, columns)) if uneven else None,
         softening=np.zeros((4, columns)) if uneven else None,
         radiation=_radiation(plan, columns),
+        pulled=np.zeros((2, columns + 2 * halo)),
+        lifted=np.zeros((2, 2, columns)),
         taken=None if plan.model.modes is None and not plan.strikes else np.zeros((2, 2, columns)),
         halo=halo,
         dampers=_dampers(plan.scene.damping.contacts, columns),

@@ -222,7 +222,7 @@ class ReducedState(RowState):
             *c.felt.flat,
             *c.along.flat,
         )
-        numbers += (*c.steep.flat, *c.bent.flat, c.strays)
+        numbers += (*c.steep.flat, *c.bent.flat, c.strays, *c.crossed.flat, *c.crossing)
         for modes in self._modes.values():
             numbers += (*modes.start, *modes.stiffness, *modes.shape, *modes.carried)
         return hashlib.sha256(np.array(numbers, dtype=float).tobytes()).hexdigest()

@@ -13,11 +13,13 @@ from fem.contacts.contact_law import ContactLaw
 from fem.elastic.continuum import (
     disc_hertz_approach,
     hertz_patch,
+    patch_crossing,
     patch_displacement,
     patch_slope,
     ring_harmonic_compliance,
     ring_hertz_approach,
 )
+from fem.elastic.tangential import ring_cross_compliance
 from fem.statics.contact_balance import Condensed, Loads, balance, closed_forces, first_guess
 from lagrange import Bearing, Material
 from lagrange.kinematics import roller_angles
@@ -109,6 +111,21 @@ def couplings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
         loaded = _loaded_ring(*ring, HALF_WIDTH * bearing.roller_radius)
         given = [patch_displacement(*loaded, 1.0, ring[0], each) for each in angle]
         found.append([given, [patch_slope(*loaded, ring[0], each) for each in angle]])
+    return np.array(found) / bearing.roller_length
+
+
+def crossings_at(bearing: Bearing, angle: np.ndarray) -> np.ndarray:
+    """How a raceway gives way to tractions along +θ on it, at angles, rad, ahead of them: (2, n_angles), m/N.
+
+    By ring, inner and outer.
+    """
+    inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
+    outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+    half_width, found = HALF_WIDTH * bearing.roller_radius, []
+    for radius, held, material in (inner, outer):
+        harmonics = np.arange(int(N_HARMONICS_PER_WIDTH * radius / half_width))
+        pulled = ring_cross_compliance(harmonics, radius, held, material), hertz_patch(harmonics, half_width, radius)
+        found.append([patch_crossing(*pulled, radius, each) for each in angle])
     return np.array(found) / bearing.roller_length
 
 

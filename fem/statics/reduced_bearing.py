@@ -14,7 +14,7 @@ from fem.elastic.moving_load import moving_softening
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach, spinning_growth
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import HALF_WIDTH, exact_contacts
-from fem.statics.ring_couplings import RingCouplings, ring_couplings, series_around
+from fem.statics.ring_couplings import RingCouplings, crossed_series, ring_couplings, series_around
 from fem.statics.vibrating_bearing import BearingModes, softened
 from lagrange import Bearing, Kinematics
 from lagrange.kinematics import roller_angles
@@ -77,7 +77,7 @@ def reduced_bearing(
     if modes is not None:
         laws = tuple(softened(law, modes.own(ring)) for law, ring in zip(laws, rings, strict=True))
         across -= modes.across
-    series = _kept_series(replace(bearing, faults=()))["around"]
+    series = _kept_series(replace(bearing, faults=()))
     inner_growth, roller_growth = growths(bearing, motion)
     closing = np.repeat([inner_growth + roller_growth, roller_growth], n)
     return ReducedBearing(
@@ -86,7 +86,7 @@ def reduced_bearing(
         inner_law=laws[0],
         outer_law=laws[1],
         between=between,
-        rings=ring_couplings(bearing, series, rings, contacts.inner_law.A),
+        rings=ring_couplings(bearing, series["around"], series["crossed"], rings, contacts.inner_law.A),
         across=across,
         inner_growth=inner_growth,
         roller_growth=roller_growth,
@@ -161,6 +161,7 @@ def _kept_series(bearing: Bearing) -> dict[str, np.ndarray]:
             "compliance": found.compliance,
             "laws": np.array([(law.A, law.B, law.Q_line) for law in laws]),
             "around": series_around(bearing),
+            "crossed": crossed_series(bearing),
             "stick": _stick_compliance(bearing, HALF_WIDTH * bearing.roller_radius),
         }
 

@@ -7,12 +7,13 @@ from math import pi
 import numpy as np
 
 from fem.elastic.vibration import Modes
-from fem.statics.exact_statics import couplings_at
+from fem.statics.exact_statics import couplings_at, crossings_at
 from lagrange import Bearing
 
 FAINT = 1e-6  # of a contact's own compliance: a neighbour's force that moves it less is left out
 STRAYS = 0.25  # of the rollers' distance, by which compliances follow their angles
 FAINT_CHANGE = 1e-4  # of a contact's own compliance: what changes less over that is left out
+FAINT_TRACTION = 5e-3  # of a contact's own compliance: a neighbour's traction, a tenth of a force at most, likewise
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +26,8 @@ class RingCouplings:
     steep: np.ndarray  # (2, neighbours), m/N per rad
     bent: np.ndarray  # (2, 4, neighbours), m/N/rad² to m/N/rad⁵
     strays: float  # rad, how much nearer or further
+    crossed: np.ndarray  # (2, neighbours), m/N, by tractions on these rollers along +θ, at equal angles
+    crossing: np.ndarray  # (2,), whole: by ring, of how many they matter
 
 
 def strays(n_rollers: int) -> float:
@@ -40,8 +43,16 @@ def series_around(bearing: Bearing) -> np.ndarray:
     return couplings_at(bearing, angles.ravel()).reshape(2, 2, *angles.shape)
 
 
-def ring_couplings(bearing: Bearing, series: np.ndarray, rings: Sequence[Modes], own: float) -> RingCouplings:
-    """Couplings by `series_around`, less what modes of the rings carry.
+def crossed_series(bearing: Bearing) -> np.ndarray:
+    """What a raceway gives way by a traction 1, 2 ... of n equal parts behind: (2, n // 2)."""
+    n = bearing.n_rollers
+    return crossings_at(bearing, 2.0 * pi / n * np.arange(1, n // 2 + 1))
+
+
+def ring_couplings(
+    bearing: Bearing, series: np.ndarray, crossed: np.ndarray, rings: Sequence[Modes], own: float
+) -> RingCouplings:
+    """Couplings by `series_around`, less what modes of the rings carry, and by `crossed_series`.
 
     `rings` : of both, or none; `own` : m/N, compliance of a contact, over ln Q.
     """
@@ -59,10 +70,21 @@ def ring_couplings(bearing: Bearing, series: np.ndarray, rings: Sequence[Modes],
     changed = np.abs(given - given[:, 1:2]).max(axis=1)
     count = [_last(row, FAINT * own) for row in np.abs(along)]
     near = [min(_last(row, FAINT_CHANGE * own), most) for row, most in zip(changed, count, strict=True)]
-    kept = slice(max(count))
-    along, steep, bent = (np.ascontiguousarray(array[..., kept]) for array in (along, steep, bent))
-    felt = np.array([near, count], dtype=np.intp).T.copy()
-    return RingCouplings(distance=distance[kept], felt=felt, along=along, steep=steep, bent=bent, strays=h)
+    # an odd function of the angle; what pulls a roller along pulls its ring back
+    crossed = np.where(ahead, crossed[:, np.abs(distance) - 1], -crossed[:, np.abs(distance) - 1])
+    pulled = [_last(row, FAINT_TRACTION * own) for row in np.abs(crossed)]
+    kept = slice(max(count + pulled))
+    along, steep, bent, crossed = (np.ascontiguousarray(array[..., kept]) for array in (along, steep, bent, crossed))
+    return RingCouplings(
+        distance=distance[kept],
+        felt=np.array([near, count], dtype=np.intp).T.copy(),
+        along=along,
+        steep=steep,
+        bent=bent,
+        strays=h,
+        crossed=crossed,
+        crossing=np.array(pulled, dtype=np.intp),
+    )
 
 
 def _bent(given: np.ndarray, slope: np.ndarray, h: float) -> np.ndarray:

@@ -60,9 +60,9 @@ def test_a_sheared_ring_agrees_with_navier_equations(ring, material):
 
 @pytest.mark.parametrize("ring", [INNER, OUTER])
 def test_narrow_tractions_press_a_surface_down_ahead_of_them(ring):
-    """A half-plane by (1 − 2ν)(1 + ν)/2E, Johnson, Contact Mechanics (1985), section 2.5, which is Σ sin(nθ)/n = π/2."""
+    """A half-plane by (1 − 2ν)(1 + ν)/2E: Johnson, Contact Mechanics (1985), section 2.5."""
     n = np.array([2000, 20000])
-    found = ring_cross_compliance(n, *ring, STEEL) * n / ring[0]  # of a half-plane the same for every wave
+    found = ring_cross_compliance(n, *ring, STEEL) * n / ring[0]  # Σ sin(nθ)/n = π/2, so all alike
     wanted = (1.0 - 2.0 * 0.3) * (1.0 + 0.3) / STEEL.youngs_modulus
     assert np.all(np.abs(-found / wanted - 1.0) < 4.0 / n)  # the circle's curvature adds a share 1/n
     assert np.all(found < 0.0)  # sin nθ lags a quarter of a wave behind cos nθ: down ahead of a pull along +θ

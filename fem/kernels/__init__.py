@@ -25,7 +25,7 @@ reduced_loop                    the reduced model's steps; `reduced_contacts` it
                                 they give, `reduced_friction` tractions and rollers that touch each other,
                                 `reduced_slopes` what surfaces that are not perfect add to both, `reduced_modes` its
                                 bodies' vibrations, `reduced_radiation` what strikes lose to all others,
-                                `reduced_state` its arrays
+                                `reduced_samples` what a sample holds, `reduced_state` its arrays
 lagrangian_loop                 the Lagrangian model's; likewise `lagrangian_forces`, `_state` and `_cage`
 lanes, lane_functions           eight lanes as one value, and functions of them; `lane_memory`: in and out of memory
 kernel_cache                    compiled kernels on disk; kernel_folder: where, and of which version of these modules

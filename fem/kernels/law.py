@@ -123,7 +123,7 @@ def kick_force(before, Q_before, B_before, P_before, residual, now, Q, B, A, Q_l
     """
     step, closed = now - before, smaller(before, now) > 0.0
     plain = (before != before) | (larger(before, now) <= 0.0) | (closed & (magnitude(step) < STANDING * now))
-    work = _stored(Q, now, A, Q_line) - _stored(Q_before, before, A, Q_line)
+    work = stored_energy(Q, now, A, Q_line) - stored_energy(Q_before, before, A, Q_line)
     level = 0.25 * A * (Q * Q + Q_before * Q_before) * (B - B_before)
     work = work + select(closed, level, 0.0)  # what the level's change has done is not this force's work
     due = residual - 0.5 * step * (P_before - Q_before)  # the last kick has its other half yet to give
@@ -135,8 +135,8 @@ def kick_force(before, Q_before, B_before, P_before, residual, now, Q, B, A, Q_l
 
 
 @part
-def _stored(Q, approach, A, Q_line):
-    """`contact_energy` by way of the approach."""
+def stored_energy(Q, approach, A, Q_line):
+    """`contact_energy` by way of the approach; scalars or lanes."""
     q = smaller(Q, Q_line)
     return 0.5 * Q * approach - 0.125 * A * q * (2.0 * Q - q)
 

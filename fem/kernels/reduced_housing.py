@@ -118,7 +118,7 @@ def _drift_ring(housing, drive):
 def write_ring(housing, before, drive, out):
     """Add the housing to a sample, at the place that its springs' force is taken at, and what steps conserve beside.
 
-    See `reduced_loop`.
+    See `reduced_samples`.
     """
 
 

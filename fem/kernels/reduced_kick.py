@@ -17,6 +17,10 @@ from fem.kernels.reduced_slopes import push_along
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.state import Course
 
+# of what contacts of surfaces that vibrate owe as they open: kicks drive their fastest modes, and with three tenths
+# rollers strike 6 % more often
+PAID_BY_WAVES = 0.1
+
 
 @verb
 def _grow(course, drive, P_i, P_o):
@@ -185,11 +189,8 @@ def _kicked(law, forces, dt, at, ahead, opening, Q, there):
 
 @part
 def _share_paid(vibrations, drive):
-    """Of what contacts owe as they open; of surfaces that vibrate a part, or kicks would drive their fastest modes.
-
-    Without friction contacts open so often that all is paid.
-    """
-    return 1.0 if vibrations is None or drive.friction == 0.0 else 0.3
+    """Of what contacts owe as they open. Without friction they open so often that all is paid, modes or not."""
+    return 1.0 if vibrations is None or drive.friction == 0.0 else PAID_BY_WAVES
 
 
 @part

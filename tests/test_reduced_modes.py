@@ -42,7 +42,7 @@ def test_modes_found_for_the_first_time_are_laid_out_as_kept_ones_are(tmp_path, 
     for up_to in (170, 300):
         bodies = plan_of(f"reduced.modes_up_to_kHz={up_to}").first_state().bodies
         for modes in (bodies.vibrations.roller, bodies.vibrations.inner, bodies.vibrations.outer):
-            assert all(array.flags.c_contiguous for array in modes), up_to
+            assert all(array.flags.c_contiguous for array in modes if isinstance(array, np.ndarray)), up_to
 
 
 @pytest.mark.slow  # the loop with modes is a variant of its own

@@ -189,6 +189,23 @@ def _transposed(builder, rows):
 
 
 @intrinsic
+def sums_of_rows(typingctx, array, index):
+    """Sums of eight rows of eight that stand one after the other from an index on, each from first to last: lanes."""
+
+    def codegen(context, builder, signature, arguments):
+        memory = _Memory(context, builder, array, arguments[0])
+        pointer = memory.at(arguments[1], WIDTH * WIDTH)
+        rows = [builder.gep(pointer, [lane(WIDTH * k)]) for k in range(WIDTH)]
+        rows = [builder.load(builder.bitcast(row, LANES.vector.as_pointer()), align=8) for row in rows]
+        found, *others = _transposed(builder, rows)
+        for column in others:
+            found = builder.fadd(found, column)
+        return found
+
+    return LANES(array, types.intp), codegen
+
+
+@intrinsic
 def gather_rows(typingctx, array, places, where, offset):
     """Six entries in a row from each of the eight indices in `places` from `where` on plus `offset`: six lanes.
 

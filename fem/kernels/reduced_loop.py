@@ -230,4 +230,4 @@ def _drift(bodies, dt):
             bodies.centre[component, j] += dt * bodies.velocity[component, j]
     for j in range(bodies.columns):
         bodies.turn[j] += dt * bodies.spin[j]
-    drift_modes(bodies.vibrations, bodies.columns, dt)
+    drift_modes(bodies.vibrations, dt)

@@ -6,7 +6,7 @@ theirs has no place in a scene they are None and nothing is compiled.
 
 from fem.kernels.course_kernels import with_aside
 from fem.kernels.jit import part
-from fem.kernels.lane_memory import load, store
+from fem.kernels.lane_memory import load, store, sums_of_rows
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 
 
@@ -16,13 +16,16 @@ def gather_waves(vibrations):
     if vibrations is None:
         return
     for ring in (vibrations.inner, vibrations.outer):
-        for n in range(ring.start.size - 1):
-            for twin in range(2):
-                found = 0.0
-                for k in range(ring.start[n], ring.start[n + 1]):
-                    found += ring.shape[k] * ring.amplitude[k, twin]
-                ring.wave[twin, n] = found
-                store(ring.push, (2 * n + twin) * WIDTH, splat(0.0))
+        layers, room = ring.shape.shape
+        for twin in range(2):
+            for n in range(0, room, WIDTH):
+                found = splat(0.0)
+                for layer in range(layers):
+                    a = load(ring.amplitude, (2 * layer + twin) * room + n)
+                    found += load(ring.shape, layer * room + n) * a
+                store(ring.wave, twin * room + n, found)
+        for at in range(0, 2 * room * WIDTH, WIDTH):
+            store(ring.push, at, splat(0.0))
 
 
 @part
@@ -32,8 +35,8 @@ def less_vibration(vibrations, forces, columns, group, inner, outer):
         return inner, outer
     ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
-    given_i, lean_i = _ring_wave(vibrations.inner.wave, ix, iy)
-    given_o, lean_o = _ring_wave(vibrations.outer.wave, ox, oy)
+    given_i, lean_i = _ring_wave(vibrations.inner, ix, iy)
+    given_o, lean_o = _ring_wave(vibrations.outer, ox, oy)
     own_i, own_lean_i = _roller_wave(vibrations.roller, columns, group, -ix, -iy)
     own_o, own_lean_o = _roller_wave(vibrations.roller, columns, group, ox, oy)
     store(vibrations.lean, group, lean_i + own_lean_i)
@@ -42,10 +45,10 @@ def less_vibration(vibrations, forces, columns, group, inner, outer):
 
 
 @part
-def _ring_wave(wave, c, s):
+def _ring_wave(ring, c, s):
     """Σ a cos nθ + b sin nθ at eight angles by their cosines and sines, and its slope."""
-    found, slope, cn, sn = splat(0.0) + wave[0, 0], splat(0.0), c, s
-    for n in range(1, wave.shape[1]):
+    wave, found, slope, cn, sn = ring.wave, splat(0.0), splat(0.0), splat(1.0), splat(0.0)
+    for n in range(ring.orders):
         a, b = wave[0, n], wave[1, n]
         found += a * cn + b * sn
         slope += (b * cn - a * sn) * (1.0 * n)
@@ -80,7 +83,7 @@ def push_modes(vibrations, bodies, forces, drive, group, P_i, P_o, T_i, T_o):
     ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
     _push_ring(vibrations.inner, P_i, ix, iy)
     _push_ring(vibrations.outer, P_o, ox, oy)
-    _kick_rollers(vibrations.roller, columns, group, drive.dt, (P_i, -ix, -iy, P_o, ox, oy))
+    _kick_rollers(vibrations.roller, columns, group, (P_i, -ix, -iy, P_o, ox, oy))
     x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
     out = x * ox + y * oy
     away = (x - bodies.hub[0]) * ix + (y - bodies.hub[1]) * iy
@@ -92,22 +95,22 @@ def push_modes(vibrations, bodies, forces, drive, group, P_i, P_o, T_i, T_o):
 
 @part
 def _push_ring(ring, P, c, s):
-    cn, sn = splat(1.0), splat(0.0)
-    for n in range(ring.start.size - 1):
-        at = 2 * n * WIDTH
-        store(ring.push, at, load(ring.push, at) + P * cn)
-        store(ring.push, at + WIDTH, load(ring.push, at + WIDTH) + P * sn)
+    cn, sn, sines = P, splat(0.0), ring.push.shape[1] * WIDTH
+    for n in range(ring.orders):
+        at = n * WIDTH
+        store(ring.push, at, load(ring.push, at) + cn)
+        store(ring.push, sines + at, load(ring.push, sines + at) + sn)
         cn, sn = c * cn - s * sn, s * cn + c * sn
 
 
 @part
-def _kick_rollers(roller, columns, group, dt, pushes):
+def _kick_rollers(roller, columns, group, pushes):
     """Kick eight rollers' modes by both their contacts: (force, cosine and sine of its angle) twice."""
     P_i, ci, si, P_o, co, so = pushes
     a, b, c, d = P_i, splat(0.0), P_o, splat(0.0)  # force times cosine and sine of n angles
     for n in range(roller.start.size - 1):
         for k in range(roller.start[n], roller.start[n + 1]):
-            over = dt / roller.mass[k]
+            over = roller.kick[k]
             for twin in range(2):
                 at = (2 * k + twin) * columns + group
                 push = a + c if twin == 0 else b + d
@@ -125,60 +128,66 @@ def kick_rings(vibrations, drive, aside, radial_load):
     if vibrations is None:
         return
     for ring in (vibrations.inner, vibrations.outer):
-        for n in range(ring.start.size - 1):
-            for twin in range(2):
-                push = total(load(ring.push, (2 * n + twin) * WIDTH))
-                for k in range(ring.start[n], ring.start[n + 1]):
-                    gained = ring.shape[k] * push - ring.stiffness[k] * ring.amplitude[k, twin]
+        layers, room = ring.shape.shape
+        for twin in range(2):
+            for n in range(0, room, WIDTH):
+                push = sums_of_rows(ring.push, (twin * room + n) * WIDTH)
+                for layer in range(layers):
+                    of, at = layer * room + n, (2 * layer + twin) * room + n
+                    gained = load(ring.shape, of) * push - load(ring.stiffness, of) * load(ring.amplitude, at)
                     if twin == 1:
-                        gained -= ring.carried[k] * radial_load
+                        gained -= load(ring.carried, of) * radial_load
                     else:
-                        gained = with_aside(drive.course, gained, ring.carried[k] * aside)
-                    ring.before[k, twin] = ring.rate[k, twin]
-                    ring.rate[k, twin] += drive.dt / ring.mass[k] * gained
+                        gained = with_aside(drive.course, gained, load(ring.carried, of) * aside)
+                    rate = load(ring.rate, at)
+                    store(ring.before, at, rate)
+                    store(ring.rate, at, rate + load(ring.kick, of) * gained)
 
 
 @part
-def drift_modes(vibrations, columns, dt):
+def drift_modes(vibrations, dt):
     if vibrations is None:
         return
-    roller = vibrations.roller
-    for at in range(0, roller.shape.size * 2 * columns, WIDTH):
-        store(roller.amplitude, at, load(roller.amplitude, at) + dt * load(roller.rate, at))
-    for ring in (vibrations.inner, vibrations.outer):
-        for k in range(ring.shape.size):
-            for twin in range(2):
-                ring.amplitude[k, twin] += dt * ring.rate[k, twin]
+    roller, inner, outer = vibrations.roller, vibrations.inner, vibrations.outer
+    arrays = (roller.amplitude, roller.rate), (inner.amplitude, inner.rate), (outer.amplitude, outer.rate)
+    for amplitude, rate in arrays:
+        for at in range(0, amplitude.size, WIDTH):
+            store(amplitude, at, load(amplitude, at) + dt * load(rate, at))
 
 
 @part
 def carried_by(vibrations, which):
-    """What the inner ring's modes add to the hub's place (0), or its velocity before (1) and after (2) a kick."""
+    """What the inner ring's modes add to the hub's place (0), or its velocity before (1) and after (2) a kick.
+
+    Only those of one wave around do.
+    """
     if vibrations is None:
         return 0.0, 0.0
     inner, x, y = vibrations.inner, 0.0, 0.0
     values = inner.amplitude if which == 0 else inner.before if which == 1 else inner.rate
-    for k in range(inner.shape.size):
-        x += inner.carried[k] * values[k, 0]
-        y += inner.carried[k] * values[k, 1]
+    for layer in range(inner.shape.shape[0]):
+        x += inner.carried[layer, 1] * values[layer, 0, 1]
+        y += inner.carried[layer, 1] * values[layer, 1, 1]
     return x, y
 
 
-@part(inlined=False)
-def vibration_energies(vibrations, n, columns):
+@part
+def vibration_energies(vibrations, columns):
     """Kinetic and elastic energy of all modes, J, as leapfrog conserves them."""
     if vibrations is None:
         return 0.0, 0.0
-    kinetic, elastic = 0.0, 0.0
+    kinetic, elastic = splat(0.0), splat(0.0)
     for ring in (vibrations.inner, vibrations.outer):
-        for k in range(ring.shape.size):
-            for twin in range(2):
-                kinetic += 0.5 * ring.mass[k] * ring.before[k, twin] * ring.rate[k, twin]
-                elastic += 0.5 * ring.stiffness[k] * ring.amplitude[k, twin] ** 2
+        layers, room = ring.shape.shape
+        for layer in range(layers):
+            for n in range(0, room, WIDTH):
+                mass, stiffness = load(ring.mass, layer * room + n), load(ring.stiffness, layer * room + n)
+                for at in (2 * layer * room + n, (2 * layer + 1) * room + n):
+                    kinetic += mass * load(ring.before, at) * load(ring.rate, at)
+                    elastic += stiffness * load(ring.amplitude, at) * load(ring.amplitude, at)
     roller = vibrations.roller
     for k in range(roller.shape.size):
-        for twin in range(2):
-            for j in range(n):
-                kinetic += 0.5 * roller.mass[k] * roller.before[k, twin, j] * roller.rate[k, twin, j]
-                elastic += 0.5 * roller.stiffness[k] * roller.amplitude[k, twin, j] ** 2
-    return kinetic, elastic
+        for at in range(2 * k * columns, 2 * (k + 1) * columns, WIDTH):
+            kinetic += roller.mass[k] * load(roller.before, at) * load(roller.rate, at)
+            elastic += roller.stiffness[k] * load(roller.amplitude, at) * load(roller.amplitude, at)
+    return 0.5 * total(kinetic), 0.5 * total(elastic)

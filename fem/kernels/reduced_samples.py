@@ -162,7 +162,7 @@ def write_energies(bodies, compliance, forces, drive, before, out, acting):
     pull = bodies.hub_mass * drive.gravity + radial_load
     pulled = bodies.hub_mass * (ax * ax + ay * ay) + 2.0 * pull * ay + bodies.mass * total(pushed)
     pulled = with_aside(drive.course, pulled, -2.0 * aside * ax)
-    vibrating, strained = vibration_energies(bodies.vibrations, n, columns)
+    vibrating, strained = vibration_energies(bodies.vibrations, columns)
     out[KINETIC] = 0.5 * kinetic + vibrating
     out[ELASTIC] = strained
     # forces f from outside take the contacts ahead as well: what steps conserve holds dt²/24 Σ (m a − 2f)·a more

@@ -17,27 +17,44 @@ from fem.kernels.state import Course, Law
 INNER, OUTER, NEXT = 0, 1, 2
 
 
-class Modes(NamedTuple):
-    """Modes of one body, by waves around; each has a twin a quarter wave further. Modal masses are near 1 kg."""
+class RollerModes(NamedTuple):
+    """Modes of a roller, by waves around; each has a twin a quarter wave further. Modal masses are near 1 kg."""
 
     start: np.ndarray  # (orders + 1,), whole, first mode of so many waves around
     shape: np.ndarray  # (n_modes,), surface displacement into the body
-    carried: np.ndarray  # (n_modes,), displacement of the hub
     stiffness: np.ndarray  # (n_modes,), N/m
     mass: np.ndarray  # (n_modes,), kg, with which leapfrog's steps have the mode's frequency
-    amplitude: np.ndarray  # (n_modes, 2), m, or of rollers (n_modes, 2, columns)
+    kick: np.ndarray  # (n_modes,), s/kg, a step over the mass
+    amplitude: np.ndarray  # (n_modes, 2, columns), m
     rate: np.ndarray  # the same, m/s, at t − dt/2
     before: np.ndarray  # the same before the last kick
-    wave: np.ndarray  # (2, orders), m, displacement into a ring by waves around; room
-    push: np.ndarray  # (orders, 2, WIDTH), N, by lane, forces on them; room
+
+
+class RingModes(NamedTuple):
+    """Modes of a ring, in layers: the first, second ... of every number of waves around; empty places have shape 0.
+
+    What a layer holds stands by waves around, in room for whole registers.
+    """
+
+    orders: int  # numbers of waves around, from none on
+    shape: np.ndarray  # (layers, room), surface displacement into the ring
+    carried: np.ndarray  # (layers, room), displacement of the hub
+    stiffness: np.ndarray  # (layers, room), N/m
+    mass: np.ndarray  # (layers, room), kg, with which leapfrog's steps have the mode's frequency
+    kick: np.ndarray  # (layers, room), s/kg, a step over the mass
+    amplitude: np.ndarray  # (layers, 2, room), m
+    rate: np.ndarray  # the same, m/s, at t − dt/2
+    before: np.ndarray  # the same before the last kick
+    wave: np.ndarray  # (2, room), m, displacement into the ring by waves around; room
+    push: np.ndarray  # (2, room, WIDTH), N, by lane, forces on them; room
 
 
 class Vibrations(NamedTuple):
     """What bodies do beside moving as a whole."""
 
-    roller: Modes
-    inner: Modes
-    outer: Modes
+    roller: RollerModes
+    inner: RingModes
+    outer: RingModes
     lean: np.ndarray  # (2, columns), m/rad, slope of the surfaces' displacement at contacts; room
 
 

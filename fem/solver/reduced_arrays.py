@@ -41,7 +41,9 @@ def rigid_bodies(plan: "ReducedPlan") -> RigidBodies:
     cage, half = start.kinematics.cage, 0.5 * dt if start.steady else 0.0
     load = (plan.operation.side_load, -plan.operation.radial_load) if start.steady else (0.0, 0.0)
     vibrating = vibrations(plan.model, start, load, columns, dt)
-    carried = np.zeros(2) if vibrating is None else vibrating.inner.carried @ vibrating.inner.amplitude
+    carried = (
+        np.zeros(2) if vibrating is None else np.einsum("ln,ltn->t", vibrating.inner.carried, vibrating.inner.amplitude)
+    )
     bodies = RigidBodies(
         hub=start.hub + start.ring - carried,
         hub_velocity=start.hub_velocity.copy(),

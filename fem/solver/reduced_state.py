@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.kernels.reduced_loop import advance_reduced
-from fem.kernels.reduced_state import (
-    Before,
-    Modes,
-)
+from fem.kernels.reduced_state import Before, RingModes, RollerModes
 from fem.solver.hub_vibration import add_samples, no_sums, vibration_caution
 from fem.solver.law_errors import law_caution
 from fem.solver.reduced_arrays import contact_compliance, contact_forces, outer_drive, rigid_bodies
@@ -200,7 +197,7 @@ class ReducedState(RowState):
         return found
 
     @property
-    def _modes(self) -> dict[str, Modes]:
+    def _modes(self) -> dict[str, RollerModes | RingModes]:
         """Vibrating bodies by name."""
         vibrating = self.bodies.vibrations
         return {} if vibrating is None else {name: getattr(vibrating, name) for name in ("roller", "inner", "outer")}
@@ -224,7 +221,8 @@ class ReducedState(RowState):
         )
         numbers += (*c.steep.flat, *c.bent.flat, c.strays, *c.crossed.flat, *c.crossing)
         for modes in self._modes.values():
-            numbers += (*modes.start, *modes.stiffness, *modes.shape, *modes.carried)
+            numbers += (*modes.stiffness.flat, *modes.shape.flat, *modes.mass.flat)
+            numbers += (*modes.start,) if isinstance(modes, RollerModes) else (modes.orders, *modes.carried.flat)
         return hashlib.sha256(np.array(numbers, dtype=float).tobytes()).hexdigest()
 
     def check(self) -> None:
@@ -238,7 +236,8 @@ class ReducedState(RowState):
         if np.any(self.forces.radiation.owed < 0.0):
             raise ValueError("contacts that are owed energy by waves")
         for name, modes in self._modes.items():
-            if np.abs(np.moveaxis(modes.amplitude, 0, -1) * modes.shape).max(initial=0.0) > bodies.radius:
+            shape = modes.shape[:, None, None] if isinstance(modes, RollerModes) else modes.shape[:, None]
+            if np.abs(modes.amplitude * shape).max(initial=0.0) > bodies.radius:
                 raise ValueError(f"{name}: vibrations beyond all bounds")
 
     def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:

@@ -1,11 +1,12 @@
 """Modes of the reduced model's bodies: their arrays, where they begin, and how long a step may be with them."""
 
-from math import inf, pi, sqrt
+from math import ceil, inf, pi, sqrt
 
 import numpy as np
 
+from fem.elastic.vibration import Modes
 from fem.kernels.lanes import WIDTH
-from fem.kernels.reduced_state import Modes, Vibrations
+from fem.kernels.reduced_state import RingModes, RollerModes, Vibrations
 from fem.solver.reduced_start import ReducedStart
 from fem.statics.reduced_bearing import ReducedBearing
 from fem.statics.vibrating_bearing import BearingModes
@@ -93,13 +94,13 @@ def vibrations(
     for modes, angle, force, hub in (
         (model.modes.inner, to_hub, inner, load), (model.modes.outer, start.angle, outer, (0.0, 0.0))
     ):  # fmt: skip
-        found = _arrays(modes, (), dt)
+        found, place = _ring_arrays(modes, dt)
         for twin, turned in enumerate((np.cos, np.sin)):
             push = modes.shape * (turned(np.multiply.outer(modes.order, angle)) @ force)
-            found.amplitude[:, twin] = (push + hub[twin] * modes.carried) / modes.frequency**2
+            found.amplitude[place[0], twin, place[1]] = (push + hub[twin] * modes.carried) / modes.frequency**2
         rings.append(found)
     modes = model.modes.roller
-    roller = _arrays(modes, (columns,), dt)
+    roller = _roller_arrays(modes, columns, dt)
     for twin, turned in enumerate((np.cos, np.sin)):
         push = turned(np.multiply.outer(modes.order, to_hub + pi)) * inner
         push += turned(np.multiply.outer(modes.order, start.angle)) * outer
@@ -107,18 +108,45 @@ def vibrations(
     return Vibrations(roller=roller, inner=rings[0], outer=rings[1], lean=np.zeros((2, columns)))
 
 
-def _arrays(modes, columns: tuple[int, ...], dt: float) -> Modes:
-    order, size = modes.order, (len(modes.order), 2, *columns)
-    orders = int(order.max(initial=-1)) + 1
-    return Modes(
+def _roller_arrays(modes: Modes, columns: int, dt: float) -> RollerModes:
+    order, size = modes.order, (len(modes.order), 2, columns)
+    orders, mass = int(order.max(initial=-1)) + 1, leapfrogs_mass(modes.frequency, dt)
+    return RollerModes(
         start=np.searchsorted(order, np.arange(orders + 1)).astype(np.intp),
         shape=modes.shape,
-        carried=modes.carried,
         stiffness=modes.frequency**2,
-        mass=leapfrogs_mass(modes.frequency, dt),
+        mass=mass,
+        kick=dt / mass,
         amplitude=np.zeros(size),
         rate=np.zeros(size),
         before=np.zeros(size),
-        wave=np.zeros((2, max(orders, 1))),
-        push=np.zeros((max(orders, 1), 2, WIDTH)),
     )
+
+
+def _ring_arrays(modes: Modes, dt: float) -> tuple[RingModes, tuple[np.ndarray, np.ndarray]]:
+    """A ring's modes in layers, at rest, and the layer and number of waves of each."""
+    order = modes.order
+    orders = int(order.max(initial=-1)) + 1
+    layer = np.arange(len(order)) - np.searchsorted(order, order)
+    layers, room = int(layer.max(initial=-1)) + 1, WIDTH * ceil(orders / WIDTH)
+
+    def laid(values: np.ndarray, elsewhere: float = 0.0) -> np.ndarray:
+        found = np.full((layers, room), elsewhere)
+        found[layer, order] = values
+        return found
+
+    mass = laid(leapfrogs_mass(modes.frequency, dt), 1.0)
+    found = RingModes(
+        orders=orders,
+        shape=laid(modes.shape),
+        carried=laid(modes.carried),
+        stiffness=laid(modes.frequency**2),
+        mass=mass,
+        kick=dt / mass,
+        amplitude=np.zeros((layers, 2, room)),
+        rate=np.zeros((layers, 2, room)),
+        before=np.zeros((layers, 2, room)),
+        wave=np.zeros((2, room)),
+        push=np.zeros((2, room, WIDTH)),
+    )
+    return found, (layer, order)

@@ -22,7 +22,7 @@ from fem.solver.solver import Plan, RunState
 from lagrange.scene import Scene, SceneError, parse_scene_text
 from lagrange.version import VERSION
 
-FORMAT = 12
+FORMAT = 13
 LONGEST_META = 2**20  # bytes
 
 

@@ -37,7 +37,7 @@ STIFFEST = 3.0  # times as stiff as under a LOAD_MARGIN-th of the force; the pap
 SHARE = 0.7  # of the critical step, at a safety of 1: beyond, contacts that open and close gain energy
 KNOTS_A_STEP = 0.25  # of a profile's spline
 # one thread of a 2024 server core; only a guide
-SECONDS_PER_LANES, SECONDS_PER_MODE = 0.4e-6, 6e-9
+SECONDS_PER_LANES, SECONDS_PER_MODE = 0.33e-6, 6e-9
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,8 @@ HEAVY = "scipy.interpolate scipy.optimize scipy.signal scipy.stats matplotlib we
 
 
 @pytest.mark.parametrize(
-    ("model", "more"), [("reduced", ["skfem", "scipy.sparse", "scipy.linalg"]), ("lagrange", ["skfem"])]
+    ("model", "more"),
+    [("reduced", ["skfem", "scipy.sparse", "scipy.linalg", "scipy.special"]), ("lagrange", ["skfem"])],
 )
 def test_a_run_loads_nothing_that_its_scene_does_not_need(model, more, tmp_path):
     """The second run: the first one compiles its loop and keeps what it has computed of its bearing."""

@@ -8,6 +8,7 @@ from numpy.polynomial import legendre
 from scipy.integrate import solve_bvp
 
 from fem.elastic.tangential import (
+    SLOW,
     disc_shear_approach,
     disc_shear_compliance,
     ring_cross_compliance,
@@ -132,3 +133,11 @@ def test_what_has_grown_is_carried_around(held):
     found = spinning_growth(radius, held, SOFT, speed)
     assert found == pytest.approx(exact.y[0, -1], rel=1e-6)
     assert found > 1.0004 * 1e6 * spinning_growth(radius, held, SOFT, 1e-3 * speed)
+
+
+@pytest.mark.parametrize("held", [0.0, 0.0125], ids=["disc", "ring on a hub"])
+def test_growth_does_not_jump_where_what_has_grown_begins_to_be_carried_around(held):
+    radius = 0.018
+    limit = (SLOW * (SOFT.lame_lambda + 2.0 * SOFT.lame_mu) / SOFT.density) ** 0.5 / radius
+    slow, fast = (spinning_growth(radius, held, SOFT, share * limit) / share**2 for share in (0.9999, 1.0001))
+    assert slow < fast < slow * (1.0 + 2e-5)

@@ -148,7 +148,9 @@ def plot(scenes: dict[str, list[Point]], finest: dict[str, Point], path: Path) -
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     from matplotlib.lines import Line2D
+    from matplotlib.patheffects import withStroke
 
+    apart = [withStroke(linewidth=2.0, foreground="white")]  # names from lines
     figure, panels = plt.subplots(2, 2, figsize=(9.5, 7.5), sharex=True, sharey=True, layout="constrained")
     for axes, (scene, found) in zip(panels.flat, scenes.items(), strict=True):
         for kind, colour in COLOURS.items():
@@ -163,15 +165,17 @@ def plot(scenes: dict[str, list[Point]], finest: dict[str, Point], path: Path) -
                 errors = [100 * off(p, finest[scene], name) for name in LINES]
                 above = kind == "lagrange"  # their markers lie over the reduced model's
                 points = 6 if above else -11 - 8 * (i % 2 if kind == "subgrid" else 0)  # coarse meshes stand close
+                side = ("right", "left")[i % 2] if above else "center"
                 axes.annotate(
                     p.name.removeprefix("rigid, "), (p.seconds, max(errors) if above else min(errors)),
-                    textcoords="offset points", xytext=(0, points), fontsize=7, ha="center", color=colour,
+                    textcoords="offset points", xytext=({"right": 4, "left": -4}.get(side, 0), points), fontsize=7,
+                    ha=side, color=colour, path_effects=apart,
                 )  # fmt: skip
         axes.axvline(1e-3 * FULL_MS, color="0.5", linestyle=":")
         axes.set_title(scene, fontsize=10)
         axes.grid(True, color="0.92")
-    panels[0, 0].set_ylim(bottom=0.2 * panels[0, 0].get_ylim()[0])  # room for names
-    panels[0, 0].set_xlim(left=0.6 * panels[0, 0].get_xlim()[0])
+    (left, right), (bottom, top) = panels[0, 0].get_xlim(), panels[0, 0].get_ylim()
+    panels[0, 0].set(xlim=(0.6 * left, 1.4 * right), ylim=(0.2 * bottom, 3.0 * top))  # room for names
     panels[0, 0].annotate(
         "real time", (1e-3 * FULL_MS, 0.98), xycoords=("data", "axes fraction"), rotation=90, ha="right", va="top",
         fontsize=8, color="0.4",

@@ -113,9 +113,10 @@ def main() -> None:
         "Measured",
         f"Made at commit {commit()} by `python -m tests.accuracy.reduced`. Differences are from "
         f"finite elements of {FINEST_MM:g} mm; energy is the largest imbalance over the exchanged energy. After a "
-        "load that grows in 50 µs paths are chaotic in x: over five starts 10⁻⁴ to 0.01° apart std x is 0.0824 ± 0.001 "
-        "µm by the reduced model and 0.0842 ± 0.001 over three by finite elements of 1 mm. The last scene's path is, "
-        "too: over starts 10⁻⁵ to 0.05° apart its std y scatters from 0.23 to 0.36 µm with finite elements of 1 mm; "
+        "load that grows in 50 µs paths are chaotic in x: over 40 starts 10⁻⁴ to 20° apart std x is 0.0913 ± 0.0024 µm "
+        "by the reduced model and 0.0908 ± 0.0041 over twelve of them by finite elements of 1 mm; mean y is 0.01 % "
+        "apart, std y 0.3 %, the largest load 0.13 %. The last scene's path is, too: over starts 10⁻⁵ to 0.05° apart "
+        "its std y scatters from 0.23 to 0.36 µm with finite elements of 1 mm; "
         "[statistics](#rattling-bearings) are below.\n\n"
         f"{comparison()}\n\n### Energy by the step\n\nThe critical step is leapfrog's, 2/ω_max, of a roller whose "
         f"contacts are closed under {LOAD_MARGIN:g} times the largest static force. A plan takes at most "

@@ -123,14 +123,16 @@ def smooth(time: np.ndarray, values: np.ndarray) -> "PPoly":
 
 
 @lru_cache(maxsize=16)
-def points_of(text: str, names: tuple[str, ...], largest: float) -> tuple[np.ndarray, np.ndarray]:
-    """Times, (n,), ms, and values, (n, n_names), of a table's text, at most so large.
+def points_of(
+    text: str, names: tuple[str, ...], largest: float, decimal: str = "."
+) -> tuple[np.ndarray, np.ndarray]:
+    """Times, (n,), ms, and values, (n, n_names), of a table's text with this decimal sign, at most so large.
 
     Errors
     ------
     ValueError, a sentence on the text.
     """
-    found = columns(text, (TIME, *names))
+    found = columns(text, (TIME, *names), decimal)
     if len(found) < FEWEST_POINTS:
         raise ValueError(f"it holds {len(found)} rows; at least {FEWEST_POINTS} are needed")
     if not np.all(np.isfinite(found)):

@@ -26,15 +26,15 @@ class HeightTable:
 
 
 @lru_cache(maxsize=16)
-def height_table(text: str) -> HeightTable:
-    """The heights of a table's text.
+def height_table(text: str, decimal: str = ".") -> HeightTable:
+    """The heights of a table's text with this decimal sign.
 
     Errors
     ------
     ValueError, a sentence on the text: columns missing or twice, a row that can't be read, too few or too many points,
     angles that do not rise, more than a turn, a gap, also at the seam, or two heights there.
     """
-    angle, height = _columns(text)
+    angle, height = _columns(text, decimal)
     if not FEWEST_POINTS <= len(angle) <= MOST_ROWS:
         raise ValueError(f"it holds {len(angle)} points; at least {FEWEST_POINTS} and at most {MOST_ROWS} are taken")
     steps = np.diff(angle)
@@ -62,9 +62,9 @@ def height_table(text: str) -> HeightTable:
     return HeightTable(angle=np.radians(angle), height=1e-6 * height)
 
 
-def _columns(text: str) -> tuple[np.ndarray, np.ndarray]:
+def _columns(text: str, decimal: str) -> tuple[np.ndarray, np.ndarray]:
     """Degrees and µm, as they stand there."""
-    found = columns(text, (ANGLE, HEIGHT))
+    found = columns(text, (ANGLE, HEIGHT), decimal)
     if not np.all(np.isfinite(found)) or np.any(np.abs(found[:, 0]) > 10.0 * FULL_TURN):
         raise ValueError(f"a value is not finite, or no {ANGLE} of a turn")
     return found[:, 0], found[:, 1]

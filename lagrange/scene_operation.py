@@ -12,6 +12,7 @@ from pydantic.json_schema import SkipJsonSchema
 from lagrange.bearing import Operation
 from lagrange.course import TIME, points_of, smooth, steady, turn_of
 from lagrange.mounting import Shaft
+from lagrange.scene_columns import DECIMAL
 from lagrange.scene_faults import Check, Table
 
 RPM = 2.0 * pi / 60.0
@@ -65,6 +66,7 @@ class OperationTable(Table):
     speed_table_sha256: str | None = Field(
         None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
     )
+    speed_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
     speed_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
     load_table: str | None = Field(
         None, min_length=1, max_length=1000,
@@ -73,6 +75,7 @@ class OperationTable(Table):
     load_table_sha256: str | None = Field(
         None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
     )
+    load_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
     load_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
 
     @classmethod
@@ -81,8 +84,8 @@ class OperationTable(Table):
         defaults = {"radial_load_N": 0.0} if data.get("load_table") is not None else {}
         if isinstance(data.get("speed_table_content"), str):
             try:
-                defaults["speed_rpm"] = _first_speed(data["speed_table_content"])
-            except ValueError:
+                defaults["speed_rpm"] = _first_speed(data["speed_table_content"], data.get("speed_table_decimal") or ".")
+            except (ValueError, TypeError):  # a decimal sign that is no text
                 pass  # told by `_tables`
         return defaults | data
 
@@ -112,8 +115,9 @@ class OperationTable(Table):
 
     def _tables(self) -> Iterator[str]:
         for name in TABLES:
-            if getattr(self, f"{name}_sha256") is not None and getattr(self, name) is None:
-                yield f"{name}_sha256: of what? give {name}, or leave it out"
+            for key in (f"{name}_sha256", f"{name}_decimal"):
+                if getattr(self, key) is not None and getattr(self, name) is None:
+                    yield f"{key}: of what? give {name}, or leave it out"
             try:
                 self.points(name)
             except ValueError as error:
@@ -125,7 +129,7 @@ class OperationTable(Table):
                 "out one of them"
             )
         if self.speed_table_content is not None:
-            first = _first_speed(self.speed_table_content)
+            first = _first_speed(self.speed_table_content, self.speed_table_decimal or ".")
             if abs(first - self.speed_rpm) > ENOUGH * max(abs(first), 1.0):
                 yield (
                     f'speed_rpm = {self.speed_rpm:g}: speed_table = "{self.speed_table}" says {first:g} at the start; '
@@ -135,7 +139,9 @@ class OperationTable(Table):
     def points(self, name: str) -> tuple[np.ndarray, np.ndarray] | None:
         """Times and values of a table, as they stand there; None: there is none, or it is not at hand. ValueError."""
         content = getattr(self, f"{name}_content")
-        return None if content is None else points_of(content, *TABLES[name])
+        if content is None:
+            return None
+        return points_of(content, *TABLES[name], decimal=getattr(self, f"{name}_decimal") or ".")
 
     def duration_faults(self, duration: float) -> Iterator[str]:
         """Tables that end before the run does, ms."""
@@ -200,7 +206,7 @@ def _ideal(o: OperationTable) -> Operation:
 
 
 @lru_cache(maxsize=16)
-def _first_speed(text: str) -> float:
+def _first_speed(text: str, decimal: str) -> float:
     """Speed of a table at t = 0, rpm. ValueError."""
-    time, values = points_of(text, *TABLES["speed_table"])
+    time, values = points_of(text, *TABLES["speed_table"], decimal=decimal)
     return float(smooth(time, values)(0.0)[0])

@@ -13,7 +13,8 @@ from pydantic.json_schema import SkipJsonSchema
 
 from lagrange.bearing import Bearing
 from lagrange.faults import Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
-from lagrange.height_table import height_table
+from lagrange.height_table import HeightTable, height_table
+from lagrange.scene_columns import DECIMAL
 from lagrange.scene_faults import Check, Table
 
 MM, UM = 1e-3, 1e-6
@@ -118,6 +119,7 @@ class ProfileTable(SurfaceTable):
         None, pattern=r"^[0-9a-f]{64}$", description="digest of the file's text, to be sure that it is the one meant"
     )
     angle_deg: float = Field(0.0, ge=-360.0, le=360.0, description="of the table's angle 0 at t = 0")
+    decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
     content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
 
     def checks(self) -> tuple[Check, ...]:
@@ -126,9 +128,13 @@ class ProfileTable(SurfaceTable):
     def _readable(self) -> Iterator[str]:
         if self.content is not None:
             try:
-                height_table(self.content)
+                self.heights(self.content)
             except ValueError as error:
                 yield f'file = "{self.file}": {error}'
+
+    def heights(self, content: str) -> HeightTable:
+        """Of a text as the file's. ValueError."""
+        return height_table(content, self.decimal or ".")
 
     def fault(self) -> MeasuredSurface:
         """ValueError: its file is not at hand, or no table of heights."""
@@ -140,7 +146,7 @@ class ProfileTable(SurfaceTable):
             angle=radians(self.angle_deg) + self.reference,
             file=self.file,
             sha256=self.sha256,
-            table=height_table(self.content),
+            table=self.heights(self.content),
         )
 
 
@@ -218,7 +224,8 @@ def profile_faults(bearing: Bearing, tables: list[ProfileTable]) -> Iterator[str
             yield f"profile.{before} and profile.{i} are of the same surface; make one table of them"
         if table.content is None:
             continue
-        angle, height = height_table(table.content).angle, height_table(table.content).height
+        heights = table.heights(table.content)
+        angle, height = heights.angle, heights.height
         own, roller = own_radius(bearing, table), bearing.roller_radius
         highest, range_ = float(height.max()), float(np.ptp(height))
         if highest > 2.0 * LARGEST_DEVIATION * roller:

@@ -103,7 +103,9 @@ def test_where_a_table_begins_and_how_it_is_written_does_not_matter(tmp_path):
         f"x\t{height(a):.9g}\t{a:.9g}\n" for a in -180.0 + 0.1 * np.arange(3600)
     )
     shifted = table(lambda a: height(a - 40.0), count=3600)
-    for text, *lines in ((closed,), (other.replace("\n", "\r\n"),), (shifted, "angle_deg = -40.0")):
+    commas = plain.replace(",", ";").replace(".", ",")
+    written = ((closed,), (other.replace("\n", "\r\n"),), (shifted, "angle_deg = -40.0"), (commas, 'decimal = ","'))
+    for text, *lines in (*written, (plain.replace(",", "  "),)):
         found = sinkage(read_scene(scene_with(tmp_path, text, *lines)), "outer", angle)
         np.testing.assert_allclose(found, expected, atol=2e-10)
 
@@ -114,6 +116,8 @@ REFUSED = {
     "a column missing": ("angle_deg,z\n" + "\n".join(ROUND), "column height_um is missing"),
     "a column twice": ("angle_deg,height_um,height_um\n", "there twice"),
     "text in a row": (HEADER + "\n".join([*ROUND[:7], "7,high"]), "row 8"),
+    "decimal commas": (HEADER + "\n".join(f"{a},0,5" for a in range(360)), "row 1 below the header can't be read: 3 cells"),
+    "a thousands mark": (HEADER + "\n".join([*ROUND[:7], "7,-2_000"]), "height_um = '-2_000' is no number"),
     "a short row": (HEADER + "\n".join([*ROUND[:7], "7"]), "row 8"),
     "too few": (HEADER + "\n".join(ROUND[:9]), "9 points"),
     "not finite": (HEADER + "\n".join([*ROUND[:-1], "359,nan"]), "not finite"),
@@ -152,7 +156,7 @@ def test_tables_that_are_no_surface_are_refused(why, tmp_path, capsys):
         ('[[profile]]\nfile = "race.csv"\nbody = "roller"\nroller = 13', "counted from 0 to 12"),
         ('[[profile]]\nfile = "race.csv"\n[[profile]]\nfile = "race.csv"', "of the same surface"),
         ('[[profile]]\nfile = "race.csv"\ncontent = "x"', "profile.0.content: unknown key"),
-        ('[[profile]]\nfile = "race.csv"\nheigt = 1', "known here: body, roller, file, sha256, angle_deg"),
+        ('[[profile]]\nfile = "race.csv"\nheigt = 1', "known here: body, roller, file, sha256, angle_deg, decimal"),
         ('[[profile]]\nfile = "race.csv"\nsha256 = "' + 64 * "0" + '"', "another than the scene gives"),
     ],
 )

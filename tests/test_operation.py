@@ -91,10 +91,32 @@ BAD = {
     "time_ms,speed_rpm\n1,1000\n9,2000": "it begins at time_ms = 1, after the run; at most 0",
     "time_ms,speed_rpm\n0,1000\n5,2000": "it ends at time_ms = 5, before the run (numerics.duration_ms = 8)",
     "time_ms,rpm\n0,1000\n9,2000": "column speed_rpm is missing; its first line must name time_ms and speed_rpm",
-    "time_ms,speed_rpm\n0,fast\n9,2000": "row 1 below the header can't be read: two numbers are needed",
+    "time_ms,speed_rpm\n0,fast\n9,2000": "row 1 below the header can't be read: speed_rpm = 'fast' is no number",
+    "time_ms,speed_rpm\n0,1,500\n9,1,500": "row 1 below the header can't be read: 3 cells under 2 names; where commas",
+    "time_ms;speed_rpm\n0;1,5\n9;2": "speed_rpm = '1,5' is no number; give decimal = \",\" where commas are decimal",
+    "time_ms,speed_rpm\n0,1_000\n9,2000": "speed_rpm = '1_000' is no number; write digits 0 to 9",
+    "time_ms,speed_rpm\n0,\u0661\n9,2000": "is no number; write digits 0 to 9",
+    "time_ms,speed_rpm\nms,rpm\n0,1\n9,2000": "row 1 below the header can't be read: no numbers in it; a line of units",
+    "Logger 7\ntime_ms,speed_rpm\n0,1\n9,2000": "the header comes after 1 other lines; begin those with #",
     "time_ms,speed_rpm\n" + 50_010 * "0,1\n": "more than 50000 rows",
     "#" + 5 * 2**20 * "x": "larger than 4 MiB; is it a table of speeds?",
 }
+
+
+def test_decimal_commas_have_a_key_beside_each_table(tmp_path):
+    speeds, loads = (text.replace(",", ";").replace("1000", "1000,5") for text in (RAMP, LOADS + "12,1,-1000\n"))
+    commas = ('operation.speed_table_decimal=","', 'operation.load_table_decimal=","')
+    scene = scene_with(tmp_path, *commas, "numerics.duration_ms=8", speeds=speeds, loads=loads)
+    assert scene.operation.speed_rpm == 1000.5
+    assert scene.ideal_operation().course.load.c.shape[1] == 4
+    np.testing.assert_allclose(scene.ideal_operation().course.load(12e-3), (1.0, -1000.5))
+    assert parse_scene_text(scene.to_toml(), "again", scene.files) == scene
+    with pytest.raises(SceneError, match=r"load_table_decimal: of what\? give load_table, or leave it out"):
+        scene_with(tmp_path, commas[1])
+    with pytest.raises(SceneError, match=r"speed_rpm = '1\.500' is no number; with decimal = \",\" no point may stand"):
+        scene_with(tmp_path, commas[0], speeds="time_ms;speed_rpm\n0;1.500\n60;2")
+    with pytest.raises(SceneError, match="but commas are between its columns, too"):
+        scene_with(tmp_path, commas[0], speeds=RAMP)
 
 
 @pytest.mark.parametrize("text", BAD, ids=lambda text: BAD[text][:30])

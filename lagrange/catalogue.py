@@ -3,7 +3,7 @@
 From SKF's General Catalogue (as of 2006), pages 522 to 537, single row cylindrical roller bearings of design ECP: bore,
 outside diameter and width (ISO 15), the diameter F of the inner raceway (NU), the diameter E of the outer raceway (N)
 and the static load rating C0; other makers' values differ a little. The radial internal clearance is that of group
-Normal (ISO 5753-1).
+Normal, or of the group that the designation names (ISO 5753-1).
 
 Estimates, because makers do not publish them:
 
@@ -14,6 +14,7 @@ Estimates, because makers do not publish them:
 * inner ring and shaft: steel, the ring of the bearing's width, a shaft of its bore three widths long.
 """
 
+import re
 from math import asin, pi
 
 # bore, outside diameter, width, F, E: mm; C0: kN
@@ -32,7 +33,15 @@ _SERIES_NU2 = {
     "NU215": (75, 130, 25, 88.5, 118.5, 156.0),
     "NU216": (80, 140, 26, 95.3, 127.3, 166.0),
 }
-_NORMAL_CLEARANCE = {24: (20, 45), 30: (20, 45), 40: (25, 50), 50: (30, 60), 65: (40, 70), 80: (40, 75)}  # bore up to
+_CLEARANCE = {  # ISO 5753-1, µm, by group: of bores up to 24, 30, 40, 50, 65, 80 mm
+    "C2": ((0, 25), (0, 25), (5, 30), (5, 35), (10, 40), (10, 45)),
+    "CN": ((20, 45), (20, 45), (25, 50), (30, 60), (40, 70), (40, 75)),
+    "C3": ((35, 60), (35, 60), (45, 70), (50, 80), (60, 90), (65, 100)),
+    "C4": ((50, 75), (50, 75), (60, 85), (70, 100), (80, 110), (90, 125)),
+    "C5": ((65, 90), (70, 95), (80, 105), (95, 125), (110, 140), (130, 165)),
+}
+_BORES = 24, 30, 40, 50, 65, 80
+_WRITTEN = re.compile(r"NU[ -]?(2\d\d)[ -]?(?:EC?[A-Z]{0,2})?[ /-]*(C[2-5N])?", re.IGNORECASE)
 _FILLED = 0.8  # of the pitch circle, by rollers
 _STEEL = 7.85e-6  # kg/mm³
 
@@ -42,13 +51,23 @@ def designations() -> tuple[str, ...]:
     return tuple(_SERIES_NU2)
 
 
-def bearing_keys(designation: str) -> dict[str, float | int]:
-    """Keys of [bearing] but the outer raceway, with the middle of the Normal clearance. KeyError: no such bearing."""
+def listed(designation: object) -> tuple[str, str] | None:
+    """A bearing of the table, and its group of clearance, of a designation as people write it; None: not in the table.
+
+    "nu 206", "NU206ECP" and "NU 206 ECP/C3" are NU206: the letters after the number tell the cage.
+    """
+    found = _WRITTEN.fullmatch(designation.strip()) if isinstance(designation, str) else None
+    name = f"NU{found[1]}" if found else None
+    return None if found is None or name not in _SERIES_NU2 else (name, (found[2] or "CN").upper())
+
+
+def bearing_keys(designation: str, group: str = "CN") -> dict[str, float | int]:
+    """Keys of [bearing] but the outer raceway, with the middle of a group's clearance. KeyError: no such bearing."""
     bore, outside, _, inner, outer, rating = _SERIES_NU2[designation]
     diameter, pitch = 0.5 * (outer - inner), 0.5 * (outer + inner)
     rollers = round(_FILLED * pi / asin(diameter / pitch))
     length = 1e3 * rating / (44.0 * (1.0 - diameter / pitch) * rollers * diameter)
-    lowest, highest = next(limits for largest, limits in _NORMAL_CLEARANCE.items() if bore <= largest)
+    lowest, highest = next(limits for largest, limits in zip(_BORES, _CLEARANCE[group], strict=True) if bore <= largest)
     return {
         "rollers": rollers,
         "roller_diameter_mm": diameter,

@@ -16,7 +16,7 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.cage import Cage
-from lagrange.catalogue import designations, inner_ring_and_shaft
+from lagrange.catalogue import inner_ring_and_shaft, listed
 from lagrange.film import films
 from lagrange.mounting import Mounting
 from lagrange.plain_files import plain_text
@@ -119,10 +119,10 @@ class Scene(Table):
             return data
         if bearing.get("type") == "ball" and isinstance(options, dict):
             data = data | {"lagrange": {"law": "hertz"} | options}
-        standard = bearing.get("designation")
-        if standard in designations() and isinstance(operation, dict):
-            mass = {"inner_ring_and_shaft_kg": inner_ring_and_shaft(standard)}
-            data = {"name": standard} | data | {"operation": mass | operation}
+        standard = listed(bearing.get("designation"))
+        if standard is not None and isinstance(operation, dict):
+            mass = {"inner_ring_and_shaft_kg": inner_ring_and_shaft(standard[0])}
+            data = {"name": standard[0]} | data | {"operation": mass | operation}
         return data
 
     def checks(self) -> tuple[Check, ...]:

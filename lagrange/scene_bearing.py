@@ -1,6 +1,5 @@
 """Tables of the scene that say what the bearing is: [bearing], [material], [bodies]."""
 
-import difflib
 from collections.abc import Iterator
 from math import asin, pi, sin
 from typing import Any, Literal
@@ -8,7 +7,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from lagrange.bearing import Material
-from lagrange.catalogue import bearing_keys, designations
+from lagrange.catalogue import bearing_keys, designations, listed
 from lagrange.scene_faults import Check, Table
 
 # groove radius over ball diameter to which ISO 281 rates deep-groove bearings
@@ -65,8 +64,8 @@ class BearingTable(Table):
         if data.get("type") == "ball":
             data = USUAL_GROOVES | data
         outer = "outer_raceway_diameter_mm" in data
-        if data.get("designation") in designations():
-            standard = bearing_keys(data["designation"])
+        if (found := listed(data.get("designation"))) is not None:
+            standard = bearing_keys(*found)
             data = {key: value for key, value in standard.items() if not outer or key != "clearance_um"} | data
         parts = [data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF] + [data.get("clearance_um")]
         if outer or any(isinstance(part, bool) or not isinstance(part, int | float) for part in parts):
@@ -88,10 +87,12 @@ class BearingTable(Table):
 
     def _standard(self) -> Iterator[str]:
         name = self.designation
-        if name is not None and name not in designations():
-            likely = difflib.get_close_matches(name.upper().replace(" ", ""), designations(), n=1, cutoff=0.5)
-            hint = f"did you mean {likely[0]}? " if likely else ""
-            yield f"designation = {name!r}: not in the table; {hint}known are {', '.join(designations())}"
+        if name is not None and listed(name) is None:
+            yield (
+                f"designation = {name!r}: not in the table; known are {', '.join(designations())}, with a clearance as "
+                "in NU206/C3; of another bearing leave it out and give rollers, roller_diameter_mm, roller_length_mm, "
+                "inner_raceway_diameter_mm, clearance_um, bore_diameter_mm and outside_diameter_mm"
+            )
         if name is not None and self.type == "ball":
             yield f'designation = {name!r}: a roller bearing, not with type = "ball"; leave one of them out'
 

@@ -16,6 +16,18 @@ LONGEST_QUOTE = 80  # characters of a value, or a key, in a message
 MOST_FAULTS = 15  # told at once: a file that is no scene may have thousands
 MOST_EXPLAINED = 200  # looked at for them; to find what was meant takes some milliseconds each
 MISSPELT = 0.8  # of difflib's ratio: the same word with a slip
+ABSENT = {  # what engineers ask for and the program lacks, by words of a key
+    "axial loads": ("axial", "thrust"),
+    "temperature": ("temperature", "thermal", "heat"),
+    "profiles along the axis (crowning)": ("crown", "crowning", "crowned", "profile"),
+    "misalignment and moments": ("misalignment", "tilt", "skew", "moment"),
+    "contact angles": ("contact_angle",),
+    "a turning outer ring": ("outer_ring_speed", "outer_speed"),
+    "fits of the inner ring (clearance_um is the mounted one)": ("fit", "fits", "interference"),
+    "grease": ("grease",),
+    "life and ratings": ("life", "l10", "rating", "ratings", "c0"),
+    "shapes of cage pockets": ("pocket", "pocket_shape"),
+}
 Check = Callable[[], Iterator[str]]
 Place = tuple[str | int, ...]  # keys from the scene down
 
@@ -77,6 +89,9 @@ def _explain(fault: ErrorDetails, model: type[Table]) -> list[str]:
     if fault["type"] == "extra_forbidden":
         known = _keys(_table_at(fault["loc"][:-1], model))
         likely = _likely(fault["loc"], model)
+        lacking = None if likely else _absent(str(fault["loc"][-1]))
+        if lacking is not None:
+            return [f"{place}: not in this program: {lacking}; see docs/limits"]
         hint = f"did you mean {' or '.join(likely)}?" if likely else f"known here: {', '.join(known)}"
         return [f"{place}: unknown key; {hint}"]
     value = fault["input"]
@@ -130,8 +145,22 @@ def _keys(model: type[BaseModel]) -> list[str]:
     return [name for name, field in model.model_fields.items() if not field.exclude]
 
 
+def _absent(key: str, instead: str = "") -> str | None:
+    """What the program lacks that a key asks for and the key that is there instead does not; None: nothing."""
+    for what, words in ABSENT.items():
+        for word in words:
+            if f"_{word}_" in f"_{key.lower()}_" and word not in instead:
+                return what
+    return None
+
+
 def _likely(place: Place, model: type[Table]) -> list[str]:
-    """Keys that were probably meant: alike in the same table, else of the same name elsewhere in the scene, dotted."""
+    """Keys that were probably meant, unless they lack what was asked for."""
+    return [key for key in _alike(place, model) if _absent(str(place[-1]), key) is None]
+
+
+def _alike(place: Place, model: type[Table]) -> list[str]:
+    """Keys like one: alike in the same table, else of the same name elsewhere in the scene, dotted."""
     key, elsewhere, known = str(place[-1]), [], _keys(_table_at(place[:-1], model))
     if near := difflib.get_close_matches(key, known, n=1, cutoff=MISSPELT):
         return near

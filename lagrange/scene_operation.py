@@ -84,7 +84,8 @@ class OperationTable(Table):
         defaults = {"radial_load_N": 0.0} if data.get("load_table") is not None else {}
         if isinstance(data.get("speed_table_content"), str):
             try:
-                defaults["speed_rpm"] = _first_speed(data["speed_table_content"], data.get("speed_table_decimal") or ".")
+                decimal = data.get("speed_table_decimal") or "."
+                defaults["speed_rpm"] = _first_speed(data["speed_table_content"], decimal)
             except (ValueError, TypeError):  # a decimal sign that is no text
                 pass  # told by `_tables`
         return defaults | data

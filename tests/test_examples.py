@@ -140,6 +140,19 @@ def test_bearings_with_the_same_rollers_have_them_equally_long():
         assert one["roller_length_mm"] == other["roller_length_mm"]
 
 
+@pytest.mark.parametrize(
+    ("written", "clearance"),
+    [("NU 206", 32.5), ("nu206", 32.5), ("NU206ECP", 32.5), ("NU 206 ECP/C3", 47.5), ("NU206-C2", 12.5),
+     ("NU206ECJ/C4", 62.5), ("NU206EC5", 82.5), ("NU206/CN", 32.5)],
+)  # fmt: skip
+def test_a_designation_is_known_as_people_write_it(written, clearance):
+    """Clearances: the middles of ISO 5753-1's groups for bores over 24 up to 30 mm."""
+    scene = read_scene(None, (f"bearing.designation='{written}'",))
+    assert scene.name == "NU206" and scene.bearing.bore_diameter_mm == 30.0
+    assert 2e6 * scene.ideal_bearing().radial_clearance == pytest.approx(clearance)
+    assert parse_scene(tomllib.loads(scene.to_toml()), "again") == scene
+
+
 def test_keys_given_win_over_the_catalogues():
     scene = read_scene(None, ("bearing.designation=NU206", "bearing.rollers=12", "bearing.clearance_um=10", "name=own"))
     assert (scene.bearing.rollers, scene.name) == (12, "own")
@@ -169,7 +182,8 @@ def test_a_clearance_is_another_way_to_give_the_outer_raceway():
         (["clearance_um=-300"], "preload"),
         (["clearance_um=3000"], "too large"),
         (["clearance_um=wide"], "bearing.clearance_um = 'wide'"),
-        (["designation=NU 206"], "did you mean NU206?"),
+        (["designation=NU306"], "'NU306': not in the table; known are NU204"),
+        (["designation='6205'"], "of another bearing leave it out and give rollers, roller_diameter_mm"),
         (["designation=XYZ"], "known are NU204"),
         (["designation=NU206", "type=ball"], "a roller bearing"),
     ],

@@ -9,6 +9,23 @@ import stat
 from pathlib import Path
 
 
+FOREIGN = {  # first bytes of files that are no text: what they are, and how to make a table of them
+    b"PK\x03\x04": "an Excel workbook or an archive; save the sheet as CSV UTF-8",
+    b"\xd0\xcf\x11\xe0": "an Excel workbook; save the sheet as CSV UTF-8",
+    b"PAR1": 'a Parquet file; pandas.read_parquet(file).to_csv("table.csv", index=False) makes a table of it',
+    b"MATLAB": 'a MATLAB file; writetable(T, "table.csv") in MATLAB makes a table of it',
+    b"\x1f\x8b": "compressed; unpack it by gunzip",
+    b"\xff\xfe": "UTF-16 text; save it as UTF-8",
+    b"\xfe\xff": "UTF-16 text; save it as UTF-8",
+}
+
+
+def not_text(data: bytes, at: int) -> str:
+    """Why bytes that begin so are not UTF-8, and what to do; `at`: the first that can't be read."""
+    what = next((what for start, what in FOREIGN.items() if data.startswith(start)), None)
+    return f"not UTF-8 text (byte {at}): {what or 'save it as UTF-8, if it is text in Latin-1 or another code'}"
+
+
 def read_plain(path: str | Path, most: int = -1) -> bytes:
     """The first `most` bytes of a plain file, or all.
 
@@ -39,7 +56,7 @@ def plain_text(path: str | Path, most: int) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ValueError(f"not UTF-8 text (byte {error.start})") from None
+        raise ValueError(not_text(data, error.start)) from None
 
 
 def _without_waiting(path: str, flags: int) -> int:

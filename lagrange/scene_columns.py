@@ -92,7 +92,11 @@ class Columns(BaseModel):
         if roller is not None:
             name = name.replace("{j}", str(roller + self.first_roller))
         bare, unit = _split(name)
-        return [name, bare] if unit else [name], UNITS[quantity][unit] if unit else 1.0
+        if not unit:
+            return [name], 1.0
+        factor = UNITS[quantity][unit]
+        same = [f"{bare} [{other}]" for other, size in UNITS[quantity].items() if size == factor and other != unit]
+        return [name, bare, *same], factor
 
 
 def per_roller(quantity: str) -> bool:

@@ -12,6 +12,29 @@ LARGEST_GAP = 10.0  # of the median interval: nothing is made up across more
 FORCES = ("inner_force", "outer_force", "inner_traction", "outer_traction")  # with kinks: straight lines
 
 
+DECIMALS = range(13)  # of time stamps, in s
+ROUNDED = 0.75  # of their last place: half for rounding, the rest for the fit of a few stamps
+
+
+def even_clock(time: np.ndarray) -> tuple[np.ndarray, str] | None:
+    """Times of an even clock whose stamps were rounded, with a note; None: they are even, or no such clock's."""
+    if time.size < FEWEST_SAMPLES or not np.all(np.isfinite(time)) or np.any(np.diff(time) <= 0.0):
+        return None
+    count = np.arange(time.size)
+    mean = (time[-1] - time[0]) / (time.size - 1)
+    if np.max(np.abs(np.diff(time) - mean)) <= TIME_JITTER * mean:
+        return None
+    centred = count - count.mean()
+    interval = float(centred @ (time - time.mean()) / (centred @ centred))
+    even = time.mean() + interval * centred
+    for place in (10.0**-k for k in DECIMALS):
+        if np.max(np.abs(time / place - np.round(time / place))) < 1e-3:  # of stamps as floats: 1e-3 of a place
+            if np.max(np.abs(time - even)) > ROUNDED * place:
+                return None
+            return even, f"the time stamps are rounded to {place:g} s; an even clock of {interval:.9g} s is taken"
+    return None
+
+
 def evenly_sampled(path: Path, arrays: dict[str, np.ndarray]) -> tuple[dict[str, np.ndarray], str | None]:
     """Bring arrays to as many equal steps, with a note; unchanged and None where the steps are equal already.
 

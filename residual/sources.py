@@ -6,6 +6,7 @@ import numpy as np
 
 from lagrange.messages import shown
 from lagrange.mounting import ENERGIES as OF_MOUNTING
+from lagrange.plain_files import FOREIGN, not_text
 from lagrange.scene import Scene, SceneError, parse_scene_text
 from lagrange.stored import (
     SIGNATURE,
@@ -199,6 +200,8 @@ def check_readable(path: Path) -> None:
             start = file.read(len(SIGNATURE))
     except OSError as error:
         raise InputError(f"{path}: can't be read: {error.strerror}") from None
+    if any(start.startswith(foreign) for foreign in FOREIGN):
+        raise InputError(f"{path}: {not_text(start, 0)}")
     if path.suffix.lower() in (".nc", ".h5", ".hdf5") and start != SIGNATURE:
         raise InputError(f"{path}: not an HDF5 file; give a result file of run-fem, or a table named .csv")
 

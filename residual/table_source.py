@@ -2,6 +2,8 @@
 
 import csv
 import warnings
+from collections.abc import Iterable, Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +12,11 @@ import numpy as np
 from lagrange.messages import shown
 from lagrange.scene import Scene
 from lagrange.scene_columns import Columns, per_roller
-from lagrange.text_table import delimiter_of
+from lagrange.plain_files import not_text
+from lagrange.text_table import MOST_BEFORE, check_decimal, delimiter_of, header_below, names_of, row_fault
 from residual.errors import InputError
 from residual.record import Record, checked, relative
-from residual.resampling import evenly_sampled
+from residual.resampling import even_clock, evenly_sampled
 from residual.sources import LARGEST_READ, OPTIONAL, check_readable
 
 LONGEST_LINE = 2**20  # characters
@@ -54,17 +57,27 @@ def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
             lines = (line for line in _lines(path, file) if line.strip() and not line.startswith("#"))
             first = next(lines, "")
             delimiter = delimiter_of(first)
-            header = [name.strip() for name in next(csv.reader([first], delimiter=delimiter), [])]
-            found = _columns_found(path, header, scene)
-            if columns.decimal == ",":
-                lines = (line.replace(",", ".") for line in lines)
+            header = names_of(first, delimiter)
+            try:
+                found = _columns_found(path, header, scene)
+            except InputError as error:
+                names = [columns.header(quantity)[0][0] for quantity in MOTION[:2]]
+                head = [first, *islice(lines, MOST_BEFORE)]
+                raise InputError(f"{error}{header_below(head, names)}") from None
+            check_decimal(delimiter, columns.decimal)
             order = [index for indices, _ in found.values() for index in indices]
-            lines = _at_most(path, lines, LARGEST_READ // (8 * len(order)))
+            rows = _Rows(lines, header, order, delimiter, columns.decimal)
+            lines = _at_most(path, rows.checked(), LARGEST_READ // (8 * len(order)))
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # of an empty table, which is refused for want of samples
-                table = np.loadtxt(lines, delimiter=delimiter, usecols=order, ndmin=2)
+                try:
+                    table = np.loadtxt(lines, delimiter=delimiter, usecols=order, ndmin=2)
+                except ValueError as error:
+                    raise ValueError(rows.fault() or str(error)) from None
     except UnicodeDecodeError as error:
-        raise InputError(f"{path}: neither an HDF5 result file nor a text table (byte {error.start})") from None
+        raise InputError(
+            f"{path}: neither an HDF5 result file nor a text table: {not_text(b'', error.start)}"
+        ) from None
     except InputError:
         raise
     except (ValueError, csv.Error) as error:
@@ -75,6 +88,34 @@ def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
         arrays[quantity] = values if per_roller(quantity) else values[:, 0]
         start += len(indices)
     return arrays
+
+
+class _Rows:
+    """Rows on their way to be read, of as many cells as the header has names; the last one is known."""
+
+    def __init__(
+        self, lines: Iterable[str], header: list[str], order: list[int], delimiter: str | None, decimal: str
+    ) -> None:
+        self._lines, self._header, self._order = lines, header, order
+        self._delimiter, self._decimal = delimiter, decimal
+        self._number, self._line = 0, ""
+
+    def checked(self) -> Iterator[str]:
+        """Yield them with decimal points. ValueError: more or fewer cells."""
+        points = str.maketrans({",": ".", ".": "?"}) if self._decimal == "," else None
+        n_names = len(self._header)
+        for self._line in self._lines:
+            self._number += 1
+            cells = self._line.count(self._delimiter) + 1 if self._delimiter else len(self._line.split())
+            if cells != n_names and (fault := self.fault()):
+                raise ValueError(fault)
+            yield self._line if points is None else self._line.translate(points)
+
+    def fault(self) -> str | None:
+        """Why the last row can't be read; None: it can."""
+        cells = self._line.rstrip("\r\n").split(self._delimiter)
+        reason = row_fault(cells, self._header, self._order, self._delimiter, self._decimal)
+        return reason and f"row {self._number} below the header: {reason}"
 
 
 def _lines(path: Path, file):
@@ -108,6 +149,9 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
         arrays["roller_x"], arrays["roller_y"] = rho * np.cos(theta), rho * np.sin(theta)
         for axis, place in zip("xy", centre, strict=False):  # polar coordinates are about the outer ring's centre
             arrays[f"roller_{axis}"] += arrays[place][:, None]
+    if (clock := even_clock(arrays["time"])) is not None:
+        arrays["time"], note = clock
+        notes.append(note)
     if resample:
         arrays, note = evenly_sampled(path, arrays)
         notes += [note] if note else []
@@ -146,6 +190,10 @@ def _columns_found(path: Path, header: list[str], scene: Scene) -> dict[str, tup
     _check_count(path, header, columns, roller, n_rollers)
     if missing:
         more = f" and {len(missing) - 4} more" if len(missing) > 4 else ""
+        if "inner_x" not in found and {"inner_ax", "inner_ay"} & set(found):
+            more += " (accelerations alone do not do: the check needs positions of hub and rollers)"
+        elif not {*CARTESIAN, *POLAR} & set(found):
+            more += " (the hub's orbit alone does not do: contact forces follow from the rollers' positions)"
         raise InputError(
             f"{path}: missing column {', '.join(missing[:4])}{more}; where it has another name, [table] in the scene "
             "file tells it"

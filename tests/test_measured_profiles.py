@@ -116,7 +116,7 @@ REFUSED = {
     "a column missing": ("angle_deg,z\n" + "\n".join(ROUND), "column height_um is missing"),
     "a column twice": ("angle_deg,height_um,height_um\n", "there twice"),
     "text in a row": (HEADER + "\n".join([*ROUND[:7], "7,high"]), "row 8"),
-    "decimal commas": (HEADER + "\n".join(f"{a},0,5" for a in range(360)), "row 1 below the header can't be read: 3 cells"),
+    "decimal commas": (HEADER + "\n".join(f"{a},0,5" for a in range(360)), "can't be read: 3 cells"),
     "a thousands mark": (HEADER + "\n".join([*ROUND[:7], "7,-2_000"]), "height_um = '-2_000' is no number"),
     "a short row": (HEADER + "\n".join([*ROUND[:7], "7"]), "row 8"),
     "too few": (HEADER + "\n".join(ROUND[:9]), "9 points"),

@@ -145,6 +145,52 @@ def test_a_gap_is_not_bridged(run, tmp_path):
         read_table(write_uneven(run, tmp_path, time), run.scene, resample=True)
 
 
+def test_stamps_of_an_even_clock_may_be_rounded(run, tmp_path):
+    from dataclasses import replace
+
+    rounded = replace(run, time=np.round(run.time, 6) if run.time[1] % 1e-6 > 1e-9 else np.round(run.time * 0.977, 6))
+    assert np.ptp(np.diff(rounded.time)) > 0.9e-6
+    trajectory = read_table(write_table(rounded, tmp_path / "a.csv"), run.scene)
+    assert np.ptp(np.diff(trajectory.time)) < 1e-12
+    np.testing.assert_allclose(trajectory.time, rounded.time, atol=0.75e-6)
+    assert any("rounded to 1e-06 s" in note for note in trajectory.notes)
+
+
+HEAD = "time,inner_x,inner_y," + ",".join(f"roller_{j}_{axis}" for j in range(13) for axis in "xy")
+ROW = ",".join(["0.5"] * 29)
+REMEDIES = {
+    "decimal commas": (HEAD.replace(",", ";") + "\n" + ROW.replace(",", ";").replace(".", ","), 'decimal = ","'),
+    "commas for both": (HEAD + "\n" + ROW.replace(".", ","), "58 cells under 29 names; where commas are decimal"),
+    "lines before": ("Rig 7\nMonday\n" + HEAD + "\n" + ROW, "the header comes after 2 other lines"),
+    "units": (HEAD + "\ns" + 28 * ",m" + "\n" + ROW, "a line of units is none of the table's rows"),
+    "Latin-1": ((HEAD + ",\u00b5\n" + ROW).encode("latin-1"), "save it as UTF-8"),
+    "UTF-16": ((HEAD + "\n" + ROW).encode("utf-16"), "UTF-16 text; save it as UTF-8"),
+    "xlsx": (b"PK\x03\x04" + bytes(99), "save the sheet as CSV UTF-8"),
+    "parquet": (b"PAR1" + bytes(99), "pandas.read_parquet"),
+    "mat": (b"MATLAB 5.0 MAT-file" + bytes(99), "writetable"),
+    "accelerations": ("time,inner_ax,inner_ay\n0,1,2", "accelerations alone do not do"),
+    "orbit": ("time,inner_x,inner_y\n0,1,2", "the hub's orbit alone does not do"),
+}
+
+
+@pytest.mark.parametrize("kind", REMEDIES)
+def test_a_table_that_is_not_read_gets_its_remedy(kind, tmp_path, capsys):
+    text, remedy = REMEDIES[kind]
+    (tmp_path / "a.csv").write_bytes(text if isinstance(text, bytes) else text.encode())
+    (tmp_path / "s.toml").touch()
+    assert main([str(tmp_path / "a.csv"), "--scene", str(tmp_path / "s.toml")]) == 2
+    assert remedy in capsys.readouterr().err
+
+
+def test_blanks_between_columns_and_either_sign_of_micro_are_read(run, tmp_path):
+    names = {"t [ms]": "t [ms]", "X hub [um]": "X [\u00b5m]", "Y hub [um]": "Y [\u03bcm]"}
+    table = {names.get(name, name.replace(" ", "", 1)): value for name, value in foreign_columns(run).items()}
+    mapping = MAPPING.replace(" hub", "").replace("rho {", "rho{").replace("theta {", "theta{")
+    table = {name.replace("[", " [").replace("  ", " "): value for name, value in table.items()}
+    trajectory = read_table(write_foreign(tmp_path / "a.txt", table, "  "), scene_with(run, mapping))
+    np.testing.assert_allclose(trajectory.inner_y, run.inner_y, atol=1e-18)
+
+
 @pytest.mark.parametrize(
     ("text", "culprit"),
     [

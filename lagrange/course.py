@@ -123,9 +123,7 @@ def smooth(time: np.ndarray, values: np.ndarray) -> "PPoly":
 
 
 @lru_cache(maxsize=16)
-def points_of(
-    text: str, names: tuple[str, ...], largest: float, decimal: str = "."
-) -> tuple[np.ndarray, np.ndarray]:
+def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = ".") -> tuple[np.ndarray, np.ndarray]:
     """Times, (n,), ms, and values, (n, n_names), of a table's text with this decimal sign, at most so large.
 
     Errors

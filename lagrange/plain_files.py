@@ -8,7 +8,6 @@ import os
 import stat
 from pathlib import Path
 
-
 FOREIGN = {  # first bytes of files that are no text: what they are, and how to make a table of them
     b"PK\x03\x04": "an Excel workbook or an archive; save the sheet as CSV UTF-8",
     b"\xd0\xcf\x11\xe0": "an Excel workbook; save the sheet as CSV UTF-8",

@@ -13,6 +13,7 @@ FORCES = ("inner_force", "outer_force", "inner_traction", "outer_traction")  # w
 
 
 DECIMALS = range(13)  # of time stamps, in s
+COARSEST = 0.5  # last place over the interval: a row that is missing then can't pass as rounding
 ROUNDED = 0.75  # of their last place: half for rounding, the rest for the fit of a few stamps
 
 
@@ -29,7 +30,7 @@ def even_clock(time: np.ndarray) -> tuple[np.ndarray, str] | None:
     even = time.mean() + interval * centred
     for place in (10.0**-k for k in DECIMALS):
         if np.max(np.abs(time / place - np.round(time / place))) < 1e-3:  # of stamps as floats: 1e-3 of a place
-            if np.max(np.abs(time - even)) > ROUNDED * place:
+            if place > COARSEST * interval or np.max(np.abs(time - even)) > ROUNDED * place:
                 return None
             return even, f"the time stamps are rounded to {place:g} s; an even clock of {interval:.9g} s is taken"
     return None

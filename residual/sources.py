@@ -201,7 +201,7 @@ def check_readable(path: Path) -> None:
     except OSError as error:
         raise InputError(f"{path}: can't be read: {error.strerror}") from None
     if any(start.startswith(foreign) for foreign in FOREIGN):
-        raise InputError(f"{path}: {not_text(start, 0)}")
+        raise InputError(f"{path}: neither an HDF5 result file nor a text table: {not_text(start, 0)}")
     if path.suffix.lower() in (".nc", ".h5", ".hdf5") and start != SIGNATURE:
         raise InputError(f"{path}: not an HDF5 file; give a result file of run-fem, or a table named .csv")
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from lagrange.messages import shown
+from lagrange.plain_files import not_text
 from lagrange.scene import Scene
 from lagrange.scene_columns import Columns, per_roller
-from lagrange.plain_files import not_text
 from lagrange.text_table import MOST_BEFORE, check_decimal, delimiter_of, header_below, names_of, row_fault
 from residual.errors import InputError
 from residual.record import Record, checked, relative
@@ -104,12 +104,12 @@ class _Rows:
         """Yield them with decimal points. ValueError: more or fewer cells."""
         points = str.maketrans({",": ".", ".": "?"}) if self._decimal == "," else None
         n_names = len(self._header)
-        for self._line in self._lines:
-            self._number += 1
-            cells = self._line.count(self._delimiter) + 1 if self._delimiter else len(self._line.split())
+        for number, line in enumerate(self._lines, 1):
+            self._number, self._line = number, line
+            cells = line.count(self._delimiter) + 1 if self._delimiter else len(line.split())
             if cells != n_names and (fault := self.fault()):
                 raise ValueError(fault)
-            yield self._line if points is None else self._line.translate(points)
+            yield line if points is None else line.translate(points)
 
     def fault(self) -> str | None:
         """Why the last row can't be read; None: it can."""
@@ -150,8 +150,8 @@ def _record(path: Path, scene: Scene, arrays: dict[str, np.ndarray], resample: b
         for axis, place in zip("xy", centre, strict=False):  # polar coordinates are about the outer ring's centre
             arrays[f"roller_{axis}"] += arrays[place][:, None]
     if (clock := even_clock(arrays["time"])) is not None:
-        arrays["time"], note = clock
-        notes.append(note)
+        arrays["time"] = clock[0]
+        notes.append(clock[1])
     if resample:
         arrays, note = evenly_sampled(path, arrays)
         notes += [note] if note else []

@@ -11,6 +11,7 @@ from lagrange.scene import SceneError, parse_scene_text, read_scene
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
+from residual.resampling import even_clock
 from residual.table_source import read_table
 from tests.reference.synthetic_run import exact_errors, make_run, write_result, write_table
 
@@ -136,6 +137,12 @@ def test_even_sampling_is_left_alone(run, tmp_path):
     plain, asked = read_table(path, run.scene), read_table(path, run.scene, resample=True)
     np.testing.assert_array_equal(plain.inner_x, asked.inner_x)
     assert plain.notes == asked.notes
+
+
+def test_a_missing_row_is_no_rounding():
+    for step in (1e-5, 3.3e-5, 2e-6):
+        time = np.round(step * np.delete(np.arange(801), 400), 6)
+        assert even_clock(time) is None
 
 
 def test_a_gap_is_not_bridged(run, tmp_path):

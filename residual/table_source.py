@@ -36,8 +36,8 @@ def read_table(path: str | Path, scene: Scene, resample: bool = False) -> Record
         them
     resample : bring irregular samples to equal steps instead of refusing them
 
-    Columns may stand in any order; others are left out. Lines starting with # are comments. The delimiter (comma, tab
-    or semicolon) is taken from the header.
+    Columns may stand in any order; others are left out. Lines starting with # are comments. The delimiter (comma, tab,
+    semicolon or blanks) is taken from the header. Rounded time stamps of an even clock become that clock's times.
 
     Errors
     ------

@@ -4,8 +4,10 @@ import numpy as np
 
 from residual.evaluation import Evaluation
 from residual.exports import accelerations
-from residual.headline import balance
 from residual.words import text
+
+SAME = 1e-6  # relative: sums and differences of stored numbers leave less
+MANY_TIMES = 3.0  # from here on a ratio instead of per cent
 
 
 def named(evaluation: Evaluation, other: Evaluation) -> tuple[str, str]:
@@ -16,20 +18,42 @@ def named(evaluation: Evaluation, other: Evaluation) -> tuple[str, str]:
     return (here.name, there.name) if here.name != there.name else (str(here.source), str(there.source))
 
 
-def difference_rows(evaluation: Evaluation, other: Evaluation) -> list[list[str]]:
-    """Rows of quantity, the run's, the other's, and by how much the other is more: in the unit, and in per cent."""
+def headings(evaluation: Evaluation, other: Evaluation) -> tuple[str, str, str, str]:
+    """Of the columns beside the quantity: both names, their difference, and that in words."""
+    first, second = named(evaluation, other)
+    return first, second, f"{first} − {second}", ""
+
+
+def difference_rows(evaluation: Evaluation, other: Evaluation, equations: bool = True) -> list[list[str]]:
+    """Rows of quantity, the run's, the other's, the run's less the other's in the unit, and that in words.
+
+    `equations`: whether errors of (22), (23) are among them
+    """
     rows = []
-    for (name, scale, here), (_, _, there) in zip(_quantities(evaluation), _quantities(other), strict=True):
-        if here is None or there is None:
+    here, there = (_quantities(each, equations) for each in (evaluation, other))
+    for (name, scale, ours), (_, _, theirs) in zip(here, there, strict=True):
+        if ours is None or theirs is None:
             continue
-        noise = 1e-6 * max(abs(here), abs(there))
-        change = "-" if abs(here) <= noise else f"{text(100.0 * (there / here - 1.0), 3, 1e-4)} %"
-        both = (text(scale * value, 5) for value in (here, there))
-        rows.append([name, *both, text(scale * (there - here), 3, scale * noise), change])
+        noise = SAME * max(abs(ours), abs(theirs))
+        both = (text(scale * value, 5) for value in (ours, theirs))
+        rows.append([name, *both, text(scale * (ours - theirs), 3, scale * noise), _in_words(ours, theirs)])
     return rows
 
 
-def _quantities(e: Evaluation) -> list[tuple[str, float, float | None]]:
+def _in_words(value: float, beside: float) -> str:
+    """How a number compares with another in magnitude; "-" where either is 0 beside the other, or signs differ."""
+    low, high = sorted((abs(value), abs(beside)))
+    if high == 0.0 or (high - low <= SAME * high and value * beside > 0.0):
+        return "alike"
+    if value * beside <= 0.0 or low <= SAME * high:
+        return "-"
+    ratio = abs(value / beside)
+    if ratio >= MANY_TIMES:
+        return f"{text(ratio, 3)} times"
+    return f"{text(100.0 * abs(ratio - 1.0), 3)} % {'more' if ratio > 1.0 else 'less'}"
+
+
+def _quantities(e: Evaluation, equations: bool) -> list[tuple[str, float, float | None]]:
     """Name with its unit, the unit's factor, and value."""
     t, (low, high) = e.record, e.loaded_range
     found = [
@@ -44,10 +68,10 @@ def _quantities(e: Evaluation) -> list[tuple[str, float, float | None]]:
     ]
     for d, acceleration in zip(e.directions, accelerations(e), strict=True):
         found.append((f"hub's acceleration, {d.name}, rms, m/s²", 1.0, np.std(acceleration)))
-    for d in e.directions:
+    for d in e.directions if equations else ():
         found += [
             (f"error_{d.name}, mean, N", 1.0, d.error.mean),
             (f"error_{d.name}, rms, N", 1.0, d.error.rms),
             (f"error_{d.name}, largest, N", 1.0, d.error.max_abs),
         ]
-    return [*found, ("momentum balance, rms, N", 1.0, balance(e))]
+    return [*found, ("momentum balance, rms, N", 1.0, e.balance)]

@@ -1,6 +1,7 @@
 """The whole check of a run, as one call."""
 
 from dataclasses import dataclass, replace
+from math import hypot
 
 import numpy as np
 
@@ -8,7 +9,7 @@ from lagrange.kinematics import Kinematics, kinematics
 from lagrange.raceway_laws import caution
 from residual.budget import Accelerations, Budget, DirectionBudget, chatter_gap, error_budget, near_contact_change
 from residual.comparison import FITTED, LawScore, identify, inner_law, rank_laws
-from residual.differentiate import Floor, derivative, floor, response
+from residual.differentiate import Floor, derivative, floor
 from residual.envelope import Envelope, envelope
 from residual.errors import InputError
 from residual.fitted_laws import Law
@@ -16,17 +17,16 @@ from residual.identification import Identification
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
 from residual.moments import Statistics
 from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
+from residual.position_noise import WITHIN, PositionNoise, position_noise
 from residual.quarters import Quarters, quarters
-from residual.record import FEWEST_SAMPLES, Record
+from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Record
+from residual.sampling import TooCoarse, rate_notes, too_coarse
 from residual.spectrum import Peak, Spectrum, find_peaks, kinematic_lines, power_spectrum
 from residual.vibration import Vibration, vibration
 from residual.words import NOISE
 
 LOADED = 0.01  # of the largest load: a roller with more is loaded
-FOLDED = 5.0  # times what differentiation errs by: a momentum balance that leaves more holds folded vibration
-MOST_FOLDED = 0.01  # of the load: more is no vibration of rollers
-SAMPLES_OF_A_MODE = 3.0  # a period of the highest mode that is to be told
-STENCIL_GAIN = 0.95  # below this gain at the ring's resonance the record is too coarse to differentiate
+SOUND = 0.01  # of the reference force: what the momentum balance of sound trajectories may leave, rms
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,6 +68,9 @@ class Evaluation:
     identified: dict[str, Identification]  # laws fitted to the run's own forces, by name
     unfitted: str | None  # why no law could be fitted
     laws: list[LawScore]  # ranked, on the held-back samples where a law was fitted
+    reference: tuple[float, str]  # N, what errors are compared with, and its name, see `reference_force`
+    too_coarse: TooCoarse | None  # of a run of ours that is stored too seldom
+    position_noise: PositionNoise | None  # of a table
     notes: tuple[str, ...]
 
     @property
@@ -101,6 +104,24 @@ class Evaluation:
     def noise(self) -> float:
         """Force that is no more than round-off beside those at work, N."""
         return NOISE * _largest_force(self.record, self.budget)
+
+    @property
+    def within_noise(self) -> bool:
+        """Whether the errors that the verdict goes by matter, and may yet be the noise of the positions."""
+        noise, error = self.position_noise, hypot(*(error.rms for error in self.judged))
+        return noise is not None and SOUND * self.reference[0] < error <= WITHIN * hypot(*noise.error)
+
+    @property
+    def balance(self) -> float | None:
+        """What Newton's law of the inner ring leaves with the run's own forces, N rms; None without them."""
+        found = [d.balance.rms for d in self.directions if d.balance is not None]
+        return hypot(*found) if found else None
+
+    @property
+    def balance_within_noise(self) -> bool:
+        """Whether that is too much for sound trajectories, and may yet be the noise of the positions."""
+        left, noise = self.balance, self.position_noise
+        return left is not None and noise is not None and SOUND * self.reference[0] < left <= WITHIN * noise.balance
 
     @property
     def loaded_count(self) -> np.ndarray:
@@ -207,15 +228,38 @@ def evaluate(
     )  # fmt: skip
     watched = [(watched_level(x.spectrum, name, lines), watched_level(y.spectrum, name, lines)) for name in watch]
     notes += [_unresolved_note(level, x.spectrum.resolution) for level, _ in watched if not level.resolved]
-    notes += _rate_notes(max(resonances), interval, order)
-    notes += _folding_notes(used, law, budget, (x, y))
+    notes += rate_notes(max(resonances), interval, order)
     parts = quarters(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
     notes += [] if parts is None or parts.note is None else [parts.note]
-    return Evaluation(
+    floors = used.operation.inner_mass * x.floor.total, used.operation.inner_mass * y.floor.total
+    force = budget.law_force if used.inner_force is None else used.inner_force
+    reference = reference_force(used.load, force)
+    coarse = too_coarse(used, law, budget, (x.balance, y.balance), floors, noise, SOUND * reference[0])
+    notes += [] if coarse is None else [coarse.note]
+    found = Evaluation(
         record=used, law=law, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
         watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=parts,
-        identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), notes=tuple(notes),
+        identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), too_coarse=coarse,
+        reference=reference, position_noise=position_noise(used, law, budget, order), notes=(),
     )  # fmt: skip
+    return replace(found, notes=tuple(dict.fromkeys([*_noise_notes(found), *notes])))
+
+
+def reference_force(load: float, force: np.ndarray) -> tuple[float, str]:
+    """What errors are compared with, N, and its name: the load, or the largest contact force where the load is small.
+
+    0 where nothing pushes.
+    """
+    contact = float(force.max(initial=0.0))
+    return (load, "load") if load > SMALL_LOAD * contact else (contact, "largest contact force")
+
+
+def _noise_notes(evaluation: Evaluation) -> list[str]:
+    """State the noise floor of a table's positions where it matters."""
+    noise = evaluation.position_noise
+    if noise is None:
+        return []
+    return [noise.note] if hypot(*noise.error) > max(SOUND * evaluation.reference[0], evaluation.noise) else []
 
 
 def _first_sample(record: Record, start: float | None) -> tuple[int, list[str]]:
@@ -308,53 +352,3 @@ def _resonances(record: Record, law: Law, budget: Budget) -> tuple[float, float]
         return float(np.sqrt(stiffness / record.operation.inner_mass) / (2.0 * np.pi))
 
     return mode(budget.contacts.direction_x), mode(budget.contacts.direction_y)
-
-
-def _rate_notes(resonance: float, interval: float, order: int) -> list[str]:
-    """Say whether the record is sampled too coarsely for the inner ring's own vibration."""
-    nyquist = 0.5 / interval
-    if resonance == 0.0:
-        return []
-    if resonance >= nyquist:
-        return [
-            f"the Nyquist frequency {nyquist:.4g} Hz lies below the inner ring's resonance, about "
-            f"{resonance:.3g} Hz: vibration there is folded down and the inertia force is wrong; store more often"
-        ]
-    gain = float(response(resonance, interval, order))
-    if gain < STENCIL_GAIN:
-        return [
-            f"at the inner ring's resonance, about {resonance:.3g} Hz, the stencil reads "
-            f"{100 * (1 - gain):.0f} % of the inertia force too low; store more often or use a higher order"
-        ]
-    return []
-
-
-def _folding_notes(record: Record, law: Law, budget: Budget, directions: tuple[Direction, Direction]) -> list[str]:
-    """Say whether a run of ours seems to vibrate beyond its Nyquist frequency; another's may have forces untold.
-
-    Such vibration is folded down: at a false, lower frequency the second derivative of a position is another one.
-    """
-    left = [d.balance.rms for d in directions if d.balance is not None]
-    if not record.attributes or not left:
-        return []
-    if max(left) > MOST_FOLDED * record.load:
-        return []
-    told = [record.operation.inner_mass * d.floor.total for d in directions]
-    mode = _roller_mode(record, law, budget)
-    enough = 1.0 / (SAMPLES_OF_A_MODE * mode) if mode > 0.0 else np.inf
-    worst = max(range(2), key=lambda i: left[i] - FOLDED * told[i])
-    if left[worst] <= max(FOLDED * told[worst], NOISE * _largest_force(record, budget)) or record.interval <= enough:
-        return []
-    return [
-        f"the momentum balance leaves {left[worst]:.2g} N rms in {'xy'[worst]}, where differentiation should err by "
-        f"{told[worst]:.2g} N: the record seems to hold vibration beyond its Nyquist frequency, "
-        f"{0.5e-3 / record.interval:.3g} kHz, which stands at false frequencies in all its spectra (rollers vibrate on "
-        f"their contacts at up to about {1e-3 * mode:.3g} kHz); simulate with numerics.output_interval_us = "
-        f"{1e6 * enough:.2g}"
-    ]
-
-
-def _roller_mode(record: Record, law: Law, budget: Budget) -> float:
-    """Highest frequency of a roller between its two contacts, both taken as stiff as the inner one, Hz."""
-    stiffness = 2.0 * float(np.max(law.slope(budget.contacts.inner), initial=0.0))
-    return float(np.sqrt(stiffness / record.bearing.roller_mass) / (2.0 * np.pi))

@@ -1,11 +1,7 @@
 """What a check found, in one plain sentence: are the trajectories sound, and what does the law miss."""
 
-from math import hypot
-
-from residual.evaluation import Evaluation
+from residual.evaluation import SOUND, Evaluation
 from residual.words import share, text
-
-SOUND = 0.01  # of the load: what the momentum balance of sound trajectories may leave, rms
 
 
 def headline(evaluation: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
@@ -17,34 +13,48 @@ def headline(evaluation: Evaluation, tolerance: float | None = None, equations: 
     return f"{outcome} the tolerance of {text(tolerance)} N: {found}"
 
 
-def balance(evaluation: Evaluation) -> float | None:
-    """What Newton's law of the inner ring leaves with the run's own forces, N rms; None where the source tells none."""
-    found = [d.balance.rms for d in evaluation.directions if d.balance is not None]
-    return hypot(*found) if found else None
-
-
-def reference_force(evaluation: Evaluation) -> tuple[float, str]:
-    """What errors are measured by, N, and its name: the load, or without one the largest contact force."""
-    load = evaluation.record.load
-    return (load, "load") if load > 0.0 else (max(float(evaluation.force.max()), 1e-300), "largest contact force")
+def _share(evaluation: Evaluation, force: float, named: bool = True) -> str:
+    """A force as a part of the reference force, after a comma; nothing where no force acts."""
+    scale, name = evaluation.reference
+    return (f", {share(force, scale)}" + (f" of the {name}" if named else "")) if scale > 0.0 else ""
 
 
 def _sound(evaluation: Evaluation) -> str:
-    left, (scale, name) = balance(evaluation), reference_force(evaluation)
+    left, scale = evaluation.balance, evaluation.reference[0]
     if left is None:
         return "whether the trajectories are sound can't be told without contact forces"
-    size = f"{text(left, 2, evaluation.noise)} N rms, {share(left, scale)} of the {name}"
-    if left <= SOUND * scale:
+    size = f"{text(left, 2, evaluation.noise)} N rms{_share(evaluation, left)}"
+    if left <= max(SOUND * scale, evaluation.noise):
         return f"the trajectories are sound (Newton's law holds to {size})"
+    noise, coarse = evaluation.position_noise, evaluation.too_coarse
+    if noise is not None and evaluation.balance_within_noise:
+        return (
+            f"whether the trajectories are sound can't be told: Newton's law leaves {size}, and the positions' error, "
+            f"{noise.source}, alone makes about {text(noise.balance, 2)} N"
+        )
+    if coarse is not None:
+        own = f"{text(coarse.own, 2, evaluation.noise)} N rms{_share(evaluation, coarse.own, named=False)}"
+        return (
+            f"the run is stored too seldom for its vibration, every {text(1e6 * coarse.interval, 3)} µs: Newton's law "
+            f"leaves {size}, with accelerations from positions, and {own}, with the run's own; {coarse.remedy} "
+            "resolves it"
+        )
     return f"the trajectories are not sound, or forces act that they don't tell of (Newton's law leaves {size})"
 
 
 def _missed(evaluation: Evaluation) -> str:
-    errors, (scale, name) = evaluation.judged, reference_force(evaluation)
+    errors, noise = evaluation.judged, evaluation.position_noise
     worst, peak = max(e.rms for e in errors), max(e.max_abs for e in errors)
     part = "" if evaluation.identification is None else ", on the part of the record that it was not fitted to"
+    x, y = (text(e.rms, noise=evaluation.noise) for e in errors)
+    if noise is not None and evaluation.within_noise:
+        floor_x, floor_y = (text(floor, 2) for floor in noise.error)
+        return (
+            f"the error forces, {x} N rms in x and {y} N in y, are no finding on the contact law "
+            f"{evaluation.law.name}: the positions' error, {noise.source}, alone makes about {floor_x} N rms in x and "
+            f"{floor_y} N in y{part}"
+        )
     return (
-        f"the contact law {evaluation.law.name} misses {text(errors[0].rms, noise=evaluation.noise)} N rms in x and "
-        f"{text(errors[1].rms, noise=evaluation.noise)} N in y, {share(worst, scale)} of the {name}, and at most "
-        f"{text(peak)} N, {share(peak, scale)}{part}"
+        f"the contact law {evaluation.law.name} misses {x} N rms in x and {y} N in y{_share(evaluation, worst)}, and "
+        f"at most {text(peak)} N{_share(evaluation, peak, named=False)}{part}"
     )

@@ -24,7 +24,8 @@ def ranking_span(evaluation: Evaluation) -> str:
     """Say which samples the ranking is about."""
     time = evaluation.record.time
     if not evaluation.identified:
-        return f"The whole record, {text(1e3 * time[0])} to {text(1e3 * time[-1])} ms"
+        within = ", no finding within the noise of its positions" if evaluation.within_noise else ""
+        return f"The whole record, {text(1e3 * time[0])} to {text(1e3 * time[-1])} ms{within}"
     first = next(iter(evaluation.identified.values())).samples
     return (
         f"Held-back part of the record, {text(1e3 * time[first])} to {text(1e3 * time[-1])} ms; laws were fitted to "
@@ -76,7 +77,7 @@ def _disappears(evaluation: Evaluation) -> str:
     before, after = evaluation.score(name), evaluation.score(evaluation.law.name)
     parts = []
     for axis, old, new in zip("xy", before.errors, after.errors, strict=True):
-        change = 100.0 * (new.rms / old.rms - 1.0) if old.rms > 0.0 else 0.0
+        change = 100.0 * (new.rms / old.rms - 1.0) if old.rms > evaluation.noise else 0.0
         share = f", {abs(change):.4g} % {'more' if change > 0.0 else 'less'}" if abs(change) >= 0.1 else ""
         parts.append(
             f"in {axis} {text(old.rms)} → {text(new.rms)} N rms{share}, mean {text(old.mean)} → {text(new.mean)} N"
@@ -89,7 +90,8 @@ def _remains(evaluation: Evaluation, found: Identification) -> str:
     parts = []
     for d in evaluation.directions:
         left = sorted(((rms(v[found.samples :]), name) for name, v in d.budget.terms.items()), reverse=True)
-        parts.append(f"in {d.name} {', '.join(f'{words(name)} {text(v, 3)}' for v, name in left if v > 0.0)}")
+        told = [f"{words(name)} {text(v, 3)}" for v, name in left if v > evaluation.noise]
+        parts.append(f"in {d.name} {', '.join(told)}")
     return (
         f"What remains, N rms: {'; '.join(parts)}. Contact law is what a law of this form can't follow "
         "(coupling through the ring, damping); the rest no contact law can change."

@@ -1,7 +1,12 @@
 """What a run's numbers say about the Lagrangian model, in sentences."""
 
+from math import hypot
+
+import numpy as np
+
 from residual.evaluation import Evaluation
 from residual.moments import rms
+from residual.position_noise import WITHIN
 from residual.quasistatic import QuasiStatic
 from residual.words import hertz, text
 
@@ -12,24 +17,33 @@ ALIKE = 0.05  # loads this near agree
 
 def meaning(evaluation: Evaluation, statics: QuasiStatic | None) -> list[str]:
     """Say what the model may be used for, as far as the run has the data."""
-    found = [_mean(evaluation), _varying(evaluation), _best(evaluation), _omitted(evaluation)]
+    found = [_mean(evaluation)]
+    if evaluation.within_noise:
+        return [*filter(None, found), "What varies in time may be the noise of the positions: no finding on any law."]
+    found += [_varying(evaluation), _best(evaluation), _omitted(evaluation)]
     if statics is not None:
         found.append(_used(evaluation, statics))
     return [sentence for sentence in found if sentence]
 
 
 def _mean(evaluation: Evaluation) -> str:
-    load = evaluation.record.load
-    if load <= 0.0:
+    """How much of the load the law carries, by least squares over the samples; nothing of what may be noise."""
+    if evaluation.reference[1] != "load":
         return ""
-    missing = evaluation.y.error.mean / load
+    load, noise = np.array(evaluation.record.whole_load), evaluation.position_noise
+    size = evaluation.record.load
+    errors = np.array([d.budget.error for d in evaluation.directions])
+    along = -float(np.mean(np.sum(errors * load, axis=0))) / size  # N, of the error force against the load
+    missing = along / size
+    if noise is not None and abs(along) <= WITHIN * max(noise.law):
+        return ""
     name = evaluation.law.name
     if abs(missing) < MATTERS:
         return f"On the run's approaches the law {name} carries the load to {text(100.0 * abs(missing), 2)} %."
     less = "less" if missing > 0.0 else "more"
     return (
         f"On the run's approaches the law {name} carries {text(100.0 * abs(missing), 3)} % {less} than the load "
-        f"(mean of error_y {text(evaluation.y.error.mean)} N). A law takes each contact alone, with rigid bodies "
+        f"(mean of the error force against it {text(along)} N). A law takes each contact alone, with rigid bodies "
         "behind it; in the run contacts of one ring share its flexibility. Even an exact simulation does not make the "
         "sum 0."
     )
@@ -41,7 +55,7 @@ def _varying(evaluation: Evaluation) -> str:
     peak = evaluation.x.peaks[0] if evaluation.x.peaks else None
     if peak is not None and peak.line is not None:
         words += f"; in x the strongest line is {peak.line}, {text(peak.rms, 2)} N rms at {hertz(peak.frequency)}"
-    if max(x.std, y.std) < LEVEL * abs(y.mean):
+    if max(x.std, y.std) < LEVEL * hypot(x.mean, y.mean):
         words += ". The model follows the passage of the rollers; it is its level that is off"
     return words + "."
 
@@ -54,24 +68,25 @@ def _best(evaluation: Evaluation) -> str:
         f"{text(best.errors[1].rms, 3)} N in y"
     )
     if named is not None and named is not best:
-        words += f"; of those not fitted to the run, {named.name}: {text(named.errors[1].rms, 3)} N in y"
+        x, y = named.errors
+        words += f"; of those not fitted to the run, {named.name}: {text(x.rms, 2)} N in x, {text(y.rms, 3)} N in y"
     return words + "."
 
 
 def _omitted(evaluation: Evaluation) -> str:
-    budget, load = evaluation.budget, evaluation.record.load
+    budget, (scale, name) = evaluation.budget, evaluation.reference
     words = {
         "friction": "friction on the raceways", "ring_flexibility": "the inertia of the elastic ring",
         "other_forces": "other forces, which no column of the table tells",
     }  # fmt: skip
     largest = {
-        name: max(rms(budget.x.terms[name]), rms(budget.y.terms[name])) for name in words if name in budget.x.terms
+        term: max(rms(budget.x.terms[term]), rms(budget.y.terms[term])) for term in words if term in budget.x.terms
     }
     if not largest:
         return ""
-    parts = " and ".join(f"{words[name]} ({text(value, 2)} N rms)" for name, value in largest.items())
-    little = load > 0.0 and max(largest.values()) < MATTERS * load
-    return f"The model leaves out {parts}" + (": little beside the load." if little else ".")
+    parts = " and ".join(f"{words[term]} ({text(value, 2)} N rms)" for term, value in largest.items())
+    little = max(largest.values()) < MATTERS * scale
+    return f"The model leaves out {parts}" + (f": little beside the {name}." if little else ".")
 
 
 def _used(evaluation: Evaluation, statics: QuasiStatic) -> str:
@@ -87,6 +102,6 @@ def _used(evaluation: Evaluation, statics: QuasiStatic) -> str:
         f"{text(most)} N ({text(100.0 * deviation, 2)} %), and the inner ring {text(deep)} µm down, the run "
         f"{text(found)} µm on average"
     )
-    if abs(deviation) < ALIKE < abs(deep / found - 1.0):
+    if abs(deviation) < ALIKE and abs(deep - found) > ALIKE * abs(found):
         words += ": loads follow from equilibrium and hardly depend on the law, displacements are the law's"
     return words + "."

@@ -106,16 +106,16 @@ def roller_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
 def error_signal(evaluation: Evaluation, folder: Path, direction: Direction) -> SavedFigure:
     """Draw figure 8 or 9: the left side of (22), or of (23) with its sign flipped."""
     t, error = evaluation.record, direction.budget.error
-    load = t.load
+    load, level = t.acting.radial_load, 0.0
     if direction.name == "x":
-        name, number, value, level = "fig08", "22", error, 0.0
+        name, number, value = "fig08", "22", error
         label, title = "left side of (22), N", "Fig. 8: error force in x"
         caption = "Left side of equation (22): 0 N for a perfect model (dashed)."
     else:
-        name, number, value, level = "fig09", "23", load - error, load
+        name, number, value, level = "fig09", "23", load - error, float(np.mean(load))
         label, title = "−(left side of (23)), N", "Fig. 9: error force in y"
         caption = (
-            f"Left side of equation (23) with its sign flipped: the load W = {load:g} N for a perfect model (dashed)."
+            f"Left side of equation (23) with its sign flipped: the load W = {level:g} N for a perfect model (dashed)."
         )
     figure, axes, slim = _panels(evaluation, 1, 3.4)
     if slim is not None:

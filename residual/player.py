@@ -6,6 +6,7 @@ import numpy as np
 
 from lagrange.kinematics import turned
 from residual.evaluation import Evaluation
+from residual.record import Record
 
 MOST_FRAMES = 400
 MOST_NUMBERS = 16_000  # of all rollers and frames: some 100 kB
@@ -25,7 +26,7 @@ def player_json(evaluation: Evaluation) -> str:
             bearing.bore_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.outside_radius
         )],
         "roller": float(f"{1e3 * bearing.roller_radius:.6g}"),
-        "load": float(f"{t.load:.6g}"),
+        "load": _load(t, shown),
         "time": _rounded(1e3 * t.time[shown], 6),
         "turn": _rounded(np.mod(turned(bearing, t.operation, t.time[shown]).shaft, 2.0 * np.pi), 4),
         "hub": [_rounded(1e6 * t.inner_x[shown], 5), _rounded(1e6 * t.inner_y[shown], 5)],
@@ -34,6 +35,13 @@ def player_json(evaluation: Evaluation) -> str:
         "path": [_rounded(1e6 * t.inner_x[path], 5), _rounded(1e6 * t.inner_y[path], 5)],
     }  # fmt: skip
     return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _load(record: Record, shown: np.ndarray) -> list[list[float]]:
+    """The hub's load and weight along x and y in each frame, shares of the largest; 0 where there is none."""
+    load = np.array(record.whole_load)
+    largest = float(np.hypot(*load).max())
+    return [_rounded(row, 4) for row in load[:, shown] / (largest if largest > 0.0 else 1.0)]
 
 
 def _shown(evaluation: Evaluation) -> np.ndarray:

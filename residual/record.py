@@ -22,6 +22,7 @@ LARGEST = 1e15  # SI: far above any position, acceleration, force or energy of a
 SHORTEST_INTERVAL = 1e-12  # s
 SAME_SPEED = 1e-3  # relative: a tenth of a bin of a record of 100 shaft turns
 OF_OUTER_RING = ("outer_ring_x", "outer_ring_y", "outer_ring_ax", "outer_ring_ay")
+SMALL_LOAD = 0.05  # of the largest contact force: rollers press by preload or rattle, not under a smaller load
 SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
 
 
@@ -93,9 +94,16 @@ class Record:
         return self.operation.at(self.time)
 
     @property
+    def whole_load(self) -> tuple[np.ndarray, np.ndarray]:
+        """Loads and weight of the hub along x and y, N, each (n_times,)."""
+        acting = self.acting
+        down = acting.radial_load + acting.inner_mass * acting.gravity
+        return np.broadcast_to(acting.side_load, self.time.shape), np.broadcast_to(-down, self.time.shape)
+
+    @property
     def load(self) -> float:
-        """Mean load along −y, N."""
-        return float(np.mean(self.acting.radial_load))
+        """Rms of the whole load's magnitude, N: the force that all others are compared with."""
+        return float(np.sqrt(np.mean(np.square(self.whole_load).sum(axis=0))))
 
     @property
     def varies_speed(self) -> bool:

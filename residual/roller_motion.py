@@ -9,7 +9,7 @@ from lagrange.bearing import Bearing, Operation
 from lagrange.equations import approaches
 from lagrange.kinematics import turned
 from lagrange.raceway_laws import contact_laws
-from residual.record import Record
+from residual.record import SMALL_LOAD, Record
 
 Side = Literal["inner", "outer"]
 SCALES = 0.5, 2.0  # of a law's stiffness by the hub's load: beyond, the run is not what its scene says
@@ -40,7 +40,7 @@ class RollerMotion:
 
     bearing: Bearing  # perfect circles
     operation: Operation
-    load: float  # N, mean, along −y
+    load: tuple[np.ndarray, np.ndarray]  # N, (n_times,), of the hub along x and y, its weight included
     interval: float  # s
     inner_x: np.ndarray  # (n_times,), m
     inner_y: np.ndarray
@@ -91,7 +91,7 @@ def roller_motion(record: Record) -> RollerMotion:
         first = turned(bearing, operation, record.time[0]).roller
         turn = first - (theta - theta[0]) * track / bearing.roller_radius
     return RollerMotion(
-        bearing=bearing, operation=operation, load=record.load, interval=record.interval,
+        bearing=bearing, operation=operation, load=record.whole_load, interval=record.interval,
         inner_x=record.inner_x, inner_y=record.inner_y, rho=rho, outer_angle=theta,
         inner_angle=np.unwrap(np.arctan2(-found.direction_y, -found.direction_x), axis=0),
         inner_turn=np.asarray(turned(bearing, operation, record.time[:, None]).shaft), roller_turn=turn,
@@ -105,10 +105,14 @@ def stiffness(motion: RollerMotion, law: str):
     Errors
     ------
     One factor for all contacts: neighbours that press on the same ring, and bending rings, are in it on the average.
+    The law's own stiffness where the load is small beside the contacts' forces, as with a preload.
     """
     named = contact_laws(law, motion.bearing).inner
     force = named.force(motion.inner)
-    load = motion.load + motion.operation.inner_mass * motion.operation.gravity
-    carried = float(np.median(-np.sum(force * np.sin(motion.inner_angle), axis=1)))
-    scale = float(np.clip(load / carried, *SCALES)) if carried > 0.0 and load > 0.0 else 1.0
+    load = np.hypot(*motion.load)
+    loaded = (load > 0.0) & (load >= SMALL_LOAD * force.max(initial=0.0))
+    angle, (load_x, load_y) = motion.inner_angle, motion.load
+    along = np.sum(force * np.cos(angle), axis=1) * load_x + np.sum(force * np.sin(angle), axis=1) * load_y  # N²
+    carried = float(np.median(along[loaded] / load[loaded] ** 2)) if loaded.any() else 0.0  # of the load
+    scale = float(np.clip(1.0 / carried, *SCALES)) if carried > 0.0 else 1.0
     return lambda overlap: scale * named.force(overlap) / overlap

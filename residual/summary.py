@@ -46,6 +46,8 @@ def summarise(evaluation: Evaluation, parts: Parts, version: str) -> dict:
         "watched": [{"x": _level(x), "y": _level(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": {"x": floors[0], "y": floors[1]},
+        "load_N": t.load,
+        "position_noise": _position_noise(evaluation),
         "quarters": _quarters(evaluation),
         "tolerance_N": tolerance,
         "verdict": None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
@@ -80,6 +82,21 @@ def _caged(evaluation: Evaluation) -> dict:
             "largest_pocket_force_N": float(np.abs(cage.force).max()),
             "largest_guidance_force_N": float(np.hypot(cage.guidance_x, cage.guidance_y).max()),
         }
+    }
+
+
+def _position_noise(evaluation: Evaluation) -> dict | None:
+    """What a table's positions err by and the error forces that this makes; null of a run of run-fem."""
+    found = evaluation.position_noise
+    if found is None:
+        return None
+    return {
+        "rounding_step_m": found.step,
+        "hub_rms_m": dict(zip("xy", found.hub, strict=True)),
+        "roller_rms_m": found.roller,
+        "balance_N": dict(zip("xy", found.inertia, strict=True)),
+        "error_N": dict(zip("xy", found.error, strict=True)),
+        "within": evaluation.within_noise,
     }
 
 

@@ -9,6 +9,8 @@ from residual.paper import PEAK, is_paper
 from residual.spectrum import MAIN_LOBE, Peak
 from residual.words import hertz, metres, text, words
 
+NO_MOTION = 1e-6  # nm: round-off of positions
+
 
 def span(values, scale: float = 1.0, digits: int = 4) -> str:
     """Write the smallest and the largest of some values, scaled."""
@@ -71,7 +73,7 @@ def paper_rows(evaluation: Evaluation) -> list[list[str]]:
         ["7", "d²ρ/dt², m/s²", "±5000", span(acceleration, 1.0, 3)],
         ["text", "rollers in the load zone", "6 … 7", f"{low} … {high}"],
         ["8", "left side of (22), N", "±3000 around 0", span(budget.x.error)],
-        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.load - budget.y.error)],
+        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.acting.radial_load - budget.y.error)],
         ["10", "strongest peak of (22), 0-300 Hz", "near 22 Hz, 2.5·10¹⁰", _band_peak(evaluation.x)],
         ["11", "strongest peak of (23), 0-300 Hz", "near 22 Hz, 1.5·10⁷", _band_peak(evaluation.y)],
     ]
@@ -101,7 +103,7 @@ def quarter_rows(evaluation: Evaluation) -> list[list[str]]:
         return []
     rows = zip(found.start, *found.hub.values(), *found.error.values(), strict=True)
     return [
-        [f"{text(1e3 * start)} ms", f"{text(1e9 * x, 3)} nm", f"{text(1e9 * y, 3)} nm",
+        [f"{text(1e3 * start)} ms", *(f"{text(1e9 * place, 3, NO_MOTION)} nm" for place in (x, y)),
          *(f"{text(error, noise=evaluation.noise)} N" for error in errors)]
         for start, x, y, *errors in rows
     ]  # fmt: skip
@@ -111,7 +113,7 @@ def stated_error_rows(evaluation: Evaluation) -> list[list[str]]:
     """Rows of quantity, value, the discretisation error that the solver states, the same in per cent."""
     rows = []
     for each in evaluation.record.stated_errors:
-        share = "-" if each.value == 0.0 else f"{text(100.0 * each.error / abs(each.value), 2)} %"
+        share = f"{text(100.0 * each.error / abs(each.value), 2)} %" if each.error < abs(each.value) else "-"
         rows.append([each.meaning, f"{text(each.value, 5)} {each.unit}", f"{text(each.error, 2)} {each.unit}", share])
     return rows
 

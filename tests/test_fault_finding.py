@@ -62,9 +62,10 @@ def flat_motion(rho, inner, outer, interval=1e-5):
     """One roller's motion along circles at rest: given distances and overlaps, (n_times,), m; no pull."""
     n, none = rho.size, np.zeros((rho.size, 1))
     return RollerMotion(
-        bearing=Scene().ideal_bearing(), operation=replace(Scene().ideal_operation(), gravity=0.0), load=0.0,
-        interval=interval, inner_x=np.zeros(n), inner_y=np.zeros(n), rho=rho[:, None], outer_angle=none,
-        inner_angle=none, inner_turn=none, roller_turn=none, inner=inner[:, None], outer=outer[:, None],
+        bearing=Scene().ideal_bearing(), operation=replace(Scene().ideal_operation(), gravity=0.0),
+        load=(np.zeros(n), np.zeros(n)), interval=interval, inner_x=np.zeros(n), inner_y=np.zeros(n), rho=rho[:, None],
+        outer_angle=none, inner_angle=none, inner_turn=none, roller_turn=none, inner=inner[:, None],
+        outer=outer[:, None],
     )  # fmt: skip
 
 

@@ -8,11 +8,14 @@ import pytest
 
 from fem.cli import run_main
 from lagrange.scene import Scene
+from residual.cli import main
 from residual.evaluation import evaluate
+from residual.headline import headline
 from residual.quarters import quarters
 from residual.record import Record
 from residual.sources import read_result
 from residual.tables import floor_newtons
+from tests.reference.synthetic_run import make_run, write_result
 
 # NU 206 (not E) by its makers' catalogues, a normal clearance, a shaft of 3 kg
 NU206 = """
@@ -56,6 +59,43 @@ def test_folded_vibration_of_rollers_is_warned_of_and_the_interval_named_cures_i
 
 def test_a_run_that_is_told_well_enough_is_not_warned_of(coarse_run):
     assert not any("false frequencies" in note for note in evaluate(read_result(coarse_run)).notes)
+
+
+SPALLED = """
+model = "reduced"
+bearing.designation = "NU206"
+operation.speed_rpm = 2950.0
+operation.radial_load_N = 3000.0
+numerics.duration_ms = 8.0
+[[spall]]
+body = "outer_ring"
+width_mm = 1.2
+"""
+
+
+def test_a_verdict_names_our_own_sampling_and_the_interval_that_resolves_it(tmp_path):
+    """Strikes in a spall: with the run's own accelerations Newton's law holds, with those from positions it does not;
+    the interval named is right where it holds with both.
+    """
+    scene, found, interval = tmp_path / "spalled.toml", [], 5.0
+    scene.write_text(SPALLED, encoding="utf-8")
+    for _ in range(2):
+        path = tmp_path / f"{interval}.nc"
+        options = ["--set", f"numerics.output_interval_us={interval}", "--output", str(path), "--quiet"]
+        assert run_main([str(scene), *options]) == 0
+        found.append(headline(evaluate(read_result(path))))
+        interval = float(found[0].partition("output_interval_us = ")[2].partition(" ")[0])
+    coarse, fine = found
+    assert coarse.startswith("The run is stored too seldom") and "every 5 µs" in coarse and "not sound" not in coarse
+    assert fine.startswith("The trajectories are sound")
+
+
+def test_a_warning_of_the_run_that_stands_in_its_file_twice_is_told_once(tmp_path, capsys):
+    path = write_result(tmp_path / "run.nc", make_run(n_times=401), warnings="one and the same\none and the same")
+    assert main([str(path), "--no-figures", "--output", str(tmp_path / "out")]) == 0
+    assert capsys.readouterr().err.count("one and the same") == 1
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+    assert page.lower().count("one and the same") == 1
 
 
 def swinging(amplitudes):

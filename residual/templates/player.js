@@ -100,13 +100,17 @@
         ctx.stroke();
       }
     });
-    if (data.load > 0) {
+    const [loadX, loadY] = [data.load[0][frame], -data.load[1][frame]];
+    const load = Math.hypot(loadX, loadY); // of the largest
+    if (load > 0.02) {
+      const [tipX, tipY] = [hubX + 0.7 * scale * bore * loadX, hubY + 0.7 * scale * bore * loadY];
+      const [alongX, alongY] = [loadX / load, loadY / load];
       ctx.beginPath();
       ctx.moveTo(hubX, hubY);
-      ctx.lineTo(hubX, hubY + 0.7 * scale * bore);
-      ctx.moveTo(hubX - 5, hubY + 0.7 * scale * bore - 7);
-      ctx.lineTo(hubX, hubY + 0.7 * scale * bore);
-      ctx.lineTo(hubX + 5, hubY + 0.7 * scale * bore - 7);
+      ctx.lineTo(tipX, tipY);
+      ctx.moveTo(tipX - 7 * alongX + 5 * alongY, tipY - 7 * alongY - 5 * alongX);
+      ctx.lineTo(tipX, tipY);
+      ctx.lineTo(tipX - 7 * alongX - 5 * alongY, tipY - 7 * alongY + 5 * alongX);
       ctx.lineWidth = 2;
       ctx.strokeStyle = "#1b1f24";
       ctx.stroke();

@@ -110,6 +110,11 @@ def _command(
     for note in evaluation.notes:
         say(f"warning: {path}: {note}")
     other = None if against is None else _other(against, record, (law, start, order), (scene, resample))
+    if no_equations and other is not None and other.record.source == record.source:
+        raise InputError(
+            f"--against {against}: laws of one run differ in their error forces, which --no-equations leaves out; "
+            "leave either option out"
+        )
     parts = Parts(
         tolerance=tolerance, search=search, figures=not no_figures, equations=not no_equations, exports=export,
         other=other,

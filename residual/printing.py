@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.table import Table
 
 from lagrange.messages import shown
-from residual.against import difference_rows, named
+from residual.against import difference_rows, headings
 from residual.evaluation import Evaluation
 from residual.fault_tables import search_sentences
 from residual.headline import headline
@@ -28,7 +28,7 @@ def print_summary(evaluation: Evaluation, folder: Path, parts: Parts, compare_la
     if compare_laws:
         _print_laws(console, evaluation)
     if parts.other is not None:
-        _print_differences(console, evaluation, parts.other)
+        _print_differences(console, evaluation, parts.other, parts.equations)
     console.print(headline(evaluation, parts.tolerance, parts.equations), soft_wrap=True)
     console.print(f"Report: {shown(folder / 'report.html')}", soft_wrap=True, markup=False)
 
@@ -73,12 +73,12 @@ def _print_laws(console: Console, evaluation: Evaluation) -> None:
     console.print(table)
 
 
-def _print_differences(console: Console, evaluation: Evaluation, other: Evaluation) -> None:
+def _print_differences(console: Console, evaluation: Evaluation, other: Evaluation, equations: bool) -> None:
     """Print two checks beside each other."""
     table = Table(title="Beside each other", title_justify="left")
     table.add_column("")
-    for heading in (*map(shown, named(evaluation, other)), "more by", ""):
+    for heading in map(shown, headings(evaluation, other)):
         table.add_column(heading, justify="right")
-    for row in difference_rows(evaluation, other):
+    for row in difference_rows(evaluation, other, equations):
         table.add_row(*row)
     console.print(table)

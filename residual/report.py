@@ -10,7 +10,7 @@ from lagrange.bearing import BallBearing, Bearing
 from lagrange.messages import shown
 from lagrange.pages import as_it_is, render_page
 from lagrange.scene_operation import RPM
-from residual.against import difference_rows, named
+from residual.against import difference_rows, headings
 from residual.evaluation import Evaluation
 from residual.fault_tables import search_sentences
 from residual.figures import SavedFigure
@@ -64,8 +64,8 @@ def render_report(
         name=t.name,
         version=version,
         verdict=headline(evaluation, tolerance, parts.equations),
-        against=[] if other is None else difference_rows(evaluation, other),
-        names=("", "") if other is None else named(evaluation, other),
+        against=[] if other is None else difference_rows(evaluation, other, parts.equations),
+        headings=() if other is None else headings(evaluation, other),
         outcome=None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
         facts=_facts(evaluation),
         errors=error_rows(evaluation),

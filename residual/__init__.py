@@ -4,6 +4,7 @@ record          `Record`: the arrays all else works on, and their checks
 sources         result file -> `Record`
 table_source    trajectory table -> `Record`; `resampling` evens out its steps
 differentiate   accelerations by central stencils of high order, with their error floor
+sampling        whether samples follow a run's vibration; `position_noise`: rounding and noise of a table's positions
 budget          error forces of equations (22) and (23) and what they are made of; `cage`: what of it is the cage's
 identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
 fitted_laws     laws with coupling between contacts, with damping

@@ -69,7 +69,7 @@ class Evaluation:
     unfitted: str | None  # why no law could be fitted
     laws: list[LawScore]  # ranked, on the held-back samples where a law was fitted
     reference: tuple[float, str]  # N, what errors are compared with, and its name, see `reference_force`
-    too_coarse: TooCoarse | None  # of a run of ours that is stored too seldom
+    too_coarse: TooCoarse | None  # of a run of ours that vibrates beyond its samples
     position_noise: PositionNoise | None  # of a table
     notes: tuple[str, ...]
 
@@ -235,7 +235,7 @@ def evaluate(
     force = budget.law_force if used.inner_force is None else used.inner_force
     reference = reference_force(used.load, force)
     coarse = too_coarse(used, law, budget, (x.balance, y.balance), floors, noise, SOUND * reference[0])
-    notes += [] if coarse is None else [coarse.note]
+    notes += [coarse.note] if coarse is not None and coarse.seldom else []
     found = Evaluation(
         record=used, law=law, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
         watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=parts,

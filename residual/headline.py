@@ -1,7 +1,7 @@
 """What a check found, in one plain sentence: are the trajectories sound, and what does the law miss."""
 
 from residual.evaluation import SOUND, Evaluation
-from residual.words import share, text
+from residual.words import hertz, share, text
 
 
 def headline(evaluation: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
@@ -33,11 +33,12 @@ def _sound(evaluation: Evaluation) -> str:
             f"{noise.source}, alone makes about {text(noise.balance, 2)} N"
         )
     if coarse is not None:
-        own = f"{text(coarse.own, 2, evaluation.noise)} N rms{_share(evaluation, coarse.own, named=False)}"
+        by_own = coarse.slow > SOUND * scale
+        held = coarse.own if by_own else coarse.slow
+        what = "with the run's own accelerations" if by_own else f"below {hertz(coarse.below, 3)}"
         return (
-            f"the run is stored too seldom for its vibration, every {text(1e6 * coarse.interval, 3)} µs: Newton's law "
-            f"leaves {size}, with accelerations from positions, and {own}, with the run's own; {coarse.remedy} "
-            "resolves it"
+            f"the trajectories are sound {what} (Newton's law holds to {text(held, 2, evaluation.noise)} N rms"
+            f"{_share(evaluation, held)}); with all vibration it leaves {size}, because {coarse.cause}"
         )
     return f"the trajectories are not sound, or forces act that they don't tell of (Newton's law leaves {size})"
 

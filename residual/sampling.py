@@ -1,7 +1,7 @@
 """Whether a record is sampled finely enough for its second derivatives, and the interval that would be."""
 
 from dataclasses import dataclass
-from math import hypot
+from math import floor, hypot, log10
 
 import numpy as np
 
@@ -13,31 +13,52 @@ from residual.differentiate import response
 from residual.fitted_laws import Law
 from residual.moments import Statistics, rms
 from residual.record import Record
+from residual.spectrum import power_spectrum
 
 FOLDED = 5.0  # times what differentiation errs by: a momentum balance that leaves more holds folded vibration
-MOSTLY = 0.5  # of what the momentum balance leaves: where the run's own accelerations leave less, it is differentiation
+WELL_SAMPLED = 0.05  # of the sampling rate: below, twenty samples a period tell force and acceleration alike
 STENCIL_GAIN = 0.95  # below this gain at the ring's resonance the record is too coarse to differentiate
 
 
 @dataclass(frozen=True, kw_only=True)
 class TooCoarse:
-    """A run of ours whose momentum balance fails because it is stored too seldom for its rollers' vibration.
+    """A run of ours whose momentum balance errs by vibration that its samples do not follow.
 
     Beyond the Nyquist frequency it is folded down, to a false, lower frequency, where the second derivative of a
-    position is another one; below, a stencil reads it too low.
+    position is another one; below, a stencil reads it too low. Elastic rings vibrate by themselves at some 200 kHz and
+    more, with other inertia than M at the hub.
     """
 
     left: float  # N rms, of the worse direction, with accelerations from positions
     axis: str  # that direction
     floor: float  # N rms, expected error of differentiation there
     own: float  # N rms, of both directions with the run's own accelerations
+    slow: float  # N rms, of both directions below `below`
+    below: float  # Hz, WELL_SAMPLED
     mode: float  # Hz, highest frequency of a roller between its contacts
     interval: float  # s
     enough: float  # s, the interval that resolves that mode
 
     @property
+    def seldom(self) -> bool:
+        """Whether samples do not follow the rollers."""
+        return self.interval > self.enough
+
+    @property
     def remedy(self) -> str:
-        return f"numerics.output_interval_us = {1e6 * self.enough:.2g}"
+        """The key and its value, µs, rounded down to two digits."""
+        digit = 10.0 ** (floor(log10(1e6 * self.enough)) - 1)
+        return f"numerics.output_interval_us = {digit * floor(1e6 * self.enough / digit):.2g}"
+
+    @property
+    def cause(self) -> str:
+        """Why the balance fails, and the remedy."""
+        samples = f"samples every {1e6 * self.interval:.3g} µs do not follow the rollers' vibration"
+        samples += f"; {self.remedy} does" if self.seldom else "; a shorter interval does"
+        if 2.0 * self.own < self.left:
+            return samples
+        rings = "the elastic rings vibrate by themselves, with another inertia than that of M at the hub"
+        return f"{rings}, and {samples}" if self.seldom else rings
 
     @property
     def note(self) -> str:
@@ -59,29 +80,43 @@ def too_coarse(
     least: float,
     most: float,
 ) -> TooCoarse | None:
-    """Find a run of ours sampled too coarsely for its rollers' vibration; another's may have forces untold.
+    """Find what a run of ours vibrates at beyond its samples; of a table from elsewhere forces may be missing.
 
     Parameters
     ----------
     balances : of the momentum balance in x and y, N
     floors : expected errors of differentiation, N rms
     least, most : N rms; balances below are round-off, and above fail
+
+    Returns
+    -------
+    None where nothing shows, or where the balance fails at frequencies too that the samples follow well.
     """
     directions = (budget.x, budget.y)
     left = [each.rms for each in balances if each is not None]
+    motion = [d.momentum for d in directions if d.momentum is not None]
     if not record.attributes or not left or any("differentiation" not in d.terms for d in directions):
         return None
     mode = _roller_mode(record, law, budget)
-    enough = 1.0 / ((SAMPLES if spalls(record.bearing) else SAMPLES_OF_ROLLERS) * mode) if mode > 0.0 else np.inf
     worst = max(range(2), key=lambda i: left[i] - FOLDED * floors[i])
-    own = hypot(*(rms(d.terms["ring_flexibility"]) for d in directions))
-    more = left[worst] > max(FOLDED * floors[worst], least) or hypot(*left) > most
-    if not more or own >= MOSTLY * hypot(*left) or record.interval <= enough:
-        return None
-    return TooCoarse(
-        left=left[worst], axis="xy"[worst], floor=floors[worst], own=own, mode=mode, interval=record.interval,
-        enough=enough,
+    below = WELL_SAMPLED / record.interval
+    found = TooCoarse(
+        left=left[worst], axis="xy"[worst], floor=floors[worst],
+        own=hypot(*(rms(d.terms["ring_flexibility"]) for d in directions)),
+        slow=hypot(*(_rms_below(each, record.interval, below) for each in motion)), below=below, mode=mode,
+        interval=record.interval,
+        enough=1.0 / ((SAMPLES if spalls(record.bearing) else SAMPLES_OF_ROLLERS) * mode) if mode > 0.0 else np.inf,
     )  # fmt: skip
+    if hypot(*left) > most:
+        return found if found.slow <= most or (found.seldom and found.own <= most) else None
+    return found if found.seldom and left[worst] > max(FOLDED * floors[worst], least) else None
+
+
+def _rms_below(force: np.ndarray, interval: float, frequency: float) -> float:
+    """Rms of a force's part below a frequency, Hz, with its mean."""
+    spectrum = power_spectrum(force, interval)
+    slow = spectrum.psd[(spectrum.frequency > 0.0) & (spectrum.frequency < frequency)]
+    return hypot(float(np.mean(force)), float(np.sqrt(np.sum(slow) * spectrum.resolution)))
 
 
 def _roller_mode(record: Record, law: Law, budget: Budget) -> float:

@@ -8,6 +8,7 @@ import pytest
 
 from residual.cli import main
 from residual.evaluation import evaluate
+from residual.headline import headline
 from residual.meaning import meaning
 from residual.table_source import read_table
 from tests.reference.synthetic_run import harris_force, make_run, write_table
@@ -66,6 +67,8 @@ def test_white_noise_is_told_from_the_motion_and_its_force_is_that_of_its_second
     assert list(noise["balance_N"].values()) == pytest.approx([inertia] * 2, rel=0.1)
     assert [d.error.std for d in found.directions] == pytest.approx(list(noise["error_N"].values()), rel=0.1)
     assert "noise" in warnings[0] and "are no finding on the contact law harris" in out
+    with_forces = evaluate(replace(found.record, inner_force=run.law_force))
+    assert "whether the trajectories are sound can't be told" in headline(with_forces).lower()
 
 
 def test_noise_of_the_approaches_makes_a_laws_force_uncertain(run, tmp_path):

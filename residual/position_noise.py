@@ -18,6 +18,7 @@ from residual.words import length, text
 DIFFERENCES = 8  # order: of motion a hundred times slower than the sampling nothing is left, of white noise all
 NORMAL = 1.4826  # standard deviation over median magnitude
 WHOLE = 0.02  # of a step: gaps between rounded numbers are multiples of it but for their own round-off
+ENOUGH = 20_000  # samples that show a step
 ROUND_OFF = 64 * float(np.finfo(float).eps)  # relative: steps below are those of stored numbers
 WITHIN = 2.0  # times the noise floor: an error no larger may be noise, whose rms is estimated
 
@@ -114,7 +115,7 @@ def noise_level(places: np.ndarray) -> np.ndarray:
 
 def rounding_step(places: np.ndarray) -> float:
     """Step to which values are rounded, by the gaps between them, in their unit; 0 where none shows."""
-    values = np.unique(places)
+    values = np.unique(places[:ENOUGH])
     size = float(np.abs(values).max(initial=0.0))
     gaps = np.diff(values)
     gaps = gaps[gaps > ROUND_OFF * size]

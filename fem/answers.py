@@ -106,7 +106,7 @@ def first_answers(bearing: Bearing, speed: float, blocks: Iterable[Mapping[str, 
         found["outer ring"] = f"{seen.outer_ring}, from its bore's"
     if seen.housing.samples:
         found["housing"] = str(seen.housing)
-    found["largest loads"] = _loads(bearing, seen.largest)
+    found["largest loads"] = largest_loads(bearing, *seen.largest)
     if (zone := seen.load_zone()) is not None:
         found["load zone"] = f"{zone * 180.0 / pi:.0f}° wide, rollers with more than {LOADED:.0%} of the largest load"
     ideal = kinematics(bearing, speed)
@@ -126,14 +126,13 @@ def passes(ideal: Kinematics, cage_speed: float) -> str:
     return f"outer ring (BPFO) {lines['BPFO']:.4g} Hz, inner ring (BPFI) {lines['BPFI']:.4g} Hz"
 
 
-def _loads(bearing: Bearing, largest: np.ndarray) -> str:
-    """The largest force at each raceway; of rollers with its Hertz pressure."""
-    told = []
-    for row, raceway in enumerate(("inner", "outer")):
-        force = float(largest[row])
+def largest_loads(bearing: Bearing, inner: float, outer: float) -> str:
+    """The largest force at each raceway, N, in words; of rollers each with its own Hertz pressure."""
+    parts = []
+    for row, (raceway, force) in enumerate((("inner", float(inner)), ("outer", float(outer)))):
         pressure = "" if isinstance(bearing, BallBearing) else _pressure(contact_pairs(bearing)[row], force)
-        told.append(f"{force:.1f} N{pressure} at the {raceway} raceway")
-    return ", ".join(told)
+        parts.append(f"{force:.1f} N{pressure} at the {raceway} raceway")
+    return ", ".join(parts)
 
 
 def _pressure(pair: Pair, force: float) -> str:

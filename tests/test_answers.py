@@ -1,11 +1,13 @@
 """What a run says of itself first: hub, loads, load zone, cage, ball passes."""
 
+import re
 from math import pi, tau
 
 import numpy as np
 import pytest
 
 from fem.answers import first_answers
+from fem.cli import run_main
 from lagrange import kinematics
 from lagrange.scene import read_scene
 
@@ -52,6 +54,26 @@ def test_the_pressure_is_hertz():
     radius = 1.0 / (1.0 / bearing.roller_radius + 1.0 / bearing.inner_raceway_radius)
     pressure = np.sqrt(700.0 * modulus / (pi * bearing.roller_length * radius))
     assert f"700.0 N ({1e-6 * pressure:.0f} MPa)" in told
+
+
+def test_a_plan_gives_each_raceway_its_own_largest_force(capsys):
+    """At 20 000 rpm rollers' centrifugal force m R ω² loads the outer raceway alone."""
+    keys = ("bearing.designation=NU206", "operation.speed_rpm=20000", "operation.radial_load_N=500", "model=reduced")
+    assert run_main(["--dry-run", *(word for key in keys for word in ("--set", key))]) == 0
+    row = next(line for line in capsys.readouterr().out.splitlines() if line.startswith("largest static"))
+    (inner, inner_pressure), (outer, outer_pressure) = re.findall(r"([\d.]+) N \((\d+) MPa\)", row)
+    bearing = read_scene(None, keys).ideal_bearing()
+    cage = kinematics(bearing, 20000.0 * tau / 60.0).cage
+    grown = bearing.roller_mass * (bearing.pitch_radius * cage**2 + 9.81)
+    assert float(outer) - float(inner) == pytest.approx(grown, abs=0.15)
+    for pressure, force, radius in (
+        (inner_pressure, float(inner), bearing.inner_raceway_radius),
+        (outer_pressure, float(outer), -bearing.outer_raceway_radius),
+    ):
+        curvature = 1.0 / bearing.roller_radius + 1.0 / radius
+        modulus = 0.5 * bearing.roller.plane_strain_modulus
+        hertz = np.sqrt(force * modulus * curvature / (pi * bearing.roller_length))
+        assert float(pressure) == pytest.approx(1e-6 * hertz, abs=1.0)
 
 
 def test_a_record_too_short_for_all_angles_names_no_load_zone():

@@ -70,16 +70,20 @@ def _sampling(model: "Model", operation: Operation, equilibrium: "Equilibrium", 
 
 def _edges(model: "Model", equilibrium: "Equilibrium") -> str | None:
     """An edge that carries a contact has a far higher pressure than the raceway; the model stays elastic."""
-    edges = [fault.edge_radius for fault in model.bearing.faults if isinstance(fault, Spall)]
-    if not edges:
+    inner, outer = float(equilibrium.inner_force.max()), float(equilibrium.outer_force.max())
+    on_body = {"inner_ring": inner, "outer_ring": outer, "roller": max(inner, outer)}
+    spalls = [fault for fault in model.bearing.faults if isinstance(fault, Spall) and on_body[fault.body] > 0.0]
+
+    def pressure_on(spall: Spall) -> float:
+        radii = spall.edge_radius, model.bearing.roller_radius
+        pair = replace(model.inner_law.pair, radii=radii) if spall.edge_radius > 0.0 else None
+        return inf if pair is None else pair.peak_pressure(on_body[spall.body])
+
+    worst = max(spalls, key=pressure_on, default=None)
+    if worst is None or (pressure := pressure_on(worst)) <= ISO_76_PRESSURE:
         return None
-    sharpest, roller = min(edges), model.bearing.roller_radius
-    force = float(max(equilibrium.inner_force.max(), equilibrium.outer_force.max()))
-    pair = replace(model.inner_law.pair, radii=(sharpest, roller)) if sharpest > 0.0 else None
-    pressure = inf if pair is None else pair.peak_pressure(force)
-    if force == 0.0 or pressure <= ISO_76_PRESSURE:
-        return None
-    size = "has no bound" if pair is None else f"is {1e-6 * pressure:.0f} MPa"
+    sharpest, force = worst.edge_radius, on_body[worst.body]
+    size = "has no bound" if pressure == inf else f"is {1e-6 * pressure:.0f} MPa"
     return (
         f"[[spall]] edge_radius_mm = {1e3 * sharpest:g}: where an edge carries the largest static force, {force:.4g} "
         f"N, the Hertz pressure {size}, above the {1e-6 * ISO_76_PRESSURE:.0f} MPa of ISO 76's static load "

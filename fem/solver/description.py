@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
+from fem.answers import largest_loads
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.elastic.supported import LooseRing
 from fem.solver.pace import in_words, pace
@@ -43,7 +44,6 @@ def mesh_table(plan: "ElementPlan") -> Table:
 def plan_rows(plan: "ElementPlan") -> dict[str, str]:
     """Steps, memory, the time to expect and the mesh's static error."""
     model, start = plan.model, plan.start.equilibrium
-    force = float(max(start.inner_force.max(), start.outer_force.max()))
     rows = {
         "degrees of freedom": f"{model.degrees_of_freedom}",
         "time step": f"{1e9 * plan.time_step:.2f} ns ({plan.time_step / plan.critical_time_step:.2f} of the critical "
@@ -55,8 +55,7 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
         **_fields(plan),
         "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
         "expected time": in_words("fem", plan.expected_seconds),
-        "largest static contact force": f"{force:.1f} N, "
-        f"{1e-6 * model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
+        "largest static forces": largest_loads(model.bearing, start.inner_force.max(), start.outer_force.max()),
     }
     if plan.operation.radial_load >= LEAST_LOAD and not isinstance(model.outer_ring, LooseRing):
         error = static_error(model, plan.operation)

@@ -11,6 +11,7 @@ from math import ceil
 
 import numpy as np
 
+from fem.answers import largest_loads
 from fem.errors import RunFailed
 from fem.solver.compiling import CompiledPlan
 from fem.solver.guards import THROUGH, n_in_place, through_trouble
@@ -143,7 +144,9 @@ class LagrangianPlan(CompiledPlan):
             "samples": f"{self.n_samples}, one each {self.steps_per_sample} steps",
             "memory of a block of samples": f"{memory:.1f} MB",
             "expected time": in_words("lagrange", self.expected_seconds),
-            "largest static contact force": f"{max(statics.inner_force.max(), statics.outer_force.max()):.1f} N",
+            "largest static forces": largest_loads(
+                problem.bearing, statics.inner_force.max(), statics.outer_force.max()
+            ),
         }
 
 

@@ -9,6 +9,7 @@ from math import ceil, inf, pi, sqrt
 
 import numpy as np
 
+from fem.answers import largest_loads
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
@@ -101,7 +102,6 @@ class ReducedPlan(CompiledPlan):
 
     def rows(self) -> dict[str, str]:
         start, up_to = self.start, self.scene.reduced.modes_up_to_kHz
-        force = float(max(start.inner_force.max(), start.outer_force.max()))
         return {
             "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies "
             + ("without mass" if self.model.modes is None else f"with their modes up to {up_to:g} kHz"),
@@ -111,8 +111,9 @@ class ReducedPlan(CompiledPlan):
             "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
             "samples": f"{self.n_samples}, one each {self.stride} steps",
             "expected time": in_words("reduced", self.expected_seconds),
-            "largest static contact force": f"{force:.1f} N, "
-            f"{1e-6 * self.model.inner_law.pair.peak_pressure(force):.0f} MPa at the inner raceway",
+            "largest static forces": largest_loads(
+                self.model.bearing, start.inner_force.max(), start.outer_force.max()
+            ),
         }
 
 

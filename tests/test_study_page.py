@@ -65,10 +65,28 @@ def test_a_quantity_of_one_parameter_is_explained_by_it_alone(made_up):
 
 
 def test_effects_of_a_sum_share_its_variance(made_up):
-    """3 s + 0.4 l of s = 1, 2, 3 and l = 10, 20: variances 9 · 2/3 and 0.16 · 25, of 10 altogether."""
-    found, _ = shares(*made_up(lambda speed, load, length: 3.0 * speed + 0.4 * load, **GRID))
-    assert found["speed_rpm"] == pytest.approx(0.6, abs=0.04)
-    assert found["radial_load_N"] == pytest.approx(0.4, abs=0.04)
+    """3 s + 0.4 l + h/2 of s = 1, 2, 3, l = 10, 20, h = 8 … 11: variances 9 · 2/3, 0.16 · 25, 0.25 · 1.25.
+
+    In a grid nothing is drawn, so no part of a small share is chance.
+    """
+    found, _ = shares(*made_up(lambda speed, load, length: 3.0 * speed + 0.4 * load + 0.5 * length, **GRID))
+    whole = 6.0 + 4.0 + 0.3125
+    assert found["speed_rpm"] == pytest.approx(6.0 / whole, abs=1e-12)
+    assert found["radial_load_N"] == pytest.approx(4.0 / whole, abs=1e-12)
+    assert found["roller_length_mm"] == pytest.approx(0.3125 / whole, abs=1e-12)
+
+
+def test_shares_of_drawn_points_are_less_what_chance_explains_and_the_page_says_so(made_up):
+    """Eight groups of 320 drawn points explain 7/319 of a variance that knows nothing of the parameter."""
+    rng = np.random.default_rng(3)
+    points, folder = made_up(lambda *_: rng.normal(), **DRAWN)
+    found, _ = shares(points, folder)
+    assert max(found.values()) < 0.04
+    write_page(points, folder)
+    assert "explain by chance" in folder.page.read_text(encoding="utf-8")
+    points, folder = made_up(lambda speed, load, length: speed, **GRID)
+    write_page(points, folder)
+    assert "by chance" not in folder.page.read_text(encoding="utf-8")
 
 
 def test_sobol_indices_are_those_of_a_function_whose_variance_is_known(made_up):

@@ -36,7 +36,7 @@ class Effect:
 
     at: np.ndarray  # (n_levels,), the parameter
     mean: np.ndarray  # (n_levels,), the quantity
-    share: float  # of the quantity's variance that these means explain, 0 … 1, less what they do by chance
+    share: float  # of the quantity's variance that these means explain, 0 … 1; of drawn points see `Table.is_adjusted`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +48,15 @@ class Table:
     quantities: list[Column]
     complete: np.ndarray  # (n_points,), bool
 
+    @property
+    def is_adjusted(self) -> bool:
+        """Whether points are samples of distributions. Shares are then adjusted for the number of groups (R̄²).
+
+        Means over k groups of n drawn points explain (k − 1)/(n − 1) of a variance that has nothing to do with the
+        parameter. A grid has no such chance in it: its shares are the variance of the means over that of all points.
+        """
+        return self.points.design.axes is None
+
     def effect(self, parameter: Column, quantity: Column) -> Effect | None:
         """The effect of a parameter on a quantity; None where too few points tell of it."""
         known = np.isfinite(quantity.values) & np.isfinite(parameter.values)
@@ -55,7 +64,7 @@ class Table:
         if len(y) < FEWEST or not np.ptp(y) > 0.0:
             return None
         levels, group = np.unique(x, return_inverse=True)
-        if self.points.design.axes is None and len(levels) > BINS:
+        if self.is_adjusted and len(levels) > BINS:
             edges = np.quantile(x, np.linspace(0.0, 1.0, BINS + 1)[1:-1])
             group = np.searchsorted(edges, x, side="right")
             levels = np.array([x[group == g].mean() if (group == g).any() else np.nan for g in range(BINS)])
@@ -64,7 +73,7 @@ class Table:
         mean = np.bincount(group, y, minlength=len(levels))[enough] / count[enough]
         share = float(np.sum(count[enough] * (mean - y.mean()) ** 2) / np.sum((y - y.mean()) ** 2))
         n, k = len(y), len(mean)
-        if n > k:  # means of few points explain chance as well
+        if self.is_adjusted and n > k:
             share = max(0.0, 1.0 - (1.0 - share) * (n - 1) / (n - k))
         return Effect(at=levels[enough], mean=mean, share=share)
 

@@ -36,6 +36,7 @@ def write_page(points: Points, folder: Folder) -> None:
             meaning=[_sentence(table, each) for each in table.quantities],
             ranges=[_range(each) for each in table.quantities],
             sobol=_sobol_rows(table, indices),
+            is_adjusted=table.is_adjusted,
             unsampled=_unsampled(table, indices),
             figures=study_figures(table, indices),
             failed=failed[:MOST_FAILED],

@@ -16,6 +16,7 @@ from lagrange.scene import Scene
 
 COLUMNS = ("time", "inner_x", "inner_y", "inner_force", "outer_force", "roller_theta")
 BINS = 360  # of the circle
+REVERSES = "the motion reverses: no mean slip, no passing frequencies"
 LOADED = 0.01  # of the largest force: a roller with more is in the load zone
 
 
@@ -92,8 +93,11 @@ def columns_of(scene: Scene) -> tuple[str, ...]:
     return COLUMNS if scene.cage is None else (*COLUMNS, *cage_answers.COLUMNS)
 
 
-def first_answers(bearing: Bearing, speed: float, blocks: Iterable[Mapping[str, np.ndarray]]) -> dict[str, str]:
-    """Names and values of what is asked first, of a run in blocks of samples; `speed` of the shaft, rad/s."""
+def first_answers(bearing: Bearing, speed: float | None, blocks: Iterable[Mapping[str, np.ndarray]]) -> dict[str, str]:
+    """Names and values of what is asked first, of a run in blocks of samples.
+
+    `speed` : mean of the shaft, rad/s; None: it turns both ways, and no slip or passing frequency has a meaning
+    """
     seen, caged = Seen(), SeenCage()
     for block in blocks:
         seen.add(block)
@@ -109,10 +113,12 @@ def first_answers(bearing: Bearing, speed: float, blocks: Iterable[Mapping[str, 
     found["largest loads"] = largest_loads(bearing, *seen.largest)
     if (zone := seen.load_zone()) is not None:
         found["load zone"] = f"{zone * 180.0 / pi:.0f}° wide, rollers with more than {LOADED:.0%} of the largest load"
-    ideal = kinematics(bearing, speed)
-    if ideal.cage and seen.samples > 1:
+    whose = "rollers' orbit" if caged.samples else "cage"
+    ideal = kinematics(bearing, speed or 0.0)
+    if speed is None and seen.samples > 1:
+        found[whose] = REVERSES
+    elif ideal.cage and seen.samples > 1:
         slip = 100.0 * (1.0 - seen.cage_speed / ideal.cage)
-        whose = "rollers' orbit" if caged.samples else "cage"
         found[whose] = f"{seen.cage_speed / tau:.4g} Hz, slip {slip:.2g} % of rolling"
         found["ball passes"] = passes(ideal, seen.cage_speed)
     if caged.samples:

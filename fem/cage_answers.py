@@ -42,7 +42,10 @@ class SeenCage:
         self.guided = max(self.guided, float(np.hypot(samples["cage_guidance_x"], samples["cage_guidance_y"]).max()))
 
     def rows(self, seconds: float, ideal: float) -> dict[str, str]:
-        """Names and values of what is asked, of a run that long, s; `ideal`: the cage's speed in rolling, rad/s."""
+        """Names and values of what is asked, of a run that long, s.
+
+        `ideal` : the cage's speed in rolling, rad/s; 0: it has no mean that a slip could be over
+        """
         found = {
             "cage's centre": f"mean {1e6 * self.off / self.samples:.3g} µm off the bearing's, at most "
             f"{1e6 * self.farthest:.3g} µm",

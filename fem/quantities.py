@@ -70,10 +70,11 @@ def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
     return [Quantity(name, *about, found[name]) for name, about in OF_MOTION.items()]
 
 
-def run_quantities(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarray]) -> list[Quantity]:
-    """All of OF_RUN, of OF_START alone where there is one sample; `speed` of the shaft, rad/s.
+def run_quantities(bearing: Bearing, speed: float | None, samples: Mapping[str, np.ndarray]) -> list[Quantity]:
+    """All of OF_RUN, of OF_START alone where there is one sample; `speed` as in `first_answers`.
 
-    NaN where a run can't tell: the load zone before rollers have been everywhere, the slip of a standing cage.
+    NaN where a run can't tell: the load zone before rollers have been everywhere, the slip of a cage that stands or
+    turns both ways.
     """
     first = samples["inner_force"][0]
     hub = from_outer_ring(samples, "inner")
@@ -90,8 +91,8 @@ def run_quantities(bearing: Bearing, speed: float, samples: Mapping[str, np.ndar
     return [*found, *moving_quantities(samples), *(Quantity(n, *about, record[n]) for n, about in OF_RECORD.items())]
 
 
-def _of_record(bearing: Bearing, speed: float, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
-    seen, ideal = Seen(), kinematics(bearing, speed).cage
+def _of_record(bearing: Bearing, speed: float | None, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
+    seen, ideal = Seen(), kinematics(bearing, speed or 0.0).cage
     seen.add(samples)
     zone, width = seen.load_zone(), seen.hub.high - seen.hub.low
     off = samples["inner_ay"] - samples["inner_ay"].mean()

@@ -171,11 +171,11 @@ class Operation:
         """The highest speed either way, rad/s."""
         return abs(self.speed) if self.course is None else self.course.fastest
 
-    def mean_speed(self, time: float) -> float:
-        """Of the shaft up to a time, s; rad/s."""
+    def mean_speed(self, time: float) -> float | None:
+        """Of the shaft up to a time, s; rad/s. None where it turns both ways: a slip over the mean has no meaning."""
         if self.course is None or not self.course.varies_speed or time <= 0.0:
             return self.speed
-        return float(self.course.turn(time)) / time
+        return None if self.course.reverses(time) else float(self.course.turn(time)) / time
 
     @property
     def varies_speed(self) -> bool:

@@ -77,6 +77,12 @@ class Course:
         found = self.speed(self.turn.x)
         return float(found.min()), float(found.max())
 
+    def reverses(self, time: float) -> bool:
+        """Whether the shaft turns both ways up to a time, s."""
+        points = self.turn.x[(self.turn.x > 0.0) & (self.turn.x < time)]
+        found = self.speed(np.concatenate([[0.0], points, [time]]))
+        return bool(found.min() < 0.0 < found.max())
+
     @property
     def fastest(self) -> float:
         """The highest speed either way, rad/s."""

@@ -5,11 +5,12 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.cage import Cage
-from lagrange.kinematics import kinematics
+from lagrange.kinematics import kinematics, turned
 from residual.cage import CageMotion
 from residual.colours import BLUE, GREEN, GREY, ORANGE, RED
 from residual.evaluation import Evaluation
 from residual.figures import SavedFigure
+from residual.orders import SLOWEST
 from residual.panels import panels
 from residual.plotting import legend_above, save
 from residual.record import Record
@@ -35,14 +36,13 @@ def cage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
         forces.plot(time, guided, color=GREEN, linewidth=0.8, label="guide")
     forces.set_ylabel("largest force, N")
     legend_above(forces, 3)
-    ideal = kinematics(t.bearing, float(np.mean(t.acting.speed))).cage
     caption = (
         "Above: path of the cage's centre about that of the bearing, or of the inner ring where that guides it; "
         "dashed: the circle that its clearance leaves. Middle: the largest force of all "
         f"pockets along the pitch circle at each time, at most {text(float(np.abs(t.cage.force).max()))} N."
     )
-    if ideal:
-        caption += _slips(slips, t, t.cage, ideal)
+    if t.operation.fastest:
+        caption += _slips(slips, t, t.cage)
     slips.set(xlabel="time, ms", ylabel="slip, %")
     return save(figure, folder, "cage", "The cage", caption)
 
@@ -56,17 +56,23 @@ def _path(axes, x, y, facts: Cage) -> None:
     axes.set_aspect("equal", adjustable="datalim")
 
 
-def _slips(axes, t: Record, cage: CageMotion, ideal: float) -> str:
-    """Draw by how much cage and rollers lag behind rolling; gives the caption's sentence."""
+def _slips(axes, t: Record, cage: CageMotion) -> str:
+    """Slip of cage and rollers against rolling at the shaft's speed of the same time; gives the caption's sentence."""
     reach = max(1, min(round(SHORTEST / t.interval), (t.time.size - 1) // 2))
     rollers = np.unwrap(np.arctan2(t.roller_y, t.roller_x), axis=0).mean(axis=1)
     middle = 1e3 * 0.5 * (t.time[reach:] + t.time[:-reach])
+    ideal = np.ravel(turned(t.bearing, t.operation, t.time).cage) + np.zeros(t.time.size)
+    rolling = (ideal[reach:] - ideal[:-reach]) / (reach * t.interval)
+    rolling = np.where(np.abs(rolling) >= SLOWEST * np.abs(rolling).max(), rolling, np.nan)
     for angle, colour, name in ((rollers, ORANGE, "rollers"), (cage.angle, BLUE, "cage")):
         speed = (angle[reach:] - angle[:-reach]) / (reach * t.interval)
-        axes.plot(middle, 100.0 * (1.0 - speed / ideal), color=colour, linewidth=0.9, label=name)
+        axes.plot(middle, 100.0 * (1.0 - speed / rolling), color=colour, linewidth=0.9, label=name)
     axes.legend(loc="upper right", ncols=2, frameon=True, framealpha=0.8, edgecolor="none")
-    whole = 100.0 * (1.0 - cage.speed(t.interval) / ideal)
-    return (
-        f" Below: how far cage and rollers (their mean) are slower than rolling, over {text(1e3 * reach * t.interval)} "
-        f"ms at a time; the cage over the whole record {text(whole, 2)} %."
+    sentence = (
+        f" Below: slip of the cage and of the rollers (their mean), {text(1e3 * reach * t.interval)} ms at a time, "
+        "where the shaft turns with at least an eighth of its highest speed"
     )
+    mean = kinematics(t.bearing, t.mean_speed).cage
+    if mean == 0.0:
+        return f"{sentence}; the motion reverses and has no mean slip."
+    return f"{sentence}; of the cage over the whole record {text(100.0 * (1.0 - cage.speed(t.interval) / mean), 2)} %."

@@ -188,7 +188,7 @@ def evaluate(
     if isinstance(law, str):
         law = identified[law].law
     budget = error_budget(used, law, accelerations, closing_speed)
-    ideal = kinematics(record.bearing, float(np.mean(used.acting.speed)))
+    ideal = kinematics(record.bearing, used.mean_speed)
     lines = {} if used.varies_speed else kinematic_lines(_observed(ideal, used))
     tracking = tracking_of(used)
     notes += _speed_notes(used, tracking)

@@ -19,6 +19,7 @@ from residual.short_time import PASSAGE_SHARE, ShortTime, short_time_spectrum
 from residual.spectrum import Peak, Spectrum, find_peaks, kinematic_lines, power_spectrum
 from residual.vibration import ENVELOPE_FROM, ENVELOPE_TO, NARROWEST
 
+FEWEST_TURNS = 1.0  # in fewer no order is resolved
 SLOWEST = 1.0 / 8.0  # of the highest speed: below, so many samples go to one turn that nothing new is in them
 DEGREE = 5  # of the spline through a signal's samples
 TURNS_PER_PIECE = 10.0  # of short-time spectra: FTF, some 0.4, is then four bins off order 0
@@ -86,7 +87,7 @@ def tracking_of(record: Record) -> Tracking | None:
     part = slice(int(first), int(last))
     time = record.time[part]
     turn = fast[first] * (turned(record.bearing, record.operation, time).shaft / (2.0 * np.pi))
-    if time.size < FEWEST_SAMPLES:
+    if time.size < FEWEST_SAMPLES or turn[-1] - turn[0] < FEWEST_TURNS:
         return None
     count = int(np.ceil((turn[-1] - turn[0]) / np.diff(turn).min())) + 1
     return Tracking(

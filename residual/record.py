@@ -106,6 +106,12 @@ class Record:
         return float(np.sqrt(np.mean(np.square(self.whole_load).sum(axis=0))))
 
     @property
+    def mean_speed(self) -> float:
+        """Mean of the shaft's speed, rad/s, signed; 0 where it turns both ways and a mean slip has no sense."""
+        speed = np.asarray(self.acting.speed)
+        return 0.0 if np.min(speed) < 0.0 < np.max(speed) else float(np.mean(speed))
+
+    @property
     def varies_speed(self) -> bool:
         """Whether the shaft's speed changes so much that no line in Hz stays where it is."""
         speed = np.abs(self.acting.speed)

@@ -2,14 +2,18 @@
 
 import re
 from math import pi, tau
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fem.answers import first_answers
 from fem.cli import run_main
+from fem.interface import simulate
+from fem.labels import labels
 from lagrange import kinematics
 from lagrange.scene import read_scene
+from residual.cli import main as check_main
 
 N = 13
 
@@ -54,6 +58,27 @@ def test_the_pressure_is_hertz():
     radius = 1.0 / (1.0 / bearing.roller_radius + 1.0 / bearing.inner_raceway_radius)
     pressure = np.sqrt(700.0 * modulus / (pi * bearing.roller_length * radius))
     assert f"700.0 N ({1e-6 * pressure:.0f} MPa)" in told
+
+
+def test_a_motion_that_reverses_has_no_mean_slip(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("there-and-back.csv").write_text("time_ms,speed_rpm\n0,600\n10,600\n30,-600\n40,-600\n")
+    keys = ("model=lagrange", "operation.speed_table=there-and-back.csv", "name=back", "numerics.duration_ms={}")
+
+    def run(duration):
+        words = [word for key in keys for word in ("--set", key.format(duration))]
+        assert run_main([*words, "--output", f"{duration}.nc"]) == 0
+        return capsys.readouterr().out
+
+    told = run(40)
+    assert "the motion reverses: no mean slip" in told
+    assert "BPFO" not in told and "% of rolling" not in told
+    assert "BPFO" in run(10)  # before it turns back
+    found = read_scene(None, tuple(key.format(40) for key in keys))
+    assert np.isnan(simulate(found).quantities["cage_slip"].value)
+    assert np.isnan(labels(found)["BPFO_Hz"]) and np.isnan(labels(found)["speed_rpm"])
+    assert check_main(["40.nc"]) == 0  # less than a turn one way: no orders
+    assert "% of rolling" not in capsys.readouterr().out
 
 
 def test_a_plan_gives_each_raceway_its_own_largest_force(capsys):

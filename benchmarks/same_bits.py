@@ -20,7 +20,6 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -29,6 +28,8 @@ import numpy as np
 from cyclopts import App, Parameter
 from rich.console import Console
 from rich.table import Table
+
+from benchmarks.short_scenes import FILES, SCENES, Short
 
 HERE = Path(__file__).resolve().parent.parent
 # attributes that may differ; a scene's text gains keys as the program does
@@ -40,65 +41,14 @@ SPEED_MS = 60.0  # of the paper's bearing
 console = Console(highlight=False, soft_wrap=True)
 
 
-@dataclass(frozen=True)
-class Short:
-    """A short run of the built-in scene with some keys changed."""
-
-    name: str
-    duration_ms: float
-    keys: tuple[str, ...] = ()
-    resumed: bool = False  # stopped half-way and gone on with
-    report: bool = False  # compare the numbers of check-residual too
-
-
-def _scene(name: str, duration_ms: float, text: str = "", **options: bool) -> Short:
-    return Short(name, duration_ms, tuple(text.split()), **options)
-
-
-SOFT = "material.youngs_modulus_GPa=5"
-SCENES = (
-    _scene("paper", 4.0, "numerics.mesh_size_mm=2", report=True),
-    _scene("fine", 0.5, "numerics.mesh_size_mm=1"),
-    _scene("static", 0.0, "numerics.mesh_size_mm=2"),
-    _scene("resumed", 1.0, "numerics.mesh_size_mm=2", resumed=True),
-    _scene("from-rest", 1.0, "numerics.mesh_size_mm=2 numerics.start=rest numerics.load_ramp_ms=0.2"),
-    _scene("frictionless", 1.0, "numerics.mesh_size_mm=2 contact.friction_coefficient=0"),
-    _scene("fields", 0.5, "numerics.mesh_size_mm=2 output.fields_every_ms=0.1"),
-    _scene("fast", 0.5, "numerics.mesh_size_mm=2 operation.speed_rpm=40000"),
-    _scene("backward", 0.5, "numerics.mesh_size_mm=1.5 operation.speed_rpm=-900 operation.gravity_m_s2=0"),
-    _scene("still", 0.5, "numerics.mesh_size_mm=2 operation.speed_rpm=0"),
-    _scene("preload", 0.5, "numerics.mesh_size_mm=1.5 bearing.outer_raceway_diameter_mm=55.99"),
-    _scene(
-        "rattling",
-        2.0,
-        "numerics.mesh_size_mm=2 numerics.start=rest bearing.outer_raceway_diameter_mm=56.2 bearing.rollers=14 "
-        "operation.radial_load_N=50",
-    ),
-    _scene("three-rollers", 0.5, "numerics.mesh_size_mm=2 bearing.rollers=3 contact.friction_coefficient=0.2"),
-    _scene("many-rollers", 0.5, "numerics.mesh_size_mm=1.2 bearing.rollers=31 bearing.roller_diameter_mm=4 "
-           "bearing.outer_raceway_diameter_mm=44"),
-    _scene("rigid-rollers", 0.5, "numerics.mesh_size_mm=2 bodies.rollers=rigid"),
-    _scene("rigid-inner", 0.5, "numerics.mesh_size_mm=2 bodies.inner_ring=rigid"),
-    _scene("rigid-rings", 0.5, "numerics.mesh_size_mm=2 bodies.inner_ring=rigid bodies.outer_ring=rigid"),
-    _scene("penalty", 0.5, "numerics.mesh_size_mm=2 contact.model=penalty"),
-    _scene("faceted", 0.5, "numerics.mesh_size_mm=2 contact.model=faceted contact.penalty_stiffness_N_per_m=1e8"),
-    _scene("spread", 0.05, f"{SOFT} numerics.mesh_size_mm=0.5"),
-    _scene("resolved", 0.02, f"{SOFT} contact.model=resolved numerics.mesh_size_mm=0.15"),
-    _scene("lagrange", 5.0, "model=lagrange", report=True),
-    _scene("lagrange-free", 2.0, "model=lagrange lagrange.angles=free lagrange.law=johnson numerics.start=rest"),
-    _scene("lagrange-damped", 1.0, "model=lagrange lagrange.damping_N_s_m=200"),
-    _scene("lagrange-rattling", 5.0, "model=lagrange numerics.start=rest numerics.load_ramp_ms=0 "
-           "bearing.outer_raceway_diameter_mm=56.1 operation.radial_load_N=20"),
-    _scene("lagrange-balls", 2.0, "model=lagrange bearing.type=ball bearing.rollers=9 bearing.roller_length_mm=16"),
-)  # fmt: skip
-
-
 class Tree:
     """A checkout whose commands are run; meshes are kept apart from every other's, compiled kernels are not."""
 
     def __init__(self, folder: Path, room: Path):
         self.folder, self.room = folder, room
         room.mkdir()
+        for name, text in FILES.items():
+            (room / name).write_text(text)
         kernels = os.environ.get("NUMBA_CACHE_DIR") or Path.home() / ".cache" / "roller-bearing-fem"
         self.environment = os.environ | {
             "PYTHONPATH": str(folder),
@@ -115,7 +65,7 @@ class Tree:
         """
         told = subprocess.run(
             [sys.executable, "-m", module, *arguments],
-            cwd=self.folder,
+            cwd=self.room,
             env=self.environment | environment,
             capture_output=True,
             text=True,

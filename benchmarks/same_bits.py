@@ -104,7 +104,7 @@ def differences(one: Path, other: Path) -> Iterator[str]:
                 yield f"{name}: only in {'the base' if name not in a else 'this tree'}"
                 continue
             x, y = a[name][()], b[name][()]
-            if x.tobytes() != y.tobytes() or x.shape != y.shape:
+            if x.shape != y.shape or (x.tolist() != y.tolist() if x.dtype.kind == "O" else x.tobytes() != y.tobytes()):
                 yield f"{name}: {_size(x, y)}"
 
 

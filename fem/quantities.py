@@ -9,6 +9,7 @@ import numpy as np
 from fem.answers import LOADED, Seen
 from lagrange import Bearing, kinematics
 from lagrange.mounting import from_outer_ring
+from lagrange.units import engineering
 
 OF_MOTION = {  # unit and meaning; means are over time
     "hub_mean_x": ("m", "mean position of the hub, x"),
@@ -46,6 +47,11 @@ class Quantity:
     unit: str
     meaning: str
     value: float
+
+    def __str__(self) -> str:
+        """Meaning and value in words, in the unit that engineers read."""
+        factor, unit = engineering(self.unit)
+        return f"{self.meaning}: {factor * self.value:.5g} {unit}".rstrip()
 
 
 def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:

@@ -17,6 +17,7 @@ from lagrange.messages import shown
 from lagrange.mounting import from_outer_ring
 from lagrange.scene import Scene
 from lagrange.scene_operation import RPM
+from lagrange.units import engineering
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
@@ -128,7 +129,7 @@ def print_estimates(found: "list[Estimate]", title: str) -> None:
     for heading in ("quantity", "value", "may be off by", "relative"):
         table.add_column(heading, justify="left" if heading == "quantity" else "right")
     for each in found:
-        scale, unit = (1e6, "µm") if each.quantity.unit == "m" else (1.0, each.quantity.unit.replace("1", ""))
+        scale, unit = engineering(each.quantity.unit)
         table.add_row(
             each.quantity.meaning,
             f"{scale * each.quantity.value:.5g} {unit}",

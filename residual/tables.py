@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from lagrange.units import engineering
 from residual.evaluation import Direction, Evaluation
 from residual.moments import Statistics
 from residual.one_roller import chosen_roller, roller_radial
@@ -114,7 +115,9 @@ def stated_error_rows(evaluation: Evaluation) -> list[list[str]]:
     rows = []
     for each in evaluation.record.stated_errors:
         share = f"{text(100.0 * each.error / abs(each.value), 2)} %" if each.error < abs(each.value) else "-"
-        rows.append([each.meaning, f"{text(each.value, 5)} {each.unit}", f"{text(each.error, 2)} {each.unit}", share])
+        scale, unit = engineering(each.unit)
+        value, error = text(scale * each.value, 5), text(scale * each.error, 2)
+        rows.append([each.meaning, f"{value} {unit}", f"{error} {unit}", share])
     return rows
 
 

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 import threading
+from math import pi, tau
 
 import h5py
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from fem.checking import OF_CHECK, check_quantities
 from fem.cli import run_main
 from fem.interface import Scene, SceneError, UsageError, read_scene, simulate, statics
-from fem.quantities import OF_RUN
+from fem.quantities import OF_RUN, Quantity
 from fem.result.layout import variables_of
 from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan
@@ -163,3 +164,12 @@ def test_a_scene_that_follows_takes_the_last_one_s_mesh_and_gets_the_same_bits()
     for name in ("hub", "rho", "inner_force", "outer_force", "inner_ring", "outer_ring", "rollers"):
         mine, other = (getattr(plan.start.equilibrium, name) for plan in (after, alone))
         assert mine.tobytes() == other.tobytes(), name
+
+
+@pytest.mark.parametrize(
+    ("unit", "value", "told"),
+    [("m", -1.537e-5, "what: -15.37 µm"), ("rad/s", tau, "what: 1 Hz"), ("m/s2", 19.6133, "what: 2 g"),
+     ("N/m", 2.5e8, "what: 250 N/µm"), ("rad", pi, "what: 180 °"), ("1", 0.25, "what: 0.25"), ("N", 3.0, "what: 3 N")],
+)  # fmt: skip
+def test_a_quantity_prints_in_words_and_in_the_unit_that_engineers_read(unit, value, told):
+    assert str(Quantity("q", unit, "what", value)) == told

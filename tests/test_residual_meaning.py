@@ -111,8 +111,8 @@ def test_error_estimates_of_the_run_are_told(tmp_path):
     path = write_result(tmp_path / "made.nc", run)
     with h5py.File(path, "r+") as file:
         file["quantity_meaning"] = ["static displacement of the hub"]
-        file["quantity_unit"] = ["µm"]
-        file["quantity_value"], file["quantity_error"] = [3.6156], [0.0018]
+        file["quantity_unit"] = ["m"]  # as run-fem writes it
+        file["quantity_value"], file["quantity_error"] = [3.6156e-6], [0.0018e-6]
     found = evaluate(read_result(path))
     assert stated_error_rows(found) == [["static displacement of the hub", "3.6156 µm", "0.0018 µm", "0.05 %"]]
     page = render_report(found, {}, Parts(), "0")

@@ -43,7 +43,7 @@ def made_up(tmp_path, monkeypatch):
         folder = Folder(path=Path("out"))
         folder.begin(points)
         for i, digest in enumerate(points.digests):
-            quantities = {"largest_force": float(force(*points.design.points[i])), "hub_mean_y": 1.0}
+            quantities = {"largest_force": float(force(*points.design.points[i])), "hub_mean_y": 1e-6}
             status = dict(status=FAILED, text="<b>it broke</b>") if i in failed else dict(status=COMPLETE)
             folder.add(digest, Solved(**status, seconds=0.1, quantities={} if i in failed else quantities))
         write_dataset(points, folder)
@@ -111,10 +111,19 @@ def test_the_page_tells_effects_failures_and_speed(made_up):
     text = folder.page.read_text()
     assert "23 of 24 points are complete" in text
     assert "&lt;b&gt;it broke&lt;/b&gt;" in text and "point 5 (operation.speed_rpm = 1" in text
-    assert "hub_mean_y is 1 m in every point" in text
+    assert "mean position of the hub, y (hub_mean_y): 1 µm in every point" in text
     for name in ("main-effects", "heat-map", "scatter-matrix"):
         assert f'<figure id="{name}">' in text
     assert "http" not in text.split("<pre>")[0].replace("http://www.w3.org", "")
+
+
+def test_quantities_stand_in_words_and_engineers_units_and_one_parameter_has_no_shares(made_up):
+    points, folder = made_up(lambda speed, *_: 100.0 * speed, **{**GRID, "load": "[10]", "length": "[8.0]"})
+    write_page(points, folder)
+    text = folder.page.read_text(encoding="utf-8")
+    assert "largest force on the inner raceway (largest_force): 100 to 300 N.<" in text
+    assert "variance" not in text and "Shares" not in text
+    assert "<td>mean position of the hub, y (hub_mean_y)</td><td>µm</td><td>1</td>" in text
 
 
 def test_a_study_without_a_complete_point_has_a_page_too(made_up):

@@ -9,8 +9,8 @@ import numpy as np
 
 from fem.errors import UsageError
 from lagrange.scene import Scene
+from lagrange.units import G
 
-G = 9.80665  # m/s²
 OVER_BAND = 2.56  # rate over the band that is kept, the custom of analysers
 STOPPED = 80.0  # dB, by which what would fold into the band is lowered
 MOST_TAPS = 2_000_000  # of the filter

@@ -8,6 +8,7 @@ from fem.study.dataset import unit_of_key
 from fem.study.points import Points
 from fem.study.solving import COMPLETE
 from fem.study.study_file import QUANTITIES
+from lagrange.units import engineering
 
 BINS = 8  # of a parameter that takes a value of its own in each point
 FEWEST = 2  # points
@@ -23,6 +24,11 @@ class Column:
     meaning: str
     values: np.ndarray  # (n_points,), float; of words their number among `words`
     words: tuple[str, ...] = ()  # in their order; empty of numbers
+
+    @property
+    def told(self) -> str:
+        """Meaning and name of a quantity."""
+        return f"{self.meaning} ({self.name})"
 
     @property
     def label(self) -> str:
@@ -98,7 +104,7 @@ def table_of(points: Points, dataset) -> Table:
         for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True))
     ]
     quantities = [
-        _column(name, *QUANTITIES[name], dataset[name].values.ravel().tolist()) for name in points.study.keep.quantities
+        _quantity(name, *QUANTITIES[name], dataset[name].values.ravel()) for name in points.study.keep.quantities
     ]
     return Table(
         points=points,
@@ -106,6 +112,12 @@ def table_of(points: Points, dataset) -> Table:
         quantities=quantities,
         complete=dataset.status.values.ravel() == COMPLETE,
     )
+
+
+def _quantity(name: str, unit: str, meaning: str, values: np.ndarray) -> Column:
+    """A quantity in the unit that engineers read."""
+    factor, shown = engineering(unit)
+    return _column(name, shown or unit, meaning, (factor * values).tolist())
 
 
 def _column(name: str, unit: str, meaning: str, values: list) -> Column:

@@ -56,6 +56,7 @@ def _main_effects(table: Table) -> Iterator[Figure]:
         axis.plot(parameter.values[some], quantity.values[some], ".", color=GREY, markersize=3, alpha=0.5)
         if effect is not None:
             axis.plot(effect.at, effect.mean, "o-", color=BLUE, markersize=4)
+        if effect is not None and len(parameters) > 1:
             axis.set_title(_percent(effect), fontsize=8.5, loc="right")
         if parameter.words:
             axis.set_xticks(range(len(parameter.words)), parameter.words, rotation=40, ha="right")
@@ -68,7 +69,8 @@ def _main_effects(table: Table) -> Iterator[Figure]:
         "main-effects",
         "Main effects",
         "Grey: every point. Blue: means over the points with the same value of the parameter, or in the same eighth of "
-        "the points. Above: the share of the quantity's variance that these means explain.",
+        "the points."
+        + (" Above: the share of the quantity's variance that these means explain." if len(parameters) > 1 else ""),
     )
 
 

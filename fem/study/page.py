@@ -36,6 +36,7 @@ def write_page(points: Points, folder: Folder) -> None:
             meaning=[_sentence(table, each) for each in table.quantities],
             ranges=[_range(each) for each in table.quantities],
             sobol=_sobol_rows(table, indices),
+            shares=len(table.parameters) > 1,
             is_adjusted=table.is_adjusted,
             unsampled=_unsampled(table, indices),
             figures=study_figures(table, indices),
@@ -91,23 +92,26 @@ def _span(points: Points, i: int) -> str:
 def _sentence(table: Table, quantity: Column) -> str:
     """What decides a quantity."""
     known = quantity.values[np.isfinite(quantity.values)]
+    unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     if not len(known):
-        return f"{quantity.name}: no point tells it."
+        return f"{quantity.told}: no point tells it."
     if not np.ptp(known) > 0.0:
-        return f"{quantity.name} is {number(known[0])} {quantity.unit} in every point."
+        return f"{quantity.told}: {number(known[0])}{unit} in every point."
+    span = f"{quantity.told}: {number(known.min())} to {number(known.max())}{unit}"
+    if len(table.parameters) < 2:  # it explains all that differs
+        return f"{span}."
     told = [f"{each.name} {100 * share:.0f} %" for each, share in table.strongest(quantity) if share >= TELLING]
-    span = f"{number(known.min())} to {number(known.max())}" + ("" if quantity.unit == "1" else f" {quantity.unit}")
     parts = ", ".join(told) or "no parameter more than a twentieth"
-    return f"{quantity.name} ({quantity.meaning}) goes from {span}; of its variance each parameter explains: {parts}."
+    return f"{span}; of its variance each parameter explains: {parts}."
 
 
 def _range(quantity: Column) -> tuple[str, ...]:
     known = quantity.values[np.isfinite(quantity.values)]
     unit = "" if quantity.unit == "1" else quantity.unit
     if not len(known):
-        return quantity.name, unit, "-", "-", "-", "-", "0"
+        return quantity.told, unit, "-", "-", "-", "-", "0"
     return (
-        quantity.name,
+        quantity.told,
         unit,
         *(number(float(f(known))) for f in (np.min, np.mean, np.max, np.std)),
         str(len(known)),

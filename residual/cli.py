@@ -84,9 +84,11 @@ def _command(
         str | None, Parameter(help="another result file or table, or a law: both beside each other")
     ] = None,
     export: Annotated[
-        tuple[Literal["csv", "mat", "wav"], ...],
+        tuple[Literal["csv", "curves", "mat", "wav"], ...],
         Parameter(
-            negative="", consume_multiple=False, help="also write signals (and figures' curves: csv); repeatable"
+            negative="",
+            consume_multiple=False,
+            help="also write signals (csv, mat), the curves of figures (CSV), the hub's sound (wav); repeatable",
         ),
     ] = (),
     compare_laws: Annotated[bool, Parameter(negative="", help="print every law's error force, ranked")] = False,

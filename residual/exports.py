@@ -32,9 +32,10 @@ def signals(evaluation: Evaluation) -> dict[str, np.ndarray]:
 
 
 def write_exports(evaluation: Evaluation, figures: Iterable[SavedFigure], wanted: Iterable[Export], folder: Path):
-    """Write the data in the formats wanted: `signals.csv` and each figure's curves; `signals.mat`; the hub's sound."""
+    """Write what is wanted and no more: `signals.csv`; each figure's curves; `signals.mat`; the hub's sound."""
     if "csv" in wanted:
         _write_signals(signals(evaluation), folder / "signals.csv")
+    if "curves" in wanted:
         for figure in figures:
             _write_curves(figure, folder / f"{figure.name}.csv")
     if "mat" in wanted:

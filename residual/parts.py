@@ -6,7 +6,7 @@ from typing import Literal
 from residual.evaluation import Evaluation
 from residual.fault_finding import FaultSearch
 
-Export = Literal["csv", "mat", "wav"]
+Export = Literal["csv", "curves", "mat", "wav"]
 
 
 @dataclass(frozen=True, kw_only=True)

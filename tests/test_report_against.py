@@ -79,6 +79,7 @@ def test_signals_are_exported_as_csv_mat_and_wav(runs, tmp_path):
     out = tmp_path / "out"
     assert main([str(runs[0]), *("--export", "csv", "--export", "mat", "--export", "wav"), "--output", str(out)]) == 0
     record = read_result(runs[0])
+    assert [path.name for path in out.glob("*.csv")] == ["signals.csv"]  # no curves of figures, which nobody asked for
     table = np.genfromtxt(out / "signals.csv", delimiter=",", names=True)
     np.testing.assert_allclose(table["inner_y"], record.inner_y, rtol=1e-11)
     np.testing.assert_allclose(table["inner_force_5"], record.inner_force[:, 5], rtol=1e-11)
@@ -95,7 +96,7 @@ def test_signals_are_exported_as_csv_mat_and_wav(runs, tmp_path):
 @pytest.mark.usefixtures("plain_report")
 def test_curves_of_a_comparison_are_exported(runs, tmp_path):
     out = tmp_path / "out"
-    assert main([str(runs[0]), "--against", str(runs[1]), "--export", "csv", "--output", str(out), "--quiet"]) == 0
+    assert main([str(runs[0]), "--against", str(runs[1]), "--export", "curves", "--output", str(out), "--quiet"]) == 0
     with (out / "against.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     x = [(float(row["x"]), float(row["y"])) for row in rows if (row["panel"], row["curve"]) == ("hub x, µm", "loud")]
@@ -103,3 +104,4 @@ def test_curves_of_a_comparison_are_exported(runs, tmp_path):
     np.testing.assert_allclose(x, np.column_stack([1e3 * other.time, 1e6 * other.inner_x]), rtol=1e-7, atol=1e-12)
     page = (out / "report.html").read_text(encoding="utf-8")
     assert "quiet against loud" in page and 'id="against"' in page
+    assert not (out / "signals.csv").exists()

@@ -148,7 +148,7 @@ def test_forces_of_a_frame_carry_the_load(player):
 def samples_of(**values: np.ndarray) -> Samples:
     n = len(next(iter(values.values())))
     zeros = {name: np.zeros(n) for name in ("inner_x", "inner_y", "inner_ax", "inner_ay")}
-    return Samples(values=zeros | values, imbalance=np.zeros(n), exchanged=np.ones(n))
+    return Samples(values=zeros | values, imbalance=np.zeros(n), exchanged=np.ones(n), error=np.zeros(n))
 
 
 def test_a_spectrum_shows_the_amplitude_of_a_line_at_its_frequency():

@@ -100,13 +100,13 @@ def test_a_lost_roller_and_a_nan_fail():
         values["roller_y"] = np.zeros((1, 1))
 
     put(plan.model.bearing.pitch_radius + 1e-3)
-    watch.write(Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1)))
+    watch.write(Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1), error=np.zeros(1)))
     assert watch.faults == ["a roller is in the outer ring"]
     put(plan.model.bearing.pitch_radius - 1e-3)
-    watch.write(Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1)))
+    watch.write(Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1), error=np.zeros(1)))
     assert watch.faults[1:] == ["a roller is in the inner ring"]
     values["roller_rho"] = np.array([[np.nan]])
-    watch.write(Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1)))
+    watch.write(Samples(values=values, imbalance=np.zeros(1), exchanged=np.zeros(1), error=np.zeros(1)))
     assert "roller_rho is not finite" in watch.faults
 
 

@@ -93,7 +93,7 @@ class Player:
         self.record.add(samples)
         self.turn += samples["roller_spin"].sum(axis=0) * self.plan.interval
         self.now = {name: values[-1] for name, values in samples.values.items()}
-        self._worst = max(self._worst, float(np.abs(samples.imbalance).max()))
+        self._worst = max(self._worst, float(np.abs(samples.error).max()))
         least = NO_ENERGY * abs(float(samples["energy_kinetic"][-1]))
         self.imbalance = self._worst / max(float(samples.exchanged[-1]), least, 1e-30)
 
@@ -132,7 +132,7 @@ class Player:
 
     @property
     def is_balanced(self) -> bool:
-        """Whether the largest imbalance of the run's energy is small beside what was exchanged."""
+        """Whether the largest error of the run's energy is small beside what was exchanged."""
         return self.imbalance <= LIMIT
 
 

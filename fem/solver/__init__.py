@@ -4,7 +4,8 @@ solver             what every solver answers: plan, first state, blocks of sampl
 simulate           the registry of solvers, and the loop that advances a run of any of them; `model_choice`: what each
                    would take for a scene and err by; `pace`: how fast this machine is
 row_state          states that a compiled time loop advances; `guards`: looks at the samples that no sound run fails
-samples            rows of a time loop as quantities; `compiling`: plans whose loop is compiled
+samples            rows of a time loop as quantities; `energy_account`: the error of their energy; `compiling`:
+                   plans whose loop is compiled
 lagrangian         the Lagrangian model as a solver; `lagrangian_steps`: its integration, compiled
 reduced            the reduced model as a solver: its plan; `reduced_start`: where its runs begin; `reduced_arrays`: its
                    time loop's; `reduced_state`: runs that begin again; `vibrations`: modes of its bodies;

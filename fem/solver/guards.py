@@ -32,7 +32,7 @@ def n_balanced(samples: Samples) -> int:
     """How many samples from the first have an energy that balances."""
     stored = samples["energy_elastic"] + samples["energy_contact"]
     growing = (samples["energy_kinetic"] < -NEGATIVE_LIMIT * stored) & (stored > 0.5 * samples.exchanged)
-    bad = ~(np.abs(samples.relative_imbalance()) <= IMBALANCE_LIMIT) | growing
+    bad = ~(np.abs(samples.relative_error()) <= IMBALANCE_LIMIT) | growing
     return int(np.argmax(bad)) if bad.any() else len(bad)
 
 
@@ -72,7 +72,7 @@ def _hub_then(time_step: float, samples: Samples, at: int) -> str:
 
 def energy_trouble(plan: "ElementPlan", samples: Samples, at: int) -> str:
     """What to say of a sample whose energy doesn't balance, or only grows."""
-    step, imbalance = round(samples["time"][at] / plan.time_step), samples.relative_imbalance()[at]
+    step, imbalance = round(samples["time"][at] / plan.time_step), samples.relative_error()[at]
     fastest = int(np.argmax(np.abs(samples["roller_spin"][at] - plan.start.kinematics.roller)))
     where = f"at step {step}, t = {1e3 * samples['time'][at]:.5g} ms (roller {fastest} strays furthest)"
     if abs(imbalance) <= IMBALANCE_LIMIT:

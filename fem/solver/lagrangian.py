@@ -14,6 +14,7 @@ import numpy as np
 from fem.answers import largest_loads
 from fem.errors import RunFailed
 from fem.solver.compiling import CompiledPlan
+from fem.solver.energy_account import EnergyAccount
 from fem.solver.guards import THROUGH, n_in_place, through_trouble
 from fem.solver.pace import in_words, pace
 from fem.solver.simulate import LARGEST_BLOCK
@@ -185,8 +186,8 @@ class LagrangianState(RunState):
             self._simulation = Simulation(plan.problem, plan.interval, integration=plan.integration)
         except RuntimeError as error:
             raise RunFailed(str(error)) from None
-        self.exchanged = 0.0  # J, the most so far
-        self.missed, self._round_off = 0.0, 0.0  # J, the largest imbalance so far, and what kinetic energy rounds to
+        self.account = EnergyAccount()
+        self.missed, self._round_off = 0.0, 0.0  # J, the largest energy error so far, and what kinetic energy rounds to
         self._largest = np.zeros(3)  # N, so far: see `largest_forces`
 
     @property
@@ -209,8 +210,8 @@ class LagrangianState(RunState):
             if in_place < len(samples) and not self._may_begin_again:
                 self.done = begun + in_place
                 return Block(samples=samples.first(in_place), trouble=self._trouble_of(samples, in_place))
-            self.imbalance = float(samples.relative_imbalance()[-1])
-            self.missed = max(self.missed, float(np.max(np.abs(samples.imbalance))))
+            self.imbalance = float(samples.relative_error()[-1])
+            self.missed = max(self.missed, float(np.max(np.abs(samples.error))))
             self._round_off = max(self._round_off, ROUND_OFF * float(np.max(np.abs(samples["energy_kinetic"]))))
             self._largest = np.fmax(self._largest, largest_forces(samples))
         if simulation.trouble is not None or self.done < self.plan.n_samples or simulation.verdict is Verdict.RESOLVED:
@@ -220,7 +221,7 @@ class LagrangianState(RunState):
             return Block(samples=samples, trouble=simulation.sentence if too_fast else None)
         reason = simulation.sentence.partition(";")[0]
         self.void_steps += self.progress.steps
-        self.done, self.imbalance, self.exchanged, self._largest = 0, 0.0, 0.0, np.zeros(3)
+        self.done, self.imbalance, self.account, self._largest = 0, 0.0, EnergyAccount(), np.zeros(3)
         self.missed, self._round_off = 0.0, 0.0
         simulation.refine()
         return Block(samples=samples, begins_again=f"{reason}; the run begins again with half of it")
@@ -242,13 +243,11 @@ class LagrangianState(RunState):
     def _samples(self, part: Trajectory) -> Samples:
         """A part of the solution by the result file's names."""
         gained = np.abs(part.energy_moved - self._simulation.first_moved_energy)
-        exchanged = np.fmax.accumulate(np.fmax(np.fmax(part.energy_contact, gained), self.exchanged))
-        self.exchanged = float(exchanged[-1])
         per_time, per_roller = np.zeros(part.time.shape), np.zeros(part.roller_rho.shape)
         absent = {name: per_roller for name in ("inner_traction", "outer_traction", "roller_roller_force")}
         problem = self.plan.problem
-        return Samples(
-            values={name: getattr(part, name) for name in SAME}
+        return self.account.samples(
+            {name: getattr(part, name) for name in SAME}
             | absent
             | {
                 "roller_spin": per_roller + np.reshape(part.roller_spin, (-1, 1)),
@@ -261,17 +260,17 @@ class LagrangianState(RunState):
             }
             | {name: getattr(part, name) for name in problem.operation.mounting.columns}
             | ({} if part.cage is None else {f"cage_{name}": value for name, value in vars(part.cage).items()}),
-            imbalance=part.energy_error,
-            exchanged=exchanged,
+            part.energy_error,
+            np.fmax(part.energy_contact, gained),
         )
 
     @property
     def cautions(self) -> tuple[str, ...]:
         """On contacts too wide for their laws; energy off by much of what is exchanged, if little of all passed on."""
         wide = () if self.plan.scene.bearing.type == "ball" else run_cautions(self.plan.problem.bearing, self._largest)
-        if self.missed <= ENERGY_TOLERANCE * max(self.exchanged, self._round_off):
+        if self.missed <= ENERGY_TOLERANCE * max(self.account.exchanged, self._round_off):
             return wide
-        share = 100.0 * self.missed / max(self.exchanged, self._round_off)
+        share = 100.0 * self.missed / max(self.account.exchanged, self._round_off)
         return (
             *wide,
             f"the energy is off by up to {share:.2g} % of the largest that was exchanged: impacts and dampers "
@@ -293,7 +292,7 @@ class LagrangianState(RunState):
     def to_keep(self) -> tuple[dict[str, np.ndarray], Numbers]:
         numbers = {
             "refinements": self._simulation.refinements,
-            "exchanged": self.exchanged,
+            "account": self.account.to_keep(),
             "missed": self.missed,
             "round_off": self._round_off,
         }
@@ -302,6 +301,5 @@ class LagrangianState(RunState):
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
         self._largest = arrays["largest"]
         self._simulation.take_back(arrays, self.done, int(numbers["refinements"]))
-        self.exchanged, self.missed, self._round_off = (
-            float(numbers[name]) for name in ("exchanged", "missed", "round_off")
-        )
+        self.account.take_back(numbers["account"])
+        self.missed, self._round_off = float(numbers["missed"]), float(numbers["round_off"])

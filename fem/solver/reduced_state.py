@@ -53,7 +53,7 @@ class ReducedState(RowState):
             looks *= 2
         self.plan = plan = replace(self._whole, stride=stride, looks=looks)
         self.reader = SampleReader(plan)
-        self._worst = 0.0  # J, the largest imbalance of samples so far
+        self._worst = 0.0  # J, the largest energy error of samples so far
         self._missed, self._passed_on = 0.0, 0.0
         self._hub_sums = no_sums()
         self.bodies = rigid_bodies(plan)
@@ -96,7 +96,7 @@ class ReducedState(RowState):
         Before the end that is taken to grow in proportion to the time, from what the load stores in contacts at rest
         where less has been exchanged: but for one of 444 random bearings, runs that end well stay 14 % below.
         """
-        worst = np.fmax(np.maximum.accumulate(np.abs(samples.imbalance)), self._worst)
+        worst = np.fmax(np.maximum.accumulate(np.abs(samples.error)), self._worst)
         self._worst = float(worst[-1])
         if self.done == self.plan.n_samples:
             return self._worst > LIMIT * float(samples.exchanged[-1])

@@ -36,7 +36,7 @@ class RowState(RunState):
         super().__init__(plan)
         self.reader = SampleReader(plan)
         self._largest = np.zeros(3)  # N, so far: see `largest_forces`
-        self._missed, self._passed_on = 0.0, 0.0  # J, the largest imbalance so far, and what it is measured by
+        self._missed, self._passed_on = 0.0, 0.0  # J, the largest energy error so far, and what it is measured by
         self._came_apart = False  # whether the last block ended because bodies were out of place
 
     @property
@@ -115,11 +115,11 @@ class RowState(RunState):
             bearing = plan.model.bearing
             give = ASTRAY * bearing.roller_radius + plan.model.give(plan.operation.heaviest)
             balanced, in_place = n_balanced(looked), n_in_place(bearing, give, looked)
-            self.imbalance = float(looked.relative_imbalance()[min(balanced, len(looked) - 1)])
+            self.imbalance = float(looked.relative_error()[min(balanced, len(looked) - 1)])
             sound = looked.first(min(balanced, in_place))
             self._largest = np.maximum(self._largest, largest_forces(sound))
             if len(sound):
-                self._missed = max(self._missed, float(np.abs(sound.imbalance).max()))
+                self._missed = max(self._missed, float(np.abs(sound.error).max()))
                 self._passed_on = float(sound.passed_on[-1])
             samples = sound.every(plan.looks)
             self.done += len(samples)

@@ -4,6 +4,7 @@ import numpy as np
 
 from fem.kernels import sample_kernels as row
 from fem.solver.cage_arrays import cage_columns
+from fem.solver.energy_account import EnergyAccount
 from fem.solver.solver import Samples
 from lagrange.mounting import ENERGIES, from_outer_ring
 
@@ -26,7 +27,7 @@ class SampleReader:
         self._count = 0
         self._angle = plan.start.angle
         self._base = None
-        self._exchanged = 0.0
+        self._account = EnergyAccount()
 
     def to_keep(self) -> dict[str, np.ndarray]:
         """What runs on, as arrays; `take_back` takes it back."""
@@ -34,7 +35,7 @@ class SampleReader:
         return {
             "count": np.array(self._count),
             "angle": self._angle,
-            "sums": np.array([*base, self._exchanged]),
+            "sums": np.array([*base, *self._account.to_keep()]),
         }
 
     def take_back(self, kept: dict[str, np.ndarray], samples: int) -> None:
@@ -43,8 +44,9 @@ class SampleReader:
         if self._count != samples * self._looks or (samples and np.isnan(kept["sums"]).any()):
             raise ValueError(f"rows of {samples} samples were to be read")
         self._angle = kept["angle"]
-        *base, self._exchanged = (float(value) for value in kept["sums"])
-        self._base = None if np.isnan(base[0]) else tuple(base)
+        base = tuple(float(value) for value in kept["sums"][:4])
+        self._account.take_back(kept["sums"][4:])
+        self._base = None if np.isnan(base[0]) else base
 
     def read(self, rows: np.ndarray) -> Samples:
         """Quantities of the next rows."""
@@ -62,8 +64,6 @@ class SampleReader:
             self._base = works[0], rows[0, row.DISSIPATED], moved[0], stored[0]
         work, dissipated = works - self._base[0], rows[:, row.DISSIPATED] - self._base[1]
         gained = moved - self._base[2]
-        exchanged = np.fmax.accumulate(np.fmax(np.fmax(stored - self._pressed, np.abs(gained)), self._exchanged))
-        self._exchanged = float(exchanged[-1])
         values = {
             "time": (self._count + np.arange(len(rows))) / self._looks * self._interval,
             "inner_x": rows[:, row.HUB_X],
@@ -98,7 +98,7 @@ class SampleReader:
             values |= cage_columns(rows, n, at)
         self._count += len(rows)
         imbalance = gained + (stored - self._base[3]) - work + dissipated
-        return Samples(values=values, imbalance=imbalance, exchanged=exchanged)
+        return self._account.samples(values, imbalance, np.fmax(stored - self._pressed, np.abs(gained)))
 
     def _unwrap(self, angle: np.ndarray) -> np.ndarray:
         first = np.round((self._angle - angle[:1]) / TURN)

@@ -31,8 +31,9 @@ class Samples:
     """A block of samples: arrays by the result file's names, time first; SI."""
 
     values: dict[str, np.ndarray]
-    imbalance: np.ndarray  # (n,), J: stored energy less what came in
+    imbalance: np.ndarray  # (n,), J: stored energy less what came in, since the start
     exchanged: np.ndarray  # (n,), J, the most so far of elastic and contact energy, or of the kinetic energy's change
+    error: np.ndarray  # (n,), J: the part of the imbalance that is not dissipated yet, see `EnergyAccount`
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.values[name]
@@ -61,15 +62,16 @@ class Samples:
             values={name: array[which] for name, array in self.values.items()},
             imbalance=self.imbalance[which],
             exchanged=self.exchanged[which],
+            error=self.error[which],
         )
 
-    def relative_imbalance(self) -> np.ndarray:
-        """Imbalance over the energy exchanged, (n,)."""
-        return self.imbalance / self.passed_on
+    def relative_error(self) -> np.ndarray:
+        """Energy error over the energy exchanged, (n,)."""
+        return self.error / self.passed_on
 
     @property
     def passed_on(self) -> np.ndarray:
-        """Energy that an imbalance is measured by, (n,), J: that exchanged, or what the kinetic energy rounds to."""
+        """Energy that an error is measured by, (n,), J: that exchanged, or what the kinetic energy rounds to."""
         return np.fmax(self.exchanged, ROUND_OFF * np.abs(self["energy_kinetic"]) + 1e-30)
 
 
@@ -93,7 +95,7 @@ class Progress:
     simulated: float  # s
     wall: float  # s, time loop only
     speed: float  # steps per second of wall time
-    imbalance: float  # energy imbalance over the exchanged energy: see `Samples`
+    imbalance: float  # energy error over the exchanged energy: see `Samples`
 
 
 class RunState(ABC):
@@ -106,7 +108,7 @@ class RunState(ABC):
         self.done = 0  # samples
         self.wall = 0.0  # s, time loop only
         self.processor = 0.0  # s of this thread in it since the process began, whoever else the machine works for
-        self.imbalance = 0.0  # of the last sample, over the exchanged energy
+        self.imbalance = 0.0  # of the last sample: the energy error over the exchanged energy
         self.void_steps = 0  # of what was begun again
         self.stop: Callable[[], bool] = lambda: False  # whether an advance that takes long shall leave off
 

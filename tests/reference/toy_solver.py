@@ -60,7 +60,7 @@ class ToyState(RunState):
         self.done += most
         self.wall += 1e-3
         broken = abs(self.plan.scene.operation.speed_rpm) >= GONE and self.done > 20
-        samples = Samples(values=values, imbalance=np.zeros(most), exchanged=np.ones(most))
+        samples = Samples(values=values, imbalance=np.zeros(most), exchanged=np.ones(most), error=np.zeros(most))
         return Block(samples=samples, trouble="the spring has broken" if broken else None)
 
     def to_keep(self):

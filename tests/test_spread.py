@@ -95,6 +95,26 @@ def test_pressures_are_hertzs(size):
     assert 2.0 * np.sqrt(np.sum(found.pressure * found.across**2) / found.pressure.sum()) == pytest.approx(b, rel=0.01)
 
 
+@pytest.mark.parametrize(("clearance_um", "mass", "first"), [(40.0, 3.0, 0.0), (15.0, 0.1, 9.0)])
+def test_rollers_that_only_their_weight_presses_find_their_place(clearance_um, mass, first):
+    """Points leave a contact open by a nanometre that the series close, and a weight must not fall through the ring."""
+    load = 4e4
+    data = {
+        "bearing": {"outer_raceway_diameter_mm": 56.0 + 1e-3 * clearance_um},
+        "operation": {"inner_ring_and_shaft_kg": mass, "speed_rpm": 0.0, "radial_load_N": load,
+                      "first_roller_deg": first},
+        "numerics": {"mesh_size_mm": 0.5, "duration_ms": 0.0},
+    }  # fmt: skip
+    plan = make_plan(parse_scene(data, "test"))
+    bearing, found = plan.model.bearing, plan.start.equilibrium
+    exact = exact_statics(bearing, load + 9.81 * mass, ON_A_ROLLER + np.radians(first))
+    np.testing.assert_allclose(found.inner_force, exact.inner_force, rtol=0.0, atol=1e-2 * exact.inner_force.max())
+    upward = np.sin(roller_angles(bearing, ON_A_ROLLER + np.radians(first)))
+    weight = 9.81 * bearing.roller_mass * upward  # along the radius
+    loose = (weight > 0.0) & (exact.inner_force == 0.0)
+    np.testing.assert_allclose(found.inner_force[loose], weight[loose], rtol=0.0, atol=1e-4)  # LOOSE_SPRING, 0.1 mm
+
+
 def test_meshes_choose_the_contact():
     """One patch on meshes more than twice as coarse as the half-width, 0.24 mm; points below."""
     for size, spreads in ((0.6, False), (0.4, True)):

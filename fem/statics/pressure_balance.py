@@ -42,10 +42,10 @@ def balance_pressures(
         total = np.bincount(points.contact, force, minlength=2 * n)
         residual = applied - directions.T @ total - springs * (place - middle)
         jacobian = -directions.T @ slopes @ directions - np.diag(springs)
-        return residual, jacobian + _turning(bearing, radial, place, total[:n]), force, active
+        return residual, jacobian + _turning(bearing, radial, place, total[:n]), force, active, overlap
 
     place = start
-    residual, jacobian, force, active = system(place, active)
+    residual, jacobian, force, active, overlap = system(place, active)
     size = float(np.hypot(loads.aside, loads.hub))
     enough = ENOUGH * max(size, 1.0)
     for _ in range(MAX_NEWTON):
@@ -53,6 +53,7 @@ def balance_pressures(
         if norm <= enough:
             return place, force
         step, length = np.linalg.solve(jacobian, -residual), 1.0
+        step[2:] = _in_reach(points, overlap, active, step[2:], residual[2:])
         while True:
             trial = place + length * step
             found = system(trial, active)
@@ -61,10 +62,32 @@ def balance_pressures(
             length *= 0.5
         if length < 1e-6:
             break
-        place, (residual, jacobian, force, active) = trial, found
+        place, (residual, jacobian, force, active, overlap) = trial, found
     if norm > 100.0 * enough + 2.0 * LOOSE_SPRING * abs(bearing.radial_clearance):
         raise NotFound(f"static equilibrium not found: residual {norm:.2e} N under {size:.4g} N, contacts resolved")
     return place, force
+
+
+def _in_reach(points: PressurePoints, overlap, active, step, force) -> np.ndarray:
+    """Steps of the rollers, (n_rollers,), m; those of loose ones end where a contact bears their force.
+
+    A roller that no point holds, because the mesh leaves open by a nanometre a contact that exact statics closes, has
+    nothing but LOOSE_SPRING: by Newton's step its weight would send it through the rings, and the search along the step
+    would hold all other bodies back with it.
+
+    Parameters
+    ----------
+    overlap : (2 n_rollers,), m, of the contacts; force : (n_rollers,), N, outward, that is not balanced
+    """
+    n, found = step.size, step.copy()
+    held = np.bincount(points.contact[active], minlength=2 * n).reshape(2, n).any(axis=0)
+    for j in np.flatnonzero(~held):
+        mine = np.flatnonzero(points.contact == (n + j if force[j] > 0.0 else j))
+        left = overlap[points.contact[mine]] + points.closing[mine]
+        first = mine[np.argmax(left)]
+        most = points.compliance[first, first] * abs(force[j]) - float(left.max())
+        found[j] = np.clip(step[j], -most, most)
+    return found
 
 
 def _turning(bearing: Bearing, radial, place, inner_force) -> np.ndarray:

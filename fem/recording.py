@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem.extras import need
 from fem.labels import labels
 from fem.outcome import Outcome
 from fem.quantities import Quantity, run_quantities
@@ -141,7 +142,13 @@ class Result:
         return {each.name: each for each in run_quantities(bearing, speed, self.values)}
 
     def to_xarray(self) -> "xarray.Dataset":
-        """The samples with dimensions, units and the result file's attributes."""
+        """The samples with dimensions, units and the result file's attributes.
+
+        Errors
+        ------
+        UsageError: xarray is not installed.
+        """
+        need("xarray", "to_xarray")
         import xarray
 
         variables = variables_of(self.scene)

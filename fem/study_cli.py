@@ -9,6 +9,7 @@ from cyclopts import Parameter
 
 from fem.cli import new_app, run_app_main
 from fem.errors import UsageError
+from fem.extras import need
 from fem.outcome import Outcome
 from fem.stopping import hear_termination
 
@@ -56,6 +57,8 @@ def _study(
         raise UsageError(f"--workers {workers}: must be a whole number from 1 to {MOST_WORKERS}")
     if workers is not None and scheduler is not None:
         raise UsageError("--workers, --scheduler: a scheduler has workers of its own; leave --workers out")
+    if scheduler is not None or (workers or 1) > 1:
+        need("distributed", "--workers" if scheduler is None else "--scheduler")
     if (study is None) == (collect is None):
         raise UsageError("name a study file, or a study's folder with --collect")
     from fem.progress import count_display

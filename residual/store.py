@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrange.hdf5_writing import hdf5_to_write
+from lagrange.hdf5_writing import hdf5_to_write, variable
 from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.evaluation import Evaluation
@@ -124,28 +124,29 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
         if d.budget.momentum is not None:
             series[f"momentum_{d.name}"] = (d.budget.momentum, f"error_{d.name} with the run's own contact forces")
     with hdf5_to_write(path, track_order=True) as file:
-        _scale(file, "time", t.time, "s", "time")
-        _scale(file, "frequency", evaluation.x.spectrum.frequency, "Hz", "frequency")
+        variable(file, "time", t.time, ("time",), "s", "time")
+        variable(file, "frequency", evaluation.x.spectrum.frequency, ("frequency",), "Hz", "frequency")
         for name, (value, long_name) in series.items():
-            _variable(file, name, value, "time", "N", long_name)
+            variable(file, name, value, ("time",), "N", long_name)
         count = evaluation.loaded_count.astype(np.int32)
-        _variable(file, "loaded_rollers", count, "time", "1", "rollers in the load zone")
+        variable(file, "loaded_rollers", count, ("time",), "1", "rollers in the load zone")
         for name, (psd, of) in _densities(evaluation).items():
-            _variable(file, name, psd, "frequency", "N2 Hz-1", f"one-sided PSD of {of}")
+            variable(file, name, psd, ("frequency",), "N2 Hz-1", f"one-sided PSD of {of}")
         for d in evaluation.directions:
             found = d.vibration.envelope
             if found is not None:
                 of = f"the envelope of the hub's acceleration in {d.name}, {found.low:.4g} to {found.high:.4g} Hz"
                 name = f"hub_envelope_psd_{d.name}"
-                _variable(file, name, found.spectrum.psd, "frequency", "m2 s-4 Hz-1", f"one-sided PSD of {of}")
+                variable(file, name, found.spectrum.psd, ("frequency",), "m2 s-4 Hz-1", f"one-sided PSD of {of}")
         if evaluation.x.orders is not None:
-            _scale(file, "shaft_order", evaluation.x.orders.path.frequency, "1", "cycles per turn of the shaft")
+            orders = evaluation.x.orders.path.frequency
+            variable(file, "shaft_order", orders, ("shaft_order",), "1", "cycles per turn of the shaft")
         for d in evaluation.directions:
             if d.orders is not None:
                 of = f"one-sided PSD over orders of the hub's place in {d.name}"
-                _variable(file, f"hub_order_psd_{d.name}", d.orders.path.psd, "shaft_order", "m2", of)
+                variable(file, f"hub_order_psd_{d.name}", d.orders.path.psd, ("shaft_order",), "m2", of)
                 of = f"one-sided PSD over orders of error_{d.name}"
-                _variable(file, f"order_psd_{d.name}", d.orders.error.psd, "shaft_order", "N2", of)
+                variable(file, f"order_psd_{d.name}", d.orders.error.psd, ("shaft_order",), "N2", of)
         file.attrs.update(
             program=PROGRAM, program_version=version, run=t.name, law=evaluation.law.name,
             order=evaluation.order,
@@ -165,15 +166,3 @@ def _densities(evaluation: Evaluation) -> dict[str, tuple[np.ndarray, str]]:
             band = f"{d.envelope.low:.4g} to {d.envelope.high:.4g} Hz"
             found[f"envelope_psd_{d.name}"] = d.envelope.spectrum.psd, f"the envelope of {error}, {band}"
     return found
-
-
-def _scale(file, name: str, value, units: str, long_name: str) -> None:
-    data = file.create_dataset(name, data=value)
-    data.attrs["units"], data.attrs["long_name"] = units, long_name
-    data.make_scale(name)
-
-
-def _variable(file, name: str, value, dimension: str, units: str, long_name: str) -> None:
-    data = file.create_dataset(name, data=value)
-    data.attrs["units"], data.attrs["long_name"] = units, long_name
-    data.dims[0].attach_scale(file[dimension])

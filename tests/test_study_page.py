@@ -4,8 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray
 
-from fem.study.dataset import open_dataset, write_dataset
+from fem.study.dataset import read_dataset, write_dataset
 from fem.study.effects import sobol_indices, table_of
 from fem.study.folder import Folder
 from fem.study.page import write_page
@@ -53,9 +54,8 @@ def made_up(tmp_path, monkeypatch):
 
 
 def shares(points, folder):
-    with open_dataset(folder.dataset) as dataset:
-        table = table_of(points, dataset)
-        return {each.name: share for each, share in table.strongest(table.quantities[0])}, table
+    table = table_of(points, read_dataset(folder.dataset, points.study.keep.quantities))
+    return {each.name: share for each, share in table.strongest(table.quantities[0])}, table
 
 
 def test_a_quantity_of_one_parameter_is_explained_by_it_alone(made_up):
@@ -146,7 +146,7 @@ def test_an_empty_cell_is_no_value_of_its_parameter(tmp_path, monkeypatch):
     folder = Folder(path=Path("out"))
     folder.begin(points)
     write_dataset(points, folder)
-    with open_dataset(folder.dataset) as dataset:
-        body, width = table_of(points, dataset).parameters
+    body, width = table_of(points, read_dataset(folder.dataset, points.study.keep.quantities)).parameters
+    with xarray.open_dataset(folder.dataset, engine="netcdf4") as dataset:
         assert dataset.body.values.tolist() == ["", "outer_ring", "outer_ring"]
     assert body.words == ("-", "outer_ring") and np.isnan(width.values[0]) and width.values[2] == 2.0

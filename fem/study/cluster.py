@@ -27,7 +27,6 @@ FIRST_WORKER = 60.0  # s, that the first one may take to come
 CONNECT = 20.0  # s
 COUNTING = 2.0  # s, between two looks at how many workers there are
 HUNG = "hung in compiled code: its worker was killed, limits.seconds_per_point = {:g} s were long over"
-INSTALL = "python -m pip install 'roller-bearing-fem[study]'"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +56,7 @@ def solve_on_cluster(
 
     Errors
     ------
-    UsageError: dask is missing, the scheduler does not answer or has no workers. OSError: `add`'s.
+    UsageError: the scheduler does not answer or has no workers. OSError: `add`'s.
     """
     with _client(where) as client:
         under_way: dict[Any, int] = {}
@@ -116,10 +115,8 @@ def _outcome(future) -> Solved:
 
 @contextmanager
 def _client(where: Cluster) -> Iterator[Any]:
-    try:
-        from distributed import Client, LocalCluster
-    except ImportError:
-        raise UsageError(f"--workers, --scheduler: dask.distributed is not installed: {INSTALL}") from None
+    from distributed import Client, LocalCluster
+
     if where.scheduler is None:
         with (
             from_no_current_folder(),

@@ -1,16 +1,19 @@
 """The dataset of a study: one NetCDF file with labelled dimensions, for xarray and whatever else reads NetCDF.
 
-NetCDF, not Zarr: one file to hand on, the format of the result files, and nothing more to install. What speaks for
-Zarr, many writers at once, is not needed: points have files of their own and one process puts them together in pieces.
+NetCDF, not Zarr: one file to hand on, the format of the result files, and nothing more to install: h5py writes it, HDF5
+with dimension scales. What speaks for Zarr, many writers at once, is not needed: points have files of their own and one
+process puts them together in pieces.
 """
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from importlib.metadata import version
 from math import nan
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 
 from fem.errors import UsageError
@@ -21,6 +24,7 @@ from fem.study.folder import MISSING, Folder
 from fem.study.points import LIBRARIES, Points
 from fem.study.solving import COMPLETE, Solved
 from fem.study.study_file import QUANTITIES
+from lagrange.hdf5_writing import dimension, hdf5_to_write, label, variable
 from lagrange.scene_keys import unit_of
 from lagrange.version import VERSION
 
@@ -39,16 +43,16 @@ def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = la
     ------
     OSError: it can't be written; an earlier dataset stays.
     """
-    import netCDF4
-
     part = folder.dataset.with_name(folder.dataset.name + ".part")
     try:
-        with netCDF4.Dataset(part, "w", format="NETCDF4") as file:
+        with hdf5_to_write(part, track_order=True) as file:
             _lay_out(file, points)
             found = _fill(file, points, folder, count)
         part.replace(folder.dataset)
-    except RuntimeError as error:  # HDF5's own
-        raise OSError(0, f"can't be written: {error}", str(folder.dataset)) from None
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        raise OSError(error.errno or 0, error.strerror or f"can't be written: {error}", str(folder.dataset)) from None
     finally:
         part.unlink(missing_ok=True)
     return found
@@ -57,14 +61,15 @@ def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = la
 def _lay_out(file, points: Points) -> None:
     """Dimensions, coordinates, attributes."""
     design, study = points.design, points.study
-    for name, size in zip(design.dimensions, design.shape, strict=True):
-        file.createDimension(name, size)
+    if design.axes is None:
+        for name, size in zip(design.dimensions, design.shape, strict=True):
+            dimension(file, name, size)
     for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True)):
         values = [point[i] for point in design.points] if design.axes is None else list(design.axes[i])
         where = design.dimensions if design.axes is None else (name,)
         _variable(file, name, where, values, unit_of_key(key), f"scene key {key}")
     libraries = {name: version(name) for name in LIBRARIES}
-    file.setncatts(
+    file.attrs.update(
         {
             "title": study.name,
             "program": PROGRAM,
@@ -81,14 +86,12 @@ def _lay_out(file, points: Points) -> None:
     )
 
 
-def _variable(file, name: str, where: tuple[str, ...], values, unit: str, meaning: str):
+def _variable(file, name: str, where: tuple[str, ...], values, unit: str, meaning: str) -> None:
     words = any(isinstance(value, str) for value in values)
     data = np.array([("" if words else nan) if value is None else value for value in values])
-    kind = str if data.dtype.kind in "UO" else ("i1" if data.dtype.kind == "b" else data.dtype)
-    variable = file.createVariable(name, kind, where)
-    variable.units, variable.long_name = unit, meaning
-    variable[...] = data.astype(object) if kind is str else data.reshape(variable.shape)
-    return variable
+    data = data.astype("i1") if data.dtype.kind == "b" else data
+    shape = tuple(len(file[each]) if each != name else len(data) for each in where)
+    variable(file, name, data.astype(object).reshape(shape) if words else data.reshape(shape), where, unit, meaning)
 
 
 def _fill(file, points: Points, folder: Folder, count: Callable[[], None]) -> dict[str, int]:
@@ -113,12 +116,8 @@ def _fill(file, points: Points, folder: Folder, count: Callable[[], None]) -> di
     signals.flush()
 
     def put(name: str, values, unit: str, meaning: str) -> None:
-        if name not in file.variables:  # a parameter of the study tells it already
-            shaped = np.empty(n, dtype=object) if isinstance(values[0], str) else np.empty(n)
-            shaped[:] = values
-            variable = file.createVariable(name, str if shaped.dtype == object else "f8", design.dimensions)
-            variable.units, variable.long_name = unit, meaning
-            variable[...] = shaped.reshape(design.shape)
+        if name not in file:  # a parameter of the study tells it already
+            _variable(file, name, design.dimensions, list(values), unit, meaning)
 
     for name, values in numbers.items():
         put(name, values, *QUANTITIES[name])
@@ -147,7 +146,7 @@ class _Signals:
     def flush(self) -> None:
         if not self._waiting:
             return
-        if "time" not in self._file.dimensions:
+        if "time" not in self._file:
             self._lay_out(self._waiting[0][1])
         shape = self._points.design.shape
         for i, solved in self._waiting:
@@ -158,7 +157,7 @@ class _Signals:
                 )
             at = tuple(int(k) for k in np.unravel_index(i, shape))
             for name, values in solved.signals.items():
-                self._file.variables[name][at] = values
+                self._file[name][at] = values
         self._waiting.clear()
 
     def _lay_out(self, first: Solved) -> None:
@@ -168,30 +167,48 @@ class _Signals:
         known = variables_of(scene)
         length = len(next(iter(first.signals.values())))
         self._shapes = {name: values.shape for name, values in first.signals.items()}
-        file.createDimension("time", length)
-        time = file.createVariable("time", "f8", ("time",))
-        time.units, time.long_name = "s", "time of the signals' samples"
-        time[:] = first.signal_interval * np.arange(length)
+        time = first.signal_interval * np.arange(length)
+        variable(file, "time", time, ("time",), "s", "time of the signals' samples")
         for name, values in first.signals.items():
             dimensions, unit, meaning = known[name]
-            if dimensions == PER_ROLLER and "roller" not in file.dimensions:
-                file.createDimension("roller", values.shape[1])
-            chunks = (*(1 for _ in design.shape), *values.shape)
-            variable = file.createVariable(
-                name, "f8", (*design.dimensions, *dimensions), chunksizes=chunks, fill_value=nan
+            if dimensions == PER_ROLLER and "roller" not in file:
+                dimension(file, "roller", values.shape[1])
+            room = file.create_dataset(
+                name,
+                shape=(*design.shape, *values.shape),
+                dtype="f8",
+                chunks=(*(1 for _ in design.shape), *values.shape),
+                fillvalue=nan,
             )
-            variable.units, variable.long_name = unit, meaning
+            room.attrs["_FillValue"] = np.array([nan])
+            label(file, name, (*design.dimensions, *dimensions), unit, meaning)
 
 
-def open_dataset(path: Path):
-    """A dataset as an `xarray.Dataset`."""
-    import xarray
+@dataclass(frozen=True, kw_only=True)
+class Collected:
+    """A dataset read back, signals left out: one entry a point, in the points' order."""
 
-    return xarray.open_dataset(path, engine="netcdf4")
+    quantities: dict[str, np.ndarray]  # (n_points,), float
+    status: list[str]
+    message: list[str]
+    seconds: np.ndarray  # (n_points,), s
+    attributes: dict[str, Any]
+
+    @property
+    def incomplete(self) -> Iterator[tuple[int, str, str]]:
+        """Number, status and message of each point that is not complete."""
+        for i, (status, text) in enumerate(zip(self.status, self.message, strict=True)):
+            if status != COMPLETE:
+                yield i, status, text
 
 
-def statuses(dataset) -> Iterator[tuple[int, str, str]]:
-    """Number, status and message of each point that is not complete."""
-    for i, (status, text) in enumerate(zip(dataset.status.values.ravel(), dataset.message.values.ravel(), strict=True)):
-        if status != COMPLETE:
-            yield i, str(status), str(text)
+def read_dataset(path: Path, quantities: Iterable[str] = ()) -> Collected:
+    """What a dataset says of its points."""
+    with h5py.File(path, "r", locking=False) as file:
+        return Collected(
+            quantities={name: file[name][...].ravel() for name in quantities},
+            status=file["status"].asstr()[...].ravel().tolist(),
+            message=file["message"].asstr()[...].ravel().tolist(),
+            seconds=file["seconds"][...].ravel(),
+            attributes=dict(file.attrs),
+        )

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.study.dataset import unit_of_key
+from fem.study.dataset import Collected, unit_of_key
 from fem.study.points import Points
 from fem.study.solving import COMPLETE
 from fem.study.study_file import QUANTITIES
@@ -96,7 +96,7 @@ class Table:
         return sorted(shares, key=lambda each: -each[1])
 
 
-def table_of(points: Points, dataset) -> Table:
+def table_of(points: Points, dataset: Collected) -> Table:
     """Columns of a study from its dataset."""
     design = points.design
     parameters = [
@@ -104,13 +104,13 @@ def table_of(points: Points, dataset) -> Table:
         for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True))
     ]
     quantities = [
-        _quantity(name, *QUANTITIES[name], dataset[name].values.ravel()) for name in points.study.keep.quantities
+        _quantity(name, *QUANTITIES[name], dataset.quantities[name]) for name in points.study.keep.quantities
     ]
     return Table(
         points=points,
         parameters=[each for each in parameters if len(np.unique(each.values[np.isfinite(each.values)])) > 1],
         quantities=quantities,
-        complete=dataset.status.values.ravel() == COMPLETE,
+        complete=np.array(dataset.status) == COMPLETE,
     )
 
 

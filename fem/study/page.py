@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.study.dataset import open_dataset, statuses
+from fem.study.dataset import Collected, read_dataset
 from fem.study.effects import Column, Indices, Table, sobol_indices, table_of
 from fem.study.folder import Folder
 from fem.study.points import Points
@@ -24,29 +24,29 @@ def write_page(points: Points, folder: Folder) -> None:
     """
     from fem.study.figures import study_figures
 
-    with open_dataset(folder.dataset) as dataset:
-        table = table_of(points, dataset)
-        indices = [(each, found) for each in table.quantities if (found := sobol_indices(table, each)) is not None]
-        failed = [(points.design.told(i), status, text) for i, status, text in statuses(dataset)]
-        text = render_page(
-            TEMPLATE,
-            name=points.study.name,
-            verdict=_verdict(table),
-            facts=_facts(table, dataset),
-            meaning=[_sentence(table, each) for each in table.quantities],
-            ranges=[_range(each) for each in table.quantities],
-            sobol=_sobol_rows(table, indices),
-            shares=len(table.parameters) > 1,
-            is_adjusted=table.is_adjusted,
-            unsampled=_unsampled(table, indices),
-            figures=study_figures(table, indices),
-            failed=failed[:MOST_FAILED],
-            left_out=max(0, len(failed) - MOST_FAILED),
-            speed=_speed(table, dataset),
-            version=dataset.attrs["program_version"],
-            study=points.study.text,
-            scene=points.study.scene.to_toml(),
-        )
+    dataset = read_dataset(folder.dataset, points.study.keep.quantities)
+    table = table_of(points, dataset)
+    indices = [(each, found) for each in table.quantities if (found := sobol_indices(table, each)) is not None]
+    failed = [(points.design.told(i), status, text) for i, status, text in dataset.incomplete]
+    text = render_page(
+        TEMPLATE,
+        name=points.study.name,
+        verdict=_verdict(table),
+        facts=_facts(table, dataset),
+        meaning=[_sentence(table, each) for each in table.quantities],
+        ranges=[_range(each) for each in table.quantities],
+        sobol=_sobol_rows(table, indices),
+        shares=len(table.parameters) > 1,
+        is_adjusted=table.is_adjusted,
+        unsampled=_unsampled(table, indices),
+        figures=study_figures(table, indices),
+        failed=failed[:MOST_FAILED],
+        left_out=max(0, len(failed) - MOST_FAILED),
+        speed=_speed(table, dataset),
+        version=dataset.attributes["program_version"],
+        study=points.study.text,
+        scene=points.study.scene.to_toml(),
+    )
     part = folder.page.with_name(folder.page.name + ".part")
     try:
         part.write_text(text, encoding="utf-8")
@@ -67,7 +67,7 @@ def _verdict(table: Table) -> str:
     return f"{names} varied; {state}."
 
 
-def _facts(table: Table, dataset) -> list[tuple[str, str]]:
+def _facts(table: Table, dataset: Collected) -> list[tuple[str, str]]:
     study, design = table.points.study, table.points.design
     shape = "" if design.axes is None else ", " + " × ".join(str(size) for size in design.shape)
     drawn = study.sampling.method in ("lhs", "sobol")
@@ -77,7 +77,7 @@ def _facts(table: Table, dataset) -> list[tuple[str, str]]:
         ("Model", study.scene.model),
         ("Varied", "; ".join(f"{key}: {_span(table.points, i)}" for i, key in enumerate(design.keys))),
         ("Signals", ", ".join(study.keep.signals) or "none kept"),
-        ("Program", f"{dataset.attrs['program_version']}, text {dataset.attrs['program_digest']}"),
+        ("Program", f"{dataset.attributes['program_version']}, text {dataset.attributes['program_digest']}"),
     ]
 
 
@@ -135,8 +135,8 @@ def _unsampled(table: Table, indices: list[tuple[Column, Indices]]) -> str:
     return "There are no Sobol indices: they need every point, and not all are complete, or nothing varies."
 
 
-def _speed(table: Table, dataset) -> list[tuple[str, str]]:
-    seconds = dataset.seconds.values.ravel()
+def _speed(table: Table, dataset: Collected) -> list[tuple[str, str]]:
+    seconds = dataset.seconds
     seconds = seconds[np.isfinite(seconds)]
     if not len(seconds):
         return []

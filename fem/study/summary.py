@@ -4,7 +4,7 @@ from math import isnan
 
 from rich.console import Console
 
-from fem.study.dataset import open_dataset, statuses
+from fem.study.dataset import read_dataset
 from fem.study.folder import Folder
 from fem.study.points import Points
 from fem.study.running import Expected, StudyOptions, workers_for
@@ -45,8 +45,8 @@ def print_plan(points: Points, pending: list[int], found: Expected | None, optio
 def told_outcome(points: Points, folder: Folder, found: dict[str, int]) -> list[str]:
     """How many points there are of each status, and the first that failed, a line each."""
     lines = [f"{len(points)} points: {', '.join(f'{count} {status}' for status, count in sorted(found.items()))}"]
-    with open_dataset(folder.dataset) as dataset:
-        lines += [f"{points.design.told(i)}: {status}: {text}" for i, status, text in statuses(dataset)]
+    incomplete = read_dataset(folder.dataset).incomplete
+    lines += [f"{points.design.told(i)}: {status}: {text}" for i, status, text in incomplete]
     more = ["… more are on the page"] if len(lines) > 1 + MOST_TOLD else []
     return [*lines[: 1 + MOST_TOLD], *more]
 

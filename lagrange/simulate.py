@@ -70,7 +70,7 @@ class Simulation:
         self.refinements = 0
         self._least = steps_of(problem, interval, time_step)
         self._most_refinements = REFINEMENTS if time_step is None else 0
-        self._start = problem.first_state
+        self._start = problem.first_state.state
         self._begin()
 
     def _begin(self) -> None:

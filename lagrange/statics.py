@@ -32,6 +32,7 @@ class Statics:
     theta: np.ndarray
     inner_force: np.ndarray
     outer_force: np.ndarray
+    stiffness: np.ndarray  # (2, 2), N/m, of the hub's place as elements follow it; negative across what it balances on
 
     @property
     def n_loaded(self) -> int:
@@ -68,7 +69,7 @@ def static_equilibrium(
     """
     theta = roller_angles(bearing, operation.first_roller_angle) if angles is None else np.asarray(angles, dtype=float)
     mass = bearing.roller_mass if roller_mass is None else roller_mass
-    load = np.array([operation.side_load, -(operation.radial_load + operation.inner_mass * operation.gravity)])
+    load = _load(operation)
     weight = float(np.hypot(*load))
     system = _System(bearing, operation, laws, theta, mass, turns, np.asarray(ring, dtype=float))
     hub = np.zeros(2) if start is None else np.array(start, dtype=float)
@@ -81,7 +82,7 @@ def static_equilibrium(
         if np.max(np.abs(here.unbalance)) <= BALANCE * (weight + np.sum(here.inner_force)) + finest:
             return Statics(
                 x=float(hub[0]), y=float(hub[1]), rho=here.rho, theta=theta,
-                inner_force=here.inner_force, outer_force=here.outer_force,
+                inner_force=here.inner_force, outer_force=here.outer_force, stiffness=here.stiffness,
             )  # fmt: skip
         step = _newton_step(here, system.typical_stiffness)
         hub, here = _descend(system, hub, here, step, load)
@@ -89,6 +90,30 @@ def static_equilibrium(
         f"no static equilibrium after {MAX_NEWTON} steps: {np.max(np.abs(here.unbalance)):.3g} N unbalanced at hub "
         f"x = {hub[0]:.3e} m, y = {hub[1]:.3e} m; check load, clearance {bearing.radial_clearance:.3e} m and law"
     )
+
+
+def held_hub(
+    bearing: Bearing,
+    operation: Operation,
+    laws: ContactLaws,
+    hub: np.ndarray,
+    *,
+    angles: np.ndarray,
+    turns: Turns = UNTURNED,
+    ring: np.ndarray | tuple[float, float] = (0.0, 0.0),
+) -> tuple[np.ndarray, np.ndarray]:
+    """Force that holds the hub at a place, (2,), N, and the elements' ρ in radial balance there, (n_rollers,), m.
+
+    Parameters: as of `static_equilibrium`; hub : (2,), m
+    """
+    place = np.asarray(ring, dtype=float)
+    here = _System(bearing, operation, laws, angles, bearing.roller_mass, turns, place).at(hub, _load(operation))
+    return here.unbalance, here.rho
+
+
+def _load(operation: Operation) -> np.ndarray:
+    """Load and weight on the hub, (2,), N."""
+    return np.array([operation.side_load, -(operation.radial_load + operation.inner_mass * operation.gravity)])
 
 
 @dataclass(frozen=True, kw_only=True)

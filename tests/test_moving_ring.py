@@ -87,7 +87,7 @@ def test_statics_carry_load_and_weights_by_the_springs_of_both_sides(shaft):
     bearing = Scene().ideal_bearing()
     operation = mounted(Scene().ideal_operation(), shaft=shaft)
     problem = Problem(bearing=bearing, operation=operation, laws=contact_laws("harris", bearing))
-    state, gravity = problem.first_state, operation.gravity
+    state, gravity = problem.first_state.state, operation.gravity
     start = equilibrium_start(reduced_bearing(bearing, kinematics(bearing, operation.speed)), operation)
     hanging = operation.inner_mass + bearing.outer_ring_mass + LIGHT.mass
     for ring, hub in ((state.ring_y, state.y + state.ring_y), (start.ring[1], start.hub[1] + start.ring[1])):

@@ -268,6 +268,8 @@ class LagrangianState(RunState):
     def cautions(self) -> tuple[str, ...]:
         """On contacts too wide for their laws; energy off by much of what is exchanged, if little of all passed on."""
         wide = () if self.plan.scene.bearing.type == "ball" else run_cautions(self.plan.problem.bearing, self._largest)
+        caution = self.plan.problem.first_state.caution
+        wide = wide if caution is None else (caution, *wide)
         if self.missed <= ENERGY_TOLERANCE * max(self.account.exchanged, self._round_off):
             return wide
         share = 100.0 * self.missed / max(self.account.exchanged, self._round_off)

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.statics.contact_balance import (
-    JUMP,
     ROUND_OFF,
     Condensed,
     Loads,
@@ -16,11 +15,13 @@ from fem.statics.contact_balance import (
     first_guess,
     geometry,
     hub_spring,
+    hub_stiffness,
     standing_ring,
 )
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation, kinematics
 from lagrange.course import LONGEST_LOOK, SLOWEST
+from lagrange.first_state import JUMP, followed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.mounting import HELD
 from lagrange.profile import UNTURNED, Turns
@@ -49,7 +50,8 @@ class ReducedStart:
 def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
     """Static equilibrium at t = 0, with the velocities of passing through the equilibria before and after.
 
-    Where these do not follow each other (a hub balanced on one roller in clearance) it starts without velocities.
+    Where the hub cannot follow these (`lagrange.first_state.followed`: in clearance, balanced on one roller) or they do
+    not follow each other it starts without velocities.
 
     Errors
     ------
@@ -65,7 +67,9 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
     ring = standing_ring(operation, _weight_on_springs(bearing, operation), force_at)
     place, forces = middle = _balanced(model, operation, 0.0, ring=ring)
     speed, rate = abs(operation.speed) * bearing.inner_raceway_radius, np.zeros_like(place)
-    if speed > SLOWEST:
+    contacts, spring = model.at(angle, UNTURNED), hub_spring(operation, ring)
+    follows = followed(hub_stiffness(contacts, place, forces, spring), bearing, operation)[0].size == 2
+    if speed > SLOWEST and follows:
         ahead = LOOK_AHEAD * bearing.roller_radius / speed
         if operation.course is not None:
             ahead = min(ahead, LONGEST_LOOK)

@@ -7,10 +7,12 @@ import numpy as np
 
 from fem.contacts.reduction import Motion
 from fem.elastic.bored import BoredRing
-from fem.statics.contact_balance import JUMP, ROUND_OFF, NotFound, hub_spring, standing_ring
+from fem.statics.contact_balance import ROUND_OFF, NotFound, hub_spring, hub_stiffness, standing_ring
 from fem.statics.equilibrium import Equilibrium, equilibrium
+from fem.statics.exact_statics import exact_contacts
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.course import LONGEST_LOOK, SLOWEST
+from lagrange.first_state import JUMP, followed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.profile import profiles
 
@@ -57,7 +59,8 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
     """Static equilibrium at t = 0, with the velocities of passing through the equilibria before and after.
 
     Elastic waves excited by the start are thereby of second order in the rolling speed over the wave speed. Where the
-    equilibria do not follow each other (a hub balanced on one roller in clearance) it starts without these velocities.
+    hub cannot follow the equilibria (`lagrange.first_state.followed`: in clearance, balanced on one roller) or they do
+    not follow each other it starts without these velocities.
     """
     weight = operation.inner_mass * operation.gravity
 
@@ -73,7 +76,7 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
         ring = standing_ring(operation, on_springs, lambda place: at(0.0, place).outer_force @ motion.radial)
     middle = at(0.0, ring)
     speed = abs(operation.speed) * model.bearing.inner_raceway_radius
-    if speed < SLOWEST:
+    if speed < SLOWEST or not _follows(model, operation, middle, motion, ring):
         return _still(model, operation, middle, motion)
     ahead = LOOK_AHEAD * model.roller.shape.surface_spacing / speed
     if operation.course is not None:  # far beyond its table it is of no sense
@@ -99,6 +102,15 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
         outer_rate=rate("outer_ring"),
         housing=housing_place(model, operation, motion, middle),
     )
+
+
+def _follows(model: "Model", operation: Operation, middle: Equilibrium, motion: Motion, ring: np.ndarray) -> bool:
+    """Whether the hub follows its equilibrium along all directions, by the exact compliances of elastic bodies."""
+    place = np.concatenate([middle.hub, middle.rho])
+    forces = np.concatenate([middle.inner_force, middle.outer_force])
+    contacts = replace(exact_contacts(model.bearing, motion.roller_angle), turns=motion.turns)
+    stiffness = hub_stiffness(contacts, place, forces, hub_spring(operation, ring))
+    return followed(stiffness, model.bearing, operation)[0].size == 2
 
 
 def rest_start(model: "Model", operation: Operation) -> Start:

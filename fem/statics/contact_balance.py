@@ -28,7 +28,6 @@ FIRST_GAP = 1e-4  # of a roller's radius, beside what the contact is open by
 SHRINK = 0.1  # of the mean force times gap in a step
 TO_THE_WALL = 0.95  # of the way to where a force or a gap would vanish
 ROUND_OFF = 1e-12  # of a roller radius: less preload than this is none
-JUMP = 0.01  # of the surface speed: no hub moves that fast from one equilibrium to the next
 
 
 class NotFound(UsageError):
@@ -98,6 +97,33 @@ def springs_of(bearing: Bearing, spring: HubSpring | None) -> tuple[np.ndarray, 
     if spring is not None and spring.stiffness > LOOSE_SPRING:
         stiffness[:2], middle[:2] = spring.stiffness, (spring.x, spring.y)
     return stiffness, middle
+
+
+def hub_stiffness(contacts: Condensed, place: np.ndarray, forces: np.ndarray, spring: HubSpring | None) -> np.ndarray:
+    """Of the hub in equilibrium as rollers follow it, (2, 2), N/m; negative across a roller that it balances on.
+
+    Parameters
+    ----------
+    place : (n_rollers + 2,), m; forces : (2 n_rollers,), N
+
+    Errors
+    ------
+    Weight and centrifugal force of rollers are left out.
+    """
+    bearing, n = contacts.bearing, contacts.bearing.n_rollers
+    forces, turns = closed_forces(forces), contacts.turns
+    directions = geometry(bearing, contacts.radial, place, turns, forces)[1]
+    closed = np.flatnonzero(forces > 0.0)
+    own = edge_compliances(bearing, contacts.radial, place, turns)
+    own = own + _law(contacts, np.where(forces > 0.0, forces, 1.0))[1]
+    soft = (contacts.compliance + np.diag(own))[np.ix_(closed, closed)]
+    whole = np.diag(springs_of(bearing, spring)[0]) + directions[closed].T @ np.linalg.solve(soft, directions[closed])
+    normal = directions[:n, :2]
+    across = np.zeros((n, n + 2))  # the inner contacts' ways along their tangents, by which their normals turn
+    across[:, :2] = np.column_stack([-normal[:, 1], normal[:, 0]])
+    across[range(n), range(2, n + 2)] = -np.sum(across[:, :2] * contacts.radial, axis=1)
+    whole -= across.T @ ((forces[:n] / (bearing.inner_raceway_radius + bearing.roller_radius))[:, None] * across)
+    return whole[:2, :2] - whole[:2, 2:] @ np.linalg.solve(whole[2:, 2:], whole[2:, :2])
 
 
 def closed_forces(forces: np.ndarray) -> np.ndarray:

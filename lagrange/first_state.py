@@ -1,0 +1,138 @@
+"""The state at t = 0: at rest with rings centred, or a static equilibrium with the velocities of its motion.
+
+An equilibrium moves as rollers pass and loads change. A hub follows it only where the contacts hold it stiffly enough:
+in clearance one roller alone may carry the hub, which is balanced on it (the stiffness across is negative), and a hub
+without load is not held at all. Along such directions the hub starts without velocity.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from lagrange.bearing import Bearing, Operation
+from lagrange.kinematics import kinematics, roller_angles, turned
+from lagrange.motion import State
+from lagrange.mounting import ring_place
+from lagrange.profile import Turns
+from lagrange.raceway_laws import ContactLaws
+from lagrange.statics import Statics, held_hub, static_equilibrium
+
+DIFFERENCE = 1e-6  # s, for the velocities of the moving equilibrium
+NO_MOVE = 1e-9  # m within that time, below which velocities that do not converge are of no matter
+SAME = 0.1  # of the velocities: most that they may change by as the difference is halved
+JUMP = 0.01  # of the surface speed: no hub moves that fast from one equilibrium under a steady load to the next
+SOFT = (
+    "the contacts hold the hub so softly at the start ({stiffness:.3g} N/m across) that it cannot follow the "
+    "equilibrium from roller to roller: it starts without that velocity"
+)
+JUMPS = "the static equilibrium jumps at the start, so the hub starts there without velocity"
+
+
+class FirstState(NamedTuple):
+    """A state to start from, and what to say of it."""
+
+    state: State
+    caution: str | None = None
+
+
+def followed(stiffness: np.ndarray, bearing: Bearing, operation: Operation) -> tuple[np.ndarray, np.ndarray]:
+    """Stiffnesses, (k,), N/m, and directions, (2, k), along which a hub follows its equilibrium as rollers pass.
+
+    Along these λ > M (n ω_cage)²: the hub's own frequency lies above that of the rollers' passage. k is 0, 1 or 2.
+
+    Parameters
+    ----------
+    stiffness : (2, 2), N/m, of the hub in its static equilibrium
+    """
+    values, vectors = np.linalg.eigh(stiffness)
+    passage = bearing.n_rollers * kinematics(bearing, operation.fastest).cage
+    stiff = values > max(operation.inner_mass * passage**2, 0.0)
+    return values[stiff], vectors[:, stiff]
+
+
+def rest_state(bearing: Bearing, operation: Operation) -> FirstState:
+    """Rings centred, contacts undeformed, elements at cage speed."""
+    zero = np.zeros(bearing.n_rollers)
+    alone = replace(operation.mounting, shaft=None)
+    ring = ring_place(alone, _weight_on_springs(bearing, operation), lambda _: np.zeros(2))
+    state = State(
+        x=0.0, y=0.0, rho=zero + bearing.pitch_radius, theta=roller_angles(bearing, operation.first_roller_angle),
+        x_rate=0.0, y_rate=0.0, rho_rate=zero, theta_rate=zero + kinematics(bearing, operation.speed).cage,
+        ring_x=ring[0], ring_y=ring[1],
+    )  # fmt: skip
+    return FirstState(state)
+
+
+def equilibrium_state(bearing: Bearing, operation: Operation, laws: ContactLaws) -> FirstState:
+    """Static equilibrium, with the velocities at which it moves as far as the hub can follow.
+
+    Errors
+    ------
+    RuntimeError: no equilibrium.
+    """
+    theta = roller_angles(bearing, operation.first_roller_angle)
+
+    def force_at(place):
+        still = static_equilibrium(bearing, operation, laws, angles=theta, ring=place)
+        return np.array([still.outer_force @ np.cos(theta), still.outer_force @ np.sin(theta)])
+
+    ring = ring_place(operation.mounting, _weight_on_springs(bearing, operation), force_at)
+    now = static_equilibrium(bearing, operation, laws, angles=theta, ring=ring)
+    rates, caution = _rates(bearing, operation, laws, now, ring)
+    state = State(
+        x=now.x, y=now.y, rho=now.rho, theta=theta, x_rate=rates[0], y_rate=rates[1], rho_rate=rates[2:],
+        theta_rate=np.zeros(bearing.n_rollers) + kinematics(bearing, operation.speed).cage,
+        ring_x=ring[0], ring_y=ring[1],
+    )  # fmt: skip
+    return FirstState(state, caution)
+
+
+def _rates(
+    bearing: Bearing, operation: Operation, laws: ContactLaws, now: Statics, ring: np.ndarray
+) -> tuple[np.ndarray, str | None]:
+    """Velocities of hub and ρ, (2 + n_rollers,), m/s, 0 where these do not converge, and what to say of them."""
+
+    def moment(shift):
+        return operation.at(shift), dict(
+            angles=now.theta + turned(bearing, operation, shift).cage,
+            turns=Turns.rolling(bearing, operation, shift),
+            ring=ring,
+        )
+
+    def equilibrium_at(shift):
+        acting, there = moment(shift)
+        found = static_equilibrium(bearing, acting, laws, start=(now.x, now.y), **there)
+        return np.array([found.x, found.y, *found.rho])
+
+    def held_at(shift, velocity):
+        acting, there = moment(shift)
+        hub = np.array([now.x, now.y]) + shift * velocity
+        force, rho = held_hub(bearing, acting, laws, hub, **there)
+        return force, np.array([*hub, *rho])
+
+    values, directions = followed(now.stiffness, bearing, operation)
+
+    def rates_by(shift):
+        if values.size == 2:
+            return (equilibrium_at(shift) - equilibrium_at(-shift)) / (2.0 * shift)
+        # not by equilibria, which may lie far from each other here
+        change = (held_at(shift, np.zeros(2))[0] - held_at(-shift, np.zeros(2))[0]) / (2.0 * shift)
+        velocity = -directions @ ((directions.T @ change) / values)
+        return (held_at(shift, velocity)[1] - held_at(-shift, velocity)[1]) / (2.0 * shift)
+
+    rates = rates_by(DIFFERENCE)
+    largest = np.abs(rates).max()
+    moves = 2.0 * DIFFERENCE * largest > NO_MOVE
+    surface = abs(operation.speed) * bearing.inner_raceway_radius
+    too_fast = operation.course is None and np.hypot(rates[0], rates[1]) > JUMP * surface
+    if moves and (too_fast or np.abs(rates_by(0.5 * DIFFERENCE) - rates).max() > SAME * largest):
+        return np.zeros_like(rates), JUMPS
+    softest = float(np.linalg.eigvalsh(now.stiffness)[0])
+    return rates, SOFT.format(stiffness=softest) if values.size < 2 and operation.fastest > 0.0 else None
+
+
+def _weight_on_springs(bearing: Bearing, operation: Operation) -> float:
+    """Of a housing and its outer ring, N; 0 without."""
+    housing = operation.mounting.housing
+    return 0.0 if housing is None else operation.gravity * (housing.mass + bearing.outer_ring_mass)

@@ -1,0 +1,198 @@
+"""Starts of the Lagrangian model against another integration of the equations: python -m tests.accuracy.starts.
+
+Random bearings (--count, --seed) under 0 to 5 % of the static load rating, in clearance, of rollers and balls, held and
+free, some in a housing or on a shaft's springs, over 2 ms. Two references by scipy's DOP853, of equations written anew:
+from the same start, which judges the steps, and with the hub standing, which judges the start. Minutes.
+"""
+
+import argparse
+import warnings
+from math import pi
+from time import process_time
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from fem.solver.lagrangian import make_plan
+from lagrange.catalogue import designations
+from lagrange.kinematics import kinematics
+from lagrange.problem import Problem
+from lagrange.scene import SceneError, parse_scene
+from lagrange.simulate import simulate
+
+DURATION, INTERVAL = 2e-3, 2e-6  # s
+CLOSE = 0.01  # of the largest force, between the same starts
+LOUD = 1.3  # times the largest force with a hub that stands at first: a start that excites the bearing
+
+
+def problem_of(tables: dict) -> Problem:
+    """The problem of a scene's tables."""
+    return make_plan(parse_scene({"model": "lagrange", **tables}, "scene")).problem
+
+
+def random_tables(random: np.random.Generator) -> dict:
+    """A lightly loaded bearing."""
+
+    def between(low, high):
+        return float(low * (high / low) ** random.random())
+
+    bearing: dict = {"clearance_um": float(random.choice([0.0, between(1.0, 100.0)], p=[0.1, 0.9]))}
+    if random.random() < 0.3:
+        bearing |= {"type": "ball", "rollers": int(random.integers(6, 12))}
+        rating = 5000.0
+    else:
+        bearing["designation"] = str(random.choice(designations()))
+        rating = 20000.0
+    operation = {
+        "radial_load_N": float(random.choice([0.0, rating * between(1e-4, 0.05)], p=[0.1, 0.9])),
+        "speed_rpm": between(100.0, 12000.0),
+        "gravity_m_s2": float(random.choice([0.0, 9.81])),
+        "inner_ring_and_shaft_kg": between(0.3, 5.0),
+        "first_roller_deg": float(random.choice([0.0, random.uniform(0.0, 60.0)])),
+    }
+    if random.random() < 0.15:
+        operation |= {"shaft": "springs", "shaft_stiffness_N_per_m": between(1e3, 1e7)}
+    if random.random() < 0.15:
+        operation |= {"unbalance_g_mm": between(1.0, 300.0)}
+    tables = {"bearing": bearing, "operation": operation}
+    if random.random() < 0.3:
+        tables["lagrange"] = {"angles": "free"}
+    if random.random() < 0.2:
+        tables["support"] = {"kind": "housing"}
+    return tables
+
+
+class Reference:
+    """The equations of motion in the fixed frame, written anew; held elements on rays about the outer ring's centre."""
+
+    def __init__(self, problem: Problem):
+        self.problem = problem
+        self.bearing, self.operation = problem.bearing, problem.operation
+        self.n, self.held = problem.bearing.n_rollers, problem.angles == "kinematic"
+        self.first = problem.operation.first_roller_angle + 2.0 * pi * np.arange(self.n) / self.n
+        self.cage = kinematics(problem.bearing, problem.operation.speed).cage
+        mounting = problem.operation.mounting
+        self.housing, self.shaft = mounting.housing, mounting.shaft
+
+    def packed(self, moving: bool) -> np.ndarray:
+        """The problem's own start, with its velocities or without those of the hub and along the radii."""
+        s = self.problem.first_state.state
+        share = 1.0 if moving else 0.0
+        ring = np.array([s.ring_x, s.ring_y])
+        hub, rate = ring + np.array([s.x, s.y]), share * np.array([s.x_rate, s.y_rate])
+        if self.held:
+            elements, rates = s.rho, share * s.rho_rate
+        else:
+            turn = np.exp(1j * s.theta)
+            place, speed = s.rho * turn, (share * s.rho_rate + 1j * s.rho * self.cage) * turn
+            elements = np.concatenate([ring[0] + place.real, ring[1] + place.imag])
+            rates = np.concatenate([speed.real, speed.imag])
+        return np.concatenate([hub, ring, elements, rate, np.zeros(2), rates])
+
+    def contacts(self, time: float, q: np.ndarray):
+        """Inner and outer forces, N, their directions on the elements, and the rays, (2, n) each."""
+        hub, ring = q[:2], q[2:4]
+        if self.held:
+            angle = self.first + self.cage * time
+            ray = np.array([np.cos(angle), np.sin(angle)])
+            place = ring[:, None] + q[4:] * ray
+        else:
+            place = q[4:].reshape(2, -1)
+        from_hub, from_ring = place - hub[:, None], place - ring[:, None]
+        near, far = np.sqrt((from_hub**2).sum(axis=0)), np.sqrt((from_ring**2).sum(axis=0))
+        b = self.bearing
+        inner = np.maximum(b.inner_raceway_radius + b.roller_radius - near, 0.0)
+        outer = np.maximum(far - (b.outer_raceway_radius - b.roller_radius), 0.0)
+        laws = self.problem.laws
+        return laws.inner.force(inner), laws.outer.force(outer), from_hub / near, from_ring / far
+
+    def rate(self, time: float, state: np.ndarray) -> np.ndarray:
+        half, o = state.size // 2, self.operation
+        q, v = state[:half], state[half:]
+        inner, outer, outward, ray = self.contacts(time, q)
+        on_elements = inner * outward - outer * ray
+        acting = o.at(time)
+        hub = np.array([float(acting.side_load), -float(acting.radial_load)]) - (inner * outward).sum(axis=1)
+        if self.shaft is not None:
+            hub = hub - self.shaft.stiffness * q[:2] - self.shaft.damping * v[:2]
+        hub_acc, ring_acc = hub / o.inner_mass - [0.0, o.gravity], np.zeros(2)
+        if self.housing is not None:
+            push = (outer * ray).sum(axis=1) - self.housing.stiffness * q[2:4] - self.housing.damping * v[2:4]
+            ring_acc = push / (self.housing.mass + self.bearing.outer_ring_mass) - [0.0, o.gravity]
+        acc = on_elements / self.bearing.roller_mass - np.array([[0.0], [o.gravity]])
+        if self.held:
+            elements = ((acc - ring_acc[:, None]) * ray).sum(axis=0) + self.cage**2 * q[4:]
+        else:
+            elements = acc.ravel()
+        return np.concatenate([v, hub_acc, ring_acc, elements])
+
+    def forces(self, moving: bool = True, duration: float = DURATION) -> np.ndarray:
+        """The largest contact force at every sample, N."""
+        times = INTERVAL * np.arange(round(duration / INTERVAL) + 1)
+        longest = 1e-5  # s: no contact closes and opens between steps
+        found = solve_ivp(
+            self.rate, (0.0, times[-1]), self.packed(moving), "DOP853", times, rtol=1e-8, atol=1e-13, max_step=longest
+        )
+        half = found.y.shape[0] // 2
+        both = (self.contacts(t, q)[:2] for t, q in zip(found.t, found.y[:half].T, strict=True))
+        return np.array([max(inner.max(), outer.max()) for inner, outer in both])
+
+
+def own_forces(problem: Problem, duration: float = DURATION) -> np.ndarray:
+    """The largest contact force at every sample of the program's solution, N."""
+    run = simulate(
+        problem.bearing, problem.operation, problem.laws, duration, INTERVAL,
+        start=problem.start, angles=problem.angles, damping=problem.damping, cage=problem.cage,
+    )  # fmt: skip
+    return np.maximum(run.inner_force, run.outer_force).max(axis=1)
+
+
+def judged(tables: dict) -> tuple[float, float, float, str | None]:
+    """Error of the largest force, largest over first, largest over a standing hub's, and caution or refusal."""
+    problem = problem_of(tables)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            own = own_forces(problem)
+        except RuntimeError as error:
+            return 0.0, 1.0, 1.0, f"refused: {error}"
+    reference = Reference(problem)
+    same = reference.forces()
+    still = same if not np.any(problem.first_state.state.rho_rate) else reference.forces(moving=False)
+    said = [str(warning.message) for warning in caught]
+    return abs(own.max() / same.max() - 1.0), own.max() / own[0], own.max() / still.max(), "; ".join(said) or None
+
+
+def main(count: int, seed: int) -> None:
+    random, errors, loud, missed, refused, began = np.random.default_rng(seed), [], [], [], 0, process_time()
+    for k in range(count):
+        tables = random_tables(random)
+        try:
+            error, over_first, over_still, said = judged(tables)
+        except SceneError as fault:
+            print(f"{k}: not a scene: {fault}", flush=True)
+            continue
+        refused += said is not None and said.startswith("refused")
+        errors.append(error)
+        loud.append(over_still)
+        if error > CLOSE or over_still > LOUD:
+            missed.append(k)
+            print(
+                f"{k}: {100 * error:.3g} % off, {over_first:.3g} of the first force, {over_still:.3g} of a standing "
+                f"hub's, {said}: {tables}",
+                flush=True,
+            )
+    print(
+        f"{len(errors)} scenes, seed {seed}: errors of the largest force, %: median {100 * np.median(errors):.2g}, "
+        f"99 % {100 * np.quantile(errors, 0.99):.2g}, largest {100 * max(errors):.3g}; over a standing hub's at most "
+        f"{max(loud):.3g}; refused {refused}; beyond {CLOSE:.0%} or {LOUD:g} times: {missed}; "
+        f"{process_time() - began:.0f} s"
+    )
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=40)
+    parser.add_argument("--seed", type=int, default=1)
+    chosen = parser.parse_args()
+    main(chosen.count, chosen.seed)

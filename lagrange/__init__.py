@@ -19,8 +19,8 @@ energy        T and V: (2), (3), (14)-(17)
 motion        the N_b + 2 equations (21)-(23), the θ equation, damping, accelerations; (21) as printed
 statics       equilibrium of hub and rolling elements
 load_ramp     a load that grows by half a cosine
-problem       what is solved, with the model's choices, and its first state; `step_size`: how long steps may be;
-              `near_faults`: when contacts are near faults, where they are shorter
+problem       what is solved, with the model's choices; `first_state`: where it starts; `step_size`: how long steps
+              may be; `near_faults`: when contacts are near faults, where they are shorter
 systems       accelerations of hub and elements, with kinematic angles and with free ones
 integrate     time stepping: Blanes and Moan's fourth-order scheme, leapfrog with damping
 simulate      forward solution, at once or in parts that can be kept and gone on with; its refinement

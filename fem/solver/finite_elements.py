@@ -177,7 +177,10 @@ def make_plan(scene: Scene) -> ElementPlan:
         stride=stride,
         largest_force=expected,
         mass=mass,
-        cautions=cautions(model, operation, loaded.equilibrium, interval),
+        cautions=(
+            *cautions(model, operation, loaded.equilibrium, interval),
+            *(() if start.caution is None else (start.caution,)),
+        ),
         n_samples=sample_count(scene),
         frame_stride=round(1e-3 * scene.output.fields_every_ms / interval),
     )

@@ -152,6 +152,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
     longest *= numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
     start = rest_start(model, operation) if numerics.start == "rest" else loaded
+    of_start = () if start.caution is None else (start.caution,)
     raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)
     return ReducedPlan(
@@ -172,7 +173,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         stride=looks * ceil(steps / looks),
         looks=looks,
         n_samples=sample_count(scene),
-        cautions=cautions(model, operation, loaded, interval),
+        cautions=(*cautions(model, operation, loaded, interval), *of_start),
     )
 
 

@@ -21,7 +21,7 @@ from fem.statics.contact_balance import (
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation, kinematics
 from lagrange.course import LONGEST_LOOK, SLOWEST
-from lagrange.first_state import JUMP, followed
+from lagrange.first_state import JUMP, JUMPS, SOFT, followed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.mounting import HELD
 from lagrange.profile import UNTURNED, Turns
@@ -45,6 +45,7 @@ class ReducedStart:
     outer_force: np.ndarray
     steady: bool  # forces hold every roller on its circle
     ring: np.ndarray  # (2,), of the outer ring's centre, from which all other places are
+    caution: str | None = None  # on velocities that it starts without
 
 
 def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedStart:
@@ -69,7 +70,10 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
     speed, rate = abs(operation.speed) * bearing.inner_raceway_radius, np.zeros_like(place)
     contacts, spring = model.at(angle, UNTURNED), hub_spring(operation, ring)
     follows = followed(hub_stiffness(contacts, place, forces, spring), bearing, operation)[0].size == 2
-    if speed > SLOWEST and follows:
+    caution = None
+    if speed > SLOWEST and not follows:
+        caution = SOFT
+    elif speed > SLOWEST:
         ahead = LOOK_AHEAD * bearing.roller_radius / speed
         if operation.course is not None:
             ahead = min(ahead, LONGEST_LOOK)
@@ -80,7 +84,9 @@ def equilibrium_start(model: ReducedBearing, operation: Operation) -> ReducedSta
         found = (after - before) / (2.0 * ahead)
         if np.hypot(*found[:2]) <= JUMP * speed:
             rate = found
-    return replace(_start(model, operation, place, rate, forces), ring=ring)
+        else:
+            caution = JUMPS
+    return replace(_start(model, operation, place, rate, forces), ring=ring, caution=caution)
 
 
 def _weight_on_springs(bearing: Bearing, operation: Operation) -> float:

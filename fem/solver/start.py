@@ -12,7 +12,7 @@ from fem.statics.equilibrium import Equilibrium, equilibrium
 from fem.statics.exact_statics import exact_contacts
 from lagrange import Kinematics, Operation, kinematics
 from lagrange.course import LONGEST_LOOK, SLOWEST
-from lagrange.first_state import JUMP, followed
+from lagrange.first_state import JUMP, JUMPS, SOFT, followed
 from lagrange.kinematics import roller_angles, turned
 from lagrange.profile import profiles
 
@@ -36,6 +36,7 @@ class Start:
     outer_rate: np.ndarray
     housing: np.ndarray  # (2,), m, of the outer ring's centre; all other places are about it
     steady: bool = True  # forces hold every node on its circle; False: nothing is strained yet, nodes go straight on
+    caution: str | None = None  # on velocities that it starts without
 
 
 def rolling_motion(model: "Model", operation: Operation, time: float) -> tuple[Motion, Kinematics]:
@@ -76,8 +77,10 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
         ring = standing_ring(operation, on_springs, lambda place: at(0.0, place).outer_force @ motion.radial)
     middle = at(0.0, ring)
     speed = abs(operation.speed) * model.bearing.inner_raceway_radius
-    if speed < SLOWEST or not _follows(model, operation, middle, motion, ring):
+    if speed < SLOWEST:
         return _still(model, operation, middle, motion)
+    if not _follows(model, operation, middle, motion, ring):
+        return replace(_still(model, operation, middle, motion), caution=SOFT)
     ahead = LOOK_AHEAD * model.roller.shape.surface_spacing / speed
     if operation.course is not None:  # far beyond its table it is of no sense
         ahead = min(ahead, LONGEST_LOOK)
@@ -86,7 +89,7 @@ def equilibrium_start(model: "Model", operation: Operation) -> Start:
     except NotFound:
         return _still(model, operation, middle, motion)
     if np.linalg.norm(after.hub - before.hub) > JUMP * 2.0 * ahead * speed:
-        return _still(model, operation, middle, motion)
+        return replace(_still(model, operation, middle, motion), caution=JUMPS)
 
     def rate(name):
         return (getattr(after, name) - getattr(before, name)) / (2.0 * ahead)

@@ -11,6 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from fem.answers import first_answers
+from fem.solver.compiling import CompiledPlan
 from fem.solver.solver import Plan, RunState
 from lagrange import Bearing, kinematics
 from lagrange.messages import shown
@@ -27,12 +28,14 @@ LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
 
 def print_plan(plan: Plan) -> None:
     """What has been decided and what it will cost. RunFailed: there is no equilibrium to tell of."""
-    from fem.solver.trial import seconds_by_trial  # only a dry run needs what it imports
+    from fem.solver.trial import is_compiled, seconds_by_trial  # only a dry run needs what it imports
 
     console, table, rows = Console(highlight=False), plan.table(), plan.rows()
     seconds = seconds_by_trial(plan)
     if seconds is not None:
         rows["expected time"] = f"about {seconds:.2g} s, by a piece of it"
+    if isinstance(plan, CompiledPlan):
+        rows["compiling before it"] = "nothing, the time loop is kept" if is_compiled(plan) else plan.compiling
     console.print(f"Plan of {shown(plan.scene.name)}, {plan.model_name}", style="italic", markup=False)
     if table is not None:
         console.print(table)

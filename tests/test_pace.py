@@ -67,7 +67,7 @@ def test_a_run_is_remembered_and_the_next_plan_says_so(kept, tmp_path, capsys, m
     assert "no run has been timed here yet" in capsys.readouterr().out
     plain = make_plan(read_scene(None, ("model=reduced", "numerics.duration_ms=200"))).expected_seconds
     assert run_main([*scene, "--quiet", "--output", str(tmp_path / "a.nc")]) == 0
-    ((ratio,),) = json.loads(kept.read_text(encoding="utf-8")).values()
+    (ratio,) = json.loads(kept.read_text(encoding="utf-8"))[pace._key("reduced")]
     took = ratio * plain
     assert took == pytest.approx(round(took, 2)) and took >= pace.SHORTEST
     run_main([*scene, "--dry-run"])
@@ -93,6 +93,29 @@ def test_a_dry_run_compiles_nothing(monkeypatch):
     monkeypatch.setattr(type(plan), "prepare", lambda plan: new(1))
     assert seconds_by_trial(plan) is None and not new.signatures
     assert new(1) == 1  # compiled elsewhere as ever
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_a_dry_run_says_whether_and_how_long_the_run_will_compile(kept, capsys, monkeypatch):
+    options = ["--model", "reduced", "--duration", "2", "--dry-run"]
+    plan = make_plan(read_scene(None, ("model=reduced", "numerics.duration_ms=2")))
+    plan.prepare()
+    run_main(options)
+    assert "compiling before it:           nothing" in capsys.readouterr().out
+    new, take_steps = numba.njit(lambda x: x), type(plan.first_state()).take_steps
+
+    def compiles(state, count):  # a part of the time loop that no cache holds
+        new(1)
+        return take_steps(state, count)
+
+    monkeypatch.setattr(type(plan.first_state()), "take_steps", compiles)
+    run_main(options)
+    told = capsys.readouterr().out
+    assert f"compiling before it:           about {plan.compiling_seconds:.2g} s, or three times that" in told
+    assert not new.signatures
+    monkeypatch.setattr("time.process_time", iter((0.0, 57.0)).__next__)
+    plan.prepare()
+    assert new.signatures and plan.compiling == "about 57 s"
 
 
 def test_a_plan_without_steps_or_with_samples_that_take_long_is_not_tried():

@@ -1,10 +1,12 @@
 """Plans whose time loop is compiled: loading it, what to tell while that takes long, what its bits depend on."""
 
 import gc
+import time
 from collections.abc import Callable
 from importlib.metadata import version
 
 from fem.kernels import kernel_folder
+from fem.solver.pace import in_words, pace, remember
 from fem.solver.processor import processor
 from fem.solver.solver import Plan
 from lagrange.messages import said_if_long
@@ -16,7 +18,7 @@ COMPILING = "compiling the time loop, once for such bodies and contacts: "
 class CompiledPlan(Plan):
     """A plan whose first state has `take_steps(count)`."""
 
-    compiling_takes = "half a minute, or one on a slow processor"
+    compiling_seconds = 30.0  # of one core of a server, before what this machine takes is known
     finer = "lower numerics.time_step_safety or numerics.mesh_size_mm"  # what keeps the energy better
 
     @property
@@ -24,16 +26,31 @@ class CompiledPlan(Plan):
         """What a press fit stores, J, and no motion can take out again."""
         return 0.0
 
+    @property
+    def compiling(self) -> str:
+        """How long the compiler will take, in words."""
+        key = self._compiling_key
+        return in_words(key, self.compiling_seconds * pace(key))
+
+    @property
+    def _compiling_key(self) -> str:
+        return f"compiling {self.scene.model}"
+
     def prepare(self, tell: Callable[[str], None] | None = None) -> None:
         """Compile the time loop, or load it compiled, without taking a step."""
-        collecting = gc.isenabled()
+        from numba.core.event import install_recorder
+
+        collecting, began = gc.isenabled(), time.process_time()
         gc.disable()  # a compiler's many objects are nearly all kept: looking for cycles takes a tenth of its time
         try:
-            with said_if_long(PATIENCE, COMPILING + self.compiling_takes, tell):
+            with said_if_long(PATIENCE, COMPILING + self.compiling, tell), install_recorder("numba:compile") as new:
                 self.first_state().take_steps(0)
         finally:
             if collecting:
                 gc.enable()
+        took, key = time.process_time() - began, self._compiling_key
+        if new.buffer and took > PATIENCE:
+            remember(key, self.compiling_seconds * pace(key), took)
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -55,7 +55,7 @@ class LagrangianPlan(CompiledPlan):
     law_caution: str | None  # on law and material, which concern this run alone
     cautions: tuple[str, ...] = ()
     model_name = "Lagrangian model"
-    compiling_takes = "some seconds"
+    compiling_seconds = 5.0
     lacks = "rings that bend, elastic waves"
 
     @property

@@ -11,14 +11,28 @@ ENOUGH = 0.1  # s of the processor
 LONGEST_SAMPLE = 0.5  # s, of a sample that is tried
 
 
+class _Needed(RunFailed):
+    """A function would have to be compiled."""
+
+
 class _Refusal(Listener):
     """Stops what begins to compile."""
 
     def on_start(self, event):
-        raise RunFailed("a function would have to be compiled")
+        raise _Needed("a function would have to be compiled")
 
     def on_end(self, event):
         pass
+
+
+def is_compiled(plan: Plan) -> bool:
+    """Whether the time loop need not be compiled; nothing is."""
+    try:
+        with install_listener("numba:compile", _Refusal()):
+            plan.prepare()
+    except _Needed:
+        return False
+    return True
 
 
 def seconds_by_trial(plan: Plan) -> float | None:

@@ -12,7 +12,7 @@ spectrum        power spectral density, peaks, kinematic lines
 quarters        what varies in each quarter of a record: transients
 lines           levels of lines and sidebands; `envelope` spectrum of a band; `short_time` spectra
 orders          order tracking: spectra over the shaft's angle where its speed changes
-vibration       the hub's acceleration: levels, fault lines in its envelope
+vibration       acceleration of sensor, housing or hub (`measured`): levels, fault lines in its envelope
 fault_finding   spalls found in trajectories alone: `roller_motion` what it may see, `three_samples` what rollers do
                 between them, `sinkage_maps` by each body's angle; `fault_tables`, `fault_figures`
 evaluation      the whole check as one call -> `Evaluation`

@@ -15,6 +15,7 @@ from residual.errors import InputError
 from residual.fitted_laws import Law
 from residual.identification import Identification
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
+from residual.measured import measured
 from residual.moments import Statistics
 from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
 from residual.position_noise import WITHIN, PositionNoise, position_noise
@@ -45,7 +46,7 @@ class Direction:
     resonance: float  # Hz, estimate of the inner ring on its contacts in this direction; 0 where they hold nothing
     envelope: Envelope | None  # around it
     term_spectra: dict[str, Spectrum]  # of each term of the budget
-    vibration: Vibration  # of the hub, by the run's own acceleration where the source tells it
+    vibration: Vibration  # of sensor, housing or hub, by the run's own acceleration where the source tells it
     orders: OrderSpectra | None  # where the shaft's speed changes
 
 
@@ -199,7 +200,7 @@ def evaluate(
     central = slice(max(0, order // 2 - first), used.time.size - order // 2)  # where stencils are
 
     def direction(
-        name: str, part: DirectionBudget, motion: np.ndarray, acceleration: np.ndarray, resonance: float
+        name: str, part: DirectionBudget, motion: np.ndarray, body: str, acceleration: np.ndarray, resonance: float
     ) -> Direction:
         spectrum = power_spectrum(part.error, interval, _slowest(lines))
         return Direction(
@@ -215,15 +216,15 @@ def evaluate(
             resonance=resonance,
             envelope=envelope(part.error, interval, resonance, _slowest(lines)),
             term_spectra={name: power_spectrum(term, interval, _slowest(lines)) for name, term in part.terms.items()},
-            vibration=vibration(acceleration, interval, lines),
+            vibration=vibration(acceleration, interval, lines, body),
             orders=None if tracking is None else order_spectra(tracking, part.error, motion, acceleration),
         )
 
     x, y = (
-        direction(name, part, place, whole if own is None else own, resonance)
-        for name, part, place, whole, own, resonance in zip(
-            "xy", (budget.x, budget.y), (used.inner_x, used.inner_y), accelerations.whole,
-            (used.inner_ax, used.inner_ay), resonances, strict=True,
+        direction(name, part, place, body, acceleration, resonance)
+        for name, part, place, (body, acceleration), resonance in zip(
+            "xy", (budget.x, budget.y), (used.inner_x, used.inner_y), measured(used, accelerations), resonances,
+            strict=True,
         )
     )  # fmt: skip
     watched = [(watched_level(x.spectrum, name, lines), watched_level(y.spectrum, name, lines)) for name in watch]

@@ -21,11 +21,11 @@ ON_MAP = ("FTF", "BPFO", "BPFI", "BSF")
 def order_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
     """Draw the figure, if the speed changes and the record is long enough."""
     x, y = evaluation.x.orders, evaluation.y.orders
-    return [] if x is None or y is None else [order_spectrum(x, y, folder)]
+    return [] if x is None or y is None else [order_spectrum(x, y, evaluation.y.vibration.body, folder)]
 
 
-def order_spectrum(x: OrderSpectra, y: OrderSpectra, folder: Path) -> SavedFigure:
-    """Draw the order spectra of the hub's path and of its envelope, and below them the path's along the record."""
+def order_spectrum(x: OrderSpectra, y: OrderSpectra, body: str, folder: Path) -> SavedFigure:
+    """Draw order spectra of the hub's path and of the envelope of a body's acceleration, and the path's over time."""
     tracking, short, unit = x.tracking, y.short_time, 1e12  # µm²
     shown = [("path x, µm²", x.path, unit), ("path y, µm²", y.path, unit)]
     if y.envelope is not None:
@@ -46,7 +46,8 @@ def order_spectrum(x: OrderSpectra, y: OrderSpectra, folder: Path) -> SavedFigur
         _draw_map(axes[-1], tracking, short)
     low, high = (text(60.0 * speed, 4) for speed in speed_range(tracking))
     caption = (
-        f"Order spectra (power spectral densities) of the hub's path, and of the envelope of its acceleration, "
+        f"Order spectra (power spectral densities) of the hub's path, and of the envelope of the "
+        f"{body}'s acceleration, "
         f"resampled at {tracking.angles.size} equal angles of the shaft while it turns with {low} to {high} rpm (Δ = "
         f"{text(x.path.resolution, 2)} orders). Dashed: kinematic lines by the run's own cage, which stay where they "
         "are in orders; dotted: multiples."

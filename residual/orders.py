@@ -70,7 +70,7 @@ class OrderSpectra:
     path: Spectrum  # of the hub's place, m²
     peaks: list[Peak]  # of that
     short_time: ShortTime | None  # of that, over turns; None: the record is too short
-    envelope: Spectrum | None  # of the envelope of the hub's acceleration, (m/s²)²; None: no band is free for it
+    envelope: Spectrum | None  # of the envelope of the measured acceleration, (m/s²)²; None: no band is free for it
 
 
 def tracking_of(record: Record) -> Tracking | None:
@@ -105,7 +105,7 @@ def _lines(record: Record, turns: float) -> dict[str, float]:
 
 
 def order_spectra(tracking: Tracking, error: np.ndarray, path: np.ndarray, acceleration: np.ndarray) -> OrderSpectra:
-    """Order spectra of signals of the whole record: an error force, N, the hub's place, m, its acceleration, m/s²."""
+    """Order spectra of signals of the whole record: an error force, N, the hub's place, m, an acceleration, m/s²."""
     lines, step = tracking.lines, tracking.step
     slowest, place = lines["FTF"], tracking.resampled(path)
     spectrum, envelope = power_spectrum(place, step, slowest), tracking.envelope(acceleration)

@@ -59,6 +59,9 @@ class Record:
     outer_ring_y: np.ndarray | None = None
     outer_ring_ax: np.ndarray | None = None  # (n_times,), m/s², the integrator's own
     outer_ring_ay: np.ndarray | None = None
+    housing_ax: np.ndarray | None = None  # (n_times,), m/s², of a housing whose ring has a fit
+    housing_ay: np.ndarray | None = None
+    sensor_ay: np.ndarray | None = None  # (n_times,), m/s², what a sensor on the housing shows
     inner_force: np.ndarray | None = None  # (n_times, n_rollers), N, normal, >= 0
     outer_force: np.ndarray | None = None
     inner_traction: np.ndarray | None = None  # (n_times, n_rollers), N, on the roller, positive along +θ

@@ -33,7 +33,13 @@ from residual.tables import (
     quarter_rows,
     stated_error_rows,
 )
-from residual.vibration_tables import envelope_rows, vibration_rows, vibration_sentences
+from residual.vibration_tables import (
+    envelope_rows,
+    vibration_headings,
+    vibration_rows,
+    vibration_sentences,
+    whose,
+)
 from residual.words import text
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -79,6 +85,8 @@ def render_report(
         levels=level_rows(evaluation),
         watched=watched_rows(evaluation),
         lines=[(name, text(f)) for name, f in evaluation.lines.items() if "×" not in name],
+        body=whose(evaluation),
+        vibration_headings=vibration_headings(evaluation),
         vibration=vibration_rows(evaluation),
         envelope=envelope_rows(evaluation),
         vibration_sentences=vibration_sentences(evaluation),

@@ -98,7 +98,8 @@ def _from_file(path: Path, file) -> Record:
     mounting = scene.mounting()
     centre, of_support = mounting.centre, () if mounting.housing is None else (OF_SUPPORT,)
     shaft = SHAFT if mounting.shaft is not None else ()
-    further = (*centre[2:], *of_support, *shaft)
+    shaken = tuple(name for name in mounting.columns if name.endswith(("_ax", "_ay")))
+    further = (*shaken, *of_support, *shaft)
     needed = (*MOTION, *centre[:2])
     promised = (*needed, *OPTIONAL, *further, *ENERGIES) if attributes.get("program") == SOLVER else needed
     if scene.damping.acts and len(promised) > len(needed):

@@ -135,8 +135,9 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
         for d in evaluation.directions:
             found = d.vibration.envelope
             if found is not None:
-                of = f"the envelope of the hub's acceleration in {d.name}, {found.low:.4g} to {found.high:.4g} Hz"
-                name = f"hub_envelope_psd_{d.name}"
+                body = d.vibration.body
+                of = f"the envelope of the {body}'s acceleration in {d.name}, {found.low:.4g} to {found.high:.4g} Hz"
+                name = f"{body}_envelope_psd_{d.name}"
                 variable(file, name, found.spectrum.psd, ("frequency",), "m2 s-4 Hz-1", f"one-sided PSD of {of}")
         if evaluation.x.orders is not None:
             orders = evaluation.x.orders.path.frequency

@@ -135,8 +135,9 @@ def _level(level: LineLevel) -> dict:
 
 
 def _vibration(v: Vibration) -> dict:
-    """Levels of the hub's acceleration and amplitudes of the fault lines in its envelope."""
+    """Levels of a body's acceleration and amplitudes of the fault lines in its envelope."""
     return {
+        "body": v.body,
         "peak_m_s2": v.peak,
         "rms_m_s2": v.rms,
         "crest_factor": v.crest,

@@ -1,4 +1,4 @@
-"""The hub's vibration as bearing engineers read it: levels of its acceleration, and fault lines in its envelope."""
+"""Vibration as bearing engineers read it: levels of an acceleration, and fault lines in its envelope."""
 
 from dataclasses import dataclass
 
@@ -37,8 +37,9 @@ class FaultLine:
 
 @dataclass(frozen=True, kw_only=True)
 class Vibration:
-    """Acceleration of the hub in one direction, its mean removed."""
+    """Acceleration of a body in one direction, its mean removed."""
 
+    body: str  # "sensor", "housing" or "hub"
     peak: float  # m/s²
     rms: float  # m/s²
     kurtosis: float | None  # fourth moment over squared variance: 3 of Gaussian noise; None without any vibration
@@ -53,8 +54,8 @@ class Vibration:
         return any(line.resolved for line in self.lines)
 
 
-def vibration(acceleration, interval: float, lines: dict[str, float]) -> Vibration:
-    """Levels and fault lines of one component of the hub's acceleration.
+def vibration(acceleration, interval: float, lines: dict[str, float], body: str = "hub") -> Vibration:
+    """Levels and fault lines of one component of a body's acceleration.
 
     Parameters
     ----------
@@ -76,7 +77,7 @@ def vibration(acceleration, interval: float, lines: dict[str, float]) -> Vibrati
         found = None
     moving = level > 0.0
     return Vibration(
-        peak=peak, rms=level, crest=peak / level if moving else None,
+        body=body, peak=peak, rms=level, crest=peak / level if moving else None,
         kurtosis=float(np.mean((motion / level) ** 4)) if moving else None,
         bands=band_levels(power_spectrum(motion, interval, cage)), envelope=found,
         lines=[] if found is None else envelope_lines(found, lines),

@@ -1,4 +1,4 @@
-"""Figure of the hub's vibration: its acceleration over a few roller passages, and the spectrum of its envelope."""
+"""Figure of the vibration of sensor, housing or hub: a few roller passages, and the spectrum of the envelope."""
 
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from residual.panels import panels
 from residual.plotting import legend_above, line_handles, mark_lines, save
 from residual.spectrum import Spectrum
 from residual.vibration import FaultLine, fault_lines
+from residual.vibration_tables import whose
 from residual.words import text
 
 PASSAGES_SHOWN = 5.0
@@ -23,35 +24,38 @@ HEADROOM = 1.22  # above the highest line, for its name
 def vibration_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
     """Draw the figure, if the record tells lines of envelopes."""
     envelopes = [d.vibration.envelope for d in evaluation.directions if d.vibration.envelope is not None]
-    return [hub_envelope(evaluation, envelopes, folder)] if evaluation.x.vibration.tells_lines else []
+    return [envelope_figure(evaluation, envelopes, folder)] if evaluation.x.vibration.tells_lines else []
 
 
-def hub_envelope(evaluation: Evaluation, envelopes: list[Envelope], folder: Path) -> SavedFigure:
+def envelope_figure(evaluation: Evaluation, envelopes: list[Envelope], folder: Path) -> SavedFigure:
     """Draw the band of the acceleration with its envelope over a few passages, and the envelope's spectra."""
     figure, (upper, *axes) = panels((1, 2), 7.4, lines=2, shares=(0.85, 1.0, 1.0))
     found = list(zip(evaluation.directions, envelopes, strict=True))
     loud, loudest = max(found, key=lambda each: each[0].vibration.rms)
-    _draw_passages(upper, evaluation, loud.name, loudest)
+    _draw_passages(upper, evaluation, f"{loud.vibration.body}, {loud.name}", loudest)
     top = SPECTRUM_TO * evaluation.lines["BPFI"]
     slow = {name: evaluation.lines[name] for name in ("FTF", "shaft")}
     lines, families = slow | fault_lines(evaluation.lines), []
     for axis, (direction, envelope) in zip(axes, found, strict=True):
         families = mark_lines(axis, lines, 0.0, top, labels=False)
         _draw_spectrum(axis, envelope.spectrum, direction.vibration.lines, top)
-        axis.set_ylabel(f"envelope, {direction.name}, m/s²")
+        axis.set_ylabel(f"{direction.vibration.body}, {direction.name}, m/s²")
     handles = line_handles(families, evaluation.lines)
     legend_above(
         axes[0], 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, handletextpad=0.4, fontsize=9
     )
     axes[1].set_xlabel("frequency, Hz")
+    body = whose(evaluation)
     caption = (
-        f"Hub's acceleration within {text(1e-3 * loudest.low, 3)} to {text(1e-3 * loudest.high, 3)} kHz: in "
-        f"{loud.name} over {PASSAGES_SHOWN:g} roller passages with its envelope, and amplitude spectra of the "
+        f"Acceleration of the {loud.vibration.body} within {text(1e-3 * loudest.low, 3)} to "
+        f"{text(1e-3 * loudest.high, 3)} kHz: in {loud.name} over {PASSAGES_SHOWN:g} roller "
+        "passages with its envelope, and amplitude spectra of the "
         f"envelopes (Δf = {text(loudest.spectrum.resolution, 3)} Hz). Dashed: FTF, shaft, BPFO, BPFI; dotted: "
         "multiples, sidebands of BPFI by the shaft, and 2×BSF with sidebands by the cage. Dots: lines that stand out, "
         "as in the table."
     )
-    return save(figure, folder, "hub_envelope", "Envelope spectra of the hub's acceleration", caption)
+    title = f"Envelope spectra of the {body}'s acceleration"
+    return save(figure, folder, f"{body}_envelope", title, caption)
 
 
 def _draw_passages(axis, evaluation: Evaluation, name: str, found: Envelope) -> None:
@@ -63,7 +67,7 @@ def _draw_passages(axis, evaluation: Evaluation, name: str, found: Envelope) -> 
     axis.plot(1e3 * time[shown], found.band[shown], color=SKY, linewidth=0.6, label="acceleration in the band")
     axis.plot(1e3 * time[shown], found.level[shown], color=BLUE, linewidth=0.8, label="its envelope")
     axis.margins(x=0.0)
-    axis.set(xlabel="time, ms", ylabel=f"acceleration, {name}, m/s²")
+    axis.set(xlabel="time, ms", ylabel=f"{name}, m/s²")
     legend_above(axis, 2)
 
 

@@ -1,38 +1,64 @@
-"""Rows and sentences about the hub's vibration, for the report."""
+"""Rows and sentences about the vibration of sensor, housing or hub, for the report."""
+
+from collections.abc import Iterable
 
 from lagrange.faults import Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
 from lagrange.messages import shown
+from lagrange.units import G
 from residual.evaluation import Evaluation
 from residual.vibration import ENVELOPE_FROM, STANDS_OUT, FaultLine
 from residual.words import text
 
 
-def vibration_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Rows of quantity, x and y: m/s² but for kurtosis and crest factor."""
-    both = [d.vibration for d in evaluation.directions]
+def whose(evaluation: Evaluation) -> str:
+    """Whose vibration the report is of, as it stands along y, the load's direction."""
+    return evaluation.y.vibration.body
+
+
+def vibration_headings(evaluation: Evaluation) -> list[str]:
+    """Headings of `vibration_rows` beyond the first: body and direction, each in m/s² and in g."""
     return [
-        ["peak", *(text(v.peak) for v in both)],
-        ["rms", *(text(v.rms) for v in both)],
-        *(
-            [f"rms, {text(1e-3 * low)}-{text(1e-3 * high)} kHz", *(text(v.bands[low, high]) for v in both)]
-            for low, high in both[0].bands
-        ),
-        ["crest factor", *("-" if v.crest is None else text(v.crest, 3) for v in both)],
-        ["kurtosis", *("-" if v.kurtosis is None else text(v.kurtosis, 3) for v in both)],
+        heading
+        for d in evaluation.directions
+        for heading in (f"{d.vibration.body}, {d.name}, m/s²", f"{d.vibration.body}, {d.name}, g")
     ]
 
 
+def vibration_rows(evaluation: Evaluation) -> list[list[str]]:
+    """Rows of quantity, and of x and y each m/s² and g; kurtosis and crest factor have no unit."""
+    both = [d.vibration for d in evaluation.directions]
+    return [
+        ["peak", *_levels(v.peak for v in both)],
+        ["rms", *_levels(v.rms for v in both)],
+        *(
+            [f"rms, {text(1e-3 * low)}-{text(1e-3 * high)} kHz", *_levels(v.bands[low, high] for v in both)]
+            for low, high in both[0].bands
+        ),
+        ["crest factor", *(cell for v in both for cell in ("-" if v.crest is None else text(v.crest, 3), ""))],
+        ["kurtosis", *(cell for v in both for cell in ("-" if v.kurtosis is None else text(v.kurtosis, 3), ""))],
+    ]
+
+
+def _levels(accelerations: Iterable[float]) -> list[str]:
+    """Each in m/s² and in g."""
+    return [cell for value in accelerations for cell in (text(value), text(value / G, 3))]
+
+
 def envelope_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Rows of line, Hz, amplitude and ratio to the floor in x and in y, resolved; lines that stand out are marked."""
+    """Rows of line, Hz, resolved, and in x and y each amplitude in m/s² and in g and its ratio to the floor.
+
+    Lines that stand out are marked.
+    """
     x, y = (d.vibration.lines for d in evaluation.directions)
     return [
-        [a.name, text(a.frequency), *_cells(a), *_cells(b), "yes" if a.resolved else "no"]
+        [a.name, text(a.frequency), "yes" if a.resolved else "no", *_cells(a), *_cells(b)]
         for a, b in zip(x, y, strict=True)
     ]
 
 
 def _cells(line: FaultLine) -> list[str]:
-    return [text(line.amplitude, 3) + (" *" if line.stands_out else ""), text(line.ratio, 2)]
+    amplitude = text(line.amplitude, 3) + (" *" if line.stands_out else "")
+    return [amplitude, text(line.amplitude / G, 2), text(line.ratio, 2)]
 
 
 def vibration_sentences(evaluation: Evaluation) -> list[str]:
@@ -60,7 +86,7 @@ def vibration_sentences(evaluation: Evaluation) -> list[str]:
     expected = _expected(faults)
     return [
         f"{scene} {lines}." + (f" Expected of such faults: {', '.join(expected)}." if expected else ""),
-        f"Envelope (Hilbert) of the hub's acceleration within {text(1e-3 * found.low, 3)} to "
+        f"Envelope (Hilbert) of the {whose(evaluation)}'s acceleration within {text(1e-3 * found.low, 3)} to "
         f"{text(1e-3 * found.high, 3)} kHz: from {ENVELOPE_FROM:g} BPFI up to 0.9 of the Nyquist frequency, at most "
         "50 kHz. Amplitudes, not rms. Ratio: to the median at multiples of FTF from the line; * stands out: resolved, "
         f"ratio at least {STANDS_OUT:g} (12 dB). A perfect bearing has a weak line at BPFO too, because passing "

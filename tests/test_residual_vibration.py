@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from scipy.signal.windows import hann
 
+from fem.checking import check_quantities
 from fem.cli import run_main
 from lagrange.kinematics import kinematics
-from lagrange.scene import Scene
+from lagrange.scene import Scene, parse_scene
 from residual.cli import main
 from residual.evaluation import evaluate
 from residual.sources import read_result
@@ -17,6 +18,7 @@ from residual.spectrum import find_peaks, kinematic_lines
 from residual.vibration import fault_lines, vibration
 from residual.vibration_figures import vibration_figures
 from residual.vibration_tables import vibration_sentences
+from tests.reference.synthetic_run import make_run, run_variables, write_result
 
 STEP = 1e-5
 TIME = STEP * np.arange(30_000)
@@ -171,6 +173,29 @@ def test_the_figure_says_which_band_it_shows(runs, tmp_path):
     (drawn,) = vibration_figures(evaluate(read_result(runs["outer"])), tmp_path)
     assert "within 1.78 to 45 kHz: in y over 5 roller passages" in drawn.caption
     assert drawn.png.stat().st_size > 10_000
+
+
+@pytest.mark.usefixtures("plain_report")
+@pytest.mark.parametrize("sensor", [{"sensor": {}}, {}])
+def test_vibration_is_the_sensors_or_the_housings_in_g_too_and_studies_take_its_envelope(sensor, tmp_path):
+    """A carrier of 2 g in 15 kHz, half modulated by BPFO: 1 g at BPFO of the envelope, crest factor 2."""
+    run, size = make_run(20_001, scene=parse_scene({"support": {"kind": "housing"}, **sensor}, "")), 2.0 * 9.80665
+    passing = run.scene.bearing.rollers * np.polyfit(run.time, run.angle[:, 0], 1)[0]
+    made = size * (1.0 + 0.5 * np.cos(passing * run.time)) * np.cos(2.0 * np.pi * 15e3 * run.time)
+    still, variables = np.zeros(run.time.size), run_variables(run)
+    variables |= dict.fromkeys(("housing_x", "housing_y", "housing_ax", "housing_ay", "energy_support"), still)
+    variables |= {"sensor_ay" if sensor else "housing_ay": made}
+    path, body = write_result(tmp_path / "made.nc", run, variables), "sensor" if sensor else "housing"
+    assert main([str(path), "--quiet"]) == 0
+    folder = tmp_path / "made-residual"
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert f'<h2 id="vibration">Vibration of the {body}</h2>' in page and f"<th>{body}, y, g</th>" in page
+    found = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["vibration_y"]
+    assert found["body"] == body and found["rms_m_s2"] == pytest.approx(made.std(), rel=1e-9)
+    kept = {each.name: each.value for each in check_quantities(evaluate(read_result(path)))}
+    assert kept["sensor_rms"] == found["rms_m_s2"] and kept["sensor_crest"] == pytest.approx(2.0, rel=1e-2)
+    assert kept["sensor_bpfo"] == pytest.approx(0.5 * size, rel=0.01) and kept["sensor_bpfi"] < 0.01 * size
+    assert kept["sensor_kurtosis"] == found["kurtosis"]
 
 
 @pytest.mark.usefixtures("plain_report")

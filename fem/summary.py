@@ -121,7 +121,7 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
         )
     for line in lines:
         console.print(line, soft_wrap=True)
-    _print_cautions(console, (*plan.cautions, *state.cautions))
+    _print_cautions(console, state.cautions)  # the plan's have been told at the start
     console.print(f"Result: {shown(path)}", soft_wrap=True, markup=False)
 
 

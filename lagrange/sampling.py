@@ -1,18 +1,20 @@
 """How often samples must be taken to follow the fastest vibration that moves."""
 
-from math import pi, sqrt
+from math import inf, pi, sqrt
 
 from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.faults import Waviness
 from lagrange.kinematics import kinematics
 from lagrange.raceway_laws import contact_laws
+from lagrange.scene_surfaces import own_radius
 
-INTERVALS = (1e-5, 8e-6, 5e-6, 4e-6, 2.5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7)  # s; rates of whole kHz
+INTERVALS = (1e-5, 8e-6, 5e-6, 4e-6, 2.5e-6, 2e-6, 1.6e-6, 1.25e-6, 1e-6, 5e-7, 2e-7, 1e-7)  # s; rates of whole kHz
 SAMPLES_OF_ROLLERS = 3.0  # a period: more than Nyquist's two, because their stiffness is estimated
 SAMPLES_OF_THE_HUB = 5.0  # a period: a stencil of order 6 then reads 4 % of its acceleration too low
 CLEARANCE = 1e-9  # of a roller's radius: less is the rounding of diameters
 
 
-def fitting_interval(bearing: Bearing, operation: Operation, faults: bool) -> float:
+def fitting_interval(bearing: Bearing, operation: Operation, longest: float) -> float:
     """Interval between samples, s, at which neither the hub nor struck rollers vibrate beyond the Nyquist frequency.
 
     Rollers are struck that come through a clearance or a fault of a surface, and then vibrate between their two
@@ -20,7 +22,8 @@ def fitting_interval(bearing: Bearing, operation: Operation, faults: bool) -> fl
 
     Parameters
     ----------
-    faults : whether surfaces have any
+    bearing : with its faults, without films
+    longest : s, above which a warning of the bearing's faults would follow
 
     Errors
     ------
@@ -28,9 +31,18 @@ def fitting_interval(bearing: Bearing, operation: Operation, faults: bool) -> fl
     rings' own modes, at 150 kHz and more, are not followed.
     """
     rate = SAMPLES_OF_THE_HUB * hub_frequency(bearing, operation)
-    if faults or bearing.radial_clearance > CLEARANCE * bearing.roller_radius:
+    if bearing.faults or bearing.radial_clearance > CLEARANCE * bearing.roller_radius:
         rate = max(rate, SAMPLES_OF_ROLLERS * roller_frequency(bearing, operation))
-    return next((interval for interval in INTERVALS if interval * rate <= 1.0), INTERVALS[-1])
+    fitting = (interval for interval in INTERVALS if interval * rate <= 1.0 and interval <= longest)
+    return next(fitting, INTERVALS[-1])
+
+
+def wave_interval(bearing: Bearing, operation: Operation) -> float:
+    """The longest interval between samples, s, that shows contacts pass over waves; infinite without any."""
+    ideal = kinematics(bearing, operation.fastest)
+    speed = abs(ideal.roller - ideal.cage) * bearing.roller_radius
+    waves = [pi * own_radius(bearing, f) / f.order for f in bearing.faults if isinstance(f, Waviness)]
+    return min(waves) / speed if waves and speed > 0.0 else inf
 
 
 def roller_frequency(bearing: Bearing, operation: Operation) -> float:

@@ -17,10 +17,11 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.cage import Cage
 from lagrange.catalogue import inner_ring_and_shaft, listed
+from lagrange.faults import Fault
 from lagrange.film import films
 from lagrange.mounting import Mounting
 from lagrange.plain_files import plain_text
-from lagrange.sampling import fitting_interval
+from lagrange.sampling import fitting_interval, wave_interval
 from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
 from lagrange.scene_cage import CageTable
 from lagrange.scene_columns import Columns
@@ -40,6 +41,7 @@ from lagrange.scene_run import (
 from lagrange.scene_support import SensorTable, SupportTable
 from lagrange.scene_surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
 from lagrange.scene_text import LONGEST_TEXT, apply_override, load, set_key
+from lagrange.spall_events import strike_interval
 
 MM = 1e-3
 CONTENTS = ("content", "speed_table_content", "load_table_content")  # texts of files, in the tables that name them
@@ -93,11 +95,13 @@ class Scene(Table):
         return scene
 
     def _choose_interval(self) -> None:
-        """Between samples, where none is given: by the fastest vibration that moves."""
+        """Between samples, where none is given: by the fastest vibration that moves, and so that no warning follows."""
         if "output_interval_us" in self.numerics.model_fields_set:
             return
         with suppress(ValueError):  # a table of speeds or loads that is not at hand
-            interval = fitting_interval(self.perfect_bearing(), self.ideal_operation(), self.has_faults)
+            bearing, operation = replace(self.perfect_bearing(), faults=self._faults()), self.ideal_operation()
+            longest = min(strike_interval(bearing, operation), wave_interval(bearing, operation))
+            interval = fitting_interval(bearing, operation, longest)
             numerics = self.numerics.model_copy(update={"output_interval_us": round(1e6 * interval, 3)})
             self.__dict__["numerics"] = numerics
 
@@ -130,11 +134,14 @@ class Scene(Table):
 
     def ideal_bearing(self) -> Bearing:
         """The bearing in SI, with the faults of its surfaces and the films on them."""
-        faults = tuple(table.fault() for name in SURFACES for table in getattr(self, name))
-        perfect = self.perfect_bearing()
+        faults, perfect = self._faults(), self.perfect_bearing()
         if self.lubricant is not None:
             faults += films(perfect, self.ideal_operation(), self.lubricant.lubricant())
         return replace(perfect, faults=faults)
+
+    def _faults(self) -> tuple[Fault, ...]:
+        """Of its surfaces, without films."""
+        return tuple(table.fault() for name in SURFACES for table in getattr(self, name))
 
     @property
     def has_faults(self) -> bool:

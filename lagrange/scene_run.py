@@ -56,7 +56,8 @@ class NumericsTable(Table):
         10.0,
         ge=1e-3,
         le=1e6,
-        description="between two samples; if left out 10, or less where the hub or struck rollers vibrate faster",
+        description="between two samples; if left out 10, or less where the hub or struck rollers vibrate faster or "
+        "faults pass, so that no warning follows",
     )
 
     @classmethod

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from math import inf
 from typing import Literal
 
 import numpy as np
@@ -29,17 +30,22 @@ class SpallEvent:
     sliding_speed: float  # m/s, of the roller's surface over the raceway's, along +θ
 
 
+def strike_interval(bearing: Bearing, operation: Operation) -> float:
+    """The longest interval between samples, s, that shows the strikes in spalls; infinite without any."""
+    if operation.fastest == 0.0 or not spalls(bearing):
+        return inf
+    frequency = roller_frequency(bearing, operation)
+    return 1.0 / (SAMPLES * frequency) if frequency > 0.0 else inf
+
+
 def interval_caution(bearing: Bearing, operation: Operation, interval: float) -> str | None:
     """A sentence where samples are too far apart, s, for the strikes of a bearing with spalls."""
-    if operation.fastest == 0.0 or not spalls(bearing):
-        return None
-    frequency = roller_frequency(bearing, operation)
-    longest = 1.0 / (SAMPLES * frequency)
+    longest = strike_interval(bearing, operation)
     if interval <= longest:
         return None
     return (
         f"numerics.output_interval_us = {1e6 * interval:g}: too seldom for the strikes in a [[spall]], where rollers "
-        f"vibrate on their contacts at {1e-3 * frequency:.3g} kHz: peak forces will be missed; at most "
+        f"vibrate on their contacts at {1e-3 / (SAMPLES * longest):.3g} kHz: peak forces will be missed; at most "
         f"{1e6 * longest:.2g}"
     )
 

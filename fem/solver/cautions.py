@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lagrange import Bearing, Operation, contact_laws, kinematics
-from lagrange.faults import Spall, Waviness
+from lagrange import Bearing, Operation, contact_laws
+from lagrange.faults import Spall
 from lagrange.kinematics import roller_angles
-from lagrange.scene_surfaces import own_radius
+from lagrange.sampling import wave_interval
 from lagrange.spall_events import interval_caution
 
 if TYPE_CHECKING:
@@ -93,13 +93,10 @@ def _edges(model: "Model", equilibrium: "Equilibrium") -> str | None:
 
 def _waves(bearing: Bearing, operation: Operation, interval: float) -> str | None:
     """Samples must follow contacts over waves."""
-    ideal = kinematics(bearing, operation.fastest)
-    speed = abs(ideal.roller - ideal.cage) * bearing.roller_radius
-    waves = [pi * own_radius(bearing, f) / f.order for f in bearing.faults if isinstance(f, Waviness)]
-    shortest = min(waves, default=inf)
-    if interval * speed <= shortest:
+    longest = wave_interval(bearing, operation)
+    if interval <= longest:
         return None
     return (
         f"numerics.output_interval_us = {1e6 * interval:g}: too seldom to show a [[waviness]] passed; at most "
-        f"{1e6 * shortest / speed:.3g}"
+        f"{1e6 * longest:.3g}"
     )

@@ -143,4 +143,4 @@ def test_energy_is_balanced_over_soft_edges_in_the_reduced_model(body, angle):
     plan = make_plan(read_scene(None, settings))
     block = plan.first_state().advance(plan.n_samples)
     assert block.trouble is None
-    assert np.abs(block.samples.relative_imbalance()).max() < 2e-4
+    assert np.abs(block.samples.relative_error()).max() < 2e-4

@@ -180,7 +180,7 @@ def test_a_run_held_at_three_points_keeps_its_energy_and_its_points():
     plan, blocks = make_plan(parse_scene(tables, "")), []
     state = plan.first_state()
     run(plan, blocks.append, state=state)
-    assert max(np.abs(block.relative_imbalance()).max() for block in blocks) < 1e-6
+    assert max(np.abs(block.relative_error()).max() for block in blocks) < 1e-6
     ring_now = state.frame().outer_ring
     assert np.abs(ring_now[-1][:, plan.model.outer_ring.held_sectors]).max() < 1e-18
     assert np.abs(ring_now[-1]).max() > 1e-6

@@ -92,7 +92,7 @@ def test_energy_is_balanced_over_a_spall_and_the_strike(body, angle_deg, width_m
     force = samples["inner_force" if body == "inner_ring" else "outer_force"][:, 0]
     unloaded = int(np.argmax(force == 0.0))
     assert unloaded > 0 and force[unloaded:].max() > 1.3 * force[0]  # released, and struck
-    assert np.abs(samples.relative_imbalance()).max() < 1e-3
+    assert np.abs(samples.relative_error()).max() < 1e-3
 
 
 def test_energy_is_balanced_on_waves_whatever_turns_under_the_contacts():
@@ -109,7 +109,7 @@ def test_energy_is_balanced_on_waves_whatever_turns_under_the_contacts():
     larger = "unequal_roller.0.diameter_deviation_um=1"
     _, samples = run(*settings, larger, "numerics.duration_ms=2", "numerics.output_interval_us=10")
     assert np.ptp(samples["inner_force"][:, 0]) > 20.0
-    assert np.abs(samples.relative_imbalance()).max() < 1e-4
+    assert np.abs(samples.relative_error()).max() < 1e-4
 
 
 def test_a_slow_light_roller_follows_the_gap():
@@ -143,7 +143,7 @@ def test_energy_is_balanced_in_random_scenes(number):
     plan = make_plan(parse_scene(surface_scene(1, number), "scene"))
     block = plan.first_state().advance(plan.n_samples)
     assert block.trouble is None and len(block.samples["time"]) == plan.n_samples
-    assert np.abs(block.samples.relative_imbalance()).max() < 5e-3
+    assert np.abs(block.samples.relative_error()).max() < 5e-3
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from fem.cli import run_main
 from fem.contacts.patch import patch
 from fem.elastic.continuum import annulus_modes, cubic_bspline_patch, kolosov
 from fem.elastic.supported import FEWEST, supported_ring
@@ -124,6 +125,25 @@ def test_nodes_within_the_width_are_held_and_two_of_each_point_at_least():
     np.testing.assert_allclose(
         ends.held(np.ones((4, 2, body.n_sectors))), body.held(np.ones((4, 2, body.n_sectors))), atol=1e-20
     )
+
+
+def told_of(capsys, *settings: str) -> str:
+    """What --dry-run says of the paper's bearing held at three points."""
+    points = ["support.kind=points", "numerics.duration_ms=0", *settings]
+    assert run_main(["--dry-run", *(part for each in points for part in ("--set", each))]) == 0
+    told = capsys.readouterr()
+    return " ".join((told.out + told.err).replace("│", " ").split())
+
+
+def test_widths_that_the_mesh_holds_are_shown_and_warned_of_where_they_are_not_those_asked_for(capsys):
+    """176 edges around 65 mm are 1.160 mm long: five nodes hold 5.80 mm. 56 are 3.646 mm long: two hold 7.29 mm."""
+    edge = np.pi * 65.0 / 176
+    fine = told_of(capsys, "numerics.mesh_size_mm=1")
+    assert f"over {5 * edge:.3g}, {5 * edge:.3g}, {5 * edge:.3g} mm" in fine and "width_mm = 6:" not in fine
+    coarse = told_of(capsys, "numerics.mesh_size_mm=3")
+    assert "support.width_mm = 6: the mesh holds the outer ring over 7.29, 7.29, 7.29 mm" in coarse
+    narrow = told_of(capsys, "numerics.mesh_size_mm=2", "support.width_mm=0.1")
+    assert "the mesh holds the outer ring over 4.64, 4.64, 4.64 mm, from nodes 2.32 mm apart" in narrow
 
 
 def test_influence_of_surface_nodes_is_that_of_unit_forces():

@@ -191,6 +191,11 @@ class RingBody:
     held_row: int  # 0 (inner ring) or n_rows − 1 (outer ring)
 
     @property
+    def cautions(self) -> tuple[str, ...]:
+        """Sentences where the mesh holds the ring otherwise than the scene asks for."""
+        return ()
+
+    @property
     def n_rows(self) -> int:
         return len(self.radii)
 

@@ -10,6 +10,7 @@ from fem.elastic.bodies import RingBody
 from lagrange.mounting import Points
 
 FEWEST = 2  # nodes of a point: one would be a hinge
+OFF = 0.1  # of the width asked for: held widths further off are warned of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,10 +51,38 @@ class SupportedRing(LooseRing):
     """A ring of whose held row some nodes stand still."""
 
     held_sectors: np.ndarray  # (n_held,), whole
+    held_nodes: np.ndarray  # (n_points,), of each point
+    width: float  # m, of each, as the scene asks for
 
     @property
     def n_free_nodes(self) -> int:
         return self.n_rows * self.n_sectors - len(self.held_sectors)
+
+    @property
+    def held_width(self) -> np.ndarray:
+        """Width that the nodes of each point stand for, half an edge beyond either end, (n_points,), m."""
+        return self.held_nodes * self.edge
+
+    @property
+    def edge(self) -> float:
+        """Between nodes of the outside, m."""
+        return 2.0 * np.pi * float(self.radii[self.held_row]) / self.n_sectors
+
+    @property
+    def words(self) -> str:
+        """What holds it, as --dry-run shows it."""
+        widths = ", ".join(f"{1e3 * width:.3g}" for width in self.held_width)
+        return f"over {widths} mm, from nodes {1e3 * self.edge:.3g} mm apart, for width_mm = {1e3 * self.width:g}"
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """A sentence where the mesh makes a held width of another size than was asked for."""
+        if np.abs(self.held_width / self.width - 1.0).max() <= OFF:
+            return ()
+        return (
+            f"support.width_mm = {1e3 * self.width:g}: the mesh holds the outer ring {self.words}; forces and "
+            "displacements are those of the held widths; take a smaller numerics.mesh_size_mm or a wider point",
+        )
 
     @cached_property
     def free_places(self) -> np.ndarray:
@@ -77,12 +106,17 @@ class SupportedRing(LooseRing):
 def supported_ring(ring: RingBody, points: Points) -> SupportedRing:
     """An outer ring held at points: all nodes within their width, and the FEWEST nearest of each."""
     radius = float(ring.radii[ring.held_row])
-    held: set[int] = set()
+    held: list[set[int]] = []
     for angle in points.angles:
         apart = radius * np.abs(np.angle(np.exp(1j * (ring.angles - angle))))
-        held |= set(np.flatnonzero(apart <= 0.5 * points.width * (1.0 + 1e-9)).tolist())
-        held |= set(np.argsort(apart, kind="stable")[:FEWEST].tolist())
-    return SupportedRing(**own_fields(ring), held_sectors=np.array(sorted(held)))
+        within = np.flatnonzero(apart <= 0.5 * points.width * (1.0 + 1e-9)).tolist()
+        held.append({*within, *np.argsort(apart, kind="stable")[:FEWEST].tolist()})
+    return SupportedRing(
+        **own_fields(ring),
+        held_sectors=np.array(sorted(set().union(*held))),
+        held_nodes=np.array([len(nodes) for nodes in held]),
+        width=points.width,
+    )
 
 
 def own_fields(ring: RingBody) -> dict[str, Any]:

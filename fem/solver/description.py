@@ -6,7 +6,7 @@ from rich.table import Table
 
 from fem.answers import largest_loads
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
-from fem.elastic.supported import LooseRing
+from fem.elastic.supported import LooseRing, SupportedRing
 from fem.solver.pace import in_words, pace
 from fem.solver.run_arrays import Arrays
 from fem.statics.exact_statics import LEAST_LOAD
@@ -43,7 +43,7 @@ def mesh_table(plan: "ElementPlan") -> Table:
 
 def plan_rows(plan: "ElementPlan") -> dict[str, str]:
     """Steps, memory, the time to expect and the mesh's static error."""
-    model, start = plan.model, plan.start.equilibrium
+    model, start, ring = plan.model, plan.start.equilibrium, plan.model.outer_ring
     rows = {
         "degrees of freedom": f"{model.degrees_of_freedom}",
         "time step": f"{1e9 * plan.time_step:.2f} ns ({plan.time_step / plan.critical_time_step:.2f} of the critical "
@@ -52,12 +52,13 @@ def plan_rows(plan: "ElementPlan") -> dict[str, str]:
         "samples": f"{plan.n_samples}, one each {plan.stride} steps",
         **damping_rows(plan.scene),
         **plan.operation.mounting.rows,
+        **({"points that hold the outer ring": ring.words} if isinstance(ring, SupportedRing) else {}),
         **_fields(plan),
         "memory of the arrays": f"{memory_megabytes(plan.arrays()):.1f} MB",
         "expected time": in_words("fem", plan.expected_seconds),
         "largest static forces": largest_loads(model.bearing, start.inner_force.max(), start.outer_force.max()),
     }
-    if plan.operation.radial_load >= LEAST_LOAD and not isinstance(model.outer_ring, LooseRing):
+    if plan.operation.radial_load >= LEAST_LOAD and not isinstance(ring, LooseRing):
         error = static_error(model, plan.operation)
         rows["static error of the mesh"] = (
             f"hub displacement {100 * error.hub:.2g} %, loads {100 * error.largest_force:.2g} % (against exact series)"

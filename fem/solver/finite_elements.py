@@ -179,6 +179,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         mass=mass,
         cautions=(
             *cautions(model, operation, loaded.equilibrium, interval),
+            *model.outer_ring.cautions,
             *(() if start.caution is None else (start.caution,)),
         ),
         n_samples=sample_count(scene),

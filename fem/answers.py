@@ -122,7 +122,7 @@ def first_answers(bearing: Bearing, speed: float | None, blocks: Iterable[Mappin
         found[whose] = f"{seen.cage_speed / tau:.4g} Hz, slip {slip:.2g} % of rolling"
         found["ball passes"] = passes(ideal, seen.cage_speed)
     if caged.samples:
-        found |= caged.rows(seen.last_time - seen.first_time, ideal.cage)
+        found |= caged.rows(seen.last_time - seen.first_time, None if speed is None else ideal.cage)
     return found
 
 

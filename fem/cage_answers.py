@@ -41,10 +41,10 @@ class SeenCage:
         self.pushed = max(self.pushed, float(np.hypot(samples["cage_force"], samples["cage_radial_force"]).max()))
         self.guided = max(self.guided, float(np.hypot(samples["cage_guidance_x"], samples["cage_guidance_y"]).max()))
 
-    def rows(self, seconds: float, ideal: float) -> dict[str, str]:
+    def rows(self, seconds: float, ideal: float | None) -> dict[str, str]:
         """Names and values of what is asked, of a run that long, s.
 
-        `ideal` : the cage's speed in rolling, rad/s; 0: it has no mean that a slip could be over
+        `ideal` : the cage's speed in rolling, rad/s, 0 where it stands; None: it turns both ways, and has no mean
         """
         found = {
             "cage's centre": f"mean {1e6 * self.off / self.samples:.3g} µm off the bearing's, at most "
@@ -52,7 +52,7 @@ class SeenCage:
             "cage's forces": f"at most {self.pushed:.3g} N in a pocket"
             + (f", {self.guided:.3g} N by its guide" if self.guided > 0.0 else ""),
         }
-        if seconds > 0.0:
+        if seconds > 0.0 and ideal is not None:
             found["cage's centre"] += f", whirls at {self.whirled / seconds / tau:.3g} Hz"
             if ideal:
                 speed = (self.angles[1] - self.angles[0]) / seconds

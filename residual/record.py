@@ -111,8 +111,12 @@ class Record:
     @property
     def mean_speed(self) -> float:
         """Mean of the shaft's speed, rad/s, signed; 0 where it turns both ways and a mean slip has no sense."""
-        speed = np.asarray(self.acting.speed)
-        return 0.0 if np.min(speed) < 0.0 < np.max(speed) else float(np.mean(speed))
+        return 0.0 if self.reverses else float(np.mean(self.acting.speed))
+
+    @property
+    def reverses(self) -> bool:
+        """Whether the shaft turns both ways, so that means of signed speeds say nothing."""
+        return bool(np.min(self.acting.speed) < 0.0 < np.max(self.acting.speed))
 
     @property
     def varies_speed(self) -> bool:

@@ -176,13 +176,10 @@ def _ring_of_cage(evaluation: Evaluation) -> list[tuple[str, str]]:
         return []
     off, force = 1e6 * float(np.hypot(cage.x, cage.y).max()), float(np.abs(cage.force).max())
     turns = cage.speed(t.interval) / (2.0 * np.pi), cage.whirl(t.interval) / (2.0 * np.pi)
-    return [
-        (
-            "Cage",
-            f"turns at {text(turns[0], 5)} Hz, its centre whirls at {text(turns[1], 3)} Hz up to {text(off)} µm from "
-            f"the bearing's, pockets push with up to {text(force)} N",
-        )
-    ]
+    mean = f"turns at {text(turns[0], 5)} Hz, its centre whirls at {text(turns[1], 3)} Hz"
+    if t.reverses:
+        mean = "turns both ways, its centre moves"
+    return [("Cage", f"{mean} up to {text(off)} µm from the bearing's, pockets push with up to {text(force)} N")]
 
 
 def _embedded(figure: SavedFigure) -> str:

@@ -36,7 +36,10 @@ def summarise(evaluation: Evaluation, parts: Parts, version: str) -> dict:
         "frequency_resolution_Hz": evaluation.x.spectrum.resolution,
         "segments": evaluation.x.spectrum.segments,
         "kinematic_lines_Hz": evaluation.lines,
-        "cage_Hz": {"observed": evaluation.lines.get("FTF", 0.0), "rolling_without_slip": evaluation.ideal_cage},
+        "cage_Hz": {
+            "observed": evaluation.lines.get("FTF"),
+            "rolling_without_slip": None if evaluation.record.reverses else evaluation.ideal_cage,
+        },
         **_caged(evaluation),
         **{f"peaks_{d.name}": [_peak(peak) for peak in d.peaks] for d in directions},
         **{f"lines_{d.name}": [_level(level) for level in d.levels] for d in directions},
@@ -68,17 +71,17 @@ def summarise(evaluation: Evaluation, parts: Parts, version: str) -> dict:
 
 
 def _caged(evaluation: Evaluation) -> dict:
-    """Of a run with a cage."""
+    """Of a run with a cage; null where there is no such mean."""
     t, cage = evaluation.record, evaluation.record.cage
     if cage is None:
         return {}
     speed, ideal = cage.speed(t.interval), 2.0 * np.pi * evaluation.ideal_cage
     return {
         "cage": {
-            "speed_Hz": speed / (2.0 * np.pi),
-            "slip": None if ideal == 0.0 else 1.0 - abs(speed) / ideal,
+            "speed_Hz": None if t.reverses else speed / (2.0 * np.pi),
+            "slip": None if t.reverses or ideal == 0.0 else 1.0 - abs(speed) / ideal,
             "largest_offset_m": float(np.hypot(cage.x, cage.y).max()),
-            "whirl_Hz": cage.whirl(t.interval) / (2.0 * np.pi),
+            "whirl_Hz": None if t.reverses else cage.whirl(t.interval) / (2.0 * np.pi),
             "largest_pocket_force_N": float(np.abs(cage.force).max()),
             "largest_guidance_force_N": float(np.hypot(cage.guidance_x, cage.guidance_y).max()),
         }

@@ -1,5 +1,6 @@
 """What a run says of itself first: hub, loads, load zone, cage, ball passes."""
 
+import json
 import re
 from math import pi, tau
 from pathlib import Path
@@ -79,6 +80,8 @@ def test_a_motion_that_reverses_has_no_mean_slip(tmp_path, monkeypatch, capsys):
     assert np.isnan(labels(found)["BPFO_Hz"]) and np.isnan(labels(found)["speed_rpm"])
     assert check_main(["40.nc"]) == 0  # less than a turn one way: no orders
     assert "% of rolling" not in capsys.readouterr().out
+    summary = json.loads(Path("40-residual/summary.json").read_text(encoding="utf-8"))
+    assert summary["cage_Hz"] == {"observed": None, "rolling_without_slip": None}
 
 
 def test_a_plan_gives_each_raceway_its_own_largest_force(capsys):

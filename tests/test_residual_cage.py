@@ -4,11 +4,13 @@ import h5py
 import numpy as np
 import pytest
 
+from fem.cage_answers import SeenCage
 from lagrange.scene import parse_scene
 from residual.cage import COLUMNS
 from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.parts import Parts
+from residual.record import Record
 from residual.sources import read_result
 from residual.summary import summarise
 from tests.reference.synthetic_run import make_run, run_variables, write_result
@@ -74,6 +76,17 @@ def test_the_summary_tells_slip_whirl_and_forces(made):
     assert cage["largest_offset_m"] == pytest.approx(2e-5)
     assert cage["largest_pocket_force_N"] == FORWARD
     assert cage["largest_guidance_force_N"] == pytest.approx(5.0)
+
+
+def test_a_cage_of_a_shaft_that_turns_both_ways_has_no_mean_speed_whirl_or_slip(made, monkeypatch):
+    monkeypatch.setattr(Record, "reverses", True)
+    summary = summarise(made[1], Parts(), "0")
+    assert summary["cage_Hz"]["rolling_without_slip"] is None
+    assert summary["cage"]["speed_Hz"] is summary["cage"]["whirl_Hz"] is summary["cage"]["slip"] is None
+    assert summary["cage"]["largest_offset_m"] == pytest.approx(2e-5)
+    seen = SeenCage(samples=1, angles=(0.0, 0.1), whirled=1.0)
+    assert "whirls" in seen.rows(1.0, 0.0)["cage's centre"]
+    assert "whirls" not in seen.rows(1.0, None)["cage's centre"] and "cage's turning" not in seen.rows(1.0, None)
 
 
 def test_a_run_without_a_cage_has_neither_term_nor_numbers(tmp_path):

@@ -47,6 +47,7 @@ MM = 1e-3
 CONTENTS = ("content", "speed_table_content", "load_table_content")  # texts of files, in the tables that name them
 FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
 MOST_TABLES = 200  # of one array
+MODEL_NAMES = {"fem": "finite elements", "reduced": "reduced model", "lagrange": "Lagrangian model"}
 
 
 class Scene(Table):
@@ -142,6 +143,11 @@ class Scene(Table):
     def _faults(self) -> tuple[Fault, ...]:
         """Of its surfaces, without films."""
         return tuple(table.fault() for name in SURFACES for table in getattr(self, name))
+
+    @property
+    def method(self) -> str:
+        """Model and damping in words, for the captions of pictures."""
+        return f"{MODEL_NAMES[self.model]}, {self.damping.words}"
 
     @property
     def has_faults(self) -> bool:

@@ -40,6 +40,12 @@ class DampingTable(Table):
         return self != DampingTable()
 
     @property
+    def words(self) -> str:
+        """What damps, for captions."""
+        contacts = f"contact damping {self.contacts.words}" if self.contacts.acts else "no contact damping"
+        return contacts if self.bodies_1_s == 0.0 else f"{contacts}, bodies damped by {self.bodies_1_s:.4g} 1/s"
+
+    @property
     def contacts(self) -> ContactDamping:
         """The law of the contacts, SI."""
         return ContactDamping(

@@ -1,5 +1,6 @@
 """All figures of a report, in the groups that its page shows them in. Importing this imports matplotlib."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib
@@ -49,4 +50,15 @@ def draw_figures(
                 "budget": budget_figures(evaluation, folder),
                 "paper": paper_figures(evaluation, folder),
             }
-        return drawn
+    told = {group: method_told(evaluation, parts.other if group == "against" else None) for group in drawn}
+    return {
+        group: [replace(figure, caption=f"{figure.caption}{told[group]}") for figure in found]
+        for group, found in drawn.items()
+    }
+
+
+def method_told(evaluation: Evaluation, other: Evaluation | None) -> str:
+    """Model and damping of the run that figures show, and of what it is compared with; of a table from elsewhere ""."""
+    runs = [each.record for each in (evaluation, other) if each is not None]
+    told = dict.fromkeys(f" Run {run.name}: {run.scene.method}." for run in runs if run.attributes)
+    return "".join(told)

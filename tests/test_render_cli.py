@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 from fem.errors import UsageError
+from fem.pictures.render_canvas import Panel
 from fem.pictures.rendering_probe import trouble
 from fem.render_cli import render_fem, render_main
 
@@ -28,6 +29,20 @@ def _frames(path):
             film.seek(k)
             frames.append(np.asarray(film.convert("RGB")))
         return frames, film.info
+
+
+def test_pictures_name_model_and_damping(can_draw, coarse_run, tmp_path, monkeypatch):
+    """In the picture itself and in the text of its file, which the report takes for its caption."""
+    said, text = [], Panel.text
+    monkeypatch.setattr(Panel, "text", lambda panel, words, *where, **how: said.append(words) or text(
+        panel, words, *where, **how))  # fmt: skip
+    for view in ("bearing", "close-up"):
+        target = tmp_path / f"{view}.png"
+        assert render_main([str(coarse_run), "--output", str(target), "--width", "320", "--view", view]) == 0
+        with Image.open(target) as image:
+            assert image.text["Description"].endswith("; finite elements, no contact damping.")
+        assert any("finite elements, no contact damping" in words for words in said)
+        said.clear()
 
 
 def test_a_gif_has_the_frames_asked_for_each_another_and_the_same_each_time(can_draw, coarse_run, tmp_path, capsys):

@@ -1,6 +1,7 @@
 """Two runs or two laws beside each other, a report without equations, the data for other programs."""
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from scipy.io import loadmat, wavfile
 
 from residual.against import difference_rows
 from residual.cli import main
+from residual.drawing import method_told
 from residual.evaluation import evaluate
 from residual.sources import read_result
 from tests.reference.synthetic_run import make_run, write_result
@@ -93,6 +95,15 @@ def test_signals_are_exported_as_csv_mat_and_wav(runs, tmp_path):
     assert not (out / "signals.csv").exists()
 
 
+def test_captions_of_figures_name_the_model_and_the_damping_of_their_runs(runs, tmp_path):
+    here, there = (evaluate(read_result(path)) for path in runs)
+    assert method_told(here, there).endswith(" Run loud: finite elements, no contact damping.")
+    damped = here.record.scene.varied({"model": "reduced", "damping.contact_time_us": 12.5})
+    of_time = replace(here, record=replace(here.record, scene=damped))
+    assert method_told(of_time, None) == " Run quiet: reduced model, contact damping 12.5 µs times its stiffness."
+    assert method_told(replace(here, record=replace(here.record, attributes={})), None) == ""  # a table's
+
+
 @pytest.mark.usefixtures("plain_report")
 def test_curves_of_a_comparison_are_exported(runs, tmp_path):
     out = tmp_path / "out"
@@ -103,5 +114,6 @@ def test_curves_of_a_comparison_are_exported(runs, tmp_path):
     other = read_result(runs[1])
     np.testing.assert_allclose(x, np.column_stack([1e3 * other.time, 1e6 * other.inner_x]), rtol=1e-7, atol=1e-12)
     page = (out / "report.html").read_text(encoding="utf-8")
+    assert "Run loud: finite elements, no contact damping.</figcaption>" in page
     assert "quiet against loud" in page and 'id="against"' in page
     assert not (out / "signals.csv").exists()

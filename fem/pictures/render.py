@@ -84,7 +84,7 @@ def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
     about = PngInfo()
     about.add_itxt("Source", shown(run.path.name))
     title = TITLES[renderer.look.scale.field][0]
-    about.add_itxt("Description", f"{title}, {seen} at {1e3 * run.times[sample]:.6g} ms.")
+    about.add_itxt("Description", f"{title}, {seen} at {1e3 * run.times[sample]:.6g} ms; {run.scene.method}.")
     target = Path(target)
     target.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(image).save(target, format="PNG", pnginfo=about, compress_level=PACKED)

@@ -57,7 +57,7 @@ def paint(canvas: Canvas, instant: Instant, drawn: DrawnBearing, look: Look) -> 
     """Draw an instant on an empty page."""
     page, main, *contacts = canvas.panels
     scene = _Scene(instant=instant, drawn=drawn, look=look)
-    draw_title(page, instant, look, 0.02, 0.965, 0.042)
+    draw_title(page, instant, look, 0.02, 0.97, (0.042, 0.071))
     _roller(main, scene)
     for panel, kind in zip(contacts, ("inner", "outer"), strict=True):
         over = scene.is_over_a_spall(kind)

@@ -13,7 +13,7 @@ from fem.pictures.render_surfaces import chart_factor
 from lagrange.scene_operation import RPM
 from lagrange.spall_passages import spalls
 
-TITLE, HEADING, TEXT = 38.0, 26.0, 23.0  # pixels of 1600
+TITLE, HEADING, TEXT, SMALL = 38.0, 26.0, 23.0, 19.0  # pixels of 1600
 QUIET, ORBIT_DOT = "#4d4d4d", "#0072b2"
 # places in outside radii
 EDGE, TOP = -1.18, 1.325  # of the title
@@ -28,7 +28,7 @@ ORBIT_MARGIN = 1.35  # of the orbit's extent
 def draw_legend(canvas: Canvas, instant: Instant, look: Look, force_colour: str) -> None:
     """Beside a whole bearing."""
     page = canvas.panels[0]
-    draw_title(page, instant, look, EDGE, TOP, 0.105)
+    draw_title(page, instant, look, EDGE, TOP, (0.105,))
     page.text(f"{look.scale.title}, {look.scale.unit_name}", COLUMN, BAR[1] + 0.10, HEADING, bold=True)
     draw_scale(page, look.scale, COLUMN, *BAR)
     y = _lines(page, BAR[0] - 0.12, scale_notes(instant, look.scale))
@@ -75,8 +75,11 @@ def _surface_notes(instant: Instant) -> list[str]:
     return found if factor is None else [*found, f"heights from white circles × {factor:g}"]
 
 
-def draw_title(page: Panel, instant: Instant, look: Look, x: float, y: float, line_height: float) -> None:
-    """Name, time, operation; an animation's pace."""
+def draw_title(page: Panel, instant: Instant, look: Look, x: float, y: float, lines: tuple[float, ...]) -> None:
+    """Name, time, operation, model and damping; an animation's pace.
+
+    `lines` : how far below the title facts stand, and model and damping where they have a line of their own
+    """
     scene, operation = instant.scene, instant.operation
     page.text(f"{scene.name}:  t = {1e3 * instant.time:.6g} ms", x, y, TITLE, bold=True)
     load, numerics = f"W = {operation.radial_load:g} N", scene.numerics
@@ -88,11 +91,12 @@ def draw_title(page: Panel, instant: Instant, look: Look, x: float, y: float, li
     if scene.bodies.rigid:
         both = len(scene.bodies.rigid) == 2
         facts.append("rigid rings" if both else f"rigid {scene.bodies.rigid[0].replace('_', ' ')}")
-    if scene.model == "lagrange":
-        facts.append("Lagrangian model, stress from its forces")
-    if look.pace:
-        facts.append(look.pace)
-    page.text("   ".join(facts), x, y - line_height, HEADING)
+    method = scene.method + (", stress from its forces" if scene.model == "lagrange" else "")
+    pace = [look.pace] if look.pace else []
+    below, *further = lines
+    page.text("   ".join([*facts, *pace] if further else [*facts, method, *pace]), x, y - below, HEADING)
+    for at in further:
+        page.text(method, x, y - at, SMALL, QUIET)
 
 
 def draw_scale(page: Panel, scale: Scale, x: float, bottom: float, top: float, width: float) -> None:

@@ -28,7 +28,7 @@ from fem.solver.strikes import may_strike
 from fem.statics.contact_balance import NotFound
 from fem.statics.static_error import static_equilibrium
 from lagrange import Operation, kinematics
-from lagrange.scene import Scene
+from lagrange.scene import MODEL_NAMES, Scene
 
 LONG = THIRD, SECOND  # which of them is tried first
 KNOTS_A_STEP = 0.3  # of a profile's spline: with more, spalls that pass at 40 m/s cost per cents of the energy
@@ -52,7 +52,7 @@ class ElementPlan(CompiledPlan):
     frame_stride: int  # samples between stored fields; 0: none
     cautions: tuple[str, ...] = ()
 
-    model_name = "finite elements"
+    model_name = MODEL_NAMES["fem"]
     lacks = "waves shorter than its mesh"
     table, rows, expected_seconds = mesh_table, plan_rows, property(expected_seconds)
 

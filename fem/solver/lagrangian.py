@@ -26,7 +26,7 @@ from lagrange.laws import PowerLaw
 from lagrange.mounting import HELD
 from lagrange.problem import Problem
 from lagrange.raceway_laws import caution
-from lagrange.scene import Scene
+from lagrange.scene import MODEL_NAMES, Scene
 from lagrange.simulate import ENERGY_TOLERANCE, Simulation, Verdict
 from lagrange.spall_events import interval_caution
 from lagrange.step_size import Steps, critical_time_step, steps_of
@@ -54,7 +54,7 @@ class LagrangianPlan(CompiledPlan):
     least_steps: Steps  # before any refinement
     law_caution: str | None  # on law and material, which concern this run alone
     cautions: tuple[str, ...] = ()
-    model_name = "Lagrangian model"
+    model_name = MODEL_NAMES["lagrange"]
     compiling_seconds = 5.0
     lacks = "rings that bend, elastic waves"
 

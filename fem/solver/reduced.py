@@ -30,7 +30,7 @@ from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangent
 from fem.statics.vibrating_bearing import UnseenWaves, bearing_modes, unseen_waves
 from lagrange import Operation, kinematics
 from lagrange.contact_damping import ContactDamping
-from lagrange.scene import Scene
+from lagrange.scene import MODEL_NAMES, Scene
 from lagrange.step_size import fastest_in_machine
 
 LEFT = 0.2  # of what a guess was off by, the most that sweeps may leave with its sign turned
@@ -60,7 +60,7 @@ class ReducedPlan(CompiledPlan):
     looks: int  # at the energy per sample
     n_samples: int
     cautions: tuple[str, ...] = ()
-    model_name = "reduced model"
+    model_name = MODEL_NAMES["reduced"]
     finer = "lower numerics.time_step_safety"
     lacks = "elastic waves, but for what strikes lose to them; it warns where shocks excite them"
 

@@ -11,6 +11,7 @@ from fem.live import player as player_module
 from fem.live import playing as playing_module
 from fem.live.controls import Values, sliders
 from fem.live.messages import Pace, frame_message, read_wish
+from fem.live.page import make_page
 from fem.live.player import Player
 from fem.live.playing import Playing
 from fem.live.record import MOST_PLACES, Record
@@ -59,6 +60,25 @@ def test_the_outer_rings_first_spall_is_the_one_that_changes():
     assert [(s.body, s.width_mm) for s in wider.spall] == [("inner_ring", 1.0), ("outer_ring", 0.8)]
     assert wider.spall[1].depth_um == 30.0
     assert [s.body for s in changed(values, spall_width_mm=0.0).put_into(scene).spall] == ["inner_ring"]
+
+
+MACHINE = ("support.kind=housing", "sensor.frequency_Hz=12000", "damping.contact_time_us=12.5")
+
+
+@pytest.mark.parametrize("some", [
+    {"contact_time_us": 25.0}, {"mass_kg": 3.0, "stiffness_N_per_m": 1e8}, {"damping_N_s_m": 500.0},
+    {"frequency_Hz": 2e4, "damping_ratio": 0.1}, {"contact_time_us": 0.0},
+])  # fmt: skip
+def test_damping_housing_and_sensor_have_controls_where_the_scene_has_them(some):
+    scene = scene_of(*MACHINE)
+    shown = {slider.key: slider for slider in sliders(scene)}
+    assert {"contact_time_us", "mass_kg", "stiffness_N_per_m", "damping_N_s_m", "frequency_Hz"} <= set(shown)
+    assert not {"contact_N_s_m", "mass_kg", "frequency_Hz"} & {slider.key for slider in sliders(scene_of())}
+    values = changed(Values.of(scene), **some)
+    assert Values.of(values.put_into(scene)) == values
+    assert Values.of(scene).put_into(scene) == scene
+    page = make_page(scene, "ws://here").text
+    assert 'id="mass_kg"' in page and "Sensor&#39;s frequency" in page and "(of the sensor)" in page
 
 
 REFUSED = [

@@ -11,6 +11,17 @@ from lagrange.scene_files import content_of
 NAME = "these values"  # of what viewers send, in messages
 MM_PER_UM = 1e-3
 NANOMETRE_DIGITS = 6  # of a diameter in mm
+FURTHER = {  # controls of what not every scene has, by key of their table: its name, label, unit, hint
+    "contact_N_s_m": ("damping", "Contact damping", "N s/m", "of every closed contact"),
+    "contact_time_us": ("damping", "Contact damping", "µs", "times the contact's stiffness"),
+    "hunt_crossley_s_m": ("damping", "Contact damping", "s/m", "Hunt and Crossley's α"),
+    "mass_kg": ("support", "Housing's mass", "kg", "without the outer ring"),
+    "stiffness_N_per_m": ("support", "Housing's stiffness", "N/m", "of its springs to the ground, along either axis"),
+    "damping_N_s_m": ("support", "Housing's damping", "N s/m", "of the dashpots beside them"),
+    "frequency_Hz": ("sensor", "Sensor's frequency", "Hz", "its own, undamped"),
+    "damping_ratio": ("sensor", "Sensor's damping ratio", "", "of critical damping"),
+}
+LONGER = 4.0  # times the scene's own value: the end of such a slider
 
 
 class Values(BaseModel):
@@ -23,6 +34,14 @@ class Values(BaseModel):
     clearance_um: float  # diametral
     friction_coefficient: float
     spall_width_mm: float  # of the outer ring's first spall; 0: there is none
+    contact_N_s_m: float | None = None  # of [damping]; as of all below None: as the scene has it
+    contact_time_us: float | None = None
+    hunt_crossley_s_m: float | None = None
+    mass_kg: float | None = None  # of the housing
+    stiffness_N_per_m: float | None = None
+    damping_N_s_m: float | None = None
+    frequency_Hz: float | None = None  # of the sensor
+    damping_ratio: float | None = None
 
     @classmethod
     def of(cls, scene: Scene) -> "Values":
@@ -35,6 +54,7 @@ class Values(BaseModel):
             clearance_um=round(clearance / MM_PER_UM, 3),
             friction_coefficient=scene.contact.friction_coefficient,
             spall_width_mm=0.0 if at is None else scene.spall[at].width_mm,
+            **{key: getattr(getattr(scene, table), key, None) for key, (table, *_) in FURTHER.items()},
         )
 
     def put_into(self, scene: Scene) -> Scene:
@@ -48,6 +68,9 @@ class Values(BaseModel):
         data["operation"]["speed_rpm"] = self.speed_rpm
         data["operation"]["radial_load_N"] = self.radial_load_N
         data["contact"]["friction_coefficient"] = self.friction_coefficient
+        for key, (table, *_) in FURTHER.items():
+            if getattr(self, key) not in (None, getattr(before, key)):
+                data.setdefault(table, {})[key] = getattr(self, key)
         if self.clearance_um != before.clearance_um:
             b = scene.bearing
             closed = b.inner_raceway_diameter_mm + 2.0 * b.roller_diameter_mm
@@ -111,4 +134,13 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
             key="spall_width_mm", label="Spall width", unit="mm", step=0.05, low=0.0,
             high=max(spall, values.spall_width_mm), hint="of the outer raceway; 0: none",
         ),
+        *(
+            Slider(key=key, label=label, unit=unit, step=0.01 * own, low=0.01 * own, high=_end(key, own), hint=hint)
+            for key, (_, label, unit, hint) in FURTHER.items()
+            if (own := getattr(values, key))
+        ),
     )  # fmt: skip
+
+
+def _end(key: str, own: float) -> float:
+    return max(own, min(LONGER * own, 0.99)) if key == "damping_ratio" else LONGER * own

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from fem.live.controls import sliders
 from fem.live.messages import FASTEST, SLOWEST
+from fem.live.record import measured
+from fem.result.acceleration import channels
 from lagrange.pages import as_it_is, render_page
 from lagrange.scene import Scene
 
@@ -30,6 +32,7 @@ def make_page(scene: Scene, connection: str) -> Page:
         mark=mark,
         style=as_it_is(PARTS / "live.css"),
         scripts=[as_it_is(PARTS / name) for name in SCRIPTS],
+        measured=[name.partition("_")[0].replace("inner", "hub") for name in measured(channels(scene))],
         sliders=[asdict(slider) for slider in sliders(scene)],
         fastest=FASTEST,
         slowest=SLOWEST,

@@ -1,4 +1,6 @@
-"""What charts show of the past: the hub's orbit since the last frame, the spectrum of its acceleration."""
+"""What charts show of the past: the hub's orbit since the last frame, the spectrum of an acceleration."""
+
+from collections.abc import Container
 
 import numpy as np
 
@@ -12,6 +14,12 @@ BANDS = 300
 MOST_PLACES = 500  # of an orbit, a frame
 
 
+def measured(names: Container[str]) -> tuple[str, str]:
+    """Accelerations, x and y, that an accelerometer would show: of sensor, housing or hub, whichever there is first."""
+    x = next(name for name in ("housing_ax", "inner_ax") if name in names)
+    return x, next(name for name in ("sensor_ay", "housing_ay", "inner_ay") if name in names)
+
+
 class Record:
     """The last samples of a run."""
 
@@ -22,7 +30,7 @@ class Record:
 
     def add(self, samples: Samples) -> None:
         """Take the next samples."""
-        acceleration = np.array([samples["inner_ax"], samples["inner_ay"]])
+        acceleration = np.array([samples[name] for name in measured(samples.values)])
         self._acceleration = np.concatenate([self._acceleration, acceleration], axis=1)[:, -LONGEST:]
         place = np.array(from_outer_ring(samples, "inner"))
         self._orbit = np.concatenate([self._orbit, place], axis=1)[:, -LONGEST:]
@@ -38,7 +46,7 @@ class Record:
         return self._acceleration.shape[1] * self._interval
 
     def spectrum(self) -> tuple[np.ndarray, np.ndarray]:
-        """Amplitudes of the hub's acceleration, (2, n), m/s², x and y, by frequencies, (n,), Hz.
+        """Amplitudes of the measured acceleration, (2, n), m/s², x and y, by frequencies, (n,), Hz.
 
         Each is the highest of its band, BANDS of equal ratio; none where the record is too short.
         """

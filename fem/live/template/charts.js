@@ -33,8 +33,8 @@ const charts = (function () {
     const u = plot(holder, {
       scales: { x: { time: false, range: [-180, 180] }, y: { range: () => [0, top] } },
       axes: [
-        { ...ACROSS, label: "place from the load, degrees", splits: () => [-180, -90, 0, 90, 180] },
-        { ...AXIS, label: "force, N", size: 58 },
+        { ...ACROSS, label: "angle from the load's direction, degrees", splits: () => [-180, -90, 0, 90, 180] },
+        { ...AXIS, label: "force on the outer ring, N", size: 58 },
       ],
       series: [{}, { show: true, paths: () => null, points: { show: false } }],
       hooks: { draw: [(u) => clipped(u, paint)] },
@@ -83,7 +83,7 @@ const charts = (function () {
         x: { time: false, range: (u) => (u.bbox.height ? [middle[0] - half * shapeOf(u), middle[0] + half * shapeOf(u)] : [-1, 1]) },
         y: { range: () => [middle[1] - half, middle[1] + half] },
       },
-      axes: [{ ...ACROSS, label: "to the right, µm", space: 56 }, { ...AXIS, label: "up, µm", size: 62 }],
+      axes: [{ ...ACROSS, label: "displacement of the hub in x, to the right, µm", space: 56 }, { ...AXIS, label: "displacement in y, up, µm", size: 62 }],
       series: [{}, { show: true, paths: () => null, points: { show: false } }],
       hooks: { draw: [(u) => clipped(u, paint)] },
     }, [[-1, 1], [0, 0]]);
@@ -144,7 +144,7 @@ const charts = (function () {
       axes: [
         { ...ACROSS, label: "frequency, Hz", splits: () => [20, 50, 100, 200, 500, 1e3, 2e3, 5e3, 1e4, 2e4], filter: (u, splits) => splits,
           values: (u, values) => values.map((value) => (NAMED.includes(value) ? (value < 1e3 ? String(value) : value / 1e3 + "k") : "")) },
-        { ...AXIS, label: "acceleration, m/s²", size: 58, splits: decades, filter: (u, splits) => splits, values: (u, values) => values.map(power) },
+        { ...AXIS, label: "amplitude of acceleration, m/s²", size: 58, splits: decades, filter: (u, splits) => splits, values: (u, values) => values.map(power) },
       ],
       series: [{}, { stroke: BLUE, width: 1.3, points: { show: false } }, { stroke: RED, width: 1.3, points: { show: false } }],
       hooks: { drawClear: [mark] },

@@ -74,8 +74,8 @@ def test_a_warning_is_told_wherever_a_user_looks(tmp_path, capsys):
 @pytest.mark.parametrize(("radius_mm", "warned"), [(0.1, True), (0.2, False), (0.0, True)])
 def test_an_edge_that_steel_does_not_bear_is_warned_of(radius_mm, warned):
     """628 N on a rounded edge against the roller: p0 = sqrt(Q E*/(π R L)), 4.9 GPa at 0.1 mm and 3.5 at 0.2."""
-    often = "numerics.output_interval_us=1"
-    found = plan_of("spall.0.angle_deg=14", f"spall.0.edge_radius_mm={radius_mm}", often).cautions
+    often = "numerics.output_interval_us=1", "damping.contact_time_us=12.5"
+    found = plan_of("spall.0.angle_deg=14", f"spall.0.edge_radius_mm={radius_mm}", *often).cautions
     assert bool(found) == warned
     if radius_mm > 0.0 and warned:
         radius = 1.0 / (1.0 / 5e-3 + 1e3 / radius_mm)
@@ -90,7 +90,7 @@ def test_samples_that_miss_a_strike_are_warned_of(interval, warned, model):
     """After a strike forces peak each 20 µs in runs of all three models: nine samples are 2.2 µs apart."""
     found = plan_of(
         "spall.0.angle_deg=14", "spall.0.edge_radius_mm=0.5", f"numerics.output_interval_us={interval}",
-        f"model={model}",
+        f"model={model}", "damping.contact_time_us=12.5",
     ).cautions  # fmt: skip
     assert bool(found) == warned
     if warned:
@@ -123,3 +123,15 @@ def test_no_warning_follows_from_the_interval_that_the_program_chooses(bearing, 
     scene = read_scene(None, (f"bearing.designation={bearing}", f"model={model}", *faults))
     assert scene.numerics.output_interval_us < 5.0
     assert not [sentence for sentence in make_plan(scene).cautions if "output_interval_us" in sentence]
+
+
+@pytest.mark.parametrize("damped", [False, True])
+@pytest.mark.parametrize("model", ["reduced", "lagrange", "fem"])
+def test_a_spall_or_a_housing_without_damping_is_told_of_with_the_key(model, damped):
+    housing = "mass_kg=12.0,stiffness_N_per_m=15e6,damping_N_s_m=0.0"
+    settings = [f"model={model}", "spall.0.edge_radius_mm=0.5", f'support={{kind="housing",{housing}}}']
+    settings += ["damping.contact_time_us=2.5"] if damped else []
+    told = [sentence for sentence in plan_of(*settings).cautions if "damping.contact_time_us" in sentence]
+    assert len(told) == (0 if damped else 1)
+    assert damped or ("[[spall]]" in told[0] and "housing" in told[0])
+    assert not [sentence for sentence in plan_of(f"model={model}").cautions if "damping" in sentence]

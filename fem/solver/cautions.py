@@ -10,6 +10,7 @@ from lagrange import Bearing, Operation, contact_laws
 from lagrange.faults import Spall
 from lagrange.kinematics import roller_angles
 from lagrange.sampling import wave_interval
+from lagrange.scene import Scene
 from lagrange.spall_events import interval_caution
 
 if TYPE_CHECKING:
@@ -18,9 +19,12 @@ if TYPE_CHECKING:
 
 # Static load rating of roller bearings (ISO 76): at this Hertz pressure steel keeps a dent of 1e-4 of the diameter
 ISO_76_PRESSURE = 4e9  # Pa
+USUAL_TIME_US = 12.5  # of a contact's damping over its stiffness, as ROSS takes it; Krämer: 2.5 to 25 (docs/damping.md)
 
 
-def cautions(model: "Model", operation: Operation, equilibrium: "Equilibrium", interval: float) -> tuple[str, ...]:
+def cautions(
+    scene: Scene, model: "Model", operation: Operation, equilibrium: "Equilibrium", interval: float
+) -> tuple[str, ...]:
     """Sentences; none where all is well. `interval` between samples, s."""
     found = (
         _yield(model, equilibrium),
@@ -28,8 +32,26 @@ def cautions(model: "Model", operation: Operation, equilibrium: "Equilibrium", i
         _edges(model, equilibrium),
         interval_caution(model.bearing, operation, interval),
         _waves(model.bearing, operation, interval),
+        undamped(scene),
     )
     return tuple(sentence for sentence in found if sentence)
+
+
+def undamped(scene: Scene) -> str | None:
+    """Vibration that is excited again and again, and that nothing but friction takes energy from."""
+    housing = scene.mounting().housing
+    excited = {
+        "[[spall]]": bool(scene.spall),
+        "operation.load_table": scene.operation.load_table is not None,
+        'support.kind = "housing"': housing is not None and housing.damping == 0.0,
+    }
+    named = [name for name, there in excited.items() if there]
+    if not named or scene.damping.acts or scene.numerics.duration_ms == 0.0:
+        return None
+    return (
+        f"{' and '.join(named)} without [damping]: vibration that is excited hardly decays; give "
+        f"damping.contact_time_us, e.g. {USUAL_TIME_US:g}"
+    )
 
 
 def _yield(model: "Model", equilibrium: "Equilibrium") -> str | None:

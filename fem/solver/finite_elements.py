@@ -178,7 +178,7 @@ def make_plan(scene: Scene) -> ElementPlan:
         largest_force=expected,
         mass=mass,
         cautions=(
-            *cautions(model, operation, loaded.equilibrium, interval),
+            *cautions(scene, model, operation, loaded.equilibrium, interval),
             *model.outer_ring.cautions,
             *(() if start.caution is None else (start.caution,)),
         ),

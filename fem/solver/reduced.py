@@ -173,7 +173,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         stride=looks * ceil(steps / looks),
         looks=looks,
         n_samples=sample_count(scene),
-        cautions=(*cautions(model, operation, loaded, interval), *of_start),
+        cautions=(*cautions(scene, model, operation, loaded, interval), *of_start),
     )
 
 

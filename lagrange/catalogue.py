@@ -44,6 +44,7 @@ _BORES = 24, 30, 40, 50, 65, 80
 _WRITTEN = re.compile(r"NU[ -]?(2\d\d)[ -]?(?:EC?[A-Z]{0,2})?[ /-]*(C[2-5N])?", re.IGNORECASE)
 _FILLED = 0.8  # of the pitch circle, by rollers
 _STEEL = 7.85e-6  # kg/mm³
+SHAFT_WIDTHS = 3.0  # of the ring, length of its shaft
 
 
 def designations() -> tuple[str, ...]:
@@ -82,4 +83,9 @@ def bearing_keys(designation: str, group: str = "CN") -> dict[str, float | int]:
 def inner_ring_and_shaft(designation: str) -> float:
     """Mass, kg. KeyError: no such bearing."""
     bore, _, width, inner, *_ = _SERIES_NU2[designation]
-    return round(_STEEL * 0.25 * pi * width * (inner**2 - bore**2 + 3.0 * bore**2), 4)
+    return steel_ring_and_shaft(bore, width, inner, SHAFT_WIDTHS)
+
+
+def steel_ring_and_shaft(bore: float, width: float, raceway: float, shaft: float) -> float:
+    """Mass of a ring, mm, and of a shaft of its bore so many widths long, kg."""
+    return round(_STEEL * 0.25 * pi * width * (raceway**2 - bore**2 + shaft * bore**2), 4)

@@ -22,7 +22,7 @@ from lagrange.film import films
 from lagrange.mounting import Mounting
 from lagrange.plain_files import plain_text
 from lagrange.sampling import fitting_interval, wave_interval
-from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable
+from lagrange.scene_bearing import BearingTable, BodiesTable, MaterialTable, heavy_inner_ring_and_shaft
 from lagrange.scene_cage import CageTable
 from lagrange.scene_columns import Columns
 from lagrange.scene_combinations import COMBINATIONS
@@ -44,6 +44,7 @@ from lagrange.scene_text import LONGEST_TEXT, apply_override, load, set_key
 from lagrange.spall_events import strike_interval
 
 MM = 1e-3
+MESH_SHARE = 0.1  # of a roller's diameter, between surface nodes where the scene gives no mesh size
 CONTENTS = ("content", "speed_table_content", "load_table_content")  # texts of files, in the tables that name them
 FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
 MOST_TABLES = 200  # of one array
@@ -122,12 +123,22 @@ class Scene(Table):
         bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
         if not isinstance(bearing, dict):
             return data
+        diameter, numerics = bearing.get("roller_diameter_mm"), data.get("numerics", {})
+        if (
+            type(diameter) in (float, int)
+            and 0.5 <= diameter <= 500.0
+            and bearing.get("type") != "ball"
+            and isinstance(numerics, dict)
+        ):
+            data = data | {"numerics": {"mesh_size_mm": round(MESH_SHARE * diameter, 6)} | numerics}
         if bearing.get("type") == "ball" and isinstance(options, dict):
             data = data | {"lagrange": {"law": "hertz"} | options}
         standard = listed(bearing.get("designation"))
         if standard is not None and isinstance(operation, dict):
             mass = {"inner_ring_and_shaft_kg": inner_ring_and_shaft(standard[0])}
             data = {"name": standard[0]} | data | {"operation": mass | operation}
+        elif isinstance(operation, dict) and (heavy := heavy_inner_ring_and_shaft(bearing)) is not None:
+            data = data | {"operation": {"inner_ring_and_shaft_kg": heavy} | operation}
         return data
 
     def checks(self) -> tuple[Check, ...]:

@@ -7,13 +7,27 @@ from typing import Any, Literal
 from pydantic import Field
 
 from lagrange.bearing import Material
-from lagrange.catalogue import bearing_keys, designations, listed
+from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, designations, listed, steel_ring_and_shaft
 from lagrange.scene_faults import Check, Table
 
 # groove radius over ball diameter to which ISO 281 rates deep-groove bearings
 USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
 
 CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm")  # with the outer raceway's diameter
+
+
+USUAL_MASS = 0.078  # kg, of the paper's inner ring and shaft
+
+
+def heavy_inner_ring_and_shaft(data: dict[str, Any]) -> float | None:
+    """Mass of a ring as wide as its rollers are long, with its shaft, kg, where the ring outweighs the default."""
+    keys = ("bore_diameter_mm", "roller_length_mm", "inner_raceway_diameter_mm")
+    sizes = [data.get(key, BearingTable.model_fields[key].default) for key in keys]
+    if any(type(size) not in (float, int) or size <= 0.0 for size in sizes):
+        return None
+    bore, length, raceway = sizes
+    ring = steel_ring_and_shaft(bore, length, raceway, 0.0)
+    return None if ring < USUAL_MASS else steel_ring_and_shaft(bore, length, raceway, SHAFT_WIDTHS)
 
 
 class BearingTable(Table):

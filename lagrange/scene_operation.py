@@ -30,7 +30,11 @@ class OperationTable(Table):
     )
     radial_load_N: float = Field(2000.0, ge=0.0, le=1e7, description="at the hub, along −y")
     inner_ring_and_shaft_kg: float = Field(
-        0.078, gt=0.0, le=1e6, description="mass of all that moves with the hub, the elastic inner ring included"
+        0.078,
+        gt=0.0,
+        le=1e6,
+        description="mass of all that moves with the hub, the elastic inner ring included; if left out and the ring "
+        "is heavier, a steel ring and shaft of the given sizes",
     )
     gravity_m_s2: float = Field(9.81, ge=0.0, le=1000.0, description="along −y")
     first_roller_deg: float = Field(

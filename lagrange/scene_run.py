@@ -50,7 +50,12 @@ class NumericsTable(Table):
         description="from static equilibrium, rolling; or from rest: centred, undeformed, the load ramped",
     )
     load_ramp_ms: float = Field(1.0, ge=0.0, le=1e6, description='over which the load grows where start = "rest"')
-    mesh_size_mm: float = Field(1.0, gt=0.0, le=100.0, description="distance of surface nodes")
+    mesh_size_mm: float = Field(
+        1.0,
+        gt=0.0,
+        le=100.0,
+        description="distance of surface nodes; left out: a tenth of a given roller_diameter_mm",
+    )
     time_step_safety: float = Field(0.9, ge=0.01, lt=1.0, description="time step over the critical one")
     output_interval_us: float = Field(
         10.0,

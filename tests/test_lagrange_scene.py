@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from fem.solver.simulate import make_plan
 from lagrange.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
 
 
@@ -149,3 +150,20 @@ def test_a_scene_that_is_not_there_is_named_with_what_is(tmp_path):
         read_scene(tmp_path / "motor.tml")
     with pytest.raises(SceneError, match="run-fem --example NU206 writes one to begin with"):
         read_scene(tmp_path / "elsewhere" / "pump.toml")
+
+
+@pytest.mark.parametrize("diameter", [1.0, 10.0, 60.0, 100.0])
+@pytest.mark.parametrize("speed", [1.0, 30_000.0])
+@pytest.mark.parametrize("model", ["reduced", "lagrange"])
+def test_sizes_speed_and_load_alone_are_a_scene_of_any_size(diameter, speed, model):
+    """The paper's bearing, larger and smaller; a surface may be no faster than linear elasticity bears."""
+    sizes = {"roller_diameter": 1.0, "roller_length": 1.0, "inner_raceway_diameter": 3.6, "bore_diameter": 2.5,
+             "outside_diameter": 6.5, "outer_raceway_diameter": 5.6}  # fmt: skip
+    settings = [f"bearing.{key}_mm={factor * diameter}" for key, factor in sizes.items()]
+    load, speed = 20.0 * diameter**2, min(speed, 3e5 / diameter)
+    scene = read_scene(None, (*settings, f"model={model}", f"operation.speed_rpm={speed}",
+                              f"operation.radial_load_N={load}"))  # fmt: skip
+    assert scene.numerics.mesh_size_mm == pytest.approx(0.1 * diameter)
+    assert scene.operation.inner_ring_and_shaft_kg > scene.perfect_bearing().inner_ring_mass
+    assert diameter != 10.0 or scene.operation.inner_ring_and_shaft_kg == 0.078
+    make_plan(scene)

@@ -38,8 +38,7 @@ def test_balls_need_no_mesh_size():
     balls(roller_diameter_mm=6.0, inner_raceway_diameter_mm=65.6)
     small = {"roller_diameter_mm": 1.0, "inner_raceway_diameter_mm": 75.7}
     assert balls(**small).numerics.mesh_size_mm == 1.0
-    with pytest.raises(SceneError, match="mesh_size_mm"):
-        balls(type="roller", **small)
+    assert balls(type="roller", **small).numerics.mesh_size_mm == 0.1  # a tenth of a roller
 
 
 @pytest.mark.parametrize(

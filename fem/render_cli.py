@@ -67,6 +67,7 @@ def _render(
         int | None, Parameter(help=f"their number; default: those whose fields are stored, else {FRAMES}")
     ] = None,
     fps: Annotated[float, Parameter(help="frames per second of a film")] = FRAMES_PER_SECOND,
+    force: Annotated[bool, Parameter(negative="", help="replace a file that is no export of this program")] = False,
     quiet: Annotated[bool, Parameter(negative="", help="no progress")] = False,
 ) -> int:
     _check("--width", width, 200, 8000, "pixels")
@@ -82,8 +83,11 @@ def _render(
     _check_kind(output, animation, export)
 
     from fem.pictures.recover import StoredRun
+    from fem.pictures.target import refuse_foreign
 
     stored = StoredRun(run if run is not None else _newest())
+    target = output or animation or export or stored.path.with_suffix(".png")
+    refuse_foreign(target, force)
     if export is not None and export.suffix.lower() in SIGNALS:
         if any(given is not None for given in (time, start, stop, frames)):
             raise UsageError("--time, --start, --stop, --frames: accelerations are of the whole run; leave them out")
@@ -108,7 +112,7 @@ def _render(
     )
     if animation is not None:
         return _film(stored, animation, request, samples, fps, quiet)
-    return _picture(stored, output or stored.path.with_suffix(".png"), request, samples[0])
+    return _picture(stored, target, request, samples[0])
 
 
 def _check(option: str, value: float | None, low: float, high: float, unit: str = "") -> None:

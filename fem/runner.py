@@ -22,6 +22,7 @@ from fem.solver.solver import Plan, Progress, RunState
 from fem.stopping import stop_signals
 from fem.summary import print_estimates, print_plan, print_run
 from lagrange.messages import said_if_long, say, telling
+from lagrange.output_files import remove_left
 from lagrange.scene import Scene
 
 if TYPE_CHECKING:
@@ -104,6 +105,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
     ):
         if not options.resume:
             checkpoint_path(path).unlink(missing_ok=True)
+        remove_left(checkpoint_path(path))
         checkpoints = Checkpoints(path, state, store, options.checkpoint_seconds)
         outcome, reason = Outcome.COMPLETE, None
 

@@ -4,10 +4,9 @@ Stands on the ground floor, as `stored` does: meshes, assembled matrices and com
 """
 
 import hashlib
-import os
-import tempfile
 from pathlib import Path
 
+from lagrange.output_files import write_whole
 from lagrange.plain_files import read_plain
 
 _SIZE = hashlib.sha256().digest_size
@@ -21,14 +20,7 @@ def write_sealed(path: Path, data: bytes) -> None:
     OSError: it can't be written; an earlier file stays.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-            file.write(hashlib.sha256(data).digest())
-        os.replace(temporary, path)
-    finally:
-        Path(temporary).unlink(missing_ok=True)
+    write_whole(path, data + hashlib.sha256(data).digest())
 
 
 def read_sealed(path: Path) -> bytes | None:

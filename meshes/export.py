@@ -1,10 +1,11 @@
 """Meshes with fields on them, written by meshio in formats that other programs read."""
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+
+from lagrange.output_files import replaced
 
 # those of meshio's formats that keep triangles beside quadrilaterals, and fields with any number of components
 FORMATS = {
@@ -44,9 +45,5 @@ def write_fields(
         cell_data={name: list(values) for name, values in cell_data.items()},
     )
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.stem}.part{path.suffix}")
-    try:
+    with replaced(path) as part:
         meshio.write(part, mesh, **FORMATS[path.suffix.lower()])
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)

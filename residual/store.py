@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.hdf5_writing import hdf5_to_write, variable
+from lagrange.output_files import real_path
+from lagrange.plain_files import read_plain
 from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.evaluation import Evaluation
@@ -34,7 +36,7 @@ def write_report(evaluation: Evaluation, folder: str | Path, parts: Parts = WHOL
     InputError: the folder holds something that is not an earlier report. OSError: it can't be written. Either
     way an earlier report stays as it was and no part of a new one is left.
     """
-    folder = Path(folder)
+    folder = real_path(Path(folder))
     check_replaceable(folder)
     folder.parent.mkdir(parents=True, exist_ok=True)
     fresh = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")  # known before it exists: no signal leaves it
@@ -53,6 +55,7 @@ def write_report(evaluation: Evaluation, folder: str | Path, parts: Parts = WHOL
 
 def check_replaceable(folder: Path) -> None:
     """Refuse to touch anything but a missing or empty folder, or an earlier report and nothing else."""
+    folder = real_path(folder)
     if not folder.exists():
         return
     if not folder.is_dir():
@@ -61,12 +64,16 @@ def check_replaceable(folder: Path) -> None:
     if not names:
         return
     try:
-        known = json.loads((folder / "summary.json").read_text(encoding="utf-8")).get("program") == PROGRAM
-    except (OSError, ValueError, AttributeError):
-        known = False
-    if not known:
-        raise InputError(f"{folder}: not empty and no report of {PROGRAM}; choose another --output or empty it")
-    foreign = sorted(n for n in names - OURS if not n.endswith(OURS_BY_NAME))
+        summary = json.loads(read_plain(folder / "summary.json"))
+        if summary["program"] != PROGRAM:
+            raise ValueError
+        ours = set(summary.get("files", ()))
+    except (OSError, ValueError, LookupError, TypeError, AttributeError):
+        raise InputError(
+            f"{folder}: not empty and no report of {PROGRAM}; choose another --output or empty it"
+        ) from None
+    of_earlier = () if ours else OURS_BY_NAME  # versions that did not list what they wrote
+    foreign = sorted(n for n in names - OURS - ours if not n.endswith(of_earlier))
     if foreign:
         raise InputError(
             f"{folder}: holds {foreign[0]}, which is not part of a report; move it or choose another --output"
@@ -104,7 +111,7 @@ def _fill(evaluation: Evaluation, folder: Path, parts: Parts) -> dict:
     write_exports(evaluation, [figure for group in figures.values() for figure in group], parts.exports, folder)
     page = render_report(evaluation, figures, parts, version, statics)
     (folder / "report.html").write_text(page, encoding="utf-8")
-    summary = summarise(evaluation, parts, version)
+    summary = summarise(evaluation, parts, version) | {"files": sorted({path.name for path in folder.iterdir()} | OURS)}
     (folder / "summary.json").write_text(
         json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8"
     )

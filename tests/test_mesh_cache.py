@@ -143,7 +143,7 @@ def test_a_read_only_cache_costs_a_meshing_and_nothing_else(refusal, folder, mes
     def refuse(*_, **__):
         raise refusal
 
-    monkeypatch.setattr("tempfile.mkstemp", refuse)
+    monkeypatch.setattr("lagrange.sealed.write_whole", refuse)
     assert_same(mesh_of(DISC), make(DISC))
     assert_same(mesh_of(DISC), make(DISC))
     assert meshed == [DISC, DISC]

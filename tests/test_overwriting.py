@@ -1,9 +1,17 @@
-"""Nothing is overwritten silently."""
+"""Nothing is overwritten silently, no link or pipe in the way of a file is followed."""
+
+import os
 
 import h5py
+import numpy as np
 import pytest
 
 from fem.cli import result_name, run_main
+from fem.pictures.target import refuse_foreign
+from fem.render_cli import render_main
+from lagrange.output_files import new_part, remove_left, replaced
+from residual.cli import main as check_main
+from tests.waiting import no_endless_wait
 
 SHORT = ["--model", "reduced", "--duration", "0.5", "--quiet"]
 
@@ -63,3 +71,120 @@ def test_names_say_what_was_set_and_stay_names_of_files(settings, name):
 def test_long_names_are_cut_and_stay_apart():
     names = {result_name("a", ["lagrange.law=" + 200 * "x" + end]) for end in "pq"}
     assert len(names) == 2 and all(len(name) < 140 for name in names)
+
+
+PRECIOUS = "time_s,load_x_N\n0,0\n1,2000\n"
+
+
+@pytest.mark.parametrize("name", ["paper.nc.part", "paper.nc.checkpoint.part"])
+@pytest.mark.parametrize("kind", ["file", "link", "pipe"])
+def test_what_stands_under_a_name_that_a_run_may_need_stays(name, kind, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()
+    precious = tmp_path / "precious.txt"
+    precious.write_text(PRECIOUS)
+    place = tmp_path / "runs" / name
+    {"file": lambda: place.write_text(PRECIOUS), "link": lambda: place.symlink_to(precious),
+     "pipe": lambda: os.mkfifo(place)}[kind]()  # fmt: skip
+    with no_endless_wait():
+        assert run_main(SHORT) == 0
+    assert precious.read_text() == PRECIOUS
+    assert place.is_fifo() if kind == "pipe" else place.read_text() == PRECIOUS
+    assert {path.name for path in place.parent.iterdir()} >= {name, "paper.nc"}
+
+
+@pytest.mark.parametrize("kind", ["file", "link", "pipe"])
+def test_a_checkpoint_that_is_none_is_neither_removed_nor_replaced(kind, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "runs").mkdir()
+    precious, place = tmp_path / "precious.txt", tmp_path / "runs" / "paper.nc.checkpoint"
+    precious.write_text(PRECIOUS)
+    {"file": lambda: place.write_text(PRECIOUS), "link": lambda: place.symlink_to(precious),
+     "pipe": lambda: os.mkfifo(place)}[kind]()  # fmt: skip
+    with no_endless_wait():
+        assert run_main(SHORT) == 2
+    assert "paper.nc.checkpoint: is no" in capsys.readouterr().err
+    assert precious.read_text() == PRECIOUS
+    assert place.is_fifo() if kind == "pipe" else place.read_text() == PRECIOUS
+
+
+def test_files_left_on_their_way_are_removed_and_those_of_others_stay(tmp_path):
+    ours, others = new_part(tmp_path / "a.nc"), [new_part(tmp_path / "b.nc"), tmp_path / "a.nc.part"]
+    others[1].write_text("")
+    remove_left(tmp_path / "a.nc")
+    assert not ours.exists() and all(other.exists() for other in others)
+
+
+def test_a_name_as_long_as_the_disk_takes_has_parts_of_its_own(tmp_path):
+    place = tmp_path / ("a" * 255)
+    with replaced(place) as part:
+        part.write_text("new")
+    assert place.read_text() == "new" and list(tmp_path.iterdir()) == [place]
+
+
+@pytest.mark.parametrize("ending", [".csv", ".mat", ".wav", ".vtu", ".vtkhdf", ".pvd", ".gif", ".mp4", ".png"])
+@pytest.mark.parametrize("kind", ["file", "link", "pipe"])
+def test_only_an_export_is_replaced_by_an_export(ending, kind, kept, capsys):
+    option = {".gif": "--animation", ".mp4": "--animation", ".png": "--output"}.get(ending, "--export")
+    precious, place = kept.with_name(f"mine{ending}"), kept.with_name(f"target{ending}")
+    precious.write_text(PRECIOUS)
+    {"file": lambda: place.write_text(PRECIOUS), "link": lambda: place.symlink_to(precious),
+     "pipe": lambda: os.mkfifo(place)}[kind]()  # fmt: skip
+    with no_endless_wait():
+        assert render_main([str(kept), option, str(place), "--quiet"]) == 2
+    told = capsys.readouterr().err
+    assert str(place) in told and ("not a plain file" if kind == "pipe" else "--force") in told
+    assert precious.read_text() == PRECIOUS and (kind == "pipe" or place.read_text() == PRECIOUS)
+
+
+@pytest.mark.parametrize("ending", [".csv", ".mat", ".wav", ".vtu", ".vtkhdf", ".pvd"])
+def test_an_export_is_replaced_by_the_next_and_any_file_by_force(ending, kept, coarse_run):
+    source, place = kept if ending in (".csv", ".mat", ".wav") else coarse_run, kept.with_name(f"target{ending}")
+    some = ["--frames", "2"] if ending in (".vtkhdf", ".pvd") else []
+    place.write_text(PRECIOUS)
+    for options in (["--force"], []):
+        assert render_main([str(source), "--export", str(place), "--quiet", *some, *options]) == 0
+    assert place.read_bytes() != PRECIOUS.encode()
+    if ending == ".wav":
+        from scipy.io import wavfile
+
+        rate, signals = wavfile.read(place)
+        assert rate == 25600 and signals.dtype == np.float32 and signals.shape[1] == 2
+    if ending == ".pvd":
+        (place.with_suffix("") / "target_7.vtu").write_text(PRECIOUS)
+        assert render_main([str(source), "--export", str(place), "--quiet", *some]) == 2
+        assert (place.with_suffix("") / "target_7.vtu").read_text() == PRECIOUS
+
+
+@pytest.mark.parametrize("ending", [".gif", ".mp4"])
+def test_films_are_known_as_such(ending, tmp_path):
+    from fem.pictures.film import write_film
+
+    place, palette = tmp_path / f"a{ending}", np.zeros((1, 3), dtype=np.uint8)
+    write_film(place, iter(np.zeros((2, 64, 64, 3), dtype=np.uint8)), 25.0, palette)
+    refuse_foreign(place, force=False)
+
+
+@pytest.mark.usefixtures("plain_report")
+def test_a_report_replaces_the_files_it_has_listed_and_no_others(kept, capsys):
+    folder = kept.with_name("report")
+    arguments = [str(kept), "--quiet", "--no-figures", "--export", "csv", "--output", str(folder)]
+    assert check_main(arguments) == check_main(arguments) == 0
+    (folder / "mine.csv").write_text(PRECIOUS)
+    assert check_main(arguments) == 2
+    assert "mine.csv, which is not part of a report" in capsys.readouterr().err
+    (folder / "mine.csv").unlink()
+    (folder / "summary.json").unlink()
+    os.mkfifo(folder / "summary.json")
+    with no_endless_wait():
+        assert check_main(arguments) == 2
+
+
+def test_a_pipe_in_the_place_of_what_is_remembered_is_not_waited_for(tmp_path, monkeypatch):
+    from fem.solver import pace
+
+    os.mkfifo(place := tmp_path / "pace.json")
+    monkeypatch.setattr(pace, "pace_file", lambda: place)
+    with no_endless_wait():
+        pace.remember("reduced", 1.0, 2.0)
+        assert pace.pace("reduced") == 1.0

@@ -5,9 +5,11 @@ against a child that sleeps for ever.
 """
 
 import math
+import signal
 import subprocess
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 ASLEEP = 30.0  # s of wall time for each s of processor time that is allowed
 GIVE_UP = 600.0  # s of wall time for a child of which no processor time is limited
@@ -36,3 +38,19 @@ def wait_until(condition: Callable[[], object], process: subprocess.Popen | None
         if time.monotonic() > until:
             raise TimeoutError(f"nothing has happened for {GIVE_UP:.0f} s")
         time.sleep(pause)
+
+
+@contextmanager
+def no_endless_wait() -> Iterator[None]:
+    """Raise TimeoutError in this thread where what is done here, such as the opening of a pipe, does not end."""
+
+    def give_up(number, frame):
+        raise TimeoutError(f"nothing has happened for {GIVE_UP:.0f} s")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.setitimer(signal.ITIMER_REAL, GIVE_UP)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)

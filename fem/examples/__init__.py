@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from fem.errors import UsageError
+from lagrange.output_files import write_whole
 from lagrange.scene_keys import scene_with_every_key
 
 
@@ -25,11 +26,11 @@ def write_example(name: str, path: Path | None, force: bool = False) -> list[Pat
     if name == "table":
         files[path.with_suffix(".tsv")] = rig_table()
     for target in files:
-        if target.exists() and not force:
+        if (target.exists() or target.is_symlink()) and not force:
             raise UsageError(f"{target}: is there already; --force replaces it, --output names another file")
     path.parent.mkdir(parents=True, exist_ok=True)
     for target, text in files.items():
-        target.write_text(text, encoding="utf-8", newline="\n")
+        write_whole(target, text.encode())
     return list(files)
 
 

@@ -4,7 +4,6 @@ Series are one VTKHDF file, or a PVD file with a folder of VTU files beside it; 
 goes out in whatever `meshes.export` can write. Stress is the mesh's own, without what lies below the grid of a contact.
 """
 
-import os
 import xml.etree.ElementTree as xml
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -15,8 +14,10 @@ import numpy as np
 from fem.elastic.stress import max_shear, von_mises
 from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING, OUTER_RING
 from fem.pictures.recover import Instant, StoredRun
+from fem.pictures.target import earlier_instants
 from fem.solver.frames import global_fields, rotated
 from lagrange.hdf5_writing import hdf5_to_write
+from lagrange.output_files import replaced
 from meshes.export import write_fields
 
 VTK_TRIANGLE, VTK_QUAD = 5, 9
@@ -41,13 +42,8 @@ def write_series(run: StoredRun, target: Path, samples: Sequence[int], count: Ca
     if target.suffix.lower() == ".pvd":
         _write_pvd(run, target, samples, count)
         return
-    part = target.with_name(f".{target.name}.part")
-    try:
-        with hdf5_to_write(part) as file:
-            _write_vtkhdf(file, run, samples, count)
-        os.replace(part, target)
-    finally:
-        part.unlink(missing_ok=True)
+    with replaced(target) as part, hdf5_to_write(part) as file:
+        _write_vtkhdf(file, run, samples, count)
 
 
 def fields(instant: Instant) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -145,9 +141,8 @@ def _write_vtkhdf(file: h5py.File, run: StoredRun, samples: Sequence[int], count
 def _write_pvd(run: StoredRun, target: Path, samples: Sequence[int], count: Callable[[], None]) -> None:
     """One VTU file an instant in a folder of the same name, and the list of them, written last."""
     folder = target.with_suffix("")
-    if folder.is_dir():
-        for old in folder.glob(f"{target.stem}_*.vtu"):
-            old.unlink()
+    for old in earlier_instants(target):
+        old.unlink()
     root = xml.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection = xml.SubElement(root, "Collection")
     for step, sample in enumerate(samples):
@@ -157,6 +152,5 @@ def _write_pvd(run: StoredRun, target: Path, samples: Sequence[int], count: Call
                        file=f"{folder.name}/{file.name}")  # fmt: skip
         count()
     xml.indent(root)
-    part = target.with_name(f".{target.name}.part")
-    xml.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)
-    os.replace(part, target)
+    with replaced(target) as part:
+        xml.ElementTree(root).write(part, encoding="utf-8", xml_declaration=True)

@@ -1,12 +1,14 @@
 """Frames made into a film: MP4 by ffmpeg, which imageio-ffmpeg brings along, or an animated GIF by Pillow."""
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
 import imageio_ffmpeg
 import numpy as np
 from PIL import Image
+
+from fem.pictures.target import MARK
+from lagrange.output_files import replaced
 
 KINDS = (".mp4", ".gif")
 QUALITY = "18"  # x264's constant rate factor; text stays sharp
@@ -26,15 +28,11 @@ def write_film(
     OSError: it can't be written.
     """
     target.parent.mkdir(parents=True, exist_ok=True)
-    part = target.with_name(f".{target.stem}.part{target.suffix}")
-    try:
+    with replaced(target) as part:
         if target.suffix.lower() == ".gif":
             _write_gif(part, images, frames_per_second, palette)
         else:
             _write_mp4(part, images, frames_per_second)
-        os.replace(part, target)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _write_mp4(target: Path, images: Iterator[np.ndarray], frames_per_second: float) -> None:
@@ -42,7 +40,9 @@ def _write_mp4(target: Path, images: Iterator[np.ndarray], frames_per_second: fl
     height, width, _ = first.shape
     writer = imageio_ffmpeg.write_frames(
         str(target), (width, height), fps=frames_per_second, codec="libx264", quality=None, macro_block_size=2,
-        output_params=["-crf", QUALITY, "-movflags", "+faststart", "-fflags", "+bitexact"], ffmpeg_log_level="error",
+        output_params=["-crf", QUALITY, "-movflags", "+faststart", "-fflags", "+bitexact",
+                       "-metadata", f"comment={MARK}", "-f", "mp4"],
+        ffmpeg_log_level="error",
     )  # fmt: skip
     try:
         writer.send(None)
@@ -60,5 +60,5 @@ def _write_gif(target: Path, images: Iterator[np.ndarray], frames_per_second: fl
     frames = (Image.fromarray(image).quantize(palette=colours, dither=Image.Dither.NONE) for image in images)
     next(frames).save(
         target, format="GIF", save_all=True, append_images=frames, duration=round(1e3 / frames_per_second), loop=0,
-        optimize=False,
+        optimize=False, comment=MARK.encode(),
     )  # fmt: skip

@@ -19,7 +19,9 @@ from fem.pictures.render_bodies import drawn_bearing
 from fem.pictures.render_canvas import INK, Canvas
 from fem.pictures.render_look import Request, chosen_look
 from fem.pictures.render_scale import TITLES
+from fem.pictures.target import MARK
 from lagrange.messages import shown
+from lagrange.output_files import replaced
 
 ASPECT = 4.0 / 3.0
 SCALE_COLOURS, GREYS = 160, 32  # of a palette
@@ -82,9 +84,11 @@ def draw(run: StoredRun, target: Path, request: Request, sample: int) -> None:
         image = renderer.image(sample)
         seen = "the whole bearing" if request.view == "bearing" else f"roller {renderer.look.roller} in its contacts"
     about = PngInfo()
+    about.add_text("Software", MARK)
     about.add_itxt("Source", shown(run.path.name))
     title = TITLES[renderer.look.scale.field][0]
     about.add_itxt("Description", f"{title}, {seen} at {1e3 * run.times[sample]:.6g} ms; {run.scene.method}.")
     target = Path(target)
     target.parent.mkdir(parents=True, exist_ok=True)
-    Image.fromarray(image).save(target, format="PNG", pnginfo=about, compress_level=PACKED)
+    with replaced(target) as part:
+        Image.fromarray(image).save(part, format="PNG", pnginfo=about, compress_level=PACKED)

@@ -1,5 +1,7 @@
 """Accelerations as a measuring card would record them: filtered, at a lower rate, as CSV, WAV or MAT."""
 
+import io
+import struct
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -8,9 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from fem.errors import UsageError
+from lagrange.output_files import replaced, write_whole
 from lagrange.scene import Scene
 from lagrange.units import G
 
+WAV_REMARK = b"render-fem\0\0"  # of even length
 OVER_BAND = 2.56  # rate over the band that is kept, the custom of analysers
 STOPPED = 80.0  # dB, by which what would fold into the band is lowered
 MOST_TAPS = 2_000_000  # of the filter
@@ -74,9 +78,7 @@ def write_accelerations(target: Path, found: Accelerations) -> None:
     """Write them as a file's name asks: CSV and MAT in m/s² and in g, WAV in m/s² (32-bit floating point)."""
     suffix = target.suffix.lower()
     if suffix == ".wav":
-        from scipy.io import wavfile
-
-        wavfile.write(target, found.rate, np.column_stack(list(found.values.values())).astype(np.float32))
+        write_whole(target, _wav(found))
         return
     columns = {"time_s": found.time}
     for name, values in found.values.items():
@@ -84,6 +86,21 @@ def write_accelerations(target: Path, found: Accelerations) -> None:
     if suffix == ".mat":
         from scipy.io import savemat
 
-        savemat(target, columns | {"rate_Hz": float(found.rate)}, oned_as="column")
+        with replaced(target) as part:
+            savemat(part, columns | {"rate_Hz": float(found.rate)}, appendmat=False, oned_as="column")
         return
-    np.savetxt(target, np.column_stack(list(columns.values())), "%.9g", ",", header=",".join(columns), comments="")
+    with replaced(target) as part:
+        np.savetxt(part, np.column_stack(list(columns.values())), "%.9g", ",", header=",".join(columns), comments="")
+
+
+def _wav(found: Accelerations) -> bytes:
+    """A WAV file with a list of remarks at its end, which names the program.
+
+    Source: Microsoft and IBM, Multimedia Programming Interface and Data Specifications 1.0 (1991), RIFF, INFO list.
+    """
+    from scipy.io import wavfile
+
+    wavfile.write(file := io.BytesIO(), found.rate, np.column_stack(list(found.values.values())).astype(np.float32))
+    remark = b"INFOISFT" + struct.pack("<I", len(WAV_REMARK)) + WAV_REMARK
+    data = file.getvalue() + b"LIST" + struct.pack("<I", len(remark)) + remark
+    return data[:4] + struct.pack("<I", len(data) - 8) + data[8:]

@@ -15,15 +15,19 @@ from numpy.lib import format as npy
 
 from fem.errors import UsageError
 from fem.result.changes import differences, scene_keys
-from fem.result.durable import move_into_place, real_path
+from fem.result.durable import move_into_place
 from fem.result.layout import variables_of
 from fem.result.store import Stored
 from fem.solver.solver import Plan, RunState
+from lagrange.output_files import new_part, real_path
+from lagrange.plain_files import read_plain
 from lagrange.scene import Scene, SceneError, parse_scene_text
 from lagrange.version import VERSION
 
 FORMAT = 13
 LONGEST_META = 2**20  # bytes
+FIRST = b"meta.npy"  # in the archive
+LONGEST_START = 30 + len(FIRST)  # bytes of an archive up to the end of its first file's name
 
 
 def checkpoint_path(result: Path) -> Path:
@@ -40,8 +44,17 @@ def refuse_no_place(result: Path) -> None:
     UsageError. OSError: its name is too long.
     """
     path = checkpoint_path(result)
-    if path.exists() and not path.is_file():
+    if path.is_symlink() or (path.exists() and not path.is_file()):
         raise UsageError(f"{path}: is not a plain file, and the run's state is to be kept there; name another --output")
+    if path.exists() and not _is_ours(read_plain(path, LONGEST_START)):
+        raise UsageError(
+            f"{path}: is no checkpoint of this program and is not replaced; move it, or name another --output"
+        )
+
+
+def _is_ours(start: bytes) -> bool:
+    """Whether a file begins as a checkpoint does, whatever has become of the rest; an empty one may go."""
+    return not start or (start.startswith(b"PK\x03\x04") and start.endswith(FIRST))
 
 
 def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
@@ -64,7 +77,7 @@ def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
         "numbers": numbers,
         "scene": plan.scene.to_toml(),
     }
-    temporary = path.with_name(path.name + ".part")
+    temporary = new_part(path)
     try:
         with open(temporary, "wb") as file:
             arrays = {name: np.asarray(value, order="C") for name, value in arrays.items()}

@@ -1,27 +1,16 @@
 """Files that appear whole or not at all, in folders that several runs share; writes that say when they fail."""
 
-import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from lagrange.output_files import BINARY
+
 try:
     import fcntl
 except ImportError:  # not a POSIX system: files are not locked there
     fcntl = None
-
-BINARY = getattr(os, "O_BINARY", 0)  # Windows would translate line ends in what is read and written
-
-
-def real_path(path: Path) -> Path:
-    """Where a link leads; else the path as it was given. OSError: links that lead round in a circle."""
-    if not path.is_symlink():
-        return path
-    real = Path(os.path.realpath(path))
-    if real.is_symlink():
-        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
-    return real
 
 
 @contextmanager

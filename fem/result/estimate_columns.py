@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from fem.result.durable import alone_in, move_into_place, real_path
+from fem.result.durable import alone_in, move_into_place
 from lagrange.hdf5_writing import hdf5_to_write
+from lagrange.output_files import new_part, real_path
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
@@ -37,7 +38,7 @@ def write_estimates(path: Path, found: "list[Estimate]", coarse_mesh_size: float
     OSError: no room for a second file; the first stays as it is.
     """
     path = real_path(path)
-    part = path.with_name(path.name + ".part")
+    part = new_part(path)
     try:
         with alone_in(path.parent):
             shutil.copyfile(path, part)

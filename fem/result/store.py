@@ -18,12 +18,13 @@ import h5py
 import numpy as np
 
 from fem.errors import UsageError
-from fem.result.durable import alone_in, move_into_place, open_locked, real_path, write_at
+from fem.result.durable import alone_in, move_into_place, open_locked, write_at
 from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
 from fem.result.layout import FORMAT_VERSION, Places, create, variables_of
 from fem.result.surface_columns import events_of, with_sinkages, write_events, write_scene_files
 from lagrange.faults import labels
 from lagrange.hdf5_writing import hdf5_to_write
+from lagrange.output_files import new_part, real_path, remove_left
 from lagrange.spall_events import SpallEvent
 from lagrange.spall_passages import spalls
 from lagrange.stored import checksum, text_checksum
@@ -94,9 +95,10 @@ class ResultFile:
 
         While the files change places neither is open, as not every system allows that.
         """
-        part = self._path.with_name(self._path.name + ".part")
         capacity = max(1, capacity)  # HDF5 gives nothing no place
         with self._named(), ExitStack() as undo:
+            remove_left(self._path)
+            part = new_part(self._path)
             undo.callback(part.unlink, missing_ok=True)
             places = create(
                 part, self._bearing.n_rollers, capacity, self._attributes, self._variables, self._further(capacity)

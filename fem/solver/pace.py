@@ -6,11 +6,12 @@ itself.
 """
 
 import json
-import os
-import tempfile
 from contextlib import suppress
 from pathlib import Path
 from statistics import median
+
+from lagrange.output_files import write_whole
+from lagrange.plain_files import read_plain
 
 KEPT = 5  # runs of each model: their median forgives one that shared its caches
 SHORTEST = 0.01  # s, of a time loop that tells of the machine
@@ -47,16 +48,13 @@ def remember(model: str, expected: float, took: float) -> None:
     known[key] = [*known.get(key, []), ratio][-KEPT:]
     with suppress(OSError):  # a cache folder that can't be written is no reason to fail
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            json.dump(known, file)
-        os.replace(temporary, path)
+        write_whole(path, json.dumps(known).encode())
 
 
 def _read() -> dict[str, list[float]]:
     """What is kept, as far as it is what `remember` writes."""
     try:
-        known = json.loads(pace_file().read_text(encoding="utf-8"))
+        known = json.loads(read_plain(pace_file()))
         return {
             str(key): [ratio for ratio in map(float, found) if 0.0 < ratio < LARGEST] for key, found in known.items()
         }

@@ -25,6 +25,7 @@ from fem.study.points import LIBRARIES, Points
 from fem.study.solving import COMPLETE, Solved
 from fem.study.study_file import QUANTITIES
 from lagrange.hdf5_writing import dimension, hdf5_to_write, label, variable
+from lagrange.output_files import replaced
 from lagrange.scene_keys import unit_of
 from lagrange.version import VERSION
 
@@ -43,18 +44,14 @@ def write_dataset(points: Points, folder: Folder, count: Callable[[], None] = la
     ------
     OSError: it can't be written; an earlier dataset stays.
     """
-    part = folder.dataset.with_name(folder.dataset.name + ".part")
     try:
-        with hdf5_to_write(part, track_order=True) as file:
+        with replaced(folder.dataset) as part, hdf5_to_write(part, track_order=True) as file:
             _lay_out(file, points)
             found = _fill(file, points, folder, count)
-        part.replace(folder.dataset)
     except OSError as error:
         if error.filename is not None:
             raise
         raise OSError(error.errno or 0, error.strerror or f"can't be written: {error}", str(folder.dataset)) from None
-    finally:
-        part.unlink(missing_ok=True)
     return found
 
 

@@ -24,6 +24,7 @@ from fem.study.points import Points
 from fem.study.sampling import Design
 from fem.study.solving import LOST, Solved
 from fem.study.study_file import study_of
+from lagrange.output_files import write_whole
 from lagrange.plain_files import read_plain
 from lagrange.scene import parse_scene_text
 from lagrange.sealed import read_sealed, write_sealed
@@ -98,7 +99,7 @@ class Folder:
         """
         with self._named():
             (self.path / "points").mkdir(parents=True, exist_ok=True)
-            _write(self._about, json.dumps(_facts(points), ensure_ascii=False).encode())
+            write_whole(self._about, json.dumps(_facts(points), ensure_ascii=False).encode())
 
     def done(self, digest: str) -> bool:
         """Whether a point has been solved, well or not."""
@@ -129,7 +130,7 @@ class Folder:
         with self._named():
             if solved.run is not None:
                 self.run(digest).parent.mkdir(exist_ok=True)
-                _write(self.run(digest), solved.run)
+                write_whole(self.run(digest), solved.run)
             write_sealed(self._point(digest), archive.getvalue())
 
     def read(self, points: Points, i: int, variables: Variables) -> Solved | None:
@@ -149,16 +150,6 @@ class Folder:
             raise OSError(
                 error.errno, f"{error.strerror}; finished points are kept, --resume goes on", str(self.path)
             ) from None
-
-
-def _write(path: Path, data: bytes) -> None:
-    """Write a file that appears whole or not at all."""
-    part = path.with_name(path.name + ".part")
-    try:
-        part.write_bytes(data)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _facts(points: Points) -> dict[str, Any]:

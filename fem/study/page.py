@@ -8,6 +8,7 @@ from fem.study.dataset import Collected, read_dataset
 from fem.study.effects import Column, Indices, Table, sobol_indices, table_of
 from fem.study.folder import Folder
 from fem.study.points import Points
+from lagrange.output_files import write_whole
 from lagrange.pages import render_page
 
 TEMPLATE = Path(__file__).parent / "template" / "study.html.j2"
@@ -47,12 +48,7 @@ def write_page(points: Points, folder: Folder) -> None:
         study=points.study.text,
         scene=points.study.scene.to_toml(),
     )
-    part = folder.page.with_name(folder.page.name + ".part")
-    try:
-        part.write_text(text, encoding="utf-8")
-        part.replace(folder.page)
-    finally:
-        part.unlink(missing_ok=True)
+    write_whole(folder.page, text.encode())
 
 
 def number(value: float) -> str:

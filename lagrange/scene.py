@@ -27,7 +27,7 @@ from lagrange.scene_cage import CageTable
 from lagrange.scene_columns import Columns
 from lagrange.scene_combinations import COMBINATIONS
 from lagrange.scene_damping import DampingTable, with_former_name
-from lagrange.scene_faults import Check, SceneError, Table, all_faults, likely_of, printable
+from lagrange.scene_faults import Check, SceneError, Table, all_faults, likely_of, plain, printable
 from lagrange.scene_files import content_in_place, content_of
 from lagrange.scene_lubricant import LubricantTable
 from lagrange.scene_operation import OperationTable
@@ -92,7 +92,7 @@ class Scene(Table):
         """Keep what was written: a clearance that is varied must not meet the diameter that followed from another."""
         scene = handler(data)
         if isinstance(data, dict):
-            scene._written = {key: _plain(value) for key, value in data.items()}
+            scene._written = {key: plain(value) for key, value in data.items()}
             scene._choose_interval()
         return scene
 
@@ -264,11 +264,6 @@ class Scene(Table):
             if getattr(self, name) == empty:
                 del tables[name]
         return tomli_w.dumps(tables)
-
-
-def _plain(value: Any) -> Any:
-    """A table as nested dictionaries, of its own."""
-    return value.model_dump(exclude_unset=True) if isinstance(value, Table) else deepcopy(value)
 
 
 def _at_hand(path: Path) -> str:

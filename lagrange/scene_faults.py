@@ -7,6 +7,7 @@ Contradictions between the values that can be used are therefore looked for once
 import difflib
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
+from copy import deepcopy
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
@@ -40,6 +41,17 @@ class Table(BaseModel):
     """A table of the scene, or the scene itself."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, strict=True)
+
+    def __init__(self, /, **data: Any):
+        """A table from its keys; SceneError: as `read_scene` gives it, all faults at once."""
+        try:
+            super().__init__(**data)
+        except ValidationError as error:
+            name = type(self).__name__
+            faults = all_faults(error, type(self), {key: plain(value) for key, value in data.items()})
+            raise SceneError("\n".join(f"{name}: {fault}" for fault in faults)) from None
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # as BaseModel's: tables inside need no call
 
     def checks(self) -> tuple[Check, ...]:
         """What may contradict itself in the table; each check gives a sentence for each thing that does."""
@@ -76,6 +88,13 @@ def all_faults(error: ValidationError, model: type[Table], data: dict[str, Any])
     lines = [printable(line) for line in dict.fromkeys(lines)]
     more = len(lines) + len(every) - len(found) - MOST_FAULTS
     return [*lines[:MOST_FAULTS], f"and {more} more"] if more > 0 else lines
+
+
+def plain(value: Any) -> Any:
+    """A value of its own, tables in it as nested dictionaries of what they were given."""
+    if isinstance(value, Table):
+        return value.model_dump(exclude_unset=True)
+    return [plain(item) for item in value] if isinstance(value, list) else deepcopy(value)
 
 
 def printable(text: str) -> str:

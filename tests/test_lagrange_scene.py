@@ -6,6 +6,7 @@ import pytest
 
 from fem.solver.simulate import make_plan
 from lagrange.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
+from lagrange.scene_surfaces import SpallTable
 
 
 def fault(text):
@@ -167,3 +168,25 @@ def test_sizes_speed_and_load_alone_are_a_scene_of_any_size(diameter, speed, mod
     assert scene.operation.inner_ring_and_shaft_kg > scene.perfect_bearing().inner_ring_mass
     assert diameter != 10.0 or scene.operation.inner_ring_and_shaft_kg == 0.078
     make_plan(scene)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"operation": {"spede_rpm": 3}}, "Scene: operation.spede_rpm: unknown key; did you mean speed_rpm?"),
+        ({"operatoin": {}}, "Scene: operatoin: unknown key; did you mean operation?"),
+        (
+            {"bearing": {"rollers": "x"}, "spall": [SpallTable(body="outer_ring", width_mm=1.0)]},
+            "bearing.rollers = 'x'",
+        ),
+    ],
+)
+def test_a_scene_from_python_tells_its_faults_as_a_file_does(given, told):
+    with pytest.raises(SceneError) as error:
+        Scene(**given)
+    assert told in str(error.value)
+
+
+def test_a_table_from_python_tells_its_faults_too():
+    with pytest.raises(SceneError, match=r"SpallTable: widht_mm: unknown key; did you mean width_mm\?"):
+        SpallTable(body="outer_ring", widht_mm=1.0)

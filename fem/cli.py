@@ -6,6 +6,7 @@ import re
 import sys
 import zlib
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -15,7 +16,7 @@ from fem.collecting import importing, leave
 from fem.errors import RunFailed, UsageError
 from fem.outcome import Outcome
 from fem.solver.simulate import SOLVERS
-from fem.stopping import Terminated, hear_termination
+from fem.stopping import Terminated, hear_signals, hear_termination, hold_signals
 
 RUNS = Path("runs")
 EXAMPLES = (
@@ -28,6 +29,10 @@ EXAMPLES = (
 )  # fem.examples has them; it imports too much for --help
 BROKEN_PIPE = 1  # the code with which rich leaves where nobody reads its output any more
 MOST_THREADS = 4096
+SEPARATOR = "\0"  # of joined values: no argument of a process holds it
+NO_MEMORY = "failed to map segment"  # the loader's words
+NUMBA_SETTINGS = ".numba_config.yaml"  # which numba looks for in the current folder
+KNOWN = ("NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_DISABLE_JIT", "NUMBA_BOUNDSCHECK")  # ours, or looked at here
 LONGEST_NAME = 120  # characters of a result's name; file systems take 255 bytes with the ending
 
 
@@ -115,7 +120,8 @@ def _run(
         print(json.dumps(Scene.model_json_schema(), indent=1, ensure_ascii=False))
         return Outcome.COMPLETE.code
 
-    overrides = list(set or ())
+    settings = settings_of(set)
+    overrides = list(settings)
     if bearing is not None:
         overrides.insert(0, f'bearing={{designation="{bearing}"}}')
     if model is not None:
@@ -125,7 +131,7 @@ def _run(
     if duration is not None:
         overrides.append(f"numerics.duration_ms={duration}")
     chosen = read_scene(scene, tuple(overrides))
-    path = output if output is not None else RUNS / f"{result_name(chosen.name, set or ())}.nc"
+    path = output if output is not None else RUNS / f"{result_name(chosen.name, settings)}.nc"
     if path.is_dir():
         raise UsageError(f"--output {path}: is a folder; name a file in it")
     if checkpoint is not None and not checkpoint >= 0.0:
@@ -186,12 +192,13 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
     """Exit code of a command. A user's mistake gives a few lines on stderr, never a traceback."""
     open_streams()
     try:
+        hear_signals()
         _check_environment()
-        result = app(arguments, exit_on_error=False, print_error=False)
+        result = app(_joined(sys.argv[1:] if arguments is None else arguments), exit_on_error=False, print_error=False)
         sys.stdout.flush()
         return result if isinstance(result, int) else Outcome.COMPLETE.code
     except KeyboardInterrupt as error:
-        ended, reason = Outcome.ENDED_BY_TERM if isinstance(error, Terminated) else Outcome.ENDED, None
+        return interrupted(error)
     except CycloptsError as error:
         ended, reason = Outcome.UNUSABLE, error
     except (BrokenPipeError, SystemExit) as error:  # whoever reads what is only printed has had enough
@@ -205,6 +212,10 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
         ended, reason = Outcome.UNUSABLE, f"{error.filename or 'output'}: {error.strerror or error}"
     except RunFailed as error:
         ended, reason = Outcome.FAILED_AT_START, error
+    except ImportError as error:
+        if NO_MEMORY not in str(error):
+            raise
+        ended, reason = Outcome.UNUSABLE, "not enough memory to load the program"
     except MemoryError:
         ended, reason = Outcome.UNUSABLE, "not enough memory; a coarser numerics.mesh_size_mm takes less"
     except ValueError as error:
@@ -222,11 +233,59 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
     return ended.code
 
 
+def interrupted(error: KeyboardInterrupt) -> int:
+    """Say that a command has been ended, importing nothing, as a library of which half is loaded can't be; its code."""
+    hold_signals()  # a second one, of a terminal or the parent process, means the same
+    ended = Outcome.ENDED_BY_TERM if isinstance(error, Terminated) else Outcome.ENDED
+    with suppress(OSError):
+        print(ended.told(), file=sys.stderr, flush=True)
+    return ended.code
+
+
 def _check_environment() -> None:
     """Refuse settings of libraries with which they can't even be loaded."""
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        raise UsageError("NUMBA_DISABLE_JIT is set, and the time loops can't run without being compiled; unset it")
+    _check_numba()
     threads = os.environ.get("NUMBA_NUM_THREADS")
     if threads is not None and not (threads.isascii() and threads.isdigit() and 1 <= int(threads[:9]) <= MOST_THREADS):
         raise UsageError(f"NUMBA_NUM_THREADS = {threads}: must be a whole number from 1 to {MOST_THREADS}; or unset it")
+
+
+def _check_numba() -> None:
+    """Refuse values that numba can't read, and have it read none from a file in the current folder."""
+    if Path(NUMBA_SETTINGS).exists() or any(name.startswith("NUMBA_") and name not in KNOWN for name in os.environ):
+        import contextlib
+        import warnings
+
+        try:
+            with warnings.catch_warnings(), contextlib.chdir(Path(__file__).parent):
+                warnings.filterwarnings("error", message="Environment variable")
+                from numba.core import config  # noqa: F401
+        except Warning as warning:
+            found = re.search(r"'(NUMBA_\w+)'", str(warning))
+            name = found[1] if found else "NUMBA_…"
+            raise UsageError(f"{name} = {os.environ.get(name)}: numba can't read that value; unset it") from None
+
+
+def _joined(arguments: list[str]) -> list[str]:
+    """The command line with all values of --set in one, as the parser's time grows by the square of their number."""
+    values, others, rest = [], [], iter(arguments)
+    for word in rest:
+        if word == "--":
+            others += [word, *rest]
+        elif word == "--set" and (value := next(rest, None)) is not None:
+            values.append(value)
+        elif word.startswith("--set="):
+            values.append(word.removeprefix("--set="))
+        else:
+            others.append(word)
+    return ["--set", SEPARATOR.join(values), *others] if len(values) > 1 else list(arguments)
+
+
+def settings_of(given: list[str] | None) -> list[str]:
+    """The values of --set, each for itself."""
+    return [setting for joined in given or () for setting in joined.split(SEPARATOR)]
 
 
 def run_main(arguments: list[str] | None = None) -> int:

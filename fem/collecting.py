@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import NoReturn
 
+from fem.stopping import hold_signals
+
 
 @contextmanager
 def importing() -> Iterator[None]:
@@ -25,5 +27,6 @@ def imported() -> None:
 
 def leave(code: int) -> NoReturn:
     """End the process without searching all that libraries have made once more."""
+    hold_signals()
     gc.freeze()
     sys.exit(code)

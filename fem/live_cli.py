@@ -1,12 +1,12 @@
 """The command `run-live`. Imports little: everything heavy waits until a scene has been read."""
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from fem.cli import new_app, run_app_main
+from fem.cli import new_app, run_app_main, settings_of
+from fem.collecting import leave
 from fem.outcome import Outcome
 from fem.stopping import hear_termination
 
@@ -34,7 +34,7 @@ def _live(
     from lagrange.messages import say, telling
     from lagrange.scene import read_scene
 
-    chosen = read_scene(scene, (*(set or ()), "model=reduced"))
+    chosen = read_scene(scene, (*settings_of(set), "model=reduced"))
     import asyncio
 
     from fem.live.player import Player
@@ -58,7 +58,7 @@ def live_main(arguments: list[str] | None = None) -> int:
 def run_live() -> None:
     """Entry point."""
     hear_termination()
-    sys.exit(live_main())
+    leave(live_main())
 
 
 if __name__ == "__main__":

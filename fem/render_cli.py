@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from fem.cli import RUNS, new_app, open_streams, run_app_main
+from fem.cli import RUNS, interrupted, new_app, open_streams, run_app_main
 from fem.collecting import imported, importing, leave
 from fem.errors import UsageError
 from fem.outcome import Outcome
@@ -249,6 +249,8 @@ def render_fem() -> None:
         from fem.pictures.own_process import run_apart
 
         code = run_apart(render_here)
+    except KeyboardInterrupt as error:
+        code = interrupted(error)
     except UsageError as error:
         from lagrange.messages import say
 

@@ -4,6 +4,8 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+HELD = {signal.SIGINT, signal.SIGTERM}
+
 
 class Terminated(KeyboardInterrupt):
     """SIGTERM outside of a run: undoes what Ctrl-C undoes."""
@@ -17,6 +19,18 @@ def hear_termination() -> None:
         raise Terminated
 
     signal.signal(signal.SIGTERM, handle)
+
+
+def hold_signals() -> None:
+    """Let both wait from now on: a command that is being loaded, or ends, can't answer them in good order."""
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_BLOCK, HELD)
+
+
+def hear_signals() -> None:
+    """Take those that have waited, and those to come."""
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, HELD)
 
 
 @contextmanager

@@ -1,13 +1,13 @@
 """The command `run-study`. Imports little: everything heavy waits until a study has been read."""
 
 import signal
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from fem.cli import new_app, run_app_main
+from fem.collecting import leave
 from fem.errors import UsageError
 from fem.extras import need
 from fem.outcome import Outcome
@@ -150,7 +150,7 @@ def study_main(arguments: list[str] | None = None) -> int:
 def run_study() -> None:
     """Entry point."""
     hear_termination()
-    sys.exit(study_main())
+    leave(study_main())
 
 
 if __name__ == "__main__":

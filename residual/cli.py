@@ -202,6 +202,12 @@ def _read(path: Path, scene_path: Path | None, resample: bool):
     return read_table(path, scene, resample)
 
 
+def _signals(how: str) -> None:
+    """Let Ctrl-C and SIGTERM wait, or take those that have waited: see `entry`."""
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(getattr(signal, how), {signal.SIGINT, signal.SIGTERM})
+
+
 def _terminated(number, frame):
     raise SystemExit(128 + number)
 
@@ -212,6 +218,7 @@ def main(arguments: list[str] | None = None) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # of a code page that lacks the minus sign
     try:
+        _signals("SIG_UNBLOCK")
         result = app(arguments, exit_on_error=False, print_error=False)
         if sys.stdout is not None:
             sys.stdout.flush()
@@ -228,6 +235,10 @@ def main(arguments: list[str] | None = None) -> int:
         return 0
     except OSError as error:
         reason = f"{error.filename or 'output'}: {error.strerror or error}"
+    except ImportError as error:
+        if "failed to map segment" not in str(error):  # the loader's words where memory is lacking
+            raise
+        reason = "not enough memory to load the program"
     except MemoryError:
         reason = "not enough memory; check a shorter part of the run (--start)"
     except CycloptsError as error:
@@ -253,6 +264,7 @@ def check_residual() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others would only wait, and waiting takes their time too
     gc.disable()  # a report's only garbage is its figures, 20 MB; looking for it takes a tenth of the time
     code = main()
+    _signals("SIG_BLOCK")
     gc.freeze()  # nor is all that libraries have made searched once more as the process ends
     sys.exit(code)
 

@@ -199,3 +199,26 @@ def test_the_shell_learns_a_commands_options(name, tmp_path, monkeypatch, capsys
 def test_python_m_fem_is_run_fem():
     done = subprocess.run([sys.executable, "-m", "fem", "--version"], env=environment(), capture_output=True, text=True)
     assert (done.returncode, done.stdout.strip()) == (0, VERSION)
+
+
+def test_twice_the_settings_take_twice_the_work(capsys):
+    """Counted in calls, which no other process changes; the parser's grow by the square of its options."""
+
+    def calls(count):
+        found = 0
+
+        def seen(frame, event, argument):
+            nonlocal found
+            found += event == "call"
+
+        settings = [word for i in range(count) for word in ("--set", f"spall.{i}.width_mm=0.1")]
+        sys.setprofile(seen)
+        try:
+            assert run_main(["--dry-run", *settings]) == 2
+        finally:
+            sys.setprofile(None)
+        assert "List must have at most 200 items" in capsys.readouterr().err
+        return found
+
+    calls(300)
+    assert calls(600) < 2.2 * calls(300)

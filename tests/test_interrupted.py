@@ -90,6 +90,35 @@ def test_a_signal_before_there_is_a_run_ends_the_command_with_a_word(name, numbe
     assert [file.name for file in tmp_path.iterdir()] == ["s.toml"]
 
 
+LOADED = """
+import os, signal, sys
+
+def strike(event, arguments):
+    if event == "import" and arguments[0] == "{module}":
+        os.kill(os.getpid(), signal.{signal})
+
+sys.addaudithook(strike)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    ("name", "module"),
+    [
+        *((name, "cyclopts") for name in ("run-fem", "check-residual", "render-fem", "run-study", "run-live")),
+        *((name, "numpy") for name in ("run-fem", "check-residual")),
+    ],
+)
+def test_a_signal_while_a_command_is_loaded_ends_it_with_a_word_at_most(name, number, module, tmp_path):
+    *python, program = started_as(name)
+    struck = LOADED.format(module=module, signal=signal.Signals(number).name) + program
+    done = subprocess.run(
+        [*python, struck, "s.toml"], cwd=tmp_path, env=environment(), capture_output=True, text=True, timeout=GIVE_UP
+    )
+    assert (done.returncode, done.stdout) == (128 + number, "")
+    assert done.stderr.count("\n") <= 1 and "Traceback" not in done.stderr
+
+
 @pytest.mark.usefixtures("coarse_run")
 @pytest.mark.parametrize("what", ["removed", "renamed"])
 def test_a_result_taken_away_during_the_run_is_not_told_to_be_there(what, tmp_path):

@@ -167,3 +167,16 @@ def test_a_run_without_a_home_is_complete(tmp_path):
     closed = {"NUMBA_CACHE_DIR": tmp_path / "file", "XDG_CACHE_HOME": tmp_path / "file", "HOME": tmp_path / "file"}
     done = command("run-fem", *COARSE, "--output", tmp_path / "run.nc", **closed)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("variable", "told"),
+    [
+        ({"NUMBA_DISABLE_JIT": 1}, "error: NUMBA_DISABLE_JIT is set, and the time loops can't run"),
+        ({"NUMBA_OPT": "bogus"}, "error: NUMBA_OPT = bogus: numba can't read that value; unset it"),
+        ({"NUMBA_DEBUG": "x"}, "error: NUMBA_DEBUG = x: numba can't read that value; unset it"),
+    ],
+)
+def test_a_setting_that_numba_can_not_use_is_refused_in_a_sentence(variable, told, tmp_path):
+    done = command("run-fem", *OPTIONS, "--model", "lagrange", folder=tmp_path, **variable)
+    assert done.returncode == 2 and done.stderr.startswith(told) and done.stderr.count("\n") == 1

@@ -9,11 +9,11 @@ from tests.waiting import GIVE_UP
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRIES = {
-    "run-fem": "from fem.cli import run_fem as main",
-    "render-fem": "from fem.render_cli import render_fem as main",
-    "run-live": "from fem.live_cli import run_live as main",
-    "run-study": "from fem.study_cli import run_study as main",
-    "check-residual": "from residual.cli import check_residual as main",
+    "run-fem": "from fem.entry import run_fem as main",
+    "render-fem": "from fem.entry import render_fem as main",
+    "run-live": "from fem.entry import run_live as main",
+    "run-study": "from fem.entry import run_study as main",
+    "check-residual": "from residual.entry import check_residual as main",
 }
 
 

@@ -199,8 +199,10 @@ class Result:
         """
         from fem.pictures.recover import StoredRun
         from fem.pictures.rendering_probe import check_rendering
+        from lagrange.loading import load_matplotlib
 
         check_rendering()
+        load_matplotlib()
         from fem.pictures.render import draw
         from fem.pictures.render_look import Request
 

@@ -82,6 +82,9 @@ def _render(
         raise UsageError("--output, --animation, --export: one of them at a time")
     _check_kind(output, animation, export)
 
+    from lagrange.loading import load_matplotlib
+
+    load_matplotlib()
     from fem.pictures.recover import StoredRun
     from fem.pictures.target import refuse_foreign
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from lagrange.hdf5_writing import hdf5_to_write, variable
+from lagrange.loading import load_matplotlib
 from lagrange.output_files import real_path
 from lagrange.plain_files import read_plain
 from lagrange.version import VERSION
@@ -104,6 +105,7 @@ def _fill(evaluation: Evaluation, folder: Path, parts: Parts) -> dict:
     statics = quasi_static(evaluation.record, evaluation.law.name)
     figures = {}
     if parts.figures:
+        load_matplotlib()
         from residual.drawing import draw_figures
 
         figures = draw_figures(evaluation, statics, parts, folder)

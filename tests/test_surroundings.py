@@ -180,3 +180,18 @@ def test_a_run_without_a_home_is_complete(tmp_path):
 def test_a_setting_that_numba_can_not_use_is_refused_in_a_sentence(variable, told, tmp_path):
     done = command("run-fem", *OPTIONS, "--model", "lagrange", folder=tmp_path, **variable)
     assert done.returncode == 2 and done.stderr.startswith(told) and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("settings", [b"text.usetex: True\nbackend: bogus\n", b"\xff\xfe\x00"])
+def test_no_figure_obeys_the_current_folder_or_a_variable(settings, coarse_run, tmp_path):
+    (tmp_path / "matplotlibrc").write_bytes(settings)
+    options = ["--no-equations", "--quiet", "--output", tmp_path / "report"]
+    done = command("check-residual", coarse_run, *options, folder=tmp_path, MPLBACKEND="bogus")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_no_picture_obeys_the_current_folder_or_a_variable(can_draw, coarse_run, tmp_path):
+    (tmp_path / "matplotlibrc").write_bytes(b"\xff\xfe\x00")
+    options = ["--output", tmp_path / "picture.png", "--width", 300]
+    done = command("render-fem", coarse_run, *options, folder=tmp_path, MPLBACKEND="bogus")
+    assert (done.returncode, done.stderr) == (0, "")

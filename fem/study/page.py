@@ -8,6 +8,7 @@ from fem.study.dataset import Collected, read_dataset
 from fem.study.effects import Column, Indices, Table, sobol_indices, table_of
 from fem.study.folder import Folder
 from fem.study.points import Points
+from lagrange.loading import load_matplotlib
 from lagrange.output_files import write_whole
 from lagrange.pages import render_page
 
@@ -23,6 +24,7 @@ def write_page(points: Points, folder: Folder) -> None:
     ------
     OSError: it can't be written; an earlier page stays.
     """
+    load_matplotlib()
     from fem.study.figures import study_figures
 
     dataset = read_dataset(folder.dataset, points.study.keep.quantities)

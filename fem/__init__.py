@@ -1,5 +1,6 @@
 """Explicit elastic finite-element simulation of a roller bearing.
 
+entry                     the installed commands, whose signals wait until they are loaded
 cli, render_cli, live_cli, study_cli   the commands; outcome: how they end
 summary, progress          what they print, answers: of a run, cage_answers: of its cage
 collecting, children      when Python looks for garbage; where processes that libraries begin look for modules

@@ -35,6 +35,7 @@ scene_combinations  what tables can't be together; `scene_text`: TOML and --set 
 scene_files   files that a scene names; `text_table`: columns of numbers in them; `height_table`: measured heights
 scene_faults  what is wrong with a scene, all at once; `scene_keys`: what its keys mean
 stored        numbers out of HDF5 files that may be damaged or hostile; `hdf5_writing`: HDF5 on a disk that may fail
+output_files  files written whole, in no foreign file's place; `loading`: libraries without the user's settings
 sealed        files of caches, known when they are damaged; `messages`: what commands print, always printable; `pages`:
               templates of HTML pages, and uPlot; `version`: the program's
 

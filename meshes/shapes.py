@@ -116,7 +116,7 @@ def gmsh_session(algorithm: int):
     RuntimeError: gmsh can't be loaded.
     """
     gmsh = _load_gmsh()
-    gmsh.initialize(interruptible=False)
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
     _hear_signals_again()
     try:
         gmsh.option.setNumber("General.Terminal", 0)

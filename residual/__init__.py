@@ -28,7 +28,7 @@ report          the self-contained HTML page; `player` and `interactive`: data o
 against         two runs, or two laws, beside each other, with `against_figures`
 parts           what a report is to hold; `exports`: its data as CSV, MAT and WAV; `printing`: on the terminal
 store           residual.nc, summary.json (`summary`), the report folder
-cli             the command `check-residual`
+cli             the command `check-residual`, which `entry` loads
 
     from residual import evaluate, read_result, write_report
     write_report(evaluate(read_result("runs/paper.nc"), law="harris"), "report")

@@ -123,7 +123,8 @@ class Scene(Table):
         bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
         if not isinstance(bearing, dict):
             return data
-        diameter, numerics = bearing.get("roller_diameter_mm"), data.get("numerics", {})
+        numerics = data.get("numerics", {})
+        diameter: Any = bearing.get("roller_diameter_mm")
         if (
             type(diameter) in (float, int)
             and 0.5 <= diameter <= 500.0
@@ -237,6 +238,10 @@ class Scene(Table):
         with _refused(self.name):
             content_of(data, self.files)
         return parse_scene(data, self.name)
+
+    def is_given(self, table: str, key: str) -> bool:
+        """Whether a key of a table was written, and is no default."""
+        return key in self._as_written().get(table, {})
 
     def _as_written(self) -> dict[str, Any]:
         """The tables before they were completed, without the texts of the files that they name."""

@@ -1,6 +1,7 @@
 """What a plan warns of: pressures that steel does not bear, samples too seldom; told everywhere a user looks."""
 
 import json
+import re
 from math import pi, sqrt
 
 import h5py
@@ -135,3 +136,15 @@ def test_a_spall_or_a_housing_without_damping_is_told_of_with_the_key(model, dam
     assert len(told) == (0 if damped else 1)
     assert damped or ("[[spall]]" in told[0] and "housing" in told[0])
     assert not [sentence for sentence in plan_of(f"model={model}").cautions if "damping" in sentence]
+
+
+@pytest.mark.parametrize("model", ["reduced", "lagrange"])
+def test_a_default_duration_without_a_passage_gives_the_time_of_a_turn(model):
+    """At 1 rpm the cage turns with 0.5 (1 − d/D) of that, by kinematics: 60/(0.5 · 36/46) s a turn."""
+    slow = (f"model={model}", "operation.speed_rpm=1")
+    (told,) = [sentence for sentence in plan_of(*slow).cautions if "duration_ms" in sentence]
+    assert float(re.search(r"one turn takes ([\d.e+]+) ms", told)[1]) == pytest.approx(
+        1e3 * 60.0 / (0.5 * 36 / 46), rel=5e-3
+    )
+    for given in ((*slow, "numerics.duration_ms=1"), (f"model={model}",), (f"model={model}", "operation.speed_rpm=0")):
+        assert not [sentence for sentence in plan_of(*given).cautions if "duration_ms" in sentence]

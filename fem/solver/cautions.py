@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lagrange import Bearing, Operation, contact_laws
+from lagrange import Bearing, Operation, contact_laws, kinematics
 from lagrange.faults import Spall
 from lagrange.kinematics import roller_angles
 from lagrange.sampling import wave_interval
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 # Static load rating of roller bearings (ISO 76): at this Hertz pressure steel keeps a dent of 1e-4 of the diameter
 ISO_76_PRESSURE = 4e9  # Pa
+FEWEST_PASSAGES = 2.0  # of rollers, in a default duration
 USUAL_TIME_US = 12.5  # of a contact's damping over its stiffness, as ROSS takes it; Krämer: 2.5 to 25 (docs/damping.md)
 
 
@@ -32,12 +33,30 @@ def cautions(
         _edges(model, equilibrium),
         interval_caution(model.bearing, operation, interval),
         _waves(model.bearing, operation, interval),
-        undamped(scene),
+        *of_scene(scene),
     )
     return tuple(sentence for sentence in found if sentence)
 
 
-def undamped(scene: Scene) -> str | None:
+def of_scene(scene: Scene) -> tuple[str, ...]:
+    """Sentences that follow from the scene alone, whatever the model."""
+    return tuple(sentence for sentence in (_undamped(scene), _brief(scene)) if sentence)
+
+
+def _brief(scene: Scene) -> str | None:
+    """A default duration in which hardly a roller passes the load."""
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    seconds, cage = 1e-3 * scene.numerics.duration_ms, abs(kinematics(bearing, operation.fastest).cage) / (2.0 * pi)
+    passages = bearing.n_rollers * cage * seconds
+    if cage == 0.0 or passages >= FEWEST_PASSAGES or scene.is_given("numerics", "duration_ms"):
+        return None
+    return (
+        f"numerics.duration_ms = {scene.numerics.duration_ms:g}, the default, holds {cage * seconds:.2g} turns of the "
+        f"cage: what repeats with it does not show; one turn takes {1e3 / cage:.3g} ms"
+    )
+
+
+def _undamped(scene: Scene) -> str | None:
     """Vibration that is excited again and again, and that nothing but friction takes energy from."""
     housing = scene.mounting().housing
     excited = {

@@ -13,7 +13,7 @@ import numpy as np
 
 from fem.answers import largest_loads
 from fem.errors import RunFailed
-from fem.solver.cautions import undamped
+from fem.solver.cautions import of_scene
 from fem.solver.compiling import CompiledPlan
 from fem.solver.energy_account import EnergyAccount
 from fem.solver.guards import THROUGH, n_in_place, through_trouble
@@ -174,7 +174,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         n_samples=sample_count(scene),
         least_steps=steps_of(problem, interval),
         law_caution=caution(options.law, bearing),
-        cautions=tuple(sentence for sentence in (too_seldom, undamped(scene)) if sentence),
+        cautions=(*(() if too_seldom is None else (too_seldom,)), *of_scene(scene)),
     )
 
 

@@ -16,6 +16,7 @@ from lagrange.scene import parse_scene_text
 from lagrange.scene_keys import key_tables
 from residual.cli import app as check_app
 from residual.cli import main as check_main
+from tests.documented import blocks
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -42,10 +43,6 @@ def handbook():
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
-
-
-def blocks(path, kind):
-    return re.findall(rf"^```{kind}\n(.*?)^```", read(path), re.M | re.S)
 
 
 def anchors(path):

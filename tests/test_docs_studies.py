@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from fem.cli import run_main
 from fem.study.points import checked_points
 from fem.study.sampling import design_of
 from fem.study.study_file import read_study
 from fem.study_cli import study_main
+from tests.documented import blocks
 
 DOCS = Path(__file__).parents[1] / "docs"
 
@@ -36,11 +38,11 @@ def script(name, *words, monkeypatch):
 
 
 def test_the_study_shown_is_one(here):
-    (block,) = re.findall(r"^```toml\n(.*?)^```", (DOCS / "studies.md").read_text(), re.MULTILINE | re.DOTALL)
+    (block,) = blocks(DOCS / "studies.md", "toml")
     Path("shown.toml").write_text(block)
-    Path("my.toml").write_text("[numerics]\nmesh_size_mm = 2.0\n")
+    assert run_main(["--example", "NU206"]) == 0
     found = points("shown.toml")
-    assert found.design.shape == (3, 5, 4, 3) and found.study.name == "clearance"
+    assert found.design.shape == (2, 3, 3, 2) and found.study.name == "clearance"
     # what is commented out can be taken in
     drawn = block.replace('"grid"', '"sobol"').replace("# samples", "samples").replace("# seed", "seed")
     drawn = drawn.replace("# indices", "indices").replace('# "material', '"material')

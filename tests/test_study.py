@@ -105,6 +105,37 @@ def test_the_dataset_says_what_it_is(here):
         assert np.all(found.spall_body == "none")
 
 
+def test_a_plain_installation_makes_the_dataset_that_others_open(here, monkeypatch):
+    """Words, empty cells and signals of a list: written and read back without xarray and netCDF4."""
+    with monkeypatch.context() as plain:
+        for name in ("xarray", "netCDF4", "distributed", "dask", "pandas"):
+            plain.setitem(sys.modules, name, None)  # an import of it fails
+        Path("points.csv").write_text("operation.speed_rpm,lagrange.law\n1500,harris\n,palmgren\n3000,\n")
+        text = BASE + '[sampling]\nmethod = "list"\nfile = "points.csv"\n[keep]\nsignals = ["inner_force"]\n'
+        assert run(text) == 0
+    netCDF4 = pytest.importorskip("netCDF4")
+    with netCDF4.Dataset("studies/study/study.nc") as found:
+        assert {name: len(each) for name, each in found.dimensions.items()} == {"point": 3, "time": 101, "roller": 13}
+        assert "point" not in found.variables and found["law"].dimensions == ("point",)
+        assert found["law"][:].tolist() == ["harris", "palmgren", ""]
+        assert found["speed_rpm"][:].filled(np.nan).tolist() == pytest.approx([1500.0, np.nan, 3000.0], nan_ok=True)
+        force = found["inner_force"]
+        assert force.dimensions == ("point", "time", "roller") and np.isnan(force._FillValue)
+    with xarray.open_dataset("studies/study/study.nc") as found:
+        assert list(found.coords) == ["time"] and np.isfinite(found.inner_force).all()
+        assert found.message.values.tolist() == ["", "", ""]
+
+
+@pytest.mark.parametrize("words", [("--workers", "2"), ("--scheduler", "tcp://127.0.0.1:8786")])
+def test_dask_is_asked_for_before_any_work(here, monkeypatch, capsys, words):
+    monkeypatch.setattr("fem.extras.find_spec", lambda name: None)
+    for more in ((), ("--dry-run",)):
+        assert study_main(["study.toml", *words, *more]) == 2
+        told = capsys.readouterr().err
+        assert f"{words[0]}: needs distributed" in told and "python -m pip install distributed" in told
+    assert list(here.iterdir()) == []
+
+
 def test_collect_makes_the_same_dataset_and_page_without_solving(here, monkeypatch):
     assert run(GRID) == 0
     folder = Folder(path=Path("studies/study"))

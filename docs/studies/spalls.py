@@ -1,9 +1,11 @@
 """A labelled set of spalls: `python spalls.py 1000` writes spalls.csv, `python spalls.py` classifies studies/spalls.
 
 The classifier is a forest of trees on the levels of the envelope's lines; noise is put on the signals of both halves.
+It needs scikit-learn, xarray and netCDF4: python -m pip install scikit-learn xarray netCDF4
 """
 
 import sys
+from importlib.util import find_spec
 
 import numpy as np
 
@@ -61,4 +63,8 @@ def classify(path: str = "studies/spalls/study.nc") -> None:
 
 
 if __name__ == "__main__":
+    if missing := [name for name in ("sklearn", "xarray", "netCDF4") if find_spec(name) is None]:
+        print(f"needs {', '.join(missing)}: python -m pip install scikit-learn xarray netCDF4", file=sys.stderr)
+        if len(sys.argv) == 1:  # points can be written and solved without
+            sys.exit(2)
     points(int(sys.argv[1])) if len(sys.argv) > 1 else classify()

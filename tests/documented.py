@@ -50,7 +50,8 @@ def commands(path: Path) -> Iterator[str]:
     def ours(lines: list[str]) -> Iterator[str]:
         for line in lines:
             line = line.strip()
-            if line.split(" ")[0] in PROGRAMS and not PLACEHOLDER.search(line) and line not in seen:
+            program, _, rest = line.partition(" ")  # a program's name alone is a word of a sentence
+            if program in PROGRAMS and rest and not PLACEHOLDER.search(line) and line not in seen:
                 seen.add(line)
                 yield line
 

@@ -24,7 +24,7 @@ from lagrange.plain_files import read_plain
 from lagrange.scene import Scene, SceneError, parse_scene_text
 from lagrange.version import VERSION
 
-FORMAT = 13
+FORMAT = 14
 LONGEST_META = 2**20  # bytes
 FIRST = b"meta.npy"  # in the archive
 LONGEST_START = 30 + len(FIRST)  # bytes of an archive up to the end of its first file's name

@@ -42,7 +42,7 @@ def test_the_study_shown_is_one(here):
     Path("shown.toml").write_text(block)
     assert run_main(["--example", "NU206"]) == 0
     found = points("shown.toml")
-    assert found.design.shape == (2, 3, 3, 2) and found.study.name == "clearance"
+    assert found.design.shape == (2, 3, 2, 2) and found.study.name == "clearance"
     # what is commented out can be taken in
     drawn = block.replace('"grid"', '"sobol"').replace("# samples", "samples").replace("# seed", "seed")
     drawn = drawn.replace("# indices", "indices").replace('# "material', '"material')

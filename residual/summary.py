@@ -156,6 +156,7 @@ def _vibration(v: Vibration) -> dict:
                 "ratio": line.ratio,
                 "stands_out": line.stands_out,
                 "resolved": line.resolved,
+                "record_needed_s": line.record_needed,
             }
             for line in v.lines
         ],

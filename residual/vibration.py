@@ -33,6 +33,8 @@ class FaultLine:
     ratio: float  # amplitude over floor
     resolved: bool  # no other fault line within the main lobe
     stands_out: bool
+    nearest: str  # of the other lines
+    record_needed: float  # s, to resolve it from that
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,12 +129,13 @@ def envelope_lines(found: Envelope, lines: dict[str, float]) -> list[FaultLine]:
     described = []
     for name, (amplitude, floor) in levels.items():
         ratio = amplitude / floor if floor > 0.0 else 0.0
-        resolved = nearest_line(wanted[name], wanted)[1] >= MAIN_LOBE * step
+        nearest, gap = nearest_line(wanted[name], wanted)
+        resolved = gap >= MAIN_LOBE * step
         stands_out = resolved and ratio >= STANDS_OUT and amplitude >= least
         described.append(
             FaultLine(
                 name=name, frequency=wanted[name], amplitude=amplitude, floor=floor, ratio=ratio, resolved=resolved,
-                stands_out=stands_out,
+                stands_out=stands_out, nearest=nearest, record_needed=MAIN_LOBE / gap,
             )
         )  # fmt: skip
     return sorted(described, key=lambda line: line.frequency)

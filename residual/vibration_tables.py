@@ -84,8 +84,15 @@ def vibration_sentences(evaluation: Evaluation) -> list[str]:
     ]
     lines = f"Lines that stand out of the envelope's floor: {'; '.join(standing)}" if standing else "No line stands out"
     expected = _expected(faults)
+    told = [f"Expected of such faults: {', '.join(expected.values())}."] if expected else []
+    told += [
+        f"{line.name} is not resolved from {line.nearest} in this record: that takes "
+        f"{text(1e3 * line.record_needed, 3)} ms."
+        for line in evaluation.x.vibration.lines
+        if line.name in expected and not line.resolved
+    ]
     return [
-        f"{scene} {lines}." + (f" Expected of such faults: {', '.join(expected)}." if expected else ""),
+        " ".join([f"{scene} {lines}.", *told]),
         f"Envelope (Hilbert) of the {whose(evaluation)}'s acceleration within {text(1e-3 * found.low, 3)} to "
         f"{text(1e-3 * found.high, 3)} kHz: from {ENVELOPE_FROM:g} BPFI up to 0.9 of the Nyquist frequency, at most "
         "50 kHz. Amplitudes, not rms. Ratio: to the median at multiples of FTF from the line; * stands out: resolved, "
@@ -94,11 +101,15 @@ def vibration_sentences(evaluation: Evaluation) -> list[str]:
     ]
 
 
-def _expected(faults: tuple[Fault, ...]) -> list[str]:
-    """Families of lines that spalls leave in an envelope."""
-    lines = {"outer_ring": "BPFO and multiples", "inner_ring": "BPFI ± shaft", "roller": "2×BSF ± FTF"}
+def _expected(faults: tuple[Fault, ...]) -> dict[str, str]:
+    """Families of lines that spalls leave in an envelope, by the line that each is about."""
     bodies = {fault.body for fault in faults if isinstance(fault, Spall)}
-    return [line for body, line in lines.items() if body in bodies]
+    lines = {
+        "outer_ring": ("BPFO", "BPFO and multiples"),
+        "inner_ring": ("BPFI", "BPFI ± shaft"),
+        "roller": ("2×BSF", "2×BSF ± FTF"),
+    }
+    return dict(line for body, line in lines.items() if body in bodies)
 
 
 def _named(fault: Spall | Waviness | MeasuredSurface | UnequalRoller) -> str:

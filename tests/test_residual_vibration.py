@@ -1,6 +1,7 @@
 """The hub's vibration: levels and envelope lines of signals whose answer is known, and of a bearing with a spall."""
 
 import json
+import re
 
 import h5py
 import numpy as np
@@ -161,6 +162,17 @@ def test_a_spall_shows_at_its_own_lines_and_a_perfect_bearing_at_none(runs, name
         "roller": "a spall 0.5 mm wide on roller 0",
     }
     assert told[name] in sentence
+
+
+def test_a_fault_whose_line_needs_a_longer_record_is_said_so(runs):
+    """BPFO lies 23.3 Hz from 2×BSF + FTF, two bins of 86 ms; the last 50 ms can't tell them apart."""
+    whole, short = (vibration_sentences(evaluate(read_result(runs["outer"]), start=start))[0] for start in (0.0, 0.1))
+    assert "resolved" not in whole
+    needed = re.search(r"BPFO is not resolved from 2×BSF\+FTF in this record: that takes ([\d.]+) ms", short)
+    pitch, roller, shaft = 46.0, 10.0, 75.0  # mm, Hz (Harris, Rolling Bearing Analysis, 2001, ch. 8)
+    cage = 0.5 * shaft * (1.0 - roller / pitch)
+    spin = 0.5 * shaft * pitch / roller * (1.0 - (roller / pitch) ** 2)
+    assert float(needed[1]) == pytest.approx(2e3 / (13 * cage - 2.0 * spin - cage), rel=0.1)  # slips a little
 
 
 def test_a_spall_raises_bpfo_a_hundredfold(runs):

@@ -9,7 +9,7 @@ import pytest
 
 from fem.cli import run_main
 from fem.solver.simulate import make_plan
-from lagrange.scene import read_scene
+from lagrange.scene import SceneError, read_scene
 from residual.cli import main as check_main
 from residual.sources import read_result
 
@@ -148,3 +148,22 @@ def test_a_default_duration_without_a_passage_gives_the_time_of_a_turn(model):
     )
     for given in ((*slow, "numerics.duration_ms=1"), (f"model={model}",), (f"model={model}", "operation.speed_rpm=0")):
         assert not [sentence for sentence in plan_of(*given).cautions if "duration_ms" in sentence]
+
+
+def test_the_lagrangian_model_warns_of_missed_waves_as_the_others_do():
+    found = plan_of(
+        "model=lagrange", "waviness.0.order=400", "waviness.0.amplitude_um=0.01", "numerics.output_interval_us=30",
+    ).cautions  # fmt: skip
+    assert len(found) == 1 and "[[waviness]]" in found[0] and "at most 27.4" in found[0]
+
+
+@pytest.mark.parametrize(
+    ("excited", "takes_none"),
+    [(("model=reduced", "spall.0.angle_deg=14"), "reduced.modes_up_to_kHz=600"),
+     (("support.kind=housing", "support.damping_N_s_m=0"), "contact.model=penalty")],
+)  # fmt: skip
+def test_damping_is_not_asked_for_where_it_would_be_refused(excited, takes_none):
+    assert [each for each in plan_of(*excited).cautions if "contact_time_us" in each]
+    assert not [each for each in plan_of(*excited, takes_none).cautions if "contact_time_us" in each]
+    with pytest.raises(SceneError, match="leave one of them out"):
+        read_scene(None, (*excited, takes_none, "damping.contact_time_us=12.5"))

@@ -31,16 +31,19 @@ def cautions(
         _yield(model, equilibrium),
         _sampling(model, operation, equilibrium, interval),
         _edges(model, equilibrium),
-        interval_caution(model.bearing, operation, interval),
-        _waves(model.bearing, operation, interval),
-        *of_scene(scene),
+    )
+    return (*(sentence for sentence in found if sentence), *of_scene(scene, model.bearing, operation, interval))
+
+
+def of_scene(scene: Scene, bearing: Bearing, operation: Operation, interval: float) -> tuple[str, ...]:
+    """Sentences that follow from the scene alone, whatever the model."""
+    found = (
+        interval_caution(bearing, operation, interval),
+        _waves(bearing, operation, interval),
+        _undamped(scene),
+        _brief(scene),
     )
     return tuple(sentence for sentence in found if sentence)
-
-
-def of_scene(scene: Scene) -> tuple[str, ...]:
-    """Sentences that follow from the scene alone, whatever the model."""
-    return tuple(sentence for sentence in (_undamped(scene), _brief(scene)) if sentence)
 
 
 def _brief(scene: Scene) -> str | None:
@@ -65,7 +68,9 @@ def _undamped(scene: Scene) -> str | None:
         'support.kind = "housing"': housing is not None and housing.damping == 0.0,
     }
     named = [name for name, there in excited.items() if there]
-    if not named or scene.damping.acts or scene.numerics.duration_ms == 0.0:
+    takes_none = scene.model == "reduced" and scene.reduced.modes_up_to_kHz > 0.0
+    takes_none |= scene.model == "fem" and scene.contact.model != "subgrid"
+    if not named or scene.damping.acts or takes_none or scene.numerics.duration_ms == 0.0:
         return None
     return (
         f"{' and '.join(named)} without [damping]: vibration that is excited hardly decays; give "

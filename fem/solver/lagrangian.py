@@ -29,7 +29,6 @@ from lagrange.problem import Problem
 from lagrange.raceway_laws import caution
 from lagrange.scene import MODEL_NAMES, Scene
 from lagrange.simulate import ENERGY_TOLERANCE, Simulation, Verdict
-from lagrange.spall_events import interval_caution
 from lagrange.step_size import Steps, critical_time_step, steps_of
 
 ARRAYS = 30  # per roller and sample of a block, at the most at a time
@@ -156,7 +155,6 @@ def make_plan(scene: Scene) -> LagrangianPlan:
     """Samples and steps of a scene."""
     options, numerics, bearing = scene.lagrange, scene.numerics, scene.ideal_bearing()
     interval = 1e-6 * numerics.output_interval_us
-    too_seldom = interval_caution(bearing, scene.ideal_operation(), interval)
     problem = Problem(
         bearing=bearing,
         operation=scene.ideal_operation(),
@@ -174,7 +172,7 @@ def make_plan(scene: Scene) -> LagrangianPlan:
         n_samples=sample_count(scene),
         least_steps=steps_of(problem, interval),
         law_caution=caution(options.law, bearing),
-        cautions=(*(() if too_seldom is None else (too_seldom,)), *of_scene(scene)),
+        cautions=of_scene(scene, bearing, problem.operation, interval),
     )
 
 

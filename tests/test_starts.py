@@ -11,6 +11,7 @@ from fem.solver.reduced_start import equilibrium_start
 from fem.statics.contact_balance import hub_stiffness
 from lagrange.first_state import followed
 from lagrange.kinematics import kinematics
+from lagrange.problem import Problem
 from lagrange.profile import UNTURNED
 from lagrange.scene import parse_scene
 from lagrange.statics import static_equilibrium
@@ -134,3 +135,18 @@ def test_the_reduced_model_starts_still_where_its_hub_cannot_follow():
     plan = reduced_plan(parse_scene({"model": "reduced", **LIGHT["NU212"]}, "scene"))
     assert np.all(plan.start.hub_velocity == 0.0) and np.all(plan.start.rho_rate == 0.0)
     assert any("starts without that velocity" in sentence for sentence in plan.cautions)
+
+
+def test_a_start_that_shocks_the_bearing_is_told_of(monkeypatch):
+    """A hub at 0.9 m/s, as a jump between two equilibria once gave it, strikes with v √(k M): far above the load."""
+    scene = parse_scene({"model": "lagrange", **LIGHT["NU206"], "numerics": {"duration_ms": 1.0}}, "scene")
+    assert not [sentence for sentence in simulate(scene).warnings if "largest static force" in sentence]
+    right = Problem.first_state.func
+
+    def wrong(problem):
+        found = right(problem)
+        return found._replace(state=replace(found.state, x_rate=-0.9))
+
+    monkeypatch.setattr(Problem, "first_state", property(wrong))
+    (told,) = [sentence for sentence in simulate(scene).warnings if "largest static force" in sentence]
+    assert "within 0.5 ms of the start" in told

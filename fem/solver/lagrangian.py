@@ -38,6 +38,8 @@ DAMPED = 1.5  # times, dampers with them
 ON_SURFACES = 3.0  # times, where these are not perfect circles
 NEAR_SHARE = 0.2  # of the time in which a contact is near one of a few faults
 SECONDS_PER_SAMPLE = 0.2e-6  # and element, for energies and works
+JUDGED = 0.5e-3  # s from the start
+SHOCKED = 5.0  # times the largest static force: of 670 sound random starts one reached it, of 25 wrong ones 23
 SAME = ("time", "inner_x", "inner_y", "inner_vx", "inner_vy", "inner_ax", "inner_ay", "roller_x", "roller_y",
         "roller_rho", "roller_theta", "inner_force", "outer_force", "energy_kinetic", "energy_contact",
         "work_external", "work_dissipated")  # fmt: skip
@@ -188,6 +190,7 @@ class LagrangianState(RunState):
         self.account = EnergyAccount()
         self.missed, self._round_off = 0.0, 0.0  # J, the largest energy error so far, and what kinetic energy rounds to
         self._largest = np.zeros(3)  # N, so far: see `largest_forces`
+        self._start = np.zeros(2)  # N, largest force of the first sample and within JUDGED of it
 
     @property
     def steps_per_sample(self) -> int:
@@ -213,6 +216,7 @@ class LagrangianState(RunState):
             self.missed = max(self.missed, float(np.max(np.abs(samples.error))))
             self._round_off = max(self._round_off, ROUND_OFF * float(np.max(np.abs(samples["energy_kinetic"]))))
             self._largest = np.fmax(self._largest, largest_forces(samples))
+            self._judge_start(samples)
         if simulation.trouble is not None or self.done < self.plan.n_samples or simulation.verdict is Verdict.RESOLVED:
             return Block(samples=samples, trouble=simulation.trouble)
         if not simulation.can_be_refined:  # still worth having where contacts only rattle: see `remarks`
@@ -222,8 +226,29 @@ class LagrangianState(RunState):
         self.void_steps += self.progress.steps
         self.done, self.imbalance, self.account, self._largest = 0, 0.0, EnergyAccount(), np.zeros(3)
         self.missed, self._round_off = 0.0, 0.0
+        self._start = np.zeros(2)
         simulation.refine()
         return Block(samples=samples, begins_again=f"{reason}; the run begins again with half of it")
+
+    def _judge_start(self, samples: Samples) -> None:
+        """Keep the largest contact forces at the start and soon after it."""
+        forces = np.fmax(samples["inner_force"].max(axis=1), samples["outer_force"].max(axis=1))
+        if samples["time"][0] == 0.0:
+            self._start[0] = forces[0]
+        self._start[1] = forces[samples["time"] <= JUDGED].max(initial=self._start[1])
+
+    @property
+    def _shocked(self) -> tuple[str, ...]:
+        """A sentence where a steady load's equilibrium does not last: energy can't show a start that is wrong."""
+        problem, (first, soon) = self.plan.problem, self._start
+        steady = problem.operation.course is None and not problem.bearing.faults
+        if problem.start != "equilibrium" or not steady or soon <= SHOCKED * first:
+            return ()
+        return (
+            f"within {1e3 * JUDGED:g} ms of the start a contact carries {soon:.4g} N, {soon / first:.2g} times the "
+            "largest static force: the motion does not begin as the equilibrium moves; leave out the beginning "
+            "(check-residual --start), or give the contacts damping",
+        )
 
     @property
     def _may_begin_again(self) -> bool:
@@ -268,7 +293,7 @@ class LagrangianState(RunState):
         """On contacts too wide for their laws; energy off by much of what is exchanged, if little of all passed on."""
         wide = () if self.plan.scene.bearing.type == "ball" else run_cautions(self.plan.problem.bearing, self._largest)
         caution = self.plan.problem.first_state.caution
-        wide = wide if caution is None else (caution, *wide)
+        wide = (*(() if caution is None else (caution,)), *self._shocked, *wide)
         if self.missed <= ENERGY_TOLERANCE * max(self.account.exchanged, self._round_off):
             return wide
         share = 100.0 * self.missed / max(self.account.exchanged, self._round_off)
@@ -297,10 +322,10 @@ class LagrangianState(RunState):
             "missed": self.missed,
             "round_off": self._round_off,
         }
-        return self._simulation.to_keep() | {"largest": self._largest}, numbers
+        return self._simulation.to_keep() | {"largest": self._largest, "start": self._start}, numbers
 
     def take_back(self, arrays: dict[str, np.ndarray], numbers: Numbers) -> None:
-        self._largest = arrays["largest"]
+        self._largest, self._start = arrays["largest"], arrays["start"]
         self._simulation.take_back(arrays, self.done, int(numbers["refinements"]))
         self.account.take_back(numbers["account"])
         self.missed, self._round_off = float(numbers["missed"]), float(numbers["round_off"])

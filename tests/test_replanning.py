@@ -23,7 +23,7 @@ def start_of(scene: Scene) -> Iterator[np.ndarray]:
     """All numbers that a run begins with."""
     plan = make_plan(scene)
     arrays, numbers = plan.first_state().to_keep()
-    yield np.array([plan.time_step, plan.critical_time_step, *numbers.values()])
+    yield np.hstack([plan.time_step, plan.critical_time_step, *numbers.values()])
     yield from arrays.values()
 
 

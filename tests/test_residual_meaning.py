@@ -151,4 +151,5 @@ def test_render_fem_s_picture_is_shown(can_draw, coarse_run, tmp_path):
 
     run = Path(shutil.copy(coarse_run, tmp_path / "run.nc"))
     assert render_main([str(run), "--width", "300", "--time", "2"]) == 0
-    assert picture_of(run).caption == "Von Mises stress, the whole bearing at 2 ms."
+    shown = "Von Mises stress, the whole bearing at 2 ms; finite elements, no contact damping."
+    assert picture_of(run).caption == shown

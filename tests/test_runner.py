@@ -287,12 +287,12 @@ def test_a_start_that_fails_or_is_interrupted_writes_nothing(tmp_path, monkeypat
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("lagrange.problem.static_equilibrium", fail)
+    monkeypatch.setattr("lagrange.first_state.static_equilibrium", fail)
     monkeypatch.setattr("fem.solver.lagrangian.static_equilibrium", fail)
     for option in ("--quiet", "--dry-run"):
         assert run(CASES["Lagrangian"], tmp_path / "run.nc", option) == 1
         assert "error: no static equilibrium after 200 steps\nnothing was written" in capsys.readouterr().err
-    monkeypatch.setattr("lagrange.problem.static_equilibrium", interrupt)
+    monkeypatch.setattr("lagrange.first_state.static_equilibrium", interrupt)
     assert run(CASES["Lagrangian"], tmp_path / "run.nc") == 130
     assert capsys.readouterr().err == "interrupted\n"
     assert not list(tmp_path.iterdir())

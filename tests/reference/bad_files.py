@@ -360,7 +360,7 @@ BAD_CHECKPOINTS = {
     ),
     "resumed from half a checkpoint": resumed(lambda run, state: cut(state, 0.5), "run.nc.checkpoint", "damaged"),
     "resumed from a result for a checkpoint": resumed(
-        lambda run, state: state.write_bytes(run.read_bytes()), "run.nc.checkpoint", "damaged"
+        lambda run, state: state.write_bytes(run.read_bytes()), "run.nc.checkpoint", "is no checkpoint"
     ),
     "resumed from code": resumed(
         lambda run, state: np.savez(open(state, "wb"), meta=np.array([Touch()])), "run.nc.checkpoint", "damaged"

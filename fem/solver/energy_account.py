@@ -17,8 +17,8 @@ class EnergyAccount:
         error(t + dt) = error(t) exp(−dD/E) + d(imbalance),
 
     which is the imbalance itself where nothing is dissipated, and E times the share of the dissipated energy that is
-    missed where that share is steady. A second and an hour are so judged alike, and an error late in a long run as one
-    at its start.
+    missing where that share is steady. The criterion is the same for a second and for an hour, and for an error late in
+    a long run and at its start.
     """
 
     def __init__(self):

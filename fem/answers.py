@@ -6,8 +6,7 @@ from math import pi, tau
 
 import numpy as np
 
-from fem import cage_answers
-from fem.cage_answers import SeenCage
+from fem.cage_answers import CAGE_COLUMNS, SeenCage
 from lagrange import BallBearing, Bearing, kinematics
 from lagrange.kinematics import Kinematics
 from lagrange.mounting import from_outer_ring
@@ -90,7 +89,7 @@ class Seen:
 
 def columns_of(scene: Scene) -> tuple[str, ...]:
     """What `first_answers` reads of a run of a scene."""
-    return COLUMNS if scene.cage is None else (*COLUMNS, *cage_answers.COLUMNS)
+    return COLUMNS if scene.cage is None else (*COLUMNS, *CAGE_COLUMNS)
 
 
 def first_answers(bearing: Bearing, speed: float | None, blocks: Iterable[Mapping[str, np.ndarray]]) -> dict[str, str]:

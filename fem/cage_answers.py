@@ -8,7 +8,7 @@ import numpy as np
 
 from lagrange.mounting import from_outer_ring
 
-COLUMNS = ("cage_x", "cage_y", "cage_angle", "cage_force", "cage_radial_force", "cage_guidance_x", "cage_guidance_y")
+CAGE_COLUMNS = ("cage_x", "cage_y", "cage_angle", "cage_force", "cage_radial_force", "cage_guidance_x", "cage_guidance_y")
 CENTRED = 1e-9  # m: nearer to the middle the centre has no direction
 
 

@@ -5,16 +5,19 @@ Stands on the ground floor, as `messages` does: a report is the checker's, a liv
 """
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
+if TYPE_CHECKING:
+    from markupsafe import Markup
 
-STYLE = Path(__file__).parent / "page.css"
+STYLE = Path(__file__).parents[1] / "page.css"
 VENDOR = STYLE.parent / "vendor"
 
 
 def render_page(template: Path, **values: object) -> str:
     """The text of a page, with uPlot in it: it must open without a network."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
     environment = Environment(
         loader=FileSystemLoader(template.parent),
         autoescape=True,
@@ -30,6 +33,8 @@ def render_page(template: Path, **values: object) -> str:
     )
 
 
-def as_it_is(path: Path) -> Markup:
+def as_it_is(path: Path) -> "Markup":
     """A style or script that goes into a page unescaped."""
+    from markupsafe import Markup
+
     return Markup(path.read_text(encoding="utf-8"))

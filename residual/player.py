@@ -6,6 +6,7 @@ import numpy as np
 
 from lagrange.kinematics import turned
 from residual.evaluation import Evaluation
+from residual.interactive import _rounded
 from residual.record import Record
 
 MOST_FRAMES = 400
@@ -52,7 +53,3 @@ def _shown(evaluation: Evaluation) -> np.ndarray:
     step = 1.0 / (FRAMES_PER_PASSAGE * passing * t.interval) if passing > 0.0 else t.time.size / frames
     frames = min(frames, int((t.time.size - 1) / max(step, 1.0)) + 1)
     return t.time.size - 1 - np.round(max(step, 1.0) * np.arange(frames)[::-1]).astype(int)
-
-
-def _rounded(values, digits: int) -> list[float]:
-    return [float(f"{value:.{digits}g}") for value in values]

@@ -7,7 +7,7 @@ import numpy as np
 from residual.errors import InputError
 from residual.record import FEWEST_SAMPLES, TIME_JITTER
 
-DEGREE = 7  # of the spline: smoother than the highest order of differentiation needs
+SPLINE_DEGREE = 7  # of the spline: smoother than the highest order of differentiation needs
 LARGEST_GAP = 10.0  # of the median interval: nothing is made up across more
 FORCES = ("inner_force", "outer_force", "inner_traction", "outer_traction")  # with kinks: straight lines
 
@@ -71,8 +71,8 @@ def evenly_sampled(path: Path, arrays: dict[str, np.ndarray]) -> tuple[dict[str,
             if not np.all(np.isfinite(value)):
                 raise InputError(f"{path}: {name} holds values that are not finite; leave those samples out")
             middle = value.mean(axis=0)
-            result[name] = middle + make_interp_spline(time, value - middle, k=DEGREE)(equal)
+            result[name] = middle + make_interp_spline(time, value - middle, k=SPLINE_DEGREE)(equal)
     return result, (
         f"the sampling was irregular (intervals {steps.min():.4g} to {steps.max():.4g} s) and has been resampled to "
-        f"{time.size} samples every {even:.4g} s, motion by a spline of degree {DEGREE}, forces by straight lines"
+        f"{time.size} samples every {even:.4g} s, motion by a spline of degree {SPLINE_DEGREE}, forces by straight lines"
     )

@@ -59,7 +59,7 @@ def _program() -> str:
     elastic = Path(__file__).parent
     siblings = (elastic.with_name(name) for name in ("contacts", "kernels"))
     folders = (elastic, *siblings, *(Path(module.__file__).parent for module in (lagrange, meshes)))
-    texts = [path.read_text(encoding="utf-8") for folder in folders for path in sorted(folder.glob("*.py"))]
+    texts = [path.read_text(encoding="utf-8") for folder in folders for path in sorted(folder.rglob("*.py"))]
     return _digest(*texts, *(version(name) for name in ("numpy", "scipy", "scikit-fem")))
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from cyclopts import App
 
 from benchmarks.measuring import in_turns, paper_plan, spread
-from fem.outcome import Outcome
+from fem.commands.start_up import Outcome
 from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
 from fem.runner import Checkpoints, RunOptions, simulate

@@ -14,7 +14,7 @@ PEAK = """
 import sys
 from pathlib import Path
 from fem.solver.simulate import make_plan, run
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 plan = make_plan(read_scene(None, (f"numerics.mesh_size_mm={sys.argv[1]}", "numerics.duration_ms=0.02")))
 plan.prepare()
 run(plan, lambda samples: None)
@@ -35,7 +35,8 @@ def start_seconds(repeats: int = 7) -> tuple[float, float]:
     """Wall and processor time of a whole `run-fem` of one sample at 1 mm, caches warm, medians, s."""
     walls, processors = [], []
     with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "fem.cli", "--quiet", "--duration", "0.01", "--output", f"{folder}/run.nc"]
+        run_fem = [sys.executable, "-m", "fem.commands.run_fem"]
+        command = [*run_fem, "--quiet", "--duration", "0.01", "--output", f"{folder}/run.nc"]
         for attempt in range(repeats + 1):
             before, began = processor_seconds(resource.RUSAGE_CHILDREN), time.perf_counter()
             subprocess.run(command, check=True, cwd=Path(__file__).parent.parent)

@@ -15,16 +15,16 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.measuring import new_table, timed
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.solver.lagrangian_steps import CompiledIntegration
 from lagrange import Trajectory, contact_laws
-from lagrange.contact_damping import ContactDamping
-from lagrange.faults import Spall
+from lagrange.contact.damping import ContactDamping
+from lagrange.first_state import Problem
 from lagrange.integrate import Integration, NumpyIntegration
-from lagrange.problem import Problem
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from lagrange.simulate import Simulation
 from lagrange.step_size import steps_of
+from lagrange.surface.faults import Spall
 from lagrange.systems import FreeAngles, KinematicAngles
 from residual import evaluate, read_result
 

@@ -18,7 +18,7 @@ from fem.live.messages import Pace, frame_message
 from fem.live.player import Player
 from fem.live.playing import FRAME
 from fem.live.server import LiveServer
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 
 SCENES = {
     "paper": (),

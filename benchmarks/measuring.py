@@ -10,7 +10,7 @@ from rich.table import Table
 
 from fem.solver.finite_elements import ElementPlan
 from fem.solver.simulate import make_plan
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 
 Key = TypeVar("Key", bound=Hashable)
 Value = TypeVar("Value")

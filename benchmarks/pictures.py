@@ -10,15 +10,14 @@ import numpy as np
 from cyclopts import App, Parameter
 
 from benchmarks.measuring import processor_seconds
-from fem.cli import run_main
-from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING
-from fem.pictures.peaks import shear_peak
+from fem.commands.render_fem import render_main
+from fem.commands.run_fem import run_main
+from fem.pictures.bodies import drawn_bearing
+from fem.pictures.closeup import shear_peak
+from fem.pictures.look import Request
 from fem.pictures.recover import StoredRun
 from fem.pictures.render import draw
-from fem.pictures.render_bodies import drawn_bearing
-from fem.pictures.render_look import Request
-from fem.pictures.subsurface import AT_DEPTH, LARGEST_SHEAR
-from fem.render_cli import render_main
+from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, INNER_RING, LARGEST_SHEAR
 
 DOCS = Path(__file__).parents[1] / "docs"
 MESH_SIZES = (2.0, 1.0, 0.5)  # mm

@@ -12,7 +12,7 @@ from rich.console import Console
 from benchmarks.measuring import new_table, timed
 from fem.solver.simulate import make_plan
 from fem.solver.solver import RunState
-from lagrange.scene import Scene, read_scene
+from lagrange.scene.scene import Scene, read_scene
 
 MODELS = {
     "Lagrangian": ("model=lagrange",),

@@ -14,7 +14,7 @@ from benchmarks.measuring import in_turns, new_table, timed
 from fem.solver.row_state import RowState
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Plan
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 
 TURNS = 15
 ELEMENTS_MS = 6.0

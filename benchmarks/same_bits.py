@@ -80,7 +80,7 @@ class Tree:
         ends = (0.5 * scene.duration_ms, scene.duration_ms) if scene.resumed else (scene.duration_ms,)
         for part, end in enumerate(ends):
             more = ("--resume",) if part else ()
-            self.command("fem.cli", "--output", str(path), "--quiet", "--duration", repr(end), *keys, *more)
+            self.command("fem", "--output", str(path), "--quiet", "--duration", repr(end), *keys, *more)
         return path
 
     def report(self, path: Path) -> dict:
@@ -175,7 +175,7 @@ def _unfuse(tree: Path) -> None:
 def _taken(tree: Tree, *arguments: str, **environment: str) -> tuple[float, float]:
     """Wall and processor time of one run-fem, s."""
     began, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
-    tree.command("fem.cli", "--quiet", "--output", str(tree.room / "speed.nc"), *arguments, **environment)
+    tree.command("fem", "--quiet", "--output", str(tree.room / "speed.nc"), *arguments, **environment)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return time.perf_counter() - began, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 

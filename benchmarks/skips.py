@@ -16,7 +16,7 @@ from rich.table import Table
 from benchmarks.measuring import in_turns, new_table, paper_plan, spread, timed
 from fem.solver.finite_elements import ElementPlan
 from fem.solver.simulate import make_plan, run
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 
 NOTHING = 1e-30  # of friction, of gravity, of speed: too little to change a digit, enough to be computed
 EVERYWHERE = 1e3  # of a roller's radius: every pair is in reach

@@ -20,9 +20,8 @@ from fem.study import solving
 from fem.study.cluster import Cluster, solve_on_cluster
 from fem.study.dataset import write_dataset
 from fem.study.folder import Folder
-from fem.study.points import Points, checked_points
 from fem.study.sampling import design_of
-from fem.study.solving import Solved, Wanted, solve
+from fem.study.solving import Points, Solved, Wanted, checked_points, solve
 from fem.study.study_file import read_study
 
 POINTS, LONG_POINTS = 300, 40

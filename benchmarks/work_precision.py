@@ -20,7 +20,7 @@ from scipy.signal import welch
 from benchmarks.measuring import markdown_table, new_table, timed
 from fem.solver.simulate import make_plan, run
 from fem.statics.exact_statics import exact_statics
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 
 DOCS = Path(__file__).parent.parent / "docs"
 SIZES_MM = (3.0, 2.0, 1.5, 1.0, 0.75, 0.5, 0.25)

@@ -24,7 +24,7 @@ def pages() -> dict[str, str]:
 
 def scene_page() -> str:
     """Every key with its default, unit, limits and meaning."""
-    from lagrange.scene_keys import key_tables
+    from lagrange.scene.keys import key_tables
 
     parts = [
         "# Scene file",
@@ -47,7 +47,7 @@ def scene_page() -> str:
 
 def examples_page() -> str:
     """The scenes of --example as they are."""
-    from fem.cli import EXAMPLES
+    from fem.commands.run_fem import EXAMPLES
     from fem.examples import example_text
 
     parts = ["# Examples", "`run-fem --example NAME` writes one of these. `all` has every key: [scene file](scene.md)."]

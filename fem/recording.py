@@ -10,24 +10,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.extras import need
-from fem.labels import labels
-from fem.outcome import Outcome
-from fem.quantities import Quantity, run_quantities
+from fem.commands.start_up import Outcome, need
+from fem.quantities import Quantity, labels, run_quantities
 from fem.result.checkpoint import checkpoint_path, refuse_no_place
+from fem.result.later_columns import events_of, with_sinkages
 from fem.result.layout import PER_ROLLER, variables_of
 from fem.result.store import ResultFile
-from fem.result.surface_columns import events_of, with_sinkages
 from fem.solver.solver import Plan, RunState, Samples
 from lagrange import mounting
-from lagrange.scene import Scene
-from lagrange.spall_events import SpallEvent
-from lagrange.spall_passages import spalls
+from lagrange.scene.scene import Scene
+from lagrange.surface.passages import SpallEvent, spalls
 
 if TYPE_CHECKING:
     import xarray
 
-    from fem.checking import Evaluation
+    from fem.interface import Evaluation
     from fem.solver.frames import Frame
 
 PICTURE_WIDTH = 1600  # pixels
@@ -183,7 +180,7 @@ class Result:
         ------
         residual.InputError: fewer than 32 samples, an unknown law.
         """
-        from fem.checking import evaluated
+        from fem.interface import evaluated
 
         with self._as_file() as path:
             return evaluated(path, law, start, order)
@@ -191,20 +188,20 @@ class Result:
     def render(self, target: str | Path, time: float | None = None, **request: Any) -> Path:
         """Draw one instant, s (None: the last one), as PNG, as `render-fem` does.
 
-        `request` : fields of `fem.pictures.render_look.Request`
+        `request` : fields of `fem.pictures.look.Request`
 
         Errors
         ------
         UsageError: this machine can't draw off-screen; the request does not suit the run.
         """
+        from fem.pictures.drawing_process import check_rendering
         from fem.pictures.recover import StoredRun
-        from fem.pictures.rendering_probe import check_rendering
-        from lagrange.loading import load_matplotlib
+        from lagrange.files.pages import load_matplotlib
 
         check_rendering()
         load_matplotlib()
+        from fem.pictures.look import Request
         from fem.pictures.render import draw
-        from fem.pictures.render_look import Request
 
         with self._as_file() as path:
             stored = StoredRun(path)

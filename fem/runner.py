@@ -9,21 +9,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fem.answers import columns_of
-from fem.collecting import imported
+from fem.commands.progress import progress_display
+from fem.commands.start_up import Outcome, imported, stop_signals
+from fem.commands.summary import print_estimates, print_plan, print_run
 from fem.errors import RunFailed, UsageError
-from fem.outcome import Outcome
-from fem.progress import progress_display
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, refuse_no_place, save_checkpoint
-from fem.result.estimate_columns import read_blocks, read_columns, write_estimates
+from fem.result.later_columns import read_blocks, read_columns, write_estimates
 from fem.result.store import ResultFile, Stored, WriteFailed, nothing_stored
 from fem.solver.pace import remember
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, RunState
-from fem.stopping import stop_signals
-from fem.summary import print_estimates, print_plan, print_run
+from lagrange.files.output import remove_left
 from lagrange.messages import said_if_long, say, telling
-from lagrange.output_files import remove_left
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import ErrorEstimate

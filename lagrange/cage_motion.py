@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lagrange.bearing import Bearing, Operation
-from lagrange.cage import Cage
+from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.kinematics import kinematics
 from lagrange.motion import ContactState, State, angular_equations, housing_accelerations
 

@@ -8,7 +8,7 @@ end the step, each solved for the velocity that it leaves, one contact after the
 
 import numpy as np
 
-from lagrange.cage import Cage
+from lagrange.bearing import Cage
 from lagrange.cage_motion import SMALLEST
 
 STANDING = 1e-4  # of a depth: what changes less works as a constant force

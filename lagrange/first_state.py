@@ -1,22 +1,24 @@
-"""The state at t = 0: at rest with rings centred, or a static equilibrium with the velocities of its motion.
+"""What is solved, and the state at t = 0: a bearing under contact laws, at rest or in a static equilibrium that moves.
 
 An equilibrium moves as rollers pass and loads change. A hub follows it only where the contacts hold it stiffly enough:
 in clearance one roller alone may carry the hub, which is balanced on it (the stiffness across is negative), and a hub
 without load is not held at all. Along such directions the hub starts without velocity.
 """
 
-from dataclasses import replace
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-from lagrange.bearing import Bearing, Operation
+from lagrange.bearing import Bearing, Cage, Operation
+from lagrange.contact.damping import UNDAMPED, ContactDamping
+from lagrange.contact.raceway_laws import ContactLaws
 from lagrange.kinematics import kinematics, roller_angles, turned
 from lagrange.motion import State
 from lagrange.mounting import ring_place
-from lagrange.profile import Turns
-from lagrange.raceway_laws import ContactLaws
 from lagrange.statics import Statics, held_hub, static_equilibrium
+from lagrange.surface.deviation import Turns
 
 DIFFERENCE = 1e-6  # s, for the velocities of the moving equilibrium
 NO_MOVE = 1e-9  # m within that time, below which velocities that do not converge are of no matter
@@ -135,3 +137,60 @@ def _weight_on_springs(bearing: Bearing, operation: Operation) -> float:
     """Of a housing and its outer ring, N; 0 without."""
     housing = operation.mounting.housing
     return 0.0 if housing is None else operation.gravity * (housing.mass + bearing.outer_ring_mass)
+
+
+# What is solved: a bearing at an operating point under contact laws, the model's choices, and where it starts.
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """One motion to be found; the parameters are those of `lagrange.simulate`.
+
+    Errors
+    ------
+    ValueError: impossible choices.
+    """
+
+    bearing: Bearing
+    operation: Operation
+    laws: ContactLaws
+    start: Literal["equilibrium", "rest"] = "equilibrium"
+    angles: Literal["kinematic", "free"] = "kinematic"
+    damping: ContactDamping = UNDAMPED  # of every closed contact
+    load_ramp: float = 0.0  # s
+    cage: Cage | None = None  # free angles: a body of its own; else what holds the angles
+
+    def __post_init__(self):
+        if not (min(vars(self.damping).values()) >= 0.0 and self.load_ramp >= 0.0):
+            raise ValueError(f"damping = {self.damping}, load_ramp = {self.load_ramp}: both must be at least 0")
+        if self.start not in ("equilibrium", "rest") or self.angles not in ("kinematic", "free"):
+            raise ValueError(
+                f"start = {self.start!r}, angles = {self.angles!r}: equilibrium or rest, kinematic or free"
+            )
+
+    @property
+    def free_cage(self) -> Cage | None:
+        """The cage, where it moves by the forces on it."""
+        return self.cage if self.angles == "free" else None
+
+    @property
+    def is_damped(self) -> bool:
+        """Whether contacts, a free cage or what holds shaft and housing take energy."""
+        mounting = self.operation.mounting
+        dashpots = (part.damping > 0.0 for part in (mounting.shaft, mounting.housing) if part is not None)
+        return self.damping.acts or self.free_cage is not None or any(dashpots)
+
+    @cached_property
+    def first_state(self) -> FirstState:
+        """The state at t = 0, and what to say of it.
+
+        Errors
+        ------
+        RuntimeError: no equilibrium to start from.
+        """
+        if self.start == "rest":
+            return rest_state(self.bearing, self.operation)
+        operation = self.operation
+        if self.load_ramp > 0.0:
+            operation = replace(operation, radial_load=0.0, side_load=0.0, course=None)
+        return equilibrium_state(self.bearing, operation, self.laws)

@@ -19,12 +19,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lagrange.dashpots import flow
+from lagrange.mounting import flow
 from lagrange.systems import FreeAngles, KinematicAngles, Packed
 
 if TYPE_CHECKING:
+    from lagrange.first_state import Problem
     from lagrange.motion import State
-    from lagrange.problem import Problem
 
 
 class _InHousing:

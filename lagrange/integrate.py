@@ -8,9 +8,8 @@ import numpy as np
 
 from lagrange.cage_motion import first_row, row_width
 from lagrange.cage_steps import CageSteps
-from lagrange.contact_damping import ContactDamping
-from lagrange.near_faults import near_faults
-from lagrange.step_size import Steps
+from lagrange.contact.damping import ContactDamping
+from lagrange.step_size import Steps, near_faults
 from lagrange.systems import Packed
 
 # Blanes and Moan 2002, RKN scheme of order 4 with six stages: kicks b, drifts a, of which half are independent

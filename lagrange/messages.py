@@ -1,13 +1,32 @@
-"""What commands print of files and values that may be anything: printable, not endless, and no reason to fail.
-
-Stands on the ground floor, as `stored` does: the commands of solver and checker share it.
-"""
+"""What commands print of files and values that may be anything, and the units that engineers read."""
 
 import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from math import pi, tau
 from threading import Timer
+
+G = 9.80665  # m/s², standard gravity
+ENGINEERING = {  # by the SI unit: the factor, and the unit that numbers printed for people have; others stay
+    "m": (1e6, "µm"),
+    "rad": (180.0 / pi, "°"),
+    "rad/s": (1.0 / tau, "Hz"),
+    "m/s2": (1.0 / G, "g"),
+    "N/m": (1e-6, "N/µm"),
+    "1": (1.0, ""),
+}
+
+
+def engineering(unit: str) -> tuple[float, str]:
+    """Factor from an SI unit, as result files spell it, to the one that people read, and its name; "" of a ratio."""
+    return ENGINEERING.get(unit, (1.0, unit))
+
+
+# What commands print of files and values that may be anything: printable, not endless, and no reason to fail.
+#
+# Stands on the ground floor, as `stored` does: the commands of solver and checker share it.
+
 
 MOST_LINES, LONGEST_LINE = 60, 1200
 ENDING = 300  # characters of a long line that stay of its end, where the remedy stands

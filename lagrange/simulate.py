@@ -12,14 +12,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from lagrange.bearing import Bearing, Operation
-from lagrange.cage import Cage
-from lagrange.contact_damping import UNDAMPED, ContactDamping
+from lagrange.bearing import Bearing, Cage, Operation
+from lagrange.contact.damping import UNDAMPED, ContactDamping
+from lagrange.contact.raceway_laws import ContactLaws
+from lagrange.first_state import Problem
 from lagrange.in_housing import system_of
 from lagrange.integrate import OF_CAGE, Integration, NumpyIntegration
 from lagrange.kinematics import kinematics, turned
-from lagrange.problem import Problem
-from lagrange.raceway_laws import ContactLaws
 from lagrange.step_size import DAMPED_STABLE, STABLE, STEP, critical_time_step, fastest_mode, steps_of
 from lagrange.trajectory import Completion, Trajectory
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
+from lagrange.contact.raceway_laws import ContactLaws
+from lagrange.equations import touching_distances
 from lagrange.kinematics import kinematics, roller_angles
-from lagrange.overlap import touching_distances
-from lagrange.profile import UNTURNED, Turns, profiles
-from lagrange.raceway_laws import ContactLaws
-from lagrange.softened import pressed, softened
+from lagrange.surface.deviation import UNTURNED, Turns, profiles
+from lagrange.surface.edges import pressed, softened
 
 BALANCE = 1e-10  # of load and contact forces: what Newton's method must reach
 MAX_NEWTON = 200

@@ -1,14 +1,81 @@
-"""How long a time step may be: from the stiffest mode, an element between its contacts."""
+"""How long steps and sampling intervals may be: from the stiffest mode, and from when contacts are near faults."""
 
 from dataclasses import dataclass, replace
-from math import ceil, inf, sqrt
+from math import ceil, inf, pi, sqrt
 
 import numpy as np
 
-from lagrange.bearing import Bearing, Operation
-from lagrange.kinematics import kinematics
-from lagrange.problem import Problem
-from lagrange.profile import profiles
+from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.contact.raceway_laws import contact_laws
+from lagrange.first_state import Problem
+from lagrange.kinematics import kinematics, turned
+from lagrange.scene.surfaces import own_radius
+from lagrange.surface.deviation import Profile, Turns, profiles
+from lagrange.surface.faults import Waviness
+
+INTERVALS = (1e-5, 8e-6, 5e-6, 4e-6, 2.5e-6, 2e-6, 1.6e-6, 1.25e-6, 1e-6, 5e-7, 2e-7, 1e-7)  # s; rates of whole kHz
+SAMPLES_OF_ROLLERS = 3.0  # a period: more than Nyquist's two, because their stiffness is estimated
+SAMPLES_OF_THE_HUB = 5.0  # a period: a stencil of order 6 then reads 4 % of its acceleration too low
+CLEARANCE = 1e-9  # of a roller's radius: less is the rounding of diameters
+
+
+def fitting_interval(bearing: Bearing, operation: Operation, longest: float) -> float:
+    """Interval between samples, s, at which neither the hub nor struck rollers vibrate beyond the Nyquist frequency.
+
+    Rollers are struck that come through a clearance or a fault of a surface, and then vibrate between their two
+    contacts. In a perfect bearing without clearance they touch as they come into the load zone, and hardly vibrate.
+
+    Parameters
+    ----------
+    bearing : with its faults, without films
+    longest : s, above which a warning of the bearing's faults would follow
+
+    Errors
+    ------
+    Contacts are taken as stiff as under five times a roller's mean load: frequencies are right within some 20 %. The
+    rings' own modes, at 150 kHz and more, are not followed.
+    """
+    rate = SAMPLES_OF_THE_HUB * hub_frequency(bearing, operation)
+    if bearing.faults or bearing.radial_clearance > CLEARANCE * bearing.roller_radius:
+        rate = max(rate, SAMPLES_OF_ROLLERS * roller_frequency(bearing, operation))
+    fitting = (interval for interval in INTERVALS if interval * rate <= 1.0 and interval <= longest)
+    return next(fitting, INTERVALS[-1])
+
+
+def wave_interval(bearing: Bearing, operation: Operation) -> float:
+    """The longest interval between samples, s, that shows contacts pass over waves; infinite without any."""
+    ideal = kinematics(bearing, operation.fastest)
+    speed = abs(ideal.roller - ideal.cage) * bearing.roller_radius
+    waves = [pi * own_radius(bearing, f) / f.order for f in bearing.faults if isinstance(f, Waviness)]
+    return min(waves) / speed if waves and speed > 0.0 else inf
+
+
+def roller_frequency(bearing: Bearing, operation: Operation) -> float:
+    """Of a roller between its two contacts where the load is largest, Hz."""
+    return sqrt(sum(_stiffness(bearing, operation)) / bearing.roller_mass) / (2.0 * pi)
+
+
+def hub_frequency(bearing: Bearing, operation: Operation) -> float:
+    """Of the inner ring and its shaft on the contacts of the load zone: a half circle, with preload a whole one, Hz."""
+    inner, outer = _stiffness(bearing, operation)
+    preloaded = bearing.radial_clearance < -CLEARANCE * bearing.roller_radius
+    share = 0.5 if preloaded else 0.25  # of all rollers' stiffness, along one direction
+    in_series = inner * outer / (inner + outer) if inner + outer > 0.0 else 0.0  # soft laws without any load
+    return sqrt(share * bearing.n_rollers * in_series / operation.inner_mass) / (2.0 * pi)
+
+
+def _stiffness(bearing: Bearing, operation: Operation) -> tuple[float, float]:
+    """Of the inner and the outer contact of the roller with the largest load, about five times the mean one, N/m."""
+    cage = kinematics(bearing, operation.fastest).cage
+    force = 5.0 * (operation.heaviest + operation.inner_mass * operation.gravity) / bearing.n_rollers
+    force += bearing.roller_mass * (bearing.pitch_radius * cage**2 + operation.gravity)
+    laws = contact_laws("hertz" if isinstance(bearing, BallBearing) else "johnson", bearing)
+    inner, outer = (float(law.slope(law.approach(force))) for law in laws)
+    return inner, outer
+
+
+# How long a time step may be: from the stiffest mode, an element between its contacts.
+
 
 STEP = 2.0  # of 1/ω of the stiffest mode: its frequency then is 0.05 % off, the hub's 1e-6
 DAMPED_STEP = 0.3
@@ -181,3 +248,47 @@ def contact_speed(problem: Problem) -> float:
     """Of contacts along the surfaces at the highest speed of the run, m/s."""
     ideal = kinematics(problem.bearing, problem.operation.fastest)
     return abs(ideal.roller - ideal.cage) * problem.bearing.roller_radius
+
+
+# When contacts are near faults: elsewhere circles are perfect, and steps may be longer.
+
+
+GIVE = 0.05  # of a roller's radius: further than twice the clearance and this no elastic contact lets a hub go
+
+
+def near_faults(problem: Problem, first: int, count: int, section: float) -> np.ndarray:
+    """Whether a contact comes near a fault in each of so many sections of time from the first on, (count,).
+
+    Elements are held at kinematic angles; `section` in s. A hub that is out of the middle sees them under other angles:
+    that is in the margin, with the way of contacts in half a section.
+    """
+    bearing, operation, surfaces = problem.bearing, problem.operation, profiles(problem.bearing)
+    found = np.zeros(count, dtype=bool)
+    if surfaces is None:
+        return found
+    time = (first + np.arange(count) + 0.5) * section
+    turns = Turns.rolling(bearing, operation, time[:, None])
+    spacing = 2.0 * pi * np.arange(bearing.n_rollers) / bearing.n_rollers
+    at = operation.first_roller_angle + spacing + turned(bearing, operation, time[:, None]).cage
+    margin = 0.5 * section * contact_speed(problem) + GIVE * bearing.roller_radius + surfaces.deepest
+    margin += 2.0 * abs(bearing.radial_clearance)
+    met = (
+        (surfaces.inner_ring, at - turns.inner_ring, bearing.inner_raceway_radius),
+        (surfaces.rollers_inside, at + pi - turns.rollers, bearing.roller_radius),
+        (surfaces.outer_ring, at, bearing.outer_raceway_radius),
+        (surfaces.rollers_outside, at - turns.rollers, bearing.roller_radius),
+    )
+    for profile, angle, radius in met:
+        if profile is not None:
+            found |= _near(profile, angle, margin / radius)
+    return found
+
+
+def _near(profile: Profile, angle: np.ndarray, margin: float) -> np.ndarray:
+    """Whether any contact at angles along a body, (n_times, n_rollers), rad, is within a margin, rad, of an arc."""
+    found = np.zeros(len(angle), dtype=bool)
+    for row, middle, half in profile.arcs:
+        met = angle[:, profile.row == row]
+        away = np.abs(np.mod(met - middle + pi, 2.0 * pi) - pi)
+        found |= np.any(away < half + margin, axis=1)
+    return found

@@ -10,16 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrange.contact_damping import ContactDamping, damper_force
-from lagrange.dashpots import flow
+from lagrange.contact.damping import ContactDamping, damper_force
+from lagrange.contact.laws import PowerLaw
+from lagrange.equations import touching_distances
+from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics, turned
-from lagrange.laws import PowerLaw
-from lagrange.load_ramp import load_share, load_share_rate
+from lagrange.load_history import load_share, load_share_rate
 from lagrange.motion import State
-from lagrange.overlap import touching_distances
-from lagrange.problem import Problem
-from lagrange.profile import Profiles, Turns, profiles
-from lagrange.softened import softened
+from lagrange.mounting import flow
+from lagrange.surface.deviation import Profiles, Turns, profiles
+from lagrange.surface.edges import softened
 
 
 class Packed(NamedTuple):

@@ -6,14 +6,20 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Operation
 from lagrange.cage_motion import CageRows, CageSamples, free_cage, holding_cage
-from lagrange.energy import contact_energy, kinetic_energy, rotation_energy
+from lagrange.contact.raceway_laws import ContactLaws
+from lagrange.first_state import Problem
 from lagrange.in_housing import held_energy
 from lagrange.integrate import Record
-from lagrange.load_ramp import load_share
-from lagrange.motion import contact_state, housing_accelerations, hub_equations
+from lagrange.load_history import load_share
+from lagrange.motion import (
+    contact_energy,
+    contact_state,
+    housing_accelerations,
+    hub_equations,
+    kinetic_energy,
+    rotation_energy,
+)
 from lagrange.mounting import OF_HOUSING
-from lagrange.problem import Problem
-from lagrange.raceway_laws import ContactLaws
 
 TURN = 2.0 * np.pi
 # of the first sample, see `Completion.read`; of all samples so far: the largest, or what the name says; J and N

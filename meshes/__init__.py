@@ -10,8 +10,8 @@ cache    shipped, cached, or made now; `python -m meshes` re-makes the shipped o
 
 from meshes.bearing import BearingShapes, bearing_shapes, graded_shapes
 from meshes.cache import mesh_of
+from meshes.export import Quality, quality
 from meshes.graded import GradedAnnulus, GradedDisc
-from meshes.quality import Quality, quality
 from meshes.refined import RefinedDisc, RefinedSector, Spot, refined_mesh
 from meshes.shapes import Annulus, Disc, Mesh, Shape
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from meshes.bearing import bearing_shapes
 from meshes.cache import file_name, write
 from meshes.shapes import make

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrange.sealed import read_sealed, write_sealed
+from lagrange.files.output import read_sealed, write_sealed
 from meshes.graded import GradedDisc
 from meshes.shapes import Disc, Mesh, Shape, expected_points, make
 

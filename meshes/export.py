@@ -1,11 +1,13 @@
 """Meshes with fields on them, written by meshio in formats that other programs read."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from lagrange.output_files import replaced
+from lagrange.files.output import replaced
+from meshes.shapes import Mesh
 
 # those of meshio's formats that keep triangles beside quadrilaterals, and fields with any number of components
 FORMATS = {
@@ -47,3 +49,36 @@ def write_fields(
     path.parent.mkdir(parents=True, exist_ok=True)
     with replaced(path) as part:
         meshio.write(part, mesh, **FORMATS[path.suffix.lower()])
+
+
+# Sizes and angles of a mesh.
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quality:
+    """Quality of one mesh: counts, edge lengths in m, angles in degrees."""
+
+    nodes: int
+    cells: int
+    smallest_edge: float
+    largest_edge: float
+    smallest_angle: float
+    largest_angle: float
+
+
+def quality(mesh: Mesh) -> Quality:
+    """Measure a mesh."""
+    corner = mesh.points[mesh.cells]
+    ahead = np.roll(corner, -1, axis=1) - corner
+    back = np.roll(corner, 1, axis=1) - corner
+    edge = np.hypot(*np.moveaxis(ahead, -1, 0))
+    cross = ahead[..., 0] * back[..., 1] - ahead[..., 1] * back[..., 0]
+    angle = np.degrees(np.arctan2(cross, np.sum(ahead * back, axis=-1)))
+    return Quality(
+        nodes=len(mesh.points),
+        cells=len(mesh.cells),
+        smallest_edge=float(edge.min()),
+        largest_edge=float(edge.max()),
+        smallest_angle=float(angle.min()),
+        largest_angle=float(angle.max()),
+    )

@@ -1,34 +1,16 @@
 """The check of Lagrange's equations against a simulated or measured run.
 
-record          `Record`: the arrays all else works on, and their checks
-sources         result file -> `Record`
-table_source    trajectory table -> `Record`; `resampling` evens out its steps
-differentiate   accelerations by central stencils of high order, with their error floor
-sampling        whether samples follow a run's vibration; `position_noise`: rounding and noise of a table's positions
-budget          error forces of equations (22) and (23) and what they are made of; `cage`: what of it is the cage's
-identification  a contact law fitted to the run's own forces; `comparison` ranks it among the named ones
-fitted_laws     laws with coupling between contacts, with damping
-spectrum        power spectral density, peaks, kinematic lines
-quarters        what varies in each quarter of a record: transients
-lines           levels of lines and sidebands; `envelope` spectrum of a band; `short_time` spectra
-orders          order tracking: spectra over the shaft's angle where its speed changes
-vibration       acceleration of sensor, housing or hub (`measured`): levels, fault lines in its envelope
-fault_finding   spalls found in trajectories alone: `roller_motion` what it may see, `three_samples` what rollers do
-                between them, `sinkage_maps` by each body's angle; `fault_tables`, `fault_figures`
-evaluation      the whole check as one call -> `Evaluation`
-figures         a saved figure and its curves; `drawing`: all of them, by groups: `motion_figures`,
-                `spectrum_figures`, `vibration_figures`, `passage_figures`, `budget_figures`, `cage_figures`,
-                `paper_figures` (beside the ranges of `paper`); `panels` places them, `plotting` and `colours` give
-                them one look, `tick_labels` plain numbers; `one_roller`: which, and its motion
-quasistatic     the Lagrangian model's equilibria at every angle; `meaning`: what the numbers say of that model
-headline        the one sentence that a report begins with; `words`: numbers as a person reads them
-tables          rows of the report's and the terminal's tables, with `law_tables`, `line_tables`, `vibration_tables`
-report          the self-contained HTML page; `player` and `interactive`: data of its parts that move; `picture`:
-                render-fem's
-against         two runs, or two laws, beside each other, with `against_figures`
-parts           what a report is to hold; `exports`: its data as CSV, MAT and WAV; `printing`: on the terminal
-store           residual.nc, summary.json (`summary`), the report folder
-cli             the command `check-residual`, which `entry` loads
+record, sources, table_source   `Record`, the arrays all else works on: from a result file, from a table
+sampling, stationarity          what of a record is sound: its interval, its positions, its beginning
+differentiate, budget           accelerations, error forces of equations (22) and (23) and what they are made of
+spectrum, orders, lines         spectra over time and over the shaft's angle, levels of kinematic lines
+vibration, cage                 the housing's or the hub's vibration as bearing engineers read it; the cage's share
+identification, comparison      laws fitted to a run, laws ranked
+fault_finding                   spalls found in trajectories alone, by `roller_motion` and `sinkage_maps`
+evaluation                      the whole check as one call -> `Evaluation`; `run_comparison`: of two
+interpretation, formatting      what the numbers say: sentences, rows of tables
+report, figures, page_data      the self-contained HTML page, its figures, what moves in it
+store, summary                  the report's folder, summary.json
 
     from residual import evaluate, read_result, write_report
     write_report(evaluate(read_result("runs/paper.nc"), law="harris"), "report")

@@ -24,11 +24,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lagrange.equations import approaches, contact_resultant, error_forces
+from lagrange.equations import Overlaps, approaches, contact_resultant, error_forces
 from lagrange.kinematics import kinematics
-from lagrange.load_ramp import load_share
-from lagrange.overlap import Overlaps
+from lagrange.load_history import load_share
 from residual.cage import push_on_hub, traction_against
+from residual.differentiate import derivative
 from residual.fitted_laws import DampedLaw, Law, spring_and_damper
 from residual.record import Record
 
@@ -235,3 +235,24 @@ def chatter_gap(record: Record) -> int:
     cage = kinematics(record.bearing, speed).frequencies["FTF"]
     samples = record.time.size // 50
     return max(1, samples if samples * record.interval * cage <= CHATTER else int(CHATTER / cage / record.interval))
+
+
+# The roller that figures and tables of a single one are of, and its radial motion.
+
+
+def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
+    """The roller that passes through the load zone most often, whole passes first."""
+
+    def merit(j):
+        zones = load_zones(loaded[:, j], bridge)
+        whole = sum(first > 0 and last < loaded.shape[0] - 1 for first, last in zones)
+        return len(zones), whole, int(loaded[:, j].sum())
+
+    return max(range(loaded.shape[1]), key=merit)
+
+
+def roller_radial(record: Record, j: int, order: int):
+    """Radial position ρ of one roller, m, its velocity, m/s, and its acceleration, m/s²."""
+    rho = np.hypot(record.roller_x[:, j], record.roller_y[:, j])
+    interval = record.interval
+    return rho, derivative(rho, interval, 1, order), derivative(rho, interval, 2, order)

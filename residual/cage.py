@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lagrange.bearing import Bearing
-from lagrange.cage import Cage
+from lagrange.bearing import Bearing, Cage
 
 COLUMNS = {  # of a result file, by what they are here
     "cage_x": "x",

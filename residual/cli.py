@@ -96,7 +96,7 @@ def _command(
 ) -> int:
     from lagrange.messages import say, telling
     from residual.evaluation import evaluate
-    from residual.parts import Parts
+    from residual.exports import Parts
     from residual.printing import print_summary
     from residual.store import check_replaceable, write_report
 
@@ -140,7 +140,7 @@ def _other(against: str, record, check: tuple, source: tuple):
 
     `check`: law, start in ms and order; `source`: scene and whether to resample.
     """
-    from lagrange.raceway_laws import law_names
+    from lagrange.contact.raceway_laws import law_names
     from residual.comparison import ALIASES, FITTED
     from residual.evaluation import evaluate
 
@@ -164,7 +164,7 @@ def _check_number(option: str, value: float | None, unit: str) -> None:
 
 def _check_law(law: str | None, bearing) -> None:
     """Refuse a law that is not known for the bearing's rolling elements."""
-    from lagrange.raceway_laws import law_names
+    from lagrange.contact.raceway_laws import law_names
     from residual.comparison import ALIASES, FITTED
 
     known = (*law_names(bearing), *FITTED)
@@ -182,7 +182,7 @@ def _newest() -> Path:
 
 def _read(path: Path, scene_path: Path | None, resample: bool):
     """Read a record from a result file, or from a table and its scene."""
-    from lagrange.scene import read_scene
+    from lagrange.scene.scene import read_scene
     from residual.sources import is_result, read_result
     from residual.table_source import read_table
 
@@ -244,8 +244,8 @@ def main(arguments: list[str] | None = None) -> int:
     except CycloptsError as error:
         reason = str(error)
     except ValueError as error:
-        from lagrange.scene import SceneError  # loaded by whatever raised it
-        from lagrange.stored import Damaged
+        from lagrange.files.hdf5 import Damaged
+        from lagrange.scene.scene import SceneError  # loaded by whatever raised it
 
         if not isinstance(error, InputError | SceneError | Damaged):
             raise

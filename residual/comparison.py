@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lagrange.contact.raceway_laws import contact_laws, law_names
 from lagrange.equations import contact_resultant
-from lagrange.raceway_laws import contact_laws, law_names
 from residual.budget import Budget
 from residual.errors import InputError
 from residual.fitted_laws import DampedLaw, Law, law_force
 from residual.identification import Extra, Identification, fit_law
-from residual.moments import Statistics, rms
 from residual.record import Record
+from residual.spectrum import Statistics, rms
 
 # name: what is fitted beside K and n
 FITTED: dict[str, tuple[Extra, ...]] = {

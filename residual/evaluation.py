@@ -5,25 +5,30 @@ from math import hypot
 
 import numpy as np
 
+from lagrange.contact.raceway_laws import caution
 from lagrange.kinematics import Kinematics, kinematics
-from lagrange.raceway_laws import caution
 from residual.budget import Accelerations, Budget, DirectionBudget, chatter_gap, error_budget, near_contact_change
 from residual.comparison import FITTED, LawScore, identify, inner_law, rank_laws
 from residual.differentiate import Floor, derivative, floor
-from residual.envelope import Envelope, envelope
 from residual.errors import InputError
 from residual.fitted_laws import Law
 from residual.identification import Identification
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
-from residual.measured import measured
-from residual.moments import Statistics
 from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
-from residual.position_noise import WITHIN, PositionNoise, position_noise
-from residual.quarters import Quarters, quarters
 from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Record
-from residual.sampling import TooCoarse, rate_notes, too_coarse
-from residual.spectrum import Peak, Spectrum, find_peaks, kinematic_lines, power_spectrum
-from residual.vibration import Vibration, vibration
+from residual.sampling import WITHIN, PositionNoise, TooCoarse, position_noise, rate_notes, too_coarse
+from residual.spectrum import (
+    Envelope,
+    Peak,
+    Spectrum,
+    Statistics,
+    envelope,
+    find_peaks,
+    kinematic_lines,
+    power_spectrum,
+)
+from residual.stationarity import Quarters, quarters
+from residual.vibration import Vibration, measured, vibration
 from residual.words import NOISE
 
 LOADED = 0.01  # of the largest load: a roller with more is loaded
@@ -151,7 +156,7 @@ def evaluate(
 
     Parameters
     ----------
-    law : name in `lagrange.raceway_laws.law_names`; "fitted" or another of `comparison.FITTED` (to the record's
+    law : name in `lagrange.contact.raceway_laws.law_names`; "fitted" or another of `comparison.FITTED` (to the record's
         first half); a law; None: the scene's, [lagrange] law
     start : float, s, skip the run's earlier part; None skips the load ramp of a run started from rest
     order : 4, 6 or 8, of the differentiation

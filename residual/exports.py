@@ -1,15 +1,35 @@
-"""The data of a report for other programs: signals as CSV, MAT and WAV, the curves of figures as CSV."""
+"""What a report holds beside the check itself, and its data for other programs: CSV, MAT, WAV, curves of figures."""
 
 import csv
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation
-from residual.figures import SavedFigure
-from residual.parts import Export
+from residual.fault_finding import FaultSearch
+from residual.figures.style import SavedFigure
+
+Export = Literal["csv", "curves", "mat", "wav"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parts:
+    """Of a report."""
+
+    tolerance: float | None = None  # N, on the rms of both errors; None: no verdict
+    search: FaultSearch | None = None  # for spalls; None: none was made
+    figures: bool = True  # most of a report's time
+    equations: bool = True  # False: of the run alone, without the error forces of (22) and (23)
+    exports: tuple[Export, ...] = ()  # the data in other formats
+    other: Evaluation | None = None  # what the run is compared with
+
+
+# The data of a report for other programs: signals as CSV, MAT and WAV, the curves of figures as CSV.
+
 
 SOUND = "hub_acceleration.wav"
 

@@ -1,6 +1,6 @@
 """Spalls found from trajectories alone: which bodies, where, how wide, each with an interval; or none.
 
-`three_samples` says what rollers do from sample to sample; `sinkage_maps` lay what it misses on perfect circles over
+`roller_motion` says what rollers do from sample to sample; `sinkage_maps` lay what it misses on perfect circles over
 each other by each body's own angle and name suspects; for each of them the spall is sought that makes it miss least,
 and the suspect that explains most is a spall. What it explains is taken out, and the search goes on until nothing
 stands out.
@@ -13,11 +13,10 @@ import numpy as np
 
 from residual.errors import InputError
 from residual.record import Record
-from residual.roller_motion import Place, RollerMotion, roller_motion, stiffness
+from residual.roller_motion import Contact, Place, RollerMotion, Spalled, ThreeSamples, roller_motion, stiffness
 from residual.sinkage_maps import SinkageMap, sinkage_maps
-from residual.three_samples import Contact, Spalled, ThreeSamples
 
-STANDS_OUT = 3.0  # times the rest of its map: perfect and wavy bearings reach 2
+MAP_STANDS_OUT = 3.0  # times the rest of its map: perfect and wavy bearings reach 2
 MOST_SUSPECTS = 4
 MOST_SPALLS = 4
 WIDTHS = 1e-3 * np.geomspace(0.22, 3.4, 12)  # m, first tried
@@ -43,7 +42,7 @@ class FoundSpall:
     """A spall with the intervals (95 %) of its place and width."""
 
     place: Place
-    spall: np.ndarray  # (3,): angle of its middle, rad, as `lagrange.faults` counts it; width, m; depth, m
+    spall: np.ndarray  # (3,): angle of its middle, rad, as `lagrange.surface.faults` counts it; width, m; depth, m
     angle_error: float  # rad
     width_error: float  # m
     stands_out: float  # times the rest of its map
@@ -79,7 +78,7 @@ class FaultSearch:
     @property
     def says_more(self) -> bool:
         """Whether something stands out that no spall was matched to."""
-        return any(m.deepest[1] >= STANDS_OUT for m in self.left)
+        return any(m.deepest[1] >= MAP_STANDS_OUT for m in self.left)
 
 
 def find_faults(record: Record) -> FaultSearch:
@@ -118,7 +117,7 @@ def _check_sampling(record: Record, motion: RollerMotion) -> None:
 
 def _clearest(motion: RollerMotion, contact: Contact, maps: list[SinkageMap], known: Sequence[FoundSpall]):
     """The spall that explains most of what stands out; None where nothing does."""
-    suspects = sorted((m for m in maps if m.deepest[1] >= STANDS_OUT), key=lambda m: -m.deepest[1])[:MOST_SUSPECTS]
+    suspects = sorted((m for m in maps if m.deepest[1] >= MAP_STANDS_OUT), key=lambda m: -m.deepest[1])[:MOST_SUSPECTS]
     rest = [each.spalled for each in known]
     judged = [match for m in suspects if (match := _match(motion, contact, m, rest)) is not None]
     best = max(judged, key=lambda match: match[0], default=None)

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lagrange.contact_damping import ContactDamping, damper_force
-from lagrange.laws import PowerLaw
-from lagrange.raceway_laws import LogarithmicLaw
-from lagrange.softened import softened
+from lagrange.contact.damping import ContactDamping, damper_force
+from lagrange.contact.laws import PowerLaw
+from lagrange.contact.raceway_laws import LogarithmicLaw
+from lagrange.surface.edges import softened
 
 FIXED_POINT_STEPS = 60  # gain 0.5: round-off
 

@@ -13,13 +13,13 @@ from typing import Any, Literal
 
 import numpy as np
 
-from lagrange.contact_damping import ContactDamping
-from lagrange.laws import PowerLaw
+from lagrange.contact.damping import ContactDamping
+from lagrange.contact.laws import PowerLaw
 from residual.budget import load_zones
 from residual.errors import InputError
 from residual.fitted_laws import CoupledLaw, DampedLaw, neighbours
-from residual.moments import rms
 from residual.record import FEWEST_SAMPLES
+from residual.spectrum import rms
 
 FIT_SHARE = 0.5  # of the record
 CONFIDENCE = 0.95

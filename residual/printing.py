@@ -6,14 +6,12 @@ from rich.console import Console
 from rich.table import Table
 
 from lagrange.messages import shown
-from residual.against import difference_rows, headings
 from residual.evaluation import Evaluation
-from residual.fault_tables import search_sentences
-from residual.headline import headline
-from residual.law_tables import fit_sentences, ranking_rows, ranking_span
-from residual.line_tables import watched_rows
-from residual.parts import Parts
-from residual.tables import error_rows, peak_name
+from residual.exports import Parts
+from residual.interpretation import headline
+from residual.run_comparison import difference_rows, headings
+from residual.tables import error_rows, fit_sentences, peak_name, ranking_rows, ranking_span, watched_rows
+from residual.vibration_tables import search_sentences
 from residual.words import hertz
 
 

@@ -6,8 +6,8 @@ from math import pi
 import numpy as np
 
 from lagrange import contact_laws, static_equilibrium
+from lagrange.contact.raceway_laws import law_names
 from lagrange.kinematics import roller_angles
-from lagrange.raceway_laws import law_names
 from residual.record import Record
 
 PHASES = 24  # of one roller pitch

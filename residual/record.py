@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.equations import approaches
-from lagrange.overlap import Overlaps
-from lagrange.profile import Turns
-from lagrange.scene import Scene
-from lagrange.scene_columns import per_roller
+from lagrange.equations import Overlaps, approaches
+from lagrange.scene.columns import per_roller
+from lagrange.scene.scene import Scene
+from lagrange.surface.deviation import Turns
 from residual.cage import CageMotion
 from residual.errors import InputError
 

@@ -7,34 +7,34 @@ import numpy as np
 from markupsafe import Markup
 
 from lagrange.bearing import BallBearing, Bearing
+from lagrange.files.pages import as_it_is, render_page
 from lagrange.messages import shown
-from lagrange.pages import as_it_is, render_page
-from lagrange.scene_operation import RPM
-from residual.against import difference_rows, headings
+from lagrange.scene.operation import RPM
 from residual.evaluation import Evaluation
-from residual.fault_tables import search_sentences
-from residual.figures import SavedFigure
-from residual.headline import headline
-from residual.interactive import spectra_json
-from residual.law_tables import fit_sentences, ranking_rows, ranking_span
-from residual.line_tables import level_rows, watched_rows
-from residual.meaning import meaning
-from residual.parts import Parts
-from residual.picture import picture_of
-from residual.player import player_json
+from residual.exports import Parts
+from residual.figures.style import SavedFigure
+from residual.interpretation import headline, meaning
+from residual.page_data import picture_of, player_json, spectra_json
 from residual.quasistatic import QuasiStatic
 from residual.record import Record
+from residual.run_comparison import difference_rows, headings
 from residual.tables import (
     budget_rows,
     error_rows,
+    fit_sentences,
     honest_notes,
+    level_rows,
     paper_rows,
     peak_rows,
     quarter_rows,
+    ranking_rows,
+    ranking_span,
     stated_error_rows,
+    watched_rows,
 )
 from residual.vibration_tables import (
     envelope_rows,
+    search_sentences,
     vibration_headings,
     vibration_rows,
     vibration_sentences,

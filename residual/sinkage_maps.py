@@ -11,8 +11,7 @@ from functools import cached_property
 import numpy as np
 from scipy.ndimage import median
 
-from residual.roller_motion import Place, RollerMotion, Side
-from residual.three_samples import Contact, Spalled, ThreeSamples
+from residual.roller_motion import Contact, Place, RollerMotion, Side, Spalled, ThreeSamples
 
 BIN = 5e-5  # m along the surface, a sixth of the narrowest spall looked for
 FEWEST_SAMPLES = 3  # of a bin that counts as seen

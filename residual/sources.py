@@ -4,11 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrange.messages import shown
-from lagrange.mounting import ENERGIES as OF_MOUNTING
-from lagrange.plain_files import FOREIGN, not_text
-from lagrange.scene import Scene, SceneError, parse_scene_text
-from lagrange.stored import (
+from lagrange.files.hdf5 import (
     SIGNATURE,
     Damaged,
     check_array,
@@ -18,6 +14,10 @@ from lagrange.stored import (
     read_scene_text,
     refusal_in_child,
 )
+from lagrange.files.input import FOREIGN, not_text
+from lagrange.messages import shown
+from lagrange.mounting import ENERGIES as OF_MOUNTING
+from lagrange.scene.scene import Scene, SceneError, parse_scene_text
 from residual.cage import COLUMNS, CageMotion
 from residual.errors import InputError
 from residual.record import FEWEST_SAMPLES, Record, StatedError, checked, relative

@@ -1,4 +1,4 @@
-"""Power spectral density of a signal, its peaks, and the bearing's kinematic lines.
+"""Spectra of a signal: power density, peaks, envelope, short-time; its moments.
 
 Units are those of an error force, N; of an acceleration read m/s² for N.
 """
@@ -187,3 +187,140 @@ def _interpolate(psd: np.ndarray, i: int) -> float:
     side = 1 if right >= left else -1
     ratio = np.sqrt(max(left, right) / psd[i])
     return float(i + side * max(0.0, (2.0 * ratio - 1.0) / (ratio + 1.0)))
+
+
+# Short-time spectrum: how the error force's spectrum changes along the record.
+
+
+PASSAGE_SHARE = 0.5  # of a roller passage: what happens once per roller is told apart
+RECORD_SHARE = 1.0 / 32.0  # of the signal, where nothing passes
+FEWEST_IN_WINDOW = 32  # samples
+MOST_COLUMNS = 800  # a figure's panel is 750 pixels wide; windows overlap by at least half
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShortTime:
+    """Spectra of overlapping pieces of one signal."""
+
+    time: np.ndarray  # (n_pieces,), s, their middles, from the signal's first sample
+    frequency: np.ndarray  # (n_frequencies,), Hz
+    psd: np.ndarray  # (n_frequencies, n_pieces), N²/Hz, one-sided
+    length: float  # s, of a piece
+
+
+def short_time_spectrum(signal, interval: float, passing: float = 0.0) -> ShortTime | None:
+    """Short-time spectrum of a signal, its mean removed; None where the signal is too short for it.
+
+    Parameters
+    ----------
+    signal : ndarray, (n_times,), N
+    interval : float, s
+    passing : Hz, the ball-pass frequency; 0: nothing passes
+
+    Errors
+    ------
+    A piece of length T tells apart 2/T in frequency and T/2 in time; pieces that reach beyond the signal are left out.
+    """
+    from scipy.signal import ShortTimeFFT
+
+    signal = np.asarray(signal, dtype=float)
+    duration = PASSAGE_SHARE / passing if passing > 0.0 else RECORD_SHARE * signal.size * interval
+    length = max(FEWEST_IN_WINDOW, round(duration / interval))
+    if signal.size < 4 * length:
+        return None
+    hop = max(1, min(length // 2, signal.size // MOST_COLUMNS))
+    transform = ShortTimeFFT.from_window(
+        WINDOW, 1.0 / interval, length, length - hop, fft_mode="onesided2X", scale_to="psd"
+    )
+    first, last = transform.lower_border_end[1], transform.upper_border_begin(signal.size)[1]
+    psd = transform.spectrogram(signal - signal.mean(), p0=first, p1=last)
+    return ShortTime(
+        time=transform.t(signal.size, first, last), frequency=transform.f, psd=psd, length=length * interval
+    )
+
+
+# Mean, rms and the like of a signal.
+
+
+def rms(signal) -> float:
+    """Root of the mean square, in the signal's unit."""
+    return float(np.sqrt(np.mean(signal**2)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Statistics:
+    """Mean, rms, standard deviation and largest magnitude of one signal, N."""
+
+    mean: float
+    rms: float
+    std: float
+    max_abs: float
+
+    @classmethod
+    def of(cls, signal: np.ndarray) -> "Statistics":
+        return cls(
+            mean=float(np.mean(signal)), rms=rms(signal), std=float(np.std(signal)),
+            max_abs=float(np.max(np.abs(signal))),
+        )  # fmt: skip
+
+
+# Envelope spectrum, which shows how the vibration in a band swells and fades.
+#
+# Something that strikes once per roller makes a resonance ring each time: its frequency shows in the envelope of a band
+# that holds the resonance, not at low frequency itself. Units are the signal's: N of an error force, m/s² of an
+# acceleration.
+
+
+BAND = (2.0**-0.5, 2.0**0.5)  # of the resonance: one octave around it
+FILTER_ORDER = 4
+TOP_OF_NYQUIST = 0.9
+TRANSIENT = 6.0  # periods of the band's width, both ends together
+SHORTEST = 0.01  # periods of the band's lower edge in a record: of slower ones there is no filter in double precision
+
+
+@dataclass(frozen=True, kw_only=True)
+class Envelope:
+    """Envelope of one signal in a band."""
+
+    low: float  # Hz, the band
+    high: float
+    rms: float  # of the band itself
+    band: np.ndarray  # (n_times,), the signal in the band
+    level: np.ndarray  # (n_times,), the envelope
+    spectrum: Spectrum  # of the envelope, its mean removed
+
+
+def envelope(signal, interval: float, resonance: float, slowest_line: float = 0.0) -> Envelope | None:
+    """Envelope around a resonance, Hz; None where the signal is too coarse or too short for it, or has none."""
+    if resonance <= 0.0 or resonance >= TOP_OF_NYQUIST * 0.5 / interval:
+        return None
+    return band_envelope(signal, interval, resonance * BAND[0], resonance * BAND[1], slowest_line)
+
+
+def band_envelope(signal, interval: float, low: float, high: float, slowest_line: float = 0.0) -> Envelope | None:
+    """Envelope of a band, Hz, up to 0.9 of the Nyquist frequency; None where the signal is too coarse or too short.
+
+    Parameters
+    ----------
+    signal : ndarray, (n_times,)
+    interval : float, s
+
+    Errors
+    ------
+    Zero-phase Butterworth filter, then the analytic signal. At either end about three periods of the band's width
+    are transient; the spectrum's window hides them.
+    """
+    from scipy.signal import butter, hilbert, sosfiltfilt
+
+    signal = np.asarray(signal, dtype=float)
+    high = min(high, TOP_OF_NYQUIST * 0.5 / interval)
+    duration = signal.size * interval
+    if (high - low) * duration < TRANSIENT or low * duration < SHORTEST:
+        return None
+    sections = butter(FILTER_ORDER, (low, high), "bandpass", fs=1.0 / interval, output="sos")
+    band = sosfiltfilt(sections, signal - signal.mean(), padlen=min(signal.size - 1, 60))
+    level = np.abs(hilbert(band))
+    return Envelope(
+        low=low, high=high, rms=rms(band), band=band, level=level,
+        spectrum=power_spectrum(level, interval, slowest_line),
+    )  # fmt: skip

@@ -8,15 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from lagrange.hdf5_writing import hdf5_to_write, variable
-from lagrange.loading import load_matplotlib
-from lagrange.output_files import real_path
-from lagrange.plain_files import read_plain
+from lagrange.files.hdf5 import hdf5_to_write, variable
+from lagrange.files.input import read_plain
+from lagrange.files.output import real_path
+from lagrange.files.pages import load_matplotlib
 from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.evaluation import Evaluation
-from residual.exports import write_exports
-from residual.parts import Parts
+from residual.exports import Parts, write_exports
 from residual.summary import PROGRAM, summarise
 from residual.words import words
 
@@ -106,7 +105,7 @@ def _fill(evaluation: Evaluation, folder: Path, parts: Parts) -> dict:
     figures = {}
     if parts.figures:
         load_matplotlib()
-        from residual.drawing import draw_figures
+        from residual.figures.drawing import draw_figures
 
         figures = draw_figures(evaluation, statics, parts, folder)
     _write_arrays(evaluation, folder / "residual.nc", version)

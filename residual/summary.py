@@ -5,14 +5,13 @@ import numpy as np
 from lagrange.messages import shown
 from residual.comparison import LawScore
 from residual.evaluation import Evaluation
-from residual.fault_tables import search_summary
+from residual.exports import Parts
 from residual.identification import CONFIDENCE, Identification
 from residual.lines import LineLevel
-from residual.moments import Statistics, rms
-from residual.parts import Parts
-from residual.spectrum import Peak
+from residual.spectrum import Peak, Statistics, rms
 from residual.tables import floor_newtons
 from residual.vibration import Vibration
+from residual.vibration_tables import search_summary
 
 PROGRAM = "check-residual"
 

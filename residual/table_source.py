@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from lagrange.files.input import MOST_BEFORE, check_decimal, delimiter_of, header_below, names_of, not_text, row_fault
 from lagrange.messages import shown
-from lagrange.plain_files import not_text
-from lagrange.scene import Scene
-from lagrange.scene_columns import Columns, per_roller
-from lagrange.text_table import MOST_BEFORE, check_decimal, delimiter_of, header_below, names_of, row_fault
+from lagrange.scene.columns import Columns, per_roller
+from lagrange.scene.scene import Scene
 from residual.errors import InputError
+from residual.orders import even_clock, evenly_sampled
 from residual.record import Record, checked, relative
-from residual.resampling import even_clock, evenly_sampled
 from residual.sources import LARGEST_READ, OPTIONAL, check_readable
 
 LONGEST_LINE = 2**20  # characters

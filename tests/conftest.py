@@ -24,7 +24,7 @@ BROWSERS = ("chromium", "chromium-browser", "chromium-headless-shell", "google-c
 @pytest.fixture(scope="session")
 def coarse_run(tmp_path_factory):
     """Result file of 4 ms of the paper's bearing at 2 mm."""
-    from fem.cli import run_main
+    from fem.commands.run_fem import run_main
 
     path = tmp_path_factory.mktemp("coarse") / "coarse.nc"
     assert run_main(["--mesh-size", "2", "--duration", "4", "--output", str(path), "--quiet"]) == 0
@@ -34,7 +34,7 @@ def coarse_run(tmp_path_factory):
 @pytest.fixture(scope="session")
 def whole(tmp_path_factory):
     """Result file of a short run that nothing disturbed."""
-    from fem.cli import run_main
+    from fem.commands.run_fem import run_main
     from tests.reference.run_files import SHORT
 
     path = tmp_path_factory.mktemp("whole") / "whole.nc"
@@ -46,7 +46,7 @@ def whole(tmp_path_factory):
 def can_draw():
     """Skip the test on a machine that can't draw off-screen."""
     from fem.errors import UsageError
-    from fem.pictures.rendering_probe import check_rendering
+    from fem.pictures.drawing_process import check_rendering
 
     try:
         check_rendering()
@@ -58,7 +58,7 @@ def can_draw():
 def plain_report(monkeypatch):
     """Make reports without figures, which take most of the time and are tested elsewhere."""
     for group in ("paper", "motion", "spectrum", "vibration", "budget"):
-        monkeypatch.setattr(f"residual.drawing.{group}_figures", lambda *_: [])
+        monkeypatch.setattr(f"residual.figures.drawing.{group}_figures", lambda *_: [])
 
 
 @pytest.fixture(scope="session")

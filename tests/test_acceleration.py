@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.io import loadmat, wavfile
 
+from fem.commands.render_fem import render_main
 from fem.errors import UsageError
-from fem.render_cli import render_main
 from fem.result.acceleration import G, accelerations, channels
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 from tests.reference.synthetic_run import make_run, run_variables, write_result
 
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from fem.answers import first_answers
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.interface import simulate
-from fem.labels import labels
+from fem.quantities import labels
 from lagrange import kinematics
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from residual.cli import main as check_main
 
 N = 13

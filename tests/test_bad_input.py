@@ -8,8 +8,8 @@ import time
 import h5py
 import pytest
 
-from fem.cli import run_main
-from fem.render_cli import render_main
+from fem.commands.render_fem import render_main
+from fem.commands.run_fem import run_main
 from residual.cli import main as check_main
 from tests.reference.bad_files import BAD_CHECKPOINTS, BAD_FILES, BAD_PICTURES, DURATION, FINISHED, RUN
 from tests.reference.bad_scenes import BAD_SCENES, BAD_SETTINGS

@@ -10,7 +10,7 @@ from fem.kernels.housing_kernels import Housing
 from fem.kernels.jit import OPTIONS
 from fem.kernels.ring_kernels import HALO
 from fem.solver.simulate import make_plan
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 from tests.test_cage_runs import balance_of
 from tests.test_housing import ring_down
 

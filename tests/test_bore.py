@@ -8,15 +8,14 @@ from numba import njit
 
 from fem.contacts.critical_step import FINELY, critical_time_step
 from fem.contacts.patch import ring_patch_force
-from fem.elastic.bored import bored_ring
+from fem.elastic.outer_support import LooseRing, bored_ring
 from fem.elastic.reciprocal_mass import SECOND
-from fem.elastic.supported import LooseRing
 from fem.errors import UsageError
 from fem.kernels import ring_kernels
-from fem.kernels.bore_kernels import ARC, AX, PLACE_X, PLACE_Y
+from fem.kernels.bodies import add_motion, drift_body, kick_body, slow_body
+from fem.kernels.bore import ARC, AX, PLACE_X, PLACE_Y
 from fem.kernels.housing_kernels import Housing as HousingBody
 from fem.kernels.jit import OPTIONS
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body, slow_body
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.sample_kernels import (
     CONTACT,
@@ -28,12 +27,12 @@ from fem.kernels.sample_kernels import (
     _ring_strain_power,
 )
 from fem.solver.arrays import ring_nodes
-from fem.solver.bore_arrays import bore_body
 from fem.solver.discretise import model_of
+from fem.solver.part_arrays import bore_body
 from fem.solver.simulate import make_plan, run
 from fem.solver.start import equilibrium_start, rolling_motion
 from lagrange.mounting import Bore, Housing, Mounting, from_outer_ring
-from lagrange.scene import SceneError, parse_scene, parse_scene_text
+from lagrange.scene.scene import SceneError, parse_scene, parse_scene_text
 from residual.evaluation import evaluate
 from residual.sources import read_result
 from tests.reference.bearings import LENGTH, STEEL

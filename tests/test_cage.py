@@ -8,14 +8,14 @@ import pytest
 from numba import njit
 
 from fem.contacts.critical_step import EVENLY
+from fem.kernels.cage import CagePair, GuidingRing, Riders
 from fem.kernels.cage_kernels import meet, rub
-from fem.kernels.cage_state import CagePair, GuidingRing, Riders
 from fem.kernels.jit import OPTIONS
 from fem.kernels.lanes import WIDTH
 from fem.solver.cage_arrays import cage_state, critical_with_cage
-from lagrange.cage import Cage
+from lagrange.bearing import Cage
 from lagrange.mounting import Housing, Mounting
-from lagrange.scene import Scene, SceneError, parse_scene
+from lagrange.scene.scene import Scene, SceneError, parse_scene
 from tests.reference.bearings import paper
 
 DT = 1e-7  # s

@@ -6,7 +6,7 @@ import pytest
 from fem.interface import simulate as run_scene
 from fem.solver.simulate import make_plan
 from lagrange.kinematics import kinematics
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 from tests.accuracy.cage import FRICTION, HEAVY_HUB, PRELOADED, STIFF_POCKETS, caged
 from tests.reference.going_on import assert_same_bits, rest_of_run
 from tests.reference.operation_tables import RAMP, scene_with

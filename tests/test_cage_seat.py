@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from fem.errors import UsageError
-from fem.solver.cage_seat import cage_seat
+from fem.solver.cage_arrays import cage_seat
 from fem.solver.reduced import make_plan
-from lagrange.cage import Cage
-from lagrange.scene import parse_scene
+from lagrange.bearing import Cage
+from lagrange.scene.scene import parse_scene
 
 BEARING = parse_scene({}, "").ideal_bearing()
 ANGLE = 2.0 * np.pi / BEARING.n_rollers * np.arange(BEARING.n_rollers)

@@ -7,9 +7,9 @@ from math import pi, sqrt
 import h5py
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.solver.simulate import make_plan
-from lagrange.scene import SceneError, read_scene
+from lagrange.scene.scene import SceneError, read_scene
 from residual.cli import main as check_main
 from residual.sources import read_result
 

@@ -6,13 +6,13 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.errors import UsageError
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
 from fem.result.layout import VARIABLES
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan, run
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from tests.reference.commands import command
 from tests.test_runner import start_run
 from tests.waiting import GIVE_UP
@@ -82,7 +82,7 @@ def test_missing_damaged_and_foreign_checkpoints_are_refused(whole, tmp_path, ca
 
 def test_another_version_is_refused(whole, monkeypatch):
     plan = make_plan(read_scene(None, SETTINGS))
-    monkeypatch.setattr("fem.kernels.kernel_folder.version", lambda: "other")
+    monkeypatch.setattr("fem.kernels.jit.version", lambda: "other")
     with pytest.raises(UsageError, match=r"another version of the program.* \(kernels was '[\w-]+', now 'other'\)"):
         load_checkpoint(whole, plan)
 

@@ -13,7 +13,7 @@ import fem
 import lagrange
 import meshes
 import residual
-from fem.cli import new_app, run_app_main, run_main
+from fem.commands.run_fem import new_app, run_app_main, run_main
 from fem.errors import RunFailed
 from lagrange.version import VERSION
 from residual.cli import main as check_main
@@ -72,7 +72,7 @@ def test_every_error_of_the_program_and_what_derives_from_it_ends_in_a_sentence(
 
 
 def test_the_programs_errors_are_found():
-    assert {"fem.errors.UsageError", "fem.statics.contact_balance.NotFound", "lagrange.stored.Damaged"} <= set(OWN)
+    assert {"fem.errors.UsageError", "fem.statics.contact_balance.NotFound", "lagrange.files.hdf5.Damaged"} <= set(OWN)
 
 
 def test_a_reader_that_goes_or_a_full_disk_behind_the_output_is_no_failure_of_a_complete_run(tmp_path):

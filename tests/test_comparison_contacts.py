@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import critical_time_step
-from fem.contacts.reduction import standing
+from fem.contacts.model import standing
 from fem.contacts.springs import FacetedModel, PenaltyModel
-from fem.kernels.facet_kernels import CORNER, chord
+from fem.kernels.patches import CORNER, chord
 from fem.solver.simulate import make_plan, run
 from fem.statics.equilibrium import equilibrium
-from lagrange.scene import Scene, parse_scene, parse_scene_text
-from lagrange.scene_run import STIFF_PENALTY
+from lagrange.scene.run import STIFF_PENALTY
+from lagrange.scene.scene import Scene, parse_scene, parse_scene_text
 from tests.reference.bearings import arrays, copies, operation, paper
 from tests.reference.compiled import press_contacts
 

@@ -7,16 +7,15 @@ import pytest
 
 from fem.contacts import MODELS
 from fem.contacts.model import Model
-from fem.contacts.resolved import ResolvedModel
-from fem.contacts.spread import SpreadModel
+from fem.contacts.resolved import ResolvedModel, SpreadModel
 from fem.contacts.springs import FacetedModel, PenaltyModel
 from fem.contacts.subgrid import SubgridModel
 from fem.kernels.state import INNER, OUTER, ROLLER
 from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan
-from fem.statics import expected_forces
-from lagrange.scene import parse_scene
-from lagrange.scene_run import ContactTable
+from fem.statics import exact_statics as expected_forces
+from lagrange.scene.run import ContactTable
+from lagrange.scene.scene import parse_scene
 from tests.reference.bearings import paper, soft
 
 LOAD = 650.0

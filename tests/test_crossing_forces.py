@@ -7,10 +7,10 @@ from math import gamma, pi
 import numpy as np
 
 from lagrange import contact_laws, kinematics, simulate
-from lagrange.contact_damping import ContactDamping
-from lagrange.faults import Spall
-from lagrange.scene import Scene
+from lagrange.contact.damping import ContactDamping
+from lagrange.scene.scene import Scene
 from lagrange.statics import static_equilibrium
+from lagrange.surface.faults import Spall
 
 PAPER = Scene().ideal_bearing()  # no clearance and rigid rings: half the ring is loaded
 HARRIS = contact_laws("harris", PAPER)

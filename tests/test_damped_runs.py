@@ -10,8 +10,8 @@ from fem.result.checkpoint import load_checkpoint, save_checkpoint
 from fem.result.layout import variables_of
 from fem.result.store import Stored
 from fem.solver import finite_elements, reduced
-from fem.statics.static_error import static_equilibrium
-from lagrange.scene import parse_scene, read_scene
+from fem.statics.equilibrium import static_equilibrium
+from lagrange.scene.scene import parse_scene, read_scene
 
 pytestmark = pytest.mark.slow
 PLANS = {"fem": finite_elements.make_plan, "reduced": reduced.make_plan}

@@ -8,11 +8,11 @@ import pytest
 
 import lagrange.systems
 from lagrange import Bearing, ContactLaws, Operation
-from lagrange.contact_damping import UNDAMPED, ContactDamping, damper_force
+from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force
+from lagrange.contact.laws import PowerLaw
+from lagrange.first_state import Problem
 from lagrange.integrate import NumpyIntegration
-from lagrange.laws import PowerLaw
-from lagrange.problem import Problem
-from lagrange.scene import SceneError, parse_scene_text, read_scene
+from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
 from lagrange.step_size import Steps
 from lagrange.systems import KinematicAngles, Packed
 

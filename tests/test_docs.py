@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from fem.cli import run_app, run_main
-from fem.live_cli import live_app
-from fem.render_cli import render_app, render_main
-from fem.study_cli import study_app
-from lagrange.scene import parse_scene_text
-from lagrange.scene_keys import key_tables
+from fem.commands.render_fem import render_app, render_main
+from fem.commands.run_fem import run_app, run_main
+from fem.commands.run_live import live_app
+from fem.commands.run_study import study_app
+from lagrange.scene.keys import key_tables
+from lagrange.scene.scene import parse_scene_text
 from residual.cli import app as check_app
 from residual.cli import main as check_main
 from tests.documented import blocks

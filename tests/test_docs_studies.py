@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from fem.cli import run_main
-from fem.study.points import checked_points
+from fem.commands.run_fem import run_main
+from fem.commands.run_study import study_main
 from fem.study.sampling import design_of
+from fem.study.solving import checked_points
 from fem.study.study_file import read_study
-from fem.study_cli import study_main
 from tests.documented import blocks
 
 DOCS = Path(__file__).parents[1] / "docs"

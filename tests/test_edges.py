@@ -8,14 +8,12 @@ import pytest
 
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws
-from lagrange.edges import softening
-from lagrange.energy import contact_energy
-from lagrange.faults import Spall
-from lagrange.motion import State, accelerations, contact_state
-from lagrange.pair import contact_pairs
-from lagrange.profile import Turns, profiles
-from lagrange.scene import Scene, read_scene
-from lagrange.softened import Softened
+from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.motion import State, accelerations, contact_energy, contact_state
+from lagrange.scene.scene import Scene, read_scene
+from lagrange.surface.deviation import Turns, profiles
+from lagrange.surface.edges import Softened, softening
+from lagrange.surface.faults import Spall
 from tests.reference.edge_contact import EdgeContact
 
 PAPER = Scene().ideal_bearing()

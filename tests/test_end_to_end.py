@@ -5,7 +5,7 @@ import json
 import h5py
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from residual.cli import main as check_main
 from residual.evaluation import evaluate
 from residual.sources import read_result

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.solver import reduced_state
-from fem.solver.energy_account import EnergyAccount
-from fem.solver.guards import IMBALANCE_LIMIT, n_balanced
+from fem.solver.guards import IMBALANCE_LIMIT, EnergyAccount, n_balanced
 from fem.solver.reduced_state import LIMIT, ReducedState
 from fem.solver.simulate import make_plan
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 
 EXCHANGED = 0.02  # J
 PER_SAMPLE = 0.01  # of it, dissipated

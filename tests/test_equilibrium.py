@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
-from fem.contacts.reduction import Motion, unloaded
+from fem.contacts.model import Motion, unloaded
 from fem.elastic.tangential import spinning_growth
 from fem.kernels.ring_kernels import HALO
 from fem.statics.contact_balance import LOOSE_SPRING

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 import xarray
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.errors import UsageError
 from fem.quantities import Quantity, moving_quantities
 from fem.solver.error_estimate import SAFETY, coarser_scene, estimates
+from fem.statics.equilibrium import static_quantities
 from fem.statics.exact_statics import exact_statics
-from fem.statics.quantities import static_quantities
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from tests.reference.bearings import SHAPES, fair_load, model, operation
 
 

@@ -7,11 +7,11 @@ from typing import get_args
 
 import pytest
 
-from fem.cli import EXAMPLES, run_main
+from fem.commands.run_fem import EXAMPLES, run_main
 from lagrange.catalogue import bearing_keys, designations, inner_ring_and_shaft
-from lagrange.scene import Scene, SceneError, parse_scene, read_scene
-from lagrange.scene_keys import key_tables
-from lagrange.scene_surfaces import SURFACES
+from lagrange.scene.keys import key_tables
+from lagrange.scene.scene import Scene, SceneError, parse_scene, read_scene
+from lagrange.scene.surfaces import SURFACES
 from tests.pages import DOCS, markdown_table
 
 BEARING_COLUMNS = {

@@ -5,10 +5,10 @@ import xml.etree.ElementTree as xml
 import numpy as np
 import pytest
 
+from fem.commands.render_fem import render_main
 from fem.elastic.stress import von_mises
 from fem.pictures.export import fields
 from fem.pictures.recover import StoredRun
-from fem.render_cli import render_main
 from meshes.export import known_suffixes
 
 SAMPLES = [0, 200, 400]

@@ -15,14 +15,13 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.result.checkpoint import checkpoint_path
 from fem.result.layout import MARK, PER_TIME, VARIABLES, create
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan
-from lagrange.hdf5_writing import HeldBack
-from lagrange.scene import read_scene
-from lagrange.stored import read_numbers
+from lagrange.files.hdf5 import HeldBack, read_numbers
+from lagrange.scene.scene import read_scene
 from tests.reference.recorded_disk import RecordedDisk
 from tests.reference.run_files import EARLIER, OPTIONS, SHORT, names_in, same_data
 from tests.stability import forked
@@ -229,7 +228,7 @@ def test_a_run_whose_disk_fails_half_way_can_be_resumed(tmp_path):
     path, other = tmp_path / "run.nc", tmp_path / "other.nc"
     arguments = [*OPTIONS, "--duration", "15", "--output"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "fem.cli", *arguments, str(path)],
+        [sys.executable, "-m", "fem.commands.run_fem", *arguments, str(path)],
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stderr=subprocess.PIPE,
         text=True,
@@ -256,7 +255,7 @@ def test_on_a_disk_of_one_megabyte_a_run_that_fits_is_complete_and_one_that_does
     """1.02 MB of result leave no room for a checkpoint of 84 kB and for a second file to finish in."""
     disk, log = tmp_path / "disk", tmp_path / "log"
     disk.mkdir()
-    run = f'"{sys.executable}" -m fem.cli {" ".join(OPTIONS)} --output "{disk}/run.nc"'
+    run = f'"{sys.executable}" -m fem.commands.run_fem {" ".join(OPTIONS)} --output "{disk}/run.nc"'
     script = f"""
         mount -t tmpfs -o size=1m none "{disk}"
         {run} --duration 8.8; echo "exit $?"; cp "{disk}/run.nc" "{tmp_path}"; ls -A "{disk}"

@@ -7,19 +7,18 @@ from math import radians
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.solver.simulate import make_plan, run
-from lagrange.closing import sinkage
-from lagrange.faults import Spall
-from lagrange.scene import Scene, read_scene
+from lagrange.scene.scene import Scene, read_scene
+from lagrange.surface.faults import Spall
+from lagrange.surface.rolling_envelope import sinkage
 from residual.cli import main
 from residual.errors import InputError
 from residual.fault_finding import find_faults
-from residual.fault_tables import search_sentences, told_angle, unseen
 from residual.record import Record
-from residual.roller_motion import Place, RollerMotion, roller_motion
+from residual.roller_motion import Contact, Place, RollerMotion, ThreeSamples, edge_sinkage, roller_motion
 from residual.sinkage_maps import SinkageMap
-from residual.three_samples import Contact, ThreeSamples, edge_sinkage
+from residual.vibration_tables import search_sentences, told_angle, unseen
 
 RINGS = {"bore": (28e-3, -1.0), "outside": (18e-3, 1.0)}
 OUTER = Place(body="outer_ring", roller=None, radius=28e-3)
@@ -44,7 +43,7 @@ def recorded(*settings, noise=0.0, milliseconds=50):
 @pytest.mark.parametrize("meeting", RINGS)
 @pytest.mark.parametrize("width", [0.3e-3, 1e-3, 3e-3])
 def test_a_roller_sinks_over_an_edge_as_the_closed_profile_says(meeting, width):
-    """`lagrange.closing` takes the circle's closing of the profile point by point; the search has a closed form."""
+    """`lagrange.surface.rolling_envelope` closes the profile point by point; the search has a closed form."""
     own, sign = RINGS[meeting]
     spall = Spall(body="outer_ring", roller=None, angle=0.0, width=width, depth=1e-3, edge_radius=1e-4)
     along = np.linspace(0.0, spall.half_opening(5e-3), 50)

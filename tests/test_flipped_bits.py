@@ -6,12 +6,12 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.errors import UsageError
 from fem.result.checkpoint import checkpoint_path, load_checkpoint
 from fem.result.layout import VARIABLES
 from fem.solver.simulate import make_plan
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from residual.errors import InputError
 from residual.sources import MOTION, OPTIONAL, read_result
 from tests.reference.run_files import OPTIONS, SHORT, same_data

@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.elastic.stress import turned
 from fem.errors import UsageError
 from fem.pictures.recover import StoredRun, read_instant
@@ -15,7 +15,7 @@ from fem.result.fields import GROUP
 from fem.result.store import ResultFile
 from fem.solver.frames import frame_of
 from fem.solver.simulate import make_plan, run
-from lagrange.scene import SceneError, read_scene
+from lagrange.scene.scene import SceneError, read_scene
 from tests.reference.unchecked import unchecked_copy
 
 EVERY = ["--set", "output.fields_every_ms=0.5"]

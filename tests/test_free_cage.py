@@ -7,11 +7,11 @@ import pytest
 
 from fem.solver.lagrangian_steps import CompiledIntegration
 from lagrange import contact_laws
-from lagrange.contact_damping import ContactDamping
+from lagrange.contact.damping import ContactDamping
+from lagrange.first_state import Problem
 from lagrange.integrate import NumpyIntegration
 from lagrange.mounting import HELD, Housing, Mounting, Shaft
-from lagrange.problem import Problem
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 from lagrange.simulate import Simulation
 
 INTERVAL = 1e-5

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from lagrange.stored import refusal_in_child
+from lagrange.files.hdf5 import refusal_in_child
 from tests.fuzz.mutations import MUTATIONS
 from tests.fuzz.sound import seeds
 from tests.fuzz.targets import NAMES, Targets
@@ -117,7 +117,7 @@ def test_a_crash_is_told_where_the_program_around_handles_crashes_itself():
 
 
 def test_a_lower_limit_of_the_user_is_no_reason_to_refuse():
-    code = "from lagrange.stored import refusal_in_child as r; print(r(lambda: None, 'a.nc', 5.0, 2**40))"
+    code = "from lagrange.files.hdf5 import refusal_in_child as r; print(r(lambda: None, 'a.nc', 5.0, 2**40))"
     limit = lambda: resource.setrlimit(resource.RLIMIT_AS, (2**32, 2**32))  # noqa: E731
     done = subprocess.run([sys.executable, "-c", code], preexec_fn=limit, capture_output=True, text=True, cwd=ROOT)
     assert done.stdout.strip() == "None", done.stderr

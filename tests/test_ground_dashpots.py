@@ -5,10 +5,9 @@ import pytest
 from numba import njit
 
 from fem.interface import simulate
-from fem.kernels.ground_dashpots import conclude, give_way, late_mass, mobility, settle
 from fem.kernels.jit import OPTIONS
-from fem.kernels.shaft_kernels import Shaft, pull
-from lagrange.scene import parse_scene
+from fem.kernels.shaft import Shaft, conclude, give_way, late_mass, mobility, pull, settle
+from lagrange.scene.scene import parse_scene
 
 DT, MASS, DAMPING, STIFFNESS = 4e-7, 7.6e-4, 300.0, 1e6
 FIRST, LATER = np.array([40.0, -7.0]), np.array([-9.0, 25.0])  # N

@@ -7,9 +7,9 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.result.fields import FRAME, GROUP, _checksum
-from lagrange.stored import CHECKSUM, checksum
+from lagrange.files.hdf5 import CHECKSUM, checksum
 from tests.stability import forked
 
 OPTIONS = ["--mesh-size", "2", "--quiet", "--set", "output.fields_every_ms=0.1", "--duration"]

@@ -8,18 +8,18 @@ from numba import njit
 from scipy.linalg import expm
 
 from fem.elastic.reciprocal_mass import SECOND
-from fem.kernels.ground_dashpots import late_mass
+from fem.kernels.bodies import add_motion, drift_body, kick_body
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.jit import OPTIONS
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.sample_kernels import DISSIPATED, WORK_GRAVITY
+from fem.kernels.shaft import late_mass
 from fem.kernels.state import Drive
 from fem.solver.simulate import make_plan, run
 from lagrange.mounting import Sensor, from_outer_ring
-from lagrange.scene import SceneError, parse_scene, parse_scene_text
+from lagrange.scene.scene import SceneError, parse_scene, parse_scene_text
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.motion_figures import energy_imbalance
+from residual.figures.motion import energy_imbalance
 from residual.sources import read_result
 from tests.reference.synthetic_run import make_run, run_variables, write_result
 

@@ -9,9 +9,8 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.checking import OF_CHECK, check_quantities
-from fem.cli import run_main
-from fem.interface import Scene, SceneError, UsageError, read_scene, simulate, statics
+from fem.commands.run_fem import run_main
+from fem.interface import OF_CHECK, Scene, SceneError, UsageError, check_quantities, read_scene, simulate, statics
 from fem.quantities import OF_RUN, Quantity
 from fem.result.layout import variables_of
 from fem.solver.discretise import model_of
@@ -132,7 +131,7 @@ def test_samples_become_an_xarray_with_units():
 
 def test_an_xarray_without_its_package_names_the_command_that_installs_it(monkeypatch):
     result = simulate(lagrangian())
-    monkeypatch.setattr("fem.extras.find_spec", lambda name: None)
+    monkeypatch.setattr("fem.commands.start_up.find_spec", lambda name: None)
     with pytest.raises(UsageError, match=r"to_xarray: needs xarray.*python -m pip install xarray"):
         result.to_xarray()
 

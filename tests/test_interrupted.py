@@ -7,10 +7,10 @@ import time
 import h5py
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.result.checkpoint import checkpoint_path
 from fem.solver.simulate import make_plan
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from tests.reference.commands import environment, started_as
 from tests.waiting import GIVE_UP, wait_until
 

@@ -6,8 +6,8 @@ import zipfile
 import numpy as np
 import pytest
 
-from fem.elastic.kept import LARGEST, kept
-from lagrange.sealed import write_sealed
+from fem.elastic.cache import LARGEST, kept
+from lagrange.files.output import write_sealed
 
 
 @pytest.fixture

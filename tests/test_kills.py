@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.result.checkpoint import checkpoint_path
 from fem.result.fields import GROUP, stored_samples
 from fem.result.layout import VARIABLES

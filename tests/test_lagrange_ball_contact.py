@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from lagrange.ball_contact import approach_constant, ball_law, delta_star, ellipticity, raceway_curvature
 from lagrange.bearing import BallBearing, Material
-from lagrange.raceway_laws import contact_laws
-from lagrange.scene import Scene
+from lagrange.contact.laws import approach_constant, ball_law, delta_star, ellipticity, raceway_curvature
+from lagrange.contact.raceway_laws import contact_laws
+from lagrange.scene.scene import Scene
 
 # Harris, Rolling Bearing Analysis (4th ed. 2001), table 6.1: F(ρ), δ*
 HARRIS = [

@@ -9,9 +9,9 @@ from fem.interface import simulate
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws
 from lagrange.cage_motion import CageRows, free_cage
+from lagrange.first_state import Problem
 from lagrange.motion import State
-from lagrange.problem import Problem
-from lagrange.scene import Scene, parse_scene
+from lagrange.scene.scene import Scene, parse_scene
 from lagrange.simulate import Simulation
 from tests.accuracy.cage import caged
 from tests.reference.going_on import assert_same_bits, rest_of_run

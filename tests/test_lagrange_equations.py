@@ -5,10 +5,10 @@ import pytest
 from scipy.optimize import fsolve
 
 from lagrange.bearing import Operation
+from lagrange.contact.laws import harris
 from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.kinematics import kinematics, roller_angles
-from lagrange.laws import harris
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 
 SCENE = parse_scene({"operation": {"gravity_m_s2": 0.0}}, "test")
 BEARING = SCENE.ideal_bearing()

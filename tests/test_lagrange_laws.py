@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lagrange.laws import LAWS, PowerLaw, harris, iso16281, palmgren, roller_law
+from lagrange.contact.laws import LAWS, PowerLaw, harris, iso16281, palmgren, roller_law
 
 LOADS = [100.0, 200.0, 400.0, 628.0, 800.0, 1000.0]  # N, on a roller of 10 mm
 # µm, approach of one contact, evaluated by hand from each published formula

@@ -6,20 +6,23 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from lagrange.contact_damping import ContactDamping
-from lagrange.energy import contact_energy, kinetic_energy, potential_energy, rotation_energy
-from lagrange.laws import PowerLaw
+from lagrange.contact.damping import ContactDamping
+from lagrange.contact.laws import PowerLaw
+from lagrange.contact.raceway_laws import ContactLaws, contact_laws
 from lagrange.motion import (
     State,
     accelerations,
     angular_equations,
+    contact_energy,
     contact_state,
     hub_equations,
+    kinetic_energy,
+    potential_energy,
     printed_radial_equations,
     radial_equations,
+    rotation_energy,
 )
-from lagrange.raceway_laws import ContactLaws, contact_laws
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 from tests.reference.lagrange_equations import derived_equations
 from tests.test_lagrange_ball_contact import DGBB_209
 

@@ -6,9 +6,9 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from lagrange.overlap import overlaps, polar_overlaps, touching_distances
-from lagrange.pair import contact_pairs
-from lagrange.scene import Scene
+from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.equations import overlaps, polar_overlaps, touching_distances
+from lagrange.scene.scene import Scene
 
 PAPER = Scene().ideal_bearing()
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from lagrange import contact_laws
-from lagrange.contact_damping import ContactDamping
+from lagrange.contact.damping import ContactDamping
+from lagrange.first_state import Problem
 from lagrange.integrate import BLOCK
-from lagrange.problem import Problem
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 from lagrange.simulate import Simulation, Verdict, simulate
 
 PAPER = Scene().ideal_bearing()

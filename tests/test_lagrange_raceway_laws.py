@@ -6,8 +6,8 @@ from math import log, pi, sqrt
 import numpy as np
 import pytest
 
-from lagrange.raceway_laws import ROLLER_LAWS, contact_laws
-from lagrange.scene import Scene
+from lagrange.contact.raceway_laws import ROLLER_LAWS, contact_laws
+from lagrange.scene.scene import Scene
 
 PAPER = Scene().ideal_bearing()
 THICK = replace(PAPER, outside_radius=0.038)  # 10 mm behind the outer raceway

@@ -11,16 +11,16 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
-from fem.render_cli import render_main
+from fem.commands.render_fem import render_main
+from fem.commands.run_fem import run_main
 from fem.result.layout import VARIABLES
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws, simulate
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from residual.cli import main as check_main
 from residual.evaluation import evaluate
-from residual.moments import rms
 from residual.sources import read_result
+from residual.spectrum import rms
 
 ROOT = Path(__file__).resolve().parent.parent
 LOAD = 2000.0  # N, the paper's
@@ -219,7 +219,7 @@ def test_free_angles_have_their_own_degrees_of_freedom(tmp_path):
 
 def test_meshes_are_not_loaded_nor_a_compiler_where_no_step_is_taken(tmp_path):
     code = (
-        "import sys; from fem.cli import run_main; "
+        "import sys; from fem.commands.run_fem import run_main; "
         f"assert run_main(['--model', 'lagrange', '--duration', '0', '--output', {str(tmp_path / 'a.nc')!r}]) == 0; "
         "names = 'numba gmsh skfem meshes pyvista fem.contacts.model fem.kernels.time_loop'.split(); "
         "print([m for m in names if m in sys.modules])"

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from fem.solver.simulate import make_plan
-from lagrange.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
-from lagrange.scene_surfaces import SpallTable
+from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
+from lagrange.scene.surfaces import SpallTable
 
 
 def fault(text):

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 
-from lagrange.contact_damping import ContactDamping
+from lagrange.contact.damping import ContactDamping
+from lagrange.contact.raceway_laws import contact_laws
 from lagrange.equations import approaches, contact_resultant, error_forces
 from lagrange.integrate import DRIFTS, KICKS
 from lagrange.motion import State, angular_equations, contact_state
-from lagrange.raceway_laws import contact_laws
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 from lagrange.simulate import simulate
 from lagrange.statics import static_equilibrium
 from lagrange.step_size import STABLE

@@ -6,10 +6,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-from lagrange.laws import PowerLaw
+from lagrange.contact.laws import PowerLaw
+from lagrange.contact.raceway_laws import ContactLaws, contact_laws
 from lagrange.motion import State, contact_state, hub_equations, radial_equations
-from lagrange.raceway_laws import ContactLaws, contact_laws
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 from lagrange.statics import static_equilibrium
 from tests.reference.load_distribution import SJOVALL, stribeck_number
 from tests.test_lagrange_ball_contact import DGBB_209

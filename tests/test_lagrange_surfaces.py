@@ -6,17 +6,15 @@ import numpy as np
 import pytest
 
 from lagrange import contact_laws, simulate, static_equilibrium, step_size
-from lagrange.contact_damping import ContactDamping
-from lagrange.energy import contact_energy
-from lagrange.faults import Spall, UnequalRoller, Waviness
+from lagrange.contact.damping import ContactDamping
+from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics, roller_angles
-from lagrange.motion import State, accelerations, contact_state
-from lagrange.near_faults import near_faults
-from lagrange.problem import Problem
-from lagrange.profile import Turns, profiles
-from lagrange.scene import Scene
+from lagrange.motion import State, accelerations, contact_energy, contact_state
+from lagrange.scene.scene import Scene
 from lagrange.simulate import Simulation
-from lagrange.step_size import KNOTS_PER_UNDAMPED_STEP
+from lagrange.step_size import KNOTS_PER_UNDAMPED_STEP, near_faults
+from lagrange.surface.deviation import Turns, profiles
+from lagrange.surface.faults import Spall, UnequalRoller, Waviness
 
 PAPER = Scene().ideal_bearing()
 RUNNING = Scene().ideal_operation()

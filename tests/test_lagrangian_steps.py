@@ -14,11 +14,11 @@ from fem.kernels.jit import kernel
 from fem.kernels.lane_functions import exponential
 from fem.solver.lagrangian_steps import CompiledIntegration
 from lagrange import contact_laws
-from lagrange.contact_damping import ContactDamping
+from lagrange.contact.damping import ContactDamping
+from lagrange.contact.raceway_laws import BALL_LAWS, ROLLER_LAWS, ContactLaws
+from lagrange.first_state import Problem
 from lagrange.integrate import NumpyIntegration
-from lagrange.problem import Problem
-from lagrange.raceway_laws import BALL_LAWS, ROLLER_LAWS, ContactLaws
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 from lagrange.simulate import Simulation
 from tests.test_lagrange_ball_contact import DGBB_209
 from tests.test_lagrange_surfaces import DOWN, spall, wavy

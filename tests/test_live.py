@@ -6,19 +6,18 @@ from queue import Queue
 import numpy as np
 import pytest
 
+from fem.commands.run_live import live_main
 from fem.errors import UsageError
 from fem.live import player as player_module
 from fem.live import playing as playing_module
 from fem.live.controls import Values, sliders
 from fem.live.messages import Pace, frame_message, read_wish
-from fem.live.page import make_page
-from fem.live.player import Player
+from fem.live.player import MOST_PLACES, Player, Record
 from fem.live.playing import Playing
-from fem.live.record import MOST_PLACES, Record
-from fem.live_cli import live_main
+from fem.live.server import make_page
 from fem.solver.simulate import make_plan
 from fem.solver.solver import Samples
-from lagrange.scene import SceneError, read_scene
+from lagrange.scene.scene import SceneError, read_scene
 from tests.reference.live_server import SECONDS
 
 REDUCED = "model=reduced"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from tests.reference.live_server import command_served
 from tests.waiting import GIVE_UP
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from lagrange import contact_laws, static_equilibrium
-from lagrange.film import Lubricant, film_thickness, films
-from lagrange.pair import Pair
-from lagrange.scene import SceneError, parse_scene_text, read_scene
+from lagrange.contact.raceway_laws import Pair
+from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
+from lagrange.surface.film import Lubricant, film_thickness, films
 
 OIL = Lubricant(viscosity=0.01, pressure_viscosity=2.2e-8, traction_coefficient=0.05)
 PAPER = read_scene(None, ("lubricant.viscosity_Pa_s=0.02",))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.interface import simulate
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 
 pytestmark = pytest.mark.slow  # a time loop of its own
 TABLES = {

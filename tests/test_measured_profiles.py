@@ -4,13 +4,13 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.errors import UsageError
 from fem.live.controls import Values
 from fem.pictures.recover import StoredRun
 from fem.runner import RunOptions, run_scene
-from lagrange.profile import Turns, profiles
-from lagrange.scene import SceneError, parse_scene_text, read_scene
+from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
+from lagrange.surface.deviation import Turns, profiles
 from residual.errors import InputError
 from residual.sources import read_result
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import meshes
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from meshes import Annulus, Disc, bearing_shapes, cache, mesh_of
 from meshes.shapes import make
 from tests.waiting import GIVE_UP
@@ -143,7 +143,7 @@ def test_a_read_only_cache_costs_a_meshing_and_nothing_else(refusal, folder, mes
     def refuse(*_, **__):
         raise refusal
 
-    monkeypatch.setattr("lagrange.sealed.write_whole", refuse)
+    monkeypatch.setattr("lagrange.files.output.write_whole", refuse)
     assert_same(mesh_of(DISC), make(DISC))
     assert_same(mesh_of(DISC), make(DISC))
     assert meshed == [DISC, DISC]
@@ -199,7 +199,7 @@ def run_without_gmsh(code, tmp_path):
 def test_the_built_in_scene_needs_no_gmsh(tmp_path):
     code = """
 import sys
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from meshes import bearing_shapes, mesh_of
 for size in (1e-3, 2e-3):
     shapes = bearing_shapes(read_scene().ideal_bearing(), size)

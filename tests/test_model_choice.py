@@ -2,10 +2,10 @@
 
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.solver.model_choice import Choice, model_choices, suggestion
 from fem.solver.simulate import make_plan
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 
 
 def choices_of(*settings: str) -> dict[str, Choice]:

@@ -5,11 +5,11 @@ import pytest
 from numpy.polynomial.legendre import leggauss
 
 from fem.elastic.continuum import annulus_modes, kolosov, ring_harmonic_compliance
-from fem.elastic.moving_load import FASTEST, moving_softening
+from fem.elastic.tangential import FASTEST, moving_softening
 from fem.errors import UsageError
 from fem.interface import simulate
 from lagrange import Material
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 
 SOFT = Material(youngs_modulus=50e9, poisson_ratio=0.3, density=10_600.0)
 SHEAR_WAVE = (SOFT.lame_mu / SOFT.density) ** 0.5

@@ -12,11 +12,11 @@ from fem.solver.reduced import make_plan
 from fem.solver.reduced_start import equilibrium_start
 from fem.statics.reduced_bearing import reduced_bearing
 from lagrange import contact_laws, simulate
-from lagrange.contact_damping import ContactDamping
+from lagrange.contact.damping import ContactDamping
+from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.mounting import OF_HOUSING, Housing, Mounting, Sensor, Shaft
-from lagrange.problem import Problem
-from lagrange.scene import Scene, SceneError, parse_scene, read_scene
+from lagrange.scene.scene import Scene, SceneError, parse_scene, read_scene
 from lagrange.simulate import Simulation
 from residual.evaluation import evaluate
 from residual.record import relative

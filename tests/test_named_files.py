@@ -5,8 +5,8 @@ import signal
 
 import pytest
 
-from fem.cli import run_main
-from fem.study_cli import study_main
+from fem.commands.run_fem import run_main
+from fem.commands.run_study import study_main
 
 QUOTE = '"' + ("x" * 900 + "\n") * 300  # a quotation mark that does not close, longer than csv takes
 NESTED = "[" * 5000

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.cli import run_main
-from fem.contacts.spread import SpreadModel
+from fem.commands.run_fem import run_main
+from fem.contacts.resolved import SpreadModel
 from fem.elastic.stress import max_shear
-from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING, OUTER_RING
-from fem.pictures.peaks import shear_peak
+from fem.pictures.bodies import drawn_bearing
+from fem.pictures.closeup import shear_peak
 from fem.pictures.recover import read_instant
-from fem.pictures.render_bodies import drawn_bearing
+from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING, OUTER_RING
 from tests.reference.half_plane import mcewen
 from tests.reference.resolved_roller import resolved_disc
 

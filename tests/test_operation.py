@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from lagrange import contact_laws, simulate, static_equilibrium
-from lagrange.contact_damping import ContactDamping
-from lagrange.course import smooth
+from lagrange.contact.damping import ContactDamping
 from lagrange.kinematics import kinematics, turned
-from lagrange.scene import Scene, SceneError, parse_scene_text, read_scene
-from lagrange.scene_operation import RPM
+from lagrange.load_history import smooth
+from lagrange.scene.operation import RPM
+from lagrange.scene.scene import Scene, SceneError, parse_scene_text, read_scene
 from residual.evaluation import evaluate
 from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with
 from tests.reference.unloaded_stiffness import stiffness_without_load

@@ -7,16 +7,16 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.runner import RunOptions, run_scene
 from fem.solver.lagrangian_steps import CompiledIntegration
 from fem.solver.simulate import make_plan
 from fem.statics.contact_balance import Loads, balance, first_guess
 from fem.statics.exact_statics import exact_contacts
 from lagrange import contact_laws
+from lagrange.first_state import Problem
 from lagrange.kinematics import roller_angles
-from lagrange.problem import Problem
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from lagrange.simulate import Simulation
 from residual.evaluation import evaluate
 from residual.sources import read_result

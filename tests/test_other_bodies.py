@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numba import njit
 
+from fem.kernels.bodies import add_motion, drift_body, kick_body
 from fem.kernels.contact_kernels import press
 from fem.kernels.jit import OPTIONS
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.sample_kernels import BLOCKS, CONTACT, KINETIC, N_SCALARS, add_energy
 from fem.kernels.time_loop import DONE, advance
 from tests.reference.bearings import arrays, model, operation, paper

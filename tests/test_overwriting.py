@@ -6,10 +6,10 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import result_name, run_main
+from fem.commands.render_fem import render_main
+from fem.commands.run_fem import result_name, run_main
 from fem.pictures.target import refuse_foreign
-from fem.render_cli import render_main
-from lagrange.output_files import new_part, remove_left, replaced
+from lagrange.files.output import new_part, remove_left, replaced
 from residual.cli import main as check_main
 from tests.waiting import no_endless_wait
 

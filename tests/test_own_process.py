@@ -7,7 +7,7 @@ import sys
 import pytest
 
 from fem.errors import UsageError
-from fem.pictures.own_process import run_apart
+from fem.pictures.drawing_process import run_apart
 
 
 def _ends_with_three():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from tests.paper import supports
 from tests.paper.page import harris_force, rattle, sinking_frequency, span, text
 from tests.paper.variants import SUPPORTED, VARIANTS, strongest

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.contacts.patch import patch
 from fem.elastic.continuum import annulus_modes, cubic_bspline_patch, kolosov
-from fem.elastic.supported import FEWEST, supported_ring
+from fem.elastic.outer_support import FEWEST, supported_ring
 from fem.errors import UsageError
 from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan, run
 from lagrange.mounting import Points
-from lagrange.scene import SceneError, parse_scene, parse_scene_text
+from lagrange.scene.scene import SceneError, parse_scene, parse_scene_text
 from tests.reference.bearings import LENGTH, STEEL, ring
 from tests.reference.free_vibration import ring_frequency
 

@@ -8,8 +8,7 @@ import pytest
 
 from residual.cli import main
 from residual.evaluation import evaluate
-from residual.headline import headline
-from residual.meaning import meaning
+from residual.interpretation import headline, meaning
 from residual.table_source import read_table
 from tests.reference.synthetic_run import harris_force, make_run, write_table
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lagrange.closing import deepest
-from lagrange.faults import Spall, UnequalRoller, Waviness
-from lagrange.profile import Turns, profiles
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
+from lagrange.surface.deviation import Turns, profiles
+from lagrange.surface.faults import Spall, UnequalRoller, Waviness
+from lagrange.surface.rolling_envelope import deepest
 
 PAPER = Scene().ideal_bearing()
 MIDDLE = 0.3  # rad

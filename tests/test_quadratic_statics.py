@@ -9,7 +9,7 @@ import pytest
 from fem.elastic.quadratic import contact_nodes, disc_spot_compliance, ring_spot_compliance
 from fem.statics.contact_balance import NotFound
 from fem.statics.quadratic_statics import quadratic_statics
-from lagrange.faults import UnequalRoller
+from lagrange.surface.faults import UnequalRoller
 from meshes import RefinedDisc, RefinedSector, Spot, quality, refined_mesh
 from tests.reference.bearings import LENGTH, LOAD, STEEL, paper
 from tests.reference.line_contact import half_width, squeezed_disc_approach

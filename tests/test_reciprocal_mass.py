@@ -5,7 +5,7 @@ import pytest
 
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
 from fem.solver.simulate import make_plan, run
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 
 FAST = {
     "material": {"youngs_modulus_GPa": 70.0},

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fem.cli import run_main
-from lagrange.scene import Scene
+from fem.commands.run_fem import run_main
+from lagrange.scene.scene import Scene
 from residual.cli import main
 from residual.evaluation import evaluate
-from residual.headline import headline
-from residual.quarters import quarters
+from residual.interpretation import headline
 from residual.record import Record
 from residual.sources import read_result
+from residual.stationarity import quarters
 from residual.tables import floor_newtons
 from tests.reference.synthetic_run import make_run, write_result
 

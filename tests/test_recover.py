@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.contacts.patch import patch
 from fem.errors import UsageError
 from fem.kernels.law import ripple_at
@@ -14,7 +14,7 @@ from fem.pictures.recover import StoredRun, read_instant
 from fem.solver.frames import rotated
 from fem.solver.start import rolling_motion
 from fem.statics.equilibrium import equilibrium
-from lagrange.scene import SceneError
+from lagrange.scene.scene import SceneError
 from tests.reference.unchecked import unchecked_copy
 
 

@@ -9,14 +9,13 @@ import pytest
 
 from fem.elastic.continuum import disc_harmonic_compliance, ring_harmonic_compliance
 from fem.elastic.vibration import ring_vibrations, shift_vibrations
-from fem.solver.hub_vibration import add_samples, frequency_error, no_sums, vibration_caution
-from fem.solver.law_errors import BY_PRESSURE, law_caution
 from fem.solver.reduced_state import MOST_HALVINGS
 from fem.solver.simulate import make_plan
+from fem.solver.validity import BY_PRESSURE, add_samples, frequency_error, law_caution, no_sums, vibration_caution
 from fem.statics.exact_statics import exact_contacts, law_error
 from lagrange import Material
 from lagrange.kinematics import roller_angles
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 from tests.reference.collocated_contact import approach
 from tests.stability.random_scenes import random_scene
 from tests.test_reduced_steps import RATTLES, in_longer_steps, ran

@@ -9,7 +9,7 @@ from fem.elastic.vibration import disc_inertia
 from fem.kernels.reduced_radiation import given
 from fem.kernels.reduced_state import INNER
 from fem.statics.vibrating_bearing import bearing_modes, unseen_waves
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from tests.reference.bearings import LENGTH, STEEL, paper
 from tests.reference.disc_impact import thrown_at_flat
 from tests.test_reduced import CLEARANCE, plan_of

@@ -7,7 +7,7 @@ import pytest
 
 from fem.solver import row_state
 from fem.solver.simulate import make_plan, run
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 from tests.test_reduced import CLEARANCE, plan_of, samples_of
 
 RATTLES = {

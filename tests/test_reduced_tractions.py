@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.statics.exact_statics import crossings_at
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 from tests.reference.bearings import LENGTH, ring
 from tests.test_reduced import plan_of, samples_of
 from tests.test_reduced_tilt import couplings

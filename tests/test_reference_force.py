@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from lagrange import contact_laws, static_equilibrium
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 from residual.cli import main
 from residual.evaluation import evaluate
 from residual.roller_motion import roller_motion, stiffness

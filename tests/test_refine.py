@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.pictures.refine import refined
+from fem.pictures.bodies import refined
 from meshes import Disc, mesh_of
 
 

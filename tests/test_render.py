@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.errors import UsageError
-from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING
+from fem.pictures.bodies import ARCS, drawn_bearing
+from fem.pictures.drawing_process import PROBE, check_rendering
+from fem.pictures.look import LARGEST_SHARE, Request, chosen_look, chosen_magnification
 from fem.pictures.recover import StoredRun
-from fem.pictures.render_bodies import ARCS, drawn_bearing
-from fem.pictures.render_look import LARGEST_SHARE, Request, chosen_look, chosen_magnification
-from fem.pictures.render_scale import fringe_scale, linear_scale, logarithmic_scale, quantity
-from fem.pictures.rendering_probe import PROBE, check_rendering
+from fem.pictures.scale import fringe_scale, linear_scale, logarithmic_scale, quantity
+from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING
 
 PAPER_RADIUS = 32.5e-3  # m, outside
 WIDTH = 640
@@ -111,7 +111,7 @@ def test_refined_outlines_and_nodes_lie_on_the_circles(drawn):
 
 
 def test_forces_on_the_rollers_carry_the_load(can_draw, instant):
-    from fem.pictures.render_bearing import contact_forces
+    from fem.pictures.bearing import contact_forces
 
     (inner_at, inner), (outer_at, outer), *_ = contact_forces(instant)
     operation = instant.operation
@@ -123,7 +123,7 @@ def test_forces_on_the_rollers_carry_the_load(can_draw, instant):
 
 
 def test_an_arrow_ends_at_its_tip_and_its_border_surrounds_it(can_draw):
-    from fem.pictures.render_shapes import arrow
+    from fem.pictures.canvas import arrow
 
     plain, border = (
         arrow((1.0, 2.0), (1.0, 2.5), 0.02, 0.0),
@@ -282,7 +282,7 @@ def test_photoelastic_pictures_are_grey_inside_the_bodies(can_draw, run):
 def test_the_probe_refuses_a_blank_picture(can_draw, monkeypatch):
     blank = PROBE.replace("renderer.AddActor(actor)", "")
     assert blank != PROBE
-    monkeypatch.setattr("fem.pictures.rendering_probe.PROBE", blank)
+    monkeypatch.setattr("fem.pictures.drawing_process.PROBE", blank)
     with pytest.raises(UsageError, match="the picture is blank"):
         check_rendering()
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from fem.commands.render_fem import render_fem, render_main
 from fem.errors import UsageError
-from fem.pictures.render_canvas import Panel
-from fem.pictures.rendering_probe import trouble
-from fem.render_cli import render_fem, render_main
+from fem.pictures.canvas import Panel
+from fem.pictures.drawing_process import trouble
 
 
 def test_the_command_writes_a_png_of_the_width_asked_for(can_draw, coarse_run, tmp_path, capsys):
@@ -88,8 +88,8 @@ def test_the_command_on_a_machine_that_cannot_draw_exits_2(monkeypatch, capsys):
     def crash(command):
         raise UsageError(trouble("the renderer crashed"))
 
-    monkeypatch.setattr("fem.pictures.own_process.run_apart", crash)
-    monkeypatch.setattr("fem.render_cli.hear_termination", lambda: None)
+    monkeypatch.setattr("fem.pictures.drawing_process.run_apart", crash)
+    monkeypatch.setattr("fem.commands.render_fem.hear_termination", lambda: None)
     monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
     with pytest.raises(SystemExit) as ended:
         render_fem()

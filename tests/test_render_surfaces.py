@@ -5,11 +5,11 @@ from math import asin
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
+from fem.pictures.bodies import drawn_bearing
+from fem.pictures.look import Request
 from fem.pictures.recover import StoredRun
-from fem.pictures.render_bodies import drawn_bearing
-from fem.pictures.render_look import Request
-from fem.pictures.render_surfaces import chart_factor, charts, holes, unequal_rollers
+from fem.pictures.surfaces import chart_factor, charts, holes, unequal_rollers
 
 ORANGE = (0xFF, 0x99, 0x00)
 SETTINGS = (

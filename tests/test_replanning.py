@@ -9,8 +9,9 @@ from fem.contacts.critical_step import critical_time_step, next_rung
 from fem.solver import discretise
 from fem.solver.simulate import make_plan
 from fem.statics import reduced_bearing
-from lagrange import edges, profile
-from lagrange.scene import Scene, read_scene
+from lagrange.scene.scene import Scene, read_scene
+from lagrange.surface import deviation as profile
+from lagrange.surface import edges
 
 SPALLED = {"spall.0.body": "roller", "spall.0.roller": 2, "spall.0.width_mm": 1.3, "spall.0.angle_deg": 12.0}
 BEFORE = (

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.io import loadmat, wavfile
 
-from residual.against import difference_rows
 from residual.cli import main
-from residual.drawing import method_told
 from residual.evaluation import evaluate
+from residual.figures.drawing import method_told
+from residual.run_comparison import difference_rows
 from residual.sources import read_result
 from tests.reference.synthetic_run import make_run, write_result
 

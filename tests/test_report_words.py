@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from residual.evaluation import evaluate
-from residual.headline import headline
+from residual.interpretation import headline
 from residual.lines import HUB, named_peaks
 from residual.record import Record
 from residual.sources import read_result

@@ -4,12 +4,12 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cage_answers import SeenCage
-from lagrange.scene import parse_scene
+from fem.answers import SeenCage
+from lagrange.scene.scene import parse_scene
 from residual.cage import COLUMNS
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.parts import Parts
+from residual.exports import Parts
 from residual.record import Record
 from residual.sources import read_result
 from residual.summary import summarise

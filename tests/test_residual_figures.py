@@ -2,14 +2,14 @@
 
 import pytest
 
-from lagrange.scene import parse_scene
-from residual.colours import TERM_COLOURS
+from lagrange.scene.scene import parse_scene
 from residual.evaluation import evaluate
-from residual.paper_figures import point_contact
-from residual.parts import Parts
+from residual.exports import Parts
+from residual.figures.comparison import point_contact
+from residual.figures.spectra import short_time_figure
+from residual.figures.style import TERM_COLOURS
 from residual.report import render_report
 from residual.sources import read_result
-from residual.spectrum_figures import short_time_figure
 from tests.reference.synthetic_run import make_run, write_result
 
 # the 209 bearing of Harris' examples

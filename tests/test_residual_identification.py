@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
-from lagrange.contact_damping import ContactDamping
-from lagrange.laws import PowerLaw, roller_law
+from lagrange.contact.damping import ContactDamping
+from lagrange.contact.laws import PowerLaw, roller_law
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate

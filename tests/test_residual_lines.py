@@ -7,16 +7,15 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from lagrange.kinematics import kinematics
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 from residual.cli import main
-from residual.envelope import envelope
 from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.lines import HUB, high_lines, line_levels, named_peaks, sidebands, watched_level
 from residual.sources import read_result
-from residual.spectrum import find_peaks, kinematic_lines, power_spectrum
+from residual.spectrum import envelope, find_peaks, kinematic_lines, power_spectrum
 from tests.reference.synthetic_run import harris_force, make_run, run_variables, write_result
 
 STEP = 1e-5

@@ -12,13 +12,11 @@ import pytest
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 from residual.evaluation import evaluate
-from residual.headline import headline
-from residual.interactive import MOST_POINTS, spectra_json
-from residual.meaning import meaning
-from residual.parts import Parts
-from residual.picture import picture_of
+from residual.exports import Parts
+from residual.interpretation import headline, meaning
+from residual.page_data import MOST_POINTS, picture_of, spectra_json
 from residual.quasistatic import quasi_static
 from residual.report import render_report
 from residual.sources import read_result
@@ -147,7 +145,7 @@ def test_only_a_picture_of_this_very_run_is_shown(tmp_path):
 
 
 def test_render_fem_s_picture_is_shown(can_draw, coarse_run, tmp_path):
-    from fem.render_cli import render_main
+    from fem.commands.render_fem import render_main
 
     run = Path(shutil.copy(coarse_run, tmp_path / "run.nc"))
     assert render_main([str(run), "--width", "300", "--time", "2"]) == 0

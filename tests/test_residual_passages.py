@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from fem.runner import RunOptions, run_scene
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from residual.evaluation import evaluate
-from residual.passage_figures import passage_figures
+from residual.figures.passages import passage_figures
 from residual.sources import read_result
 
 SETTINGS = ("model=lagrange", "numerics.duration_ms=0.45", "numerics.output_interval_us=2", "spall.0.width_mm=0.5")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from residual.short_time import MOST_COLUMNS, short_time_spectrum
+from residual.spectrum import MOST_COLUMNS, short_time_spectrum
 
 STEP, PASSING = 1e-5, 381.5  # s, Hz
 

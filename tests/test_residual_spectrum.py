@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lagrange.kinematics import kinematics
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 from residual.spectrum import find_peaks, kinematic_lines, power_spectrum
 
 STEP = 1e-5

@@ -7,8 +7,8 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
-from lagrange.scene import parse_scene_text
+from fem.commands.run_fem import run_main
+from lagrange.scene.scene import parse_scene_text
 from residual.evaluation import evaluate
 from residual.sources import read_result
 

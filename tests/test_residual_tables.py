@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fem.cli import run_main
-from lagrange.scene import SceneError, parse_scene_text, read_scene
+from fem.commands.run_fem import run_main
+from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.resampling import even_clock
+from residual.orders import even_clock
 from residual.table_source import read_table
 from tests.reference.synthetic_run import exact_errors, make_run, write_result, write_table
 

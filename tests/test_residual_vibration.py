@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from scipy.signal.windows import hann
 
-from fem.checking import check_quantities
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
+from fem.interface import check_quantities
 from lagrange.kinematics import kinematics
-from lagrange.scene import Scene, parse_scene
+from lagrange.scene.scene import Scene, parse_scene
 from residual.cli import main
 from residual.evaluation import evaluate
+from residual.figures.vibration import vibration_figures
 from residual.sources import read_result
 from residual.spectrum import find_peaks, kinematic_lines
 from residual.vibration import fault_lines, vibration
-from residual.vibration_figures import vibration_figures
 from residual.vibration_tables import vibration_sentences
 from tests.reference.synthetic_run import make_run, run_variables, write_result
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from fem.contacts.critical_step import critical_time_step
-from fem.contacts.reduction import standing
+from fem.contacts.model import standing
 from fem.kernels.sample_kernels import BLOCKS, HUB_AX, HUB_AY, N_SCALARS
 from fem.kernels.time_loop import advance
 from fem.solver.limits import check_meshes
 from fem.solver.simulate import make_plan, run
 from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_statics
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 from meshes import GradedAnnulus, GradedDisc, quality
 from meshes.graded import graded_disc
 from meshes.shapes import make

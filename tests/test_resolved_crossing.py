@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fem.statics.exact_statics import exact_contacts
-from lagrange.pair import contact_pairs
-from lagrange.scene import Scene
+from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.scene.scene import Scene
 from tests.reference.disc_impact import thrown_at_flat
 from tests.reference.modal_bodies import Body
 from tests.reference.resolved_bodies import DOWN, FINE, Surface, roller_body, surface

@@ -8,16 +8,16 @@ import pytest
 from scipy.linalg import block_diag, eigh
 from scipy.optimize import brentq
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.contacts.critical_step import critical_time_step
+from fem.contacts.model import standing
 from fem.contacts.patch import ring_patch_force
-from fem.contacts.reduction import standing
 from fem.kernels.sample_kernels import HUB_Y
 from fem.solver.simulate import make_plan
 from fem.statics.equilibrium import equilibrium
 from fem.statics.exact_statics import exact_statics
 from lagrange import contact_laws, kinematics
-from lagrange.scene import SceneError, parse_scene, parse_scene_text
+from lagrange.scene.scene import SceneError, parse_scene, parse_scene_text
 from tests.reference.bearings import LENGTH, STEEL, arrays, block, model, operation, paper, run
 from tests.reference.line_contact import half_width, squeezed_disc_approach
 from tests.stability.random_scenes import random_scene

@@ -4,12 +4,12 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.interface import simulate
 from fem.solver.simulate import make_plan, run
-from fem.solver.wide_contacts import run_cautions
-from lagrange.pair import contact_pairs
-from lagrange.scene import parse_scene, read_scene
+from fem.solver.validity import run_cautions
+from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.scene.scene import parse_scene, read_scene
 from tests.reference.commands import command
 
 SOFT = """

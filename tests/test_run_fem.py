@@ -6,12 +6,12 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.errors import RunFailed
 from fem.result.layout import VARIABLES
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan, run
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 
 COARSE = ("numerics.mesh_size_mm=2", "numerics.duration_ms=1")
 

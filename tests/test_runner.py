@@ -15,12 +15,12 @@ import h5py
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.result import checkpoint
 from fem.result.checkpoint import checkpoint_path
 from fem.result.store import ResultFile
 from fem.solver.simulate import SOLVERS
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 from tests.waiting import GIVE_UP, wait_until
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -128,7 +128,7 @@ def test_a_complete_run_can_be_extended(case, tmp_path):
 
 @each_model
 def test_a_run_shows_its_progress_and_its_end(case, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("fem.progress.PLAIN_SECONDS", 0.0)
+    monkeypatch.setattr("fem.commands.progress.PLAIN_SECONDS", 0.0)
     path = tmp_path / "run.nc"
     assert run(case, path) == 0
     out, error = capsys.readouterr()
@@ -311,7 +311,7 @@ def test_every_model_that_a_scene_may_name_has_a_solver():
 
 def test_the_command_names_its_models_without_loading_any():
     code = (
-        "import sys; from fem.cli import run_main; run_main(['--help']); "
+        "import sys; from fem.commands.run_fem import run_main; run_main(['--help']); "
         "print([name for name in ('numpy', 'numba', 'skfem', 'pydantic', 'h5py') if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(ROOT)},
@@ -322,7 +322,8 @@ def test_the_command_names_its_models_without_loading_any():
 
 def start_run(path, *options, duration="2000"):
     """The command in a process of its own, once it has committed samples."""
-    command = [sys.executable, "-m", "fem.cli", "--mesh-size", "2", "--duration", duration, "--output", str(path)]
+    run_fem = [sys.executable, "-m", "fem.commands.run_fem"]
+    command = [*run_fem, "--mesh-size", "2", "--duration", duration, "--output", str(path)]
     process = subprocess.Popen([*command, *options], stderr=subprocess.PIPE, text=True)
 
     def has_committed() -> bool:

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from lagrange.kinematics import kinematics
-from lagrange.sampling import SAMPLES_OF_ROLLERS, SAMPLES_OF_THE_HUB, hub_frequency, roller_frequency
-from lagrange.scene import Scene, parse_scene_text, read_scene
+from lagrange.scene.scene import Scene, parse_scene_text, read_scene
+from lagrange.step_size import SAMPLES_OF_ROLLERS, SAMPLES_OF_THE_HUB, hub_frequency, roller_frequency
 from residual.evaluation import evaluate
 from residual.sources import read_result
 from residual.tables import floor_newtons

@@ -4,7 +4,7 @@ import pytest
 
 from fem.solver.simulate import SOLVERS
 from lagrange import BallBearing
-from lagrange.scene import Scene, SceneError, parse_scene, parse_scene_text
+from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text
 
 BALLS = {
     "type": "ball", "rollers": 9, "roller_diameter_mm": 12.7, "roller_length_mm": 19.0,

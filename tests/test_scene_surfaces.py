@@ -4,8 +4,8 @@ from math import pi, radians
 
 import pytest
 
-from lagrange.faults import Spall, UnequalRoller, Waviness
-from lagrange.scene import Scene, SceneError, parse_scene_text, read_scene
+from lagrange.scene.scene import Scene, SceneError, parse_scene_text, read_scene
+from lagrange.surface.faults import Spall, UnequalRoller, Waviness
 
 ALL = """
 [[spall]]

@@ -7,22 +7,22 @@ import pytest
 from numba import njit
 
 from fem.interface import simulate as run_scene
+from fem.kernels.bodies import add_motion, drift_body, kick_body
 from fem.kernels.jit import OPTIONS
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.sample_kernels import DISSIPATED
-from fem.kernels.shaft_kernels import Shaft
+from fem.kernels.shaft import Shaft
 from fem.solver.reduced_start import equilibrium_start
 from fem.solver.simulate import make_plan
 from fem.statics.reduced_bearing import reduced_bearing
 from lagrange import contact_laws, simulate, static_equilibrium
-from lagrange.contact_damping import ContactDamping
+from lagrange.contact.damping import ContactDamping
+from lagrange.contact.laws import PowerLaw
+from lagrange.contact.raceway_laws import ContactLaws
+from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
-from lagrange.laws import PowerLaw
 from lagrange.mounting import Mounting
 from lagrange.mounting import Shaft as ShaftFacts
-from lagrange.problem import Problem
-from lagrange.raceway_laws import ContactLaws
-from lagrange.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
+from lagrange.scene.scene import Scene, SceneError, parse_scene, parse_scene_text, read_scene
 from residual.evaluation import evaluate
 from tests.reference.operation_tables import record_of
 from tests.reference.unloaded_stiffness import stiffness_without_load

@@ -11,10 +11,9 @@ from fem.result.checkpoint import checkpoint_path, save_checkpoint
 from fem.result.store import ResultFile
 from fem.runner import RunOptions, run_scene
 from fem.solver.simulate import make_plan
-from lagrange.profile import Turns, profiles
-from lagrange.scene import Scene, read_scene
-from lagrange.spall_events import spall_events
-from lagrange.spall_passages import COLUMNS, Passage, find_passages
+from lagrange.scene.scene import Scene, read_scene
+from lagrange.surface.deviation import Turns, profiles
+from lagrange.surface.passages import COLUMNS, Passage, find_passages, spall_events
 
 HALF = 0.01  # rad
 RUNNING = Scene().ideal_operation()

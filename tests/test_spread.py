@@ -8,19 +8,19 @@ from scipy.linalg import toeplitz
 from scipy.optimize import nnls
 
 from fem.contacts.critical_step import critical_time_step
+from fem.contacts.model import standing
 from fem.contacts.points import points
-from fem.contacts.reduction import standing
-from fem.contacts.spread import SpreadModel
+from fem.contacts.resolved import SpreadModel
 from fem.kernels.jit import kernel
+from fem.kernels.points import spread_forces
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
-from fem.kernels.spread_kernels import spread_forces
 from fem.kernels.time_loop import advance
 from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan, run
 from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange.kinematics import roller_angles
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 from tests.reference.bearings import arrays, copies, loop_arguments, operation, soft
 from tests.reference.compiled import press_contacts
 

@@ -12,7 +12,7 @@ import pytest
 from fem.errors import RunFailed
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
-from lagrange.scene import SceneError, parse_scene, read_scene
+from lagrange.scene.scene import SceneError, parse_scene, read_scene
 from tests.stability import forked
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Outcome, Watch, append_csv, read_csv, try_scene
 from tests.stability.random_scenes import RANGES, random_scene

@@ -16,7 +16,7 @@ def test_a_run_loads_nothing_that_its_scene_does_not_need(model, more, tmp_path)
     """The second run: the first one compiles its loop and keeps what it has computed of its bearing."""
     options = ["--quiet", "--force", "--model", model, "--output", str(tmp_path / "run.nc"), "--duration", "1"]
     program = (
-        "import sys; from fem.cli import run_main\n"
+        "import sys; from fem.commands.run_fem import run_main\n"
         f"code = run_main({options!r})\n"
         f"print(code, *(name for name in {HEAVY + more!r} if name in sys.modules))"
     )

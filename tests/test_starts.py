@@ -9,12 +9,11 @@ from fem.interface import simulate
 from fem.solver.reduced import make_plan as reduced_plan
 from fem.solver.reduced_start import equilibrium_start
 from fem.statics.contact_balance import hub_stiffness
-from lagrange.first_state import followed
+from lagrange.first_state import Problem, followed
 from lagrange.kinematics import kinematics
-from lagrange.problem import Problem
-from lagrange.profile import UNTURNED
-from lagrange.scene import parse_scene
+from lagrange.scene.scene import parse_scene
 from lagrange.statics import static_equilibrium
+from lagrange.surface.deviation import UNTURNED
 from tests.accuracy.starts import CLOSE, Reference, own_forces, problem_of
 
 NU206 = {"designation": "NU206"}

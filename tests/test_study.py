@@ -13,13 +13,13 @@ import pytest
 import xarray
 from scipy import stats
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
+from fem.commands.run_study import study_main
 from fem.study.folder import Folder
-from fem.study.points import checked_points
 from fem.study.sampling import design_of
+from fem.study.solving import checked_points
 from fem.study.study_file import read_study
-from fem.study_cli import study_main
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from tests.waiting import GIVE_UP, wait_until
 
 BASE = """
@@ -128,7 +128,7 @@ def test_a_plain_installation_makes_the_dataset_that_others_open(here, monkeypat
 
 @pytest.mark.parametrize("words", [("--workers", "2"), ("--scheduler", "tcp://127.0.0.1:8786")])
 def test_dask_is_asked_for_before_any_work(here, monkeypatch, capsys, words):
-    monkeypatch.setattr("fem.extras.find_spec", lambda name: None)
+    monkeypatch.setattr("fem.commands.start_up.find_spec", lambda name: None)
     for more in ((), ("--dry-run",)):
         assert study_main(["study.toml", *words, *more]) == 2
         told = capsys.readouterr().err
@@ -328,7 +328,7 @@ def test_a_folder_gives_the_scenes_that_were_studied(here):
     assert again.scene(1).ideal_bearing().radial_clearance == pytest.approx(20e-6)
 
 
-COMMAND = "import sys; sys.path[:0] = {path!r}; from fem.study_cli import run_study; run_study()"
+COMMAND = "import sys; sys.path[:0] = {path!r}; from fem.commands.run_study import run_study; run_study()"
 
 
 def command(*words):

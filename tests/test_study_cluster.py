@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray
 
-from fem.study_cli import study_main
+from fem.commands.run_study import study_main
 from tests.test_study import BASE, GRID, many, same
 from tests.waiting import GIVE_UP, wait_until
 
@@ -108,7 +108,7 @@ def test_a_local_cluster_gives_what_one_process_gives(here):
     Path("study.toml").write_text(GRID, encoding="utf-8")
     program = (
         f"import sys; sys.path[:0] = {[entry for entry in sys.path if entry]!r}\n"
-        "from fem.study_cli import study_main\n"
+        "from fem.commands.run_study import study_main\n"
         "if __name__ == '__main__': sys.exit(study_main(['study.toml', '--quiet', '--workers', '2']))\n"
     )
     Path("run.py").write_text(program, encoding="utf-8")  # its workers are started from it
@@ -134,7 +134,7 @@ LagrangianState.advance = advance
 def test_a_point_that_hangs_in_compiled_code_ends_by_its_limit_and_the_study_goes_on(
     here, started, scheduler, monkeypatch
 ):
-    monkeypatch.setattr("fem.study.stuck.GRACE", 3.0)
+    monkeypatch.setattr("fem.study.cluster.GRACE", 3.0)
     Path("hanging.py").write_text(HANGING, encoding="utf-8")
     worker(started, scheduler, "--preload", str(here / "hanging.py"))
     Path("study.toml").write_text(GRID + "[limits]\nseconds_per_point = 2.0\n", encoding="utf-8")

@@ -8,8 +8,8 @@ import shutil
 import numpy as np
 import pytest
 
-from fem.study_cli import study_main
-from lagrange.sealed import read_sealed, write_sealed
+from fem.commands.run_study import study_main
+from lagrange.files.output import read_sealed, write_sealed
 from tests.reference.small_study import TWO_SPEEDS
 
 STUDY = TWO_SPEEDS + 'signals = ["inner_ay"]\n'

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from fem.study_cli import study_main
+from fem.commands.run_study import study_main
 from tests.reference.small_study import TWO_SPEEDS
 
 GOOD = '[sampling]\nmethod = "grid"' + TWO_SPEEDS

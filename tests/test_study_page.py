@@ -10,9 +10,8 @@ from fem.study.dataset import read_dataset, write_dataset
 from fem.study.effects import sobol_indices, table_of
 from fem.study.folder import Folder
 from fem.study.page import write_page
-from fem.study.points import checked_points
 from fem.study.sampling import design_of
-from fem.study.solving import COMPLETE, FAILED, Solved
+from fem.study.solving import COMPLETE, FAILED, Solved, checked_points
 from fem.study.study_file import read_study
 
 STUDY = """

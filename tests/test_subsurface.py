@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem.pictures.subsurface import AT_DEPTH, LARGEST_SHEAR, SurfaceLoad, hertz_stress, spline_displacement
+from fem.pictures.stress_below import AT_DEPTH, LARGEST_SHEAR, SurfaceLoad, hertz_stress, spline_displacement
 from lagrange import Material
 from tests.reference.half_plane import cubic_bspline, flamant, mcewen
 

@@ -6,17 +6,16 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem.contacts.reduction import standing
+from fem.contacts.model import standing
 from fem.errors import UsageError
 from fem.solver.discretise import model_of
 from fem.solver.simulate import make_plan
 from fem.statics.contact_balance import geometry
-from fem.statics.equilibrium import equilibrium
+from fem.statics.equilibrium import equilibrium, static_error
 from fem.statics.exact_statics import exact_statics
-from fem.statics.static_error import static_error
-from lagrange.faults import Spall, Waviness
-from lagrange.profile import Turns, profiles
-from lagrange.scene import Scene, parse_scene, read_scene
+from lagrange.scene.scene import Scene, parse_scene, read_scene
+from lagrange.surface.deviation import Turns, profiles
+from lagrange.surface.faults import Spall, Waviness
 from tests.stability.random_surfaces import surface_scene
 
 COARSE = ("numerics.mesh_size_mm=2", "numerics.output_interval_us=1")

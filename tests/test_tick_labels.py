@@ -3,7 +3,7 @@
 import matplotlib.pyplot as plt
 import pytest
 
-from residual.tick_labels import make_plain, plain
+from residual.figures.style import make_plain, plain
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ import pytest
 import scipy.signal  # noqa: F401 (as residual.store below)
 
 import residual.store  # noqa: F401 (loaded before the right to do so is given up)
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.result.checkpoint import checkpoint_path
 from residual.cli import main as check_main
 from tests.reference.run_files import EARLIER, SHORT, names_in, same_data
@@ -111,7 +111,7 @@ def test_a_run_whose_checkpoint_has_no_place_is_refused_before_it_replaces_anyth
 @pytest.mark.usefixtures("whole")  # kernels are compiled
 def test_a_closed_standard_error_stops_no_run(tmp_path):
     path = tmp_path / "run.nc"
-    command = f'"{sys.executable}" -m fem.cli --mesh-size 2 --duration 2 --output "{path}" 2>&-'
+    command = f'"{sys.executable}" -m fem.commands.run_fem --mesh-size 2 --duration 2 --output "{path}" 2>&-'
     assert subprocess.run(command, shell=True, env={**os.environ, "PYTHONPATH": str(ROOT)}).returncode == 0
     with h5py.File(path) as file:
         assert file.attrs["status"] == "complete"

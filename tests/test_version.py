@@ -6,7 +6,7 @@ from pathlib import Path
 
 import h5py
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from fem.result.layout import ATTRIBUTES
 from lagrange import version
 

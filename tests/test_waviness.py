@@ -11,12 +11,12 @@ import pytest
 from fem.statics.contact_balance import Loads, balance, first_guess
 from fem.statics.exact_statics import exact_contacts
 from lagrange import static_equilibrium
-from lagrange.faults import UnequalRoller, Waviness
+from lagrange.contact.laws import PowerLaw
+from lagrange.contact.raceway_laws import ContactLaws, contact_laws
 from lagrange.kinematics import kinematics, roller_angles
-from lagrange.laws import PowerLaw
-from lagrange.profile import Turns
-from lagrange.raceway_laws import ContactLaws, contact_laws
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
+from lagrange.surface.deviation import Turns
+from lagrange.surface.faults import UnequalRoller, Waviness
 
 PAPER = Scene().ideal_bearing()
 PRELOADED = replace(PAPER, outer_raceway_radius=PAPER.outer_raceway_radius - 1e-6)

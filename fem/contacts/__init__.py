@@ -18,11 +18,11 @@ carried, smeared, indentation, stress_note   what pictures must know of the node
 coarsest, is_made_for_a_force, is_sized_by_forces, give, failure_hint   limits, and what is said beyond them
 
 A new model is a module with such a class, a line here, and its name in the scene's [contact].
-`points` is what models of pressure points share; `patch` which nodes carry a force; `contact_law`, `reduction` data.
+`points` is what models of pressure points share; `patch` which nodes carry a force; `model`, `reduction` data.
 """
 
 MODELS = {  # a scene's name: modules and classes, imported when a scene takes them
-    "subgrid": (("fem.contacts.spread", "SpreadModel"), ("fem.contacts.subgrid", "SubgridModel")),
+    "subgrid": (("fem.contacts.resolved", "SpreadModel"), ("fem.contacts.subgrid", "SubgridModel")),
     "resolved": (("fem.contacts.resolved", "ResolvedModel"),),
     "penalty": (("fem.contacts.springs", "PenaltyModel"),),
     "faceted": (("fem.contacts.springs", "FacetedModel"),),

@@ -8,13 +8,11 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from fem.contacts.contact_law import LOAD_MARGIN
-from fem.contacts.model import Model
+from fem.contacts.model import LOAD_MARGIN, Model
 from fem.elastic.bodies import DiscBody, RingBody
-from fem.elastic.bored import BoredRing
-from fem.elastic.kept import kept
+from fem.elastic.cache import kept
+from fem.elastic.outer_support import BoredRing, LooseRing
 from fem.elastic.reciprocal_mass import LUMPED, ReciprocalMass
-from fem.elastic.supported import LooseRing
 from lagrange.mounting import HELD, Housing, Mounting
 
 # what of a spring k counts on each of two elastic bodies; on an elastic one that meets a rigid one, and on the latter

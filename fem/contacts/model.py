@@ -1,18 +1,182 @@
-"""A bearing made discrete: three kinds of body and their contacts; what every contact model answers."""
+"""A bearing made discrete: bodies and contacts, what every contact model answers, what statics give and need."""
 
 from dataclasses import dataclass
-from math import inf
+from math import exp, inf
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from scipy import sparse
 
-from fem.contacts.reduction import Motion, Reduced, Unloaded
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
 from fem.elastic.rigid import rigid_body
+from fem.kernels.law import STEEPEST, contact_force
 from fem.kernels.state import Law, Points
 from lagrange import Bearing
+from lagrange.contact.raceway_laws import Pair
+from lagrange.kinematics import roller_angles
+from lagrange.surface.deviation import Turns
 from meshes import BearingShapes, bearing_shapes
+
+LOAD_MARGIN = 10.0  # critical steps take contacts to be as stiff as at this many times the largest static force
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactLaw:
+    """Approach of a pair of bodies: δ = A Q (B − ½ ln Q), a straight line above Q_line."""
+
+    A: float  # m/N
+    B: float
+    Q_line: float  # N; beyond, the mesh is finer than the contact
+    pair: Pair
+
+    @classmethod
+    def of_level(cls, A: float, B: float, pair: Pair) -> "ContactLaw":
+        """The law that goes straight on where its bracket has shrunk to STEEPEST above a half."""
+        return cls(A=A, B=B, Q_line=exp(2.0 * (B - 0.5 - STEEPEST)), pair=pair)
+
+    @property
+    def constants(self) -> Law:
+        """The law as kernels take it."""
+        return Law(self.A, self.B, self.Q_line, self.pair.half_width_factor, 1.0 / self.pair.relative_radius)
+
+    def approach(self, force):
+        """Approach, m, of a force, N, >= 0."""
+        force = np.asarray(force, dtype=float)
+        bracket = self.B - 0.5 * np.log(np.maximum(force, 1e-300))
+        at_line = self.A * self.Q_line * (0.5 + STEEPEST)
+        line = at_line + self.A * STEEPEST * (force - self.Q_line)
+        return np.where(force > self.Q_line, line, self.A * force * bracket)
+
+    def energy(self, force):
+        """Stored energy, J, of a force, N, >= 0: ∫ Q dδ."""
+        force = np.asarray(force, dtype=float)
+        low = np.minimum(force, self.Q_line)
+        bracket = self.B - 0.5 * np.log(np.maximum(low, 1e-300))
+        line = 0.5 * self.A * STEEPEST * (force**2 - low**2)
+        return 0.5 * self.A * low**2 * (bracket - 0.25) + line
+
+    def force(self, approach: float) -> float:
+        """Force, N, of an approach, m."""
+        return contact_force(approach, self.A, self.B, self.Q_line, 0.0)
+
+    def stiffness(self, force: float) -> float:
+        """dQ/dδ, N/m, at a force, N, > 0."""
+        return 1.0 / float(self.softness(force))
+
+    def softness(self, force):
+        """dδ/dQ, m/N, at a force, N, > 0."""
+        return self.A * np.maximum(self.B - 0.5 * np.log(force) - 0.5, STEEPEST)
+
+
+class NoLaw:
+    """The law of a contact whose every compliance is between points of its surfaces."""
+
+    Q_line: ClassVar[float] = inf  # N: no force is too large for it
+
+    @staticmethod
+    def approach(force):
+        """None, m, of any force, N."""
+        return np.zeros_like(force)
+
+    softness = approach
+
+
+# What the statics of a contact model need and give: how the bodies stand, and the bearing reduced to its contacts.
+
+
+GROWN_PASSES = 2  # each leaves ρω²r²/(λ + 2μ) of what growth was off by, some 0.3 % at most
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """Angles and angular speeds of an instant. rad, rad/s; arrays (n_rollers,)."""
+
+    roller_angle: np.ndarray  # of the rollers' centres, from +x
+    roller_turn: np.ndarray  # each roller's own frame
+    ring_turn: float  # the inner ring's frame
+    cage_speed: float
+    roller_speed: float
+    ring_speed: float
+
+    @property
+    def radial(self) -> np.ndarray:
+        """Unit vectors from the outer ring's centre to the rollers, (n_rollers, 2)."""
+        return np.column_stack([np.cos(self.roller_angle), np.sin(self.roller_angle)])
+
+    @property
+    def around(self) -> np.ndarray:
+        """Unit vectors along the rollers' path, counter-clockwise, (n_rollers, 2)."""
+        return np.column_stack([-np.sin(self.roller_angle), np.cos(self.roller_angle)])
+
+    @property
+    def turns(self) -> Turns:
+        """What surfaces that are not perfect are seen by."""
+        return Turns(inner_ring=self.ring_turn, rollers=self.roller_turn)
+
+    def lines_of_centres(self, place: np.ndarray) -> np.ndarray:
+        """Directions of inner, then outer contacts, (2 n_rollers,), rad; `place`: hub, radii, (n_rollers + 2,), m."""
+        to_roller = self.radial * place[2:, None] - place[:2]
+        return np.concatenate([np.arctan2(to_roller[:, 1], to_roller[:, 0]), self.roller_angle])
+
+
+def standing(bearing: Bearing, first_roller_angle: float) -> Motion:
+    """Nothing turns; the first roller's angle from +x, rad."""
+    return Motion(
+        roller_angle=roller_angles(bearing, first_roller_angle),
+        roller_turn=np.zeros(bearing.n_rollers),
+        ring_turn=0.0,
+        cage_speed=0.0,
+        roller_speed=0.0,
+        ring_speed=0.0,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PressurePoints:
+    """Points that carry the forces of all contacts: those of inner ones first, then of outer ones."""
+
+    contact: np.ndarray  # (n_points,), whose point it is
+    closing: np.ndarray  # (n_points,), m, by other loads, less how far the surfaces lie apart when the contact touches
+    compliance: np.ndarray  # (n_points, n_points), m/N
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unloaded:
+    """What the bodies of finite elements do without forces at their contacts."""
+
+    inner_growth: np.ndarray  # (n_rows, 2, n_sectors), m, by centrifugal load and own weight
+    outer_sag: np.ndarray  # (n_rows, 2, n_sectors), m, by own weight and by how it is held
+    roller_growth: np.ndarray  # (2 n_nodes,), m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reduced(PressurePoints):
+    """A bearing of finite elements reduced to such points."""
+
+    free: Unloaded
+
+    def fields(self, forces: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Displacements under the points' forces, N: both rings', polar, and the rollers', (n_rollers, n_nodes, 2)."""
+        raise NotImplementedError
+
+
+def unloaded(model, motion: Motion, gravity: float) -> Unloaded:
+    """The bodies in motion. A roller's weight is a uniform load: it deforms only through contacts."""
+    inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
+    mass, spins = np.repeat(disc.mass, 2), inner.body_load(0.0, 0.0, motion.ring_speed)
+    # what spins carries around what it has grown by
+    ring, roller = np.zeros_like(spins), np.zeros(mass.size)
+    for _ in range(1 + GROWN_PASSES):
+        ring = inner.held(spins + motion.ring_speed**2 * inner.row_mass[:, None, None] * ring)
+        roller = disc.relaxed(motion.roller_speed**2 * mass * (disc.points.ravel() + roller))
+    return Unloaded(
+        inner_growth=ring + inner.held(inner.body_load(gravity, motion.ring_turn)),
+        outer_sag=outer.sag(gravity),
+        roller_growth=roller,
+    )
+
+
+# A bearing made discrete: three kinds of body and their contacts; what every contact model answers.
 
 
 class KernelData(NamedTuple):

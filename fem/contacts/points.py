@@ -12,16 +12,13 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy import sparse
 
-from fem.contacts.contact_law import NoLaw
 from fem.contacts.critical_step import EVENLY
-from fem.contacts.model import KernelData, Model
+from fem.contacts.model import KernelData, Model, Motion, NoLaw, Reduced, Unloaded
 from fem.contacts.patch import Shares, disc_push, hertz_patch, ring_push
-from fem.contacts.reduction import Motion, Reduced, Unloaded
 from fem.elastic.bodies import DiscBody, RingBody
-from fem.kernels.facet_kernels import chord
-from fem.kernels.patches import N_NODES
+from fem.kernels.patches import N_NODES, chord
 from fem.kernels.state import INNER, OUTER, Law, Points, Spread
-from lagrange.pair import Pair
+from lagrange.contact.raceway_laws import Pair
 
 POINTS_PER_NODE = 4  # of resolved contacts
 CLOSED_NODES = 12  # of a contact closed over so many, the middle knows no end

@@ -1,16 +1,22 @@
-"""Contacts that the mesh resolves: pressure points on a layer that keeps the surfaces apart."""
+"""Contacts of pressure points on a layer that keeps the surfaces apart, or each spread over a patch of the mesh."""
 
 from dataclasses import dataclass
-from math import pi
+from math import log, pi
 from typing import ClassVar
 
 import numpy as np
+from scipy.linalg import toeplitz
 
+from fem.contacts import ONE_PATCH
 from fem.contacts.model import Model, assembled_bodies, named
-from fem.contacts.patch import hats
+from fem.contacts.patch import disc_patch_force, hats, patch, patches, ring_patch_force
 from fem.contacts.points import POINTS_PER_NODE, PointLaw, PointModel, surface_spacings
+from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
+from fem.kernels.patches import N_NODES
+from fem.kernels.state import Spread
 from lagrange import Bearing
-from lagrange.pair import contact_pairs
+from lagrange.contact.raceway_laws import contact_pairs, line_compliance
 from meshes import graded_shapes
 
 LAYER = 8.0  # stiffness of the layer times the surface spacing, over E*: see docs/crossover.md for what it costs
@@ -63,3 +69,154 @@ def resolved_laws(bearing: Bearing, spacings: dict[str, float]) -> list[Resolved
         spacing = min(spacings[body], spacings["roller"])
         found.append(ResolvedLaw(pair=pair, layer=LAYER * pair.modulus / spacing, spacing=spacing / POINTS_PER_NODE))
     return found
+
+
+# Contacts on a mesh about as fine as they are wide: pressure points, each spread over a patch of the mesh.
+#
+# Where the mesh is far coarser than a contact, one patch carries it all and Hertz's formula gives what the mesh can't
+# see (`subgrid`). Where it is finer, the pressure is found at points instead. The force q_j of a point is spread over a
+# patch like that one, the overlap at a point is read with the same patch, and what the mesh lacks between two points is
+#
+# G_ij = C − A ⟨ln|s − s'|⟩_ij − F(d_ij),    A = 2 / (π E' L),
+#
+# for each body: the half-plane under cells of even pressure, C so that Hertz's pressure gets the exact approach of that
+# body (as in `subgrid`), less the finite elements' own answer F of one patch at the distance d of the other. G is the
+# term below the grid: it is all of a contact on a coarse mesh, has a range of four surface spacings, and vanishes as
+# the mesh is refined.
+
+
+POINTS_PER_HALF_WIDTH = 10  # at the largest static force
+SPAN = 3  # half-range of the points over that half-width: nine times that force
+PLACES = 6  # on a roller's sextant, and
+PLACES_PER_NODE = 8  # about which its softness is averaged
+# ∬ p p' ln|s − s'| of two unit Hertz pressures of half-width 1, −ln 2 − ¼ (Johnson, Contact Mechanics, 1985, ch. 5)
+HERTZ_LOG_MOMENT = -log(2.0) - 0.25
+MEAN_BELOW_CENTRE = 0.25  # of A: by how much the pressure's mean displacement is less than the centre's, b²/8R
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpreadLaw(PointLaw):
+    """A pair of surfaces with the compliance that the mesh lacks between points."""
+
+    missing_compliance: np.ndarray  # (n_points,), m/N, G by the distance in spacings
+
+    def most(self, largest_force: float) -> int:
+        """See `PointLaw.most`: all there are."""
+        return self.missing_compliance.size // 2
+
+    def places(self, half_count: int) -> np.ndarray:
+        """See `PointLaw.places`: no more than compliances are known for."""
+        return super().places(min(half_count, self.missing_compliance.size // 2))
+
+    def local_compliance(self, n_points: int) -> np.ndarray:
+        """See `PointLaw.local_compliance`: what the mesh lacks."""
+        return toeplitz(self.missing_compliance[:n_points])
+
+    def inverses(self) -> np.ndarray:
+        """Inverses of G for 1, 2, ... neighbouring points, each by rows, one after the other; N/m."""
+        counts = range(1, self.missing_compliance.size + 1)
+        return np.concatenate([np.linalg.inv(self.local_compliance(n)).ravel() for n in counts])
+
+    @staticmethod
+    def spread(laws: tuple, n_points: int, n_rollers: int) -> Spread:
+        """See `PointLaw.spread`."""
+        return Spread(
+            missing=np.stack([law.missing_compliance for law in laws]),
+            inverse=np.stack([law.inverses() for law in laws]),
+            closed=np.zeros((3, n_rollers, 2), dtype=np.int64),
+            share=np.zeros(2 * n_points * N_NODES),
+            slope=np.zeros(2 * N_NODES),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpreadModel(PointModel):
+    """Contacts whose points push patches of nodes, and what the mesh lacks between them."""
+
+    shapes: ClassVar = staticmethod(graded_shapes)
+    shares: ClassVar = staticmethod(patches)
+    nodes_beyond: ClassVar[float] = 3.0 + N_NODES
+    coarsest: ClassVar[float] = ONE_PATCH
+    is_made_for_a_force: ClassVar[bool] = True
+    failure_hint: ClassVar[str] = f"{WIDE}: a coarser numerics.mesh_size_mm has no such limit; or "
+
+    @classmethod
+    def build(cls, bearing: Bearing, mesh_size: float, expected, contact=None) -> Model:
+        """See `Model.build`; the points are made for the expected force."""
+        return cls.of_force(bearing, mesh_size, expected.largest)
+
+    @classmethod
+    def of_force(cls, bearing: Bearing, mesh_size: float, largest_force: float) -> Model:
+        """Mesh and assemble a bearing at a surface spacing, m; the largest static force of a contact in N."""
+        bodies = assembled_bodies(bearing, graded_shapes(bearing, mesh_size))
+        return cls(bearing=bearing, **bodies, **named(spread_laws(bearing, bodies, largest_force)))
+
+    def smeared(self, spacing: float, half_width: float) -> float:
+        """See `Model.smeared`: pressure smeared out by a patch is about a patch with the sum of the variances."""
+        return 0.5 * float(np.hypot(2.0 * spacing, np.sqrt(3.0) * half_width))  # (2h)²/12 and b²/4
+
+
+def spread_laws(bearing: Bearing, bodies: dict[str, DiscBody | RingBody], largest_force: float) -> list[SpreadLaw]:
+    """Laws by kind of contact; the largest static force in N. Points stand as dense as each one's width needs."""
+    found = []
+    for pair, name in zip(contact_pairs(bearing), ("inner_ring", "outer_ring", "roller"), strict=True):
+        spacing = pair.half_width(largest_force) / POINTS_PER_HALF_WIDTH
+        apart = spacing * np.arange(2 * SPAN * POINTS_PER_HALF_WIDTH)
+        missing = sum(_missing_compliance(bodies[body], pair.length, apart) for body in (name, "roller"))
+        found.append(SpreadLaw(pair=pair, spacing=spacing, missing_compliance=missing))
+    return found
+
+
+def _missing_compliance(body: DiscBody | RingBody, thickness: float, apart: np.ndarray) -> np.ndarray:
+    """G of one body at distances `apart`, m/N."""
+    unit = line_compliance(body.material, thickness)
+    if isinstance(body, DiscBody):
+        width = 0.01 * body.shape.radius  # any narrow one
+        exact = disc_hertz_approach(body.shape.radius, body.material, width) / thickness
+        found = _disc_answer(body, apart)
+    else:
+        width = 0.01 * body.raceway_radius
+        held = float(body.radii[body.held_row])
+        exact = ring_hertz_approach(body.raceway_radius, held, body.material, width) / thickness
+        found = _ring_answer(body, apart)
+    constant = exact + unit * (log(width) + HERTZ_LOG_MOMENT - MEAN_BELOW_CENTRE)
+    return constant - unit * _cells_log(apart) - found
+
+
+def _cells_log(apart: np.ndarray) -> np.ndarray:
+    """Mean of ln|s − s'| over two cells as wide as the distances' spacing."""
+    width = apart[1]
+
+    def twice(x):  # second antiderivative of ln|x|
+        size = np.abs(x)
+        return 0.5 * size**2 * np.log(np.where(size > 0.0, size, 1.0)) - 0.75 * size**2
+
+    return (twice(apart + width) - 2.0 * twice(apart) + twice(apart - width)) / width**2
+
+
+def _disc_answer(disc: DiscBody, apart: np.ndarray) -> np.ndarray:
+    """Mean motion of a patch at distances from one of two opposite unit forces, m/N; mean over places."""
+    nodes = disc.shape.surface_nodes
+    first = np.unique(np.arange(PLACES) * (nodes // disc.shape.repeats) // PLACES)
+    angles = 2.0 * pi / nodes * (first[:, None] + np.arange(PLACES_PER_NODE) / PLACES_PER_NODE).ravel()
+    loads = np.stack([disc_patch_force(disc, a) + disc_patch_force(disc, a + pi) for a in angles], axis=-1)
+    motion = disc.relaxed(loads)
+    surface = motion.reshape(disc.n_nodes, 2, -1)[disc.first_surface_node :]
+    found = np.zeros(apart.size)
+    for k, angle in enumerate(angles):
+        for i, there in enumerate(angle + apart / disc.shape.radius):
+            on, weight, _ = patch(nodes, there)
+            found[i] += weight @ (surface[on, 0, k] * np.cos(there) + surface[on, 1, k] * np.sin(there))
+    return found / angles.size
+
+
+def _ring_answer(ring: RingBody, apart: np.ndarray) -> np.ndarray:
+    """Mean motion of a patch at distances from a unit force, m/N; mean over places."""
+    angles = 2.0 * pi / ring.n_sectors * np.arange(PLACES_PER_NODE) / PLACES_PER_NODE
+    motion = ring.held(np.stack([ring_patch_force(ring, a) for a in angles], axis=-1))[ring.raceway_row]
+    found = np.zeros(apart.size)
+    for k, angle in enumerate(angles):
+        for i, there in enumerate(angle + apart / ring.raceway_radius):
+            nodes, weight, offset = patch(ring.n_sectors, there)
+            found[i] += weight @ (motion[0, nodes, k] * np.cos(offset) + motion[1, nodes, k] * np.sin(offset))
+    return found / angles.size

@@ -23,9 +23,8 @@ from typing import ClassVar
 import numpy as np
 from scipy import sparse
 
-from fem.contacts.contact_law import ContactLaw
 from fem.contacts.critical_step import EVENLY, LIGHT
-from fem.contacts.model import KernelData, Model, assembled_bodies, named
+from fem.contacts.model import ContactLaw, KernelData, Model, Motion, Unloaded, assembled_bodies, named
 from fem.contacts.patch import (
     disc_patch_force,
     disc_patch_traction,
@@ -37,16 +36,15 @@ from fem.contacts.patch import (
     ring_push,
 )
 from fem.contacts.points import PointResponses
-from fem.contacts.reduction import Motion, Unloaded
 from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.cache import kept
 from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
-from fem.elastic.kept import kept
 from fem.elastic.tangential import disc_stick_approach, ring_stick_approach
 from fem.kernels.law import KNOTS_PER_NODE, STEEPEST, ripple_at
 from fem.kernels.patches import ONE
 from fem.kernels.state import INNER, OUTER
 from lagrange import Bearing, Material
-from lagrange.pair import Pair, contact_pairs, line_compliance
+from lagrange.contact.raceway_laws import Pair, contact_pairs, line_compliance
 from meshes import bearing_shapes
 
 REFERENCE_HALF_WIDTH = 0.01  # of a roller's radius: calibrated there, the constants hold for any narrow contact

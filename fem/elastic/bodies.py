@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from fem.elastic.kept import kept
+from fem.elastic.cache import kept
 from fem.elastic.stress import stress_operator
 from lagrange import Material
 from meshes import Annulus, Disc, GradedAnnulus, GradedDisc, Mesh, Shape, mesh_of

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from fem.errors import UsageError
-from lagrange.output_files import write_whole
-from lagrange.scene_keys import scene_with_every_key
+from lagrange.files.output import write_whole
+from lagrange.scene.keys import scene_with_every_key
 
 
 def write_example(name: str, path: Path | None, force: bool = False) -> list[Path]:

@@ -4,8 +4,8 @@ What moving as a whole is: of a ring whose held row goes with hub or housing, mo
 reaction; of rollers and of a ring in play, the motion that has the body's momentum and angular momentum.
 """
 
-from fem.kernels.bore_kernels import Bore
-from fem.kernels.course_kernels import speed_of
+from fem.kernels.bore import Bore
+from fem.kernels.drive import speed_of
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_memory import gather, load, store

@@ -12,14 +12,26 @@ Works are exact: a force's is that of the mean of its velocities before and afte
 force ends when the next one begins.
 """
 
-from fem.kernels.cage_guide import end_guide_work, guide_force, guide_squared, meet_guide, rub_guide
-from fem.kernels.cage_pockets import end_pocket_works, meet_rollers, pocket_force, rub_pockets
-from fem.kernels.cage_state import DRAG, N_CAGE_SCALARS, Cage, CagePair
+from fem.kernels.bodies import add_motion, drift_body, kick_body
+from fem.kernels.cage import (
+    DRAG,
+    N_CAGE_SCALARS,
+    Cage,
+    CagePair,
+    end_guide_work,
+    end_pocket_works,
+    guide_force,
+    guide_squared,
+    meet_guide,
+    meet_rollers,
+    pocket_force,
+    rub_guide,
+    rub_pockets,
+)
 from fem.kernels.contact_kernels import press
-from fem.kernels.course_kernels import speed_of
+from fem.kernels.drive import speed_of
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.sample_kernels import CONTACT, DISSIPATED, WORK_GRAVITY
 
 

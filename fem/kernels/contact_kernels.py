@@ -17,9 +17,18 @@ from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_memory import gather, load, scatter_add, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, root, select, splat, total
 from fem.kernels.law import kick_force, next_force
-from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.state import CONTACTS, Neighbours, Raceway
-from fem.kernels.surfaces import gather_seam, keep_motion, kept_motion, push, put_down, read, unseal
+from fem.kernels.surfaces import (
+    gather_seam,
+    keep_motion,
+    kept_motion,
+    lowered_ring,
+    lowered_rollers,
+    push,
+    put_down,
+    read,
+    unseal,
+)
 
 
 @verb

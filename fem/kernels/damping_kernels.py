@@ -17,13 +17,13 @@ is what c would give, the rest makes up for what the law below the grid gives le
 
 import numpy as np
 
+from fem.kernels.bodies import take_all_late
 from fem.kernels.contact_kernels import next_roller, push_nodes
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import larger, smaller
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, total
 from fem.kernels.law import STEEPEST
-from fem.kernels.other_bodies import take_all_late
 from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import CONTACTS, DiscSurface, Hub, Neighbours, Raceway, RigidDisc, RingSurface

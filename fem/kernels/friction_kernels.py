@@ -6,11 +6,11 @@ what T dissipates is exactly what it takes from the bodies. Where a contact has 
 """
 
 from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers, with_dampers
-from fem.kernels.creep import SLIP_FLOOR, creep_traction
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger
 from fem.kernels.lane_memory import gather, load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, real, root, select, splat, total, whole
+from fem.kernels.law import SLIP_FLOOR, creep_traction
 from fem.kernels.shear_kernels import let_go, pull
 from fem.kernels.state import Neighbours, Raceway
 from fem.kernels.surfaces import (

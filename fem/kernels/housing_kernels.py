@@ -10,9 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels import ring_kernels
-from fem.kernels.ground_dashpots import conclude
-from fem.kernels.jit import part, verb
-from fem.kernels.other_bodies import (
+from fem.kernels.bodies import (
     add_motion,
     calm_body,
     drift_body,
@@ -23,7 +21,9 @@ from fem.kernels.other_bodies import (
     slow_body,
     take_late,
 )
+from fem.kernels.jit import part, verb
 from fem.kernels.sample_kernels import DISSIPATED, WORK_GRAVITY
+from fem.kernels.shaft import conclude
 from fem.kernels.state import Ring
 
 PLACE_X, PLACE_Y, AX, AY, STORED, SENSOR = range(6)  # of the housing's columns, from its first one on
@@ -52,7 +52,7 @@ class Housing(NamedTuple):
     line: np.ndarray  # (2, ring's width), room
     sensor: Resonator | None
     mass: float  # kg, with held nodes or a rigid ring, if it has them
-    late_mass: float  # kg, see `ground_dashpots`
+    late_mass: float  # kg, see `shaft`
     stiffness: float  # N/m
     damping: float  # N s/m
     column: int  # of a sample's row, its first

@@ -5,11 +5,163 @@ that Python may call has code that takes apart every array of its arguments, whi
 0.6 s to compile, ten times the function itself.
 """
 
+import hashlib
+import os
+import pickle
+import stat
+from collections.abc import Iterable
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+
+import numba
+import platformdirs
 from numba import njit
+from numba.core.caching import _Cache
+from numba.core.compiler import CompileResult
+from numba.core.dispatcher import Dispatcher
+from numba.core.serialize import dumps
 from numba.extending import overload, register_jitable
 
-from fem.kernels.kernel_cache import keep
-from fem.kernels.kernel_folder import cache_folder
+from lagrange.files.output import read_sealed, write_sealed
+
+# Where compiled kernels are kept: a folder named after the text of all modules beside this one, the user's alone.
+#
+# Numba's cache looks at the file a function stands in, not at the files of the functions it inlines: after a change to
+# one kernel it would go on running the old code inside the others. Needs no compiler.
+
+
+remarks: list[str] = []  # sentences on what was wrong with folders and files so far
+
+
+@cache
+def version() -> str:
+    """Of all kernels: two programs of one version compute the same bits on one machine."""
+    checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # `lane_memory`
+    return digest(Path(__file__).parent) + ("-checked" if checked else "")
+
+
+@cache
+def cache_folder() -> Path | None:
+    """Where this version's compiled kernels are kept: in NUMBA_CACHE_DIR or the user's cache folder; None: nowhere."""
+    bases = os.environ.get("NUMBA_CACHE_DIR"), platformdirs.user_cache_dir("roller-bearing-fem")
+    return private_folder(Path(base).absolute() / "kernels" / version() for base in bases if base)
+
+
+def digest(folder: Path) -> str:
+    """Of the text of all modules of a folder: any of them may be part of a kernel."""
+    text = hashlib.sha256()
+    for module in sorted(folder.glob("*.py")):
+        text.update(module.name.encode() + module.read_bytes())
+    return text.hexdigest()[:16]
+
+
+def private_folder(folders: Iterable[Path]) -> Path | None:
+    """The first of some folders that can be made, or is there and is this user's alone."""
+    for folder in folders:
+        try:
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            with suppress(FileExistsError):
+                folder.mkdir(mode=0o700)
+            if is_private(folder.lstat()):
+                return folder
+        except OSError:
+            continue
+        remarks.append(f"{folder}: the compiled kernels there are not used, because others can write there; remove it")
+    return None
+
+
+def is_private(found: os.stat_result) -> bool:
+    """Whether a folder itself, no link, is this user's and can be written by nobody else."""
+    if not hasattr(os, "geteuid"):  # a system that keeps no rights in modes
+        return True
+    others = found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    return stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid() and not others
+
+
+# Compiled kernels on disk: a sealed file for each function, signature and processor, for numba to load.
+#
+# What is kept is unpickled and run, so a folder in which others could have put something is not read. A damaged file is
+# compiled anew and replaced; where nothing can be written, nothing is kept. None of this ends a run, as it does with
+# numba's own cache, which would also write beside the modules, where a change of another module goes unseen.
+
+
+def keep(function, folder: Path | None):
+    """Keep what numba compiles of a function in a folder; None: nowhere."""
+    if folder is not None and isinstance(function, Dispatcher):  # it is none where numba is switched off
+        function._cache = KernelCache(function.py_func, folder)
+    return function
+
+
+class KernelCache(_Cache):
+    """What numba asks for compiled code and gives it to, of one function."""
+
+    def __init__(self, function, folder: Path):
+        self._function, self._folder, self._damaged = function, folder, False
+
+    @property
+    def cache_path(self) -> str:
+        return str(self._folder)
+
+    def load_overload(self, signature, context):
+        """The compiled function, or None where it must be compiled.
+
+        Without the context's `refresh` that numba's own cache begins with: it imports all that a compiler knows, half a
+        second for what is only loaded. Compilers refresh their context themselves.
+        """
+        key = self._key(signature, context.codegen())
+        try:
+            data = read_sealed(self._file(key))
+            kept_key, parts = pickle.loads(data) if data is not None else (None, None)
+            if kept_key == key:  # names are shortened digests of keys
+                return CompileResult._rebuild(context, *parts)
+        except OSError:
+            return None
+        except Exception:  # sealed, and yet of another LLVM, say
+            pass
+        self._damaged = True
+        return None
+
+    def save_overload(self, signature, compiled) -> None:
+        """Keep a compiled function, if that can be done."""
+        if self._damaged:
+            self._damaged = False
+            _remark(f"{self._folder}: compiled kernels there were damaged and have been compiled anew")
+        if compiled.library.has_dynamic_globals:  # addresses of this process
+            return
+        key = self._key(signature, compiled.codegen)
+        with suppress(OSError):
+            write_sealed(self._file(key), dumps((key, compiled._reduce())))
+
+    def _key(self, signature, codegen) -> tuple:
+        code = self._function.__code__
+        closure = [cell.cell_contents for cell in self._function.__closure__ or ()]
+        text = _file_digest(code.co_filename)
+        return numba.__version__, signature, codegen.magic_tuple(), text, code.co_firstlineno, _digest(dumps(closure))
+
+    def _file(self, key: tuple) -> Path:
+        name = f"{self._function.__module__}.{self._function.__qualname__}".replace("<", "").replace(">", "")
+        return self._folder / f"{name[-150:]}-{_digest(repr(key).encode())[:24]}.nbc"
+
+    def enable(self) -> None:
+        """Numba asks for it; nothing here is ever switched off."""
+
+    disable = flush = enable
+
+
+def _remark(sentence: str) -> None:
+    if sentence not in remarks:
+        remarks.append(sentence)
+
+
+@cache
+def _file_digest(path: str) -> str:
+    return _digest(Path(path).read_bytes())
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
 
 # Division follows IEEE 754 and raises nothing. Without numba's run-time memory: nothing is allocated (what would
 # allocate does not compile), and arrays that the caller holds anyway are not counted, which would take a tenth of the

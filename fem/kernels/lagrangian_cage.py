@@ -9,11 +9,11 @@ cage gives a guiding outer ring stands in that ring's `GuidingRing.velocity` unt
 
 from typing import NamedTuple
 
-from fem.kernels.cage_guide import push_ring_as_a_whole
+from fem.kernels.bodies import drift_body, kick_body
+from fem.kernels.cage import push_ring_as_a_whole
 from fem.kernels.cage_kernels import end_works, find_contacts, rub, turn_guide
 from fem.kernels.jit import part
 from fem.kernels.lagrangian_housing import carry_cage, give_ring, velocity_of_ring
-from fem.kernels.other_bodies import drift_body, kick_body
 
 
 class CageDrive(NamedTuple):

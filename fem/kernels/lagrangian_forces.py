@@ -5,7 +5,7 @@ The same for held and for free elements: each has axes of its own, which turn wi
 
 from math import cos, sin
 
-from fem.kernels.course_kernels import GAIN, SPEED, TURN, follow, load_at, with_aside
+from fem.kernels.drive import GAIN, SPEED, TURN, follow, load_at, with_aside
 from fem.kernels.jit import part, verb
 from fem.kernels.lagrangian_axes import load_own, own_axes, store_own
 from fem.kernels.lagrangian_housing import add_sums, carry_frame, damp_frame, no_sums, place_of_ring
@@ -14,8 +14,8 @@ from fem.kernels.lane_functions import exponential, larger, logarithm, smaller
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
 from fem.kernels.law import contact_force
-from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.state import Course
+from fem.kernels.surfaces import lowered_ring, lowered_rollers
 
 FARTHEST = 1e100  # m²: what is farther, or not a number, has no direction
 MOST_STEPS, SETTLED = 60, 1e-10  # of Newton's method, and of a depth: what is left is of its square

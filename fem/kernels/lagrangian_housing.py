@@ -5,7 +5,7 @@ Where the ground holds the ring the housing is None and nothing of this is compi
 
 from math import exp, expm1
 
-from fem.kernels.course_kernels import GAIN
+from fem.kernels.drive import GAIN
 from fem.kernels.jit import part, verb
 from fem.kernels.lagrangian_axes import load_own, own_axes, store_own
 from fem.kernels.lagrangian_state import IdealHousing
@@ -218,7 +218,7 @@ def _sense(housing, before, near, seconds):
 
 @part
 def _flow(rate, mass, velocity, acceleration, seconds):
-    """`lagrange.dashpots.flow` along an axis."""
+    """`lagrange.mounting.flow` along an axis."""
     if rate == 0.0:
         return velocity, 0.0
     left, before = exp(-rate * seconds), velocity - seconds * acceleration

@@ -2,7 +2,7 @@
 
 from math import pi, sin
 
-from fem.kernels.course_kernels import FORCE_X, FORCE_Y, RATE_X, RATE_Y, follow, share_at
+from fem.kernels.drive import FORCE_X, FORCE_Y, RATE_X, RATE_Y, follow, share_at
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.lagrangian_cage import drift_cage, kick_cage, meet_cage, rub_cage, write_cage
 from fem.kernels.lagrangian_forces import accelerate, damp, speeds_of
@@ -177,7 +177,7 @@ def _hub_place(motion, k):
 
 @part
 def _share_rate(bearing, time):
-    """`lagrange.load_ramp.load_share_rate` while the load grows, 1/s."""
+    """`lagrange.load_history.load_share_rate` while the load grows, 1/s."""
     return 0.5 * pi / bearing.ramp * sin(pi * time / bearing.ramp)
 
 

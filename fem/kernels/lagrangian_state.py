@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.cage_state import CagePair
+from fem.kernels.cage import CagePair
 from fem.kernels.state import Course
 
 INNER, OUTER = 0, 1  # rows of contact arrays
@@ -56,7 +56,7 @@ class IdealMotion(NamedTuple):
 
 
 class Surfaces(NamedTuple):
-    """Surfaces that are not perfect circles, see `profile_kernels`; None: of these all are."""
+    """Surfaces that are not perfect circles, see `surfaces`; None: of these all are."""
 
     rings: tuple  # the inner and the outer raceway
     rollers: tuple  # the elements in their contacts with them

@@ -1,12 +1,12 @@
 """The bodies' own part of a step: kicks by internal forces and gravity, and the motion, of all nodes."""
 
 from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.course_kernels import is_turning, speed_of
+from fem.kernels.bodies import calm_others, prepare_others, remember_slowed, slow_others
+from fem.kernels.drive import is_turning, speed_of
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH
-from fem.kernels.other_bodies import calm_others, prepare_others, remember_slowed, slow_others
 
 
 @part

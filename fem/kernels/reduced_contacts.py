@@ -13,17 +13,17 @@ there others are told of a share only of what a force gains (`fem.solver.reduced
 
 from math import cos, sin
 
-from fem.kernels.course_kernels import SPEED
+from fem.kernels.drive import SPEED
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
 from fem.kernels.law import STEEPEST, distant_force
-from fem.kernels.profile_kernels import lowered_ring, lowered_rollers
 from fem.kernels.reduced_housing import ring_place
 from fem.kernels.reduced_modes import gather_waves, less_vibration
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.state import Course
+from fem.kernels.surfaces import lowered_ring, lowered_rollers
 
 MORE_SWEEPS = 2  # where bodies vibrate
 NEAR = 0.03  # of a force: a step of third order no longer leaves a hundredth of its cube, less than sweeps do

@@ -4,16 +4,16 @@ A damper's force is that at the middle of a kick, F = c·½ (δ̇ before + δ̇ 
 the hub: rollers are eliminated, two equations of the hub's velocity are left.
 """
 
-from fem.kernels.ground_dashpots import give_way, mobility
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import larger, logarithm, smaller
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.law import STEEPEST
 from fem.kernels.reduced_housing import push_ring, ring_rates
-from fem.kernels.reduced_slopes import passing_rates, push_along
 from fem.kernels.reduced_state import INNER, OUTER
+from fem.kernels.reduced_surfaces import passing_rates, push_along
 from fem.kernels.sample_kernels import DAMPED_BY_BODIES, DAMPED_BY_CONTACTS, DISSIPATED, N_SCALARS
+from fem.kernels.shaft import give_way, mobility
 
 
 @part

@@ -6,13 +6,12 @@ A contact's tangential compliance takes what its bodies slip in a step but for C
 import numpy as np
 
 from fem.kernels.contact_kernels import next_rollers
-from fem.kernels.course_kernels import speed_of
-from fem.kernels.creep import SLIP_FLOOR, creep_traction
+from fem.kernels.drive import speed_of
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import larger
 from fem.kernels.lane_memory import gather, load, scatter_add, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
-from fem.kernels.law import contact_force, kick_force
+from fem.kernels.law import SLIP_FLOOR, contact_force, creep_traction, kick_force
 from fem.kernels.reduced_damping import damped_neighbours, no_dampers
 from fem.kernels.reduced_housing import ring_velocity
 from fem.kernels.reduced_state import INNER, NEXT, OUTER

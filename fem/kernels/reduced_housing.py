@@ -3,11 +3,11 @@
 Where the ground holds the ring the housing is None: its place and motion are 0, and nothing is compiled.
 """
 
-from fem.kernels.ground_dashpots import give_way, mobility, settle
+from fem.kernels.bodies import add_motion, drift_body, kick_body
 from fem.kernels.housing_kernels import PLACE_X, PLACE_Y, STORED, Housing
 from fem.kernels.jit import verb
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body
 from fem.kernels.sample_kernels import CONTACT, KINETIC
+from fem.kernels.shaft import give_way, mobility, settle
 
 TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken, see `reduced_kick`
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem.kernels.course_kernels import GAIN, SPEED
+from fem.kernels.drive import GAIN, SPEED
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger, smaller
 from fem.kernels.lane_memory import load, store
@@ -13,8 +13,8 @@ from fem.kernels.reduced_friction import tractions
 from fem.kernels.reduced_housing import TWELFTH, ring_acceleration
 from fem.kernels.reduced_modes import push_modes
 from fem.kernels.reduced_radiation import note_strikes
-from fem.kernels.reduced_slopes import push_along
 from fem.kernels.reduced_state import INNER, OUTER
+from fem.kernels.reduced_surfaces import push_along
 from fem.kernels.state import Course
 
 # of what contacts of surfaces that vibrate owe as they open: kicks drive their fastest modes, and with three tenths

@@ -1,8 +1,9 @@
 """The time loop of the reduced model: leapfrog steps of rigid bodies on elastic contacts without mass."""
 
-from fem.kernels.cage_guide import push_ring_as_a_whole
+from fem.kernels.bodies import DONE, NOT_FINITE, add_motion, drift_body, kick_body, lost
+from fem.kernels.cage import push_ring_as_a_whole
 from fem.kernels.cage_kernels import meet, rub
-from fem.kernels.course_kernels import (
+from fem.kernels.drive import (
     FORCE_X,
     FORCE_Y,
     RATE_X,
@@ -15,11 +16,7 @@ from fem.kernels.course_kernels import (
     turn_at,
     with_aside,
 )
-from fem.kernels.ending import DONE, NOT_FINITE, lost
-from fem.kernels.ground_dashpots import settle
 from fem.kernels.jit import kernel, part, verb
-from fem.kernels.other_bodies import add_motion, drift_body, kick_body
-from fem.kernels.reduced_angles import AGAIN, follow_angles
 from fem.kernels.reduced_contacts import estimate_forces, set_right, sweep_again
 from fem.kernels.reduced_damping import damp_contacts, write_damping
 from fem.kernels.reduced_friction import press_neighbours
@@ -35,13 +32,14 @@ from fem.kernels.reduced_kick import kick
 from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings
 from fem.kernels.reduced_radiation import note_radiated, radiate, write_radiation
 from fem.kernels.reduced_samples import note_beyond, write_energies, write_motion
+from fem.kernels.reduced_surfaces import AGAIN, follow_angles
 from fem.kernels.sample_kernels import (
     DISSIPATED,
     KINETIC,
     WORK_DRIVE,
     WORK_LOAD,
 )
-from fem.kernels.shaft_kernels import pull
+from fem.kernels.shaft import pull, settle
 from fem.kernels.state import Course
 
 TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of each other's reach

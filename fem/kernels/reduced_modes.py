@@ -4,7 +4,7 @@ Modes stand in space: one goes round in some 10 µs, in which no body turns by a
 theirs has no place in a scene they are None and nothing is compiled.
 """
 
-from fem.kernels.course_kernels import with_aside
+from fem.kernels.drive import with_aside
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store, sums_of_rows
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total

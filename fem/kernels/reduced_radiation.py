@@ -9,7 +9,6 @@ have lost as they opened: an impulse then would pull.
 
 from math import log
 
-from fem.kernels.ground_dashpots import give_way, mobility
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import store
 from fem.kernels.lanes import any_lane, select
@@ -17,6 +16,7 @@ from fem.kernels.law import STEEPEST
 from fem.kernels.reduced_housing import push_ring, ring_rates
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.sample_kernels import DISSIPATED, N_SCALARS
+from fem.kernels.shaft import give_way, mobility
 
 QUIET, STRUCK, KICKED = 0, 1, 2  # of `Radiation.state`
 MOST = 0.1  # of a roller's momentum, that one impulse takes

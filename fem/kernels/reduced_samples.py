@@ -6,8 +6,8 @@ descriptions about the stack, in every step, which takes as long as the step.
 
 from math import sqrt
 
-from fem.kernels.cage_guide import given_beyond
-from fem.kernels.course_kernels import with_aside
+from fem.kernels.cage import given_beyond
+from fem.kernels.drive import with_aside
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total

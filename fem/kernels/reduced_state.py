@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.cage_state import CagePair
+from fem.kernels.cage import CagePair
 from fem.kernels.housing_kernels import Housing
-from fem.kernels.shaft_kernels import Shaft
+from fem.kernels.shaft import Shaft
 from fem.kernels.state import Course, Law
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
@@ -100,7 +100,7 @@ class Compliance(NamedTuple):
     crossing: np.ndarray  # (2,), whole: by row, of how many of them
     apart: np.ndarray  # (2, columns), cosine and sine of the angles from the first roller on, if they are equal
     tangential: np.ndarray  # (3,), m/N, of contacts that stick
-    ring_profiles: tuple  # of the inner and the outer raceway, see `profile_kernels`; None: a perfect circle
+    ring_profiles: tuple  # of the inner and the outer raceway, see `surfaces`; None: a perfect circle
     roller_profiles: tuple  # of the rollers in their contacts with them
 
 
@@ -146,7 +146,7 @@ class ReducedForces(NamedTuple):
     estimate: np.ndarray  # (2, columns), N, its force; room
     stiffness: np.ndarray  # (2, columns), N/m; room
     normal: np.ndarray  # (2, 2, columns), outward; room
-    # at the angles where rollers are: see `reduced_angles`
+    # at the angles where rollers are: see `reduced_surfaces`
     strayed: np.ndarray  # (columns + 2 halo,), rad, by how much rollers are ahead of equal angles; room
     along: np.ndarray  # (2, neighbours, columns), m/N
     steep: np.ndarray  # (2, neighbours, columns), m/N per rad

@@ -8,7 +8,7 @@ along their own normals m₁(s), m₂(s) close of it,
 
 The points stand still relative to the contact while nodes pass through it. Where the mesh resolves the contact U is
 interpolated linearly between nodes and a stiff layer resists, p = ε ⟨−g⟩; else U is the mean over a patch and the
-forces follow from what the mesh lacks (`spread_kernels`). Either way all are the gradient of one potential, Σ ½ ε g²
+forces follow from what the mesh lacks (`points`). Either way all are the gradient of one potential, Σ ½ ε g²
 Δs L or ½ qᵀG q, as in `contact_kernels`.
 
 The contacts that other programs have on a coarse mesh, kept for comparison, are a single point on the line of centres:
@@ -21,12 +21,11 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.contact_kernels import first_surface, next_roller, press
-from fem.kernels.facet_kernels import chord
 from fem.kernels.jit import every, part, verb
 from fem.kernels.law import MOST_REPAID, REPAID
-from fem.kernels.point_kernels import place_point, push_point, read_point, share_out
+from fem.kernels.patches import chord
+from fem.kernels.points import place_point, push_point, read_point, share_out, spread_forces
 from fem.kernels.ring_kernels import HALO
-from fem.kernels.spread_kernels import spread_forces
 from fem.kernels.state import CONTACTS, DiscSurface, Neighbours, Raceway, RingSurface
 from fem.kernels.surfaces import place
 

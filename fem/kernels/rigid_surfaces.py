@@ -5,7 +5,7 @@ hub, a rigid outer one the ground. Every traction on one of them moves its other
 `friction_kernels`.
 """
 
-from fem.kernels.course_kernels import speed_of
+from fem.kernels.drive import speed_of
 from fem.kernels.jit import verb
 from fem.kernels.lane_memory import gather, load, store
 from fem.kernels.lanes import WIDTH, splat, total

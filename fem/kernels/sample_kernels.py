@@ -6,7 +6,8 @@ Off the hot path: once in a stride of steps.
 from math import cos, sin
 
 from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.course_kernels import is_turning, load_at, speed_of, with_aside
+from fem.kernels.bodies import add_all_motion, prepare_others
+from fem.kernels.drive import is_turning, load_at, speed_of, with_aside
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load
@@ -14,7 +15,6 @@ from fem.kernels.lanes import WIDTH, splat
 from fem.kernels.lanes import total as lane_total
 from fem.kernels.law import contact_energy
 from fem.kernels.node_kernels import set_held_row
-from fem.kernels.other_bodies import add_all_motion, prepare_others
 from fem.kernels.rigid_surfaces import turning_energy
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.shear_kernels import spring_energy

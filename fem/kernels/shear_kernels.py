@@ -18,12 +18,11 @@ Source: Hairer, Lubich and Wanner, Acta Numerica 12 (2003) 399, on leapfrog; Ela
 24 (1996) 229, on the last.
 """
 
-from fem.kernels.creep import creep_traction
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger, smaller
 from fem.kernels.lane_memory import gather, load, store
 from fem.kernels.lanes import WIDTH, magnitude, select, splat
-from fem.kernels.law import STEEPEST
+from fem.kernels.law import STEEPEST, creep_traction
 from fem.kernels.state import Shear
 
 

@@ -119,13 +119,13 @@ class RigidDisc(NamedTuple):
 
 
 class Course(NamedTuple):
-    """Speed and load as they go on: polynomials of the time since a knot, by powers; see `lagrange.course`."""
+    """Speed and load as they go on: polynomials of the time since a knot, by powers; see `lagrange.load_history`."""
 
     turn_knots: np.ndarray  # (n + 1,), s
     turn: np.ndarray  # (n, powers), rad, of the shaft
     load_knots: np.ndarray  # (m + 1,), s
     load: np.ndarray  # (m, powers, 2), N, along x and y
-    now: np.ndarray  # what `course_kernels.follow` found last
+    now: np.ndarray  # what `drive.follow` found last
     drive_work: np.ndarray  # (3,), J, of the drive, up to a sample; and its speed, 1/s, and what it has given, N m s
     unbalance: float  # kg m
     unbalance_angle: float  # rad from +x at t = 0
@@ -144,7 +144,7 @@ class Hub(NamedTuple):
     velocity: np.ndarray  # (2,), m/s
     impulse: np.ndarray  # (2,), N s
     n_contacts: int
-    late_mass: float  # kg, see `ground_dashpots`
+    late_mass: float  # kg, see `shaft`
     speed: float
     radius: float
     course: Course | None = None  # None: the speed stays
@@ -266,7 +266,7 @@ class Friction(NamedTuple):
 
 
 class Spread(NamedTuple):
-    """Pressure points whose forces are spread over patches, see `spread_kernels`."""
+    """Pressure points whose forces are spread over patches, see `points`."""
 
     missing: np.ndarray  # (3, n_points), m/N, compliance the mesh lacks between two points by their distance
     inverse: np.ndarray  # (3, ...), N/m, inverses for 1, 2 ... points in contact
@@ -339,7 +339,7 @@ class Drive(NamedTuple):
     sums: np.ndarray  # (6,), so far: work of the load, J; moment on hub and ring but for drive and gravity, N m s;
     # work of tractions, J; that of gravity, and what it was at which time
     mass: float  # hub and held nodes, kg
-    late_mass: float  # kg, see `ground_dashpots`
+    late_mass: float  # kg, see `shaft`
     speed: float  # rad/s
     gravity: float  # m/s²
     dt: float
@@ -359,7 +359,7 @@ class Bodies(NamedTuple):
     surface: DiscSurface | RigidDisc  # of the rollers
     inner: Ring
     outer: Ring
-    others: tuple = ()  # further bodies in groups of one type; see `other_bodies`
+    others: tuple = ()  # further bodies in groups of one type; see `bodies`
     damping: BodyDamping | None = None  # of rollers and rings; None: they have none
 
 

@@ -1,27 +1,18 @@
 """The time loop: leapfrog steps of the whole bearing."""
 
-import fem.kernels.bore_kernels
-import fem.kernels.disc_surface  # what contacts ask of each type of surface
-import fem.kernels.housing_kernels  # and the loop of each further body
-import fem.kernels.rigid_surfaces
-import fem.kernels.ring_surface
-import fem.kernels.shaft_kernels
-import fem.kernels.support_kernels  # noqa: F401
+from fem.kernels.bodies import DONE, NOT_FINITE, drift_others, end_kicks, kick_others, lost
 from fem.kernels.body_damping import damp_bodies
+from fem.kernels.cage import CagePair
 from fem.kernels.cage_kernels import rub_cage
-from fem.kernels.cage_state import CagePair
 from fem.kernels.contact_kernels import press_patches, push_neighbours, push_patches
-from fem.kernels.course_kernels import follow, load_at, step_of, with_aside
 from fem.kernels.damping_kernels import damp_contacts
-from fem.kernels.drive_kernels import kick_hub, move_hub
-from fem.kernels.ending import DONE, NOT_FINITE, lost
+from fem.kernels.drive import follow, kick_hub, load_at, move_hub, step_of, with_aside
 from fem.kernels.friction_solution import friction_contacts, pushes_later, slips_after, slips_before
 from fem.kernels.jit import every, kernel, part
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, fma
 from fem.kernels.node_kernels import drift_nodes, kick_nodes, make_ready, slow_nodes
-from fem.kernels.other_bodies import drift_others, end_kicks, kick_others
 from fem.kernels.resolved_kernels import press_all_points
 from fem.kernels.rigid_surfaces import settle, turn
 from fem.kernels.sample_kernels import remember, write_sample

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from pydantic import BaseModel, ConfigDict
 
-from lagrange.scene import Scene, parse_scene
-from lagrange.scene_files import content_of
+from lagrange.scene.files import content_of
+from lagrange.scene.scene import Scene, parse_scene
 
 NAME = "these values"  # of what viewers send, in messages
 MM_PER_UM = 1e-3

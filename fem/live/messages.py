@@ -14,10 +14,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from fem.errors import UsageError
 from fem.live.controls import Values
 from fem.live.player import FROM_LOAD, Player
-from lagrange.faults import Spall
 from lagrange.kinematics import kinematics
 from lagrange.mounting import from_outer_ring
-from lagrange.scene_surfaces import own_radius
+from lagrange.scene.surfaces import own_radius
+from lagrange.surface.faults import Spall
 
 MM, UM = 1e-3, 1e-6
 FASTEST, SLOWEST = 1.0, 2000.0  # seconds of wall time per simulated second; a frame of the slowest holds two samples

@@ -16,7 +16,7 @@ from fem.live.messages import (
     telling_message,
 )
 from fem.live.player import Player
-from lagrange.scene import SceneError
+from lagrange.scene.scene import SceneError
 
 FRAME = 0.04  # s, of wall time: 25 frames a second, so that waiting leaves 20
 STEP = 0.05  # s, of the page's time: how far a paused run goes on when asked to

@@ -11,7 +11,9 @@ import secrets
 import socket
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import asdict, dataclass
 from http import HTTPStatus
+from pathlib import Path
 
 from websockets.asyncio.server import ServerConnection, broadcast, serve
 from websockets.datastructures import Headers
@@ -19,10 +21,55 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
 from fem.errors import UsageError
-from fem.live.messages import Message, read_wish, refusal_message
-from fem.live.page import make_page
-from fem.live.player import Player
+from fem.live.controls import sliders
+from fem.live.messages import FASTEST, SLOWEST, Message, read_wish, refusal_message
+from fem.live.player import Player, measured
 from fem.live.playing import Playing
+from fem.result.acceleration import channels
+from lagrange.files.pages import as_it_is, render_page
+from lagrange.scene.scene import Scene
+
+# The page: its parts put into one file, and the rules a browser shall keep it to.
+
+
+PARTS = Path(__file__).parent / "template"
+SCRIPTS = ("drawing.js", "charts.js", "live.js")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Page:
+    """A page and its content security policy: own scripts and styles, and one connection."""
+
+    text: str
+    policy: str
+
+
+def make_page(scene: Scene, connection: str) -> Page:
+    """The page of a scene, which connects to an address (ws://host:port)."""
+    mark = secrets.token_urlsafe(16)
+    text = render_page(
+        PARTS / "live.html.j2",
+        name=scene.name,
+        mark=mark,
+        style=as_it_is(PARTS / "live.css"),
+        scripts=[as_it_is(PARTS / name) for name in SCRIPTS],
+        measured=[name.partition("_")[0].replace("inner", "hub") for name in measured(channels(scene))],
+        sliders=[asdict(slider) for slider in sliders(scene)],
+        fastest=FASTEST,
+        slowest=SLOWEST,
+    )
+    rules = (
+        "default-src 'none'",
+        f"script-src 'nonce-{mark}'",
+        f"style-src 'nonce-{mark}'",
+        f"connect-src 'self' {connection}",
+        "img-src data:",
+        "base-uri 'none'",
+        "form-action 'none'",
+        "frame-ancestors 'none'",
+    )
+    return Page(text=text, policy="; ".join(rules))
+
 
 LOOPBACK = "127.0.0.1"
 LONGEST_MESSAGE = 4096  # bytes, of a page

@@ -6,8 +6,8 @@ subsurface, near_contacts, peaks       stress below a contact that the mesh can'
 refine, render_bodies                  what is drawn
 render, film                           off-screen pictures and films
 render_bearing, render_closeup         the views
-render_look, _scale, _legend, _canvas, _shapes   how they look; `render_surfaces`: spalls, waves, unequal rollers;
-                                       `render_cage`: the cage's bars
+render_look, _scale, _legend, _canvas, _shapes   how they look; `surfaces`: spalls, waves, unequal rollers;
+                                       `bearing`: the cage's bars
 rendering_probe, own_process           whether this machine can render; a command that may crash
 export                                 VTKHDF, PVD, XDMF
 """

@@ -12,12 +12,12 @@ import h5py
 import numpy as np
 
 from fem.elastic.stress import max_shear, von_mises
-from fem.pictures.near_contacts import FIRST_ROLLER, INNER_RING, OUTER_RING
 from fem.pictures.recover import Instant, StoredRun
+from fem.pictures.stress_below import FIRST_ROLLER, INNER_RING, OUTER_RING
 from fem.pictures.target import earlier_instants
 from fem.solver.frames import global_fields, rotated
-from lagrange.hdf5_writing import hdf5_to_write
-from lagrange.output_files import replaced
+from lagrange.files.hdf5 import hdf5_to_write
+from lagrange.files.output import replaced
 from meshes.export import write_fields
 
 VTK_TRIANGLE, VTK_QUAD = 5, 9

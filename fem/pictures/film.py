@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 
 from fem.pictures.target import MARK
-from lagrange.output_files import replaced
+from lagrange.files.output import replaced
 
 KINDS = (".mp4", ".gif")
 QUALITY = "18"  # x264's constant rate factor; text stays sharp

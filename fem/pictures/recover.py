@@ -22,7 +22,7 @@ from fem.solver.discretise import model_of
 from fem.solver.frames import Frame
 from lagrange import Operation
 from lagrange.kinematics import turned
-from lagrange.scene import Scene, parse_scene_text
+from lagrange.scene.scene import Scene, parse_scene_text
 
 ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is open
 

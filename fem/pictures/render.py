@@ -1,7 +1,7 @@
 """Pictures of a run, drawn off-screen; the same run and request give the same picture.
 
-Call `fem.pictures.rendering_probe.check_rendering` before importing this, or use it in a process of its own, as by
-`fem.pictures.own_process`: where system libraries are missing, the renderer does not raise but ends the process.
+Call `fem.pictures.drawing_process.check_rendering` before importing this, or use it in a process of its own, as by
+`fem.pictures.drawing_process`: where system libraries are missing, the renderer does not raise but ends the process.
 """
 
 from collections.abc import Sequence
@@ -13,15 +13,15 @@ from matplotlib.colors import to_rgb
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from fem.pictures import render_bearing, render_closeup
+from fem.pictures import bearing, closeup
+from fem.pictures.bodies import drawn_bearing
+from fem.pictures.canvas import INK, Canvas
+from fem.pictures.look import Request, chosen_look
 from fem.pictures.recover import StoredRun
-from fem.pictures.render_bodies import drawn_bearing
-from fem.pictures.render_canvas import INK, Canvas
-from fem.pictures.render_look import Request, chosen_look
-from fem.pictures.render_scale import TITLES
+from fem.pictures.scale import TITLES
 from fem.pictures.target import MARK
+from lagrange.files.output import replaced
 from lagrange.messages import shown
-from lagrange.output_files import replaced
 
 ASPECT = 4.0 / 3.0
 SCALE_COLOURS, GREYS = 160, 32  # of a palette
@@ -39,7 +39,7 @@ class Renderer:
 
     def __init__(self, run: StoredRun, request: Request, samples: Sequence[int], pace: str = ""):
         self._run = run
-        self._view = render_closeup if request.view == "close-up" else render_bearing
+        self._view = closeup if request.view == "close-up" else bearing
         self.look = chosen_look(run, request, samples, *self._view.pixels(), pace)
         self._canvas = Canvas(request.width, 2 * round(0.5 * request.width / ASPECT), self._view.views(self.look))
 
@@ -49,7 +49,7 @@ class Renderer:
         scale = colormaps[self.look.scale.colours] if isinstance(self.look.scale.colours, str) else colormaps["gray"]
         mixed = [
             share * np.array(to_rgb(colour)) + (1.0 - share) * np.array(to_rgb(ground))
-            for colour in render_bearing.COLOURS
+            for colour in bearing.COLOURS
             for ground in ("white", INK)
             for share in (1.0, 0.75, 0.5, 0.25)
         ]

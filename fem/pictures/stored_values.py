@@ -8,7 +8,7 @@ import numpy as np
 from fem.errors import UsageError
 from fem.result.fields import read_frame, read_values, stored_samples
 from lagrange import Bearing
-from lagrange.stored import Damaged, has, read_numbers, read_scene_files, read_scene_text, refusal_in_child
+from lagrange.files.hdf5 import Damaged, has, read_numbers, read_scene_files, read_scene_text, refusal_in_child
 
 FORCES = ("inner_force", "outer_force", "roller_roller_force")
 PER_TIME = ("inner_x", "inner_y", "energy_elastic", "energy_contact")

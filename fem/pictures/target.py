@@ -5,7 +5,7 @@ import mmap
 from pathlib import Path
 
 from fem.errors import UsageError
-from lagrange.output_files import refuse_special
+from lagrange.files.output import refuse_special
 
 MARK = "render-fem"  # in files that have room for a remark
 FIELDS = b"von_mises", b"max_shear"  # of meshes with fields, in whatever format

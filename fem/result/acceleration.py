@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from fem.errors import UsageError
-from lagrange.output_files import replaced, write_whole
-from lagrange.scene import Scene
-from lagrange.units import G
+from lagrange.files.output import replaced, write_whole
+from lagrange.messages import G
+from lagrange.scene.scene import Scene
 
 WAV_REMARK = b"render-fem\0\0"  # of even length
 OVER_BAND = 2.56  # rate over the band that is kept, the custom of analysers

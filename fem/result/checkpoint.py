@@ -14,14 +14,14 @@ import numpy as np
 from numpy.lib import format as npy
 
 from fem.errors import UsageError
-from fem.result.changes import differences, scene_keys
 from fem.result.durable import move_into_place
+from fem.result.earlier import differences, scene_keys
 from fem.result.layout import variables_of
 from fem.result.store import Stored
 from fem.solver.solver import Plan, RunState
-from lagrange.output_files import new_part, real_path
-from lagrange.plain_files import read_plain
-from lagrange.scene import Scene, SceneError, parse_scene_text
+from lagrange.files.input import read_plain
+from lagrange.files.output import new_part, real_path
+from lagrange.scene.scene import Scene, SceneError, parse_scene_text
 from lagrange.version import VERSION
 
 FORMAT = 14

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from lagrange.output_files import BINARY
+from lagrange.files.output import BINARY
 
 try:
     import fcntl

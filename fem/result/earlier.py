@@ -1,14 +1,38 @@
 """What stands in a result's place before a run begins: nothing, a file to be replaced, or one to go on with."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import h5py
 
 from fem.errors import UsageError
-from fem.result.changes import differences, scene_keys
 from fem.result.durable import is_in_use
-from lagrange.scene import Scene, SceneError, parse_scene_text
-from lagrange.stored import SIGNATURE, Damaged, check_array, read_scene_text, refusal_in_child
+from lagrange.files.hdf5 import SIGNATURE, Damaged, check_array, read_scene_text, refusal_in_child
+from lagrange.scene.scene import Scene, SceneError, parse_scene_text
+
+# What two scenes, or two sets of versions, differ in, for messages.
+
+
+def differences(before: Mapping[str, object], now: Mapping[str, object]) -> list[str]:
+    """A phrase for each key whose values differ."""
+    return [
+        f"{key} was {before.get(key)!r}, now {now.get(key)!r}"
+        for key in sorted(before | now)
+        if before.get(key) != now.get(key)
+    ]
+
+
+def scene_keys(scene: Scene) -> dict[str, object]:
+    """Values of a scene by their dotted keys."""
+    return _flat(scene.model_dump())
+
+
+def _flat(tables: dict, prefix: str = "") -> dict[str, object]:
+    flat = {}
+    for key, value in tables.items():
+        flat |= _flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
+    return flat
+
 
 READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
 READ_MEMORY = 2**29  # bytes

@@ -14,7 +14,7 @@ import numpy as np
 from fem.contacts.model import Model
 from fem.result.layout import new_block
 from fem.solver.frames import Frame, global_fields, rotated
-from lagrange.stored import CHECKSUM, Damaged, check_array, has
+from lagrange.files.hdf5 import CHECKSUM, Damaged, check_array, has
 
 GROUP = "fields"
 BODIES = ("roller", "inner_ring", "outer_ring")

@@ -19,9 +19,8 @@ import h5py
 import numpy as np
 
 from fem.result.durable import claim
-from lagrange.hdf5_writing import hdf5_to_write
-from lagrange.scene import Scene
-from lagrange.stored import CHECKSUM
+from lagrange.files.hdf5 import CHECKSUM, hdf5_to_write
+from lagrange.scene.scene import Scene
 
 FORMAT_VERSION = 1
 COMMITTED = "committed_samples"

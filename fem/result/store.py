@@ -20,14 +20,12 @@ import numpy as np
 from fem.errors import UsageError
 from fem.result.durable import alone_in, move_into_place, open_locked, write_at
 from fem.result.earlier import check_earlier, refuse_foreign, refuse_if_in_use
+from fem.result.later_columns import events_of, with_sinkages, write_events, write_scene_files
 from fem.result.layout import FORMAT_VERSION, Places, create, variables_of
-from fem.result.surface_columns import events_of, with_sinkages, write_events, write_scene_files
-from lagrange.faults import labels
-from lagrange.hdf5_writing import hdf5_to_write
-from lagrange.output_files import new_part, real_path, remove_left
-from lagrange.spall_events import SpallEvent
-from lagrange.spall_passages import spalls
-from lagrange.stored import checksum, text_checksum
+from lagrange.files.hdf5 import checksum, hdf5_to_write, text_checksum
+from lagrange.files.output import new_part, real_path, remove_left
+from lagrange.surface.faults import labels
+from lagrange.surface.passages import SpallEvent, spalls
 from lagrange.version import VERSION, source_digest
 
 if TYPE_CHECKING:

@@ -6,14 +6,15 @@ import numpy as np
 
 from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
+from fem.elastic.outer_support import SupportedRing
 from fem.elastic.reciprocal_mass import ReciprocalMass, Slowing, disc_momenta, held_velocity, ring_momenta
 from fem.elastic.rigid import RigidRing
-from fem.elastic.supported import SupportedRing
 from fem.kernels import disc_kernels, ring_kernels
-from fem.kernels.ground_dashpots import late_mass
+from fem.kernels.bore import HeldNodes
 from fem.kernels.lanes import WIDTH
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
+from fem.kernels.shaft import late_mass
 from fem.kernels.state import (
     Bodies,
     Disc,
@@ -22,14 +23,9 @@ from fem.kernels.state import (
     Rollers,
     Scratch,
 )
-from fem.kernels.support_kernels import HeldNodes
-from fem.solver.bore_arrays import bore_body
-from fem.solver.cache_lines import lined_up
 from fem.solver.contact_arrays import contact_arrays, disc_surface, pair_groups
-from fem.solver.course_arrays import course_arrays
-from fem.solver.housing_arrays import housing_body
-from fem.solver.run_arrays import Arrays
-from fem.solver.shaft_arrays import shaft_springs
+from fem.solver.part_arrays import bore_body, course_arrays, housing_body, shaft_springs
+from fem.solver.run_arrays import Arrays, lined_up
 from fem.solver.start import Start
 from lagrange import Operation
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lagrange import Bearing, Operation, contact_laws, kinematics
-from lagrange.faults import Spall
 from lagrange.kinematics import roller_angles
-from lagrange.sampling import wave_interval
-from lagrange.scene import Scene
-from lagrange.spall_events import interval_caution
+from lagrange.scene.scene import Scene
+from lagrange.step_size import wave_interval
+from lagrange.surface.faults import Spall
+from lagrange.surface.passages import interval_caution
 
 if TYPE_CHECKING:
     from fem.contacts.model import Model

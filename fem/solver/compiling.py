@@ -1,15 +1,30 @@
 """Plans whose time loop is compiled: loading it, what to tell while that takes long, what its bits depend on."""
 
 import gc
+import hashlib
+import os
 import time
 from collections.abc import Callable
 from importlib.metadata import version
 
-from fem.kernels import kernel_folder
+from fem.kernels import jit
 from fem.solver.pace import in_words, pace, remember
-from fem.solver.processor import processor
 from fem.solver.solver import Plan
 from lagrange.messages import said_if_long
+
+# The processor a run is made for: kernels compiled for another one round in other places.
+
+
+def processor() -> dict[str, str]:
+    """Its name and what it can do, as the compiler knows them, or as numba's settings have it."""
+    from llvmlite import binding  # without numba, which a run of the Lagrangian model does not need
+
+    name = os.environ.get("NUMBA_CPU_NAME") or binding.get_host_cpu_name()
+    features = os.environ.get("NUMBA_CPU_FEATURES")
+    if features is None:
+        features = binding.get_host_cpu_features().flatten()
+    return {"processor": name, "instructions": hashlib.sha256(features.encode()).hexdigest()[:8]}
+
 
 PATIENCE = 3.0  # s, to load the time loop; if it takes longer it is being compiled
 COMPILING = "compiling the time loop, once for such bodies and contacts: "
@@ -54,7 +69,7 @@ class CompiledPlan(Plan):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        return tuple(kernel_folder.remarks)
+        return tuple(jit.remarks)
 
     def versions(self) -> dict[str, str]:
-        return {"kernels": kernel_folder.version(), "numba": version("numba"), **processor()}
+        return {"kernels": jit.version(), "numba": version("numba"), **processor()}

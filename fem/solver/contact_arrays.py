@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numba
 import numpy as np
 
+from fem.elastic.outer_support import LooseRing
 from fem.elastic.reciprocal_mass import ReciprocalMass
-from fem.elastic.supported import LooseRing
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.lanes import WIDTH
@@ -34,10 +34,10 @@ from fem.kernels.state import (
     Rollers,
     Shear,
 )
-from fem.solver.cache_lines import at_line
-from fem.solver.profile_arrays import raceway_profiles
+from fem.solver.part_arrays import raceway_profiles
+from fem.solver.run_arrays import at_line
 from lagrange import Bearing, Operation, kinematics
-from lagrange.profile import profiles
+from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
     from fem.contacts.model import KernelData, Model

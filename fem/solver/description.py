@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 
 from fem.answers import largest_loads
+from fem.elastic.outer_support import LooseRing, SupportedRing
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
-from fem.elastic.supported import LooseRing, SupportedRing
 from fem.solver.pace import in_words, pace
 from fem.solver.run_arrays import Arrays
+from fem.statics.equilibrium import static_error
 from fem.statics.exact_statics import LEAST_LOAD
-from fem.statics.static_error import static_error
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 from meshes import Mesh, quality
 
 if TYPE_CHECKING:

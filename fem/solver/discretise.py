@@ -6,13 +6,12 @@ from importlib import import_module
 
 from fem.contacts import MODELS, ONE_PATCH
 from fem.contacts.model import Model
-from fem.elastic.bored import bored_ring
-from fem.elastic.supported import supported_ring
+from fem.elastic.outer_support import bored_ring, supported_ring
 from fem.solver.limits import check_contact_model, check_mesh_size, check_meshes, check_outer_ring, check_rollers
-from fem.statics.expected_forces import ExpectedForces
+from fem.statics.exact_statics import ExpectedForces
 from lagrange import Bearing
-from lagrange.pair import contact_pairs
-from lagrange.scene import Scene
+from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.scene.scene import Scene
 
 
 def expected_forces(scene: Scene) -> ExpectedForces:

@@ -7,28 +7,26 @@ import numpy as np
 
 from fem.contacts.critical_step import critical_time_step, next_rung
 from fem.contacts.model import Model
-from fem.elastic.bored import BoredRing
+from fem.elastic.outer_support import BoredRing
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD, ReciprocalMass
 from fem.solver.arrays import hub_mass, make_arrays
-from fem.solver.cage_arrays import cage_springs, with_cage
-from fem.solver.cage_seat import cage_seat
+from fem.solver.cage_arrays import cage_seat, cage_springs, with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
-from fem.solver.damping_arrays import with_damping
 from fem.solver.description import expected_seconds, mesh_table, plan_rows
 from fem.solver.discretise import expected_forces, model_of
 from fem.solver.element_state import ElementState
 from fem.solver.limits import check_contacts, check_speed, check_widths
-from fem.solver.profile_arrays import time_along_a_knot
+from fem.solver.part_arrays import time_along_a_knot, with_damping
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.run_arrays import Arrays
 from fem.solver.solver import sample_count
 from fem.solver.start import Start, equilibrium_start, rest_start
-from fem.solver.strikes import may_strike
+from fem.solver.validity import may_strike
 from fem.statics.contact_balance import NotFound
-from fem.statics.static_error import static_equilibrium
+from fem.statics.equilibrium import static_equilibrium
 from lagrange import Operation, kinematics
-from lagrange.scene import MODEL_NAMES, Scene
+from lagrange.scene.scene import MODEL_NAMES, Scene
 
 LONG = THIRD, SECOND  # which of them is tried first
 KNOTS_A_STEP = 0.3  # of a profile's spline: with more, spalls that pass at 40 m/s cost per cents of the energy

@@ -15,19 +15,18 @@ from fem.answers import largest_loads
 from fem.errors import RunFailed
 from fem.solver.cautions import of_scene
 from fem.solver.compiling import CompiledPlan
-from fem.solver.energy_account import EnergyAccount
-from fem.solver.guards import THROUGH, n_in_place, through_trouble
+from fem.solver.guards import THROUGH, EnergyAccount, n_in_place, through_trouble
 from fem.solver.pace import in_words, pace
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import ROUND_OFF, Block, Numbers, RunState, Samples, sample_count
-from fem.solver.wide_contacts import largest_forces, run_cautions
+from fem.solver.validity import largest_forces, run_cautions
 from lagrange import Trajectory, contact_laws, static_equilibrium
+from lagrange.contact.laws import PowerLaw
+from lagrange.contact.raceway_laws import caution
+from lagrange.first_state import Problem
 from lagrange.integrate import ALL_DRIFTS, Integration, NumpyIntegration
-from lagrange.laws import PowerLaw
 from lagrange.mounting import HELD
-from lagrange.problem import Problem
-from lagrange.raceway_laws import caution
-from lagrange.scene import MODEL_NAMES, Scene
+from lagrange.scene.scene import MODEL_NAMES, Scene
 from lagrange.simulate import ENERGY_TOLERANCE, Simulation, Verdict
 from lagrange.step_size import Steps, critical_time_step, steps_of
 

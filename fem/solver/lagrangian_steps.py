@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem.kernels.cage_state import CagePair, GuidingRing, Riders
+from fem.kernels.cage import CagePair, GuidingRing, Riders
 from fem.kernels.lagrangian_loop import advance_lagrangian
 from fem.kernels.lagrangian_state import (
     Clock,
@@ -17,17 +17,15 @@ from fem.kernels.lagrangian_state import (
 )
 from fem.kernels.lanes import WIDTH
 from fem.kernels.state import Law
-from fem.solver.cache_lines import lined_up
 from fem.solver.cage_arrays import cage_state
-from fem.solver.course_arrays import course_arrays
-from fem.solver.profile_arrays import raceway_profiles
-from fem.solver.run_arrays import changing_arrays
-from lagrange.cage import Cage
-from lagrange.contact_damping import ContactDamping
+from fem.solver.part_arrays import course_arrays, raceway_profiles
+from fem.solver.run_arrays import changing_arrays, lined_up
+from lagrange.bearing import Cage
+from lagrange.contact.damping import ContactDamping
+from lagrange.contact.laws import PowerLaw
+from lagrange.contact.raceway_laws import LogarithmicLaw
+from lagrange.equations import touching_distances
 from lagrange.integrate import MOTION, Integration
-from lagrange.laws import PowerLaw
-from lagrange.overlap import touching_distances
-from lagrange.raceway_laws import LogarithmicLaw
 from lagrange.step_size import Steps
 from lagrange.systems import Packed
 

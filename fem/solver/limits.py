@@ -8,12 +8,12 @@ from math import inf, pi, sqrt
 from typing import TYPE_CHECKING
 
 from fem.errors import UsageError
-from fem.solver.wide_contacts import WIDEST_CONTACT
-from fem.statics.expected_forces import ExpectedForces
+from fem.solver.validity import WIDEST_CONTACT
+from fem.statics.exact_statics import ExpectedForces
 from lagrange import Bearing, Kinematics
-from lagrange.pair import Pair, contact_pairs
-from lagrange.scene import Scene
-from lagrange.scene_surfaces import SURFACES
+from lagrange.contact.raceway_laws import Pair, contact_pairs
+from lagrange.scene.scene import Scene
+from lagrange.scene.surfaces import SURFACES
 from meshes import Mesh, bearing_shapes, quality
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from fem.solver.simulate import SOLVERS, make_plan
 from fem.solver.solver import Plan
 from fem.statics.contact_balance import NotFound
 from fem.statics.exact_statics import LEAST_LOAD, exact_statics
-from lagrange.scene import Scene, SceneError, parse_scene_text
+from lagrange.scene.scene import Scene, SceneError, parse_scene_text
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,27 +10,26 @@ from math import ceil, inf, pi, sqrt
 import numpy as np
 
 from fem.answers import largest_loads
-from fem.contacts.contact_law import LOAD_MARGIN
+from fem.contacts.model import LOAD_MARGIN
 from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
-from fem.solver.cage_arrays import critical_with_cage
-from fem.solver.cage_seat import cage_seat
+from fem.solver.cage_arrays import cage_seat, critical_with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
 from fem.solver.pace import in_words, pace
-from fem.solver.profile_arrays import time_along_a_knot
+from fem.solver.part_arrays import time_along_a_knot
 from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start, standing_hub
 from fem.solver.reduced_state import ReducedState
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.solver import sample_count
-from fem.solver.strikes import may_strike
+from fem.solver.validity import may_strike
 from fem.solver.vibrations import critical_with_modes, longest_with_modes
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangential_compliance
 from fem.statics.vibrating_bearing import UnseenWaves, bearing_modes, unseen_waves
 from lagrange import Operation, kinematics
-from lagrange.contact_damping import ContactDamping
-from lagrange.scene import MODEL_NAMES, Scene
+from lagrange.contact.damping import ContactDamping
+from lagrange.scene.scene import MODEL_NAMES, Scene
 from lagrange.step_size import fastest_in_machine
 
 LEFT = 0.2  # of what a guess was off by, the most that sweeps may leave with its sign turned
@@ -96,7 +95,7 @@ class ReducedPlan(CompiledPlan):
         return ReducedState(self)
 
     def error_estimate(self):
-        from fem.solver.reduced_estimate import reduced_estimate
+        from fem.solver.error_estimate import reduced_estimate
 
         return reduced_estimate(self)
 

@@ -16,16 +16,13 @@ from fem.kernels.reduced_state import (
     RigidBodies,
 )
 from fem.solver.cage_arrays import cage_state, pair_of_rigid, row_width
-from fem.solver.course_arrays import course_arrays
-from fem.solver.housing_arrays import housing_of
-from fem.solver.profile_arrays import raceway_profiles
-from fem.solver.shaft_arrays import springs_on
+from fem.solver.part_arrays import course_arrays, housing_of, raceway_profiles, springs_on
 from fem.solver.vibrations import vibrations
 from fem.statics.reduced_bearing import growths
 from lagrange import Bearing, kinematics
-from lagrange.contact_damping import ContactDamping
-from lagrange.overlap import touching_distances
-from lagrange.profile import profiles
+from lagrange.contact.damping import ContactDamping
+from lagrange.equations import touching_distances
+from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
     from fem.solver.reduced import ReducedPlan

@@ -20,11 +20,11 @@ from fem.statics.contact_balance import (
 )
 from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing
 from lagrange import Bearing, Kinematics, Operation, kinematics
-from lagrange.course import LONGEST_LOOK, SLOWEST
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed
 from lagrange.kinematics import roller_angles, turned
+from lagrange.load_history import LONGEST_LOOK, SLOWEST
 from lagrange.mounting import HELD
-from lagrange.profile import UNTURNED, Turns
+from lagrange.surface.deviation import UNTURNED, Turns
 
 NEWTON_STEPS = 20
 NOWHERE = np.zeros(2)  # from the ground, m, an outer ring that it holds

@@ -9,13 +9,12 @@ import numpy as np
 
 from fem.kernels.reduced_loop import advance_reduced
 from fem.kernels.reduced_state import Before, RingModes, RollerModes
-from fem.solver.hub_vibration import add_samples, no_sums, vibration_caution
-from fem.solver.law_errors import law_caution
 from fem.solver.reduced_arrays import contact_compliance, contact_forces, outer_drive, rigid_bodies
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader
 from fem.solver.solver import ROUND_OFF, Block, Numbers, Samples
+from fem.solver.validity import add_samples, law_caution, no_sums, vibration_caution
 from lagrange import Bearing
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from abc import abstractmethod
 import numpy as np
 
 from fem.errors import UsageError
-from fem.kernels.ending import DONE
+from fem.kernels.bodies import DONE
 from fem.solver.cage_arrays import row_width
 from fem.solver.guards import (
     ASTRAY,
@@ -21,7 +21,7 @@ from fem.solver.guards import (
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
 from fem.solver.solver import Block, Numbers, Plan, RunState
-from fem.solver.wide_contacts import largest_forces, run_cautions
+from fem.solver.validity import largest_forces, run_cautions
 
 LONGEST_UNWATCHED = 100  # steps between two looks at the energy
 

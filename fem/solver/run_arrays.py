@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.kernels.cage_state import Cage
+from fem.kernels.cage import Cage
 from fem.kernels.housing_kernels import Resonator
 from fem.kernels.lanes import WIDTH
 from fem.kernels.state import (
@@ -26,6 +26,31 @@ from fem.kernels.state import (
     Shear,
     Spread,
 )
+
+# Arrays that begin at cache lines: eight lanes that lie across two cost two accesses.
+
+
+CACHE_LINE = 64  # bytes, as long as one register of eight
+
+
+def lined_up(group):
+    """A named tuple, and those in it, with copies of its arrays that begin at cache lines."""
+    return type(group)(*(_entry(entry) for entry in group))
+
+
+def _entry(entry):
+    if isinstance(entry, np.ndarray):
+        return at_line(entry)
+    return lined_up(entry) if hasattr(entry, "_fields") else entry
+
+
+def at_line(values: np.ndarray) -> np.ndarray:
+    """A copy that begins at a cache line."""
+    room = np.zeros(values.nbytes + CACHE_LINE, dtype=np.uint8)
+    first = -room.ctypes.data % CACHE_LINE
+    copy = room[first : first + values.nbytes].view(values.dtype).reshape(values.shape)
+    copy[...] = values
+    return copy
 
 
 @dataclass(frozen=True, kw_only=True)

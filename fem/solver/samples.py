@@ -4,7 +4,7 @@ import numpy as np
 
 from fem.kernels import sample_kernels as row
 from fem.solver.cage_arrays import cage_columns
-from fem.solver.energy_account import EnergyAccount
+from fem.solver.guards import EnergyAccount
 from fem.solver.solver import Samples
 from lagrange.mounting import ENERGIES, from_outer_ring
 

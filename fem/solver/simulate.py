@@ -9,7 +9,7 @@ from fem.errors import RunFailed, UsageError
 if TYPE_CHECKING:  # the command asks for the names of models long before anything heavy is needed
     from fem.solver.frames import Frame
     from fem.solver.solver import Plan, Progress, RunState, Samples
-    from lagrange.scene import Scene
+    from lagrange.scene.scene import Scene
 
 T = TypeVar("T")
 SOLVERS = {  # a scene's `model`: the module whose `make_plan` takes it

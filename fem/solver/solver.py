@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.errors import UsageError
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 
 if TYPE_CHECKING:
     from rich.table import Table

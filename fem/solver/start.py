@@ -5,16 +5,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.contacts.reduction import Motion
-from fem.elastic.bored import BoredRing
+from fem.contacts.model import Motion
+from fem.elastic.outer_support import BoredRing
 from fem.statics.contact_balance import ROUND_OFF, NotFound, hub_spring, hub_stiffness, standing_ring
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from fem.statics.exact_statics import exact_contacts
 from lagrange import Kinematics, Operation, kinematics
-from lagrange.course import LONGEST_LOOK, SLOWEST
 from lagrange.first_state import JUMP, JUMPS, SOFT, followed
 from lagrange.kinematics import roller_angles, turned
-from lagrange.profile import profiles
+from lagrange.load_history import LONGEST_LOOK, SLOWEST
+from lagrange.surface.deviation import profiles
 
 if TYPE_CHECKING:
     from fem.contacts.model import Model

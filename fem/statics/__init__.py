@@ -3,7 +3,7 @@
 contact_balance   hub and rollers on elastic contacts
 pressure_balance  hub and rollers on contacts of many points that push or stand open
 equilibrium       of a model, by either of the two
-exact_statics     the whole bearing without a mesh, a yardstick; `static_error` of a model against it
+exact_statics     the whole bearing without a mesh, a yardstick; `equilibrium` of a model against it
 reduced_bearing   the same series as the dynamics of the reduced model take them
 vibrating_bearing modes of its bodies, and laws less what they carry
 quadratic_statics the whole bearing on refined quadratic elements, another

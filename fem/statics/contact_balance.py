@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.contacts.contact_law import ContactLaw, NoLaw
+from fem.contacts.model import ContactLaw, NoLaw
 from fem.errors import UsageError
 from lagrange import Bearing, Operation
+from lagrange.equations import overlaps, sunk
 from lagrange.mounting import ring_place
-from lagrange.overlap import overlaps, sunk
-from lagrange.profile import UNTURNED, Turns, profiles
+from lagrange.surface.deviation import UNTURNED, Turns, profiles
 
 LOOSE_SPRING = 1.0  # N/m, keeps in place what no force holds (a roller in clearance); 1e-6 N per µm
 FAINTEST = 1e-6  # N; a smaller force is what the barrier left

@@ -7,12 +7,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.contacts.model import Model
-from fem.contacts.reduction import Motion, Reduced, unloaded
-from fem.elastic.bored import MOST_SETTLINGS, NOT_SETTLED, BoredRing
-from fem.statics.contact_balance import Condensed, HubSpring, Loads, NotFound, balance, closed_forces, first_guess
-from fem.statics.exact_statics import exact_contacts
+from fem.contacts.model import Model, Motion, Reduced, standing, unloaded
+from fem.elastic.outer_support import MOST_SETTLINGS, NOT_SETTLED, BoredRing
+from fem.quantities import Quantity
+from fem.statics.contact_balance import (
+    Condensed,
+    HubSpring,
+    Loads,
+    NotFound,
+    balance,
+    closed_forces,
+    first_guess,
+    hub_spring,
+)
+from fem.statics.exact_statics import LEAST_LOAD, exact_contacts, exact_statics
 from fem.statics.pressure_balance import balance_pressures
+from lagrange import Operation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,3 +139,62 @@ def _settled(model: Model, outer_ring: np.ndarray) -> Model:
 def _sums(reduced: Reduced, pressed: np.ndarray, n_rollers: int) -> np.ndarray:
     """Forces of the contacts, inner and then outer ones, (2 n_rollers,), N."""
     return np.bincount(reduced.contact, pressed, minlength=2 * n_rollers)
+
+
+# What a user reads off a bearing at rest.
+
+
+def static_quantities(model: Model, operation: Operation) -> list[Quantity]:
+    """Quantities of the bearing at rest under load and weight, rollers where the scene puts them.
+
+    Errors
+    ------
+    NotFound: no equilibrium.
+    """
+    weight = operation.inner_mass * operation.gravity
+    still = standing(model.bearing, operation.first_roller_angle)
+    spring = hub_spring(operation, np.zeros(2))
+    found = equilibrium(model, still, operation.radial_load, weight, operation.gravity, spring=spring)
+    total = float(found.inner_force.sum())
+    share = float(found.inner_force.max()) / total if total > 0.0 else 0.0
+    force = float(found.inner_force.max())
+    return [
+        Quantity("static_hub_x", "m", "hub at rest, x", float(found.hub[0])),
+        Quantity("static_hub_y", "m", "hub at rest, y", float(found.hub[1])),
+        Quantity("static_largest_force", "N", "largest force on the inner raceway, at rest", force),
+        Quantity("static_largest_share", "1", "its share of all forces on the inner raceway", share),
+    ]
+
+
+# How far a model's static equilibrium is from exact elasticity.
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiscretisationError:
+    """The mesh against the series, standing, weightless and frictionless."""
+
+    hub: float  # relative error of the hub's displacement
+    largest_force: float  # largest error of a roller's load over the largest load
+
+
+def static_error(model: Model, operation: Operation) -> DiscretisationError:
+    """How far the finite elements of a scene are from exact elasticity under its load.
+
+    Errors
+    ------
+    ValueError: without load there is nothing to compare. NotFound: no equilibrium.
+    """
+    if operation.radial_load < LEAST_LOAD:
+        raise ValueError("without a radial load there is no static displacement to compare")
+    exact = exact_statics(model.bearing, operation.radial_load, operation.first_roller_angle)
+    found = static_equilibrium(model, operation)
+    return DiscretisationError(
+        hub=float(np.linalg.norm(found.hub - exact.hub) / np.linalg.norm(exact.hub)),
+        largest_force=float(np.abs(found.inner_force - exact.inner_force).max() / exact.inner_force.max()),
+    )
+
+
+def static_equilibrium(model: Model, operation: Operation) -> Equilibrium:
+    """Under the radial load alone: standing, weightless, frictionless. NotFound: none."""
+    still = standing(model.bearing, operation.first_roller_angle)
+    return equilibrium(model, still, operation.radial_load, 0.0, 0.0)

@@ -4,12 +4,12 @@ The yardstick for the finite-element model: any bearing, frictionless, standing,
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import log
 
 import numpy as np
 
-from fem.contacts.contact_law import ContactLaw
+from fem.contacts.model import ContactLaw
 from fem.elastic.continuum import (
     disc_hertz_approach,
     hertz_patch,
@@ -20,10 +20,10 @@ from fem.elastic.continuum import (
     ring_hertz_approach,
 )
 from fem.elastic.tangential import ring_cross_compliance
-from fem.statics.contact_balance import Condensed, Loads, balance, closed_forces, first_guess
-from lagrange import Bearing, Material
+from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, closed_forces, first_guess
+from lagrange import Bearing, Material, Operation
+from lagrange.contact.raceway_laws import Pair, contact_pairs
 from lagrange.kinematics import roller_angles
-from lagrange.pair import Pair, contact_pairs
 
 HALF_WIDTH = 0.01  # of a roller's radius; the logarithm of the true half-width is in the law
 N_HARMONICS_PER_WIDTH = 200.0  # harmonics times b/R: point values under Hertz pressures converge slowly
@@ -157,3 +157,41 @@ def _law(ring, roller_approach: float, half_width: float, pair: Pair) -> Contact
     A = pair.line_compliance
     total = (ring_hertz_approach(*ring, half_width) + roller_approach) / pair.length
     return ContactLaw.of_level(A, total / A + log(half_width) - 0.5 * log(pair.half_width_factor), pair)
+
+
+# The contact forces to expect of a scene, before anything is meshed.
+
+
+@dataclass(frozen=True)
+class ExpectedForces:
+    """Static forces of a bearing's contacts, N."""
+
+    bearing: Bearing
+    operation: Operation
+
+    @cached_property
+    def largest(self) -> float:
+        """Largest force by exact statics, solved when first asked for; the bound where there is no equilibrium."""
+        try:
+            found = exact_statics(self.bearing, self._load, self.operation.first_roller_angle)
+        except NotFound:
+            return self.bound
+        return float(np.concatenate([found.inner_force, found.outer_force]).max()) + self._centrifugal
+
+    @property
+    def bound(self) -> float:
+        """Above any contact's force: all the load on one roller, and the preload of rigid rings."""
+        bearing = self.bearing
+        preload = max(0.0, -bearing.radial_clearance)
+        bodies = bearing.roller, bearing.inner_ring, bearing.outer_ring
+        modulus = max(material.plane_strain_modulus for material in bodies if not material.rigid)
+        return self._load + self._centrifugal + modulus * bearing.roller_length * preload
+
+    @property
+    def _load(self) -> float:
+        return self.operation.heaviest + self.operation.inner_mass * self.operation.gravity
+
+    @property
+    def _centrifugal(self) -> float:
+        cage = 0.5 * self.operation.fastest  # or less
+        return self.bearing.roller_mass * cage**2 * self.bearing.pitch_radius

@@ -7,10 +7,10 @@ where that comes from is not known here.
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
-from fem.contacts.reduction import PressurePoints
+from fem.contacts.model import PressurePoints
 from fem.statics.contact_balance import LOOSE_SPRING, Loads, NotFound, geometry, springs_of
 from lagrange import Bearing
-from lagrange.overlap import overlaps
+from lagrange.equations import overlaps
 
 MAX_NEWTON = 40
 MAX_CLOSING = 100

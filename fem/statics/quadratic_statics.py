@@ -8,14 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contacts.contact_law import NoLaw
-from fem.contacts.reduction import PressurePoints
+from fem.contacts.model import NoLaw, PressurePoints
 from fem.elastic.quadratic import contact_nodes, disc_spot_compliance, ring_spot_compliance
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, first_guess, geometry
 from fem.statics.pressure_balance import balance_pressures
 from lagrange import Bearing
+from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.kinematics import roller_angles
-from lagrange.pair import contact_pairs
 from meshes import RefinedDisc, RefinedSector, Spot
 
 STRIBECK = 5.0  # largest roller load times the number of rollers over the bearing's load, about (Stribeck 1907)

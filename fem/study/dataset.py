@@ -17,16 +17,14 @@ import h5py
 import numpy as np
 
 from fem.errors import UsageError
-from fem.labels import UNITS, labels
+from fem.quantities import UNITS, labels
 from fem.result.layout import PER_ROLLER, variables_of
-from fem.study.facts import PROGRAM
-from fem.study.folder import MISSING, Folder
-from fem.study.points import LIBRARIES, Points
-from fem.study.solving import COMPLETE, Solved
+from fem.study.folder import MISSING, PROGRAM, Folder
+from fem.study.solving import COMPLETE, LIBRARIES, Points, Solved
 from fem.study.study_file import QUANTITIES
-from lagrange.hdf5_writing import dimension, hdf5_to_write, label, variable
-from lagrange.output_files import replaced
-from lagrange.scene_keys import unit_of
+from lagrange.files.hdf5 import dimension, hdf5_to_write, label, variable
+from lagrange.files.output import replaced
+from lagrange.scene.keys import unit_of
 from lagrange.version import VERSION
 
 PIECE = 256  # points of signals held at once

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.study.dataset import Collected, unit_of_key
-from fem.study.points import Points
-from fem.study.solving import COMPLETE
+from fem.study.solving import COMPLETE, Points
 from fem.study.study_file import QUANTITIES
-from lagrange.units import engineering
+from lagrange.messages import engineering
 
 BINS = 8  # of a parameter that takes a value of its own in each point
 FEWEST = 2  # points

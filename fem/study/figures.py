@@ -11,8 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fem.study.effects import Column, Effect, Indices, Table
-from residual.plotting import BLUE, GREY, ORANGE, STYLE
-from residual.tick_labels import make_plain
+from residual.figures.style import BLUE, GREY, ORANGE, STYLE, make_plain
 
 WIDTH = 7.0  # inches
 CELL = 1.75  # inches, of a panel among many

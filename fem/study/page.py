@@ -7,10 +7,9 @@ import numpy as np
 from fem.study.dataset import Collected, read_dataset
 from fem.study.effects import Column, Indices, Table, sobol_indices, table_of
 from fem.study.folder import Folder
-from fem.study.points import Points
-from lagrange.loading import load_matplotlib
-from lagrange.output_files import write_whole
-from lagrange.pages import render_page
+from fem.study.solving import Points
+from lagrange.files.output import write_whole
+from lagrange.files.pages import load_matplotlib, render_page
 
 TEMPLATE = Path(__file__).parent / "template" / "study.html.j2"
 MOST_FAILED = 200  # rows

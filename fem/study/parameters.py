@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fem.errors import UsageError
-from lagrange.scene_faults import told
+from lagrange.scene.faults import told
 
 Value = float | int | str | bool
 MOST_VALUES = 100_000  # of one parameter

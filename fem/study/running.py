@@ -8,14 +8,13 @@ from functools import partial
 from importlib.util import find_spec
 from math import nan
 
+from fem.commands.progress import count_display
 from fem.errors import RunFailed, UsageError
-from fem.progress import count_display
 from fem.result.layout import PER_ROLLER, variables_of
 from fem.solver.simulate import make_plan, programs_named
 from fem.study.cluster import Cluster, solve_on_cluster
 from fem.study.folder import Folder
-from fem.study.points import Points
-from fem.study.solving import LOST, Solved, Wanted, solve
+from fem.study.solving import LOST, Points, Solved, Wanted, solve
 from lagrange.messages import say
 
 WORTH_A_CLUSTER = 60.0  # s of work: below, starting workers takes longer than they save

@@ -10,9 +10,9 @@ import numpy as np
 from fem.errors import UsageError
 from fem.study.parameters import Value, is_value
 from fem.study.study_file import Study
-from lagrange.scene import SceneError
-from lagrange.scene_faults import told
-from lagrange.scene_text import load
+from lagrange.scene.faults import told
+from lagrange.scene.files import load
+from lagrange.scene.scene import SceneError
 
 MOST_POINTS = 1_000_000
 MOST_NUMBERS = 10 * MOST_POINTS  # in all points: some hundred bytes of memory each

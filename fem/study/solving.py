@@ -1,20 +1,132 @@
 """One point of a study: a pure function from a scene to numbers, run here or by a worker anywhere."""
 
+import hashlib
+import json
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from fem.checking import OF_CHECK, check_quantities
 from fem.errors import RunFailed, UsageError
-from fem.interface import simulate, statics
+from fem.interface import OF_CHECK, check_quantities, simulate, statics
 from fem.quantities import OF_STATICS, Quantity
 from fem.recording import Result
-from fem.study.study_file import decimation
-from lagrange.scene import Scene, SceneError
+from fem.result.layout import PER_ROLLER, variables_of
+from fem.solver.solver import sample_count
+from fem.study.sampling import Design
+from fem.study.study_file import KeepTable, Study, decimation
+from lagrange.scene.scene import Scene, SceneError
+from lagrange.version import source_digest
+
+# The points of a study as scenes: validated before the first is solved, and named by what decides their results.
+
+
+FORMAT = 1  # of a point's file
+MOST_FAULTS = 10  # told at once
+LIBRARIES = ("numpy", "scipy", "numba", "pydantic")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Points:
+    """All points of a study: their values, and the digest by which each is known on disk."""
+
+    study: Study
+    design: Design
+    digests: list[str]
+    made_by: str  # `program` that solves them, or has
+
+    def __len__(self) -> int:
+        return len(self.digests)
+
+    def scene(self, i: int) -> Scene:
+        """The scene of point i, made when asked for: ten thousand of them would take a gigabyte."""
+        return self.study.scene.varied(self.design.changes(i))
+
+
+def checked_points(study: Study, design: Design, count: Callable[[], None] = lambda: None) -> Points:
+    """Validate every point; `count` is called after each.
+
+    Errors
+    ------
+    UsageError: naming points and keys that can't be used, the first few of them.
+    """
+    digests, faults = [], []
+    first: dict[str, object] = {}
+    for i in range(len(design.points)):
+        try:
+            scene = study.scene.varied(design.changes(i))
+            _check_signals(scene, study.keep, first)
+        except (SceneError, UsageError) as error:
+            reason = str(error).replace("\n", "; ").replace(f"{study.scene.name}: ", "")
+            faults.append(f"{design.told(i)}: {reason}")
+            if len(faults) == MOST_FAULTS:
+                break
+            continue
+        digests.append(digest_of(scene, study.keep))
+        count()
+    if faults:
+        raise UsageError("\n".join(faults))
+    return Points(study=study, design=design, digests=digests, made_by=program())
+
+
+def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> None:
+    """Refuse signals that a point does not have, or that do not fit beside those of the first point."""
+    moving = [name for name in keep.quantities if not name.startswith(("first_", "static_"))]
+    if moving and sample_count(scene) < 2:
+        raise UsageError(
+            "numerics.duration_ms = 0: at rest only the quantities first_… and static_… are told; keep no others, or "
+            "run longer"
+        )
+    if not keep.signals:
+        return
+    known = variables_of(scene)
+    for name in keep.signals:
+        if name not in known or name == "time":
+            raise UsageError(f"keep.signals: {name!r} is no signal of this point; it has {', '.join(known)}")
+    interval, rate = scene.numerics.output_interval_us, keep.signal_rate_kHz
+    one_of = decimation(1e-6 * interval, None if rate is None else 1e3 * rate)
+    sizes: dict[str, object] = {
+        "numerics.duration_ms": scene.numerics.duration_ms,
+        "numerics.output_interval_us": round(one_of * interval, 6),
+    }
+    if any(known[name][0] == PER_ROLLER for name in keep.signals):
+        sizes["bearing.rollers"] = scene.bearing.rollers
+    for key, value in sizes.items():
+        if first.setdefault(key, value) != value:
+            raise UsageError(
+                f"{key} = {value}: signals are as long in every point; the first one has {first[key]}; give all the "
+                "same in [fixed]"
+            )
+    if one_of > 1 and (count := sample_count(scene)) <= one_of:
+        raise UsageError(
+            f"keep.signal_rate_kHz = {rate:g}: keeps one of {one_of} samples, but the run has {count}; "
+            "take a higher rate, or run longer (numerics.duration_ms)"
+        )
+    stored = 1e3 / interval  # kHz
+    if rate is not None and rate > stored * (1.0 + 1e-9):
+        raise UsageError(
+            f"keep.signal_rate_kHz = {rate:g}: samples are stored at {stored:g} kHz "
+            "(numerics.output_interval_us); at most that"
+        )
+
+
+def digest_of(scene: Scene, keep: KeepTable) -> str:
+    """What a point's file is named by: scene, what is kept, the program's text and its libraries' versions."""
+    facts = [FORMAT, scene.to_toml(), sorted(scene.files), keep.model_dump(), program()]
+    return hashlib.sha256(json.dumps(facts).encode()).hexdigest()[:32]
+
+
+@cache
+def program() -> str:
+    """Digest of the program's own code and of its libraries' versions."""
+    libraries = [f"{name} {version(name)}" for name in LIBRARIES]
+    return hashlib.sha256("\0".join([source_digest(), *libraries]).encode()).hexdigest()[:16]
+
 
 COMPLETE, FAILED, STOPPED, LOST = "complete", "failed", "stopped", "lost"
 

@@ -9,14 +9,14 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field, ValidationError
 
-from fem.checking import OF_CHECK
 from fem.errors import UsageError
+from fem.interface import OF_CHECK
 from fem.quantities import OF_RUN, OF_STATICS
 from fem.study.parameters import Parameter, read_parameter
-from lagrange.plain_files import plain_text
-from lagrange.scene import Scene, SceneError, read_scene
-from lagrange.scene_faults import Check, Table, all_faults, likely_of, printable
-from lagrange.scene_text import load
+from lagrange.files.input import plain_text
+from lagrange.scene.faults import Check, Table, all_faults, likely_of, printable
+from lagrange.scene.files import load
+from lagrange.scene.scene import Scene, SceneError, read_scene
 
 LARGEST_FILE = 2**24  # bytes of a list of points
 MOST_NAMES = 1000  # quantities, signals, keys of the scene

@@ -6,8 +6,8 @@ from rich.console import Console
 
 from fem.study.dataset import read_dataset
 from fem.study.folder import Folder
-from fem.study.points import Points
 from fem.study.running import Expected, StudyOptions, workers_for
+from fem.study.solving import Points
 from lagrange.messages import shown
 
 MOST_TOLD = 5  # points that have failed

@@ -13,7 +13,7 @@ import numpy as np
 from fem.errors import RunFailed, UsageError
 from fem.solver.simulate import make_plan
 from lagrange.kinematics import kinematics
-from lagrange.scene import Scene, SceneError, parse_scene
+from lagrange.scene.scene import Scene, SceneError, parse_scene
 
 FRICTION = 0.1
 PRELOADED = {"outer_raceway_diameter_mm": 55.99}

@@ -21,9 +21,9 @@ from fem.quantities import moving_quantities
 from fem.result.store import ResultFile
 from fem.solver.error_estimate import NEEDED
 from fem.solver.simulate import make_plan, run
+from fem.statics.equilibrium import static_quantities
 from fem.statics.exact_statics import exact_statics
-from fem.statics.quantities import static_quantities
-from lagrange.scene import Scene, read_scene
+from lagrange.scene.scene import Scene, read_scene
 from residual.cli import main as check_main
 from tests.pages import DOCS, commit, markdown_table
 

@@ -11,16 +11,14 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from fem.contacts.model import Model
-from fem.contacts.reduction import Motion, standing
-from fem.contacts.resolved import ResolvedModel
-from fem.contacts.spread import SpreadModel
+from fem.contacts.model import Model, Motion, standing
+from fem.contacts.resolved import ResolvedModel, SpreadModel
 from fem.contacts.subgrid import SubgridModel
 from fem.statics.equilibrium import contact_pressures, equilibrium
 from fem.statics.exact_statics import exact_contacts, exact_statics
+from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.kinematics import roller_angles
-from lagrange.pair import contact_pairs
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from tests.pages import DOCS, commit, markdown_table
 
 SUBGRID_MM = (2.0, 1.0, 0.5, 0.25, 0.12, 0.06, 0.03, 0.015, 0.0105)

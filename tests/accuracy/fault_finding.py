@@ -14,7 +14,7 @@ import numpy as np
 from cyclopts import App
 from rich.console import Console
 
-from lagrange.faults import Spall
+from lagrange.surface.faults import Spall
 from residual.fault_finding import FoundSpall, find_faults
 from residual.record import Record
 from tests.accuracy.random_faults import BODIES, SHORTEST, TURNS, noisy, random_record

@@ -21,7 +21,7 @@ from scipy.signal import decimate
 
 from fem.solver.simulate import make_plan
 from lagrange import kinematics
-from lagrange.scene import Scene, read_scene
+from lagrange.scene.scene import Scene, read_scene
 from residual.spectrum import kinematic_lines
 from residual.vibration import Vibration, vibration
 from tests.accuracy.reduced import found

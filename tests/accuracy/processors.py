@@ -28,7 +28,7 @@ def computed(name: str, folder: Path) -> dict[str, np.ndarray]:
     path = folder / f"{name}.nc"
     words = ["--quiet", "--mesh-size", str(MESH_SIZE), "--duration", str(DURATION), "--output", str(path)]
     environment = os.environ | {"NUMBA_CPU_NAME": name, "NUMBA_CPU_FEATURES": ""}
-    program = "from fem.cli import run_fem; run_fem()"
+    program = "from fem.commands.run_fem import run_fem; run_fem()"
     subprocess.run([sys.executable, "-c", program, *words], env=environment, check=True)
     with h5py.File(path) as file:
         return {column: file[column][:] for column in COLUMNS}

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.cli import run_main
-from lagrange.scene import parse_scene_text
+from fem.commands.run_fem import run_main
+from lagrange.scene.scene import parse_scene_text
 from residual.record import Record
 from residual.sources import read_result
 

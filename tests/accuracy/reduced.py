@@ -10,14 +10,14 @@ from typing import NamedTuple
 import numpy as np
 from rich.console import Console
 
-from fem.contacts.contact_law import LOAD_MARGIN
+from fem.contacts.model import LOAD_MARGIN
 from fem.errors import RunFailed
 from fem.solver.reduced import SHARE
 from fem.solver.reduced_state import LIMIT
 from fem.solver.row_state import LONGEST_UNWATCHED
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Plan
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from tests.pages import commit, markdown_table, write_section
 
 FINEST_MM = 0.5

@@ -24,7 +24,7 @@ from rich.console import Console
 from fem.errors import RunFailed, UsageError
 from fem.solver.reduced_state import HARD_SHOCK, SHOCK
 from fem.solver.simulate import make_plan, run
-from lagrange.scene import SceneError, parse_scene
+from lagrange.scene.scene import SceneError, parse_scene
 from tests.pages import commit, markdown_table, write_section
 from tests.stability.campaign import COMPLETE, FAILED, REFUSED, STOPPED, Watch
 from tests.stability.random_scenes import random_scene

@@ -12,12 +12,12 @@ import numpy as np
 from cyclopts import App
 from rich.console import Console
 
-from fem.contacts.contact_law import LOAD_MARGIN
+from fem.contacts.model import LOAD_MARGIN
 from fem.errors import UsageError
 from fem.solver.reduced import SHARE, ReducedPlan, strongest_coupling
 from fem.solver.reduced_state import LIMIT
 from fem.solver.simulate import make_plan
-from lagrange.scene import SceneError, parse_scene
+from lagrange.scene.scene import SceneError, parse_scene
 from tests.accuracy.reduced import found
 from tests.pages import commit, markdown_table, write_section
 from tests.stability.random_scenes import random_scene

@@ -18,8 +18,8 @@ from cyclopts import App
 from fem.interface import Scene, simulate
 from fem.statics.exact_statics import exact_contacts, exact_statics
 from lagrange import kinematics
-from lagrange.faults import Spall
 from lagrange.kinematics import roller_angles
+from lagrange.surface.faults import Spall
 from tests.pages import markdown_table
 from tests.reference.resolved_bodies import FINE, Fineness
 from tests.reference.resolved_crossing import Run, crossing

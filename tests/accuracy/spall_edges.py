@@ -18,11 +18,11 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import brentq
 
 from lagrange import contact_laws, kinematics, static_equilibrium
-from lagrange.faults import Spall
-from lagrange.pair import contact_pairs
-from lagrange.profile import Turns, profiles
-from lagrange.scene import Scene
-from lagrange.softened import softened
+from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.scene.scene import Scene
+from lagrange.surface.deviation import Turns, profiles
+from lagrange.surface.edges import softened
+from lagrange.surface.faults import Spall
 from tests.pages import markdown_table
 from tests.reference.edge_contact import EdgeContact
 

@@ -15,9 +15,9 @@ from scipy.integrate import solve_ivp
 
 from fem.solver.lagrangian import make_plan
 from lagrange.catalogue import designations
+from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
-from lagrange.problem import Problem
-from lagrange.scene import SceneError, parse_scene
+from lagrange.scene.scene import SceneError, parse_scene
 from lagrange.simulate import simulate
 
 DURATION, INTERVAL = 2e-3, 2e-6  # s

@@ -24,12 +24,12 @@ from tests.fuzz.sound import seeds
 from tests.fuzz.targets import NAMES, Targets
 from tests.waiting import ASLEEP
 
-INSTRUMENTED = ("lagrange", "residual", "fem.study", "fem.elastic.kept", "tomllib", "csv")
+INSTRUMENTED = ("lagrange", "residual", "fem.study", "fem.elastic.cache", "tomllib", "csv")
 OF_RESULTS = "fem.result.checkpoint", "fem.result.fields", "fem.pictures.stored_values"
 READERS = (
-    "csv", "tomllib", "lagrange.scene", "residual.sources", "residual.table_source", "residual.evaluation",
-    "residual.summary", "fem.study.points", "fem.study.study_file",
-    "fem.study.sampling", "fem.study.facts", "fem.study.folder", "fem.elastic.kept",
+    "csv", "tomllib", "lagrange.scene.scene", "residual.sources", "residual.table_source", "residual.evaluation",
+    "residual.summary", "fem.study.solving", "fem.study.study_file",
+    "fem.study.sampling", "fem.study.folder", "fem.study.folder", "fem.elastic.cache",
 )  # fmt: skip
 KEPT = Path(__file__).parent / "corpus"  # inputs that once found something
 MEMORY_MB = 1024

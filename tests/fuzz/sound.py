@@ -46,7 +46,7 @@ STUDIES = GRID, DRAWN, DRAWN.replace("sobol", "lhs").replace("indices = true\n",
 
 def seeds(name: str) -> list[bytes]:
     """Make small sound inputs to start from."""
-    from lagrange.scene import Scene
+    from lagrange.scene.scene import Scene
 
     if name == "scene":
         ball = '[bearing]\ntype = "ball"\n[material.roller]\ndensity_kg_m3 = 3200\n[operation]\nspeed_rpm = -3e3\n'
@@ -94,8 +94,8 @@ def seeds(name: str) -> list[bytes]:
 def _study_facts(place: Path, text: str) -> bytes:
     """What run-study writes of a study before it solves the first point."""
     from fem.study.folder import Folder
-    from fem.study.points import checked_points
     from fem.study.sampling import design_of
+    from fem.study.solving import checked_points
     from fem.study.study_file import read_study
 
     (place / "study.toml").write_text(text, encoding="utf-8")
@@ -111,7 +111,7 @@ def _sealed(arrays: dict[str, np.ndarray]) -> bytes:
 
 
 def _run(arguments: list[str]) -> None:
-    from fem.cli import run_main
+    from fem.commands.run_fem import run_main
 
     if run_main([*arguments, "--quiet"]) != 0:
         raise RuntimeError("the run that makes the first input failed")
@@ -121,7 +121,7 @@ def _unchecked(path: Path) -> bytes:
     """Read a result file without its checksums, which would stop most changes."""
     import h5py
 
-    from lagrange.stored import CHECKSUM, SCENE_CHECKSUM
+    from lagrange.files.hdf5 import CHECKSUM, SCENE_CHECKSUM
 
     with h5py.File(path, "r+") as file:
         for variable in file.values():

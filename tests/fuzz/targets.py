@@ -27,7 +27,7 @@ class Targets:
 
     def scene(self, data: bytes) -> bool:
         """Read a scene file; what is taken must come back from its own text. Whether it was taken."""
-        from lagrange.scene import SceneError, parse_scene_text, read_scene
+        from lagrange.scene.scene import SceneError, parse_scene_text, read_scene
 
         path = self._file("fuzzed.toml", data)
         try:
@@ -39,7 +39,7 @@ class Targets:
 
     def heights(self, data: bytes) -> bool:
         """Run-fem's plan of a scene that names a table of heights; what is taken must close."""
-        from lagrange.scene import read_scene
+        from lagrange.scene.scene import read_scene
 
         self._file("fuzzed-heights.csv", data)
         path = self._file("heights.toml", b'[[profile]]\nfile = "fuzzed-heights.csv"\n')
@@ -62,11 +62,11 @@ class Targets:
 
     def study(self, data: bytes) -> bool:
         """Run-study's plan, of large studies the reader alone."""
+        from fem.commands.run_study import study_main
         from fem.errors import UsageError
         from fem.study.sampling import design_of
         from fem.study.study_file import read_study
-        from fem.study_cli import study_main
-        from lagrange.scene import SceneError
+        from lagrange.scene.scene import SceneError
 
         path = self._file("fuzzed-study.toml", data)
         self._file("points.csv", b"operation.speed_rpm,operation.radial_load_N\n1000,500\n2000,800\n")
@@ -82,7 +82,7 @@ class Targets:
         """Read what a study's folder tells of it, and make the scene of every point."""
         from fem.errors import UsageError
         from fem.study.folder import Folder
-        from lagrange.scene import SceneError
+        from lagrange.scene.scene import SceneError
 
         try:
             points = Folder(path=self._file("study.json", data).parent).points()
@@ -93,13 +93,13 @@ class Targets:
         return True
 
     def _planned(self, scene: Path) -> bool:
-        from fem.cli import run_main
+        from fem.commands.run_fem import run_main
 
         return _commanded(run_main, str(scene), "--model", "lagrange", "--dry-run")
 
     def table(self, data: bytes) -> bool:
         """Read a trajectory table, and evaluate it where it is taken."""
-        from lagrange.scene import parse_scene_text
+        from lagrange.scene.scene import parse_scene_text
         from residual.errors import InputError
         from residual.table_source import read_table
 
@@ -136,7 +136,7 @@ class Targets:
         from fem.errors import UsageError
         from fem.pictures import stored_values
         from fem.pictures.recover import StoredRun
-        from lagrange.scene import SceneError
+        from lagrange.scene.scene import SceneError
 
         stored_values.READ_SECONDS = 0.2
         sound = _plan()
@@ -159,7 +159,7 @@ class Targets:
 
         import numpy as np
 
-        from fem.elastic.kept import kept
+        from fem.elastic.cache import kept
 
         made = []
 
@@ -217,7 +217,7 @@ def _refused(error: Exception) -> bool:
 def _evaluated(trajectory) -> None:
     """Check that what the reader takes can be evaluated, and the numbers be written."""
     from residual.evaluation import evaluate
-    from residual.parts import Parts
+    from residual.exports import Parts
     from residual.summary import summarise
 
     json.dumps(summarise(evaluate(trajectory), Parts(), "0"), allow_nan=False)
@@ -228,7 +228,7 @@ _PLANS: list = []
 
 def _plan():
     from fem.solver.simulate import make_plan
-    from lagrange.scene import read_scene
+    from lagrange.scene.scene import read_scene
 
     if not _PLANS:
         _PLANS.append(make_plan(read_scene(None, ELEMENTS)))

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from lagrange import contact_laws
-from lagrange.ball_contact import delta_star
-from lagrange.scene import read_scene
-from residual import paper
+from lagrange.contact.laws import delta_star
+from lagrange.scene.scene import read_scene
+from residual import run_comparison
 from tests.pages import markdown_table
 from tests.paper.supports import HALF_SUPPORT, Held
 from tests.paper.variants import COARSE, Measured, Range, Variant
@@ -19,7 +19,7 @@ POLYGONS = "less-soft-facets-1"
 ROLLER = ("ρ′, mm/s", "ρ″, m/s²")
 SIDES = ("(22) Harris, N", "(23) Harris, N", "(22) fitted, N", "(23) fitted, N", "y moves at, Hz")
 MINUS = "−"
-SINK = 0.5 * abs(sum(paper.INNER_Y))  # m, middle of the paper's y
+SINK = 0.5 * abs(sum(run_comparison.INNER_Y))  # m, middle of the paper's y
 
 
 def text(value: float, digits: int = 3) -> str:
@@ -55,7 +55,7 @@ HARRIS_POINTS = (  # F and δ* of figure 4. Source: Harris, Rolling Bearing Anal
 
 def rattle() -> float:
     """Frequency at which the paper's velocity and acceleration of figure 7 belong together, Hz."""
-    return paper.ROLLER_ACCELERATION[1] / paper.ROLLER_VELOCITY[1] / (2.0 * pi)
+    return run_comparison.ROLLER_ACCELERATION[1] / run_comparison.ROLLER_VELOCITY[1] / (2.0 * pi)
 
 
 def delta_star_error() -> float:

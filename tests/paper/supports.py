@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contacts.reduction import standing
+from fem.contacts.model import standing
 from fem.solver.discretise import model_of
 from fem.statics.equilibrium import equilibrium
-from lagrange.scene import Scene, read_scene
+from lagrange.scene.scene import Scene, read_scene
 
 MESH = 1e-3  # m
 HALF_SUPPORT = 3e-3  # m, along the outside; much less would be a hinge

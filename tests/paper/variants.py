@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 from residual import Record, evaluate, read_result
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation
-from residual.paper_figures import chosen_roller
+from residual.figures.comparison import chosen_roller
 from tests.paper.supports import settings_held
 
 SOFT = 8.3e6  # N/m, of each contact: the hub sinks by the paper's 0.15 mm

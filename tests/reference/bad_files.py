@@ -8,8 +8,8 @@ import os
 import h5py
 import numpy as np
 
-from fem.cli import run_main
-from fem.render_cli import render_main
+from fem.commands.render_fem import render_main
+from fem.commands.run_fem import run_main
 from fem.result.checkpoint import checkpoint_path
 from residual.cli import main as check_main
 from tests.reference.synthetic_run import make_run, write_result, write_table

@@ -3,7 +3,7 @@
 Each gives the command, its arguments and what the refusal must say.
 """
 
-from fem.cli import run_main
+from fem.commands.run_fem import run_main
 
 
 def scene(text, *words):

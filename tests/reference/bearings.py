@@ -18,7 +18,7 @@ from fem.solver.arrays import make_arrays
 from fem.solver.run_arrays import Arrays
 from fem.solver.start import Start, equilibrium_start, rest_start
 from lagrange import Bearing, Material, Operation
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from meshes import Annulus, Disc
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)

@@ -9,10 +9,10 @@ from tests.waiting import GIVE_UP
 
 ROOT = Path(__file__).resolve().parents[2]
 ENTRIES = {
-    "run-fem": "from fem.entry import run_fem as main",
-    "render-fem": "from fem.entry import render_fem as main",
-    "run-live": "from fem.entry import run_live as main",
-    "run-study": "from fem.entry import run_study as main",
+    "run-fem": "from fem.commands.entry import run_fem as main",
+    "render-fem": "from fem.commands.entry import render_fem as main",
+    "run-live": "from fem.commands.entry import run_live as main",
+    "run-study": "from fem.commands.entry import run_study as main",
     "check-residual": "from residual.entry import check_residual as main",
 }
 

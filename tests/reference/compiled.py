@@ -5,7 +5,6 @@ import numpy as np
 from fem.elastic.reciprocal_mass import ReciprocalMass
 from fem.kernels import (
     contact_kernels,
-    creep,
     disc_kernels,
     friction_solution,
     law,
@@ -16,6 +15,7 @@ from fem.kernels import (
     surfaces,
     time_loop,
 )
+from fem.kernels import law as creep
 from fem.kernels.jit import kernel
 from fem.kernels.lanes import splat
 from fem.solver.run_arrays import Arrays

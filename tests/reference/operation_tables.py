@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from lagrange.scene import Scene, read_scene
+from lagrange.scene.scene import Scene, read_scene
 from lagrange.trajectory import Trajectory
 from residual.record import Record
 

@@ -9,7 +9,7 @@ from math import pi
 import numpy as np
 
 from lagrange import Bearing
-from lagrange.faults import Spall
+from lagrange.surface.faults import Spall
 from tests.reference.graded_mesh import graded_circle, meshed
 from tests.reference.modal_bodies import Body, body
 

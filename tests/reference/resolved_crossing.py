@@ -10,7 +10,7 @@ import numpy as np
 from scipy import sparse
 
 from lagrange import Bearing
-from lagrange.faults import Spall
+from lagrange.surface.faults import Spall
 from tests.reference.modal_bodies import Body, Motion, separated
 from tests.reference.resolved_bodies import (
     DOWN,

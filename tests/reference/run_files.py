@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 
 from fem.result.layout import VARIABLES
-from lagrange.stored import SIGNATURE
+from lagrange.files.hdf5 import SIGNATURE
 
 EARLIER = SIGNATURE + b"an earlier result"
 OPTIONS = ["--mesh-size", "2", "--quiet", "--checkpoint", "0"]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import h5py
 import numpy as np
 
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 
 INTERVAL = 1e-5
 

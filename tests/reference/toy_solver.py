@@ -9,7 +9,7 @@ import numpy as np
 
 from fem.result.layout import PER_TIME, VARIABLES
 from fem.solver.solver import Block, Plan, RunState, Samples, sample_count
-from lagrange.scene import Scene
+from lagrange.scene.scene import Scene
 
 TURN = 0.1  # rad a sample
 GONE = 1e5  # rpm, from which on the spring breaks

@@ -4,7 +4,7 @@ import shutil
 
 import h5py
 
-from lagrange.stored import CHECKSUM, SCENE_CHECKSUM
+from lagrange.files.hdf5 import CHECKSUM, SCENE_CHECKSUM
 
 
 def unchecked_copy(path, target):

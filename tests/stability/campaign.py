@@ -16,7 +16,7 @@ from fem.errors import RunFailed, UsageError
 from fem.solver.finite_elements import ElementPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
-from lagrange.scene import SceneError, parse_scene
+from lagrange.scene.scene import SceneError, parse_scene
 from tests.waiting import ASLEEP, limit_processor_time
 
 COMPLETE, REFUSED, STOPPED, FAILED = "complete", "refused", "stopped", "FAILED"

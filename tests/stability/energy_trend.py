@@ -7,7 +7,7 @@ from cyclopts import App
 from rich.console import Console
 
 from fem.solver.simulate import make_plan, run
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 
 
 @dataclass(frozen=True, kw_only=True)

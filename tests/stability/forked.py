@@ -19,14 +19,14 @@ from pathlib import Path
 from tests.waiting import ASLEEP, limit_processor_time, wait_until
 
 ENTRIES = {
-    "run-fem": ("fem.cli", "run_fem"),
+    "run-fem": ("fem.commands.run_fem", "run_fem"),
     "check-residual": ("residual.cli", "check_residual"),
-    "render-fem": ("fem.render_cli", "render_here"),  # what it does in the process of its own
+    "render-fem": ("fem.commands.render_fem", "render_here"),  # what it does in the process of its own
 }
 
 USUAL = (  # modules of what the commands do in tests
-    "fem.runner", "fem.solver.finite_elements", "fem.solver.lagrangian", "fem.pictures.recover", "fem.render_cli",
-    "meshes.export", "residual.cli",
+    "fem.runner", "fem.solver.finite_elements", "fem.solver.lagrangian", "fem.pictures.recover",
+    "fem.commands.render_fem",     "meshes.export", "residual.cli",
 )  # fmt: skip
 
 _forks = get_context("forkserver")

@@ -14,9 +14,9 @@ from scipy.optimize import brentq
 
 from fem.errors import UsageError
 from fem.solver.simulate import make_plan
+from lagrange.contact.raceway_laws import contact_laws
 from lagrange.mounting import ENERGIES
-from lagrange.raceway_laws import contact_laws
-from lagrange.scene import SceneError, parse_scene_text
+from lagrange.scene.scene import SceneError, parse_scene_text
 from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.record import Record

@@ -23,7 +23,7 @@ MOST_FREEDOM = 30_000.0
 
 
 def random_scene(seed: int, number: int, duration_ms: float, budget: float = BUDGET) -> dict[str, Any]:
-    """Tables of scene `number` of a seed, as `lagrange.scene.parse_scene` takes them.
+    """Tables of scene `number` of a seed, as `lagrange.scene.scene.parse_scene` takes them.
 
     Geometry and materials come from the whole ranges; speed and load too, but for all scenes except the untamed share
     they are cut down to a share of what the materials bear, up to all of it. The mesh is coarsened until the run costs

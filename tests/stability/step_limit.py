@@ -12,7 +12,7 @@ from fem.errors import RunFailed
 from fem.solver.finite_elements import ElementPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
-from lagrange.scene import Scene, parse_scene
+from lagrange.scene.scene import Scene, parse_scene
 from tests.stability.random_scenes import random_scene
 
 RATIOS = (0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0, 1.0025, 1.005, 1.01, 1.015, 1.02, 1.04, 1.07, 1.1, 1.15, 1.2)

@@ -7,12 +7,12 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
-from fem.contacts.contact_law import ContactLaw
+from fem.contacts.model import ContactLaw
 from fem.elastic.assembly import assemble
 from fem.kernels import disc_kernels
 from fem.kernels.state import Disc
 from lagrange import Material
-from lagrange.pair import Pair
+from lagrange.contact.raceway_laws import Pair
 from meshes import Mesh
 from tests.reference import compiled
 

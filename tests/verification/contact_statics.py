@@ -6,9 +6,8 @@ from math import inf, pi
 
 import numpy as np
 
-from fem.contacts.contact_law import ContactLaw
+from fem.contacts.model import ContactLaw, standing
 from fem.contacts.patch import disc_patch_force
-from fem.contacts.reduction import standing
 from fem.contacts.subgrid import (
     REFERENCE_HALF_WIDTH,
     SurfaceCompliance,
@@ -21,7 +20,7 @@ from fem.kernels.law import ripple_at
 from fem.statics.equilibrium import Equilibrium, equilibrium
 from fem.statics.exact_statics import ExactStatics, exact_statics
 from lagrange import Bearing, Material
-from lagrange.pair import Pair
+from lagrange.contact.raceway_laws import Pair
 from tests.reference.bearings import (
     HALF_PITCH,
     LENGTH,

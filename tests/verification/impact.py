@@ -5,10 +5,10 @@ from math import gamma, pi, sqrt
 import numpy as np
 
 from lagrange import BallBearing, Operation, contact_laws
-from lagrange.contact_damping import UNDAMPED
+from lagrange.contact.damping import UNDAMPED
+from lagrange.first_state import Problem
 from lagrange.integrate import NumpyIntegration
 from lagrange.motion import State
-from lagrange.problem import Problem
 from lagrange.step_size import Steps
 from lagrange.systems import FreeAngles
 from tests.reference.bearings import STEEL, STEEL_ON_STEEL

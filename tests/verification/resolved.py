@@ -4,8 +4,8 @@ from math import pi, radians, sqrt
 
 import numpy as np
 
+from fem.contacts.model import standing
 from fem.contacts.points import POINTS_PER_NODE
-from fem.contacts.reduction import standing
 from fem.contacts.resolved import ResolvedModel
 from fem.statics.equilibrium import Pressures, contact_pressures
 from lagrange import Bearing, Material, kinematics

@@ -7,7 +7,7 @@ import numpy as np
 from fem.solver.finite_elements import ElementPlan
 from fem.solver.simulate import make_plan, run
 from fem.solver.solver import Samples
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 
 
 @dataclass(frozen=True, kw_only=True)

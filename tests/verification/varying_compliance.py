@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.statics.exact_statics import exact_statics
 from lagrange import contact_laws, kinematics, static_equilibrium
-from lagrange.scene import read_scene
+from lagrange.scene.scene import read_scene
 from tests.reference.bearings import LOAD, ON_A_ROLLER, paper
 from tests.verification.case import Case, Check, Origin
 from tests.verification.runs import RunSamples, plan_of, record

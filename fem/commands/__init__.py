@@ -1,0 +1,1 @@
+"""The commands. They import little: everything heavy waits until a scene has been read."""

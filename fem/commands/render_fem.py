@@ -1,0 +1,264 @@
+"""The command `render-fem`. Imports little: everything heavy waits until a run has been found."""
+
+import os
+from math import inf
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from fem.commands.run_fem import RUNS, interrupted, new_app, open_streams, run_app_main
+from fem.commands.start_up import Outcome, hear_termination, imported, importing, leave
+from fem.errors import UsageError
+
+FRAMES, FRAMES_PER_SECOND = 120, 25.0
+SIGNALS = (".csv", ".wav", ".mat")  # of `fem.result.acceleration`
+WIDTH, FILM_WIDTH = 1600, 960
+
+render_app = new_app(
+    "render-fem",
+    """Draw a run off-screen: the whole bearing or one roller between its raceways, at one instant or as a film.
+
+Stress, displacement or photoelastic fringes on the deformed bodies, with what lies below the grid of a contact; contact
+forces, load zone, the hub's orbit. Or export mesh and fields for ParaView and others, or accelerations.
+
+Example: render-fem runs/paper.nc --time 12.5
+         render-fem runs/paper.nc --view close-up --field photoelastic
+         render-fem runs/paper.nc --animation paper.mp4 --start 10 --stop 20
+         render-fem runs/paper.nc --export paper.vtkhdf
+         render-fem runs/paper.nc --export paper.wav
+
+Exit codes: 0 done; 2 unusable input; 130 interrupted.
+""",
+)
+
+
+@render_app.default
+def _render(
+    run: Annotated[Path | None, Parameter(help="result file; default: the newest runs/*.nc")] = None,
+    /,
+    *,
+    output: Annotated[Path | None, Parameter(help="PNG file; default: <run>.png beside the run")] = None,
+    time: Annotated[float | None, Parameter(help="instant, ms; default: the last sample")] = None,
+    view: Annotated[Literal["bearing", "close-up"], Parameter(help="what is seen")] = "bearing",
+    field: Annotated[
+        Literal["von-mises", "max-shear", "displacement", "photoelastic"] | None,
+        Parameter(help="what is coloured; default: von-mises, of a close-up max-shear"),
+    ] = None,
+    roller: Annotated[int | None, Parameter(help="of a close-up; default: the most loaded one")] = None,
+    fringe: Annotated[
+        float | None, Parameter(help="MPa of principal stress difference a fringe; default: chosen and stated")
+    ] = None,
+    magnification: Annotated[float | None, Parameter(help="of the displacement; default: chosen and stated")] = None,
+    width: Annotated[int | None, Parameter(help=f"pixels; default: {WIDTH}, of a film {FILM_WIDTH}")] = None,
+    animation: Annotated[Path | None, Parameter(help="a film, .mp4 or .gif, instead of a picture")] = None,
+    export: Annotated[
+        Path | None,
+        Parameter(
+            help="mesh and fields instead of a picture: .vtkhdf or .pvd with all instants, or one in any format of "
+            "meshio (.vtu, .xdmf, ...); accelerations of hub, housing and sensor: .csv, .wav, .mat"
+        ),
+    ] = None,
+    start: Annotated[float | None, Parameter(help="first instant of a film or an export, ms")] = None,
+    stop: Annotated[float | None, Parameter(help="last one, ms")] = None,
+    frames: Annotated[
+        int | None, Parameter(help=f"their number; default: those whose fields are stored, else {FRAMES}")
+    ] = None,
+    fps: Annotated[float, Parameter(help="frames per second of a film")] = FRAMES_PER_SECOND,
+    force: Annotated[bool, Parameter(negative="", help="replace a file that is no export of this program")] = False,
+    quiet: Annotated[bool, Parameter(negative="", help="no progress")] = False,
+) -> int:
+    _check("--width", width, 200, 8000, "pixels")
+    _check("--magnification", magnification, 0.0, 1e9)
+    _check("--fringe", fringe, 1e-6, 1e6, "MPa")
+    _check("--frames", frames, 2, 100_000)
+    _check("--fps", fps, 0.1, 200.0)
+    for option, path in (("--output", output), ("--animation", animation), ("--export", export)):
+        if path is not None and path.is_dir():
+            raise UsageError(f"{option} {path}: is a folder; name a file in it")
+    if sum(path is not None for path in (output, animation, export)) > 1:
+        raise UsageError("--output, --animation, --export: one of them at a time")
+    _check_kind(output, animation, export)
+
+    from lagrange.files.pages import load_matplotlib
+
+    load_matplotlib()
+    from fem.pictures.recover import StoredRun
+    from fem.pictures.target import refuse_foreign
+
+    stored = StoredRun(run if run is not None else _newest())
+    target = output or animation or export or stored.path.with_suffix(".png")
+    refuse_foreign(target, force)
+    if export is not None and export.suffix.lower() in SIGNALS:
+        if any(given is not None for given in (time, start, stop, frames)):
+            raise UsageError("--time, --start, --stop, --frames: accelerations are of the whole run; leave them out")
+        return _signals(stored, export)
+    many = animation is not None or (export is not None and _holds_series(export))
+    if many and time is not None:
+        raise UsageError("--time: one instant; a film or a series goes from --start to --stop")
+    if not many and (start is not None or stop is not None or frames is not None):
+        raise UsageError("--start, --stop, --frames: of a film or a series; one instant is --time")
+    samples = _samples(stored, start, stop, frames) if many else [stored.nearest(None if time is None else 1e-3 * time)]
+    if export is not None:
+        return _export(stored, export, samples, quiet)
+    from fem.pictures.look import Request
+
+    request = Request(
+        view=view,
+        field=field,
+        magnification=magnification,
+        stress_per_fringe=None if fringe is None else 1e6 * fringe,
+        roller=roller,
+        width=width or (WIDTH if animation is None else FILM_WIDTH),
+    )
+    if animation is not None:
+        return _film(stored, animation, request, samples, fps, quiet)
+    return _picture(stored, target, request, samples[0])
+
+
+def _check(option: str, value: float | None, low: float, high: float, unit: str = "") -> None:
+    if value is not None and not low <= value <= high:
+        raise UsageError(f"{option} {value:g}: must lie between {low:g} and {high:g} {unit}".rstrip())
+
+
+def _check_kind(output: Path | None, animation: Path | None, export: Path | None) -> None:
+    """Whether what a file's name ends in can be written, before anything is computed; a run is never drawn over."""
+    if output is not None and output.suffix.lower() != ".png":
+        raise UsageError(f"--output {output}: must end in .png")
+    if animation is not None and animation.suffix.lower() not in (".mp4", ".gif"):
+        raise UsageError(f"--animation {animation}: must end in .mp4 or .gif")
+    if export is not None and not _holds_series(export) and export.suffix.lower() not in SIGNALS:
+        from meshes.export import known_suffixes
+
+        if export.suffix.lower() not in known_suffixes():
+            raise UsageError(
+                f"--export {export}: must end in .vtkhdf, .pvd, {', '.join(SIGNALS)} or a format of meshio: "
+                f"{', '.join(known_suffixes())}"
+            )
+
+
+def _holds_series(export: Path) -> bool:
+    return export.suffix.lower() in (".vtkhdf", ".pvd")
+
+
+def _newest() -> Path:
+    found = sorted(RUNS.glob("*.nc"), key=lambda path: path.stat().st_mtime)
+    if not found:
+        raise UsageError(f"no *.nc in {RUNS.resolve()}; run run-fem first, or name a result file")
+    return found[-1]
+
+
+def _samples(stored, start: float | None, stop: float | None, frames: int | None) -> list[int]:
+    """Those of a film: in a span, evenly spaced, or those whose fields are stored."""
+    import numpy as np
+
+    first = 0 if start is None else stored.nearest(1e-3 * start)
+    last = stored.nearest(None if stop is None else 1e-3 * stop)
+    if last <= first:
+        raise UsageError(
+            f"--start, --stop: {1e3 * stored.times[first]:g} to {1e3 * stored.times[last]:g} ms leave nothing to show"
+        )
+    kept = stored.stored_samples
+    kept = kept[(kept >= first) & (kept <= last)]
+    if frames is None and len(kept) > 1:
+        return kept.tolist()
+    return np.unique(np.linspace(first, last, frames or FRAMES).round().astype(int)).tolist()
+
+
+def _picture(stored, target: Path, request, sample: int) -> int:
+    from fem.pictures.render import draw
+
+    draw(stored, target, request, sample)
+    _tell(f"Picture: {target}")
+    return Outcome.COMPLETE.code
+
+
+def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> int:
+    from fem.commands.progress import count_display
+    from fem.pictures.film import write_film
+    from fem.pictures.render import Renderer
+
+    imported()
+    shown = float(stored.times[samples[-1]] - stored.times[samples[0]]) / (len(samples) - 1)
+    slower = 1.0 / (fps * shown) if shown > 0.0 else inf
+    with (
+        Renderer(stored, request, samples, f"{slower:.3g} × slower") as renderer,
+        count_display("frames", len(samples), quiet) as count,
+    ):
+
+        def images():
+            for sample in samples:
+                yield renderer.image(sample)
+                count()
+
+        write_film(target, images(), fps, renderer.palette)
+    _tell(f"Film: {target} ({len(samples)} frames)")
+    return Outcome.COMPLETE.code
+
+
+def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
+    from fem.commands.progress import count_display
+    from fem.pictures.export import write_instant, write_series
+
+    imported()
+    with count_display("instants", len(samples), quiet) as count:
+        if _holds_series(target):
+            write_series(stored, target, samples, count)
+        else:
+            write_instant(stored, target, samples[0])
+    _tell(f"Fields: {target}")
+    return Outcome.COMPLETE.code
+
+
+def _signals(stored, target: Path) -> int:
+    from fem.result.acceleration import accelerations, write_accelerations
+
+    found = accelerations(stored.scene, stored.column)
+    try:
+        write_accelerations(target, found)
+    except OSError as error:
+        raise UsageError(f"--export {target}: can't be written: {error.strerror or error}") from None
+    _tell(f"Accelerations: {target} ({', '.join(found.values)} at {found.rate} Hz)")
+    return Outcome.COMPLETE.code
+
+
+def _tell(text: str) -> None:
+    from lagrange.messages import shown, telling
+
+    with telling():
+        print(shown(text))
+
+
+def render_main(arguments: list[str] | None = None) -> int:
+    """`render-fem`, its exit code."""
+    with importing():
+        return run_app_main(render_app, arguments)
+
+
+def render_here() -> None:
+    """`render-fem` in this process, which ends."""
+    hear_termination()
+    leave(render_main())
+
+
+def render_fem() -> None:
+    """Entry point."""
+    hear_termination()
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others would only wait, and waiting takes their time too
+    open_streams()
+    try:
+        from fem.pictures.drawing_process import run_apart
+
+        code = run_apart(render_here)
+    except KeyboardInterrupt as error:
+        code = interrupted(error)
+    except UsageError as error:
+        from lagrange.messages import say
+
+        say(Outcome.UNUSABLE.told(reason=error))
+        code = Outcome.UNUSABLE.code
+    leave(code)
+
+
+if __name__ == "__main__":
+    render_fem()

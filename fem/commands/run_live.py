@@ -1,0 +1,63 @@
+"""The command `run-live`. Imports little: everything heavy waits until a scene has been read."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from fem.commands.run_fem import new_app, run_app_main, settings_of
+from fem.commands.start_up import Outcome, hear_termination, leave
+
+live_app = new_app(
+    "run-live",
+    """Play a bearing in the browser while it is computed, by the reduced model, in slow motion or in real time.
+
+Prints an address to open on this machine; it holds until the command ends. Speed, load, clearance, friction and a
+spall of the outer ring can be changed as it runs. No result file is written: the page saves its scene, for run-fem.
+
+Example: run-live my-bearing.toml --set operation.speed_rpm=3000
+
+Exit codes: 1 the run has no start; 2 unusable input; 130 ended by Ctrl-C.
+""",
+)
+
+
+@live_app.default
+def _live(
+    scene: Annotated[Path | None, Parameter(help="scene file (TOML); default: the paper's bearing")] = None,
+    /,
+    *,
+    set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
+) -> int:
+    from lagrange.messages import say, telling
+    from lagrange.scene.scene import read_scene
+
+    chosen = read_scene(scene, (*settings_of(set), "model=reduced"))
+    import asyncio
+
+    from fem.live.player import Player
+    from fem.live.server import LiveServer
+
+    server = LiveServer(Player(chosen, say))
+
+    def announce(address: str) -> None:
+        with telling():
+            print(f"Live: {address}\nCtrl-C ends it.")
+
+    asyncio.run(server.run(announce))
+    return Outcome.COMPLETE.code
+
+
+def live_main(arguments: list[str] | None = None) -> int:
+    """`run-live`, its exit code."""
+    return run_app_main(live_app, arguments)
+
+
+def run_live() -> None:
+    """Entry point."""
+    hear_termination()
+    leave(live_main())
+
+
+if __name__ == "__main__":
+    run_live()

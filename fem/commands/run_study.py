@@ -1,0 +1,154 @@
+"""The command `run-study`. Imports little: everything heavy waits until a study has been read."""
+
+import signal
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from fem.commands.run_fem import new_app, run_app_main
+from fem.commands.start_up import Outcome, hear_termination, leave, need
+from fem.errors import UsageError
+
+if TYPE_CHECKING:
+    from fem.study.folder import Folder
+    from fem.study.running import StudyOptions
+    from fem.study.solving import Points
+
+STUDIES = Path("studies")
+MOST_WORKERS = 4096
+
+study_app = new_app(
+    "run-study",
+    """Run a scene many times with other values and put what the runs show into one dataset and one page.
+
+The study's file says what is varied, how and what is kept: docs/studies.md. Every point is validated before the first
+is solved; each is kept in a file of its own, so that --resume goes on where a study was ended, by whatever.
+
+Example: run-study clearance.toml --dry-run
+         run-study clearance.toml --workers 4
+         run-study clearance.toml --scheduler tcp://10.0.0.1:8786 --resume
+
+Exit codes: 0 done; 1 some points failed, the dataset is there; 2 unusable input; 130 interrupted; 143 terminated.
+""",
+)
+
+
+@study_app.default
+def _study(
+    study: Annotated[Path | None, Parameter(help="study file (TOML)")] = None,
+    /,
+    *,
+    output: Annotated[Path | None, Parameter(help="folder; default: studies/<study name>")] = None,
+    dry_run: Annotated[bool, Parameter(negative="", help="check every point, show the cost and run nothing")] = False,
+    resume: Annotated[bool, Parameter(negative="", help="go on with the folder's points; finished ones stay")] = False,
+    workers: Annotated[int | None, Parameter(help="processes; default: as many as pay; 1: none but this")] = None,
+    scheduler: Annotated[str | None, Parameter(help="address of a dask scheduler: tcp://host:8786")] = None,
+    keep_runs: Annotated[bool, Parameter(negative="", help="keep every point's result file too")] = False,
+    collect: Annotated[
+        Path | None, Parameter(help="make dataset and page of this folder again, without solving", name="--collect")
+    ] = None,
+    quiet: Annotated[bool, Parameter(negative="", help="no progress, no summary")] = False,
+) -> int:
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise UsageError(f"--workers {workers}: must be a whole number from 1 to {MOST_WORKERS}")
+    if workers is not None and scheduler is not None:
+        raise UsageError("--workers, --scheduler: a scheduler has workers of its own; leave --workers out")
+    if scheduler is not None or (workers or 1) > 1:
+        need("distributed", "--workers" if scheduler is None else "--scheduler")
+    if (study is None) == (collect is None):
+        raise UsageError("name a study file, or a study's folder with --collect")
+    from fem.commands.progress import count_display
+    from fem.study.folder import Folder
+    from fem.study.running import StudyOptions
+    from fem.study.sampling import design_of
+    from fem.study.solving import checked_points
+    from fem.study.study_file import read_study
+
+    if collect is not None:
+        if output is not None or dry_run or resume or scheduler is not None or workers is not None or keep_runs:
+            raise UsageError("--collect solves nothing: only --quiet goes with it")
+        folder = Folder(path=collect)
+        return _collect(folder.points(), folder, quiet)
+    read = read_study(Path(study or ""))
+    design = design_of(read)
+    with count_display("points checked", len(design.points), quiet) as count:
+        points = checked_points(read, design, count)
+    folder = Folder(path=output if output is not None else STUDIES / read.name)
+    options = StudyOptions(workers=workers, scheduler=scheduler, keep_runs=keep_runs, quiet=quiet)
+    if dry_run:
+        return _show(points, folder, options)
+    folder.refuse_foreign(resume)
+    return _solve(points, folder, options)
+
+
+def _show(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
+    """What a study would take."""
+    from fem.study.running import expected, pending_points
+    from fem.study.summary import print_plan
+    from lagrange.messages import telling
+
+    pending = pending_points(points, folder)
+    found = expected(points, pending) if pending else None
+    with telling():
+        print_plan(points, pending, found, options)
+    return Outcome.COMPLETE.code
+
+
+def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
+    from fem.commands.start_up import stop_signals
+    from fem.study.running import expected, pending_points, solve_points
+    from lagrange.messages import say
+
+    pending, lost = pending_points(points, folder), {}
+    tell = None if options.quiet else say
+    total = expected(points, pending, tell).seconds * len(pending) if pending else 0.0
+    folder.begin(points)
+    if pending:
+        with stop_signals() as stopped:
+            lost = solve_points(points, pending, folder, options, total, lambda: bool(stopped))
+        if stopped:
+            left = len(pending_points(points, folder))
+            done = len(pending) - left
+            say(f"interrupted; {done} points are in {folder.path}; --resume goes on with the other {left}")
+            return (Outcome.TERMINATED if stopped[0] == signal.SIGTERM else Outcome.INTERRUPTED).code
+    code = _collect(points, folder, options.quiet)
+    return Outcome.FAILED.code if lost else code
+
+
+def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
+    """Dataset and page of the points that are done."""
+    from fem.commands.progress import count_display
+    from fem.study.dataset import write_dataset
+    from fem.study.page import write_page
+    from fem.study.solving import COMPLETE
+    from fem.study.summary import print_outcome, told_outcome
+    from lagrange.messages import say, telling
+
+    with count_display("points collected", len(points), quiet) as count:
+        statuses = write_dataset(points, folder, count)
+    write_page(points, folder)
+    if not quiet:
+        with telling():
+            print_outcome(points, folder, statuses)
+    if set(statuses) == {COMPLETE}:
+        return Outcome.COMPLETE.code
+    if quiet:
+        for line in told_outcome(points, folder, statuses):
+            say(line)
+    return Outcome.FAILED.code
+
+
+def study_main(arguments: list[str] | None = None) -> int:
+    """`run-study`, its exit code."""
+    return run_app_main(study_app, arguments)
+
+
+def run_study() -> None:
+    """Entry point."""
+    hear_termination()
+    leave(study_main())
+
+
+if __name__ == "__main__":
+    run_study()

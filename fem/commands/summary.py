@@ -1,0 +1,146 @@
+"""What run-fem prints of plans, runs and estimates, whichever solver they are of."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from fem.answers import first_answers
+from fem.solver.compiling import CompiledPlan
+from fem.solver.solver import Plan, RunState
+from lagrange import Bearing, kinematics
+from lagrange.messages import engineering, shown
+from lagrange.mounting import from_outer_ring
+from lagrange.scene.operation import RPM
+from lagrange.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from fem.solver.error_estimate import Estimate
+
+LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
+
+
+def print_plan(plan: Plan) -> None:
+    """What has been decided and what it will cost. RunFailed: there is no equilibrium to tell of."""
+    from fem.solver.pace import is_compiled, seconds_by_trial  # only a dry run needs what it imports
+
+    console, table, rows = Console(highlight=False), plan.table(), plan.rows()
+    seconds = seconds_by_trial(plan)
+    if seconds is not None:
+        rows["expected time"] = f"about {seconds:.2g} s, by a piece of it"
+    if isinstance(plan, CompiledPlan):
+        rows["compiling before it"] = "nothing, the time loop is kept" if is_compiled(plan) else plan.compiling
+    console.print(f"Plan of {shown(plan.scene.name)}, {plan.model_name}", style="italic", markup=False)
+    if table is not None:
+        console.print(table)
+    for name, value in (_of_the_bearing(plan.scene) | rows).items():
+        console.print(f"{name + ':':30s} {value}", soft_wrap=True)
+    _print_choices(console, plan, seconds)
+    _print_cautions(console, (*plan.remarks, *plan.cautions))
+
+
+def _of_the_bearing(scene: Scene) -> dict[str, str]:
+    """What the scene alone decides and its file does not say."""
+    bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
+    rows = {"diametral clearance": f"{2e6 * bearing.radial_clearance + 1e-9:.3f} µm"}
+    if operation.course is not None:
+        rows["largest load"] = f"at most {operation.heaviest:.5g} N"
+    if operation.varies_speed:
+        low, high = operation.course.speeds
+        rows["shaft speed"] = f"{low / RPM:.6g} to {high / RPM:.6g} rpm"
+        rows |= {f"frequencies at {speed / RPM:.6g} rpm": _frequencies(bearing, speed) for speed in (low, high)}
+    elif operation.speed != 0.0:
+        rows["frequencies, without slip"] = _frequencies(bearing, operation.speed)
+    return rows
+
+
+def _frequencies(bearing: Bearing, speed: float) -> str:
+    """Kinematic lines at a speed of the shaft, rad/s, in words."""
+    return ", ".join(f"{name} {value:.4g} Hz" for name, value in kinematics(bearing, speed).frequencies.items())
+
+
+def _print_choices(console: Console, plan: Plan, seconds: float | None) -> None:
+    """What each model takes for the scene, what it errs by and leaves out; what to begin with.
+
+    `seconds` : that the plan's own takes, as far as it has been tried
+    """
+    from fem.solver.model_choice import model_choices, suggestion  # only a dry run needs what these import
+
+    choices = [
+        each if seconds is None or each.model != plan.scene.model else replace(each, seconds=seconds)
+        for each in model_choices(plan)
+    ]
+    if (begin := suggestion(choices)) is None:
+        return
+    table = Table(title="Models for this scene", title_justify="left")
+    for heading in ("model", "expected time", "static error of hub", "leaves out"):
+        table.add_column(heading, justify="left" if heading in ("model", "leaves out") else "right")
+    for each in choices:
+        seconds = "-" if each.seconds is None else f"{each.seconds:.2g} s"
+        error = _percent(each.hub_error)
+        table.add_row(each.model, seconds, error, escape(shown(each.lacks)))
+    console.print(table)
+    console.print(begin, soft_wrap=True, markup=False)
+
+
+def _percent(error: float | None) -> str:
+    if error is None:
+        return "-"
+    return f"{100 * error:.2g} %" if error > LEAST_ERROR else f"below {100 * LEAST_ERROR:g} %"
+
+
+def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Path) -> None:
+    """What a run shows of the bearing, from its samples in blocks by the file's names, and where it is."""
+    console, plan, progress = Console(highlight=False), state.plan, state.progress
+    if plan.n_samples == 1:
+        first = next(iter(blocks))
+        force = first["inner_force"][0]
+        forces = ", ".join(f"{value:.1f}" for value in sorted(force[force > 0.0], reverse=True))
+        x, y = (1e6 * place[0] for place in from_outer_ring(first, "inner"))
+        lines = [
+            f"Static equilibrium: hub x {x:.4f} µm, y {y:.4f} µm",
+            f"Loaded rollers: {forces or 'none'} N",
+        ]
+        moved = [body for body in ("outer_ring", "housing") if f"{body}_y" in first]
+        lines[0] += ", from the outer ring's centre" if moved else ""
+        for body in moved:
+            place = ", ".join(f"{axis} {1e6 * first[f'{body}_{axis}'][0]:.4f} µm" for axis in "xy")
+            lines[0] += f"; {body.replace('_', ' ')} {place}"
+    else:
+        bearing, speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().mean_speed(progress.simulated)
+        lines = [f"{name + ':':14s} {value}" for name, value in first_answers(bearing, speed, blocks).items()]
+        lines.append(
+            f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "
+            f"{progress.imbalance:+.1e} of the exchanged energy"
+        )
+    for line in lines:
+        console.print(line, soft_wrap=True)
+    _print_cautions(console, state.cautions)  # the plan's have been told at the start
+    console.print(f"Result: {shown(path)}", soft_wrap=True, markup=False)
+
+
+def print_estimates(found: "list[Estimate]", title: str) -> None:
+    """Every quantity with what it may be off by."""
+    console = Console(highlight=False)
+    table = Table(title=title, title_justify="left")
+    for heading in ("quantity", "value", "may be off by", "relative"):
+        table.add_column(heading, justify="left" if heading == "quantity" else "right")
+    for each in found:
+        scale, unit = engineering(each.quantity.unit)
+        table.add_row(
+            each.quantity.meaning,
+            f"{scale * each.quantity.value:.5g} {unit}",
+            f"{scale * each.error:.2g} {unit}",
+            f"{100 * each.relative:.2g} %" if each.relative < 1.0 else "-",
+        )
+    console.print(table)
+
+
+def _print_cautions(console: Console, cautions: tuple[str, ...]) -> None:
+    for sentence in cautions:
+        console.print(f"Warning: {sentence}", soft_wrap=True, markup=False)

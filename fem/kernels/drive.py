@@ -1,0 +1,189 @@
+"""The hub: its kick and its motion."""
+
+from math import cos, pi, sin
+
+import numpy as np
+
+from fem.kernels import ring_kernels
+from fem.kernels.jit import part, verb
+from fem.kernels.lane_functions import cosine_and_sine
+from fem.kernels.state import Course
+
+# Speed and load as a run goes on. Where they stay the course is None: then nothing of this is compiled.
+#
+# `follow` looks a time up; all else reads what it has found: what belongs to the step in hand.
+
+
+# entries of `Course.now`
+TURN, SPEED, GAIN, JERK, STEP, FORCE_X, FORCE_Y, RATE_X, RATE_Y = range(9)
+N_NOW = 9
+
+
+@verb
+def follow(course, time, dt):
+    """Look a time up, s, and how far the shaft turns in the step from there."""
+
+
+@follow.of(Course)
+def _follow(course, time, dt):
+    now, c = course.now, course.turn
+    k, t = _piece(course.turn_knots, time)
+    turn, speed, gain, jerk = 0.0, 0.0, 0.0, 0.0
+    for n in range(c.shape[1] - 1, -1, -1):  # Horner, of the polynomial and its derivatives
+        jerk = jerk * t + 3.0 * gain
+        gain = gain * t + 2.0 * speed
+        speed = speed * t + turn
+        turn = turn * t + c[k, n]
+    now[TURN], now[SPEED], now[GAIN], now[JERK] = turn, speed, gain, jerk
+    k, t = _piece(course.turn_knots, time + dt)
+    after = 0.0
+    for n in range(c.shape[1] - 1, -1, -1):
+        after = after * t + c[k, n]
+    now[STEP] = after - turn
+    _find_force(course, time)
+
+
+@part
+def _piece(knots, time):
+    """The polynomial of a time and the time since its knot; the first and the last go on beyond the ends."""
+    k = min(max(np.searchsorted(knots, time) - 1, 0), knots.size - 2)
+    return k, time - knots[k]
+
+
+@part
+def _find_force(course, time):
+    """`lagrange.load_history.Course.force` and its rate."""
+    now, c = course.now, course.load
+    k, t = _piece(course.load_knots, time)
+    speed, gain = now[SPEED], now[GAIN]
+    heavy, turning = now[TURN] + course.unbalance_angle, now[TURN] + course.rotating_load_angle
+    hc, hs = cos(heavy), sin(heavy)
+    rx, ry = course.rotating_load * cos(turning), course.rotating_load * sin(turning)
+    for axis in range(2):
+        force, rate = 0.0, 0.0
+        for n in range(c.shape[1] - 1, -1, -1):
+            rate = rate * t + force
+            force = force * t + c[k, n, axis]
+        now[FORCE_X + axis], now[RATE_X + axis] = force, rate
+    out, back = course.unbalance * speed * speed, course.unbalance * gain
+    now[FORCE_X] += out * hc + back * hs + rx
+    now[FORCE_Y] += out * hs - back * hc + ry
+    out, ahead = 3.0 * course.unbalance * speed * gain, course.unbalance * (speed * speed * speed - now[JERK])
+    now[RATE_X] += out * hc - ahead * hs - speed * ry
+    now[RATE_Y] += out * hs + ahead * hc + speed * rx
+
+
+@part
+def radial_load_at(drive, time):
+    """Radial load that stays, N, ramped up by half a cosine."""
+    if time >= drive.ramp:
+        return drive.radial_load
+    return drive.radial_load * 0.5 * (1.0 - cos(pi * time / drive.ramp))
+
+
+@verb
+def load_at(course, drive, time):
+    """Load along +x and along −y, N; without a course the first means nothing and is not to be used."""
+    return 0.0, radial_load_at(drive, time)
+
+
+@load_at.of(Course)
+def _load_at(course, drive, time):
+    share = share_at(drive, time)
+    return share * course.now[FORCE_X], -share * course.now[FORCE_Y]
+
+
+@part
+def share_at(drive, time):
+    """Share of the load that acts: `lagrange.load_history.load_share`."""
+    if time >= drive.ramp:
+        return 1.0
+    return 0.5 * (1.0 - cos(pi * time / drive.ramp))
+
+
+@verb
+def with_aside(course, value, aside):
+    """A value with what the load along x adds to it, where there can be one."""
+    return value
+
+
+@with_aside.of(Course)
+def _with_aside(course, value, aside):
+    return value + aside
+
+
+@verb
+def speed_of(course, drive):
+    """Of the shaft, rad/s."""
+    return drive.speed
+
+
+@speed_of.of(Course)
+def _speed_of(course, drive):
+    return course.now[SPEED]
+
+
+@verb
+def turn_at(course, drive, time):
+    """How far the shaft has turned, rad."""
+    return drive.speed * time
+
+
+@turn_at.of(Course)
+def _turn_at(course, drive, time):
+    return course.now[TURN]
+
+
+@verb
+def step_of(course, drive):
+    """How far it turns in this step, rad."""
+    return drive.speed * drive.dt
+
+
+@step_of.of(Course)
+def _step_of(course, drive):
+    return course.now[STEP]
+
+
+@verb
+def is_turning(course, drive):
+    """Whether it turns at all."""
+    return drive.speed != 0.0
+
+
+@is_turning.of(Course)
+def _is_turning(course, drive):
+    return True
+
+
+@part
+def kick_hub(inner, drive, aside, radial_load, scratch):
+    """The hub's kick by contacts, the reaction of the ring's held row, load along x and against y, and weight.
+
+    Returns the moment about the origin of contacts and load on the hub, N m s.
+    """
+    dt, hub, velocity, impulse = drive.dt, drive.hub, drive.velocity, drive.impulse
+    ring_kernels.row_force(inner.table, inner.u, inner.held, scratch.bore)
+    x, y = ring_kernels.resultant(scratch.bore, inner.cosines, inner.sines)
+    c, s = drive.frame[1], drive.frame[2]
+    node_mass = inner.row_mass[inner.held]
+    moment = hub[0] * (impulse[1] - radial_load * dt) - hub[1] * impulse[0]
+    moment = with_aside(drive.course, moment, -hub[1] * aside * dt)
+    pushed = with_aside(drive.course, node_mass * (c * x - s * y) + impulse[0], aside * dt)
+    velocity[0] += pushed / drive.mass
+    velocity[1] += (node_mass * (s * x + c * y) + impulse[1] - radial_load * dt) / drive.mass - drive.gravity * dt
+    return moment
+
+
+@part
+def move_hub(inner, drive, step):
+    """Move the hub and turn it by `step`, rad, and the inner ring's held row with it."""
+    hub, frame = drive.hub, drive.frame
+    hub[0] += drive.dt * drive.velocity[0] + drive.slowed[1, 0]
+    hub[1] += drive.dt * drive.velocity[1] + drive.slowed[1, 1]
+    if is_turning(drive.course, drive):
+        frame[0] += step
+        frame[1], frame[2] = cosine_and_sine(frame[0])
+    c, s = frame[1], frame[2]
+    x, y = c * hub[0] + s * hub[1], c * hub[1] - s * hub[0]
+    ring_kernels.set_rigid(inner.u, 2 * inner.held * inner.cosines.size, inner.cosines, inner.sines, x, y)

@@ -1,0 +1,109 @@
+"""A renderer in a process of its own, and whether this machine can draw off-screen at all.
+
+The command `render-fem` draws in a process of its own instead, `drawing_process`.
+"""
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from multiprocessing import resource_tracker
+
+from fem.commands.start_up import Terminated, from_no_current_folder, hear_signals, hold_signals
+from fem.errors import UsageError
+
+# VTK alone, since the libraries are what may be missing: importing pyvista would take most of the time
+PROBE = """
+import vtkmodules.vtkRenderingOpenGL2
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper, vtkRenderer
+from vtkmodules.vtkRenderingCore import vtkRenderWindow, vtkWindowToImageFilter
+sphere, mapper, actor = vtkSphereSource(), vtkPolyDataMapper(), vtkActor()
+mapper.SetInputConnection(sphere.GetOutputPort())
+actor.SetMapper(mapper)
+renderer, window, image = vtkRenderer(), vtkRenderWindow(), vtkWindowToImageFilter()
+renderer.AddActor(actor)
+window.SetOffScreenRendering(True)
+window.SetSize(32, 32)
+window.AddRenderer(renderer)
+window.Render()
+image.SetInput(window)
+image.Update()
+low, high = image.GetOutput().GetPointData().GetScalars().GetRange(0)
+assert high > low, "the picture is blank"
+"""
+CURE = "apt-get install --no-install-recommends libgl1 libegl1"
+PATIENCE = 60.0  # s
+
+
+def check_rendering() -> None:
+    """Draw a small picture in a process of its own.
+
+    Errors
+    ------
+    UsageError: it failed, with what cures it.
+    """
+    environment = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow", **os.environ}
+    try:
+        done = subprocess.run(
+            [sys.executable, "-P", "-c", PROBE],  # -P: nothing is imported from the current folder
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+        )
+    except subprocess.TimeoutExpired:
+        raise UsageError(trouble(f"a trial picture was not finished in {PATIENCE:.0f} s")) from None
+    except OSError as error:
+        raise UsageError(trouble(f"a trial could not be started: {error.strerror}")) from None
+    if done.returncode != 0:
+        raise UsageError(trouble(_reason(done)))
+
+
+def _reason(done: subprocess.CompletedProcess) -> str:
+    if done.returncode in (-11, 139):
+        return "a trial picture crashed: OpenGL libraries are missing"
+    said = [line for line in done.stderr.splitlines() if line.strip()]
+    return f"a trial picture failed (exit {done.returncode})" + (f": {said[-1].strip()[:200]}" if said else "")
+
+
+def trouble(reason: str) -> str:
+    """Say why nothing can be drawn, and what cures it."""
+    return f"this machine can't draw off-screen ({reason}); install the system libraries:\n{CURE}"
+
+
+# A command in a process of its own: where system libraries are missing, a renderer ends it instead of raising.
+
+
+ACCESS_VIOLATION = 0xC0000005  # what Windows makes of it
+CRASHES = (-signal.SIGSEGV, -signal.SIGABRT, ACCESS_VIOLATION)
+
+
+def run_apart(command: Callable[[], None]) -> int:
+    """Run a function of a module, which ends by `sys.exit`, in a fresh interpreter; its exit code.
+
+    A probe before would draw twice and import all that draws twice. Ctrl-C and SIGTERM are passed
+    on; the code is then what the command makes of it.
+
+    Errors
+    ------
+    UsageError: it crashed, with what cures that.
+    """
+    process = multiprocessing.get_context("spawn").Process(target=command, daemon=True)
+    if hasattr(signal, "pthread_sigmask"):
+        resource_tracker.ensure_running()  # it would hear signals meanwhile
+    hold_signals()  # the child begins so, and hears them in `run_app_main`
+    with from_no_current_folder():
+        process.start()
+    while process.exitcode is None:
+        try:
+            hear_signals()
+            process.join()
+        except KeyboardInterrupt as error:
+            os.kill(process.pid, signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT)
+    code = process.exitcode
+    if code in CRASHES:
+        raise UsageError(trouble("the renderer crashed: OpenGL libraries are missing"))
+    return code if code >= 0 else 128 - code

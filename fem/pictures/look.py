@@ -1,0 +1,151 @@
+"""How a picture, or every frame of a film, is drawn: what is asked for, and the scales that follow from the run."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import floor, log10, pi, sqrt
+from typing import Literal
+
+import numpy as np
+
+from fem.errors import UsageError
+from fem.pictures.bodies import body_motions
+from fem.pictures.recover import StoredRun
+from fem.pictures.scale import Field, Scale, fringe_scale, linear_scale, logarithmic_scale
+from fem.pictures.stress_below import LARGEST_SHEAR
+from lagrange import Bearing
+
+LARGEST_SHARE = 0.03  # of the outside radius: the largest displacement as drawn
+STEPS = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)  # round magnifications, times a power of ten
+LARGEST_MAGNIFICATION = 1e4  # beyond, nanometres would be shown as if they mattered
+LOOKED_AT = 5  # frames of an animation that decide its magnification
+LONGEST_ARROW = 0.85  # of a roller's radius
+MOST_ORBIT_POINTS = 4000
+FRINGES_ACROSS = {"bearing": 4.0, "close-up": 8.0}  # about, in the middle of the most loaded roller
+FRINGES_BELOW = 8.0  # about, at the largest stress of a close-up's contacts
+CLOSEST_FRINGES = 3.5  # pixels of a page 1600 wide
+LARGEST_MISES = 0.56  # of p₀, under a line contact in plane strain with ν = 0.3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What a user wants to see; None: chosen and stated in the picture."""
+
+    view: Literal["bearing", "close-up"] = "bearing"
+    field: Field | None = None
+    magnification: float | None = None
+    stress_per_fringe: float | None = None  # Pa
+    roller: int | None = None  # of a close-up
+    width: int = 1600  # pixels
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """Everything that does not change from frame to frame."""
+
+    scale: Scale
+    contact_scale: Scale  # of a close-up's contacts
+    magnification: float
+    largest_force: float  # N
+    arrow_length: float  # outside radii per N
+    orbit: np.ndarray | None  # (n, 2), µm, of the hub; None: it does not move
+    load_zone: tuple[float, float] | None  # rad
+    roller: int  # of a close-up
+    half_width: float  # m, of the widest contact
+    pace: str  # how fast an animation shows the run; "" in a picture
+
+
+def chosen_look(
+    run: StoredRun, request: Request, samples: Sequence[int], pixel: float, contact_pixel: float, pace: str = ""
+) -> Look:
+    """Scales that fit all the samples.
+
+    Parameters
+    ----------
+    pixel, contact_pixel : float, of the picture and of a close-up's contacts, of a page 1600 wide; the first in
+        outside radii or (close-up) roller radii, the second in half-widths
+
+    Errors
+    ------
+    UsageError: no such roller.
+    """
+    forces = run.contact_forces(samples)
+    largest = float(forces.max())
+    some = np.unique(np.linspace(0, len(samples) - 1, LOOKED_AT).round().astype(int))
+    displacement = max(
+        float(np.hypot(*motion.T).max()) for k in some for motion in body_motions(run.instant(samples[k]))
+    )
+    model = run.model
+    half_width = max(law.pair.half_width(max(largest, 1e-3)) for law in (model.inner_law, model.outer_law))
+    scale, contact_scale = _scales(request, run, largest, displacement, pixel, contact_pixel * half_width)
+    magnification = request.magnification
+    if magnification is None:
+        outside = model.bearing.outside_radius
+        magnification = 1.0 if request.view == "close-up" else chosen_magnification(displacement, outside)
+    orbit = 1e6 * run.orbit[:: max(1, len(run.orbit) // MOST_ORBIT_POINTS)]
+    return Look(
+        scale=scale,
+        contact_scale=contact_scale,
+        magnification=magnification,
+        largest_force=largest,
+        arrow_length=_arrow_length(model.bearing, largest),
+        orbit=orbit if np.ptp(orbit, axis=0).max() > 0.0 else None,
+        load_zone=run.load_zone,
+        roller=_roller(request, forces),
+        half_width=half_width,
+        pace=pace,
+    )
+
+
+def _roller(request: Request, forces: np.ndarray) -> int:
+    n = forces.shape[-1]
+    if request.roller is None:
+        return int(np.argmax(forces[:, 0].max(axis=0)))
+    if not 0 <= request.roller < n:
+        raise UsageError(f"--roller {request.roller}: the run has rollers 0 to {n - 1}")
+    return request.roller
+
+
+def _scales(
+    request: Request, run: StoredRun, force: float, displacement: float, pixel: float, contact_pixel: float
+) -> tuple[Scale, Scale]:
+    """Scales of the picture and of a close-up's contacts; pixels in m, but `pixel` as in `chosen_look`."""
+    field = request.field or ("max-shear" if request.view == "close-up" else "von-mises")
+    bearing = run.model.bearing
+    if field == "displacement":
+        return (linear_scale(field, displacement),) * 2
+    length, radius = bearing.roller_length, bearing.roller_radius
+    load = max(force, 1e-3) / length
+    laws = (run.model.inner_law, run.model.outer_law)
+    pressure = max(law.pair.peak_pressure(load * length) for law in laws)
+    if field != "photoelastic":
+        share = LARGEST_MISES if field == "von-mises" else LARGEST_SHEAR
+        return logarithmic_scale(field, share * pressure), linear_scale(field, share * pressure)
+    middle = 4.0 * load / (pi * radius)  # principal stress difference in a disc squeezed by two forces
+    stress = request.stress_per_fringe or _rounded(middle / FRINGES_ACROSS[request.view])
+    pixel *= radius if request.view == "close-up" else bearing.outside_radius
+    below = _rounded(2.0 * LARGEST_SHEAR * pressure / FRINGES_BELOW)
+    return fringe_scale(stress, _finest(load, stress, pixel)), fringe_scale(below, _finest(load, below, contact_pixel))
+
+
+def _finest(load: float, stress: float, pixel: float) -> float:
+    """Fringe order whose neighbours, in Flamant's field 2q/(πr), lie CLOSEST_FRINGES apart."""
+    return max(1.0, sqrt(2.0 * load / (pi * stress * CLOSEST_FRINGES * pixel)))
+
+
+def _rounded(value: float) -> float:
+    """The nearest 1, 2, 2.5, 4 or 5 times a power of ten."""
+    decade = 10.0 ** floor(log10(value))
+    return decade * min((1.0, 2.0, 2.5, 4.0, 5.0, 10.0), key=lambda step: abs(log10(step * decade / value)))
+
+
+def _arrow_length(bearing: Bearing, largest: float) -> float:
+    return LONGEST_ARROW * bearing.roller_radius / bearing.outside_radius / largest if largest > 0.0 else 0.0
+
+
+def chosen_magnification(largest: float, outside_radius: float) -> float:
+    """A round factor, at least 1, that draws the largest displacement, m, LARGEST_SHARE of the radius or less."""
+    if largest <= 0.0:
+        return 1.0
+    wanted = min(max(1.0, LARGEST_SHARE * outside_radius / largest), LARGEST_MAGNIFICATION)
+    decade = 10.0 ** floor(log10(wanted))
+    return decade * max(step for step in STEPS if step * decade <= wanted * (1.0 + 1e-12))

@@ -1,0 +1,162 @@
+"""What a result file gains beside the run's columns: error estimates, and facts of imperfect surfaces."""
+
+import json
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import h5py
+import numpy as np
+
+from fem.result.durable import alone_in, move_into_place
+from lagrange.bearing import Bearing, Operation
+from lagrange.files.hdf5 import SCENE_FILE, hdf5_to_write
+from lagrange.files.output import new_part, real_path
+from lagrange.kinematics import turned
+from lagrange.mounting import from_outer_ring
+from lagrange.scene.scene import Scene
+from lagrange.surface.deviation import Turns, profiles
+from lagrange.surface.passages import COLUMNS, HOUSING, SpallEvent, find_passages, spall_events, spalls
+
+if TYPE_CHECKING:
+    from fem.solver.error_estimate import Estimate
+
+ESTIMATE = {
+    "quantity": "name of a quantity of interest",
+    "quantity_unit": "unit of its value and error",
+    "quantity_meaning": "what it is",
+    "quantity_value": "on the run's mesh",
+    "quantity_coarse_value": "on the coarser mesh",
+    "quantity_error": "estimated discretisation error of the value, not negative",
+}
+
+
+def write_estimates(path: Path, found: "list[Estimate]", coarse_mesh_size: float) -> None:
+    """Add error estimates to a finished result file, which is exchanged for one that has them.
+
+    Parameters
+    ----------
+    coarse_mesh_size : of the coarser run, m
+
+    Errors
+    ------
+    OSError: no room for a second file; the first stays as it is.
+    """
+    path = real_path(path)
+    part = new_part(path)
+    try:
+        with alone_in(path.parent):
+            shutil.copyfile(path, part)
+            with hdf5_to_write(part, "r+") as file:
+                _add(file, found, coarse_mesh_size)
+            with open(part, "r+b") as file:
+                os.fsync(file.fileno())
+            move_into_place(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _add(file: h5py.File, found: "list[Estimate]", coarse_mesh_size: float) -> None:
+    columns = {
+        "quantity": [each.quantity.name for each in found],
+        "quantity_unit": [each.quantity.unit for each in found],
+        "quantity_meaning": [each.quantity.meaning for each in found],
+        "quantity_value": [each.quantity.value for each in found],
+        "quantity_coarse_value": [each.coarse_value for each in found],
+        "quantity_error": [each.error for each in found],
+    }
+    for name in reversed(ESTIMATE):  # of an earlier estimate
+        if name in file:
+            del file[name]
+    for name, values in columns.items():
+        variable = file.create_dataset(name, data=values)
+        variable.attrs["long_name"] = ESTIMATE[name]
+    file["quantity"].make_scale("quantity")
+    for name in ESTIMATE:
+        if name != "quantity":
+            file[name].dims[0].attach_scale(file["quantity"])
+    file.attrs["coarse_mesh_size"] = coarse_mesh_size
+
+
+def read_columns(path: Path, names: tuple[str, ...], samples: int | None = None) -> dict[str, np.ndarray]:
+    """The first so many committed samples of some variables, or all."""
+    with h5py.File(path, "r") as file:
+        count = int(file.attrs["committed_samples"]) if samples is None else samples
+        return {name: file[name][:count] for name in names}
+
+
+def read_blocks(path: Path, names: tuple[str, ...], rows: int = 1 << 16) -> Iterator[dict[str, np.ndarray]]:
+    """All committed samples of some variables, so many at a time."""
+    with h5py.File(path, "r") as file:
+        count = int(file.attrs["committed_samples"])
+        for first in range(0, count, rows):
+            yield {name: file[name][first : min(first + rows, count)] for name in names}
+
+
+# What a result file holds where surfaces are not perfect: sinkages, events of spalls, files of measured heights.
+#
+# The first two follow from the samples alone, whichever solver they come from: events are found when a run ends, from
+# all samples in its file, and so are the same however often it was interrupted and resumed.
+
+
+EVENTS = "events"
+WORDS = h5py.string_dtype()
+EVENT_COLUMNS = {  # type, unit and meaning
+    "time": ("<f8", "s", "instant"),
+    "roller": ("<i8", "1", "roller"),
+    "spall": ("<i8", "1", "spall, in the order of the attribute spalls"),
+    "raceway": (WORDS, "1", "whose contact passes the spall: inner, outer"),
+    "kind": (WORDS, "1", "entry, strike, exit"),
+    "force": ("<f8", "N", "normal force of the contact"),
+    "sliding_speed": ("<f8", "m/s", "roller's surface over the raceway's, along +theta"),
+}
+
+
+def with_sinkages(
+    bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray]
+) -> Mapping[str, np.ndarray]:
+    """Samples with the sinkage under each contact, where surfaces are not perfect."""
+    surfaces = profiles(bearing)
+    if surfaces is None:
+        return samples
+    inner_x, inner_y, x, y = from_outer_ring(samples, "inner", "roller")
+    turn = turned(bearing, operation, samples["time"][:, None]).shaft
+    turns = Turns(inner_ring=turn, rollers=samples["roller_turn"])
+    from_hub = np.arctan2(y - inner_y[:, None], x - inner_x[:, None])
+    found = {
+        "inner_sinkage": surfaces.inner(from_hub, turns).sinkage,
+        "outer_sinkage": surfaces.outer(np.arctan2(y, x), turns).sinkage,
+    }
+    return {**samples, **found}
+
+
+def write_scene_files(file: h5py.File, scene: Scene) -> None:
+    """The text of each file that the scene names, so that the result can be read without them."""
+    for number, text in enumerate(scene.files.values()):
+        content = np.frombuffer(text.encode(), dtype=np.uint8)
+        variable = file.create_dataset(SCENE_FILE.format(number), data=content)
+        variable.attrs["units"], variable.attrs["long_name"] = "1", "text of a file that the scene names, UTF-8"
+
+
+def events_of(bearing: Bearing, operation: Operation, file: h5py.File, count: int) -> list[SpallEvent]:
+    """Events of the first `count` samples of an open result file."""
+    names = [name for name in (*COLUMNS, *HOUSING) if name in file]
+    return spall_events(
+        find_passages(bearing, operation, lambda start, stop: {name: file[name][start:stop] for name in names}, count)
+    )
+
+
+def write_events(file: h5py.File, bearing: Bearing, events: list[SpallEvent]) -> None:
+    """The group `events`, one row an event; its attribute `spalls` tells what they are, SI."""
+    group = file.create_group(EVENTS)
+    group.attrs["spalls"] = json.dumps([asdict(spall) for spall in spalls(bearing)])
+    number = group.create_dataset("event", data=np.arange(len(events), dtype="<i8"))
+    number.attrs["units"], number.attrs["long_name"] = "1", "event, by time"
+    number.make_scale("event")
+    for name, (kind, unit, meaning) in EVENT_COLUMNS.items():
+        column = group.create_dataset(name, data=[getattr(event, name) for event in events], dtype=kind)
+        column.attrs["units"], column.attrs["long_name"] = unit, meaning
+        column.dims[0].attach_scale(number)

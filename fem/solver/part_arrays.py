@@ -1,0 +1,257 @@
+"""Surfaces that are not perfect circles, for the time loops."""
+
+from dataclasses import replace
+from math import expm1, inf
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem.contacts.model import Model
+from fem.elastic.bodies import RingBody
+from fem.elastic.outer_support import BoredRing
+from fem.kernels.bore import Bore
+from fem.kernels.drive import N_NOW
+from fem.kernels.housing_kernels import Housing, Resonator
+from fem.kernels.lanes import WIDTH
+from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
+from fem.kernels.shaft import Shaft, late_mass
+from fem.kernels.state import BodyDamping, Course, Dampers, Drive, Ring, RingProfile, RollerProfiles
+from fem.solver.run_arrays import Arrays, at_line, lined_up
+from lagrange import Bearing, Kinematics, Operation, kinematics
+from lagrange.contact.damping import ContactDamping
+from lagrange.mounting import OF_SHAFT, Mounting, Sensor
+from lagrange.scene.run import DampingTable
+from lagrange.surface.deviation import Profile, profiles
+
+# The bore around the outer ring of a run for the time loop.
+
+
+def bore_body(body: RingBody, ring: Ring, outer_rate: np.ndarray, housing: Housing | None, column: int) -> Bore | None:
+    """The bore of a housing, or of the ground; None where the ring is held otherwise.
+
+    Parameters
+    ----------
+    outer_rate : (n_rows, 2, n_sectors), m/s, of the ring's nodes at the start; column : of a row, the first for it
+    """
+    if not isinstance(body, BoredRing):
+        return None
+    return Bore(
+        ring=ring,
+        place=np.zeros(2) if housing is None else housing.place,
+        impulse=np.zeros(2) if housing is None else housing.impulse,  # the ground's, which nobody reads
+        velocity=body.cartesian(outer_rate).reshape(body.n_rows, -1, 2)[body.held_row].mean(axis=0),
+        before=np.zeros(2),
+        depth=np.full(body.n_sectors, np.nan),
+        kick=np.zeros(body.n_sectors),
+        residual=np.zeros(body.n_sectors),
+        line=np.zeros((2, ring.w.shape[2])),
+        play=float(body.play),
+        stiffness=float(body.stiffness),
+        column=column,
+    )
+
+
+# What holds the shaft beside the bearing, for the time loops.
+
+
+def shaft_springs(mounting: Mounting, drive: Drive, n: int) -> Shaft | None:
+    """Springs and dashpots on the finite elements' hub, of n rollers; None where nothing holds the shaft."""
+    return springs_on(mounting, drive.hub, drive.velocity, drive.slowed, drive.mass, n)
+
+
+def springs_on(
+    mounting: Mounting, hub: np.ndarray, velocity: np.ndarray, slowed: np.ndarray, mass: float, n: int
+) -> Shaft | None:
+    """The same on a hub with its place and velocity, (2,), m and m/s; `slowed` : (2, 2), m, as `Drive`'s."""
+    shaft = mounting.shaft
+    if shaft is None:
+        return None
+    return Shaft(
+        place=hub,
+        velocity=velocity,
+        slowed=slowed,
+        before=velocity.copy(),
+        drag=np.zeros(2),
+        stored=np.zeros(1),
+        dissipated=np.zeros(1),
+        mass=float(mass),
+        stiffness=float(shaft.stiffness),
+        damping=float(shaft.damping),
+        column=N_SCALARS + len(BLOCKS) * n + mounting.columns.index(OF_SHAFT[0]),
+    )
+
+
+# The housing of a run for the time loop.
+
+
+if TYPE_CHECKING:  # needs the finite elements' libraries
+    from fem.contacts.model import Model
+
+
+def housing_body(
+    model: "Model", operation: Operation, ring: Ring, place: np.ndarray, dt: float, column: int
+) -> Housing | None:
+    """The housing at rest at a place, (2,), m, its outer ring with it; None where the ground holds the ring.
+
+    `column` : of a sample's row, the first for it
+    """
+    mounting, body = operation.mounting, model.outer_ring
+    if mounting.housing is None:
+        return None
+    from fem.elastic.outer_support import BoredRing  # as those above
+
+    if isinstance(body, BoredRing):  # which moves by itself
+        return housing_of(mounting, 0.0, None, place, dt, column)
+    rigid = body.material.rigid
+    carried = body.total_mass if rigid else body.n_sectors * body.row_mass[body.held_row]
+    return housing_of(mounting, carried, None if rigid else ring, place, dt, column)
+
+
+def housing_of(
+    mounting: Mounting, carried: float, ring: Ring | None, place: np.ndarray, dt: float, column: int
+) -> Housing | None:
+    """The same with a ring of which so much, kg, moves as a whole; None for one without a mesh, or free in its bore."""
+    housing, sensor = mounting.housing, mounting.sensor
+    if housing is None:
+        return None
+    return Housing(
+        place=place.copy(),
+        velocity=np.zeros(2),
+        before=np.zeros(2),
+        impulse=np.zeros(2),
+        slowed=np.zeros((2, 2)),
+        drag=np.zeros(2),
+        dissipated=np.zeros(1),
+        ring=ring,
+        line=np.zeros((2, 0 if ring is None else ring.u.shape[2])),
+        sensor=None if sensor is None else _resonator(sensor, dt),
+        mass=float(housing.mass + carried),
+        late_mass=late_mass(float(housing.mass + carried), float(housing.damping), dt),
+        stiffness=float(housing.stiffness),
+        damping=float(housing.damping),
+        column=column,
+    )
+
+
+def _resonator(sensor: Sensor, dt: float) -> Resonator:
+    return Resonator(
+        motion=np.zeros(2),
+        step=np.ascontiguousarray(sensor.step(dt)),
+        half_step=np.ascontiguousarray(sensor.step(0.5 * dt)),
+        pull=sensor.pull,
+    )
+
+
+# A scene's course of speed and load as kernels take it.
+
+
+def course_arrays(
+    bearing: Bearing, operation: Operation, *, held: bool = True, growth: float = 0.0, roller_growth: float = 0.0
+) -> Course | None:
+    """None where nothing changes.
+
+    Parameters
+    ----------
+    held : elements turn with the cage of rolling without slip
+    growth, roller_growth : m s², of the distances at which a roller touches the inner ring, and the outer one, by the
+        square of the shaft's speed
+    """
+    found = operation.course
+    if found is None:
+        return None
+    ideal = kinematics(bearing, 1.0)
+    return Course(
+        turn_knots=found.turn.x.copy(),
+        turn=np.ascontiguousarray(found.turn.c[::-1].T),
+        load_knots=found.load.x.copy(),
+        load=np.ascontiguousarray(found.load.c[::-1].swapaxes(0, 1)),
+        now=np.zeros(N_NOW),
+        drive_work=np.array([0.0, np.nan, 0.0]),
+        unbalance=float(found.unbalance),
+        unbalance_angle=float(found.unbalance_angle),
+        rotating_load=float(found.rotating_load),
+        rotating_load_angle=float(found.rotating_load_angle),
+        cage=float(ideal.cage) if held else 0.0,
+        spin=float(ideal.roller),
+        growth=float(growth),
+        roller_growth=float(roller_growth),
+    )
+
+
+# Dampers of contacts and bodies for the time loop, where a scene has any.
+
+
+def with_damping(arrays: Arrays, model: Model, table: DampingTable) -> Arrays:
+    """The arrays with what a scene's [damping] says; themselves where it says nothing."""
+    contacts, bodies, dt = arrays.contacts, arrays.bodies, arrays.drive.dt
+    if table.contacts.acts:
+        levels = np.array(model.kernel_data(1.0).whole_levels)
+        shape = contacts.forces.force.shape
+        contacts = contacts._replace(dampers=lined_up(_dampers(table.contacts, levels, shape)))
+    if table.bodies_1_s > 0.0:
+        step = table.bodies_1_s * dt
+        around = [body for (body,) in bodies.others if isinstance(body, Bore | Housing)]  # a housing's bore first
+        damping = lined_up(BodyDamping(share=-expm1(-step), work=np.zeros(2), around=None))
+        bodies = bodies._replace(damping=damping._replace(around=around[0] if around else None))
+    return replace(arrays, contacts=contacts, bodies=bodies)
+
+
+def _dampers(damping: ContactDamping, levels: np.ndarray, shape: tuple[int, int]) -> Dampers:
+    """At rest. `levels` : of the contacts' whole approach; `shape` : pairs and columns."""
+    along, first, second, force, felt = np.zeros((5, *shape))
+    return Dampers(
+        constant=float(damping.constant),
+        time=float(damping.time),
+        hunt_crossley=float(damping.hunt_crossley),
+        whole=levels,
+        rate=np.full(shape, np.nan),  # as of contacts out of reach later
+        left=np.full(shape, np.nan),
+        along=along,
+        first=first,
+        second=second,
+        force=force,
+        felt=felt,
+        work=np.zeros(1),
+    )
+
+
+def raceway_profiles(bearing: Bearing, columns: int) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What the inner and the outer `Raceway` know of surfaces that are not perfect.
+
+    Both raceways have a profile where one has, and so one type and one code.
+    """
+    surfaces = profiles(bearing)
+    if surfaces is None:
+        nothing = {"profile": None, "roller_profiles": None}
+        return nothing, nothing
+    rings, rollers = (surfaces.inner_ring, surfaces.outer_ring), (surfaces.rollers_inside, surfaces.rollers_outside)
+    on_rings, on_rollers = (None, None), (None, None)
+    if any(ring is not None for ring in rings):
+        on_rings = tuple(_ring_profile(ring) for ring in rings)
+    if all(roller is not None for roller in rollers):
+        on_rollers = tuple(_roller_profiles(roller, columns) for roller in rollers)
+    return tuple(
+        {"profile": ring, "roller_profiles": roller} for ring, roller in zip(on_rings, on_rollers, strict=True)
+    )
+
+
+def time_along_a_knot(bearing: Bearing, ideal: Kinematics) -> float:
+    """Time in which contacts roll over the shortest knot of a profile, s; infinite on perfect circles, or standing."""
+    surfaces = profiles(bearing)
+    speed = abs(ideal.cage) * bearing.outer_raceway_radius  # of contacts along every surface
+    return inf if surfaces is None or speed == 0.0 else surfaces.shortest / speed
+
+
+def _ring_profile(profile: Profile | None) -> RingProfile:
+    sinkage = np.zeros(WIDTH) if profile is None else profile.coefficients[0]
+    soft = profile is not None and profile.compliance is not None
+    return RingProfile(
+        sinkage=at_line(sinkage), compliance=at_line(profile.compliance[0] if soft else np.zeros_like(sinkage))
+    )
+
+
+def _roller_profiles(profile: Profile, columns: int) -> RollerProfiles:
+    first = np.zeros(columns, dtype=np.int64)
+    first[: profile.row.size] = profile.row * profile.coefficients.shape[1]
+    soft = np.zeros_like(profile.coefficients) if profile.compliance is None else profile.compliance
+    return RollerProfiles(sinkage=at_line(profile.coefficients), compliance=at_line(soft), first=at_line(first))

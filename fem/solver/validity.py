@@ -1,0 +1,171 @@
+"""What a run is watched for: contacts too wide for the laws, a hub that vibrates with elastic rings, strikes."""
+
+from math import ceil, hypot, inf, pi, sqrt
+
+import numpy as np
+
+from fem.elastic.vibration import Modes, shift_vibrations
+from fem.solver.solver import Samples
+from fem.statics.contact_balance import Condensed
+from fem.statics.exact_statics import law_error
+from lagrange import Bearing, Operation, kinematics
+from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.scene.scene import Scene
+from lagrange.surface.faults import Spall
+
+# times gravity that turning must press rollers outwards by, or those without load fall within the bearing
+HELD = 5.0
+
+
+def may_strike(scene: Scene, operation: Operation) -> bool:
+    """Whether bodies may strike each other: from rest, by spalls, under tables of speed or load, or as rollers fall."""
+    bearing = scene.ideal_bearing()
+    spalled = any(isinstance(fault, Spall) for fault in bearing.faults)
+    outwards = kinematics(bearing, operation.speed).cage ** 2 * bearing.pitch_radius
+    falling = 0.0 < outwards < HELD * operation.gravity
+    return spalled or falling or scene.numerics.start == "rest" or operation.course is not None
+
+
+# Contacts too wide for the theory of every model: watched in a run, whose shocks are larger than loads at rest.
+
+
+WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
+CONTACT_FORCES = ("inner_force", "outer_force", "roller_roller_force")  # in the order of `contact_pairs`
+
+
+def largest_forces(samples: Samples) -> np.ndarray:
+    """Largest force of any contact of each kind, (3,), N."""
+    return np.array([samples[name].max(initial=0.0) for name in CONTACT_FORCES])
+
+
+def run_cautions(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
+    """Sentences on the largest forces of a run, (3,), N; what holds at rest need not hold in a shock."""
+    pairs = zip(contact_pairs(bearing), largest.tolist(), strict=True)
+    half_width, kind, force = max((pair.half_width(force), pair.kind, force) for pair, force in pairs)
+    widest = WIDEST_CONTACT * bearing.roller_radius
+    if half_width <= widest:
+        return ()
+    where = "between rollers" if kind == "roller" else f"on the {kind} raceway"
+    return (
+        f"the largest force of the run, {force:.4g} N {where}, makes a contact of half-width {1e3 * half_width:.3g} "
+        f"mm, beyond Hertz's theory and small strains (at most {1e3 * widest:.3g} mm here): forces and deformation "
+        "near such contacts are not to be trusted; lower operation.radial_load_N, raise numerics.load_ramp_ms or take "
+        "a stiffer material",
+    )
+
+
+# Contacts so wide that the reduced model's laws are too stiff, though Hertz's theory holds: told after a run.
+
+
+NARROW_CONTACT = 0.03  # half-width over the roller's radius: below, laws err by some thousandths of the approach
+LARGEST_LAW_ERROR = 0.005  # of an approach, before a run says so
+BY_PRESSURE = 2.0  # times: what the pressure's change adds to `law_error`
+
+
+def law_caution(contacts: Condensed, largest: np.ndarray) -> str | None:
+    """A sentence where a run's largest forces, (3,), N, make a raceway's law err by more than LARGEST_LAW_ERROR."""
+    bearing, worst = contacts.bearing, (0.0, 0.0, "")
+    for law, force in zip((contacts.inner_law, contacts.outer_law), largest.tolist(), strict=False):
+        width = law.pair.half_width(force) / bearing.roller_radius
+        if NARROW_CONTACT < width < 1.0:
+            worst = max(worst, (BY_PRESSURE * abs(law_error(bearing, law, force)), force, law.pair.kind))
+    error, force, kind = worst
+    if error <= LARGEST_LAW_ERROR:
+        return None
+    return (
+        f"under the largest force of the run, {force:.4g} N, the contact on the {kind} raceway is so wide beside its "
+        f"ring and roller that its law is about {100.0 * error:.1g} % too stiff: forces and the hub's place err by as "
+        "much or, where few rollers carry, twice; lower operation.radial_load_N or take a stiffer material"
+    )
+
+
+# How far a hub's vibration is off because elastic rings have no mass: watched in a run of the reduced model.
+#
+# A hub of mass M (its ring's with it) vibrates at ω on contacts and rings that all give way by c per unit force. In the
+# model 1/(M ω²) = c, where c holds the rings' statics, Σ (s + h)²/ω_k² of all modes of one wave around: s what a mode
+# shifts the raceway by, h the hub. With their mass
+#
+# 1/(M ω²) = c − Σ (s + h)²/ω_k² + Σ s²/(ω_k² − ω²)
+#
+# for the inner ring on the hub, and for the outer one, h = 0, likewise. What frequency the model has is what the run
+# itself shows: the hub's mean squared acceleration over its mean squared velocity.
+
+
+LARGEST_ERROR = 0.005  # of the hub's displacement: share of the frequency that is off, times share that vibrates
+NOTHING = 1e-10  # m, an atom's radius: hubs that are displaced by less are where they should be
+ENOUGH = 4.0  # highest mode, over the ring's slowest vibration against the hub, that makes up for it
+COUNT, X, Y, SQUARE, VELOCITY, ACCELERATION = range(6)  # of the sums
+
+
+def no_sums() -> np.ndarray:
+    """Of no sample yet: their number, and sums of x, y, x² + y², velocities and accelerations squared, (6,), SI."""
+    return np.zeros(6)
+
+
+def add_samples(sums: np.ndarray, samples: Samples) -> None:
+    """Add samples, one after another, so that blocks of any size give the same sums."""
+    x, y, vx, vy, ax, ay = (samples[f"inner_{name}"] for name in ("x", "y", "vx", "vy", "ax", "ay"))
+    terms = np.stack([np.ones_like(x), x, y, x**2 + y**2, vx**2 + vy**2, ax**2 + ay**2], axis=1)
+    sums[:] = np.cumsum(np.vstack([sums, terms]), axis=0)[-1]
+
+
+def frequency_error(bearing: Bearing, hub_mass: float, omega: float, least: float = 0.0) -> float:
+    """Share by which a hub of so many kg, its ring with it, vibrates faster than at ω, rad/s, which the model gives it.
+
+    Infinite where the model's is so fast that rings have modes below; 0 where it is no more than `least`. Errors:
+    rollers are taken for massless, contacts for closed and of one stiffness.
+    """
+    inner, outer = _rings(bearing, hub_mass)
+    modes = inner.frequency**2
+    static = np.sum((inner.shape + inner.carried) ** 2 / modes) + np.sum((outer.shape / outer.frequency) ** 2)
+    soft = 1.0 / (hub_mass * omega**2) - static  # of all else
+
+    def gives_way(square):
+        return (
+            soft
+            - 1.0 / (hub_mass * square)
+            + np.sum(inner.shape**2 / (modes - square))
+            + np.sum(outer.shape**2 / (outer.frequency**2 - square))
+        )
+
+    below, above = 1e-6 * omega**2, (1.0 - 1e-9) * min(modes[0], outer.frequency[0] ** 2)
+    if not omega**2 < above or gives_way(below) >= 0.0:
+        return inf
+    enough = (1.0 + least) ** 2 * omega**2
+    if enough < above and gives_way(enough) >= 0.0:
+        return 0.0
+    from scipy.optimize import brentq  # takes its time to load, and few hubs vibrate so
+
+    return sqrt(brentq(gives_way, below, above)) / omega - 1.0
+
+
+def _rings(bearing: Bearing, hub_mass: float) -> tuple[Modes, Modes]:
+    """Modes of the inner ring on the hub and of the held outer ring that shift their raceways."""
+    inner = bearing.inner_raceway_radius, bearing.bore_radius, bearing.inner_ring
+    outer = bearing.outer_raceway_radius, bearing.outside_radius, bearing.outer_ring
+    length, hub = bearing.roller_length, hub_mass - bearing.inner_ring_mass
+    return shift_vibrations(*inner, length, hub), shift_vibrations(*outer, length)
+
+
+def vibration_caution(bearing: Bearing, hub_mass: float, sums: np.ndarray, modes_up_to_kHz: float) -> str | None:
+    """A sentence where the hub's vibration is off by more than LARGEST_ERROR of its displacement."""
+    count = max(sums[COUNT], 1.0)
+    size = sqrt(sums[SQUARE] / count)
+    still = hypot(sums[X], sums[Y]) / count
+    vibrates = sqrt(max(size**2 - still**2, 0.0)) / max(size, NOTHING)
+    if size < NOTHING or sums[VELOCITY] == 0.0 or vibrates < LARGEST_ERROR:
+        return None
+    omega = sqrt(sums[ACCELERATION] / sums[VELOCITY])
+    error = min(frequency_error(bearing, hub_mass, omega, LARGEST_ERROR / vibrates), 1.0)
+    if error * vibrates < LARGEST_ERROR:
+        return None
+    needed = ENOUGH * float(_rings(bearing, hub_mass)[0].frequency[0]) / (2.0 * pi)
+    if 1e3 * modes_up_to_kHz >= needed:
+        return None
+    off = f"{100.0 * error:.2g} % too slow" if error < 1.0 else "far too slow"
+    return (
+        f"{100.0 * vibrates:.0f} % of the hub's displacement is vibration, at {1e-3 * omega / (2.0 * pi):.2g} kHz: "
+        f"{off}, because the rings' elastic motion has no mass in the reduced model; the hub's path goes out of step "
+        f"with that, and its mean place may be off by {100.0 * error * vibrates:.2g} %; where that matters take "
+        f'reduced.modes_up_to_kHz = {ceil(1e-4 * needed) * 10}, or model = "fem"'
+    )

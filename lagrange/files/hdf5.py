@@ -1,0 +1,319 @@
+"""HDF5 files: written through Python's own file, read guarded whatever they hold.
+
+HDF5 2.0 keeps what it could not write and crashes on it later, at the latest when the process ends. Here it never
+learns of a failure: the first one is kept, nothing more is written, and it is raised once HDF5 has closed the file.
+Variables with dimension scales, a unit and a meaning make such a file valid NetCDF-4.
+"""
+
+import faulthandler
+import io
+import os
+import signal
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from math import prod
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lagrange.files.input import LARGEST_FILE, digest
+
+if TYPE_CHECKING:
+    import h5py
+
+NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"  # NetCDF-4's name of such a scale
+
+
+class HeldBack(io.FileIO):
+    """A file that keeps its first failure to itself; `failure` is None where there was none."""
+
+    failure: OSError | None = None
+
+    def write(self, data) -> int:
+        """All of it; nothing after a failure."""
+        view = memoryview(data).cast("B")
+        size = len(view)
+        try:
+            while view and self.failure is None:
+                view = view[self.put(view) :]
+        except OSError as error:
+            self.failure = error
+        return size
+
+    def put(self, data: memoryview) -> int:
+        """As many bytes as the system takes at once."""
+        return super().write(data) or 0
+
+    def truncate(self, size: int | None = None) -> int:
+        try:
+            if self.failure is None:
+                return super().truncate(size)
+        except OSError as error:
+            self.failure = error
+        return size or 0
+
+
+@contextmanager
+def hdf5_to_write(path: Path, mode: str = "w", **options: Any) -> "Iterator[h5py.File]":
+    """An HDF5 file, new ("w") or to be changed ("r+"), closed at the end; options are those of h5py.File.
+
+    Errors
+    ------
+    OSError: the disk failed, said at the end.
+    """
+    import h5py
+
+    with HeldBack(path, {"w": "w+", "r+": "r+"}[mode]) as raw:
+        try:
+            with h5py.File(raw, mode, **options) as file:
+                yield file
+        except Exception:
+            if raw.failure is None:
+                raise
+        if raw.failure is not None:  # also of what HDF5 found strange in a file that lacks what it has written
+            raise raw.failure
+
+
+def dimension(file: "h5py.File", name: str, size: int) -> None:
+    """Add a dimension that has no coordinates."""
+    file.create_dataset(name, shape=(size,), dtype=">f4").make_scale(NO_VARIABLE.format(size))
+
+
+def variable(
+    file: "h5py.File", name: str, values: Any, dimensions: tuple[str, ...], unit: str, long_name: str
+) -> None:
+    """Add numbers, or words (dtype object), along dimensions that the file has; along its own name: a coordinate."""
+    values = np.asarray(values)
+    if values.dtype == object:
+        import h5py
+
+        file.create_dataset(name, data=values, dtype=h5py.string_dtype())
+    else:
+        file.create_dataset(name, data=values)
+    label(file, name, dimensions, unit, long_name)
+
+
+def label(file: "h5py.File", name: str, dimensions: tuple[str, ...], unit: str, long_name: str) -> None:
+    """Say of a variable of the file along which dimensions it is, its unit and its meaning."""
+    data = file[name]
+    data.attrs["units"], data.attrs["long_name"] = unit, long_name
+    if dimensions == (name,):
+        data.make_scale(name)
+        return
+    for axis, each in enumerate(dimensions):
+        data.dims[axis].attach_scale(file[each])
+
+
+# Numbers out of HDF5 files that may be anything: damaged, made to mislead, or made to harm.
+#
+# Stands on the ground floor, as the scene does: solver and checker both read result files and don't know each other.
+# The HDF5 library itself may crash or never return on a damaged file, so `refusal_in_child` makes the first attempt in
+# a child process. `read_numbers` takes nothing but plain arrays of the file at hand: no links into other files, no
+# filters that the library would load code for, no chunks or shapes far beyond the data there are.
+
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"  # an HDF5 file's first bytes
+CHECKSUM = "checksum"  # attribute: twice a number of samples and the CRC-32 of the variable up to there
+SCENE_CHECKSUM = "scene_checksum"  # attribute of the file: CRC-32 of the scene's text
+FILTERS = {1: "deflate", 2: "shuffle", 3: "fletcher32"}  # by HDF5's numbers
+LARGEST_CHUNK = 64 * 2**20  # bytes
+MOST_COMPRESSION = 1100  # deflate can't do better than 1032 to 1
+SCENE_FILE = "scene_file_{}"  # variable: bytes of a file that the scene names
+MOST_SCENE_FILES = 200
+WORDS = {"f": "floating-point numbers", "i": "whole numbers", "u": "bytes"}  # by numpy's kinds
+STARVED = 3  # exit code of the child
+
+
+class Damaged(ValueError):
+    """What a file holds can't be used; the text says what is wrong, without the file's name."""
+
+
+def refusal_in_child(read: Callable[[], object], name: str, seconds: float, memory: int) -> str | None:
+    """Why a file can't be read, or None where `read` may be called here.
+
+    `read` is called in a child process, with a limit of processor time and of memory, bytes on top of what is used
+    now. Its ValueErrors come back as their text; a crash, a hang or too much memory as a sentence about `name`. Always
+    None on systems that can't fork.
+    """
+    if not hasattr(os, "fork"):
+        return None
+    told, tell = os.pipe()
+    child = os.fork()
+    if child == 0:
+        _attempt(read, tell, seconds, memory)
+    os.close(tell)
+    with open(told, "rb") as pipe:
+        text = pipe.read().decode("utf-8", errors="replace")
+    status = os.waitpid(child, 0)[1]
+    if os.WIFSIGNALED(status):
+        number = os.WTERMSIG(status)
+        what = (
+            f"does not end in {seconds:g} s"
+            if number == signal.SIGPROF
+            else f"crashes the HDF5 library ({signal.Signals(number).name})"
+        )
+        return f"{name}: damaged: reading it {what}"
+    code = os.WEXITSTATUS(status)
+    if code == STARVED:
+        return f"{name}: reading it takes more than {memory / 2**30:.1f} GiB of memory; is it damaged?"
+    if code != 0:
+        return f"{name}: damaged: reading it ends the process (exit code {code})"
+    return text or None
+
+
+def _attempt(read: Callable[[], object], tell: int, seconds: float, memory: int) -> None:
+    """The child's part; does not return."""
+    code = 0
+    try:
+        _limit(seconds, memory)
+        read()
+    except MemoryError:
+        code = STARVED
+    except ValueError as error:
+        os.write(tell, str(error).encode("utf-8", errors="replace")[:4096])
+    except BaseException:  # not the file's fault: the parent meets it again
+        pass
+    finally:
+        os._exit(code)
+
+
+def _limit(seconds: float, memory: int) -> None:
+    """Die quietly of too much time; get no more memory."""
+    import resource
+
+    faulthandler.disable()
+    crashes = signal.SIGSEGV, signal.SIGBUS, signal.SIGABRT, signal.SIGFPE, signal.SIGILL
+    for number in (signal.SIGPROF, *crashes):  # handlers of the parent's might end it in another way
+        signal.signal(number, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    used = Path("/proc/self/statm")
+    if used.exists():  # elsewhere the memory in use is not told in the same way
+        pages = int(used.read_text(encoding="ascii").split()[0])
+        most = pages * os.sysconf("SC_PAGE_SIZE") + memory
+        set_before = [limit for limit in resource.getrlimit(resource.RLIMIT_AS) if limit != resource.RLIM_INFINITY]
+        most = min(most, *set_before) if set_before else most
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+def read_numbers(file, name: str, count: int) -> np.ndarray:
+    """The first `count` samples of a variable of an open HDF5 file, its checksum verified where it has one.
+
+    Errors
+    ------
+    Damaged: no such variable, not an array of floating-point numbers in this file, too short, chunks or shapes out of
+    proportion, an unknown filter, another checksum than stored.
+    """
+    data = check_array(file, name, count)
+    values = data[:count].astype(float)
+    verify(data, values)
+    return values
+
+
+def has(file, name: str) -> bool:
+    """Whether an open HDF5 file has an entry of a name, without following it where it is a link."""
+    return file.get(name, getlink=True) is not None
+
+
+def check_array(file, name: str, count: int | None, kinds: str = "f", dimensions: tuple[int, ...] = (1, 2)):
+    """The variable, after what is refused before anything is read; `count` None: a group, looked into no further.
+
+    Errors
+    ------
+    Damaged: see `read_numbers`.
+    """
+    link = file.get(name, getlink=True)
+    if link is None:
+        raise Damaged(f"{name} is missing")
+    if type(link).__name__ != "HardLink":
+        raise Damaged(f"{name} is a link to another place, which is not followed")
+    data = file[name]
+    if count is None:
+        if type(data).__name__ != "Group":
+            raise Damaged(f"{name} is not a group")
+        return data
+    if type(data).__name__ != "Dataset" or data.dtype.kind not in kinds or data.dtype.itemsize > 8:
+        raise Damaged(f"{name} is not an array of {WORDS.get(kinds, 'text')}")
+    if data.is_virtual or data.external:
+        raise Damaged(f"{name} lies in another file, which is not followed")
+    if data.ndim not in dimensions or data.shape[0] < count:
+        raise Damaged(f"{name} has shape {data.shape} but {count} samples are committed; the file is truncated")
+    _check_room(data, name, count)
+    return data
+
+
+def _check_room(data, name: str, count: int) -> None:
+    """No more is promised than the file can hold."""
+    plan = data.id.get_create_plist()
+    filters = [plan.get_filter(i)[0] for i in range(plan.get_nfilters())]
+    unknown = [number for number in filters if number not in FILTERS]
+    if unknown:
+        raise Damaged(f"{name} is packed by an unknown filter (HDF5's number {unknown[0]})")
+    if data.chunks is not None and prod(data.chunks) * data.dtype.itemsize > LARGEST_CHUNK:
+        raise Damaged(f"{name} has chunks of {data.chunks}, more than {LARGEST_CHUNK / 2**20:.0f} MiB")
+    wanted = count * prod(data.shape[1:]) * data.dtype.itemsize
+    if data.id.get_storage_size() * (MOST_COMPRESSION if filters else 1) < wanted:
+        raise Damaged(f"{name} has shape {data.shape}, but the file holds only part of it")
+
+
+def verify(data, values: np.ndarray) -> None:
+    """Refuse values whose checksum is not the stored one."""
+    record = data.attrs.get(CHECKSUM)
+    if record is None:
+        return
+    pairs = np.ravel(record)
+    known = dict(zip(pairs[0::2].tolist(), pairs[1::2].tolist(), strict=False))
+    if len(values) not in known:
+        raise Damaged(f"{data.name.strip('/')} has no checksum of its {len(values)} samples")
+    if known[len(values)] != checksum(values):
+        raise Damaged(f"{data.name.strip('/')} is not what was written: its checksum differs")
+
+
+def read_scene_text(file) -> str:
+    """The attribute `scene` of an open HDF5 file, its checksum verified where there is one.
+
+    Errors
+    ------
+    Damaged: another checksum than stored. KeyError: no such attribute.
+    """
+    text = file.attrs["scene"]
+    text = text.decode("utf-8", errors="replace") if isinstance(text, bytes) else str(text)
+    if SCENE_CHECKSUM in file.attrs and int(file.attrs[SCENE_CHECKSUM]) != text_checksum(text):
+        raise Damaged("the attribute scene is not what was written: its checksum differs")
+    return text
+
+
+def read_scene_files(file) -> dict[str, str]:
+    """Texts of the files that an open HDF5 file's scene names, by their digests.
+
+    Errors
+    ------
+    Damaged: too large, or no text.
+    """
+    found = {}
+    for number in range(MOST_SCENE_FILES):
+        name = SCENE_FILE.format(number)
+        if not has(file, name):
+            break
+        check_array(file, name, 0, kinds="u", dimensions=(1,))
+        if file[name].nbytes > LARGEST_FILE or file[name].dtype.itemsize > 1:
+            raise Damaged(f"{name} holds more than {LARGEST_FILE} bytes, or other numbers")
+        check_array(file, name, len(file[name]), kinds="u", dimensions=(1,))
+        try:
+            text = file[name][:].tobytes().decode()
+        except UnicodeDecodeError:
+            raise Damaged(f"{name} is no UTF-8 text") from None
+        found[digest(text)] = text
+    return found
+
+
+def text_checksum(text: str) -> int:
+    """CRC-32 of a text as UTF-8."""
+    return zlib.crc32(text.encode("utf-8", errors="replace"))
+
+
+def checksum(values: np.ndarray, before: int = 0) -> int:
+    """CRC-32 of values as little-endian doubles, going on from that of the values before them."""
+    return zlib.crc32(np.ascontiguousarray(values, dtype="<f8").data, before)

@@ -1,0 +1,122 @@
+"""Files that commands write: whole or not at all, in no foreign file's place, through no foreign link or pipe.
+
+Stands on the ground floor, as `input` does: solver, checker and studies write by `replaced`. A file is made
+under a drawn name of this program's own beside its place, and then moved there. No name is foreseeable, so nothing can
+have been laid in its way; `remove_left` takes away what killed processes have left under such names.
+"""
+
+import errno
+import hashlib
+import os
+import re
+import secrets
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from lagrange.files.input import read_plain
+
+BINARY = getattr(os, "O_BINARY", 0)  # Windows would translate line ends in what is read and written
+NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | BINARY
+
+
+def real_path(path: Path) -> Path:
+    """Where a link leads; else the path as it was given. OSError: links that lead round in a circle."""
+    if not path.is_symlink():
+        return path
+    real = Path(os.path.realpath(path))
+    if real.is_symlink():
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
+    return real
+
+
+def refuse_special(path: Path) -> None:
+    """Refuse a place where something other than a plain file stands: OSError."""
+    with suppress(FileNotFoundError):
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise OSError(errno.EINVAL, "is a folder, a pipe or a device, not a plain file", str(path))
+
+
+@contextmanager
+def replaced(path: str | Path) -> Iterator[Path]:
+    """An empty new file, to be written and closed, that is moved to `path` at the end, or removed after an error.
+
+    Errors
+    ------
+    OSError: it can't be made, or `path` is there and no plain file. What stands at `path` stays.
+    """
+    path = real_path(Path(path))
+    refuse_special(path)
+    part = new_part(path)
+    try:
+        yield part
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def write_whole(path: str | Path, data: bytes) -> None:
+    """Write a file that appears whole or not at all; errors as `replaced`."""
+    with replaced(path) as part:
+        part.write_bytes(data)
+
+
+def new_part(path: Path) -> Path:
+    """Make an empty file, to be moved to `path` later, under a name that no file has.
+
+    Errors
+    ------
+    OSError, which names `path`: it can't be made.
+    """
+    part = path.with_name(f"{_start(path)}{secrets.token_hex(4)}.part")
+    try:
+        os.close(os.open(part, NEW, 0o666))
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from None
+    return part
+
+
+def remove_left(path: Path) -> None:
+    """Remove what killed processes have left of files on their way to `path`, to which nobody writes now."""
+    ours = re.compile(re.escape(_start(path)) + r"[0-9a-f]{8}\.part")
+    for entry in path.parent.iterdir():
+        if ours.fullmatch(entry.name):
+            with suppress(OSError):  # another user's, or a folder
+                entry.unlink()
+
+
+def _start(path: Path) -> str:
+    """What the names of its parts begin with, of one length, so that a name that the disk takes has parts."""
+    return f".roller-bearing-{hashlib.sha256(os.fsencode(path.name)).hexdigest()[:8]}-"
+
+
+# Files that appear whole or not at all, sealed by a digest: one that is cut, zeroed or has a flipped bit is known.
+#
+# Stands on the ground floor, as `stored` does: meshes, assembled matrices and compiled kernels are kept in such files.
+
+
+_SIZE = hashlib.sha256().digest_size
+
+
+def write_sealed(path: Path, data: bytes) -> None:
+    """Write a file and its seal, behind the data, beside its place and move it there.
+
+    Errors
+    ------
+    OSError: it can't be written; an earlier file stays.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, data + hashlib.sha256(data).digest())
+
+
+def read_sealed(path: Path) -> bytes | None:
+    """The data of a sealed file; None if it is not what was written.
+
+    Errors
+    ------
+    OSError: there is no such file, or it can't be read.
+    """
+    whole = read_plain(path)
+    data, seal = whole[:-_SIZE], whole[-_SIZE:]
+    return data if len(seal) == _SIZE and hashlib.sha256(data).digest() == seal else None

@@ -1,0 +1,178 @@
+"""Speed and load that change while a bearing runs: smooth functions of time, from tables and ramps.
+
+A table's points are joined by polynomials of fifth degree with the slopes of PCHIP and no curvature at the points. That
+is twice continuously differentiable, so that forces never jump in their rate and steps of fourth order keep it; and
+between two points nothing lies beyond them: slopes are at most 1.25 times those of the straight lines on either side,
+with which the polynomial's Bernstein coefficients rise (or fall) from one point to the next. A cubic spline, as smooth,
+would overshoot; PCHIP alone has jumps of curvature.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import pi
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lagrange.files.input import columns
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
+
+TIME = "time_ms"
+FEWEST_POINTS = 2
+LATEST = 1e12  # ms, thirty years: powers of very long times are no numbers any more
+SHORTEST = 1e-3  # ms, between two points: some time steps of the finite elements
+SLOWEST = 1e-12  # m/s, of the inner raceway: slower ones stand; no time is long enough to look ahead of them
+LONGEST_LOOK = 1e-4  # s, ahead and back from the start of a run, for rates: a shaft that hardly turns takes long
+STEEPEST = 1.25  # of the straight lines on either side; see above
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Course:
+    """The shaft's turn and the load as functions of time, s; SI."""
+
+    turn: "PPoly"  # rad, of the shaft from t = 0 on
+    load: "PPoly"  # N, along x and y, (..., 2)
+    unbalance: float = 0.0  # kg m
+    unbalance_angle: float = 0.0  # rad from +x at t = 0, of the heavy side
+    rotating_load: float = 0.0  # N
+    rotating_load_angle: float = 0.0  # rad from +x at t = 0
+
+    def speed(self, time, order: int = 0):
+        """Of the shaft, rad/s, or its derivatives by time; any shape."""
+        return self.turn(time, order + 1)[()]
+
+    def force(self, time) -> tuple[Any, Any]:
+        """The whole force on the hub along x and y, N; any shape.
+
+        An unbalance is a mass m that turns at a radius e: −m times the acceleration of e (cos ψ, sin ψ).
+        """
+        along_x, along_y = np.moveaxis(self.load(time), -1, 0)
+        speed, gain = self.speed(time), self.speed(time, 1)
+        cosine, sine = self._heavy_side(time)
+        x, y = self._rotating(time)
+        out, back = self.unbalance * speed**2, self.unbalance * gain
+        return along_x + out * cosine + back * sine + x, along_y + out * sine - back * cosine + y
+
+    def force_rate(self, time) -> tuple[Any, Any]:
+        """Of that, N/s."""
+        along_x, along_y = np.moveaxis(self.load(time, 1), -1, 0)
+        speed, gain, jerk = self.speed(time), self.speed(time, 1), self.speed(time, 2)
+        cosine, sine = self._heavy_side(time)
+        x, y = self._rotating(time)
+        out, ahead = 3.0 * self.unbalance * speed * gain, self.unbalance * (speed**3 - jerk)
+        return along_x + out * cosine - ahead * sine - speed * y, along_y + out * sine + ahead * cosine + speed * x
+
+    def _heavy_side(self, time):
+        angle = self.turn(time) + self.unbalance_angle
+        return np.cos(angle), np.sin(angle)
+
+    def _rotating(self, time):
+        angle = self.turn(time) + self.rotating_load_angle
+        return self.rotating_load * np.cos(angle), self.rotating_load * np.sin(angle)
+
+    @cached_property
+    def speeds(self) -> tuple[float, float]:
+        """The lowest and the highest, rad/s: both are at points of the table."""
+        found = self.speed(self.turn.x)
+        return float(found.min()), float(found.max())
+
+    def reverses(self, time: float) -> bool:
+        """Whether the shaft turns both ways up to a time, s."""
+        points = self.turn.x[(self.turn.x > 0.0) & (self.turn.x < time)]
+        found = self.speed(np.concatenate([[0.0], points, [time]]))
+        return bool(found.min() < 0.0 < found.max())
+
+    @property
+    def fastest(self) -> float:
+        """The highest speed either way, rad/s."""
+        return max(map(abs, self.speeds))
+
+    @cached_property
+    def heaviest(self) -> float:
+        """A bound of the whole force, N, but for what an unbalance has of the shaft's acceleration."""
+        largest = np.abs(self.load(self.load.x)).max(axis=0)  # at points of the table
+        return float(np.hypot(*largest)) + self.rotating_load + self.unbalance * self.fastest**2
+
+    @property
+    def varies_speed(self) -> bool:
+        """Whether the shaft's speed changes."""
+        return self.speeds[0] != self.speeds[1]
+
+
+def steady(*values: float) -> "PPoly":
+    """Numbers that do not change, as functions of time."""
+    from scipy.interpolate import PPoly
+
+    return PPoly(np.array(values).reshape(1, 1, -1), np.array([0.0, 1.0]))
+
+
+def turn_of(speed: "PPoly") -> "PPoly":
+    """The integral of a speed, (1,), from t = 0 on."""
+    found = speed.antiderivative()
+    found.c[-1] -= found(0.0)
+    found.c = np.ascontiguousarray(found.c[:, :, 0])
+    return found
+
+
+def smooth(time: np.ndarray, values: np.ndarray) -> "PPoly":
+    """The function through points, (n,) s and (n, m), of which the module's description tells."""
+    from scipy.interpolate import BPoly, PchipInterpolator, PPoly
+
+    secant = np.abs(np.diff(values, axis=0) / np.diff(time)[:, None])
+    flattest = np.minimum(np.concatenate([secant[:1], secant]), np.concatenate([secant, secant[-1:]]))
+    with np.errstate(over="ignore"):  # of a harmonic mean of slopes: one too flat to have a reciprocal makes it 0
+        slope = PchipInterpolator(time, values, axis=0).derivative()(time)
+    slope = np.clip(slope, -STEEPEST * flattest, STEEPEST * flattest)
+    quintic = BPoly.from_derivatives(time, np.stack([values, slope, np.zeros_like(slope)], axis=1))
+    return PPoly.from_bernstein_basis(quintic)
+
+
+@lru_cache(maxsize=16)
+def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = ".") -> tuple[np.ndarray, np.ndarray]:
+    """Times, (n,), ms, and values, (n, n_names), of a table's text with this decimal sign, at most so large.
+
+    Errors
+    ------
+    ValueError, a sentence on the text.
+    """
+    found = columns(text, (TIME, *names), decimal)
+    if len(found) < FEWEST_POINTS:
+        raise ValueError(f"it holds {len(found)} rows; at least {FEWEST_POINTS} are needed")
+    if not np.all(np.isfinite(found)):
+        raise ValueError(f"row {1 + int(np.argmin(np.isfinite(found).all(axis=1)))} holds a value that is not finite")
+    time, values = found[:, 0], found[:, 1:]
+    if np.abs(time).max() > LATEST:
+        raise ValueError(f"{TIME} = {time[np.argmax(np.abs(time))]:g}: at most {LATEST:g} either way; in milliseconds?")
+    steps = np.diff(time)
+    if np.any(steps < SHORTEST):
+        at = int(np.argmax(steps < SHORTEST))
+        raise ValueError(
+            f"{TIME} must rise by at least {SHORTEST:g} from row to row: after {time[at]:g} comes {time[at + 1]:g}"
+        )
+    if np.abs(values).max() > largest:
+        row, k = np.unravel_index(np.argmax(np.abs(values)), values.shape)
+        raise ValueError(f"{names[k]} = {values[row, k]:g} at {time[row]:g} ms; at most {largest:g} either way")
+    if time[0] > 0.0:
+        raise ValueError(f"it begins at {TIME} = {time[0]:g}, after the run; at most 0")
+    return time, values
+
+
+# A load that grows from nothing by half a cosine, without a jump in its rate.
+
+
+def load_share(time, ramp: float):
+    """Share of the load that acts at a time, s, 0 to 1; any shape. Without a ramp (0 s) all of it."""
+    time = np.asarray(time, dtype=float)
+    if ramp <= 0.0:
+        return np.ones_like(time)
+    return 0.5 * (1.0 - np.cos(pi * np.clip(time / ramp, 0.0, 1.0)))
+
+
+def load_share_rate(time, ramp: float):
+    """Rate of `load_share`, 1/s."""
+    time = np.asarray(time, dtype=float)
+    if ramp <= 0.0:
+        return np.zeros_like(time)
+    return 0.5 * pi / ramp * np.sin(pi * np.clip(time / ramp, 0.0, 1.0))

@@ -1,0 +1,308 @@
+"""Tables of the scene that say what the bearing is: [bearing], [material], [bodies], [lubricant], [cage]."""
+
+from collections.abc import Iterator
+from math import asin, pi, sin
+from typing import Any, Literal
+
+from pydantic import Field
+
+from lagrange.bearing import Bearing, Cage, Guidance, Material, room_between_rollers, thin_ring_inertia
+from lagrange.catalogue import SHAFT_WIDTHS, bearing_keys, designations, listed, steel_ring_and_shaft
+from lagrange.scene.faults import Check, Table
+from lagrange.surface.film import Lubricant
+
+# groove radius over ball diameter to which ISO 281 rates deep-groove bearings
+USUAL_GROOVES = {"inner_conformity": 0.52, "outer_conformity": 0.53}
+
+CLEARANCE_OF = ("inner_raceway_diameter_mm", "roller_diameter_mm")  # with the outer raceway's diameter
+
+
+USUAL_MASS = 0.078  # kg, of the paper's inner ring and shaft
+
+
+def heavy_inner_ring_and_shaft(data: dict[str, Any]) -> float | None:
+    """Mass of a ring as wide as its rollers are long, with its shaft, kg, where the ring outweighs the default."""
+    keys = ("bore_diameter_mm", "roller_length_mm", "inner_raceway_diameter_mm")
+    sizes = [data.get(key, BearingTable.model_fields[key].default) for key in keys]
+    if any(type(size) not in (float, int) or size <= 0.0 for size in sizes):
+        return None
+    bore, length, raceway = sizes
+    ring = steel_ring_and_shaft(bore, length, raceway, 0.0)
+    return None if ring < USUAL_MASS else steel_ring_and_shaft(bore, length, raceway, SHAFT_WIDTHS)
+
+
+class BearingTable(Table):
+    """What the bearing is; defaults are the paper's."""
+
+    designation: str | None = Field(
+        None, max_length=40, description="of a standard bearing, NU204 to NU216: the default of the other keys"
+    )
+    type: Literal["roller", "ball"] = Field(
+        "roller", description="of the rolling elements; balls have no finite elements"
+    )
+    rollers: int = Field(13, ge=3, le=200, description="number of rollers, or balls")
+    roller_diameter_mm: float = Field(10.0, ge=0.5, le=500.0, description="diameter of a roller, or ball")
+    roller_length_mm: float = Field(10.0, ge=0.1, le=2000.0, description="length over which a roller bears")
+    inner_raceway_diameter_mm: float = Field(
+        36.0, gt=0.0, le=10_000.0, description="diameter of the inner ring's raceway"
+    )
+    outer_raceway_diameter_mm: float = Field(
+        56.0,
+        gt=0.0,
+        le=10_000.0,
+        description="diameter of the outer ring's raceway; outer − inner − 2 · roller is the clearance",
+    )
+    bore_diameter_mm: float = Field(25.0, gt=0.0, le=10_000.0, description="diameter of the inner ring's bore")
+    outside_diameter_mm: float = Field(65.0, gt=0.0, le=10_000.0, description="outside diameter of the outer ring")
+    clearance_um: float | None = Field(
+        None,
+        ge=-10_000.0,
+        le=100_000.0,
+        description="diametral clearance, instead of outer_raceway_diameter_mm; negative: preload",
+    )
+    inner_conformity: float | None = Field(
+        None,
+        gt=0.5,
+        le=1.0,
+        description="of balls: radius of the inner groove over the ball's diameter; 0.52 if left out",
+    )
+    outer_conformity: float | None = Field(
+        None,
+        gt=0.5,
+        le=1.0,
+        description="of balls: radius of the outer groove over the ball's diameter; 0.53 if left out",
+    )
+
+    @classmethod
+    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        """Values of a standard bearing, grooves of balls; a clearance becomes the outer raceway's diameter."""
+        if data.get("type") == "ball":
+            data = USUAL_GROOVES | data
+        outer = "outer_raceway_diameter_mm" in data
+        if (found := listed(data.get("designation"))) is not None:
+            standard = bearing_keys(*found)
+            data = {key: value for key, value in standard.items() if not outer or key != "clearance_um"} | data
+        parts = [data.get(key, cls.model_fields[key].default) for key in CLEARANCE_OF] + [data.get("clearance_um")]
+        if outer or any(isinstance(part, bool) or not isinstance(part, int | float) for part in parts):
+            return data
+        inner, roller, clearance = parts
+        data = {key: value for key, value in data.items() if key != "clearance_um"}
+        return data | {"outer_raceway_diameter_mm": round(inner + 2.0 * roller + 1e-3 * clearance, 9)}
+
+    def checks(self) -> tuple[Check, ...]:
+        return (
+            self._standard,
+            self._clearance_twice,
+            self._grooves,
+            self._inner_ring,
+            self._outer_ring,
+            self._clearance,
+            self._room,
+        )
+
+    def _standard(self) -> Iterator[str]:
+        name = self.designation
+        if name is not None and listed(name) is None:
+            yield (
+                f"designation = {name!r}: not in the table; known are {', '.join(designations())}, with a clearance as "
+                "in NU206/C3; of another bearing leave it out and give rollers, roller_diameter_mm, roller_length_mm, "
+                "inner_raceway_diameter_mm, clearance_um, bore_diameter_mm and outside_diameter_mm"
+            )
+        if name is not None and self.type == "ball":
+            yield f'designation = {name!r}: a roller bearing, not with type = "ball"; leave one of them out'
+
+    def _clearance_twice(self) -> Iterator[str]:
+        if self.clearance_um is not None:  # else it has become the diameter
+            yield (
+                f"clearance_um = {self.clearance_um:g} and outer_raceway_diameter_mm = "
+                f"{self.outer_raceway_diameter_mm:g} say the same thing; leave one of them out"
+            )
+
+    def _grooves(self) -> Iterator[str]:
+        for key in USUAL_GROOVES:
+            if self.type == "roller" and getattr(self, key) is not None:
+                yield f'{key} = {getattr(self, key)}: only for balls; add type = "ball" or leave it out'
+
+    def _inner_ring(self) -> Iterator[str]:
+        inner = self.inner_raceway_diameter_mm
+        if self.bore_diameter_mm >= inner:
+            yield f"bore_diameter_mm = {self.bore_diameter_mm} must be below inner_raceway_diameter_mm = {inner}"
+
+    def _outer_ring(self) -> Iterator[str]:
+        outer = self.outer_raceway_diameter_mm
+        if self.outside_diameter_mm <= outer:
+            yield f"outside_diameter_mm = {self.outside_diameter_mm} must be above outer_raceway_diameter_mm = {outer}"
+
+    def _clearance(self) -> Iterator[str]:
+        roller, outer = self.roller_diameter_mm, self.outer_raceway_diameter_mm
+        clearance = outer - self.inner_raceway_diameter_mm - 2.0 * roller
+        if clearance < -0.005 * roller:
+            yield (
+                f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is more preload than the model "
+                f"bears (at least {-0.005 * roller:.4g} mm); widen outer_raceway_diameter_mm = {outer}"
+            )
+        if clearance > 0.2 * roller:
+            yield (
+                f"diametral clearance outer − inner − 2·roller = {clearance:.4g} mm is too large (at most "
+                f"{0.2 * roller:.4g} mm); lower outer_raceway_diameter_mm = {outer}"
+            )
+
+    def _room(self) -> Iterator[str]:
+        roller = self.roller_diameter_mm
+        pitch = 0.5 * (self.inner_raceway_diameter_mm + self.outer_raceway_diameter_mm)
+        if pitch * sin(pi / self.rollers) <= roller:
+            most = int(pi / asin(roller / pitch)) if roller < pitch else 1
+            yield (
+                f"rollers = {self.rollers} of roller_diameter_mm = {roller} do not fit on the pitch circle of "
+                f"{pitch:g} mm; at most {most}"
+            )
+
+
+class MaterialOverride(Table):
+    """One body's own, in place of [material]'s."""
+
+    youngs_modulus_GPa: float | None = Field(
+        None, ge=0.1, le=2000.0, description="of this body; left out: that of [material]"
+    )
+    poisson_ratio: float | None = Field(None, ge=0.0, le=0.45, description="of this body; left out: that of [material]")
+    density_kg_m3: float | None = Field(
+        None, ge=100.0, le=30_000.0, description="of this body; left out: that of [material]"
+    )
+
+
+class MaterialTable(Table):
+    """Of every body; [material.roller], [material.inner_ring] and [material.outer_ring] override."""
+
+    youngs_modulus_GPa: float = Field(210.0, ge=0.1, le=2000.0, description="Young's modulus")
+    poisson_ratio: float = Field(0.3, ge=0.0, le=0.45, description="Poisson's ratio")
+    density_kg_m3: float = Field(7850.0, ge=100.0, le=30_000.0, description="density")
+    roller: MaterialOverride = Field(MaterialOverride(), description="of the rollers, where it differs")
+    inner_ring: MaterialOverride = Field(MaterialOverride(), description="of the inner ring, where it differs")
+    outer_ring: MaterialOverride = Field(MaterialOverride(), description="of the outer ring, where it differs")
+
+    def of(self, body: Literal["roller", "inner_ring", "outer_ring"]) -> Material:
+        """Material of one kind of body, SI."""
+        own = getattr(self, body)
+
+        def pick(key):
+            value = getattr(own, key)
+            return getattr(self, key) if value is None else value
+
+        return Material(
+            youngs_modulus=pick("youngs_modulus_GPa") * 1e9,
+            poisson_ratio=pick("poisson_ratio"),
+            density=pick("density_kg_m3"),
+        )
+
+
+class BodiesTable(Table):
+    """Which bodies are taken as undeformable."""
+
+    rollers: Literal["elastic", "rigid"] = Field("elastic", description="the rollers; not rigid together with a ring")
+    inner_ring: Literal["elastic", "rigid"] = Field("elastic", description="the inner ring")
+    outer_ring: Literal["elastic", "rigid"] = Field("elastic", description="the outer ring")
+
+    def checks(self) -> tuple[Check, ...]:
+        return (self._partners,)
+
+    def _partners(self) -> Iterator[str]:
+        rings = [name for name in ("inner_ring", "outer_ring") if getattr(self, name) == "rigid"]
+        if self.rollers == "rigid" and rings:
+            too = " and ".join(f'{name} = "rigid"' for name in rings)
+            yield (
+                f'rollers = "rigid" together with {too}: a contact of two rigid bodies has no compliance and so no '
+                'force; leave the rollers or the rings "elastic", or, for bodies that are all rigid with a contact law '
+                "between them, leave [bodies] out and take run-fem --model lagrange"
+            )
+
+    @property
+    def rigid(self) -> tuple[str, ...]:
+        """The keys of those that are."""
+        return tuple(name for name in type(self).model_fields if getattr(self, name) == "rigid")
+
+
+# The scene file's [lubricant]: a film between rollers and raceways.
+
+
+class LubricantTable(Table):
+    """A film that takes up gap, as thick as Dowson and Higginson's under the largest static load of a raceway."""
+
+    viscosity_Pa_s: float = Field(0.02, ge=1e-5, le=100.0, description="where the oil enters the contacts")
+    pressure_viscosity_1_Pa: float = Field(2e-8, ge=1e-10, le=1e-6, description="its growth with pressure")
+    traction_coefficient: float = Field(
+        0.05, ge=0.0, le=1.0, description="of the film, in place of contact.friction_coefficient"
+    )
+
+    def lubricant(self) -> Lubricant:
+        """The oil, SI."""
+        return Lubricant(
+            viscosity=self.viscosity_Pa_s,
+            pressure_viscosity=self.pressure_viscosity_1_Pa,
+            traction_coefficient=self.traction_coefficient,
+        )
+
+
+# The scene's table [cage].
+
+
+MM = 1e-3
+
+
+class CageTable(Table):
+    """A cage that moves by the forces on it; without the table rollers have none."""
+
+    mass_kg: float = Field(0.02, ge=1e-6, le=1e5, description="of the whole cage")
+    inertia_kg_m2: float | None = Field(
+        None, ge=1e-12, le=1e6, description="about its centre; left out: of a thin ring of the pitch radius"
+    )
+    pocket_clearance_mm: float = Field(
+        0.2, ge=1e-3, le=100.0, description="of a roller in its pocket along the pitch circle, on both sides together"
+    )
+    guidance: Guidance = Field(
+        "rollers", description="what centres the cage; rollers in round pockets, or a ring, and pockets have flat walls"
+    )
+    guidance_clearance_mm: float | None = Field(
+        None, ge=1e-3, le=100.0, description="difference of diameters between the cage and the ring that guides it"
+    )
+    stiffness_N_per_m: float = Field(1e8, ge=1e4, le=1e11, description="of each contact of the cage")
+    damping_N_s_m: float = Field(1.0, ge=0.0, le=1e6, description="of each closed contact of the cage; never pulls")
+    friction_coefficient: float = Field(0.05, ge=0.0, le=1.0, description="in pockets and at the guiding ring")
+    drag_torque_N_m: float = Field(0.0, ge=0.0, le=1e6, description="against the cage's rotation, of the lubricant")
+
+    def checks(self) -> tuple[Check, ...]:
+        return (self._guided,)
+
+    def _guided(self) -> Iterator[str]:
+        given = self.guidance_clearance_mm
+        if self.guidance == "rollers" and given is not None:
+            yield (
+                f'guidance_clearance_mm = {given:g}: only with guidance = "inner_ring" or "outer_ring"; rollers guide '
+                "a cage by its pockets; leave it out"
+            )
+        if self.guidance != "rollers" and given is None:
+            yield f'guidance = "{self.guidance}" needs guidance_clearance_mm, e.g. 0.3 (difference of diameters)'
+
+    def cage(self, bearing: Bearing) -> Cage:
+        """The cage in SI."""
+        inertia, play = self.inertia_kg_m2, self.guidance_clearance_mm
+        return Cage(
+            mass=self.mass_kg,
+            inertia=thin_ring_inertia(bearing, self.mass_kg) if inertia is None else inertia,
+            pocket_clearance=MM * self.pocket_clearance_mm,
+            guidance=self.guidance,
+            guidance_clearance=None if play is None else MM * play,
+            stiffness=self.stiffness_N_per_m,
+            damping=self.damping_N_s_m,
+            friction_coefficient=self.friction_coefficient,
+            drag_torque=self.drag_torque_N_m,
+        )
+
+
+def cage_faults(bearing: Bearing, table: CageTable) -> Iterator[str]:
+    """Pockets that leave no bars between rollers."""
+    room = room_between_rollers(bearing)
+    if MM * table.pocket_clearance_mm >= room:
+        yield (
+            f"cage.pocket_clearance_mm = {table.pocket_clearance_mm:g}: neighbouring rollers are {1e3 * room:.4g} mm "
+            "apart, and a bar of the cage has to stand between them; take less, or fewer rollers"
+        )

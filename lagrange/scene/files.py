@@ -1,0 +1,157 @@
+"""The scene as text: nested tables, values under dotted keys, and the files that it names.
+
+A scene's own text keeps a file's name and the digest of its text; a result file keeps the text itself.
+"""
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from lagrange.files.input import LARGEST_FILE, digest, plain_text
+from lagrange.scene.faults import SceneError
+
+
+@dataclass(frozen=True)
+class _Named:
+    """Where a scene names a file: a table and its keys of name, digest and text."""
+
+    place: str
+    table: dict[str, Any]
+    name: str
+    digest: str
+    content: str
+    kind: str  # of table that the file is
+
+    @property
+    def described(self) -> str:
+        return f'{self.place}.{self.name} = "{self.table[self.name]}"'
+
+
+def content_in_place(data: dict[str, Any], folder: Path) -> None:
+    """Put the files of [[profile]] and [operation] into the tables of a scene that lies in a folder.
+
+    Errors
+    ------
+    ValueError: no such file, unreadable, too large, not text; not the one whose digest the scene gives.
+    """
+    for named in _named(data):
+        text = _text(named, folder / named.table[named.name])
+        if named.table.setdefault(named.digest, digest(text)) != digest(text):
+            raise ValueError(
+                f"{named.described}: its sha256 is {digest(text)}, another than the scene gives; leave that out for "
+                "this file"
+            )
+        named.table[named.content] = text
+
+
+def content_of(data: dict[str, Any], files: Mapping[str, str] | None) -> None:
+    """The same from texts by their digests; None: all stay out.
+
+    Errors
+    ------
+    ValueError: one is not among them.
+    """
+    for named in _named(data):
+        if files is not None:
+            if named.table.get(named.digest) not in files:
+                raise ValueError(f"{named.described}: its text is not here")
+            named.table[named.content] = files[named.table[named.digest]]
+
+
+def _named(data: dict[str, Any]) -> Iterator[_Named]:
+    """The files that a scene names; tables of other forms are left to the scene's own checks."""
+    profiles = data.get("profile")
+    for i, table in enumerate(profiles if isinstance(profiles, list) else ()):
+        yield from _file(_Named(f"profile.{i}", table, "file", "sha256", "content", "heights"))
+    for name, kind in (("speed_table", "speeds"), ("load_table", "loads")):
+        operation: Any = data.get("operation")
+        yield from _file(_Named("operation", operation, name, f"{name}_sha256", f"{name}_content", kind))
+
+
+def _file(named: _Named) -> Iterator[_Named]:
+    if isinstance(named.table, dict):
+        if named.content in named.table:
+            raise ValueError(f"{named.place}.{named.content}: unknown key; {named.kind} are read from a file")
+        if isinstance(named.table.get(named.name), str) and named.table[named.name]:
+            yield named
+
+
+def _text(named: _Named, path: Path) -> str:
+    try:
+        return plain_text(path, LARGEST_FILE)
+    except ValueError as error:
+        missed = "can't be read" in str(error)
+        hint = f" (looked for in {path.parent.resolve()})" if missed else f"; is it a table of {named.kind}?"
+        raise ValueError(f"{named.described}: {error}{hint}") from None
+
+
+# TOML text as nested tables, and values put under dotted keys of them, as --set and studies do.
+
+
+LONGEST_TEXT = 2**20  # characters of a scene
+
+
+def load(text: str, name: str) -> dict[str, Any]:
+    """Tables of a TOML text."""
+    if len(text) > LONGEST_TEXT:
+        raise SceneError(f"{name}: longer than {LONGEST_TEXT} characters; is it a scene file?")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(f"{name}: not valid TOML: {error}") from None
+    except RecursionError:
+        raise SceneError(f"{name}: not a scene: arrays or tables are nested too deeply") from None
+    except ValueError as error:  # Python's own limit on the digits of a whole number
+        raise SceneError(f"{name}: not a scene: {str(error).partition(';')[0]}") from None
+
+
+def apply_override(data: dict[str, Any], override: str) -> None:
+    """Put `table.key=value` into nested tables; the value is TOML, or a plain string."""
+    key, equals, text = override.partition("=")
+    if not equals or not all(part.strip() for part in key.split(".")):
+        raise SceneError(f"--set {override!r}: must read table.key=value, e.g. --set operation.speed_rpm=3000")
+    try:
+        found = load(f"value = {text}", "")
+    except SceneError:
+        found = {}
+    value = found["value"] if set(found) == {"value"} else text.strip()  # more than one: a string with line breaks
+    set_key(data, key, value, f"--set {override!r}")
+
+
+def set_key(data: dict[str, Any], key: str, value: Any, told: str) -> None:
+    """Put a value under a dotted key into nested tables; numbers count the tables of an array, as in spall.0.width_mm.
+
+    Parameters
+    ----------
+    told : how an error names what was asked for
+
+    Errors
+    ------
+    SceneError: the key leads through a value, to a whole table or past the end of an array.
+    """
+    parts = [part.strip() for part in key.split(".")]
+    if not all(parts):
+        raise SceneError(f"{told}: {key!r} must read table.key, e.g. operation.speed_rpm")
+    table: Any = data
+    for part, after in pairwise(parts):
+        table = _entry(table, part, [] if after.isdecimal() else {}, told)
+    if isinstance(table, list):
+        raise SceneError(f"{told}: {parts[-1]} is a whole table; set one of its keys")
+    table[parts[-1]] = value
+
+
+def _entry(table: dict[str, Any] | list, key: str, empty: dict | list, told: str) -> dict[str, Any] | list:
+    """The table, or the array of tables, under a key or a number; made where there is none."""
+    if isinstance(table, dict):
+        found = table.setdefault(key, empty)
+    else:
+        if not key.isdecimal() or int(key[:9]) > len(table):
+            raise SceneError(f"{told}: {key} is none of {len(table)} tables; numbers go on from 0")
+        table.extend([empty] if int(key) == len(table) else [])
+        found = table[int(key)]
+    if not isinstance(found, dict | list):
+        raise SceneError(f"{told}: {key} is a value, not a table")
+    return found

@@ -1,0 +1,217 @@
+"""The scene file's [operation]: how the bearing is run, and what of that changes with time."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from math import pi, radians
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import Field
+from pydantic.json_schema import SkipJsonSchema
+
+from lagrange.bearing import Operation
+from lagrange.load_history import TIME, points_of, smooth, steady, turn_of
+from lagrange.mounting import Shaft
+from lagrange.scene.columns import DECIMAL
+from lagrange.scene.faults import Check, Table
+
+RPM = 2.0 * pi / 60.0
+FROM_LOAD = -90.0  # degrees, of the direction of radial_load_N from +x
+FASTEST, HEAVIEST = 200_000.0, 1e7  # rpm, N
+TABLES = {"speed_table": (("speed_rpm",), FASTEST), "load_table": (("x_N", "y_N"), HEAVIEST)}
+ENOUGH = 1e-9  # relative: times and speeds that are the same
+
+
+class OperationTable(Table):
+    """How the bearing is driven and loaded. Texts of its files are put in by whoever reads the scene."""
+
+    speed_rpm: float = Field(
+        4500.0, ge=-200_000.0, le=200_000.0, description="of the inner ring, counter-clockwise positive"
+    )
+    radial_load_N: float = Field(2000.0, ge=0.0, le=1e7, description="at the hub, along −y")
+    inner_ring_and_shaft_kg: float = Field(
+        0.078,
+        gt=0.0,
+        le=1e6,
+        description="mass of all that moves with the hub, the elastic inner ring included; if left out and the ring "
+        "is heavier, a steel ring and shaft of the given sizes",
+    )
+    gravity_m_s2: float = Field(9.81, ge=0.0, le=1000.0, description="along −y")
+    first_roller_deg: float = Field(
+        0.0, ge=-360.0, le=360.0, description="roller 0 from the load's direction (−y), counter-clockwise"
+    )
+    unbalance_g_mm: float | None = Field(
+        None, ge=0.0, le=1e9, description="of what turns with the inner ring, included in its mass"
+    )
+    unbalance_deg: float | None = Field(
+        None, ge=-360.0, le=360.0, description="of the heavy side at t = 0, from −y, counter-clockwise"
+    )
+    rotating_load_N: float | None = Field(
+        None, ge=0.0, le=HEAVIEST, description="at the hub, beside the other loads, turning with the inner ring"
+    )
+    rotating_load_deg: float | None = Field(
+        None, ge=-360.0, le=360.0, description="of its direction at t = 0, from −y, counter-clockwise"
+    )
+    shaft: Literal["rigid", "springs"] | None = Field(
+        None,
+        description="what holds the shaft beside the bearing: nothing, of a rigid one (the default), or springs and "
+        "dashpots from the hub to the ground",
+    )
+    shaft_stiffness_N_per_m: float | None = Field(
+        None, ge=0.0, le=1e12, description="of a shaft's springs, along either axis; to be given with them"
+    )
+    shaft_damping_N_s_m: float | None = Field(
+        None, ge=0.0, le=1e9, description="of the dashpots beside them; 0 if left out"
+    )
+    speed_table: str | None = Field(
+        None, min_length=1, max_length=1000,
+        description="file beside the scene, CSV with the columns time_ms, speed_rpm: in place of speed_rpm",
+    )  # fmt: skip
+    speed_table_sha256: str | None = Field(
+        None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
+    )
+    speed_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
+    speed_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
+    load_table: str | None = Field(
+        None, min_length=1, max_length=1000,
+        description="file beside the scene, CSV with the columns time_ms, x_N, y_N: in place of radial_load_N",
+    )  # fmt: skip
+    load_table_sha256: str | None = Field(
+        None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
+    )
+    load_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
+    load_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
+
+    @classmethod
+    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        """Tables say what the speed is at the start, and the whole load."""
+        defaults = {"radial_load_N": 0.0} if data.get("load_table") is not None else {}
+        if isinstance(data.get("speed_table_content"), str):
+            try:
+                decimal = data.get("speed_table_decimal") or "."
+                defaults["speed_rpm"] = _first_speed(data["speed_table_content"], decimal)
+            except (ValueError, TypeError):  # a decimal sign that is no text
+                pass  # told by `_tables`
+        return defaults | data
+
+    def checks(self) -> tuple[Check, ...]:
+        return self._angles, self._shaft, self._tables
+
+    def _shaft(self) -> Iterator[str]:
+        if self.shaft == "springs":
+            if self.shaft_stiffness_N_per_m is None:
+                yield 'shaft = "springs": how stiff? give shaft_stiffness_N_per_m, e.g. 1e7'
+            return
+        for name in ("shaft_stiffness_N_per_m", "shaft_damping_N_s_m"):
+            if getattr(self, name) is not None:
+                yield f'{name} = {getattr(self, name):g}: only with shaft = "springs"; give that, or leave it out'
+
+    def springs(self) -> Shaft | None:
+        """What holds the shaft beside the bearing, in SI; None: nothing."""
+        stiffness = self.shaft_stiffness_N_per_m
+        if self.shaft != "springs" or stiffness is None:
+            return None
+        return Shaft(stiffness=stiffness, damping=self.shaft_damping_N_s_m or 0.0)
+
+    def _angles(self) -> Iterator[str]:
+        for of, angle in (("unbalance_g_mm", "unbalance_deg"), ("rotating_load_N", "rotating_load_deg")):
+            if getattr(self, angle) is not None and getattr(self, of) is None:
+                yield f"{angle} = {getattr(self, angle):g}: of what? give {of}, or leave it out"
+
+    def _tables(self) -> Iterator[str]:
+        for name in TABLES:
+            for key in (f"{name}_sha256", f"{name}_decimal"):
+                if getattr(self, key) is not None and getattr(self, name) is None:
+                    yield f"{key}: of what? give {name}, or leave it out"
+            try:
+                self.points(name)
+            except ValueError as error:
+                yield f'{name} = "{getattr(self, name)}": {error}'
+                return
+        if self.load_table is not None and self.radial_load_N > 0.0:
+            yield (
+                f'radial_load_N = {self.radial_load_N:g}: load_table = "{self.load_table}" is the whole load; leave '
+                "out one of them"
+            )
+        if self.speed_table_content is not None:
+            first = _first_speed(self.speed_table_content, self.speed_table_decimal or ".")
+            if abs(first - self.speed_rpm) > ENOUGH * max(abs(first), 1.0):
+                yield (
+                    f'speed_rpm = {self.speed_rpm:g}: speed_table = "{self.speed_table}" says {first:g} at the start; '
+                    "leave speed_rpm out"
+                )
+
+    def points(self, name: str) -> tuple[np.ndarray, np.ndarray] | None:
+        """Times and values of a table, as they stand there; None: there is none, or it is not at hand. ValueError."""
+        content = getattr(self, f"{name}_content")
+        if content is None:
+            return None
+        return points_of(content, *TABLES[name], decimal=getattr(self, f"{name}_decimal") or ".")
+
+    def duration_faults(self, duration: float) -> Iterator[str]:
+        """Tables that end before the run does, ms."""
+        for name in TABLES:
+            found = self.points(name)
+            if found is not None and found[0][-1] < duration * (1.0 - ENOUGH):
+                yield (
+                    f'operation.{name} = "{getattr(self, name)}": it ends at {TIME} = {found[0][-1]:g}, before the run '
+                    f"(numerics.duration_ms = {duration:g}); give more rows, or shorten the run"
+                )
+
+    @property
+    def changes(self) -> str | None:
+        """The key of something that changes with time; None: nothing does."""
+        named = [name for name in TABLES if getattr(self, name) is not None]
+        turning = [name for name in ("unbalance_g_mm", "rotating_load_N") if getattr(self, name)]
+        return next(iter((*named, *turning)), None)
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Texts of the tables by their digests, as far as they are at hand."""
+        found = ((getattr(self, f"{name}_sha256"), getattr(self, f"{name}_content")) for name in TABLES)
+        return {digest: content for digest, content in found if content is not None}
+
+    def ideal(self) -> Operation:
+        """The operating point in SI, at the start, and how it goes on; angles from +x.
+
+        Errors
+        ------
+        ValueError: a table is not at hand.
+        """
+        return _ideal(self)
+
+
+@lru_cache(maxsize=16)
+def _ideal(o: OperationTable) -> Operation:
+    found = Operation(
+        speed=o.speed_rpm * RPM,
+        radial_load=o.radial_load_N,
+        inner_mass=o.inner_ring_and_shaft_kg,
+        gravity=o.gravity_m_s2,
+        first_roller_angle=radians(o.first_roller_deg + FROM_LOAD),
+    )
+    if o.changes is None:
+        return found
+    functions = {"speed_table": steady(found.speed), "load_table": steady(0.0, -found.radial_load)}
+    for name in TABLES:
+        if getattr(o, name) is not None:
+            points = o.points(name)
+            if points is None:
+                raise ValueError(f'operation: {name} = "{getattr(o, name)}" is not at hand')
+            unit = RPM if name == "speed_table" else 1.0
+            functions[name] = smooth(1e-3 * points[0], unit * points[1])
+    return found.going_on(
+        turn=turn_of(functions["speed_table"]),
+        load=functions["load_table"],
+        unbalance=1e-6 * (o.unbalance_g_mm or 0.0),
+        unbalance_angle=radians((o.unbalance_deg or 0.0) + FROM_LOAD),
+        rotating_load=o.rotating_load_N or 0.0,
+        rotating_load_angle=radians((o.rotating_load_deg or 0.0) + FROM_LOAD),
+    )
+
+
+@lru_cache(maxsize=16)
+def _first_speed(text: str, decimal: str) -> float:
+    """Speed of a table at t = 0, rpm. ValueError."""
+    time, values = points_of(text, *TABLES["speed_table"], decimal=decimal)
+    return float(smooth(time, values)(0.0)[0])

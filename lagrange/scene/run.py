@@ -1,0 +1,176 @@
+"""Tables of the scene that say how the run is computed: [contact], [damping], [numerics], [output], models' own."""
+
+from collections.abc import Iterator
+from typing import Any, Literal
+
+from pydantic import Field
+
+from lagrange.contact.damping import ContactDamping
+from lagrange.scene.faults import Check, Table
+
+COMPARISONS = ("penalty", "faceted")  # contact models that are only there to be compared with
+STIFF_PENALTY = 1e9  # N/m, three times a contact of the paper's bearing; the mesh's nodes are no stiffer
+
+
+class ContactTable(Table):
+    """How contacts are computed."""
+
+    model: Literal["subgrid", "resolved", "penalty", "faceted"] = Field(
+        "subgrid",
+        description="below the mesh's grid; on meshes finer than contacts; springs or polygons, to compare with",
+    )
+    penalty_stiffness_N_per_m: float | None = Field(
+        None, ge=1e5, le=1e12, description="of each contact of a comparison model; 1e9 if left out"
+    )
+    friction_coefficient: float = Field(
+        0.1, ge=0.0, le=1.0, description="Coulomb's; 0: frictionless, and then it costs nothing"
+    )
+
+    @classmethod
+    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        compared = data.get("model") in COMPARISONS
+        return {"penalty_stiffness_N_per_m": STIFF_PENALTY} | data if compared else data
+
+    def checks(self) -> tuple[Check, ...]:
+        return (self._has_springs,)
+
+    def _has_springs(self) -> Iterator[str]:
+        if self.penalty_stiffness_N_per_m is not None and self.model not in COMPARISONS:
+            yield (
+                f"penalty_stiffness_N_per_m = {self.penalty_stiffness_N_per_m:g}: only for the comparison models "
+                f'model = "penalty" and "faceted", not for "{self.model}"; leave it out'
+            )
+
+
+class NumericsTable(Table):
+    """Duration, start, mesh and steps."""
+
+    duration_ms: float = Field(60.0, ge=0.0, le=1e6, description="simulated time; 0: static equilibrium only")
+    start: Literal["equilibrium", "rest"] = Field(
+        "equilibrium",
+        description="from static equilibrium, rolling; or from rest: centred, undeformed, the load ramped",
+    )
+    load_ramp_ms: float = Field(1.0, ge=0.0, le=1e6, description='over which the load grows where start = "rest"')
+    mesh_size_mm: float = Field(
+        1.0,
+        gt=0.0,
+        le=100.0,
+        description="distance of surface nodes; left out: a tenth of a given roller_diameter_mm",
+    )
+    time_step_safety: float = Field(0.9, ge=0.01, lt=1.0, description="time step over the critical one")
+    output_interval_us: float = Field(
+        10.0,
+        ge=1e-3,
+        le=1e6,
+        description="between two samples; if left out 10, or less where the hub or struck rollers vibrate faster or "
+        "faults pass, so that no warning follows",
+    )
+
+    @classmethod
+    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        """Without the one thread that results up to version 0.2 spell out."""
+        return {key: value for key, value in data.items() if (key, value) != ("threads", 1)}
+
+    def checks(self) -> tuple[Check, ...]:
+        return (self._samples,)
+
+    def _samples(self) -> Iterator[str]:
+        if 0.0 < 1e3 * self.duration_ms < self.output_interval_us:
+            yield (
+                f"output_interval_us = {self.output_interval_us:g} is longer than the run (duration_ms = "
+                f"{self.duration_ms:g}): nothing but the start would be stored; at most {1e3 * self.duration_ms:g}"
+            )
+
+
+class LagrangeTable(Table):
+    """Options of the Lagrangian model: of its own solution and of what trajectories are checked against."""
+
+    law: str = Field(
+        "harris",
+        description="harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; of balls hertz",
+    )
+    angles: Literal["kinematic", "free"] = Field(
+        "kinematic", description="rollers in a cage that rolls without slip, or free ones (solved only)"
+    )
+
+
+class ReducedTable(Table):
+    """Options of the reduced model."""
+
+    modes_up_to_kHz: float = Field(
+        0.0,
+        ge=0.0,
+        le=1e5,
+        description="modes of bodies that vibrate: 600 where single shocks matter; 0: none, strikes lose all to waves",
+    )
+
+
+class OutputTable(Table):
+    """What else is stored."""
+
+    fields_every_ms: float = Field(
+        0.0, ge=0.0, le=1e6, description="displacement and stress of all nodes; 0: none, and then it costs nothing"
+    )
+    acceleration_Hz: int = Field(
+        25_600, ge=1, le=100_000_000, description="rate of accelerations that render-fem --export writes"
+    )
+
+
+# The scene file's [damping]: what takes energy out of contacts and bodies beside friction.
+
+
+CONTACT_LAWS = ("contact_N_s_m", "contact_time_us", "hunt_crossley_s_m")
+FORMER = "damping_N_s_m"  # of [lagrange], before all models had dampers: scenes of older results have it
+
+
+class DampingTable(Table):
+    """What takes energy beside friction. Of the contacts' three laws one may be given; none makes a contact pull."""
+
+    contact_N_s_m: float = Field(0.0, ge=0.0, le=1e6, description="of every closed contact")
+    contact_time_us: float = Field(0.0, ge=0.0, le=1000.0, description="or a time, times the contact's own stiffness")
+    hunt_crossley_s_m: float = Field(
+        0.0,
+        ge=0.0,
+        le=1000.0,
+        description="or Hunt and Crossley's α: force times 1 + 3/2 α times the approach's rate",
+    )
+    bodies_1_s: float = Field(
+        0.0, ge=0.0, le=1e6, description="mass proportional, of what bodies do beside moving and turning as a whole"
+    )
+
+    def checks(self) -> tuple[Check, ...]:
+        return (self._one_law,)
+
+    def _one_law(self) -> Iterator[str]:
+        given = [f"{name} = {getattr(self, name):g}" for name in CONTACT_LAWS if getattr(self, name) > 0.0]
+        if len(given) > 1:
+            yield f"{' and '.join(given)}: contacts are damped by one law; leave all but one out"
+
+    @property
+    def acts(self) -> bool:
+        return self != DampingTable()
+
+    @property
+    def words(self) -> str:
+        """What damps, for captions."""
+        contacts = f"contact damping {self.contacts.words}" if self.contacts.acts else "no contact damping"
+        return contacts if self.bodies_1_s == 0.0 else f"{contacts}, bodies damped by {self.bodies_1_s:.4g} 1/s"
+
+    @property
+    def contacts(self) -> ContactDamping:
+        """The law of the contacts, SI."""
+        return ContactDamping(
+            constant=self.contact_N_s_m, time=1e-6 * self.contact_time_us, hunt_crossley=self.hunt_crossley_s_m
+        )
+
+
+def with_former_name(data: dict[str, Any]) -> dict[str, Any]:
+    """A scene's tables with `lagrange.damping_N_s_m` where it now stands; not where that says something already."""
+    options, damping = data.get("lagrange"), data.get("damping", {})
+    if not (isinstance(options, dict) and FORMER in options and isinstance(damping, dict)):
+        return data
+    if any(name in damping for name in CONTACT_LAWS):
+        return data  # an unknown key: nobody has to guess which of the two is meant
+    found = options[FORMER]
+    moved = {} if found == 0.0 else {"damping": {"contact_N_s_m": found} | damping}
+    return data | {"lagrange": {name: value for name, value in options.items() if name != FORMER}} | moved

@@ -1,0 +1,339 @@
+"""The scene file: TOML in the bearing engineer's units, validated, given out as SI objects.
+
+It stands on the ground floor because both the solver and the checker read it, and neither may know the other.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from copy import deepcopy
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import tomli_w
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
+
+from lagrange.bearing import BallBearing, Bearing, Cage, Operation
+from lagrange.catalogue import inner_ring_and_shaft, listed
+from lagrange.files.input import plain_text
+from lagrange.mounting import Mounting
+from lagrange.scene.bearing import (
+    BearingTable,
+    BodiesTable,
+    CageTable,
+    LubricantTable,
+    MaterialTable,
+    heavy_inner_ring_and_shaft,
+)
+from lagrange.scene.columns import Columns
+from lagrange.scene.combinations import COMBINATIONS
+from lagrange.scene.faults import Check, SceneError, Table, all_faults, likely_of, plain, printable
+from lagrange.scene.files import LONGEST_TEXT, apply_override, content_in_place, content_of, load, set_key
+from lagrange.scene.mounting import SensorTable, SupportTable
+from lagrange.scene.operation import OperationTable
+from lagrange.scene.run import (
+    ContactTable,
+    DampingTable,
+    LagrangeTable,
+    NumericsTable,
+    OutputTable,
+    ReducedTable,
+    with_former_name,
+)
+from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
+from lagrange.step_size import fitting_interval, wave_interval
+from lagrange.surface.faults import Fault
+from lagrange.surface.film import films
+from lagrange.surface.passages import strike_interval
+
+MM = 1e-3
+MESH_SHARE = 0.1  # of a roller's diameter, between surface nodes where the scene gives no mesh size
+CONTENTS = ("content", "speed_table_content", "load_table_content")  # texts of files, in the tables that name them
+FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
+MOST_TABLES = 200  # of one array
+MODEL_NAMES = {"fem": "finite elements", "reduced": "reduced model", "lagrange": "Lagrangian model"}
+
+
+class Scene(Table):
+    """A whole scene. Defaults are the paper's bearing."""
+
+    name: str = Field(
+        "paper",
+        min_length=1,
+        max_length=100,
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$",
+        description="of the scene, and of the files that runs write",
+    )
+    model: Literal["fem", "reduced", "lagrange"] = Field(
+        "fem", description="finite elements; elastic bodies without their mass; rigid bodies on contact springs"
+    )
+    bearing: BearingTable = BearingTable()
+    material: MaterialTable = MaterialTable()
+    bodies: BodiesTable = BodiesTable()
+    operation: OperationTable = OperationTable()
+    contact: ContactTable = ContactTable()
+    damping: DampingTable = DampingTable()
+    lagrange: LagrangeTable = LagrangeTable()
+    reduced: ReducedTable = ReducedTable()
+    numerics: NumericsTable = NumericsTable()
+    output: OutputTable = OutputTable()
+    support: SupportTable | None = None
+    sensor: SensorTable | None = None
+    cage: CageTable | None = None
+    lubricant: LubricantTable | None = None
+    spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
+    waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
+    unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
+    profile: list[ProfileTable] = Field([], max_length=MOST_TABLES)
+    table: Columns = Columns()
+
+    _written: dict[str, Any] | None = PrivateAttr(None)  # the tables as they were given, before they were completed
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _remembered(cls, data: Any, handler: Callable[[Any], Self]) -> Self:
+        """Keep what was written: a clearance that is varied must not meet the diameter that followed from another."""
+        scene = handler(data)
+        if isinstance(data, dict):
+            scene._written = {key: plain(value) for key, value in data.items()}
+            scene._choose_interval()
+        return scene
+
+    def _choose_interval(self) -> None:
+        """Between samples, where none is given: by the fastest vibration that moves, and so that no warning follows."""
+        if "output_interval_us" in self.numerics.model_fields_set:
+            return
+        with suppress(ValueError):  # a table of speeds or loads that is not at hand
+            bearing, operation = replace(self.perfect_bearing(), faults=self._faults()), self.ideal_operation()
+            longest = min(strike_interval(bearing, operation), wave_interval(bearing, operation))
+            interval = fitting_interval(bearing, operation, longest)
+            numerics = self.numerics.model_copy(update={"output_interval_us": round(1e6 * interval, 3)})
+            self.__dict__["numerics"] = numerics
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and self.__dict__ == other.__dict__
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """See pydantic; what was written is forgotten where a table is exchanged."""
+        found = super().model_copy(update=update, deep=deep)
+        if update:
+            found._written = None
+        return found
+
+    @classmethod
+    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        data = with_former_name(data)
+        bearing, options, operation = data.get("bearing"), data.get("lagrange", {}), data.get("operation", {})
+        if not isinstance(bearing, dict):
+            return data
+        numerics = data.get("numerics", {})
+        diameter: Any = bearing.get("roller_diameter_mm")
+        if (
+            type(diameter) in (float, int)
+            and 0.5 <= diameter <= 500.0
+            and bearing.get("type") != "ball"
+            and isinstance(numerics, dict)
+        ):
+            data = data | {"numerics": {"mesh_size_mm": round(MESH_SHARE * diameter, 6)} | numerics}
+        if bearing.get("type") == "ball" and isinstance(options, dict):
+            data = data | {"lagrange": {"law": "hertz"} | options}
+        standard = listed(bearing.get("designation"))
+        if standard is not None and isinstance(operation, dict):
+            mass = {"inner_ring_and_shaft_kg": inner_ring_and_shaft(standard[0])}
+            data = {"name": standard[0]} | data | {"operation": mass | operation}
+        elif isinstance(operation, dict) and (heavy := heavy_inner_ring_and_shaft(bearing)) is not None:
+            data = data | {"operation": {"inner_ring_and_shaft_kg": heavy} | operation}
+        return data
+
+    def checks(self) -> tuple[Check, ...]:
+        return tuple(partial(check, self) for check in COMBINATIONS)
+
+    def ideal_bearing(self) -> Bearing:
+        """The bearing in SI, with the faults of its surfaces and the films on them."""
+        faults, perfect = self._faults(), self.perfect_bearing()
+        if self.lubricant is not None:
+            faults += films(perfect, self.ideal_operation(), self.lubricant.lubricant())
+        return replace(perfect, faults=faults)
+
+    def _faults(self) -> tuple[Fault, ...]:
+        """Of its surfaces, without films."""
+        return tuple(table.fault() for name in SURFACES for table in getattr(self, name))
+
+    @property
+    def method(self) -> str:
+        """Model and damping in words, for the captions of pictures."""
+        return f"{MODEL_NAMES[self.model]}, {self.damping.words}"
+
+    @property
+    def has_faults(self) -> bool:
+        """Whether surfaces are not perfect, but for films."""
+        return any(getattr(self, name) for name in SURFACES)
+
+    @property
+    def friction_coefficient(self) -> float:
+        """Of the contacts, dry or under a film."""
+        return self.contact.friction_coefficient if self.lubricant is None else self.lubricant.traction_coefficient
+
+    def perfect_bearing(self) -> Bearing:
+        """The bearing in SI, without faults of its surfaces."""
+        b = self.bearing
+        shape: dict[str, Any] = dict(
+            n_rollers=b.rollers,
+            roller_radius=0.5 * MM * b.roller_diameter_mm,
+            roller_length=MM * b.roller_length_mm,
+            inner_raceway_radius=0.5 * MM * b.inner_raceway_diameter_mm,
+            outer_raceway_radius=0.5 * MM * b.outer_raceway_diameter_mm,
+            bore_radius=0.5 * MM * b.bore_diameter_mm,
+            outside_radius=0.5 * MM * b.outside_diameter_mm,
+            roller=replace(self.material.of("roller"), rigid=self.bodies.rollers == "rigid"),
+            inner_ring=replace(self.material.of("inner_ring"), rigid=self.bodies.inner_ring == "rigid"),
+            outer_ring=replace(self.material.of("outer_ring"), rigid=self.bodies.outer_ring == "rigid"),
+        )
+        if b.type == "roller":
+            return Bearing(**shape)
+        if b.inner_conformity is None or b.outer_conformity is None:
+            raise ValueError('bearing.type = "ball" without inner_conformity or outer_conformity; leave None out')
+        return BallBearing(
+            **shape,
+            inner_groove_radius=MM * b.inner_conformity * b.roller_diameter_mm,
+            outer_groove_radius=MM * b.outer_conformity * b.roller_diameter_mm,
+        )
+
+    def ideal_cage(self) -> Cage | None:
+        """The cage in SI; None: there is none."""
+        return None if self.cage is None else self.cage.cage(self.perfect_bearing())
+
+    def ideal_operation(self) -> Operation:
+        """The operating point in SI."""
+        return replace(self.operation.ideal(), mounting=self.mounting())
+
+    def mounting(self) -> Mounting:
+        """What the bearing stands in, in SI."""
+        return Mounting(
+            points=None if self.support is None else self.support.points(),
+            housing=None if self.support is None else self.support.housing(),
+            bore=None if self.support is None else self.support.bore(),
+            sensor=None if self.sensor is None else self.sensor.sensor(),
+            shaft=self.operation.springs(),
+        )
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Texts of the files that it names, by their digests, as far as they are at hand."""
+        profiles = {table.sha256: table.content for table in self.profile
+                    if table.sha256 is not None and table.content is not None}  # fmt: skip
+        return profiles | self.operation.files
+
+    def varied(self, changes: Mapping[str, Any]) -> "Scene":
+        """This scene with other values under dotted keys, as `--set` has them; the whole is validated anew.
+
+            scene.varied({"operation.speed_rpm": 3000.0, "spall.0.body": "outer_ring"})
+
+        Errors
+        ------
+        SceneError: an unknown key or an impossible value; a file, which only the reader of a scene puts in its place.
+        """
+        data = self._as_written()
+        for key, value in changes.items():
+            if key.rpartition(".")[2] in FILE_KEYS:
+                raise SceneError(f"{key}: files of a scene can't be varied; write a scene for each file")
+            set_key(data, key, value, key)
+        with _refused(self.name):
+            content_of(data, self.files)
+        return parse_scene(data, self.name)
+
+    def is_given(self, table: str, key: str) -> bool:
+        """Whether a key of a table was written, and is no default."""
+        return key in self._as_written().get(table, {})
+
+    def _as_written(self) -> dict[str, Any]:
+        """The tables before they were completed, without the texts of the files that they name."""
+        data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
+        for table in (*data.get("profile", []), data.get("operation", {})):
+            for key in CONTENTS:
+                table.pop(key, None)
+        return data
+
+    def to_written_toml(self) -> str:
+        """TOML of the scene as it was written, of which `parse_scene_text` makes one that can be varied as this one."""
+        return tomli_w.dumps(self._as_written())
+
+    def to_toml(self) -> str:
+        """The whole scene as TOML that `read_scene` takes back unchanged, where the files are that it names.
+
+        Defaults are spelt out, but for [damping] and [table], which are left out where they hold nothing else; arrays
+        of tables are there where they are not empty.
+        """
+        tables = self.model_dump(exclude_none=True)
+        for name in SURFACES:
+            if not tables[name]:
+                del tables[name]
+        for name, empty in (("damping", DampingTable()), ("table", Columns())):
+            if getattr(self, name) == empty:
+                del tables[name]
+        return tomli_w.dumps(tables)
+
+
+def _at_hand(path: Path) -> str:
+    """What to take instead of a scene file that is not there."""
+    scenes = {each.stem: each for each in path.parent.glob("*.toml")} if path.parent.is_dir() else {}
+    likely = likely_of(path.stem, scenes)
+    return f"did you mean {scenes[likely]}?" if likely else "run-fem --example NU206 writes one to begin with"
+
+
+def read_scene(path: str | Path | None = None, overrides: tuple[str, ...] = ()) -> Scene:
+    """The scene of a TOML file (None: the paper's), with `table.key=value` overrides put on top.
+
+    Errors
+    ------
+    SceneError: unreadable file, bad TOML, unknown key (with the likely one), wrong type, value out of range,
+    values that contradict each other; all faults of the file at once.
+    """
+    name, data = "built-in scene", {}
+    if path is not None:
+        name = str(path)
+        try:
+            text = plain_text(path, LONGEST_TEXT)
+        except ValueError as error:
+            if not Path(path).exists():
+                raise SceneError(f"{name}: no such file; {_at_hand(Path(path))}") from None
+            hint = "" if "can't be read" in str(error) else "; is it a scene file?"
+            raise SceneError(f"{name}: {error}{hint}") from None
+        data = load(text, name)
+    for override in overrides:
+        apply_override(data, override)
+    with _refused(name):
+        content_in_place(data, Path() if path is None else Path(path).parent)
+    return parse_scene(data, name)
+
+
+def parse_scene_text(text: str, name: str, files: dict[str, str] | None = None) -> Scene:
+    """A scene from TOML text, e.g. the `scene` attribute of a result file.
+
+    Parameters
+    ----------
+    files : text of the files that it names, by their digests; None: a scene with profiles can be shown and compared,
+        but gives no bearing
+    """
+    data = load(text, name)
+    with _refused(name):
+        content_of(data, files)
+    return parse_scene(data, name)
+
+
+@contextmanager
+def _refused(name: str) -> Iterator[None]:
+    """Name the scene where a file of it can't be used."""
+    try:
+        yield
+    except ValueError as error:
+        raise SceneError(f"{name}: {printable(str(error))}") from None
+
+
+def parse_scene(data: dict[str, Any], name: str) -> Scene:
+    """A scene from nested tables."""
+    try:
+        return Scene.model_validate(data)
+    except ValidationError as error:
+        raise SceneError("\n".join(f"{name}: {fault}" for fault in all_faults(error, Scene, data))) from None

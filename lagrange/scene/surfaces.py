@@ -1,0 +1,276 @@
+"""The scene file's [[spall]], [[waviness]], [[unequal_roller]] and [[profile]]: surfaces that are not perfect circles.
+
+Any number of each; spalls, waves, deviations and a measured profile of one surface add up, but spalls must not overlap.
+"""
+
+from collections.abc import Iterator
+from math import asin, degrees, pi, radians
+from typing import Literal
+
+import numpy as np
+from pydantic import Field
+from pydantic.json_schema import SkipJsonSchema
+
+from lagrange.bearing import Bearing
+from lagrange.files.input import HeightTable, height_table
+from lagrange.scene.columns import DECIMAL
+from lagrange.scene.faults import Check, Table
+from lagrange.surface.faults import Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
+
+MM, UM = 1e-3, 1e-6
+SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # their arrays in the scene
+FROM_LOAD = -0.5 * pi  # rad, of the load's direction from +x
+WIDEST = 0.8  # half an opening over the radius of the roller, or of the body it is in
+LARGEST_DEVIATION = 0.005  # of a roller's diameter, as much as its preload may be
+STEEPEST_WAVE = 0.1  # curvature of a wave over that of the contact: circle and surface still touch in one place
+NARROWEST = {"inner_ring": 1e-4, "outer_ring": 1e-4, "roller": 5e-4}  # of the circumference: profiles are tables
+DEEPEST_PROFILE = 0.1  # from its highest to its lowest point, of the roller's radius: contacts then stay in one place
+COARSEST_PROFILE = 0.1  # of the roller's radius, between two points
+STEEPEST_PROFILE = 2.0  # between two points: no stylus follows more, and an edge would lie anywhere between them
+
+
+class SurfaceTable(Table):
+    """What holds for one body."""
+
+    body: Literal["outer_ring", "inner_ring", "roller"] = Field("outer_ring", description="whose surface it is")
+    roller: int | None = Field(None, ge=0, description='which roller, counted from 0, where body = "roller"')
+
+    def checks(self) -> tuple[Check, ...]:
+        return (self._which_roller,)
+
+    def _which_roller(self) -> Iterator[str]:
+        if self.body == "roller" and self.roller is None:
+            yield 'body = "roller": which one? add roller = 0 for the first'
+        if self.body != "roller" and self.roller is not None:
+            yield f'roller = {self.roller}: only with body = "roller", not with "{self.body}"; leave it out'
+
+    @property
+    def reference(self) -> float:
+        """Where the body's angles are counted from, rad: rings from the load, rollers in their own frame."""
+        return 0.0 if self.body == "roller" else FROM_LOAD
+
+
+class SpallTable(SurfaceTable):
+    """A flake broken out of a surface."""
+
+    angle_deg: float = Field(
+        0.0,
+        ge=-360.0,
+        le=360.0,
+        description="of its middle at t = 0: rings from the load's direction, rollers in their own frame",
+    )
+    width_mm: float = Field(
+        1.0, gt=0.0, le=1000.0, description="of the sharp-edged gap into which a roller sinks as deeply"
+    )
+    depth_um: float = Field(100.0, gt=0.0, le=1e5, description="below the raceway")
+    edge_radius_mm: float = Field(0.1, ge=0.0, le=100.0, description="of its edges")
+
+    def fault(self) -> Spall:
+        return Spall(
+            body=self.body,
+            roller=self.roller,
+            angle=radians(self.angle_deg) + self.reference,
+            width=MM * self.width_mm,
+            depth=UM * self.depth_um,
+            edge_radius=MM * self.edge_radius_mm,
+        )
+
+
+class WavinessTable(SurfaceTable):
+    """A wave of a surface: amplitude · cos(order · angle + phase)."""
+
+    body: Literal["outer_ring", "inner_ring", "roller"] = Field("inner_ring", description="whose surface it is")
+    order: int = Field(12, ge=1, le=10_000, description="waves around the circumference")
+    amplitude_um: float = Field(0.5, gt=0.0, le=1e5, description="half of the height from valley to crest")
+    phase_deg: float = Field(
+        0.0, ge=-360.0, le=360.0, description="at angle 0: of rings the load's direction, of rollers in their own frame"
+    )
+
+    def fault(self) -> Waviness:
+        return Waviness(
+            body=self.body,
+            roller=self.roller,
+            order=self.order,
+            amplitude=UM * self.amplitude_um,
+            phase=radians(self.phase_deg) - self.order * self.reference,
+        )
+
+
+class UnequalRollerTable(Table):
+    """A roller of another size."""
+
+    roller: int = Field(0, ge=0, description="which one, counted from 0")
+    diameter_deviation_um: float = Field(1.0, ge=-1e5, le=1e5, description="from the diameter of the others")
+
+    def fault(self) -> UnequalRoller:
+        return UnequalRoller(roller=self.roller, diameter_deviation=UM * self.diameter_deviation_um)
+
+
+class ProfileTable(SurfaceTable):
+    """Measured heights around a surface.
+
+    `content` is the file's text, which whoever reads the scene puts in.
+    """
+
+    file: str = Field(
+        min_length=1, max_length=1000, description="beside the scene, CSV with the columns angle_deg, height_um"
+    )
+    sha256: str | None = Field(
+        None, pattern=r"^[0-9a-f]{64}$", description="digest of the file's text, to be sure that it is the one meant"
+    )
+    angle_deg: float = Field(0.0, ge=-360.0, le=360.0, description="of the table's angle 0 at t = 0")
+    decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
+    content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
+
+    def checks(self) -> tuple[Check, ...]:
+        return (*super().checks(), self._readable)
+
+    def _readable(self) -> Iterator[str]:
+        if self.content is not None:
+            try:
+                self.heights(self.content)
+            except ValueError as error:
+                yield f'file = "{self.file}": {error}'
+
+    def heights(self, content: str) -> HeightTable:
+        """Of a text as the file's. ValueError."""
+        return height_table(content, self.decimal or ".")
+
+    def fault(self) -> MeasuredSurface:
+        """ValueError: its file is not at hand, or no table of heights."""
+        if self.content is None or self.sha256 is None:
+            raise ValueError(f'profile: file = "{self.file}" is not at hand')
+        return MeasuredSurface(
+            body=self.body,
+            roller=self.roller,
+            angle=radians(self.angle_deg) + self.reference,
+            file=self.file,
+            sha256=self.sha256,
+            table=self.heights(self.content),
+        )
+
+
+def own_radius(bearing: Bearing, fault: Fault | SurfaceTable) -> float:
+    """Radius of the circle that a fault is in, m."""
+    radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
+    return radii.get(fault.body, bearing.roller_radius)
+
+
+def roller_faults(n_rollers: int, tables: dict[str, list]) -> Iterator[str]:
+    """Rollers that there are none of, or that are given two sizes; `tables` by their names in the scene."""
+    for name, entries in tables.items():
+        for i, entry in enumerate(entries):
+            if entry.roller is not None and entry.roller >= n_rollers:
+                yield (
+                    f"{name}.{i}.roller = {entry.roller}: there is none; bearing.rollers = {n_rollers} are counted "
+                    f"from 0 to {n_rollers - 1}"
+                )
+    sized = [entry.roller for entry in tables["unequal_roller"]]
+    for number in sorted({number for number in sized if sized.count(number) > 1}):
+        yield f"unequal_roller: roller = {number} is there {sized.count(number)} times; give it one deviation"
+
+
+def spall_faults(bearing: Bearing, tables: list[SpallTable]) -> Iterator[str]:
+    """Spalls that the bodies have no room for, and those that overlap."""
+    edges: list[tuple[int, Spall, float]] = []
+    for i, table in enumerate(tables):
+        spall, place = table.fault(), f"spall.{i}"
+        own = own_radius(bearing, spall)
+        opening = spall.half_opening(bearing.roller_radius)
+        widest = WIDEST * min(own, bearing.roller_radius)
+        if opening > widest:
+            yield (
+                f"{place}.width_mm = {table.width_mm:g} with edge_radius_mm = {table.edge_radius_mm:g} is an opening "
+                f"of {2e3 * opening:.4g} mm, too wide for rollers of {2e3 * bearing.roller_radius:g} mm "
+                f"(at most {2e3 * widest:.4g})"
+            )
+            continue
+        narrowest = NARROWEST[spall.body] * 2.0 * pi * own
+        if spall.width < narrowest:
+            yield (
+                f"{place}.width_mm = {table.width_mm:g} is too narrow for a surface of {2e3 * own:g} mm diameter "
+                f"(at least {1e3 * narrowest:.3g})"
+            )
+        deepest = _material(bearing, spall)
+        if spall.depth >= deepest:
+            yield f"{place}.depth_um = {table.depth_um:g} goes through the body; below {1e6 * deepest:.4g}"
+        half = asin(opening / own)
+        for k, other, other_half in edges:
+            apart = abs((spall.angle - other.angle + pi) % (2.0 * pi) - pi)
+            if (other.body, other.roller) == (spall.body, spall.roller) and apart < half + other_half:
+                yield (
+                    f"spall.{k} and {place} overlap: their middles are {degrees(apart):.3g} degrees apart on the same "
+                    f"surface, at least {degrees(half + other_half):.3g}; make one spall of them"
+                )
+        edges.append((i, spall, half))
+
+
+def _material(bearing: Bearing, spall: Spall) -> float:
+    """How thick a body is under its surface, m."""
+    if spall.body == "roller":
+        return bearing.roller_radius
+    if spall.body == "inner_ring":
+        return bearing.inner_raceway_radius - bearing.bore_radius
+    return bearing.outside_radius - bearing.outer_raceway_radius
+
+
+def profile_faults(bearing: Bearing, tables: list[ProfileTable]) -> Iterator[str]:
+    """Two profiles of one surface, and those too high, too deep, too coarse or too steep for rollers to follow."""
+    seen: dict[tuple[str, int | None], int] = {}
+    for i, table in enumerate(tables):
+        place = f'profile.{i}.file = "{table.file}"'
+        before = seen.setdefault((table.body, table.roller), i)
+        if before != i:
+            yield f"profile.{before} and profile.{i} are of the same surface; make one table of them"
+        if table.content is None:
+            continue
+        heights = table.heights(table.content)
+        angle, height = heights.angle, heights.height
+        own, roller = own_radius(bearing, table), bearing.roller_radius
+        highest, range_ = float(height.max()), float(np.ptp(height))
+        if highest > 2.0 * LARGEST_DEVIATION * roller:
+            yield f"{place}: {1e6 * highest:.4g} µm is too high (at most {2e6 * LARGEST_DEVIATION * roller:.4g})"
+        if range_ > DEEPEST_PROFILE * roller:
+            yield (
+                f"{place}: heights range over {1e6 * range_:.4g} µm, more than contacts follow (at most "
+                f"{1e6 * DEEPEST_PROFILE * roller:.4g}); what lies too deep for a roller to reach may be cut off"
+            )
+        steps = own * np.diff(np.append(angle, angle[0] + 2.0 * pi))
+        rises = np.abs(np.diff(np.append(height, height[0])))
+        if steps.max() > COARSEST_PROFILE * roller:
+            yield (
+                f"{place}: points {1e3 * steps.max():.3g} mm apart are too coarse (at most "
+                f"{1e3 * COARSEST_PROFILE * roller:.3g} for rollers of {2e3 * roller:g} mm)"
+            )
+        at = int((rises / steps).argmax())
+        if rises[at] > STEEPEST_PROFILE * steps[at]:
+            yield (
+                f"{place}: after {degrees(angle[at]):.6g} degrees the height changes by {1e6 * rises[at]:.3g} µm on "
+                f"{1e6 * steps[at]:.3g} µm, too steep (at most {STEEPEST_PROFILE:g} times it); give points nearer to "
+                "each other"
+            )
+
+
+def size_faults(bearing: Bearing, waves: list[WavinessTable], unequal: list[UnequalRollerTable]) -> Iterator[str]:
+    """Waves too high or too short for contacts in one place, and rollers too large."""
+    largest = LARGEST_DEVIATION * 2.0 * bearing.roller_radius
+    for i, table in enumerate(waves):
+        wave = table.fault()
+        if wave.amplitude > largest:
+            yield f"waviness.{i}.amplitude_um = {table.amplitude_um:g} is too high (at most {1e6 * largest:.4g})"
+        if wave.body == "inner_ring":
+            curvature = 1.0 / bearing.roller_radius + 1.0 / bearing.inner_raceway_radius
+        else:
+            curvature = 1.0 / bearing.roller_radius - 1.0 / bearing.outer_raceway_radius
+        highest = STEEPEST_WAVE * curvature * (own_radius(bearing, wave) / wave.order) ** 2
+        if wave.amplitude > highest:
+            yield (
+                f"waviness.{i}.amplitude_um = {table.amplitude_um:g} of order = {wave.order}: its valleys are too "
+                f"narrow for the rollers to follow (at most {1e6 * highest:.3g} at this order)"
+            )
+    for i, other in enumerate(unequal):
+        if abs(UM * other.diameter_deviation_um) > largest:
+            yield (
+                f"unequal_roller.{i}.diameter_deviation_um = {other.diameter_deviation_um:g} is too large "
+                f"(at most {1e6 * largest:.4g} either way)"
+            )

@@ -1,0 +1,303 @@
+"""Imperfect surfaces as contacts meet them: how far the centres of two bodies come nearer than perfect circles allow.
+
+This sinkage is a smooth periodic function of where on a body the contact lies: a cubic spline, the same for rigid
+and elastic bodies, equations and checker. It is subtracted from the overlap of the circles, and its slope turns the
+force: all forces stay the gradient of one potential. At the edges of spalls contacts are softer: a compliance c, a
+spline as well, stands in series with the contact's law. The potential at a given overlap then changes along a surface
+by −Q σ' − ½ Q² c': in all that asks for slopes, c adds ½ Q c' to that of σ.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from math import ceil, pi
+from typing import NamedTuple
+
+import numpy as np
+
+from lagrange.bearing import Bearing, Operation
+from lagrange.contact.raceway_laws import Pair, contact_pairs
+from lagrange.kinematics import kinematics, turned
+from lagrange.surface.edges import reach, softening
+from lagrange.surface.faults import Body, Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
+from lagrange.surface.rolling_envelope import Meeting, measured_sinkage, points_around, sinkage
+
+KNOTS_PER_SPALL = 200  # along its width; the kink in its middle is rounded within two of them, 0.3 % too low
+KNOTS_PER_WAVE = 64  # the spline misses a wave by 1e-7 of its amplitude
+FEWEST_KNOTS = 8
+FAINT = 1e-9  # of a profile's largest coefficient: what is less is a perfect circle's
+SUPPORT = 2  # knots that a coefficient is felt over, on either side
+
+
+class Along(NamedTuple):
+    """What contacts meet along one body, each (..., n_rollers), and its slopes as the angle grows."""
+
+    sinkage: np.ndarray  # m
+    slope: np.ndarray  # m/rad
+    compliance: np.ndarray | float = 0.0  # m/N
+    softening: np.ndarray | float = 0.0  # m/N/rad
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Profile:
+    """Sinkages along circles, as periodic cubic B-splines; row 0 of those of rollers is a perfect one's."""
+
+    coefficients: np.ndarray  # (n_rows, n_knots), m; knots equally spaced from angle 0
+    compliance: np.ndarray | None  # (n_rows, n_knots), m/N, coefficients of what edges add; None: there are none
+    row: np.ndarray  # (n_rollers,), the row that each roller's contact meets
+    spacing: float  # m, between knots along the surface
+
+    def at(self, angle: np.ndarray) -> Along:
+        """At angles of the rollers' contacts, (..., n_rollers), rad."""
+        n = self.coefficients.shape[1]
+        place = np.asarray(angle) * (n / (2.0 * pi))
+        base = np.floor(place)
+        t, first, knot = place - base, self.row * n, base.astype(np.int64)
+        near = [first + (knot + k) % n for k in (-1, 0, 1, 2)]
+        sunk = _cubic([self.coefficients.take(at) for at in near], t, 0.5 * n / pi)
+        if self.compliance is None:
+            return Along(*sunk)
+        soft = [self.compliance.take(at) for at in near]
+        return Along(*sunk, *_cubic(soft, t, 0.5 * n / pi)) if np.any(soft) else Along(*sunk)
+
+    @cached_property
+    def arcs(self) -> list[tuple[int, float, float]]:
+        """Where the circles are not perfect: row, middle and half of each arc, rad."""
+        return [(row, *arc) for row in range(len(self.coefficients)) for arc in self._arcs(row)]
+
+    def _arcs(self, row: int) -> list[tuple[float, float]]:
+        felt = np.zeros(self.coefficients.shape[1], dtype=bool)
+        for values in (self.coefficients, self.compliance):
+            if values is not None:
+                felt |= np.abs(values[row]) > FAINT * np.abs(values).max(initial=1e-300)
+        for _ in range(SUPPORT):
+            felt = felt | np.roll(felt, 1) | np.roll(felt, -1)
+        if felt.all():
+            return [(0.0, pi)]
+        begins, ends = (np.flatnonzero(felt & ~np.roll(felt, by)) for by in (1, -1))
+        if felt[0] and felt[-1]:
+            ends = np.roll(ends, -1) + felt.size * (np.arange(len(ends)) == len(ends) - 1)
+        knot = 2.0 * pi / felt.size
+        return [(0.5 * knot * (a + b), 0.5 * knot * (b - a)) for a, b in zip(begins, ends, strict=True)]
+
+
+def _cubic(near: list[np.ndarray], t: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
+    """Values and slopes of a spline between two knots, from the four coefficients nearest; `rate`: of t, 1/rad."""
+    c0, c1, c2, c3 = near
+    powers = c0 + 4.0 * c1 + c2, 3.0 * (c2 - c0), 3.0 * (c0 - 2.0 * c1 + c2), c3 - c0 + 3.0 * (c1 - c2)
+    a, b, c, d = (power / 6.0 for power in powers)
+    return a + t * (b + t * (c + t * d)), (b + t * (2.0 * c + t * (3.0 * d))) * rate
+
+
+@dataclass(frozen=True, kw_only=True)
+class Turns:
+    """How far bodies have turned since t = 0, rad, and how fast they turn, rad/s, in fixed axes."""
+
+    inner_ring: float | np.ndarray = 0.0
+    rollers: float | np.ndarray = 0.0  # about their own axes
+    inner_ring_speed: float = 0.0
+    roller_speed: float = 0.0
+
+    @classmethod
+    def rolling(cls, bearing: Bearing, operation: Operation, time) -> "Turns":
+        """Of rolling without slip at a time, s."""
+        now, way = kinematics(bearing, operation.at(time).speed), turned(bearing, operation, time)
+        return cls(
+            inner_ring=way.shaft,
+            rollers=way.roller,
+            inner_ring_speed=now.shaft,
+            roller_speed=now.roller,
+        )
+
+
+UNTURNED = Turns()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Met:
+    """What the contacts with one raceway meet, and its slopes as the angle grows, (..., n_rollers)."""
+
+    sinkage: np.ndarray  # m, of ring and roller together
+    ring_slope: np.ndarray  # m/rad
+    roller_slope: np.ndarray
+    compliance: np.ndarray | float = 0.0  # m/N, of edges, of ring and roller together; 0.0: no contact is near one
+    ring_softening: np.ndarray | float = 0.0  # m/N/rad
+    roller_softening: np.ndarray | float = 0.0
+
+    @property
+    def slope(self) -> np.ndarray:
+        """Of both, m/rad."""
+        return self.ring_slope + self.roller_slope
+
+    @property
+    def soft(self) -> bool:
+        """Whether a contact is near an edge."""
+        return not isinstance(self.compliance, float)
+
+    def under(self, force: np.ndarray) -> "Met":
+        """With the slopes that the surfaces have for contacts under these forces, N."""
+        if not self.soft:
+            return self
+        return replace(
+            self,
+            ring_slope=self.ring_slope + 0.5 * force * self.ring_softening,
+            roller_slope=self.roller_slope + 0.5 * force * self.roller_softening,
+        )
+
+    def passing(self, ring_speed: float, roller_speed: float) -> np.ndarray:
+        """Rate at which contacts close, m/s, because ring and rollers turn on under them at these speeds, rad/s."""
+        return ring_speed * self.ring_slope + roller_speed * self.roller_slope
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Profiles:
+    """All surfaces of a bearing; None where they are perfect."""
+
+    inner_ring: Profile | None
+    outer_ring: Profile | None
+    rollers_inside: Profile | None  # the rollers', where they meet the inner raceway
+    rollers_outside: Profile | None
+
+    def inner(self, direction, turns: Turns) -> Met:
+        """At the inner raceway; `direction` from the inner ring's centre to the rollers', (..., n_rollers), rad."""
+        return _met(self.inner_ring, direction - turns.inner_ring, self.rollers_inside, direction + pi - turns.rollers)
+
+    def outer(self, direction, turns: Turns) -> Met:
+        """At the outer raceway; `direction` from the outer ring's centre to the rollers', (..., n_rollers), rad."""
+        return _met(self.outer_ring, direction, self.rollers_outside, direction - turns.rollers)
+
+    @property
+    def highest(self) -> float:
+        """How far a contact may close before the circles touch, m."""
+        low = [0.0 if profile is None else profile.coefficients.min() for profile in vars(self).values()]
+        return max(0.0, -(min(low[:2]) + min(low[2:])))
+
+    @property
+    def deepest(self) -> float:
+        """How far a contact may sink below where the circles touch, m."""
+        high = [0.0 if profile is None else profile.coefficients.max() for profile in vars(self).values()]
+        return max(0.0, max(high[:2]) + max(high[2:]))
+
+    @property
+    def leave_perfect_arcs(self) -> bool:
+        """Whether every circle is perfect along more than half of it, as with a few spalls."""
+        found = [profile for profile in vars(self).values() if profile is not None]
+        return all(
+            sum(half for row, _, half in profile.arcs if row == at) < 0.5 * pi
+            for profile in found
+            for at in range(len(profile.coefficients))
+        )
+
+    @property
+    def shortest(self) -> float:
+        """The least distance between knots, m."""
+        return min(profile.spacing for profile in vars(self).values() if profile is not None)
+
+
+def _met(ring: Profile | None, on_ring, roller: Profile | None, on_roller) -> Met:
+    """Of contacts at angles on the ring and on the rollers, rad."""
+    one, other = (
+        Along(np.zeros_like(angle), np.zeros_like(angle)) if profile is None else profile.at(angle)
+        for profile, angle in ((ring, on_ring), (roller, on_roller))
+    )
+    return Met(
+        sinkage=one.sinkage + other.sinkage,
+        ring_slope=one.slope,
+        roller_slope=other.slope,
+        compliance=one.compliance + other.compliance,
+        ring_softening=one.softening,
+        roller_softening=other.softening,
+    )
+
+
+@lru_cache(maxsize=16)
+def profiles(bearing: Bearing) -> Profiles | None:
+    """The surfaces of a bearing; None where all are perfect circles."""
+    if not bearing.faults:
+        return None
+    inside, outside, _ = contact_pairs(bearing)
+    return Profiles(
+        inner_ring=_profile(bearing, "inner_ring", inside, "outside"),
+        outer_ring=_profile(bearing, "outer_ring", outside, "bore"),
+        rollers_inside=_profile(bearing, "roller", inside, "outside"),
+        rollers_outside=_profile(bearing, "roller", outside, "in_bore"),
+    )
+
+
+def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Profile | None:
+    faults = [fault for fault in bearing.faults if fault.body == body]
+    if not faults:
+        return None
+    raceway, roller = abs(pair.radii[0]), bearing.roller_radius
+    own, other = (roller, raceway) if body == "roller" else (raceway, roller)
+    n = max([FEWEST_KNOTS, *(_knots(fault, own, other, meeting) for fault in faults)])
+    rollers = sorted({fault.roller for fault in faults if fault.roller is not None})
+    rows = [[fault for fault in faults if fault.roller == number] for number in (None, *rollers)]
+    row = np.zeros(bearing.n_rollers, dtype=np.int64)
+    for k, number in enumerate(rollers, 1):
+        row[number] = k
+    compliance = None
+    if any(isinstance(fault, Spall) for fault in faults):
+        softer = [_softening(some, roller, own, other, meeting, n) for some in rows]
+        compliance = _spline(pair.line_compliance * np.array(softer))
+    return Profile(
+        coefficients=_spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in rows])),
+        compliance=compliance,
+        row=row,
+        spacing=2.0 * pi * own / n,
+    )
+
+
+def _knots(fault: Fault, own: float, other: float, meeting: Meeting) -> int:
+    """Knots around the circle that a fault needs."""
+    if isinstance(fault, Spall):
+        return ceil(2.0 * pi * own * KNOTS_PER_SPALL / fault.width)
+    if isinstance(fault, MeasuredSurface):
+        return points_around(own, other, meeting)
+    return KNOTS_PER_WAVE * fault.order if isinstance(fault, Waviness) else FEWEST_KNOTS
+
+
+def _sinkages(
+    faults: list[Fault], roller_radius: float, own: float, other: float, meeting: Meeting, n: int
+) -> np.ndarray:
+    """At the knots, (n,), m."""
+    angle = 2.0 * pi * np.arange(n) / n
+    found = np.zeros(n)
+    for fault in faults:
+        if isinstance(fault, UnequalRoller):
+            found -= 0.5 * fault.diameter_deviation
+        elif isinstance(fault, Waviness):
+            found -= fault.amplitude * np.cos(fault.order * angle + fault.phase)
+        elif isinstance(fault, Film):
+            found -= fault.thickness
+        elif isinstance(fault, MeasuredSurface):
+            found += measured_sinkage(fault, own, other, meeting, n)
+        else:
+            beyond, over = _near(fault, angle, np.arcsin(fault.half_opening(roller_radius) / own))
+            found[over] += sinkage(fault, roller_radius, own, other, meeting, beyond[over])
+    return found
+
+
+def _softening(
+    faults: list[Fault], roller_radius: float, own: float, other: float, meeting: Meeting, n: int
+) -> np.ndarray:
+    """ΔB at the knots, (n,), by the edges of spalls."""
+    angle = 2.0 * pi * np.arange(n) / n
+    found = np.zeros(n)
+    for fault in faults:
+        if isinstance(fault, Spall):
+            beyond, over = _near(fault, angle, reach(fault, roller_radius, own, other, meeting))
+            found[over] += softening(fault, roller_radius, own, other, meeting, beyond[over])
+    return found
+
+
+def _near(spall: Spall, angle: np.ndarray, within: float) -> tuple[np.ndarray, np.ndarray]:
+    """Angles from the spall's middle, (n,), rad, and the indices of those that are within an angle of it."""
+    beyond = np.mod(angle - spall.angle + pi, 2.0 * pi) - pi
+    return beyond, np.flatnonzero(np.abs(beyond) < within)
+
+
+def _spline(samples: np.ndarray) -> np.ndarray:
+    """Coefficients of the periodic cubic B-splines through equally spaced samples, along the last axis."""
+    n = samples.shape[-1]
+    wave = 2.0 * pi * np.fft.rfftfreq(n)
+    return np.fft.irfft(np.fft.rfft(samples) * 3.0 / (2.0 + np.cos(wave)), n=n)

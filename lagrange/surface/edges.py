@@ -1,0 +1,215 @@
+"""Contacts at the edges of spalls: how much softer than on the sound surface, as a compliance in series.
+
+Two half-planes are pressed together over the gap between the circle and the bare profile. The roller's approach is
+that of a sound contact under the same force, and the sinkage, and the force times a compliance A·ΔB, with the A of
+Hertz's law δ = A Q (B − ½ ln Q): on an edge of radius e alone ΔB = ½ ln(1 + R/e), where half the contact hangs over
+the edge ½.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from lagrange.contact.laws import PowerLaw
+from lagrange.contact.raceway_laws import LogarithmicLaw
+from lagrange.surface.faults import Spall
+from lagrange.surface.rolling_envelope import Meeting, curvature, room
+
+HALF_WIDTHS = (0.007, 0.014)  # over R, of the sound contacts: 0.4 and 0.8 GPa of steel; of ΔB the mean is taken
+SHARPEST = 1e-3  # of the roller's radius: sharper edges are as soft as one of 5 µm, or nothing would bound it
+BEYOND = 1.1  # half-widths beyond the opening: there a contact still is sound
+POSITIONS = 24  # on either side of where the edge begins, 24 more between there and the middle
+CELLS = 12  # of the narrower half-width, and of that on an edge alone
+GROWTH = 1.15  # of cells away from an edge
+IN_REACH = 2.0  # of b²/R: cells with a wider gap are none of the contact's
+MOST_TURNS = 60  # of the search for the cells in contact; 3 to 8 are usual
+
+
+def softening(spall: Spall, roller_radius: float, own: float, other: float, meeting: Meeting, angle) -> np.ndarray:
+    """ΔB, >= 0, at angles of the line of centres from the spall's middle, (n,), rad; 0 far from it.
+
+    Parameters
+    ----------
+    own, other : as in `closing.sinkage`
+
+    Errors
+    ------
+    The half-planes' own, (b/R)². Cells change ΔB by 0.02 at most. By the force ΔB changes, see `docs/surfaces.md`. In
+    the spall's middle, on both edges, contacts may be stiffer than sound ones: that is left out.
+    """
+    from scipy.interpolate import PchipInterpolator  # half a second to import, and only spalls need it
+
+    shape = Spall(body=spall.body, roller=None, angle=0.0, width=spall.width, depth=spall.depth,
+                  edge_radius=max(spall.edge_radius, SHARPEST * roller_radius))  # fmt: skip
+    at, found = _table(shape, spall.half_opening(roller_radius), own, other, meeting)
+    beside = np.minimum(np.abs(angle), at[-1])
+    return np.maximum(PchipInterpolator(at, found)(beside), 0.0)
+
+
+def reach(spall: Spall, roller_radius: float, own: float, other: float, meeting: Meeting) -> float:
+    """Angle from the spall's middle from which on contacts are sound, rad."""
+    radius = 1.0 / curvature(own, other, meeting)
+    return float(np.arcsin((spall.half_opening(roller_radius) + BEYOND * HALF_WIDTHS[-1] * radius) / own))
+
+
+@lru_cache(maxsize=64)
+def _table(spall: Spall, opening: float, own: float, other: float, meeting: Meeting) -> tuple[np.ndarray, np.ndarray]:
+    """Angles from the spall's middle on, rad, and ΔB there; 0 at the last."""
+    radius = 1.0 / curvature(own, other, meeting)
+    widths = [share * radius for share in HALF_WIDTHS]
+    width = BEYOND * widths[-1]
+    near = np.linspace(max(opening - width, 0.0), opening + width, 2 * POSITIONS)
+    # on both edges the contact changes within δ·R/(w/2), the closer to the middle the wider the spall
+    apart = np.geomspace(0.2 * widths[0] ** 2 / opening, near[0] if near[0] > 0.0 else width, POSITIONS)
+    at = np.unique(np.concatenate([[0.0], apart[apart < near[0]], near]))
+    cells = _cells(spall.edge_radius, opening, radius, widths)
+    middle = 0.5 * (cells[1:] + cells[:-1])
+    angle = np.arcsin(at / own)
+    gaps = room(middle, _depth(spall, opening, middle), own, other, meeting, angle)
+    found = _approaches(gaps, cells, [0.5 * b**2 / radius for b in widths])
+    return angle, np.maximum((found - found[:, -1:]).mean(axis=0), 0.0)
+
+
+def _depth(spall: Spall, opening: float, at: np.ndarray) -> np.ndarray:
+    """Depths of the bare profile at places along the chord, (n,), m."""
+    inside, edge = np.maximum(opening - np.abs(at), 0.0), spall.edge_radius
+    arc = np.where(inside < edge, edge - np.sqrt(np.maximum(edge**2 - inside**2, 0.0)), np.inf)
+    return np.minimum(arc, spall.depth)
+
+
+def _cells(edge_radius: float, opening: float, radius: float, widths: list[float]) -> np.ndarray:
+    """Bounds of cells along the chord, m: fine where the edges begin."""
+    coarse = widths[0] / CELLS
+    fine = min(coarse, widths[0] * np.sqrt(edge_radius / (edge_radius + radius)) / CELLS)
+    last = (BEYOND + 2.0 * np.sqrt(IN_REACH)) * widths[-1]
+    steps = [fine] * (2 * CELLS)
+    while sum(steps) < max(last, opening):
+        steps.append(min(coarse, GROWTH * steps[-1]))
+    outward = np.concatenate([[0.0], np.cumsum(steps)])
+    beside = outward[outward < last]
+    inward = outward[1:][outward[1:] < opening - 0.5 * fine]
+    half = np.concatenate([opening - inward[::-1], opening + beside])
+    return np.concatenate([-half[::-1], half])
+
+
+def _approaches(gaps: np.ndarray, cells: np.ndarray, units: list[float]) -> np.ndarray:
+    """Approaches over the least gap, over A·Q, (n_units, n_positions), up to numbers that are the same for all.
+
+    `units` : A·Q, m, rising; the force Q that makes a half-width b on the sound surface has A·Q = b²/(2R)
+    """
+    found, pressed = np.empty((len(units), len(gaps))), [np.zeros(0, dtype=bool)] * len(units)
+    for i, gap in enumerate(gaps):
+        above = gap - gap.min()
+        widest = np.flatnonzero(above < 2.0 * IN_REACH * units[-1])
+        influence = _influence(cells, widest)
+        for k, unit in enumerate(units):
+            inside = np.flatnonzero(above[widest] < 2.0 * IN_REACH * unit)
+            in_reach = widest[inside]
+            beyond = above[in_reach] / unit
+            start = pressed[k][in_reach] if i else beyond < 0.5
+            found[k, i], closed = _press(beyond, influence[np.ix_(inside, inside)], start)
+            pressed[k] = np.zeros(gap.size, dtype=bool)
+            pressed[k][in_reach] = closed
+    return found
+
+
+def _influence(cells: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Displacement at the middle of cells by a unit force spread over each, over A.
+
+    Another unit of length would add a number to all of it, and to all approaches.
+    """
+    bounds = np.union1d(chosen, chosen + 1)
+    apart = cells[bounds] - 0.5 * (cells[chosen] + cells[chosen + 1])[:, None]
+    integral = apart * (np.log(np.abs(apart)) - 1.0)
+    low = np.searchsorted(bounds, chosen)
+    return (integral[:, low] - integral[:, low + 1]) / (cells[chosen + 1] - cells[chosen])
+
+
+def _press(gap: np.ndarray, influence: np.ndarray, closed: np.ndarray) -> tuple[float, np.ndarray]:
+    """Approach under a unit force, and the cells that carry it; `closed` to begin with, (n,)."""
+    if not closed.any():
+        closed = gap < 0.5
+    for _ in range(MOST_TURNS):
+        k = np.flatnonzero(closed)
+        matrix = np.ones((k.size + 1, k.size + 1))
+        matrix[:-1, :-1], matrix[:-1, -1], matrix[-1, -1] = influence[np.ix_(k, k)], -1.0, 0.0
+        solved = np.linalg.solve(matrix, np.append(-gap[k], 1.0))
+        force, approach = solved[:-1], solved[-1]
+        pushing = np.zeros(gap.size, dtype=bool)
+        pushing[k] = force > 0.0
+        through = gap + influence[:, k] @ force < approach
+        changed = np.where(closed, pushing, through)
+        if np.array_equal(changed, closed):
+            break
+        closed = changed if changed.any() else gap <= gap.min()
+    return float(approach), closed
+
+
+# A contact law with a linear compliance in series: δ = δ_law(Q) + c Q, as at the edges of spalls.
+
+
+MOST_STEPS = 60  # of Newton's method; 3 to 6 are usual
+SETTLED = 1e-10  # of the approach: what is left is of its square
+SLOWEST = 0.1  # of itself: what the law's own approach keeps in a step, at least
+
+
+def softened(law: PowerLaw | LogarithmicLaw, compliance: np.ndarray | float) -> "PowerLaw | LogarithmicLaw | Softened":
+    """The law itself where the compliance, m/N, is the number 0."""
+    return law if isinstance(compliance, float) and compliance == 0.0 else Softened(law=law, compliance=compliance)
+
+
+def pressed(law: "PowerLaw | LogarithmicLaw | Softened", approach) -> tuple[np.ndarray, np.ndarray]:
+    """Forces, N, and stiffnesses, N/m, of approaches, m."""
+    return law.pressed(approach) if isinstance(law, Softened) else (law.force(approach), law.slope(approach))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Softened:
+    """Same methods as `PowerLaw`, with approaches and forces that go with the compliances' shape."""
+
+    law: PowerLaw | LogarithmicLaw
+    compliance: np.ndarray | float  # c, m/N, >= 0
+
+    def force(self, approach):
+        """Contact force, N, >= 0, of an approach, m."""
+        return self.law.force(self._own(approach))
+
+    def approach(self, force):
+        """Approach, m, of a contact force, N, >= 0."""
+        return self.law.approach(force) + self.compliance * np.asarray(force)
+
+    def slope(self, approach):
+        """Contact stiffness dQ/dδ, N/m; 0 for an open contact."""
+        return self.pressed(approach)[1]
+
+    def pressed(self, approach):
+        """Contact force, N, and stiffness, N/m, of an approach, m: in half the time of asking for one and the other."""
+        own = self._own(approach)
+        slope = self.law.slope(own)
+        return self.law.force(own), slope / (1.0 + self.compliance * slope)
+
+    def potential(self, approach):
+        """Energy stored in contact and compliance, J."""
+        own = self._own(approach)
+        return self.law.potential(own) + 0.5 * self.compliance * self.law.force(own) ** 2
+
+    def _own(self, approach):
+        """The law's share of an approach, m, by Newton's method to round-off; all of it where it is open."""
+        approach = np.asarray(approach, dtype=float)
+        own = approach + 0.0 * self.compliance
+        for _ in range(MOST_STEPS):
+            too_far = own + self.compliance * self.law.force(own) - approach
+            step = too_far / (1.0 + self.compliance * self.law.slope(own))
+            own = np.where(own > 0.0, np.maximum(own - step, SLOWEST * own), own)
+            if np.all(np.abs(step) <= SETTLED * np.abs(own)):
+                break
+        return own
+
+
+class SoftenedLaws(NamedTuple):
+    """The laws of a rolling element's two contacts, softened where edges are."""
+
+    inner: PowerLaw | LogarithmicLaw | Softened
+    outer: PowerLaw | LogarithmicLaw | Softened

@@ -1,0 +1,88 @@
+"""What makes the surfaces of a bearing imperfect: spalls, waviness, unequal rollers, measured heights. Facts, SI.
+
+Angles of rings are counter-clockwise from +x at t = 0 and turn with the ring; those of a roller are in its own frame,
+whose axes are the fixed ones at t = 0. `roller` is a roller's number, None on a ring.
+"""
+
+import json
+from dataclasses import asdict, dataclass, field
+from math import sqrt
+from typing import Literal
+
+from lagrange.files.input import HeightTable
+
+Body = Literal["outer_ring", "inner_ring", "roller"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spall:
+    """A hole in a surface, with a flat bottom and rounded edges, across the whole length of the contact."""
+
+    body: Body
+    roller: int | None
+    angle: float  # rad, of its middle
+    width: float  # m, from edge to edge, of the sharp-edged gap into which a roller sinks as deeply
+    depth: float  # m
+    edge_radius: float  # m, 0: sharp
+
+    def half_opening(self, roller_radius: float) -> float:
+        """From the middle to where the surface leaves its circle, m.
+
+        A roller of radius r turns about a rounded edge's centre at the distance r + e. It sinks by c²/(2(r + e)) where
+        between sharp edges it does by (w/2)²/(2r): c = w/2 √(1 + e/r). With the raceways' own curvature the two
+        agree to 0.6 % for e = 0.02 r.
+        """
+        return 0.5 * self.width * sqrt(1.0 + self.edge_radius / roller_radius)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Waviness:
+    """Crests and valleys around a body: amplitude · cos(order · angle + phase), positive where material is added."""
+
+    body: Body
+    roller: int | None
+    order: int
+    amplitude: float  # m
+    phase: float  # rad
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnequalRoller:
+    """A roller larger than the others, in its contacts with both raceways."""
+
+    roller: int
+    diameter_deviation: float  # m
+
+    body: Body = "roller"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredSurface:
+    """Heights around a body as they were measured."""
+
+    body: Body
+    roller: int | None
+    angle: float  # rad, of the table's angle 0
+    file: str
+    sha256: str  # of the table's text: tables are known by it
+    table: HeightTable = field(compare=False, repr=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Film:
+    """A lubricant's film on a raceway, as thick everywhere: no fault, but surfaces meet that much earlier."""
+
+    body: Body
+    thickness: float  # m
+
+    roller: None = None
+
+
+Fault = Spall | Waviness | UnequalRoller | MeasuredSurface | Film
+
+
+def labels(faults: tuple[Fault, ...]) -> str:
+    """The faults as JSON, a list of objects: `kind`, and what the class of that name holds but for tables, SI."""
+    kinds = {Spall: "spall", Waviness: "waviness", UnequalRoller: "unequal_roller", MeasuredSurface: "profile"}
+    facts = [{"kind": kinds[type(fault)]} | asdict(fault) for fault in faults if not isinstance(fault, Film)]
+    return json.dumps([{name: value for name, value in fact.items() if name != "table"} for fact in facts])

@@ -1,0 +1,283 @@
+"""Rollers' passages over spalls: where each contact lies, and the entry, strike and exit of each."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from math import asin, inf, pi
+from typing import Literal
+
+import numpy as np
+
+from lagrange.bearing import Bearing, Operation
+from lagrange.kinematics import turned
+from lagrange.mounting import OF_HOUSING, from_outer_ring
+from lagrange.step_size import roller_frequency
+from lagrange.surface.faults import Spall
+
+Raceway = Literal["inner", "outer"]
+BLOCK = 4096  # samples read at once
+SEEN = 3.0  # half-widths of a spall on either side of its middle that belong to a passage
+COLUMNS = (
+    "time", "inner_x", "inner_y", "roller_x", "roller_y", "roller_turn", "roller_spin", "inner_force", "outer_force",
+)  # fmt: skip
+HOUSING = OF_HOUSING[:2]  # where there is one
+Read = Callable[[int, int], Mapping[str, np.ndarray]]  # COLUMNS and HOUSING from one sample up to another, by name
+
+
+@dataclass(frozen=True, kw_only=True)
+class Passage:
+    """One contact near one spall, over samples that follow each other; arrays (n,)."""
+
+    spall: int  # number of the spall, in the order of the scene
+    raceway: Raceway  # of the contact; a roller's spall meets both
+    roller: int
+    half_width: float  # rad, as `angle`, half the spall's width
+    first: int  # number of the first sample
+    time: np.ndarray  # s
+    angle: np.ndarray  # rad, of the contact from the spall's middle, on the body that has it, counter-clockwise
+    force: np.ndarray  # N, normal
+    sliding: np.ndarray  # m/s, of the roller's surface over the raceway's, along +θ
+
+
+def spalls(bearing: Bearing) -> list[Spall]:
+    """The spalls of a bearing, in the scene's order."""
+    return [fault for fault in bearing.faults if isinstance(fault, Spall)]
+
+
+def find_passages(bearing: Bearing, operation: Operation, read: Read, count: int) -> list[Passage]:
+    """All passages within `count` samples, by spall, raceway, roller and time.
+
+    Parameters
+    ----------
+    operation : tells how the inner ring turns
+    read : gives samples; it is asked for BLOCK of them and one or two more at a time
+
+    Errors
+    ------
+    Sliding speeds come from differences of the rollers' angles, of second order in the interval.
+    """
+    tracks = [_Track(number, spall, raceway, bearing) for number, spall in enumerate(spalls(bearing))
+              for raceway in _raceways(spall)]  # fmt: skip
+    for start in range(0, count - 1, BLOCK):
+        stop = min(start + BLOCK, count - 1) + 1  # the last sample is the next block's first
+        low, high = max(0, start - 1), min(count, stop + 1)
+        block = read(low, high)
+        for raceway in {track.raceway for track in tracks}:
+            met = _contacts(bearing, operation, block, raceway)
+            for track in tracks:
+                if track.raceway == raceway:
+                    track.gather(block["time"], met, low, slice(start - low, stop - low))
+    return [passage for track in tracks for passage in track.passages()]
+
+
+def _raceways(spall: Spall) -> tuple[Raceway, ...]:
+    """Whose contacts pass a spall."""
+    of_rings: dict[str, tuple[Raceway, ...]] = {"inner_ring": ("inner",), "outer_ring": ("outer",)}
+    return of_rings.get(spall.body, ("inner", "outer"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Contacts:
+    """All contacts with one raceway; arrays (n_times, n_rollers)."""
+
+    on_ring: np.ndarray  # rad, angle of the contact in the ring's frame
+    on_roller: np.ndarray  # rad, in the roller's
+    force: np.ndarray  # N
+    sliding: np.ndarray  # m/s
+
+
+def _contacts(bearing: Bearing, operation: Operation, samples: Mapping[str, np.ndarray], raceway: Raceway) -> _Contacts:
+    time, turn = samples["time"], samples["roller_turn"]
+    inner_x, inner_y, x, y = from_outer_ring(samples, "inner", "roller")
+    if raceway == "inner":
+        x, y = x - inner_x[:, None], y - inner_y[:, None]
+    direction = np.unwrap(np.arctan2(y, x), axis=0)
+    along = np.hypot(x, y) * np.gradient(direction, time, axis=0)
+    turning = bearing.roller_radius * samples["roller_spin"]
+    if raceway == "outer":
+        on_ring, on_roller, sliding = direction, direction - turn, along + turning
+    else:
+        time = time[:, None]
+        on_ring, on_roller = direction - turned(bearing, operation, time).shaft, direction + pi - turn
+        sliding = along - turning - operation.at(time).speed * bearing.inner_raceway_radius
+    return _Contacts(on_ring=on_ring, on_roller=on_roller, force=samples[f"{raceway}_force"], sliding=sliding)
+
+
+class _Track:
+    """The samples near one spall of the contacts with one raceway, as blocks of a run come in."""
+
+    def __init__(self, number: int, spall: Spall, raceway: Raceway, bearing: Bearing):
+        self.raceway = raceway
+        self._number, self._spall = number, spall
+        own = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
+        self._half_width = asin(0.5 * spall.width / own.get(spall.body, bearing.roller_radius))
+        self._rollers = range(bearing.n_rollers) if spall.roller is None else (spall.roller,)
+        self._found: dict[int, list[np.ndarray]] = {j: [] for j in self._rollers}
+
+    def gather(self, time: np.ndarray, met: _Contacts, first: int, inside: slice) -> None:
+        """Take what is near from a block whose first sample has the number `first`; `inside` of it is new."""
+        angles = met.on_ring if self._spall.roller is None else met.on_roller
+        for j in self._rollers:
+            angle = np.mod(angles[inside, j] - self._spall.angle + pi, 2.0 * pi) - pi
+            near = _near(angle, SEEN * self._half_width)
+            at = np.arange(first, first + len(time))[inside][near]
+            columns = (at, time[inside][near], angle[near], met.force[inside, j][near], met.sliding[inside, j][near])
+            self._found[j].append(np.array(columns))
+
+    def passages(self) -> Iterator[Passage]:
+        for j, parts in self._found.items():
+            rows = np.concatenate([np.empty((5, 0)), *parts], axis=1)
+            _, once = np.unique(rows[0], return_index=True)  # blocks share a sample
+            rows = rows[:, once]
+            jumps = 1 + np.flatnonzero((np.diff(rows[0]) > 1) | (np.abs(np.diff(rows[2])) > pi))
+            for piece in np.split(rows, jumps, axis=1) if rows.size else ():
+                at, time, angle, force, sliding = piece
+                yield Passage(
+                    spall=self._number, raceway=self.raceway, roller=j, half_width=self._half_width, first=int(at[0]),
+                    time=time, angle=angle, force=force, sliding=sliding,
+                )  # fmt: skip
+
+
+def _near(angle: np.ndarray, reach: float) -> np.ndarray:
+    """Which samples end a way that leads over a span around 0; samples may be further apart than the span is wide."""
+    low, high = np.minimum(angle[:-1], angle[1:]), np.maximum(angle[:-1], angle[1:])
+    over = (low < reach) & (high > -reach) & (high - low < pi)
+    near = np.zeros(len(angle), dtype=bool)
+    near[:-1] |= over
+    near[1:] |= over
+    return near
+
+
+# What happens when a roller passes a spall: entry, strike and exit.
+
+
+Kind = Literal["entry", "strike", "exit"]
+LARGE = 0.5  # a rise of the force: of the largest in the passage, and of the force on entry
+FROM, UNTIL = -0.1, 2.0  # half-widths from the middle, on the way out: where a strike's force may peak
+SAMPLES = 9.0  # in a vibration of a roller on its contacts: peaks are then found to some per cent (docs/surfaces.md)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpallEvent:
+    """One instant of a passage."""
+
+    time: float  # s
+    roller: int
+    spall: int
+    raceway: Raceway
+    kind: Kind
+    force: float  # N
+    sliding_speed: float  # m/s, of the roller's surface over the raceway's, along +θ
+
+
+def strike_interval(bearing: Bearing, operation: Operation) -> float:
+    """The longest interval between samples, s, that shows the strikes in spalls; infinite without any."""
+    if operation.fastest == 0.0 or not spalls(bearing):
+        return inf
+    frequency = roller_frequency(bearing, operation)
+    return 1.0 / (SAMPLES * frequency) if frequency > 0.0 else inf
+
+
+def interval_caution(bearing: Bearing, operation: Operation, interval: float) -> str | None:
+    """A sentence where samples are too far apart, s, for the strikes of a bearing with spalls."""
+    longest = strike_interval(bearing, operation)
+    if interval <= longest:
+        return None
+    return (
+        f"numerics.output_interval_us = {1e6 * interval:g}: too seldom for the strikes in a [[spall]], where rollers "
+        f"vibrate on their contacts at {1e-3 / (SAMPLES * longest):.3g} kHz: peak forces will be missed; at most "
+        f"{1e6 * longest:.2g}"
+    )
+
+
+def spall_events(passages: Iterable[Passage]) -> list[SpallEvent]:
+    """The events of all passages, by time.
+
+    Entry and exit are where the contact is half the spall's width from its middle. The strike is the first peak of
+    the force on the way out, from the middle to half a width beyond the exit, whose rise above the least force since
+    the entry is at least half of the largest such rise. There is none where that is below half of the force on entry,
+    because then the roller was not released, and none that is known where the run begins or ends on the way.
+
+    Errors
+    ------
+    Entry and exit: straight lines between samples; the contact's angle bends by far less than a thousandth of them.
+    Strike: with SAMPLES or more in a vibration 0.2 µs and a few per cent of the force; see docs/surfaces.md.
+    """
+    found = [event for passage in passages for event in _of(passage)]
+    return sorted(found, key=lambda event: (event.time, event.spall, event.roller, event.raceway, event.kind))
+
+
+def _of(passage: Passage) -> Iterator[SpallEvent]:
+    half, angle = passage.half_width, passage.angle
+    way = np.sign(np.diff(angle))
+    before, after = way * angle[:-1], way * angle[1:]
+    goes_in, goes_out = ((before < edge) & (edge <= after) for edge in (-half, half))
+    entries = np.flatnonzero(goes_in).tolist()
+    for i, following in zip(entries, [*entries[1:], len(angle) - 1], strict=False):
+        entry = _between(passage, i, -half * way[i], "entry")
+        yield entry
+        yield from _strike(passage, i, following, way[i] * angle, entry)
+    for i in np.flatnonzero(goes_out).tolist():
+        yield _between(passage, i, half * way[i], "exit")
+
+
+def _between(passage: Passage, i: int, edge: float, kind: Kind) -> SpallEvent:
+    """Where the contact crosses an edge, rad, between two samples."""
+    angle = passage.angle
+    share = (edge - angle[i]) / (angle[i + 1] - angle[i])
+    time = passage.time[i] + share * (passage.time[i + 1] - passage.time[i])
+    force = _cubic(passage.force, i, share)
+    return _event(passage, kind, time, max(0.0, force), _cubic(passage.sliding, i, share))
+
+
+def _cubic(row: np.ndarray, i: int, share: float) -> float:
+    """A row of samples between i and i + 1, by the cubic through the four nearest; at its ends by a straight line."""
+    if not 1 <= i < len(row) - 2:
+        return row[i] + share * (row[i + 1] - row[i])
+    s = share
+    weights = -s * (s - 1) * (s - 2) / 6, (s * s - 1) * (s - 2) / 2, -s * (s + 1) * (s - 2) / 2, s * (s * s - 1) / 6
+    return float(np.dot(weights, row[i - 1 : i + 3]))
+
+
+def _strike(passage: Passage, i: int, following: int, onward, entry: SpallEvent) -> Iterator[SpallEvent]:
+    """After an entry between samples i and i + 1, before the `following` one; nothing where there is none.
+
+    `onward` : (n,), rad, angles from the middle on the way of the entry
+    """
+    after = slice(i + 1, following + 1)
+    away = np.flatnonzero(np.abs(onward[after]) >= UNTIL * passage.half_width)
+    if not away.size:
+        return
+    after = slice(i + 1, i + 2 + away[0])
+    force = passage.force[after]
+    rise = force - np.minimum(np.minimum.accumulate(force), entry.force)
+    grows = np.diff(passage.force)[i : i + 1 + away[0]] > 0.0
+    rise = np.where((onward[after] >= FROM * passage.half_width) & grows, rise, 0.0)
+    if rise.max() == 0.0 or rise.max() < LARGE * entry.force:
+        return
+    k = i + 1 + int(np.argmax(rise >= LARGE * rise.max()))
+    while k + 1 < len(passage.force) and passage.force[k + 1] > passage.force[k]:
+        k += 1
+    yield _event(passage, "strike", *_peak(passage, k))
+
+
+def _peak(passage: Passage, k: int) -> tuple[float, float, float]:
+    """Time, force and sliding speed at a peak of the force, by the parabola through three samples."""
+    time, force, sliding = (row[k] for row in _rows(passage))
+    if not 0 < k < len(passage.force) - 1:
+        return time, force, sliding
+    left, right = passage.force[k - 1] - force, passage.force[k + 1] - force
+    if left + right >= 0.0:
+        return time, force, sliding
+    share = 0.5 * (left - right) / (left + right)
+    return time + share * (passage.time[k + 1] - time), force - 0.25 * (left - right) * share, sliding
+
+
+def _rows(passage: Passage) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return passage.time, passage.force, passage.sliding
+
+
+def _event(passage: Passage, kind: Kind, time: float, force: float, sliding: float) -> SpallEvent:
+    return SpallEvent(
+        time=float(time), roller=passage.roller, spall=passage.spall, raceway=passage.raceway, kind=kind,
+        force=float(force), sliding_speed=float(sliding),
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Figures of the report. Importing its modules imports matplotlib."""

@@ -1,0 +1,159 @@
+"""Figures of what the errors are made of: their terms over time, stacked over a few roller passages, and as spectra."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from residual.evaluation import Evaluation
+from residual.figures.panels import panels
+from residual.figures.style import GREY, TERM_COLOURS, SavedFigure, legend_above, log_panel, save, without_minor_ticks
+from residual.spectrum import Spectrum, rms
+from residual.words import text, words
+
+PASSAGES_SHOWN = 2.0
+BINS_PER_DECADE = 120
+DYNAMIC_RANGE = 1e-9  # of a spectrum's plot
+NEAR = 1.7  # times a frequency: names of lines would overlap
+USUAL_TERMS, ROOM_FOR_A_TERM, INCHES_OF_A_SHARE = 4, 0.4, 1.6  # more terms take more room for their bars
+NAMES = 1.2  # inches, of terms beside their bars
+
+
+def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the error's terms over time, and their rms."""
+    t, budget = evaluation.record, evaluation.budget
+    acting = budget.acting_terms
+    terms = {
+        d.name: {"error": d.budget.error, **{name: d.budget.terms[name] for name in acting}}
+        for d in evaluation.directions
+    }
+    sizes = {name: {term: rms(values) for term, values in found.items()} for name, found in terms.items()}
+    for d in evaluation.directions:
+        sizes[d.name]["momentum"] = 0.0 if d.balance is None else d.balance.rms
+    more = ROOM_FOR_A_TERM * max(0, len(acting) - USUAL_TERMS)
+    shares = 1.0, 1.0, 1.4 + more / INCHES_OF_A_SHARE
+    figure, (*axes, bars) = panels((2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES)
+    for axis, direction in zip(axes, evaluation.directions, strict=True):
+        for name in ("error", *acting):
+            axis.plot(1e3 * t.time, terms[direction.name][name], color=TERM_COLOURS[name], label=words(name),
+                      linewidth=1.4 if name == "error" else 0.9)  # fmt: skip
+        axis.set_ylabel(f"terms of error_{direction.name}, N")
+        axis.margins(x=0.0)
+    legend_above(axes[0], 5, left=-0.1, columnspacing=1.0, handlelength=1.3)
+    axes[1].set_xlabel("time, ms")
+    names = ["error", *acting, "momentum"]
+    position = np.arange(len(names))[::-1]
+    for offset, letter, shade in ((0.19, "x", 1.0), (-0.19, "y", 0.5)):
+        values = [sizes[letter][name] for name in names]
+        colours = [TERM_COLOURS[name] for name in names]
+        drawn = bars.barh(position + offset, values, height=0.34, color=colours, alpha=shade)
+        texts = [f"{letter}: {text(v, 3)} N" for v in values]
+        bars.bar_label(drawn, texts, padding=4, fontsize=8.5)
+    bars.set_xscale("log")
+    without_minor_ticks(bars)
+    everything = [v for found in sizes.values() for v in found.values() if v > 0.0]
+    top = max(everything, default=1.0)
+    bars.set_xlim(max(min(everything, default=0.1) / 2.0, 1e-5 * top), 8.0 * top)
+    bars.set_yticks(
+        position, [words(n).replace(" ", "\n", 1) + ("\nbalance" if n == "momentum" else "") for n in names]
+    )
+    bars.set_xlabel("rms, N (dark: x, light: y)")
+    bars.grid(axis="y", visible=False)
+    caption = (
+        "What the error forces are made of; the terms add up to the error sample by sample. Momentum balance: the "
+        "error with the run's own contact forces in place of the law, = differentiation + ring flexibility."
+    )
+    return save(figure, folder, "budget", "Budget of the error forces", caption)
+
+
+def stacked_terms(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the terms less their means, stacked, over two roller passages in the middle of the record."""
+    t = evaluation.record
+    shown = _middle(evaluation)
+    time = 1e3 * t.time[shown]
+    figure, axes = panels(2, 5.6)
+    means = []
+    for axis, direction in zip(axes, evaluation.directions, strict=True):
+        terms = {name: direction.budget.terms[name] for name in evaluation.budget.acting_terms}
+        total = direction.budget.error
+        values = np.array([v[shown] - v.mean() for v in terms.values()])
+        colours = [TERM_COLOURS[name] for name in terms]
+        labels = [words(name) for name in terms]
+        axis.stackplot(time, np.maximum(values, 0.0), colors=colours, labels=labels, alpha=0.75, linewidth=0)
+        axis.stackplot(time, np.minimum(values, 0.0), colors=colours, alpha=0.75, linewidth=0)
+        axis.plot(time, total[shown] - total.mean(), color="black", linewidth=1.2, label="error")
+        axis.set_ylabel(f"error_{direction.name} less its mean, N")
+        axis.margins(x=0.0)
+        mean = ", ".join(f"{words(name)} {text(v.mean(), 3, evaluation.noise)}" for name, v in terms.items())
+        means.append(f"in {direction.name} {mean}")
+    legend_above(axes[0], 5, left=-0.08, columnspacing=1.0, handlelength=1.2)
+    axes[1].set_xlabel("time, ms")
+    caption = (
+        "The terms of the error forces stacked, positive upward and negative downward, each less its mean over the "
+        "record; the black line, their sum, is the error less its mean. Middle of the record, "
+        f"{PASSAGES_SHOWN:g} roller passages where the bearing turns. Means, N: {'; '.join(means)}."
+    )
+    return save(figure, folder, "budget_stacked", "Terms of the error forces, stacked", caption)
+
+
+def _middle(evaluation: Evaluation) -> slice:
+    """Choose the samples of a few roller passages in the middle of the record; all of them for a standing bearing."""
+    t = evaluation.record
+    passing = evaluation.lines.get("BPFO", 0.0)
+    if passing == 0.0:
+        return slice(None)
+    n = min(t.time.size, int(PASSAGES_SHOWN / passing / t.interval) + 1)
+    first = (t.time.size - n) // 2
+    return slice(first, first + n)
+
+
+def budget_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
+    """Draw the density of every term beside the error's."""
+    figure, axes = panels(2, 6.4, lines=3)
+    for axis, direction in zip(axes, evaluation.directions, strict=True):
+        f, psd = _thinned(direction.spectrum)
+        log_panel(axis, f)
+        axis.plot(f, psd, color="black", linewidth=2.6, alpha=0.35, label="error")
+        for name in evaluation.budget.acting_terms:
+            spectrum = direction.term_spectra[name]
+            axis.plot(*_thinned(spectrum), color=TERM_COLOURS[name], linewidth=0.9, label=words(name))
+        top = max(float(psd.max()), 1e-30)
+        axis.set_ylim(DYNAMIC_RANGE * top, 10.0 * top)
+        axis.set_ylabel(f"PSD, {direction.name}, N²/Hz")
+        lines = {n: at for n, at in evaluation.lines.items() if "×" not in n and f[0] <= at <= f[-1]}
+        for line, frequency in lines.items():
+            axis.axvline(frequency, color=GREY, linestyle=(0, (4, 2)), linewidth=0.9, zorder=0)
+            if direction is evaluation.x:
+                axis.annotate(line, (frequency, 1.01), xycoords=("data", "axes fraction"), fontsize=9, va="bottom",
+                              ha=_side(frequency, lines.values()), color="#555555")  # fmt: skip
+    legend_above(axes[0], 5, borderaxespad=1.6, columnspacing=1.2, handlelength=1.4)
+    axes[1].set_xlabel("frequency, Hz")
+    caption = (
+        "One-sided power spectral density of each term and of the error, averaged over "
+        f"{BINS_PER_DECADE} bins a decade where the record resolves more. Terms are not independent: where two of them "
+        "cancel, the error lies below both."
+    )
+    return save(figure, folder, "budget_spectra", "Spectra of the budget's terms", caption)
+
+
+def _side(frequency: float, others: Iterable[float]) -> str:
+    """Where a line's name is set on a logarithmic axis: away from a neighbour that is too near for both."""
+    near = [other for other in others if 1.0 < max(other / frequency, frequency / other) < NEAR]
+    if not near:
+        return "center"
+    return "right" if min(near, key=lambda other: abs(other - frequency)) > frequency else "left"
+
+
+def _thinned(spectrum: Spectrum) -> tuple[np.ndarray, np.ndarray]:
+    """Average frequency and density in bins of equal width on a logarithmic axis, for a curve to look at."""
+    f, psd = spectrum.frequency[1:], spectrum.psd[1:]
+    bins = np.unique(np.floor(BINS_PER_DECADE * np.log10(f)), return_inverse=True)[1]
+    count = np.bincount(bins)
+    return np.bincount(bins, f) / count, np.maximum(np.bincount(bins, psd) / count, 1e-300)
+
+
+def budget_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
+    """Draw those figures that the run has the data for."""
+    if not evaluation.budget.x.terms:
+        return []
+    return [draw(evaluation, folder) for draw in (budget_figure, stacked_terms, budget_spectra)]

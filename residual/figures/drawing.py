@@ -1,0 +1,59 @@
+"""All figures of a report, in the groups that its page shows them in. Importing this imports matplotlib."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib
+
+from residual.evaluation import Evaluation
+from residual.exports import Parts
+from residual.figures.budget import budget_figures
+from residual.figures.comparison import against_figures, paper_figures
+from residual.figures.motion import motion_figures
+from residual.figures.passages import fault_figures, passage_figures
+from residual.figures.spectra import order_figures, spectrum_figures
+from residual.figures.style import STYLE, SavedFigure
+from residual.figures.vibration import cage_figure, vibration_figures
+from residual.quasistatic import QuasiStatic
+
+
+def draw_figures(
+    evaluation: Evaluation, statics: QuasiStatic | None, parts: Parts, folder: Path
+) -> dict[str, list[SavedFigure]]:
+    """Draw what the run has the data for into a folder; by groups, in the page's order.
+
+    Parameters
+    ----------
+    evaluation : Evaluation
+    statics : QuasiStatic, the Lagrangian model's equilibria; None: there are none
+    parts : Parts, of the report
+    """
+    with matplotlib.rc_context(STYLE):
+        drawn = {
+            "against": [] if parts.other is None else against_figures(evaluation, parts.other, folder),
+            "motion": [*motion_figures(evaluation, statics, folder), *filter(None, [cage_figure(evaluation, folder)])],
+            "vibration": [
+                *vibration_figures(evaluation, folder),
+                *order_figures(evaluation, folder),
+                *passage_figures(evaluation, folder),
+            ],
+            "search": [] if parts.search is None else fault_figures(parts.search, folder),
+        }
+        if parts.equations:
+            drawn |= {
+                "spectra": spectrum_figures(evaluation, folder),
+                "budget": budget_figures(evaluation, folder),
+                "paper": paper_figures(evaluation, folder),
+            }
+    told = {group: method_told(evaluation, parts.other if group == "against" else None) for group in drawn}
+    return {
+        group: [replace(figure, caption=f"{figure.caption}{told[group]}") for figure in found]
+        for group, found in drawn.items()
+    }
+
+
+def method_told(evaluation: Evaluation, other: Evaluation | None) -> str:
+    """Model and damping of the run that figures show, and of what it is compared with; of a table from elsewhere ""."""
+    runs = [each.record for each in (evaluation, other) if each is not None]
+    told = dict.fromkeys(f" Run {run.name}: {run.scene.method}." for run in runs if run.attributes)
+    return "".join(told)

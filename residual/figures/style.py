@@ -1,0 +1,245 @@
+"""What gives all figures one look: style, colours, ticks, marks of kinematic lines, files in PNG and SVG."""
+
+import re
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.collections import LineCollection
+from matplotlib.ticker import LogFormatterSciNotation, NullLocator, ScalarFormatter
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """A line, or dots, of a figure."""
+
+    panel: str  # name of its y axis
+    name: str
+    points: np.ndarray  # (n, 2), x and y in the units of the axes
+
+
+@dataclass(frozen=True, kw_only=True)
+class SavedFigure:
+    """A figure that has been written, with its title and caption."""
+
+    name: str
+    title: str
+    caption: str
+    png: Path
+    svg: Path
+    curves: tuple[Curve, ...] = ()  # what it shows
+
+
+# Colours of curves, and which kinematic line a harmonic is of.
+
+
+# Okabe and Ito's palette, told apart by colour-blind readers
+BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
+    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",
+)  # fmt: skip
+# of Tol's muted palette (Paul Tol's Notes, SRON/EPS/TN/09-002), where eight colours are too few
+INDIGO, OLIVE, WINE = "#332288", "#999933", "#882255"
+TERM_COLOURS = {
+    "error": "black",
+    "contact_law": RED,
+    "damping": PURPLE,
+    "friction": GREEN,
+    "cage": SKY,
+    "ring_flexibility": BLUE,
+    "other_forces": BLUE,  # in the place of the one above
+    "differentiation": GREY,
+    "outer_ring": INDIGO,
+    "shaft": ORANGE,
+    "load_and_weight": OLIVE,
+    "momentum": WINE,
+}
+LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "BSF": ORANGE, "BPFO": RED, "BPFI": GREEN}
+
+
+def family(line: str) -> str:
+    """Kinematic line that a harmonic or sideband belongs to: "3×BPFO", "2×BPFO+shaft" -> "BPFO"."""
+    return re.split("[+−]", line)[0].rpartition("×")[2]
+
+
+# Labels of ticks as plain text: matplotlib's own mathematical ones take most of a figure's time.
+
+
+RAISED = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def plain(label: str) -> str:
+    r"""A label without marks of mathematics: "$\mathdefault{2\times10^{-3}}$" -> "2×10⁻³", "1e−5" -> "×10⁻⁵"."""
+    label = label.replace(r"\times", "×").replace(r"\mathdefault", "")
+    label = re.sub(r"10\^\{([-−]?\d+)\}", lambda found: "10" + found[1].translate(RAISED), label)
+    label = re.sub(r"^1e([-−]?)\+?(\d+)$", lambda found: "×10" + (found[1] + found[2]).translate(RAISED), label)
+    return re.sub(r"[${}\\]", "", label)
+
+
+class PlainScalar(ScalarFormatter):
+    """Numbers with one power of ten for all."""
+
+    def get_offset(self) -> str:
+        return plain(super().get_offset())
+
+
+class PlainLog(LogFormatterSciNotation):
+    """Powers of ten."""
+
+    def __call__(self, x, pos=None) -> str:
+        return plain(super().__call__(x, pos))
+
+
+def make_plain(figure) -> None:
+    """Give every axis of a figure plain labels, but those with labels of their own."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if type(axis.get_major_formatter()) is ScalarFormatter:
+                axis.set_major_formatter(PlainScalar())
+            for name in ("major", "minor"):
+                if type(getattr(axis, f"get_{name}_formatter")()) is LogFormatterSciNotation:
+                    getattr(axis, f"set_{name}_formatter")(PlainLog(labelOnlyBase=name == "major"))
+
+
+# What gives all figures one look: style, colours, marks of kinematic lines, files in PNG and SVG.
+
+
+if TYPE_CHECKING:
+    from matplotlib.typing import RcKeyType
+
+DPI = 150
+MARK = 0.012  # of a panel's height, long
+# PNG about as large as at level 6 by default, in a third of the time
+PACKED: "dict[str, Any]" = {"compress_level": 1, "compress_type": zlib.Z_RLE}
+STYLE: "dict[RcKeyType, Any]" = {
+    "font.family": "DejaVu Sans",
+    "font.size": 11,
+    "axes.titlesize": 11,
+    "axes.labelsize": 11,
+    "xtick.labelsize": 10,
+    "ytick.labelsize": 10,
+    "legend.fontsize": 9.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "#E3E3E3",
+    "grid.linewidth": 0.7,
+    "axes.axisbelow": True,
+    "lines.linewidth": 1.1,
+    "legend.frameon": False,
+    "text.hinting": "none",  # at this resolution as legible, and quicker
+    "svg.hashsalt": "residual",
+    "svg.fonttype": "path",
+    "path.simplify": True,
+    "path.simplify_threshold": 0.3,
+    "agg.path.chunksize": 20000,
+    "axes.formatter.limits": (-4, 5),
+    "axes.formatter.useoffset": False,
+}
+
+
+def beside_paper(axis, paper: tuple[float, float], ours: np.ndarray) -> None:
+    """Draw the range that the paper's figure shows as a band, and ours as a bar, on a scale of their own."""
+    low, high = float(np.min(ours)), float(np.max(ours))
+    bottom, top = min(low, paper[0]), max(high, paper[1])
+    margin = 0.08 * (top - bottom)
+    axis.axhspan(*paper, xmin=0.08, xmax=0.55, color=ORANGE, alpha=0.45, linewidth=0)
+    thinnest = 0.012 * (top - bottom)  # a range of nanometres beside one of millimetres would not be seen
+    middle, half = 0.5 * (low + high), max(0.5 * (high - low), 0.5 * thinnest)
+    axis.axhspan(middle - half, middle + half, xmin=0.62, xmax=0.95, color=BLUE, linewidth=0)
+    axis.set_ylim(bottom - margin, top + margin)
+    axis.locator_params(axis="y", nbins=4)
+    axis.tick_params(axis="y", labelsize=8.5)
+
+
+def name_slim(axis) -> None:
+    """Write above the first slim axis what its band and its bar are."""
+    for x, word, colour, side in ((-0.12, "paper", "#8A5A00", "left"), (1.12, "run", BLUE, "right")):
+        axis.annotate(word, (x, 1.02), xycoords="axes fraction", fontsize=8.5, color=colour, va="bottom", ha=side)
+
+
+def save(figure, folder: Path, name: str, title: str, caption: str) -> SavedFigure:
+    """Write one figure as PNG and SVG, without a date, so that the same run gives the same files."""
+    png, svg = folder / f"{name}.png", folder / f"{name}.svg"
+    curves = tuple(
+        Curve(panel=axis.get_ylabel(), name=label if not (label := str(line.get_label())).startswith("_") else "",
+              points=np.column_stack(line.get_data()))
+        for axis in figure.axes for line in axis.lines if len(line.get_xdata()) > 2
+    )  # fmt: skip
+    make_plain(figure)
+    figure.set_dpi(DPI)
+    # a canvas' own drawing and printing draw once each, `savefig` twice
+    canvas, told = FigureCanvasAgg(figure), PngInfo()
+    canvas.draw()
+    told.add_text("Title", title)
+    Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").save(png, pnginfo=told, **PACKED)
+    FigureCanvasSVG(figure).print_svg(svg, metadata={"Date": None, "Title": title})
+    return SavedFigure(name=name, title=title, caption=caption, png=png, svg=svg, curves=curves)
+
+
+def log_panel(axis, frequency: np.ndarray) -> None:
+    """Make both axes logarithmic, the x axis from the first to the last of some frequencies."""
+    low, high = frequency[0], frequency[-1]
+    axis.set(xscale="log", yscale="log", xlim=(low, high))
+    without_minor_ticks(axis)
+    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.log10(high))
+    between = np.outer(decades, np.arange(2, 10)).ravel()
+    marks = [[(f, 0.0), (f, -MARK)] for f in between if low <= f <= high]
+    drawn = LineCollection(
+        marks, colors=GREY, linewidths=0.6, transform=axis.get_xaxis_transform(), clip_on=False, zorder=2
+    )
+    axis.add_collection(drawn, autolim=False)
+
+
+def without_minor_ticks(*axes) -> None:
+    """Leave out the small ticks of logarithmic axes: each is five artists, and takes as long as a curve."""
+    for axis in axes:
+        axis.xaxis.set_minor_locator(NullLocator())
+        axis.yaxis.set_minor_locator(NullLocator())
+
+
+def legend_above(axis, columns: int, left: float = 0.0, **style) -> None:
+    """Put an axis' legend above it, its left edge a share of the axis' width to the right of the axis' own."""
+    axis.legend(loc="lower left", bbox_to_anchor=(left, 1.0), ncols=columns, **{"borderaxespad": 0.2, **style})
+
+
+def mark_lines(axis, lines: dict[str, float], low: float, high: float, labels: bool) -> list[str]:
+    """Mark the kinematic lines within low … high, Hz, by vertical lines; the families drawn."""
+    shown = sorted((f, name) for name, f in lines.items() if low <= f <= high)
+    previous, level = -np.inf, 0
+    for frequency, name in shown:
+        axis.axvline(
+            frequency,
+            color=LINE_COLOURS[family(name)],
+            linewidth=1.1 if family(name) == name else 0.8,
+            linestyle=(0, (4, 2)) if family(name) == name else (0, (1, 2)),
+            zorder=1,
+        )
+        if labels:
+            level = 1 - level if frequency - previous < 0.1 * (high - low) else 0
+            axis.annotate(
+                name,
+                (frequency, 1.02 + 0.065 * level),
+                xycoords=("data", "axes fraction"),
+                ha="center",
+                va="bottom",
+                fontsize=9.5,
+                color=LINE_COLOURS[family(name)],
+            )
+            previous = frequency
+    return list(dict.fromkeys(family(name) for _, name in shown))
+
+
+def line_handles(families: list[str], lines: dict[str, float], unit: str = " Hz"):
+    """Make the legend's entries of kinematic lines; no unit of orders."""
+    from matplotlib.lines import Line2D
+
+    return [
+        Line2D([], [], color=LINE_COLOURS[name], linestyle=(0, (4, 2)), label=f"{name} {lines[name]:.4g}{unit}")
+        for name in families
+    ]

@@ -1,0 +1,170 @@
+"""Figures of the vibration of sensor, housing or hub, and of the cage."""
+
+from pathlib import Path
+
+import numpy as np
+
+from lagrange.bearing import Cage
+from lagrange.kinematics import kinematics, turned
+from residual.cage import CageMotion
+from residual.evaluation import Evaluation
+from residual.figures.panels import panels
+from residual.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    LINE_COLOURS,
+    ORANGE,
+    RED,
+    SKY,
+    SavedFigure,
+    family,
+    legend_above,
+    line_handles,
+    mark_lines,
+    save,
+)
+from residual.orders import SLOWEST
+from residual.record import Record
+from residual.spectrum import Envelope, Spectrum
+from residual.vibration import FaultLine, fault_lines
+from residual.vibration_tables import whose
+from residual.words import text
+
+PASSAGES_SHOWN = 5.0
+SPECTRUM_TO = 2.2  # times BPFI
+BESIDE = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}  # keeps a name legible
+HEADROOM = 1.22  # above the highest line, for its name
+
+
+def vibration_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
+    """Draw the figure, if the record tells lines of envelopes."""
+    envelopes = [d.vibration.envelope for d in evaluation.directions if d.vibration.envelope is not None]
+    return [envelope_figure(evaluation, envelopes, folder)] if evaluation.x.vibration.tells_lines else []
+
+
+def envelope_figure(evaluation: Evaluation, envelopes: list[Envelope], folder: Path) -> SavedFigure:
+    """Draw the band of the acceleration with its envelope over a few passages, and the envelope's spectra."""
+    figure, (upper, *axes) = panels((1, 2), 7.4, lines=2, shares=(0.85, 1.0, 1.0))
+    found = list(zip(evaluation.directions, envelopes, strict=True))
+    loud, loudest = max(found, key=lambda each: each[0].vibration.rms)
+    _draw_passages(upper, evaluation, f"{loud.vibration.body}, {loud.name}", loudest)
+    top = SPECTRUM_TO * evaluation.lines["BPFI"]
+    slow = {name: evaluation.lines[name] for name in ("FTF", "shaft")}
+    lines, families = slow | fault_lines(evaluation.lines), []
+    for axis, (direction, envelope) in zip(axes, found, strict=True):
+        families = mark_lines(axis, lines, 0.0, top, labels=False)
+        _draw_spectrum(axis, envelope.spectrum, direction.vibration.lines, top)
+        axis.set_ylabel(f"{direction.vibration.body}, {direction.name}, m/s²")
+    handles = line_handles(families, evaluation.lines)
+    legend_above(
+        axes[0], 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, handletextpad=0.4, fontsize=9
+    )
+    axes[1].set_xlabel("frequency, Hz")
+    body = whose(evaluation)
+    caption = (
+        f"Acceleration of the {loud.vibration.body} within {text(1e-3 * loudest.low, 3)} to "
+        f"{text(1e-3 * loudest.high, 3)} kHz: in {loud.name} over {PASSAGES_SHOWN:g} roller "
+        "passages with its envelope, and amplitude spectra of the "
+        f"envelopes (Δf = {text(loudest.spectrum.resolution, 3)} Hz). Dashed: FTF, shaft, BPFO, BPFI; dotted: "
+        "multiples, sidebands of BPFI by the shaft, and 2×BSF with sidebands by the cage. Dots: lines that stand out, "
+        "as in the table."
+    )
+    title = f"Envelope spectra of the {body}'s acceleration"
+    return save(figure, folder, f"{body}_envelope", title, caption)
+
+
+def _draw_passages(axis, evaluation: Evaluation, name: str, found: Envelope) -> None:
+    """Draw the band and its envelope over some passages in the record's middle."""
+    time = evaluation.record.time
+    count = min(time.size, int(PASSAGES_SHOWN / evaluation.lines["BPFO"] / evaluation.record.interval) + 1)
+    first = (time.size - count) // 2
+    shown = slice(first, first + count)
+    axis.plot(1e3 * time[shown], found.band[shown], color=SKY, linewidth=0.6, label="acceleration in the band")
+    axis.plot(1e3 * time[shown], found.level[shown], color=BLUE, linewidth=0.8, label="its envelope")
+    axis.margins(x=0.0)
+    axis.set(xlabel="time, ms", ylabel=f"{name}, m/s²")
+    legend_above(axis, 2)
+
+
+def _draw_spectrum(axis, spectrum: Spectrum, lines: list[FaultLine], top: float) -> None:
+    """Draw one envelope's amplitudes and name the lines that stand out of them."""
+    inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
+    amplitude = spectrum.amplitude[inside]
+    axis.plot(spectrum.frequency[inside], amplitude, color=BLUE, linewidth=1.0)
+    highest = float(amplitude.max())
+    for line in lines:
+        if line.stands_out and line.frequency <= top:
+            colour = LINE_COLOURS[family(line.name)]
+            sideband = "−" in line.name or "+" in line.name
+            axis.plot(line.frequency, line.amplitude, "o", color=colour, markersize=3.0 if sideband else 4.5)
+            if not sideband:
+                axis.annotate(line.name, (line.frequency, line.amplitude), xytext=(0, 6), textcoords="offset points",
+                              fontsize=9.5, color=colour, ha="center", bbox=BESIDE)  # fmt: skip
+            highest = max(highest, line.amplitude)
+    axis.set(xlim=(0.0, top), ylim=(0.0, HEADROOM * max(highest, np.finfo(float).tiny)))
+
+
+# A figure of the cage: its centre's path, its pockets' forces, its slip.
+
+
+SHORTEST = 2e-3  # s, over which speeds are means
+
+
+def cage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
+    """Draw the cage's path, forces and slip; None where the run has none."""
+    t, facts = evaluation.record, evaluation.record.scene.ideal_cage()
+    if t.cage is None or facts is None:
+        return None
+    figure, (path, forces, slips) = panels((1, 2), 8.4, shares=(1.6, 1.0, 1.0))
+    about = (t.inner_x, t.inner_y) if facts.guidance == "inner_ring" else (0.0, 0.0)
+    _path(path, t.cage.x - about[0], t.cage.y - about[1], facts)
+    time = 1e3 * t.time
+    forward, backward = np.maximum(t.cage.force, 0.0), np.maximum(-t.cage.force, 0.0)
+    forces.plot(time, forward.max(axis=1), color=BLUE, linewidth=0.8, label="rear wall, pushes forward")
+    forces.plot(time, -backward.max(axis=1), color=RED, linewidth=0.8, label="front wall, holds back")
+    guided = np.hypot(t.cage.guidance_x, t.cage.guidance_y)
+    if guided.any():
+        forces.plot(time, guided, color=GREEN, linewidth=0.8, label="guide")
+    forces.set_ylabel("largest force, N")
+    legend_above(forces, 3)
+    caption = (
+        "Above: path of the cage's centre about that of the bearing, or of the inner ring where that guides it; "
+        "dashed: the circle that its clearance leaves. Middle: the largest force of all "
+        f"pockets along the pitch circle at each time, at most {text(float(np.abs(t.cage.force).max()))} N."
+    )
+    if t.operation.fastest:
+        caption += _slips(slips, t, t.cage)
+    slips.set(xlabel="time, ms", ylabel="slip, %")
+    return save(figure, folder, "cage", "The cage", caption)
+
+
+def _path(axes, x, y, facts: Cage) -> None:
+    play = facts.pocket_clearance if facts.guidance_clearance is None else facts.guidance_clearance
+    turn = np.linspace(0.0, 2.0 * np.pi, 200)
+    axes.plot(1e6 * x, 1e6 * y, color=BLUE, linewidth=0.7)
+    axes.plot(5e5 * play * np.cos(turn), 5e5 * play * np.sin(turn), color=GREY, linewidth=0.8, linestyle="--")
+    axes.set(xlabel="x, µm", ylabel="y, µm")
+    axes.set_aspect("equal", adjustable="datalim")
+
+
+def _slips(axes, t: Record, cage: CageMotion) -> str:
+    """Slip of cage and rollers against rolling at the shaft's speed of the same time; gives the caption's sentence."""
+    reach = max(1, min(round(SHORTEST / t.interval), (t.time.size - 1) // 2))
+    rollers = np.unwrap(np.arctan2(t.roller_y, t.roller_x), axis=0).mean(axis=1)
+    middle = 1e3 * 0.5 * (t.time[reach:] + t.time[:-reach])
+    ideal = np.ravel(turned(t.bearing, t.operation, t.time).cage) + np.zeros(t.time.size)
+    rolling = (ideal[reach:] - ideal[:-reach]) / (reach * t.interval)
+    rolling = np.where(np.abs(rolling) >= SLOWEST * np.abs(rolling).max(), rolling, np.nan)
+    for angle, colour, name in ((rollers, ORANGE, "rollers"), (cage.angle, BLUE, "cage")):
+        speed = (angle[reach:] - angle[:-reach]) / (reach * t.interval)
+        axes.plot(middle, 100.0 * (1.0 - speed / rolling), color=colour, linewidth=0.9, label=name)
+    axes.legend(loc="upper right", ncols=2, frameon=True, framealpha=0.8, edgecolor="none")
+    sentence = (
+        f" Below: slip of the cage and of the rollers (their mean), {text(1e3 * reach * t.interval)} ms at a time, "
+        "where the shaft turns with at least an eighth of its highest speed"
+    )
+    mean = kinematics(t.bearing, t.mean_speed).cage
+    if mean == 0.0:
+        return f"{sentence}; the motion reverses and has no mean slip."
+    return f"{sentence}; of the cage over the whole record {text(100.0 * (1.0 - cage.speed(t.interval) / mean), 2)} %."

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import pi, tau
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,7 +11,9 @@ from lagrange import BallBearing, Bearing, kinematics
 from lagrange.contact.raceway_laws import Pair, contact_pairs
 from lagrange.kinematics import Kinematics
 from lagrange.mounting import from_outer_ring
-from lagrange.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from lagrange.scene.scene import Scene
 
 # What an engineer asks of a run's cage: where its centre goes, how it slips, how hard pockets and guide push.
 
@@ -143,7 +146,7 @@ class Seen:
         return (BINS - int(gaps.max()) + 1) * tau / BINS
 
 
-def columns_of(scene: Scene) -> tuple[str, ...]:
+def columns_of(scene: "Scene") -> tuple[str, ...]:
     """What `first_answers` reads of a run of a scene."""
     return COLUMNS if scene.cage is None else (*COLUMNS, *CAGE_COLUMNS)
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,7 +11,9 @@ from fem.answers import LOADED, Seen
 from lagrange import Bearing, kinematics
 from lagrange.messages import engineering
 from lagrange.mounting import from_outer_ring
-from lagrange.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from lagrange.scene.scene import Scene
 
 OF_MOTION = {  # unit and meaning; means are over time
     "hub_mean_x": ("m", "mean position of the hub, x"),
@@ -128,7 +131,7 @@ UNITS = {
 }
 
 
-def labels(scene: Scene) -> dict[str, float | str]:
+def labels(scene: "Scene") -> dict[str, float | str]:
     """Speed, load, frequencies of rolling without slip, and the first spall: its body is "none" where there is none.
 
     NaN where a table changes them: no number of a run is its speed or its load then.

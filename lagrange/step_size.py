@@ -9,9 +9,8 @@ from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.raceway_laws import contact_laws
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics, turned
-from lagrange.scene.surfaces import own_radius
 from lagrange.surface.deviation import Profile, Turns, profiles
-from lagrange.surface.faults import Waviness
+from lagrange.surface.faults import Waviness, own_radius
 
 INTERVALS = (1e-5, 8e-6, 5e-6, 4e-6, 2.5e-6, 2e-6, 1.6e-6, 1.25e-6, 1e-6, 5e-7, 2e-7, 1e-7)  # s; rates of whole kHz
 SAMPLES_OF_ROLLERS = 3.0  # a period: more than Nyquist's two, because their stiffness is estimated

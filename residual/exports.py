@@ -11,7 +11,7 @@ import numpy as np
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation
 from residual.fault_finding import FaultSearch
-from residual.figures.style import SavedFigure
+from residual.figures.curves import SavedFigure
 
 Export = Literal["csv", "curves", "mat", "wav"]
 

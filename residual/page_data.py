@@ -11,7 +11,7 @@ from PIL import Image, UnidentifiedImageError
 from lagrange.kinematics import turned
 from residual.evaluation import Evaluation
 from residual.exports import accelerations
-from residual.figures.style import LINE_COLOURS, family
+from residual.figures.curves import LINE_COLOURS, family
 from residual.record import Record
 from residual.spectrum import Spectrum, power_spectrum
 

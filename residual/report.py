@@ -12,7 +12,7 @@ from lagrange.messages import shown
 from lagrange.scene.operation import RPM
 from residual.evaluation import Evaluation
 from residual.exports import Parts
-from residual.figures.style import SavedFigure
+from residual.figures.curves import SavedFigure
 from residual.interpretation import headline, meaning
 from residual.page_data import picture_of, player_json, spectra_json
 from residual.quasistatic import QuasiStatic

@@ -82,7 +82,7 @@ def test_missing_damaged_and_foreign_checkpoints_are_refused(whole, tmp_path, ca
 
 def test_another_version_is_refused(whole, monkeypatch):
     plan = make_plan(read_scene(None, SETTINGS))
-    monkeypatch.setattr("fem.kernels.jit.version", lambda: "other")
+    monkeypatch.setattr("fem.kernels.kernel_folder.version", lambda: "other")
     with pytest.raises(UsageError, match=r"another version of the program.* \(kernels was '[\w-]+', now 'other'\)"):
         load_checkpoint(whole, plan)
 

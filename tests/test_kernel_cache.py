@@ -4,7 +4,7 @@ import shutil
 from pathlib import Path
 
 import fem.kernels
-from fem.kernels.jit import cache_folder, digest, version
+from fem.kernels.kernel_folder import cache_folder, digest, version
 
 
 def test_a_change_of_any_module_makes_kernels_anew(tmp_path):

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from lagrange.scene.scene import read_scene
-from meshes import Annulus, Disc, Mesh, bearing_shapes
-from meshes import export as quality
+from meshes import Annulus, Disc, Mesh, bearing_shapes, quality
 from meshes.shapes import RIM, make
 
 DISCS = [Disc(radius=0.005, layers=layers) for layers in (1.5, 2, 2.5, 3, 5.5, 7)]

@@ -6,8 +6,8 @@ from lagrange.scene.scene import parse_scene
 from residual.evaluation import evaluate
 from residual.exports import Parts
 from residual.figures.comparison import point_contact
+from residual.figures.curves import TERM_COLOURS
 from residual.figures.spectra import short_time_figure
-from residual.figures.style import TERM_COLOURS
 from residual.report import render_report
 from residual.sources import read_result
 from tests.reference.synthetic_run import make_run, write_result

@@ -6,8 +6,8 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.interface import simulate
+from fem.solver.guards import run_cautions
 from fem.solver.simulate import make_plan, run
-from fem.solver.validity import run_cautions
 from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.scene.scene import parse_scene, read_scene
 from tests.reference.commands import command

@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from fem.kernels.jit import cache_folder, version
+from fem.kernels.kernel_folder import cache_folder, version
 from tests.reference.commands import command, environment
 from tests.reference.run_files import same_data
 

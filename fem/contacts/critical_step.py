@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from fem.contacts.model import LOAD_MARGIN, Model
+from fem.contacts.contact_law import LOAD_MARGIN
+from fem.contacts.model import Model
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.cache import kept
 from fem.elastic.outer_support import BoredRing, LooseRing

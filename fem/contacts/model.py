@@ -1,7 +1,7 @@
 """A bearing made discrete: bodies and contacts, what every contact model answers, what statics give and need."""
 
 from dataclasses import dataclass
-from math import exp, inf
+from math import inf
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -9,77 +9,11 @@ from scipy import sparse
 
 from fem.elastic.bodies import DiscBody, RingBody, disc_body, ring_body
 from fem.elastic.rigid import rigid_body
-from fem.kernels.law import STEEPEST, contact_force
 from fem.kernels.state import Law, Points
 from lagrange import Bearing
-from lagrange.contact.raceway_laws import Pair
 from lagrange.kinematics import roller_angles
 from lagrange.surface.deviation import Turns
 from meshes import BearingShapes, bearing_shapes
-
-LOAD_MARGIN = 10.0  # critical steps take contacts to be as stiff as at this many times the largest static force
-
-
-@dataclass(frozen=True, kw_only=True)
-class ContactLaw:
-    """Approach of a pair of bodies: δ = A Q (B − ½ ln Q), a straight line above Q_line."""
-
-    A: float  # m/N
-    B: float
-    Q_line: float  # N; beyond, the mesh is finer than the contact
-    pair: Pair
-
-    @classmethod
-    def of_level(cls, A: float, B: float, pair: Pair) -> "ContactLaw":
-        """The law that goes straight on where its bracket has shrunk to STEEPEST above a half."""
-        return cls(A=A, B=B, Q_line=exp(2.0 * (B - 0.5 - STEEPEST)), pair=pair)
-
-    @property
-    def constants(self) -> Law:
-        """The law as kernels take it."""
-        return Law(self.A, self.B, self.Q_line, self.pair.half_width_factor, 1.0 / self.pair.relative_radius)
-
-    def approach(self, force):
-        """Approach, m, of a force, N, >= 0."""
-        force = np.asarray(force, dtype=float)
-        bracket = self.B - 0.5 * np.log(np.maximum(force, 1e-300))
-        at_line = self.A * self.Q_line * (0.5 + STEEPEST)
-        line = at_line + self.A * STEEPEST * (force - self.Q_line)
-        return np.where(force > self.Q_line, line, self.A * force * bracket)
-
-    def energy(self, force):
-        """Stored energy, J, of a force, N, >= 0: ∫ Q dδ."""
-        force = np.asarray(force, dtype=float)
-        low = np.minimum(force, self.Q_line)
-        bracket = self.B - 0.5 * np.log(np.maximum(low, 1e-300))
-        line = 0.5 * self.A * STEEPEST * (force**2 - low**2)
-        return 0.5 * self.A * low**2 * (bracket - 0.25) + line
-
-    def force(self, approach: float) -> float:
-        """Force, N, of an approach, m."""
-        return contact_force(approach, self.A, self.B, self.Q_line, 0.0)
-
-    def stiffness(self, force: float) -> float:
-        """dQ/dδ, N/m, at a force, N, > 0."""
-        return 1.0 / float(self.softness(force))
-
-    def softness(self, force):
-        """dδ/dQ, m/N, at a force, N, > 0."""
-        return self.A * np.maximum(self.B - 0.5 * np.log(force) - 0.5, STEEPEST)
-
-
-class NoLaw:
-    """The law of a contact whose every compliance is between points of its surfaces."""
-
-    Q_line: ClassVar[float] = inf  # N: no force is too large for it
-
-    @staticmethod
-    def approach(force):
-        """None, m, of any force, N."""
-        return np.zeros_like(force)
-
-    softness = approach
-
 
 # What the statics of a contact model need and give: how the bodies stand, and the bearing reduced to its contacts.
 

@@ -12,8 +12,9 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy import sparse
 
+from fem.contacts.contact_law import NoLaw
 from fem.contacts.critical_step import EVENLY
-from fem.contacts.model import KernelData, Model, Motion, NoLaw, Reduced, Unloaded
+from fem.contacts.model import KernelData, Model, Motion, Reduced, Unloaded
 from fem.contacts.patch import Shares, disc_push, hertz_patch, ring_push
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.kernels.patches import N_NODES, chord

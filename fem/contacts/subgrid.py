@@ -23,8 +23,9 @@ from typing import ClassVar
 import numpy as np
 from scipy import sparse
 
+from fem.contacts.contact_law import ContactLaw
 from fem.contacts.critical_step import EVENLY, LIGHT
-from fem.contacts.model import ContactLaw, KernelData, Model, Motion, Unloaded, assembled_bodies, named
+from fem.contacts.model import KernelData, Model, Motion, Unloaded, assembled_bodies, named
 from fem.contacts.patch import (
     disc_patch_force,
     disc_patch_traction,

@@ -19,7 +19,7 @@ from fem.pictures.scale import Scale
 from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, LARGEST_SHEAR, BodyLoad, hertz_stress
 from fem.pictures.surfaces import holes
 from fem.solver.frames import rotated
-from lagrange.scene.surfaces import own_radius
+from lagrange.surface.faults import own_radius
 from lagrange.surface.passages import spalls
 
 # The largest shear stress under a contact, where it lies, and what Hertz's theory says of it.

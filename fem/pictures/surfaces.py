@@ -16,9 +16,8 @@ from fem.pictures.bodies import DrawnBearing
 from fem.pictures.recover import Instant
 from fem.pictures.scale import rounded_down
 from lagrange.bearing import Bearing
-from lagrange.scene.surfaces import own_radius
 from lagrange.surface.deviation import Profiles, profiles
-from lagrange.surface.faults import Body, MeasuredSurface, UnequalRoller, Waviness
+from lagrange.surface.faults import Body, MeasuredSurface, UnequalRoller, Waviness, own_radius
 from lagrange.surface.passages import spalls
 from lagrange.surface.rolling_envelope import outline
 

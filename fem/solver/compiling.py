@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 from importlib.metadata import version
 
-from fem.kernels import jit
+from fem.kernels import kernel_folder
 from fem.solver.pace import in_words, pace, remember
 from fem.solver.solver import Plan
 from lagrange.messages import said_if_long
@@ -69,7 +69,7 @@ class CompiledPlan(Plan):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        return tuple(jit.remarks)
+        return tuple(kernel_folder.remarks)
 
     def versions(self) -> dict[str, str]:
-        return {"kernels": jit.version(), "numba": version("numba"), **processor()}
+        return {"kernels": kernel_folder.version(), "numba": version("numba"), **processor()}

@@ -1,4 +1,4 @@
-"""Looks at the samples of a run: what no sound one shows, and what to say of it."""
+"""Looks at the samples of a run: what no sound one shows, contacts too wide for theory, the error of its energy."""
 
 from itertools import accumulate
 from typing import TYPE_CHECKING
@@ -6,9 +6,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem.solver.solver import Samples
+from lagrange import Bearing
+from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.equations import touching_distances
 from lagrange.mounting import from_outer_ring
 from lagrange.surface.deviation import profiles
+
+if TYPE_CHECKING:
+    from fem.solver.finite_elements import ElementPlan
 
 # Energy exchanged by a run so far, and the energy error of its state.
 
@@ -57,10 +62,6 @@ class EnergyAccount:
         self.exchanged, self._error, self._imbalance, self._dissipated = map(float, kept)
 
 
-if TYPE_CHECKING:
-    from fem.solver.finite_elements import ElementPlan
-    from lagrange import Bearing
-
 IMBALANCE_LIMIT = 0.05  # of the exchanged energy; a sound run stays far below 1e-2
 DOUBTFUL = 0.005  # of it: a run that ends says so
 # Modes that grow balance too: leapfrog's kinetic energy ½ v(t − dt/2)·M·v(t + dt/2) goes to minus the stored one. In a
@@ -84,7 +85,7 @@ def n_balanced(samples: Samples) -> int:
     return int(np.argmax(bad)) if bad.any() else len(bad)
 
 
-def n_in_place(bearing: "Bearing", give: float, samples: Samples) -> int:
+def n_in_place(bearing: Bearing, give: float, samples: Samples) -> int:
     """How many samples from the first have rollers between the raceways and the hub between them, up to `give`, m."""
     reach, track = touching_distances(bearing)
     surfaces = profiles(bearing)
@@ -146,3 +147,28 @@ def velocity_trouble(plan: "ElementPlan", step: int, body: int) -> str:
     name = "the hub" if body < 0 else f"roller {body}"
     hint = f"{plan.model.failure_hint}lower numerics.time_step_safety or check the load"
     return f"the velocity of {name} is not finite at step {step}, t = {1e3 * step * plan.time_step:.5g} ms; {hint}"
+
+
+WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
+CONTACT_FORCES = ("inner_force", "outer_force", "roller_roller_force")  # in the order of `contact_pairs`
+
+
+def largest_forces(samples: Samples) -> np.ndarray:
+    """Largest force of any contact of each kind, (3,), N."""
+    return np.array([samples[name].max(initial=0.0) for name in CONTACT_FORCES])
+
+
+def run_cautions(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
+    """Sentences on the largest forces of a run, (3,), N; what holds at rest need not hold in a shock."""
+    pairs = zip(contact_pairs(bearing), largest.tolist(), strict=True)
+    half_width, kind, force = max((pair.half_width(force), pair.kind, force) for pair, force in pairs)
+    widest = WIDEST_CONTACT * bearing.roller_radius
+    if half_width <= widest:
+        return ()
+    where = "between rollers" if kind == "roller" else f"on the {kind} raceway"
+    return (
+        f"the largest force of the run, {force:.4g} N {where}, makes a contact of half-width {1e3 * half_width:.3g} "
+        f"mm, beyond Hertz's theory and small strains (at most {1e3 * widest:.3g} mm here): forces and deformation "
+        "near such contacts are not to be trusted; lower operation.radial_load_N, raise numerics.load_ramp_ms or take "
+        "a stiffer material",
+    )

@@ -15,11 +15,10 @@ from fem.answers import largest_loads
 from fem.errors import RunFailed
 from fem.solver.cautions import of_scene
 from fem.solver.compiling import CompiledPlan
-from fem.solver.guards import THROUGH, EnergyAccount, n_in_place, through_trouble
+from fem.solver.guards import THROUGH, EnergyAccount, largest_forces, n_in_place, run_cautions, through_trouble
 from fem.solver.pace import in_words, pace
 from fem.solver.simulate import LARGEST_BLOCK
 from fem.solver.solver import ROUND_OFF, Block, Numbers, RunState, Samples, sample_count
-from fem.solver.validity import largest_forces, run_cautions
 from lagrange import Trajectory, contact_laws, static_equilibrium
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import caution

@@ -8,7 +8,7 @@ from math import inf, pi, sqrt
 from typing import TYPE_CHECKING
 
 from fem.errors import UsageError
-from fem.solver.validity import WIDEST_CONTACT
+from fem.solver.guards import WIDEST_CONTACT
 from fem.statics.exact_statics import ExpectedForces
 from lagrange import Bearing, Kinematics
 from lagrange.contact.raceway_laws import Pair, contact_pairs

@@ -6,9 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem.contacts.model import Model
-from fem.elastic.bodies import RingBody
-from fem.elastic.outer_support import BoredRing
 from fem.kernels.bore import Bore
 from fem.kernels.drive import N_NOW
 from fem.kernels.housing_kernels import Housing, Resonator
@@ -23,16 +20,24 @@ from lagrange.mounting import OF_SHAFT, Mounting, Sensor
 from lagrange.scene.run import DampingTable
 from lagrange.surface.deviation import Profile, profiles
 
+if TYPE_CHECKING:  # needs the finite elements' libraries
+    from fem.contacts.model import Model
+    from fem.elastic.bodies import RingBody
+
 # The bore around the outer ring of a run for the time loop.
 
 
-def bore_body(body: RingBody, ring: Ring, outer_rate: np.ndarray, housing: Housing | None, column: int) -> Bore | None:
+def bore_body(
+    body: "RingBody", ring: Ring, outer_rate: np.ndarray, housing: Housing | None, column: int
+) -> Bore | None:
     """The bore of a housing, or of the ground; None where the ring is held otherwise.
 
     Parameters
     ----------
     outer_rate : (n_rows, 2, n_sectors), m/s, of the ring's nodes at the start; column : of a row, the first for it
     """
+    from fem.elastic.outer_support import BoredRing  # needs libraries that a reduced model does without
+
     if not isinstance(body, BoredRing):
         return None
     return Bore(
@@ -82,10 +87,6 @@ def springs_on(
 
 
 # The housing of a run for the time loop.
-
-
-if TYPE_CHECKING:  # needs the finite elements' libraries
-    from fem.contacts.model import Model
 
 
 def housing_body(
@@ -181,7 +182,7 @@ def course_arrays(
 # Dampers of contacts and bodies for the time loop, where a scene has any.
 
 
-def with_damping(arrays: Arrays, model: Model, table: DampingTable) -> Arrays:
+def with_damping(arrays: Arrays, model: "Model", table: DampingTable) -> Arrays:
     """The arrays with what a scene's [damping] says; themselves where it says nothing."""
     contacts, bodies, dt = arrays.contacts, arrays.bodies, arrays.drive.dt
     if table.contacts.acts:

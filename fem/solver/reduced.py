@@ -10,7 +10,7 @@ from math import ceil, inf, pi, sqrt
 import numpy as np
 
 from fem.answers import largest_loads
-from fem.contacts.model import LOAD_MARGIN
+from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
 from fem.solver.cage_arrays import cage_seat, critical_with_cage

@@ -13,15 +13,16 @@ from fem.solver.guards import (
     energy_caution,
     energy_trouble,
     good_rows,
+    largest_forces,
     n_balanced,
     n_in_place,
     place_trouble,
+    run_cautions,
     velocity_trouble,
 )
 from fem.solver.samples import SampleReader
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
 from fem.solver.solver import Block, Numbers, Plan, RunState
-from fem.solver.validity import largest_forces, run_cautions
 
 LONGEST_UNWATCHED = 100  # steps between two looks at the energy
 

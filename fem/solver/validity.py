@@ -9,7 +9,6 @@ from fem.solver.solver import Samples
 from fem.statics.contact_balance import Condensed
 from fem.statics.exact_statics import law_error
 from lagrange import Bearing, Operation, kinematics
-from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.scene.scene import Scene
 from lagrange.surface.faults import Spall
 
@@ -24,34 +23,6 @@ def may_strike(scene: Scene, operation: Operation) -> bool:
     outwards = kinematics(bearing, operation.speed).cage ** 2 * bearing.pitch_radius
     falling = 0.0 < outwards < HELD * operation.gravity
     return spalled or falling or scene.numerics.start == "rest" or operation.course is not None
-
-
-# Contacts too wide for the theory of every model: watched in a run, whose shocks are larger than loads at rest.
-
-
-WIDEST_CONTACT = 0.1  # Hertz half-width over the roller's radius; the half-plane errs by about its square
-CONTACT_FORCES = ("inner_force", "outer_force", "roller_roller_force")  # in the order of `contact_pairs`
-
-
-def largest_forces(samples: Samples) -> np.ndarray:
-    """Largest force of any contact of each kind, (3,), N."""
-    return np.array([samples[name].max(initial=0.0) for name in CONTACT_FORCES])
-
-
-def run_cautions(bearing: Bearing, largest: np.ndarray) -> tuple[str, ...]:
-    """Sentences on the largest forces of a run, (3,), N; what holds at rest need not hold in a shock."""
-    pairs = zip(contact_pairs(bearing), largest.tolist(), strict=True)
-    half_width, kind, force = max((pair.half_width(force), pair.kind, force) for pair, force in pairs)
-    widest = WIDEST_CONTACT * bearing.roller_radius
-    if half_width <= widest:
-        return ()
-    where = "between rollers" if kind == "roller" else f"on the {kind} raceway"
-    return (
-        f"the largest force of the run, {force:.4g} N {where}, makes a contact of half-width {1e3 * half_width:.3g} "
-        f"mm, beyond Hertz's theory and small strains (at most {1e3 * widest:.3g} mm here): forces and deformation "
-        "near such contacts are not to be trusted; lower operation.radial_load_N, raise numerics.load_ramp_ms or take "
-        "a stiffer material",
-    )
 
 
 # Contacts so wide that the reduced model's laws are too stiff, though Hertz's theory holds: told after a run.

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.contacts.model import ContactLaw, NoLaw
+from fem.contacts.contact_law import ContactLaw, NoLaw
 from fem.errors import UsageError
 from lagrange import Bearing, Operation
 from lagrange.equations import overlaps, sunk

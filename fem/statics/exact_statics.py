@@ -9,7 +9,7 @@ from math import log
 
 import numpy as np
 
-from fem.contacts.model import ContactLaw
+from fem.contacts.contact_law import ContactLaw
 from fem.elastic.continuum import (
     disc_hertz_approach,
     hertz_patch,

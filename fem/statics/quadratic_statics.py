@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.contacts.model import NoLaw, PressurePoints
+from fem.contacts.contact_law import NoLaw
+from fem.contacts.model import PressurePoints
 from fem.elastic.quadratic import contact_nodes, disc_spot_compliance, ring_spot_compliance
 from fem.statics.contact_balance import Condensed, Loads, NotFound, balance, first_guess, geometry
 from fem.statics.pressure_balance import balance_pressures

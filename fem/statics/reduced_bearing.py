@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fem.contacts.model import ContactLaw
+from fem.contacts.contact_law import ContactLaw
 from fem.elastic.cache import kept
 from fem.elastic.continuum import disc_hertz_approach, ring_harmonic_compliance, ring_sag
 from fem.elastic.tangential import disc_stick_approach, moving_softening, ring_stick_approach, spinning_growth

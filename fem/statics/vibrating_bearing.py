@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.contacts.model import ContactLaw
+from fem.contacts.contact_law import ContactLaw
 from fem.elastic.cache import kept
 from fem.elastic.vibration import Modes, disc_inertia, disc_vibrations, ring_inertia, ring_vibrations
 from lagrange import Bearing

@@ -11,7 +11,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fem.study.effects import Column, Effect, Indices, Table
-from residual.figures.style import BLUE, GREY, ORANGE, STYLE, make_plain
+from residual.figures.curves import BLUE, GREY, ORANGE
+from residual.figures.style import STYLE, make_plain
 
 WIDTH = 7.0  # inches
 CELL = 1.75  # inches, of a panel among many

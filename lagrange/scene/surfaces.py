@@ -15,7 +15,7 @@ from lagrange.bearing import Bearing
 from lagrange.files.input import HeightTable, height_table
 from lagrange.scene.columns import DECIMAL
 from lagrange.scene.faults import Check, Table
-from lagrange.surface.faults import Fault, MeasuredSurface, Spall, UnequalRoller, Waviness
+from lagrange.surface.faults import MeasuredSurface, Spall, UnequalRoller, Waviness, own_radius
 
 MM, UM = 1e-3, 1e-6
 SURFACES = ("spall", "waviness", "unequal_roller", "profile")  # their arrays in the scene
@@ -148,12 +148,6 @@ class ProfileTable(SurfaceTable):
             sha256=self.sha256,
             table=self.heights(self.content),
         )
-
-
-def own_radius(bearing: Bearing, fault: Fault | SurfaceTable) -> float:
-    """Radius of the circle that a fault is in, m."""
-    radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
-    return radii.get(fault.body, bearing.roller_radius)
 
 
 def roller_faults(n_rollers: int, tables: dict[str, list]) -> Iterator[str]:

@@ -86,3 +86,9 @@ def labels(faults: tuple[Fault, ...]) -> str:
     kinds = {Spall: "spall", Waviness: "waviness", UnequalRoller: "unequal_roller", MeasuredSurface: "profile"}
     facts = [{"kind": kinds[type(fault)]} | asdict(fault) for fault in faults if not isinstance(fault, Film)]
     return json.dumps([{name: value for name, value in fact.items() if name != "table"} for fact in facts])
+
+
+def own_radius(bearing, fault) -> float:
+    """Radius of the circle of a bearing that a fault, or a table of one, is in, m."""
+    radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
+    return radii.get(fault.body, bearing.roller_radius)

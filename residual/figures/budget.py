@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from residual.evaluation import Evaluation
+from residual.figures.curves import GREY, TERM_COLOURS, SavedFigure
 from residual.figures.panels import panels
-from residual.figures.style import GREY, TERM_COLOURS, SavedFigure, legend_above, log_panel, save, without_minor_ticks
+from residual.figures.style import legend_above, log_panel, save, without_minor_ticks
 from residual.spectrum import Spectrum, rms
 from residual.words import text, words
 

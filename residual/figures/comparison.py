@@ -9,19 +9,9 @@ from lagrange.contact.laws import Side, delta_star, raceway_curvature
 from residual.budget import chosen_roller, load_zones, roller_radial
 from residual.evaluation import Direction, Evaluation
 from residual.exports import accelerations
+from residual.figures.curves import BLUE, ORANGE, RED, SavedFigure
 from residual.figures.panels import panels, panels_beside
-from residual.figures.style import (
-    BLUE,
-    ORANGE,
-    RED,
-    SavedFigure,
-    beside_paper,
-    legend_above,
-    log_panel,
-    mark_lines,
-    name_slim,
-    save,
-)
+from residual.figures.style import beside_paper, legend_above, log_panel, mark_lines, name_slim, save
 from residual.quasistatic import angle_from_load
 from residual.run_comparison import (
     ERROR_FORCE,

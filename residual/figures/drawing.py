@@ -9,10 +9,11 @@ from residual.evaluation import Evaluation
 from residual.exports import Parts
 from residual.figures.budget import budget_figures
 from residual.figures.comparison import against_figures, paper_figures
+from residual.figures.curves import SavedFigure
 from residual.figures.motion import motion_figures
 from residual.figures.passages import fault_figures, passage_figures
 from residual.figures.spectra import order_figures, spectrum_figures
-from residual.figures.style import STYLE, SavedFigure
+from residual.figures.style import STYLE
 from residual.figures.vibration import cage_figure, vibration_figures
 from residual.quasistatic import QuasiStatic
 

@@ -7,8 +7,9 @@ import numpy as np
 from lagrange import mounting
 from residual.budget import chosen_roller, load_zones
 from residual.evaluation import Evaluation
+from residual.figures.curves import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, SavedFigure
 from residual.figures.panels import panels
-from residual.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, SavedFigure, legend_above, save
+from residual.figures.style import legend_above, save
 from residual.quasistatic import QuasiStatic, angle_from_load
 from residual.record import Record
 from residual.sources import ENERGIES

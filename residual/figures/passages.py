@@ -10,8 +10,9 @@ from lagrange.surface.passages import Passage, SpallEvent, find_passages, spall_
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation
 from residual.fault_finding import FaultSearch, Near
+from residual.figures.curves import BLUE, GREEN, GREY, ORANGE, RED, SKY, SavedFigure
 from residual.figures.panels import COLOUR_BAR, RIGHT, colour_bar, panels
-from residual.figures.style import BLUE, GREEN, GREY, ORANGE, RED, SKY, SavedFigure, legend_above, save
+from residual.figures.style import legend_above, save
 from residual.quasistatic import angle_from_load
 from residual.record import Record
 from residual.sinkage_maps import SinkageMap

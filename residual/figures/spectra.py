@@ -6,20 +6,9 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 from residual.evaluation import Direction, Evaluation
+from residual.figures.curves import BLUE, LINE_COLOURS, SKY, SavedFigure, family
 from residual.figures.panels import COLOUR_BAR, RIGHT, colour_bar, panels
-from residual.figures.style import (
-    BLUE,
-    LINE_COLOURS,
-    SKY,
-    SavedFigure,
-    family,
-    legend_above,
-    line_handles,
-    log_panel,
-    mark_lines,
-    save,
-    without_minor_ticks,
-)
+from residual.figures.style import legend_above, line_handles, log_panel, mark_lines, save, without_minor_ticks
 from residual.lines import HUB
 from residual.orders import HIGHEST, OrderSpectra, Tracking
 from residual.spectrum import Envelope, ShortTime, short_time_spectrum

@@ -8,22 +8,9 @@ from lagrange.bearing import Cage
 from lagrange.kinematics import kinematics, turned
 from residual.cage import CageMotion
 from residual.evaluation import Evaluation
+from residual.figures.curves import BLUE, GREEN, GREY, LINE_COLOURS, ORANGE, RED, SKY, SavedFigure, family
 from residual.figures.panels import panels
-from residual.figures.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    LINE_COLOURS,
-    ORANGE,
-    RED,
-    SKY,
-    SavedFigure,
-    family,
-    legend_above,
-    line_handles,
-    mark_lines,
-    save,
-)
+from residual.figures.style import legend_above, line_handles, mark_lines, save
 from residual.orders import SLOWEST
 from residual.record import Record
 from residual.spectrum import Envelope, Spectrum

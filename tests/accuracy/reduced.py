@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from rich.console import Console
 
-from fem.contacts.model import LOAD_MARGIN
+from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import RunFailed
 from fem.solver.reduced import SHARE
 from fem.solver.reduced_state import LIMIT

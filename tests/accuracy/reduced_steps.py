@@ -12,7 +12,7 @@ import numpy as np
 from cyclopts import App
 from rich.console import Console
 
-from fem.contacts.model import LOAD_MARGIN
+from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
 from fem.solver.reduced import SHARE, ReducedPlan, strongest_coupling
 from fem.solver.reduced_state import LIMIT

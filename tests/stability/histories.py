@@ -24,7 +24,7 @@ import numpy as np
 from cyclopts import App
 from rich.console import Console
 
-from fem.kernels.jit import cache_folder
+from fem.kernels.kernel_folder import cache_folder
 from tests.pages import markdown_table
 from tests.stability import forked
 from tests.stability.disturbing import AWAY, EVENTS, disturb

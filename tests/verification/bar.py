@@ -7,7 +7,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
-from fem.contacts.model import ContactLaw
+from fem.contacts.contact_law import ContactLaw
 from fem.elastic.assembly import assemble
 from fem.kernels import disc_kernels
 from fem.kernels.state import Disc

@@ -6,7 +6,8 @@ from math import inf, pi
 
 import numpy as np
 
-from fem.contacts.model import ContactLaw, standing
+from fem.contacts.contact_law import ContactLaw
+from fem.contacts.model import standing
 from fem.contacts.patch import disc_patch_force
 from fem.contacts.subgrid import (
     REFERENCE_HALF_WIDTH,

@@ -1,0 +1,56 @@
+"""A figure that has been written, its curves and their colours. Imports no library that draws."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """A line, or dots, of a figure."""
+
+    panel: str  # name of its y axis
+    name: str
+    points: np.ndarray  # (n, 2), x and y in the units of the axes
+
+
+@dataclass(frozen=True, kw_only=True)
+class SavedFigure:
+    """A figure that has been written, with its title and caption."""
+
+    name: str
+    title: str
+    caption: str
+    png: Path
+    svg: Path
+    curves: tuple[Curve, ...] = ()  # what it shows
+
+
+# Okabe and Ito's palette, told apart by colour-blind readers
+BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
+    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",
+)  # fmt: skip
+# of Tol's muted palette (Paul Tol's Notes, SRON/EPS/TN/09-002), where eight colours are too few
+INDIGO, OLIVE, WINE = "#332288", "#999933", "#882255"
+TERM_COLOURS = {
+    "error": "black",
+    "contact_law": RED,
+    "damping": PURPLE,
+    "friction": GREEN,
+    "cage": SKY,
+    "ring_flexibility": BLUE,
+    "other_forces": BLUE,  # in the place of the one above
+    "differentiation": GREY,
+    "outer_ring": INDIGO,
+    "shaft": ORANGE,
+    "load_and_weight": OLIVE,
+    "momentum": WINE,
+}
+LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "BSF": ORANGE, "BPFO": RED, "BPFI": GREEN}
+
+
+def family(line: str) -> str:
+    """Kinematic line that a harmonic or sideband belongs to: "3×BPFO", "2×BPFO+shaft" -> "BPFO"."""
+    return re.split("[+−]", line)[0].rpartition("×")[2]

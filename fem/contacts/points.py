@@ -17,6 +17,7 @@ from fem.contacts.critical_step import EVENLY
 from fem.contacts.model import KernelData, Model, Motion, Reduced, Unloaded
 from fem.contacts.patch import Shares, disc_push, hertz_patch, ring_push
 from fem.elastic.bodies import DiscBody, RingBody
+from fem.kernels.fields import filled
 from fem.kernels.patches import N_NODES, chord
 from fem.kernels.state import INNER, OUTER, Law, Points, Spread
 from lagrange.contact.raceway_laws import Pair
@@ -206,18 +207,14 @@ def points(laws: tuple[PointLaw, PointLaw, PointLaw], largest_force: float, n_ro
             shift[kind, side] = -angle if side == 1 and kind != OUTER else angle
             tangent[kind, side] = np.sign(radius) * np.tan(angle)
             rise[kind] += radius * (1.0 - np.cos(angle))
-    return Points(
+    return filled(
+        Points,
+        {"pairs": len(laws), "n": n_rollers, "n_points": n},
         shift=shift,
         tangent=tangent,
         rise=rise,
         sagitta=np.array([law.sagitta for law in laws]),
         stiffness=np.array([law.point_stiffness for law in laws]),
-        energy=np.zeros((3, n_rollers)),
-        before=np.full((3, n_rollers, 3, n), np.nan),
-        residual=np.zeros((3, n_rollers)),
-        closing=np.zeros(n),
-        force=np.zeros(n),
-        turning=np.zeros((3, n)),
         spread=laws[INNER].spread(laws, n, n_rollers),
     )
 

@@ -13,6 +13,7 @@ from fem.contacts.patch import disc_patch_force, hats, patch, patches, ring_patc
 from fem.contacts.points import POINTS_PER_NODE, PointLaw, PointModel, surface_spacings
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.elastic.continuum import disc_hertz_approach, ring_hertz_approach
+from fem.kernels.fields import filled
 from fem.kernels.patches import N_NODES
 from fem.kernels.state import Spread
 from lagrange import Bearing
@@ -120,12 +121,11 @@ class SpreadLaw(PointLaw):
     @staticmethod
     def spread(laws: tuple, n_points: int, n_rollers: int) -> Spread:
         """See `PointLaw.spread`."""
-        return Spread(
+        return filled(
+            Spread,
+            {"pairs": 3, "n": n_rollers, "n_points": n_points},
             missing=np.stack([law.missing_compliance for law in laws]),
             inverse=np.stack([law.inverses() for law in laws]),
-            closed=np.zeros((3, n_rollers, 2), dtype=np.int64),
-            share=np.zeros(2 * n_points * N_NODES),
-            slope=np.zeros(2 * N_NODES),
         )
 
 

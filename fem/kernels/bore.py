@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.bodies import add_motion, calm_body, drift_body, kick_body, slow_body
+from fem.kernels.fields import given, room, state
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, select, splat, total
@@ -27,8 +28,8 @@ class HeldNodes(NamedTuple):
     u: np.ndarray
     w: np.ndarray  # (n_rows, 2, n_sectors + 2 HALO), of the ring
     calmed: np.ndarray
-    sectors: np.ndarray  # (n_held,), whole
-    place: np.ndarray  # (2, n_held), m
+    sectors: given("n_held", np.int64)
+    place: state("2, n_held")  # m
     row: int
 
 
@@ -66,12 +67,12 @@ class Bore(NamedTuple):
     ring: Ring
     place: np.ndarray  # (2,), m, of its centre: the housing's
     impulse: np.ndarray  # (2,), N s, of this step on the housing
-    velocity: np.ndarray  # (2,), m/s, mean of the ring's outside, at t − dt/2
-    before: np.ndarray  # (2,), m/s, before the last kick
-    depth: np.ndarray  # (n_sectors,), m, of the nodes in the bore at the last kick; below 0: apart, NaN: not known
-    kick: np.ndarray  # (n_sectors,), N, that the last kick gave them
-    residual: np.ndarray  # (n_sectors,), J, stored beyond what kicks have taken
-    line: np.ndarray  # (2, ring's width), room
+    velocity: state("2")  # m/s, mean of the ring's outside, at t − dt/2
+    before: state("2")  # m/s, before the last kick
+    depth: state("n_sectors", np.nan)  # m, of the nodes in the bore at the last kick; below 0: apart, NaN: not known
+    kick: state("n_sectors")  # N, that the last kick gave them
+    residual: state("n_sectors")  # J, stored beyond what kicks have taken
+    line: room("2, width")  # of the ring
     play: float  # m, radial; negative: what the ring is larger by
     stiffness: float  # N/m, at one node
     column: int  # of a sample's row, its first

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels.fields import given, state
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, magnitude, root
@@ -40,9 +41,9 @@ class GuidingRing(NamedTuple):
     place: np.ndarray  # (2,), m
     velocity: np.ndarray  # (2,), m/s
     impulse: np.ndarray  # (2,), N s, of this step, which the kick takes
-    rubbed: np.ndarray  # (3,), N s, of this step, in the velocity already; N m s about its centre
+    rubbed: state("3")  # N s, of this step, in the velocity already; N m s about its centre
     mass: float  # kg; in finite elements, which kick it by themselves, a `late_mass`, see `shaft`
-    speed: np.ndarray  # (1,), rad/s, in this step
+    speed: state("1")  # rad/s, in this step
     turns: bool  # with the shaft
 
 
@@ -50,29 +51,29 @@ class CageContacts(NamedTuple):
     """Contacts of a cage: in its pockets, or with its guide. Forces are those on the rollers, or on the cage by its
     guide, along a contact's normal n and across it: there along (n_y, −n_x) of a roller, (−n_y, n_x) of the guide."""
 
-    approach: np.ndarray  # (n,), m, at the last kick; negative: apart, NaN: not known
-    force: np.ndarray  # (n,), N, of the spring, >= 0
-    kick: np.ndarray  # (n,), N, that the last kick gave: see `law.kick_force`
-    residual: np.ndarray  # (n,), J, likewise
-    normal: np.ndarray  # (2, n), unit, from the pocket to the roller's surface, or from the guide to the cage
-    arm: np.ndarray  # (2, n), m, at which forces along and across turn the cage
-    closed: np.ndarray  # (n,), 1 or 0
-    rates: np.ndarray  # (2, n), m/s, before the kick, along and across
-    closing: np.ndarray  # (n,), m/s, on the way here along the last step's normal
-    given: np.ndarray  # (2, n), N, by dashpot and by friction
+    approach: state("n", np.nan)  # m, at the last kick; negative: apart, NaN: not known
+    force: state("n")  # N, of the spring, >= 0
+    kick: state("n")  # N, that the last kick gave: see `law.kick_force`
+    residual: state("n")  # J, likewise
+    normal: state("2, n")  # unit, from the pocket to the roller's surface, or from the guide to the cage
+    arm: state("2, n")  # m, at which forces along and across turn the cage
+    closed: state("n")  # 1 or 0
+    rates: state("2, n")  # m/s, before the kick, along and across
+    closing: state("n")  # m/s, on the way here along the last step's normal
+    given: state("2, n")  # N, by dashpot and by friction
 
 
 class Cage(NamedTuple):
     """A rigid ring. Rows of `motion`: place, m, and angle; its velocity at t − dt/2; that before the last kick."""
 
-    motion: np.ndarray  # (3, 3)
-    impulse: np.ndarray  # (3,), N s and N m s, of this step
-    lost: np.ndarray  # (3,), J, so far: in dashpots, by friction, by drag
-    drag: np.ndarray  # (1,), N m s, of this step
-    frame: np.ndarray  # (2,), cosine and sine of the angle
-    cosine: np.ndarray  # (columns,), of the pockets' angles at t = 0
-    sine: np.ndarray
-    off: np.ndarray  # (columns,), m, of rollers off their pockets' middles; room
+    motion: state("3, 3")
+    impulse: state("3")  # N s and N m s, of this step
+    lost: state("3")  # J, so far: in dashpots, by friction, by drag
+    drag: state("1")  # N m s, of this step
+    frame: state("2")  # cosine and sine of the angle
+    cosine: given("columns")  # of the pockets' angles at t = 0
+    sine: given("columns")
+    off: state("columns")  # m, of rollers off their pockets' middles
     pockets: CageContacts
     guide: CageContacts | None  # None: rollers guide it
     mass: float  # kg

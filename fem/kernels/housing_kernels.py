@@ -7,8 +7,6 @@ housing's acceleration and gives nothing back: between two steps its motion is e
 
 from typing import NamedTuple
 
-import numpy as np
-
 from fem.kernels import ring_kernels
 from fem.kernels.bodies import (
     add_motion,
@@ -21,6 +19,7 @@ from fem.kernels.bodies import (
     slow_body,
     take_late,
 )
+from fem.kernels.fields import given, room, state
 from fem.kernels.jit import part, verb
 from fem.kernels.sample_kernels import DISSIPATED, WORK_GRAVITY
 from fem.kernels.shaft import conclude
@@ -32,24 +31,24 @@ PLACE_X, PLACE_Y, AX, AY, STORED, SENSOR = range(6)  # of the housing's columns,
 class Resonator(NamedTuple):
     """A sensor on the housing; see `lagrange.mounting.Sensor`."""
 
-    motion: np.ndarray  # (2,), r, m, and ṙ, m/s, at t − dt/2
-    step: np.ndarray  # (2, 3), of dt
-    half_step: np.ndarray
-    pull: np.ndarray  # (2,), acceleration by r and by ṙ
+    motion: state("2")  # r, m, and ṙ, m/s, at t − dt/2
+    step: given("2, 3")  # of dt
+    half_step: given("2, 3")
+    pull: given("2")  # acceleration by r and by ṙ
 
 
 class Housing(NamedTuple):
     """A rigid body with the held row of an elastic outer ring, or with a rigid one, or with none: a bored one's."""
 
-    place: np.ndarray  # (2,), m, of the outer ring's centre; 0 where the springs are slack
-    velocity: np.ndarray  # (2,), m/s, at t − dt/2
-    before: np.ndarray  # (2,), m/s, before the last kick
-    impulse: np.ndarray  # (2,), N s, of this step, by contacts on the outer ring as a whole
-    slowed: np.ndarray  # (2, 2), m, that the reciprocal mass adds to its motion: in the last step, in the next
-    drag: np.ndarray  # (2,), N, of the dashpots in the last kick
-    dissipated: np.ndarray  # (1,), J, so far
+    place: state("2")  # m, of the outer ring's centre; 0 where the springs are slack
+    velocity: state("2")  # m/s, at t − dt/2
+    before: state("2")  # m/s, before the last kick
+    impulse: state("2")  # N s, of this step, by contacts on the outer ring as a whole
+    slowed: state("2, 2")  # m, that the reciprocal mass adds to its motion: in the last step, in the next
+    drag: state("2")  # N, of the dashpots in the last kick
+    dissipated: state("1")  # J, so far
     ring: Ring | None  # None: rigid, or with play in the housing's bore
-    line: np.ndarray  # (2, ring's width), room
+    line: room("2, width")  # of the ring
     sensor: Resonator | None
     mass: float  # kg, with held nodes or a rigid ring, if it has them
     late_mass: float  # kg, see `shaft`

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.bodies import add_motion, drift_body, end_kick, kick_body
+from fem.kernels.fields import state
 from fem.kernels.jit import part
 from fem.kernels.sample_kernels import DISSIPATED
 
@@ -68,11 +69,11 @@ class Shaft(NamedTuple):
 
     place: np.ndarray  # (2,), m, of the hub; 0 where the springs are slack
     velocity: np.ndarray  # (2,), m/s, of the hub at t − dt/2; after its kick by all else at t + dt/2
-    before: np.ndarray  # (2,), m/s, before the kick
+    before: state("2")  # m/s, before the kick
     slowed: np.ndarray  # (2, 2), m, of the hub, see `Drive`
-    drag: np.ndarray  # (2,), N, of the dashpots in the last kick
-    stored: np.ndarray  # (1,), J, in the springs
-    dissipated: np.ndarray  # (1,), J, so far
+    drag: state("2")  # N, of the dashpots in the last kick
+    stored: state("1")  # J, in the springs
+    dissipated: state("1")  # J, so far
     mass: float  # kg, of the hub
     stiffness: float  # N/m
     damping: float  # N s/m

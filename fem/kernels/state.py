@@ -10,23 +10,25 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.kernels.fields import given, room, state
+
 INNER, OUTER, ROLLER = 0, 1, 2  # rows of the pairs: inner raceway, outer raceway, roller j with j + 1
 
 
 class Rollers(NamedTuple):
     """Motion of all rollers. Arrays over rollers have `columns` entries, spare ones 0. Frames: see `disc_kernels`."""
 
-    centre: np.ndarray  # (2, columns), m
-    velocity: np.ndarray  # (2, columns), m/s, at t − dt/2
-    turn: np.ndarray  # (columns,), rad, of the frames
-    cosine: np.ndarray  # of turn
-    sine: np.ndarray
-    increment: np.ndarray  # rad, the frames' next turn
-    lead: np.ndarray  # rad, by which the bodies lead their frames
-    spin: np.ndarray  # rad/s
-    node_impulse: np.ndarray  # (2, columns), N s, of this step, through nodes
-    body_impulse: np.ndarray  # (2, columns), N s, of this step, on the whole body
-    turn_kick: np.ndarray  # (columns,), rad/s, of this step, turning the whole body
+    centre: state("2, columns")  # m
+    velocity: state("2, columns")  # m/s, at t − dt/2
+    turn: state("columns")  # rad, of the frames
+    cosine: state("columns", 1.0)  # of turn
+    sine: state("columns")
+    increment: state("columns")  # rad, the frames' next turn
+    lead: state("columns")  # rad, by which the bodies lead their frames
+    spin: state("columns")  # rad/s
+    node_impulse: state("2, columns")  # N s, of this step, through nodes
+    body_impulse: state("2, columns")  # N s, of this step, on the whole body
+    turn_kick: state("columns")  # rad/s, of this step, turning the whole body
     n: int
     columns: int
     total_mass: float
@@ -38,36 +40,35 @@ class Rollers(NamedTuple):
 class Disc(NamedTuple):
     """Nodes of all rollers; none where these are rigid. Arrays of fields: see `disc_kernels`."""
 
-    starts: np.ndarray  # rows of 2 x 2 blocks
-    neighbours: np.ndarray
-    blocks: np.ndarray  # −dt·M⁻¹K
-    points: np.ndarray  # (2 n_nodes,), m
-    grown: np.ndarray  # (2 n_nodes,), m/s, blocks·points
-    mass: np.ndarray  # (n_nodes,), kg
+    starts: given("n_nodes + 1", np.int64)  # rows of 2 x 2 blocks
+    neighbours: given("n_blocks", np.int64)
+    blocks: given("4 * n_blocks")  # −dt·M⁻¹K
+    points: given("2 * n_nodes")  # m
+    grown: given("2 * n_nodes")  # m/s, blocks·points
+    mass: given("n_nodes")  # kg
     first: int  # node of the surface, whose nodes are the last ones
-    u: np.ndarray  # (n_nodes · 2 · columns,), m
-    w: np.ndarray  # momentum over lumped mass, m/s
-    v: np.ndarray  # velocities of the surface's nodes, m/s; w itself where masses are lumped
-    calmed: (
-        np.ndarray
-    )  # w with its fastest waves lessened, m/s, see `reciprocal_mass`; w itself but in the third degree
+    u: state("n_nodes * 2 * columns")  # m
+    w: state("n_nodes * 2 * columns")  # momentum over lumped mass, m/s
+    v: room("n_nodes * 2 * columns")  # velocities of the surface's nodes, m/s; w itself where masses are lumped
+    # w with its fastest waves lessened, m/s, see `reciprocal_mass`; w itself but in the third degree
+    calmed: room("n_nodes * 2 * columns")
 
 
 class Ring(NamedTuple):
     """Nodes of a ring. Frames: see `ring_kernels`. A rigid one is a held row of one node at the radius of gyration."""
 
-    table: np.ndarray  # −dt·M⁻¹K
-    slowed: np.ndarray  # γ dt² times that, see `reciprocal_mass`
-    calming: np.ndarray  # β dt times that
-    u: np.ndarray  # (n_rows, 2, n_sectors + 2 HALO)
-    w: np.ndarray  # momentum over lumped mass
-    v: np.ndarray  # of the raceway's nodes, as a disc's
-    calmed: np.ndarray  # as a disc's
-    radii: np.ndarray
-    grown: np.ndarray  # (n_rows,), slowed·radii
-    row_mass: np.ndarray
-    cosines: np.ndarray  # (n_sectors + 2 HALO,), of the sectors' angles
-    sines: np.ndarray
+    table: given("n_rows, 18")  # −dt·M⁻¹K
+    slowed: given("n_rows, 18")  # γ dt² times that, see `reciprocal_mass`
+    calming: given("n_rows, 18")  # β dt times that
+    u: state("n_rows, 2, width")  # of n_sectors and two halos
+    w: state("n_rows, 2, width")  # momentum over lumped mass
+    v: room("n_rows, 2, width")  # of the raceway's nodes, as a disc's
+    calmed: room("n_rows, 2, width")  # as a disc's
+    radii: given("n_rows")
+    grown: given("n_rows")  # slowed·radii
+    row_mass: given("n_rows")
+    cosines: given("width")  # of the sectors' angles
+    sines: given("width")
     n_sectors: int
     first_row: int  # free rows
     last_row: int
@@ -82,9 +83,9 @@ class DiscSurface(NamedTuple):
     w: np.ndarray
     v: np.ndarray
     points: np.ndarray
-    lightness: np.ndarray  # (n_nodes + 8,), 1/kg, inverse masses; the surface's first eight once more
+    lightness: given("n_nodes + 8")  # 1/kg, inverse masses; the surface's first eight once more
     impulse: np.ndarray  # (2, columns), N s, of this step, through nodes
-    ripple: np.ndarray  # of the law below the grid, `law.with_seam`; empty without one
+    ripple: given("n_knots")  # of the law below the grid, `law.with_seam`; empty without one
     first: int
     n_nodes: int  # on the surface
     columns: int
@@ -99,7 +100,7 @@ class RingSurface(NamedTuple):
     v: np.ndarray
     cosines: np.ndarray
     sines: np.ndarray
-    ripple: np.ndarray
+    ripple: given("n_knots")
     row: int  # of nodes
     n_nodes: int
     node_mass: float
@@ -121,12 +122,12 @@ class RigidDisc(NamedTuple):
 class Course(NamedTuple):
     """Speed and load as they go on: polynomials of the time since a knot, by powers; see `lagrange.load_history`."""
 
-    turn_knots: np.ndarray  # (n + 1,), s
-    turn: np.ndarray  # (n, powers), rad, of the shaft
-    load_knots: np.ndarray  # (m + 1,), s
-    load: np.ndarray  # (m, powers, 2), N, along x and y
-    now: np.ndarray  # what `drive.follow` found last
-    drive_work: np.ndarray  # (3,), J, of the drive, up to a sample; and its speed, 1/s, and what it has given, N m s
+    turn_knots: given("n + 1")  # s
+    turn: given("n, powers")  # rad, of the shaft
+    load_knots: given("m + 1")  # s
+    load: given("m, powers, 2")  # N, along x and y
+    now: state("n_now")  # what `drive.follow` found last
+    drive_work: state("3")  # J, of the drive, up to a sample; and its speed, 1/s, and what it has given, N m s
     unbalance: float  # kg m
     unbalance_angle: float  # rad from +x at t = 0
     rotating_load: float  # N
@@ -169,16 +170,16 @@ class Law(NamedTuple):
 class RingProfile(NamedTuple):
     """What contacts meet by angle on a ring: periodic cubic B-splines."""
 
-    sinkage: np.ndarray  # (n_knots,), m
-    compliance: np.ndarray  # (n_knots,), m/N, of edges
+    sinkage: given("n_knots")  # m
+    compliance: given("n_knots")  # m/N, of edges
 
 
 class RollerProfiles(NamedTuple):
     """The same of the rollers' contacts with one raceway by angle on the roller."""
 
-    sinkage: np.ndarray  # (n_rows, n_knots), m
-    compliance: np.ndarray  # (n_rows, n_knots), m/N
-    first: np.ndarray  # (columns,), place of each roller's row
+    sinkage: given("n_rows, n_knots")  # m
+    compliance: given("n_rows, n_knots")  # m/N
+    first: given("columns", np.int64)  # place of each roller's row
 
 
 class Raceway(NamedTuple):
@@ -212,31 +213,34 @@ CONTACTS = Raceway, Neighbours  # pairs that touch with surfaces, and have rows
 class Forces(NamedTuple):
     """Normal forces, by pair and roller."""
 
-    force: np.ndarray  # (3, columns), N
-    kick: np.ndarray  # (3, columns), N, that the last kick gave: see `law.kick_force`
-    approach: np.ndarray  # (3, columns), m, below the grid, at the last kick; negative: apart; NaN: far apart
-    residual: np.ndarray  # (3, columns), J, stored beyond what the kicks have taken: see `law.kick_force`
-    bracket: np.ndarray  # (3, columns), B with the ripples of the present positions
-    overlap: np.ndarray  # (3, columns), m, of the undeformed circles; NaN: far apart
-    nearness: np.ndarray  # (3, columns), 1/m, over the distance of the centres
+    force: state("pairs, columns")  # N
+    kick: state("pairs, columns")  # N, that the last kick gave: see `law.kick_force`
+    approach: state("pairs, columns", np.nan)  # m, below the grid, at the last kick; negative: apart; NaN: far apart
+    residual: state("pairs, columns")  # J, stored beyond what the kicks have taken: see `law.kick_force`
+    bracket: state("pairs, columns")  # B with the ripples of the present positions
+    overlap: state("pairs, columns", np.nan)  # m, of the undeformed circles; NaN: far apart
+    nearness: state("pairs, columns")  # 1/m, over the distance of the centres
 
 
 class Patches(NamedTuple):
     """Where contacts meet surfaces, by side (2·row + 0 or 1) and roller; see `surfaces`."""
 
-    normal: np.ndarray  # (3, 2, columns), by pair, unit, from side 0 to side 1 (outer raceway: outward)
-    start: np.ndarray  # (6, columns), first surface node or sector
-    position: np.ndarray  # (6, columns), in node spacings
-    beyond: np.ndarray  # (6, columns), of it past a node
-    motion: np.ndarray  # (6, 5, columns), see `surfaces.read`
-    place: np.ndarray  # (6, 6 m, columns), of nodes in the bodies' arrays; of a ring the first of every six
-    weight: np.ndarray  # (6, 6 m, columns)
-    outward: np.ndarray  # (6, 2, columns), of a roller, unit, in its frame
-    along: np.ndarray  # (6, 6 m, columns), of a ring: weight times the cosine of the angle to the node's radius
-    across: np.ndarray  # times the sine
-    traction_x: np.ndarray  # (6, 6 m, columns), what a unit traction does to nodes, W g: radial on a ring, else x
-    traction_y: np.ndarray  # tangential or y
-    lightness: np.ndarray  # (6, 6 m, columns), of a roller's nodes, 1/kg
+    normal: state("pairs, 2, columns")  # by pair, unit, from side 0 to side 1 (outer raceway: outward)
+    start: state("2 * pairs, columns", dtype=np.int64)  # first surface node or sector
+    position: state("2 * pairs, columns")  # in node spacings
+    beyond: state("2 * pairs, columns")  # of it past a node
+    motion: state("2 * pairs, 5, columns")  # see `surfaces.read`
+    # of nodes in the bodies' arrays; of a ring the first of every six
+    place: state("2 * pairs, entries, columns", dtype=np.int64)
+    weight: state("2 * pairs, entries, columns")
+    outward: state("2 * pairs, 2, columns")  # of a roller, unit, in its frame
+    # of a ring: weight times the cosine of the angle to the node's radius
+    along: state("2 * pairs, entries, columns")
+    across: state("2 * pairs, entries, columns")  # times the sine
+    # what a unit traction does to nodes, W g: radial on a ring, else x
+    traction_x: state("2 * pairs, entries, columns")
+    traction_y: state("2 * pairs, entries, columns")  # tangential or y
+    lightness: state("2 * pairs, entries, columns")  # of a roller's nodes, 1/kg
     columns: int
     units: tuple[int, ...]  # m entries: what nodes carry of a contact is kept for 6 m of them
 
@@ -244,21 +248,21 @@ class Patches(NamedTuple):
 class Shear(NamedTuple):
     """Tangential springs of contacts, by pair and roller: see `shear_kernels`."""
 
-    level: np.ndarray  # (3,), of what the mesh lacks of a contact's compliance over the law's A, less ½ ln Q
-    stretch: np.ndarray  # (3, columns), m, along the slip; between two kicks halfway, see `shear_kernels`
-    creep: np.ndarray  # (3, columns), m/s, at the last kick
-    since: np.ndarray  # (3, columns), s, a step where the contact was closed then, else 0
-    compliance: np.ndarray  # (3, columns), m/N, then
+    level: given("pairs")  # of what the mesh lacks of a contact's compliance over the law's A, less ½ ln Q
+    stretch: state("pairs, columns")  # m, along the slip; between two kicks halfway, see `shear_kernels`
+    creep: state("pairs, columns")  # m/s, at the last kick
+    since: state("pairs, columns")  # s, a step where the contact was closed then, else 0
+    compliance: state("pairs, columns", 1.0)  # m/N, then
 
 
 class Friction(NamedTuple):
     """Tractions, by pair and roller."""
 
-    traction: np.ndarray  # (3, columns), N, on side 1, along +θ (counter-clockwise about side 0)
-    change: np.ndarray  # (3, columns), N, of the traction, that the bodies are still to be given
-    slip: np.ndarray  # (3, columns), m/s, before the step's kick
-    slip_left: np.ndarray  # (3, columns), m/s, after it
-    mobility: np.ndarray  # (3, columns), 1/kg, of both sides together
+    traction: state("pairs, columns")  # N, on side 1, along +θ (counter-clockwise about side 0)
+    change: state("pairs, columns")  # N, of the traction, that the bodies are still to be given
+    slip: state("pairs, columns")  # m/s, before the step's kick
+    slip_left: state("pairs, columns")  # m/s, after it
+    mobility: state("pairs, columns")  # 1/kg, of both sides together
     coefficient: float
     overlapping: int | None  # when patches of neighbouring contacts overlap, see `friction_kernels`; None: never
     whole: bool | None  # None: no contacts share rigid bodies
@@ -268,27 +272,28 @@ class Friction(NamedTuple):
 class Spread(NamedTuple):
     """Pressure points whose forces are spread over patches, see `points`."""
 
-    missing: np.ndarray  # (3, n_points), m/N, compliance the mesh lacks between two points by their distance
-    inverse: np.ndarray  # (3, ...), N/m, inverses for 1, 2 ... points in contact
-    closed: np.ndarray  # (3, n, 2), first point in contact and the one after the last
-    share: np.ndarray  # (2 · n_points · 6,), of the nodes around each point, by side
-    slope: np.ndarray  # (2 · 6,), room
+    missing: given("pairs, n_points")  # m/N, compliance the mesh lacks between two points by their distance
+    inverse: given("pairs, n_inverse")  # N/m, inverses for 1, 2 ... points in contact
+    closed: state("pairs, n, 2", dtype=np.int64)  # first point in contact and the one after the last
+    share: state("2 * n_points * 6")  # of the nodes around each point, by side
+    slope: state("2 * 6")  # room
 
 
 class Points(NamedTuple):
     """Points of pressure contacts and of penalty springs, by pair, side and point; see `resolved_kernels`."""
 
-    shift: np.ndarray  # (3, 2, n_points), rad, of a point's direction from the line of centres
-    tangent: np.ndarray  # (3, 2, n_points), t-component of the outward normal over its n-component's size
-    rise: np.ndarray  # (3, n_points), m, by which the circles fall apart
-    sagitta: np.ndarray  # (3, 2), m, of one facet, negative in a bore; 0: exact circles
-    stiffness: np.ndarray  # (3,), N/m, of one point
-    energy: np.ndarray  # (3, n), J, of this step
-    before: np.ndarray  # (3, n, 3, n_points), of the last kick: closings, m, forces and what it gave beside, N; or NaN
-    residual: np.ndarray  # (3, n), J, stored beyond what the kicks have taken
-    closing: np.ndarray  # (n_points,), m, and so on: room for one contact
-    force: np.ndarray  # (n_points,), N
-    turning: np.ndarray  # (3, n_points)
+    shift: given("pairs, 2, n_points")  # rad, of a point's direction from the line of centres
+    tangent: given("pairs, 2, n_points")  # t-component of the outward normal over its n-component's size
+    rise: given("pairs, n_points")  # m, by which the circles fall apart
+    sagitta: given("pairs, 2")  # m, of one facet, negative in a bore; 0: exact circles
+    stiffness: given("pairs")  # N/m, of one point
+    energy: state("pairs, n")  # J, of this step
+    # of the last kick: closings, m, forces and what it gave beside, N; or NaN
+    before: state("pairs, n, 3, n_points", np.nan)
+    residual: state("pairs, n")  # J, stored beyond what the kicks have taken
+    closing: state("n_points")  # m, and so on: room for one contact
+    force: state("n_points")  # N
+    turning: state("3, n_points")
     spread: Spread | None  # None: a layer between points and surfaces
 
 
@@ -298,22 +303,23 @@ class Dampers(NamedTuple):
     constant: float  # N s/m
     time: float  # s, of the contact's stiffness
     hunt_crossley: float  # s/m
-    whole: np.ndarray  # (3,), level of the contacts' whole approach, A Q (level − ½ ln Q)
-    rate: np.ndarray  # (3, columns), m/s, at which approaches have grown on the way to the last kick
-    left: np.ndarray  # (3, columns), m/s, the same by the nodes' velocities, after the last damping; NaN: not damped
-    along: np.ndarray  # (3, columns), slope of the approach by the way of side 1 across the line of centres
-    first: np.ndarray  # (3, columns), m, the same per rad by which side 0 turns back
-    second: np.ndarray  # (3, columns), m, by which side 1 does
-    force: np.ndarray  # (3, columns), N, beside the laws below the grid
-    felt: np.ndarray  # (3, columns), N, beside the contacts' whole approach
-    work: np.ndarray  # (1,), J, dissipated up to the last kick
+    whole: given("pairs")  # level of the contacts' whole approach, A Q (level − ½ ln Q)
+    rate: state("pairs, columns", np.nan)  # m/s, at which approaches have grown on the way to the last kick
+    # m/s, the same by the nodes' velocities, after the last damping; NaN: not damped
+    left: state("pairs, columns", np.nan)
+    along: state("pairs, columns")  # slope of the approach by the way of side 1 across the line of centres
+    first: state("pairs, columns")  # m, the same per rad by which side 0 turns back
+    second: state("pairs, columns")  # m, by which side 1 does
+    force: state("pairs, columns")  # N, beside the laws below the grid
+    felt: state("pairs, columns")  # N, beside the contacts' whole approach
+    work: state("1")  # J, dissipated up to the last kick
 
 
 class BodyDamping(NamedTuple):
     """Damping of bodies, in proportion to mass, see `body_damping`."""
 
     share: float  # of a velocity, that a step takes
-    work: np.ndarray  # (2,), J, the share of twice the kinetic energy that it was of: of all kicks, and of the last
+    work: state("2")  # J, the share of twice the kinetic energy that it was of: of all kicks, and of the last
     around: tuple | None  # `Bore` of an outer ring in play, or the `Housing` that carries one; None: the ground
 
 
@@ -331,19 +337,19 @@ class Contacts(NamedTuple):
 class Drive(NamedTuple):
     """The hub and what acts on it."""
 
-    hub: np.ndarray  # (2,), m
-    velocity: np.ndarray  # (2,), m/s, at t − dt/2
-    frame: np.ndarray  # (3,), turn of the shaft, its cosine and sine
-    impulse: np.ndarray  # (2,), N s, of this step, by contacts on the inner ring as a whole
-    moment: np.ndarray  # (2,), of this step, by contacts: on the frame, N m; on the nodes about the origin, N m s
-    sums: np.ndarray  # (6,), so far: work of the load, J; moment on hub and ring but for drive and gravity, N m s;
+    hub: state("2")  # m
+    velocity: state("2")  # m/s, at t − dt/2
+    frame: state("3")  # turn of the shaft, its cosine and sine
+    impulse: state("2")  # N s, of this step, by contacts on the inner ring as a whole
+    moment: state("2")  # of this step, by contacts: on the frame, N m; on the nodes about the origin, N m s
+    sums: state("6")  # so far: work of the load, J; moment on hub and ring but for drive and gravity, N m s;
     # work of tractions, J; that of gravity, and what it was at which time
     mass: float  # hub and held nodes, kg
     late_mass: float  # kg, see `shaft`
     speed: float  # rad/s
     gravity: float  # m/s²
     dt: float
-    slowed: np.ndarray  # (2, 2), m, that the reciprocal mass adds to the hub's motion: in the last step, in the next
+    slowed: state("2, 2")  # m, that the reciprocal mass adds to the hub's motion: in the last step, in the next
     slowing: float  # γ dt², s², see `reciprocal_mass`
     calming: float  # β dt, s
     radial_load: float  # N
@@ -366,15 +372,15 @@ class Bodies(NamedTuple):
 class Scratch(NamedTuple):
     """Room to work in; nothing here outlives a step."""
 
-    bore: np.ndarray  # (2, inner n_sectors + 2 HALO)
-    line: np.ndarray  # (2, outer n_sectors + 2 HALO)
-    torque: np.ndarray  # (columns,)
-    still: np.ndarray  # (columns,), 0
-    shift: np.ndarray  # (2, columns)
-    cosine: np.ndarray  # (columns,), of the frames' turn in a step
-    sine: np.ndarray
+    bore: room("2, inner")
+    line: room("2, outer")
+    torque: room("columns")
+    still: room("columns")  # 0
+    shift: room("2, columns")
+    cosine: room("columns", 1.0)  # of the frames' turn in a step
+    sine: room("columns")
     rollers_w: np.ndarray  # copies of velocities before a kick
     rollers_velocity: np.ndarray
     inner_w: np.ndarray
     outer_w: np.ndarray
-    hub_velocity: np.ndarray  # (2,)
+    hub_velocity: room("2")

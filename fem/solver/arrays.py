@@ -11,6 +11,7 @@ from fem.elastic.reciprocal_mass import ReciprocalMass, Slowing, disc_momenta, h
 from fem.elastic.rigid import RigidRing
 from fem.kernels import disc_kernels, ring_kernels
 from fem.kernels.bore import HeldNodes
+from fem.kernels.fields import filled, lined_up
 from fem.kernels.lanes import WIDTH
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
@@ -25,7 +26,7 @@ from fem.kernels.state import (
 )
 from fem.solver.contact_arrays import contact_arrays, disc_surface, pair_groups
 from fem.solver.part_arrays import bore_body, course_arrays, housing_body, shaft_springs
-from fem.solver.run_arrays import Arrays, lined_up
+from fem.solver.run_arrays import Arrays
 from fem.solver.start import Start
 from lagrange import Operation
 
@@ -91,24 +92,8 @@ def make_arrays(
 
 def _rollers(disc: DiscBody, n: int) -> Rollers:
     columns = -(-n // disc_kernels.COLUMNS) * disc_kernels.COLUMNS
-    return Rollers(
-        centre=np.zeros((2, columns)),
-        velocity=np.zeros((2, columns)),
-        turn=np.zeros(columns),
-        cosine=np.ones(columns),
-        sine=np.zeros(columns),
-        increment=np.zeros(columns),
-        lead=np.zeros(columns),
-        spin=np.zeros(columns),
-        node_impulse=np.zeros((2, columns)),
-        body_impulse=np.zeros((2, columns)),
-        turn_kick=np.zeros(columns),
-        n=n,
-        columns=columns,
-        total_mass=disc.total_mass,
-        inertia=disc.polar_inertia,
-        radius=disc.shape.radius,
-    )
+    whole = {"total_mass": disc.total_mass, "inertia": disc.polar_inertia, "radius": disc.shape.radius}
+    return filled(Rollers, {"columns": columns}, n=n, columns=columns, **whole)
 
 
 def disc_nodes(disc: DiscBody, dt: float, columns: int, slowing: Slowing) -> Disc:
@@ -119,7 +104,9 @@ def disc_nodes(disc: DiscBody, dt: float, columns: int, slowing: Slowing) -> Dis
     if disc.material.rigid:
         starts, points, mass, grown = np.zeros(1, dtype=np.int64), np.zeros((0, 2)), np.zeros(0), np.zeros(0)
     rows = np.repeat(np.arange(len(mass)), np.diff(starts))
-    return Disc(
+    return filled(
+        Disc,
+        {"n_nodes": len(mass), "columns": columns},
         starts=starts,
         neighbours=neighbours,
         blocks=np.ascontiguousarray(-dt * blocks / mass[rows][:, None, None]).ravel(),
@@ -127,10 +114,6 @@ def disc_nodes(disc: DiscBody, dt: float, columns: int, slowing: Slowing) -> Dis
         grown=grown,
         mass=mass.copy(),
         first=0 if disc.material.rigid else disc.first_surface_node,
-        u=np.zeros(len(mass) * 2 * columns),
-        w=np.zeros(len(mass) * 2 * columns),
-        v=np.zeros(len(mass) * 2 * columns),
-        calmed=np.zeros(len(mass) * 2 * columns),
     )
 
 
@@ -143,14 +126,12 @@ def ring_nodes(ring: RingBody, dt: float, slowing: Slowing) -> Ring:
     table = -dt * ring_kernels.coefficients(ring.stencil) / ring.row_mass[:, None]
     widening = ring.harmonic_stiffness(np.zeros(1)).real.reshape(ring.n_rows, 2, ring.n_rows, 2)
     first = int(ring.free_rows[0])
-    return Ring(
+    return filled(
+        Ring,
+        {"n_rows": ring.n_rows, "width": width},
         table=table,
         slowed=slowing.waves * table,
         calming=slowing.velocities / dt * table,
-        u=np.zeros((ring.n_rows, 2, width)),
-        w=np.zeros((ring.n_rows, 2, width)),
-        v=np.zeros((ring.n_rows, 2, width)),
-        calmed=np.zeros((ring.n_rows, 2, width)),
         radii=ring.radii.copy(),
         grown=-slowing.waves * dt * (widening[:, 0, :, 0] @ ring.radii) / ring.row_mass,
         row_mass=ring.row_mass.copy(),
@@ -166,19 +147,12 @@ def ring_nodes(ring: RingBody, dt: float, slowing: Slowing) -> Ring:
 
 def _rigid_ring(ring: RigidRing) -> Ring:
     width = WIDTH + 2 * HALO  # one node, in a register of its own
-    return Ring(
-        table=np.zeros((1, 18)),
-        slowed=np.zeros((1, 18)),
-        calming=np.zeros((1, 18)),
-        u=np.zeros((1, 2, width)),
-        w=np.zeros((1, 2, width)),
-        v=np.zeros((1, 2, width)),
-        calmed=np.zeros((1, 2, width)),
-        grown=np.zeros(1),
+    return filled(
+        Ring,
+        {"n_rows": 1, "width": width},
         radii=np.array([np.sqrt(ring.polar_inertia / ring.total_mass)]),
         row_mass=np.array([ring.total_mass]),
         cosines=np.ones(width),
-        sines=np.zeros(width),
         n_sectors=1,
         first_row=0,
         last_row=0,
@@ -238,19 +212,17 @@ def _place_rollers(body: DiscBody, rollers: Rollers, disc: Disc, start: Start, d
 
 def _drive(model: Model, operation: Operation, start: Start, dt: float, ramp: float, slowing: Slowing) -> Drive:
     mass, shaft = hub_mass(model.inner_ring, operation), operation.mounting.shaft
-    return Drive(
+    return filled(
+        Drive,
+        {},
         hub=start.equilibrium.hub + start.housing,
         velocity=start.hub_velocity.copy(),
         frame=np.array([0.0, 1.0, 0.0]),
-        impulse=np.zeros(2),
-        moment=np.zeros(2),
-        sums=np.zeros(6),
         mass=mass,
         late_mass=late_mass(mass, 0.0 if shaft is None else shaft.damping, dt),
         speed=float(operation.speed),
         gravity=float(operation.gravity),
         dt=float(dt),
-        slowed=np.zeros((2, 2)),
         slowing=slowing.waves,
         calming=slowing.velocities / float(dt),
         radial_load=float(operation.radial_load),
@@ -266,18 +238,11 @@ def hub_mass(ring: RingBody, operation: Operation) -> float:
 
 
 def _scratch(rollers: Rollers, disc: Disc, inner: Ring, outer: Ring) -> Scratch:
-    columns = rollers.columns
-    return Scratch(
-        bore=np.zeros((2, inner.u.shape[2])),
-        line=np.zeros((2, outer.u.shape[2])),
-        torque=np.zeros(columns),
-        still=np.zeros(columns),
-        shift=np.zeros((2, columns)),
-        cosine=np.ones(columns),
-        sine=np.zeros(columns),
+    return filled(
+        Scratch,
+        {"columns": rollers.columns, "inner": inner.u.shape[2], "outer": outer.u.shape[2]},
         rollers_w=np.zeros_like(disc.w),
         rollers_velocity=np.zeros_like(rollers.velocity),
         inner_w=np.zeros_like(inner.w),
         outer_w=np.zeros_like(outer.w),
-        hub_velocity=np.zeros(2),
     )

@@ -9,12 +9,13 @@ import numpy as np
 import fem.kernels.cage as kernels
 from fem.errors import UsageError
 from fem.kernels.cage import N_CAGE_SCALARS, CageContacts, CagePair, GuidingRing, Riders
+from fem.kernels.fields import filled, lined_up
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import RigidBodies
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.state import Drive, Rollers
-from fem.solver.run_arrays import Arrays, lined_up
+from fem.solver.run_arrays import Arrays
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.mounting import HELD, Mounting
 
@@ -132,17 +133,15 @@ def cage_state(bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float, fi
     padded = np.concatenate([angle, np.zeros(-n % WIDTH)])
     radii = {"inner_ring": bearing.inner_raceway_radius, "outer_ring": bearing.outer_raceway_radius}
     return lined_up(
-        kernels.Cage(
+        filled(
+            kernels.Cage,
+            {"columns": padded.size},
             motion=np.array([[0.0, 0.0, 0.0], [0.0, 0.0, speed], [0.0, 0.0, speed]]),
-            impulse=np.zeros(3),
-            lost=np.zeros(3),
-            drag=np.zeros(1),
             frame=np.array([1.0, 0.0]),
             cosine=np.cos(padded),
             sine=np.sin(padded),
-            off=np.zeros(padded.size),
-            pockets=_contacts(n),
-            guide=None if side is None else _contacts(1),
+            pockets=filled(CageContacts, {"n": n}),
+            guide=None if side is None else filled(CageContacts, {"n": 1}),
             mass=float(cage.mass),
             inertia=float(cage.inertia),
             pitch_radius=bearing.pitch_radius,
@@ -156,21 +155,6 @@ def cage_state(bearing: Bearing, cage: Cage, angle: np.ndarray, speed: float, fi
             drag_torque=float(cage.drag_torque),
             at=row_width(n, None) if first is None else first,
         )
-    )
-
-
-def _contacts(n: int) -> CageContacts:
-    return CageContacts(
-        approach=np.full(n, np.nan),
-        force=np.zeros(n),
-        kick=np.zeros(n),
-        residual=np.zeros(n),
-        normal=np.zeros((2, n)),
-        arm=np.zeros((2, n)),
-        closed=np.zeros(n),
-        rates=np.zeros((2, n)),
-        closing=np.zeros(n),
-        given=np.zeros((2, n)),
     )
 
 
@@ -231,11 +215,12 @@ def _ring(
     place: np.ndarray, velocity: np.ndarray, impulse: np.ndarray, mass: float, speed: float | None = None
 ) -> GuidingRing:
     """A ring with a body's arrays; `speed` of the shaft that turns it, None: it does not turn."""
-    return GuidingRing(
+    return filled(
+        GuidingRing,
+        {},
         place=place,
         velocity=velocity,
         impulse=impulse,
-        rubbed=np.zeros(3),
         mass=mass,
         speed=np.array([0.0 if speed is None else speed]),
         turns=speed is not None,

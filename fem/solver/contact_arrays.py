@@ -8,6 +8,7 @@ import numpy as np
 
 from fem.elastic.outer_support import LooseRing
 from fem.elastic.reciprocal_mass import ReciprocalMass
+from fem.kernels.fields import at_line, filled
 from fem.kernels.friction_solution import ALWAYS, WHERE_ROLLERS_TOUCH
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.lanes import WIDTH
@@ -35,7 +36,6 @@ from fem.kernels.state import (
     Shear,
 )
 from fem.solver.part_arrays import raceway_profiles
-from fem.solver.run_arrays import at_line
 from lagrange import Bearing, Operation, kinematics
 from lagrange.surface.deviation import profiles
 
@@ -178,44 +178,17 @@ def contact_arrays(
     pairs = len(data.laws)
     force = np.zeros((pairs, columns))
     force[INNER, :n], force[OUTER, :n] = start.equilibrium.inner_force, start.equilibrium.outer_force
-    width = N_NODES * len(data.units)
+    sizes = {"pairs": pairs, "columns": columns, "entries": N_NODES * len(data.units)}
     return Contacts(
-        forces=Forces(
-            force=force,
-            kick=np.zeros((pairs, columns)),
-            approach=np.full((pairs, columns), np.nan),
-            residual=np.zeros((pairs, columns)),
-            bracket=np.zeros((pairs, columns)),
-            overlap=np.full((pairs, columns), np.nan),
-            nearness=np.zeros((pairs, columns)),
-        ),
-        patches=Patches(
-            normal=np.zeros((pairs, 2, columns)),
-            start=np.zeros((2 * pairs, columns), dtype=np.int64),
-            position=np.zeros((2 * pairs, columns)),
-            beyond=np.zeros((2 * pairs, columns)),
-            motion=np.zeros((2 * pairs, 5, columns)),
-            place=np.zeros((2 * pairs, width, columns), dtype=np.int64),
-            weight=np.zeros((2 * pairs, width, columns)),
-            outward=np.zeros((2 * pairs, 2, columns)),
-            along=np.zeros((2 * pairs, width, columns)),
-            across=np.zeros((2 * pairs, width, columns)),
-            traction_x=np.zeros((2 * pairs, width, columns)),
-            traction_y=np.zeros((2 * pairs, width, columns)),
-            lightness=np.zeros((2 * pairs, width, columns)),
-            columns=columns,
-            units=data.units,
-        ),
-        friction=Friction(
-            traction=np.zeros((pairs, columns)),
-            change=np.zeros((pairs, columns)),
-            slip=np.zeros((pairs, columns)),
-            slip_left=np.zeros((pairs, columns)),
-            mobility=np.zeros((pairs, columns)),
+        forces=filled(Forces, sizes, force=force),
+        patches=filled(Patches, sizes, columns=columns, units=data.units),
+        friction=filled(
+            Friction,
+            sizes,
             coefficient=float(friction),
             overlapping=_overlapping(model, data.neighbourly) if data.shear_levels is None else None,
             whole=True if _shares_rigid_bodies(model, operation) else None,
-            shear=None if data.shear_levels is None else _shear(data.shear_levels, columns),
+            shear=None if data.shear_levels is None else filled(Shear, sizes, level=np.array(data.shear_levels)),
         ),
         points=data.points,
         reach=_reach(model, operation) + data.facet_depth,
@@ -226,12 +199,6 @@ def _shares_rigid_bodies(model: "Model", operation: Operation) -> bool:
     """Whether a rigid body that moves has several contacts."""
     moves = operation.mounting.housing is not None
     return model.roller.material.rigid or model.inner_ring.material.rigid or (model.outer_ring.material.rigid and moves)
-
-
-def _shear(levels: tuple[float, ...], columns: int) -> Shear:
-    """Springs that are not stretched: in statics, and as a bearing begins to roll, there are no tractions."""
-    shape = len(levels), columns
-    return Shear(np.array(levels), np.zeros(shape), np.zeros(shape), np.zeros(shape), np.ones(shape))
 
 
 def _overlapping(model: "Model", width: float) -> int | None:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from fem.kernels.cage import CagePair, GuidingRing, Riders
+from fem.kernels.fields import lined_up
 from fem.kernels.lagrangian_loop import advance_lagrangian
 from fem.kernels.lagrangian_state import (
     Clock,
@@ -19,7 +20,7 @@ from fem.kernels.lanes import WIDTH
 from fem.kernels.state import Law
 from fem.solver.cage_arrays import cage_state
 from fem.solver.part_arrays import course_arrays, raceway_profiles
-from fem.solver.run_arrays import changing_arrays, lined_up
+from fem.solver.run_arrays import changing_arrays
 from lagrange.bearing import Cage
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import PowerLaw

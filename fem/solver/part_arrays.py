@@ -8,12 +8,13 @@ import numpy as np
 
 from fem.kernels.bore import Bore
 from fem.kernels.drive import N_NOW
+from fem.kernels.fields import at_line, filled
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.lanes import WIDTH
 from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.shaft import Shaft, late_mass
 from fem.kernels.state import BodyDamping, Course, Dampers, Drive, Ring, RingProfile, RollerProfiles
-from fem.solver.run_arrays import Arrays, at_line, lined_up
+from fem.solver.run_arrays import Arrays
 from lagrange import Bearing, Kinematics, Operation, kinematics
 from lagrange.contact.damping import ContactDamping
 from lagrange.mounting import OF_SHAFT, Mounting, Sensor
@@ -40,16 +41,13 @@ def bore_body(
 
     if not isinstance(body, BoredRing):
         return None
-    return Bore(
+    return filled(
+        Bore,
+        {"n_sectors": body.n_sectors, "width": ring.w.shape[2]},
         ring=ring,
         place=np.zeros(2) if housing is None else housing.place,
         impulse=np.zeros(2) if housing is None else housing.impulse,  # the ground's, which nobody reads
         velocity=body.cartesian(outer_rate).reshape(body.n_rows, -1, 2)[body.held_row].mean(axis=0),
-        before=np.zeros(2),
-        depth=np.full(body.n_sectors, np.nan),
-        kick=np.zeros(body.n_sectors),
-        residual=np.zeros(body.n_sectors),
-        line=np.zeros((2, ring.w.shape[2])),
         play=float(body.play),
         stiffness=float(body.stiffness),
         column=column,
@@ -71,14 +69,13 @@ def springs_on(
     shaft = mounting.shaft
     if shaft is None:
         return None
-    return Shaft(
+    return filled(
+        Shaft,
+        {},
         place=hub,
         velocity=velocity,
         slowed=slowed,
         before=velocity.copy(),
-        drag=np.zeros(2),
-        stored=np.zeros(1),
-        dissipated=np.zeros(1),
         mass=float(mass),
         stiffness=float(shaft.stiffness),
         damping=float(shaft.damping),
@@ -115,16 +112,11 @@ def housing_of(
     housing, sensor = mounting.housing, mounting.sensor
     if housing is None:
         return None
-    return Housing(
+    return filled(
+        Housing,
+        {"width": 0 if ring is None else ring.u.shape[2]},
         place=place.copy(),
-        velocity=np.zeros(2),
-        before=np.zeros(2),
-        impulse=np.zeros(2),
-        slowed=np.zeros((2, 2)),
-        drag=np.zeros(2),
-        dissipated=np.zeros(1),
         ring=ring,
-        line=np.zeros((2, 0 if ring is None else ring.u.shape[2])),
         sensor=None if sensor is None else _resonator(sensor, dt),
         mass=float(housing.mass + carried),
         late_mass=late_mass(float(housing.mass + carried), float(housing.damping), dt),
@@ -135,8 +127,9 @@ def housing_of(
 
 
 def _resonator(sensor: Sensor, dt: float) -> Resonator:
-    return Resonator(
-        motion=np.zeros(2),
+    return filled(
+        Resonator,
+        {},
         step=np.ascontiguousarray(sensor.step(dt)),
         half_step=np.ascontiguousarray(sensor.step(0.5 * dt)),
         pull=sensor.pull,
@@ -161,12 +154,13 @@ def course_arrays(
     if found is None:
         return None
     ideal = kinematics(bearing, 1.0)
-    return Course(
+    return filled(
+        Course,
+        {"n_now": N_NOW},
         turn_knots=found.turn.x.copy(),
         turn=np.ascontiguousarray(found.turn.c[::-1].T),
         load_knots=found.load.x.copy(),
         load=np.ascontiguousarray(found.load.c[::-1].swapaxes(0, 1)),
-        now=np.zeros(N_NOW),
         drive_work=np.array([0.0, np.nan, 0.0]),
         unbalance=float(found.unbalance),
         unbalance_angle=float(found.unbalance_angle),
@@ -188,31 +182,24 @@ def with_damping(arrays: Arrays, model: "Model", table: DampingTable) -> Arrays:
     if table.contacts.acts:
         levels = np.array(model.kernel_data(1.0).whole_levels)
         shape = contacts.forces.force.shape
-        contacts = contacts._replace(dampers=lined_up(_dampers(table.contacts, levels, shape)))
+        contacts = contacts._replace(dampers=_dampers(table.contacts, levels, shape))
     if table.bodies_1_s > 0.0:
         step = table.bodies_1_s * dt
         around = [body for (body,) in bodies.others if isinstance(body, Bore | Housing)]  # a housing's bore first
-        damping = lined_up(BodyDamping(share=-expm1(-step), work=np.zeros(2), around=None))
-        bodies = bodies._replace(damping=damping._replace(around=around[0] if around else None))
+        damping = filled(BodyDamping, {}, share=-expm1(-step), around=around[0] if around else None)
+        bodies = bodies._replace(damping=damping)
     return replace(arrays, contacts=contacts, bodies=bodies)
 
 
 def _dampers(damping: ContactDamping, levels: np.ndarray, shape: tuple[int, int]) -> Dampers:
     """At rest. `levels` : of the contacts' whole approach; `shape` : pairs and columns."""
-    along, first, second, force, felt = np.zeros((5, *shape))
-    return Dampers(
+    return filled(
+        Dampers,
+        dict(zip(("pairs", "columns"), shape, strict=True)),
         constant=float(damping.constant),
         time=float(damping.time),
         hunt_crossley=float(damping.hunt_crossley),
         whole=levels,
-        rate=np.full(shape, np.nan),  # as of contacts out of reach later
-        left=np.full(shape, np.nan),
-        along=along,
-        first=first,
-        second=second,
-        force=force,
-        felt=felt,
-        work=np.zeros(1),
     )
 
 

@@ -5,52 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.kernels.cage import Cage
-from fem.kernels.housing_kernels import Resonator
+from fem.kernels.fields import kind_of
 from fem.kernels.lanes import WIDTH
-from fem.kernels.state import (
-    Bodies,
-    Contacts,
-    Course,
-    Dampers,
-    Disc,
-    DiscSurface,
-    Drive,
-    Neighbours,
-    Patches,
-    Points,
-    Raceway,
-    Ring,
-    RingSurface,
-    Scratch,
-    Shear,
-    Spread,
-)
-
-# Arrays that begin at cache lines: eight lanes that lie across two cost two accesses.
-
-
-CACHE_LINE = 64  # bytes, as long as one register of eight
-
-
-def lined_up(group):
-    """A named tuple, and those in it, with copies of its arrays that begin at cache lines."""
-    return type(group)(*(_entry(entry) for entry in group))
-
-
-def _entry(entry):
-    if isinstance(entry, np.ndarray):
-        return at_line(entry)
-    return lined_up(entry) if hasattr(entry, "_fields") else entry
-
-
-def at_line(values: np.ndarray) -> np.ndarray:
-    """A copy that begins at a cache line."""
-    room = np.zeros(values.nbytes + CACHE_LINE, dtype=np.uint8)
-    first = -room.ctypes.data % CACHE_LINE
-    copy = room[first : first + values.nbytes].view(values.dtype).reshape(values.shape)
-    copy[...] = values
-    return copy
+from fem.kernels.state import Bodies, Contacts, DiscSurface, Drive, Neighbours, Raceway, RingSurface, Scratch
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,23 +65,6 @@ class Arrays:
             raise ValueError("springs without a compliance")
 
 
-# What the model determines, beside whole numbers, which are places in arrays: all but those in STATE_INDICES.
-GIVEN = {
-    Disc: ("blocks", "points", "grown", "mass"),
-    DiscSurface: ("lightness", "ripple"),
-    Ring: ("table", "slowed", "calming", "radii", "grown", "row_mass", "cosines", "sines"),
-    Points: ("shift", "tangent", "rise", "sagitta", "stiffness"),
-    Shear: ("level",),
-    Course: ("turn_knots", "turn", "load_knots", "load"),
-    Resonator: ("step", "half_step", "pull"),
-    Spread: ("missing", "inverse"),
-    Dampers: ("whole",),
-    Cage: ("cosine", "sine"),
-}
-ROOM = "v", "calmed", "line"  # what every step fills anew before it is read
-STATE_INDICES = {Patches: ("start", "place"), Spread: ("closed",)}
-
-
 def _last_place(surface: tuple) -> int:
     """The last place in a surface's arrays where a node may stand, with what is read beside and behind it."""
     if isinstance(surface, RingSurface):
@@ -140,12 +80,12 @@ def changing_arrays(group: tuple, place: str) -> dict[str, np.ndarray]:
 
 
 def _collect(group: tuple, place: str, found: dict[str, tuple[np.ndarray, bool]]) -> None:
-    given, indices = GIVEN.get(type(group), ()), STATE_INDICES.get(type(group), ())
+    """By the fields' declarations; an array without one is given if it holds places in arrays, whole numbers."""
     for name, entry in zip(getattr(group, "_fields", range(len(group))), group, strict=True):
-        if isinstance(entry, np.ndarray) and name not in ROOM:
-            if not any(entry is other for other, _ in found.values()):
-                determined = name in given or (entry.dtype.kind != "f" and name not in indices)
-                found[f"{place}.{name}"] = entry, determined
+        if isinstance(entry, np.ndarray):
+            kind = kind_of(group, name) or ("state" if entry.dtype.kind == "f" else "given")
+            if kind != "room" and not any(entry is other for other, _ in found.values()):
+                found[f"{place}.{name}"] = entry, kind == "given"
         elif isinstance(entry, tuple):
             _collect(entry, f"{place}.{name}", found)
 

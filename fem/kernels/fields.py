@@ -1,0 +1,87 @@
+"""Arrays of the time loop's named tuples, declared once: their shape, and whether a run changes them.
+
+The annotation of a field is `state(shape)`, `given(shape)` or `room(shape)`; all else that arrays need follows from it:
+what they begin with (`filled`), what a checkpoint keeps, what a model's digest is of (`fem.solver.run_arrays`). A field
+that is plainly an array stands for one that belongs to another tuple.
+"""
+
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+
+CACHE_LINE = 64  # bytes, as long as one register of eight: eight lanes that lie across two lines cost two accesses
+
+
+class Field(NamedTuple):
+    """Declaration of an array."""
+
+    shape: str  # sizes by name, separated by commas
+    kind: str  # "state": a run changes it; "given": the model determines it; "room": filled anew before it is read
+    initial: float
+    dtype: type
+
+
+def state(shape: str, initial: float = 0.0, dtype: type = np.float64) -> Any:
+    """An array that a run changes and a checkpoint keeps."""
+    return Annotated[np.ndarray, Field(shape, "state", initial, dtype)]
+
+
+def given(shape: str, dtype: type = np.float64) -> Any:
+    """An array that the model determines."""
+    return Annotated[np.ndarray, Field(shape, "given", 0.0, dtype)]
+
+
+def room(shape: str, initial: float = 0.0) -> Any:
+    """An array that every step fills before reading it."""
+    return Annotated[np.ndarray, Field(shape, "room", initial, np.float64)]
+
+
+def _field(kind: type, name: str) -> Field | None:
+    """The declaration of a tuple's field; None where it has none."""
+    (found,) = getattr(kind.__annotations__[name], "__metadata__", (None,))
+    return found
+
+
+def kind_of(group: tuple, name: str | int) -> str | None:
+    """Whether a run changes an array of a named tuple, as `Field.kind`; None: not declared."""
+    field = _field(type(group), name) if isinstance(name, str) else None
+    return None if field is None else field.kind
+
+
+def filled(kind: type, sizes: dict[str, int], **values: object) -> Any:
+    """A named tuple with `values`, and arrays as declared where these lack one, which begin at cache lines.
+
+    Parameters
+    ----------
+    sizes : of the shapes' names
+
+    Errors
+    ------
+    TypeError: a field that is no array has no value. NameError: a size is missing.
+    """
+    for name in kind._fields:
+        field = _field(kind, name)
+        if name not in values and field is not None and name not in kind._field_defaults:
+            shape = eval(f"({field.shape},)", {"__builtins__": {}}, sizes)  # of declarations in this package alone
+            values[name] = at_line(np.full(shape, field.initial, dtype=field.dtype))
+    return kind(**values)
+
+
+def at_line(values: np.ndarray) -> np.ndarray:
+    """A copy that begins at a cache line."""
+    buffer = np.zeros(values.nbytes + CACHE_LINE, dtype=np.uint8)
+    first = -buffer.ctypes.data % CACHE_LINE
+    copy = buffer[first : first + values.nbytes].view(values.dtype).reshape(values.shape)
+    copy[...] = values
+    return copy
+
+
+def lined_up(group: Any) -> Any:
+    """A named tuple, and those in it, with copies of its arrays that begin at cache lines."""
+    return type(group)(*(_entry(entry) for entry in group))
+
+
+def _entry(entry: Any) -> Any:
+    if isinstance(entry, np.ndarray):
+        return at_line(entry)
+    return lined_up(entry) if hasattr(entry, "_fields") else entry

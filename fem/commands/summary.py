@@ -27,8 +27,7 @@ LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
 
 def print_plan(plan: Plan) -> None:
     """What has been decided and what it will cost. RunFailed: there is no equilibrium to tell of."""
-    from fem.solver.pace import seconds_by_trial  # only a dry run needs what it imports
-    from fem.solver.trial import is_compiled
+    from fem.solver.trial import is_compiled, seconds_by_trial  # only a dry run needs what it imports
 
     console, table, rows = Console(highlight=False), plan.table(), plan.rows()
     seconds = seconds_by_trial(plan)

@@ -1,9 +1,8 @@
 """The time loop: leapfrog steps of the whole bearing."""
 
-# what contacts ask of each type of surface, and the loop of each further body
 import fem.kernels.bore
-import fem.kernels.disc_surface
-import fem.kernels.housing_kernels
+import fem.kernels.disc_surface  # what contacts ask of each type of surface
+import fem.kernels.housing_kernels  # and the loop of each further body
 import fem.kernels.ring_surface
 import fem.kernels.shaft  # noqa: F401
 from fem.kernels.bodies import DONE, NOT_FINITE, drift_others, end_kicks, kick_others, lost

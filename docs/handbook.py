@@ -1,7 +1,7 @@
 """Pages of the handbook that are made, not written: mkdocs calls `on_files` before it builds the site.
 
-Scene keys come from the scene's own classes, the result's variables from its layout, commands from their --help, and
-Python from the packages' docstrings, so that each is described once and a new table or option is here by itself.
+Scene keys come from the scene's own classes, the result's variables from their declaration, commands from their --help,
+and Python from the packages' docstrings, so that each is described once and a new table or option is here by itself.
 """
 
 import importlib
@@ -59,31 +59,25 @@ def examples_page() -> str:
 
 def result_page() -> str:
     """Variables and attributes of a result file."""
-    from fem.result import layout
+    from fem.result.layout import ATTRIBUTES
+    from lagrange.columns import COLUMNS, columns_of
 
-    variables = [table for table in vars(layout).values() if _is_variables(table)]
-    rows = []
-    for table in variables:
-        for name, (dimensions, unit, meaning) in table.items():
-            rows.append((f"`{name}`", ", ".join(dimensions), unit, meaning))
+    rows = [
+        (f"`{name}`", ", ".join(column.dimensions), column.unit, column.meaning, part)
+        for part in COLUMNS
+        for name, column in columns_of(part).items()
+    ]
     return "\n\n".join(
         [
             "# Result file",
             "HDF5 with dimension scales: opens with h5py, netCDF4, xarray and MATLAB, while the run goes too. SI. What "
             "of it may be trusted, and what stands in it on request: [result file, explained](../result_file.md).",
             "## Variables",
-            _table(("variable", "dimensions", "unit", "meaning"), rows),
+            _table(("variable", "dimensions", "unit", "meaning", "only with"), rows),
             "## Attributes",
-            _table(("attribute", "meaning"), ((f"`{name}`", text) for name, text in layout.ATTRIBUTES.items())),
+            _table(("attribute", "meaning"), ((f"`{name}`", text) for name, text in ATTRIBUTES.items())),
         ]
     )
-
-
-def _is_variables(table: object) -> bool:
-    """Whether it is one of the layout's tables of variables: (dimensions, unit, meaning) by name."""
-    return isinstance(table, dict) and bool(table) and all(
-        isinstance(entry, tuple) and len(entry) == 3 and isinstance(entry[0], tuple) for entry in table.values()
-    )  # fmt: skip
 
 
 def commands_page() -> str:

@@ -6,13 +6,11 @@ from math import exp, expm1, pi, sqrt
 
 import numpy as np
 
-OF_HOUSING = ("housing_x", "housing_y", "housing_ax", "housing_ay", "energy_support")  # what samples tell of it
-OF_SENSOR = ("sensor_ay",)
-OF_BORE = (
-    "outer_ring_x", "outer_ring_y", "outer_ring_ax", "outer_ring_ay", "bore_force_x", "bore_force_y", "bore_arc"
-)  # fmt: skip
-OF_SHAFT = ("energy_shaft",)
-ENERGIES = ("energy_support", "energy_shaft")  # among them, J
+from lagrange.columns import columns_of
+
+OF_HOUSING, OF_BORE = tuple(columns_of("housing")), tuple(columns_of("bore"))  # columns of samples
+PARTS = ("housing", "sensor", "shaft", "bore")  # of a mounting that samples have columns of
+ENERGIES = tuple(name for name, column in columns_of(*PARTS).items() if column.unit == "J")  # among these
 
 LOOK_AROUND = 1e-8  # relative, for derivatives, of what statics are exact to 1e-10 of
 SETTLED, FINEST = 1e-7, 1e-7  # of the way that a housing sinks, m
@@ -126,8 +124,12 @@ class Mounting:
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of what samples tell of it, as they stand behind each other."""
-        parts = ((self.housing, OF_HOUSING), (self.sensor, OF_SENSOR), (self.shaft, OF_SHAFT), (self.bore, OF_BORE))
-        return tuple(name for part, names in parts if part is not None for name in names)
+        return tuple(columns_of(*self.parts))
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The PARTS that are there."""
+        return tuple(part for part in PARTS if getattr(self, part) is not None)
 
     @property
     def rows(self) -> dict[str, str]:

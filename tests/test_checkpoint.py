@@ -9,9 +9,9 @@ import pytest
 from fem.commands.run_fem import run_main
 from fem.errors import UsageError
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, save_checkpoint
-from fem.result.layout import VARIABLES
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan, run
+from lagrange.columns import columns_of
 from lagrange.scene.scene import read_scene
 from tests.reference.commands import command
 from tests.test_runner import start_run
@@ -23,7 +23,7 @@ OPTIONS = ["--mesh-size", "2", "--quiet"]
 
 def same_data(left, right):
     with h5py.File(left) as a, h5py.File(right) as b:
-        return all(np.array_equal(a[name][:], b[name][:]) for name in VARIABLES)
+        return all(np.array_equal(a[name][:], b[name][:]) for name in columns_of(""))
 
 
 @pytest.fixture(scope="module")

@@ -17,9 +17,10 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.result.checkpoint import checkpoint_path
-from fem.result.layout import MARK, PER_TIME, VARIABLES, create
+from fem.result.layout import MARK, create
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan
+from lagrange.columns import PER_TIME, columns_of
 from lagrange.files.hdf5 import HeldBack, read_numbers
 from lagrange.scene.scene import read_scene
 from tests.reference.recorded_disk import RecordedDisk
@@ -44,7 +45,7 @@ def samples():
     numbers = np.random.default_rng(1)
     return {
         name: numbers.uniform(size=n if dimensions == PER_TIME else (n, ROLLERS))
-        for name, (dimensions, *_) in VARIABLES.items()
+        for name, (dimensions, *_) in columns_of("").items()
     }
 
 
@@ -65,7 +66,7 @@ def found(path, samples):
     """Number of samples and status of a file that any HDF5 reader can open; its samples must be right."""
     with h5py.File(path, "r", locking=False) as file:
         count = int(file.attrs["committed_samples"])
-        for name in VARIABLES:
+        for name in columns_of(""):
             np.testing.assert_array_equal(read_numbers(file, name, count), samples[name][:count])
         return count, file.attrs["status"]
 
@@ -80,7 +81,7 @@ def test_a_run_that_is_killed_after_any_write_leaves_the_samples_of_its_last_com
     for content in dict.fromkeys(disk.after_kills(path)):
         probe.write_bytes(content)
         ends.append(found(probe, samples))
-    assert len(ends) > 3 * 2 * len(VARIABLES)
+    assert len(ends) > 3 * 2 * len(columns_of(""))
     assert list(dict.fromkeys(ends)) == ENDS
 
 
@@ -99,7 +100,7 @@ def test_a_power_cut_leaves_a_sound_file_whichever_sectors_had_reached_the_disk(
 
 def test_the_counter_is_not_torn(plan, tmp_path):
     """Eight aligned bytes: within one sector, and one page."""
-    places = create(tmp_path / "run.nc", ROLLERS, 41, {}, VARIABLES)
+    places = create(tmp_path / "run.nc", ROLLERS, 41, {}, columns_of(""))
     assert places.committed % 8 == 0
     with h5py.File(tmp_path / "run.nc") as file:
         assert file.attrs["committed_samples"] == MARK and np.all(np.isnan(file["time"]))
@@ -141,11 +142,11 @@ def test_a_disk_that_fails_while_hdf5_lays_a_file_out_is_said_once_it_is_closed(
         return put(file, data)
 
     monkeypatch.setattr(HeldBack, "put", failing)
-    create(tmp_path / "run.nc", ROLLERS, 41, {}, VARIABLES)
+    create(tmp_path / "run.nc", ROLLERS, 41, {}, columns_of(""))
     for fail_at in range(1, count[0] + 1):
         count[:] = 0, fail_at
         with pytest.raises(OSError, match="No space left"):
-            create(tmp_path / "run.nc", ROLLERS, 41, {}, VARIABLES)
+            create(tmp_path / "run.nc", ROLLERS, 41, {}, columns_of(""))
     gc.collect()  # where HDF5 would crash on what it could not write
 
 

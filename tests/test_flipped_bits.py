@@ -9,8 +9,8 @@ import pytest
 from fem.commands.run_fem import run_main
 from fem.errors import UsageError
 from fem.result.checkpoint import checkpoint_path, load_checkpoint
-from fem.result.layout import VARIABLES
 from fem.solver.simulate import make_plan
+from lagrange.columns import columns_of
 from lagrange.scene.scene import read_scene
 from residual.errors import InputError
 from residual.sources import MOTION, OPTIONAL, read_result
@@ -44,7 +44,7 @@ def test_no_flipped_bit_of_a_result_goes_unnoticed(flips, tmp_path, monkeypatch)
     assert run_main([*OPTIONS, "--duration", "0.5", "--output", str(path)]) == 0
     good, sound = path.read_bytes(), read_result(path)
     with h5py.File(path) as file:
-        blocks = [(file[name].id.get_offset(), file[name].nbytes) for name in VARIABLES]
+        blocks = [(file[name].id.get_offset(), file[name].nbytes) for name in columns_of("")]
     inside = np.zeros(len(good), dtype=bool)
     for start, size in blocks:
         inside[start : start + size] = True

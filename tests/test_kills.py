@@ -14,8 +14,8 @@ import pytest
 from fem.commands.run_fem import run_main
 from fem.result.checkpoint import checkpoint_path
 from fem.result.fields import GROUP, stored_samples
-from fem.result.layout import VARIABLES
 from fem.solver import simulate
+from lagrange.columns import columns_of
 
 OPTIONS = [
     "--mesh-size", "2", "--quiet", "--duration", "12", "--checkpoint", "0", "--set", "output.fields_every_ms=1",
@@ -33,7 +33,7 @@ def undisturbed(tmp_path_factory):
     assert run_main([*OPTIONS, str(path)]) == 0
     with h5py.File(path) as file:
         fields = {f"{GROUP}/{name}": variable[:] for name, variable in file[GROUP].items()}
-        return {name: file[name][:] for name in VARIABLES} | fields
+        return {name: file[name][:] for name in columns_of("")} | fields
 
 
 def killed_run(path, moment):
@@ -74,7 +74,7 @@ def samples_in(path, undisturbed):
     with h5py.File(path, "r") as file:
         count = int(file.attrs["committed_samples"])
         assert file.attrs["status"] in ("running", "complete")
-        for name in VARIABLES:
+        for name in columns_of(""):
             assert np.array_equal(file[name][:count], undisturbed[name][:count]), name
         frames = len(stored_samples(file, count))
         assert frames == len(range(0, count, 100))

@@ -13,9 +13,9 @@ import pytest
 
 from fem.commands.render_fem import render_main
 from fem.commands.run_fem import run_main
-from fem.result.layout import VARIABLES
 from fem.solver.simulate import make_plan
 from lagrange import contact_laws, simulate
+from lagrange.columns import columns_of
 from lagrange.scene.scene import read_scene
 from residual.cli import main as check_main
 from residual.evaluation import evaluate
@@ -56,7 +56,7 @@ def test_the_file_holds_the_solution_in_every_variable(short):
         assert file.attrs["degrees_of_freedom"] == 13 + 2 and file.attrs["mesh_nodes"] == 0
         assert 0.0 < file.attrs["time_step"] < file.attrs["critical_time_step"] < 1e-4
         assert file.attrs["steps"] == found.steps
-        for name, (dimensions, units, _) in VARIABLES.items():
+        for name, (dimensions, units, _) in columns_of("").items():
             assert file[name].shape == (1001, 13)[: len(dimensions)] and file[name].attrs["units"] == units
         for name in ("inner_x", "inner_ay", "roller_y", "roller_theta", "inner_force", "outer_force", "work_external"):
             reference = getattr(found, name)  # by numpy
@@ -234,7 +234,7 @@ def test_a_start_alone_can_be_extended(tmp_path):
     assert run(path, "--duration", "0", "--quiet") == 0
     assert run(path, "--duration", "1", "--quiet", "--resume") == run(whole, "--duration", "1", "--quiet") == 0
     with h5py.File(path) as file, h5py.File(whole) as other:
-        assert all(np.array_equal(file[name][:], other[name][:]) for name in VARIABLES)
+        assert all(np.array_equal(file[name][:], other[name][:]) for name in columns_of(""))
 
 
 def test_dry_run_shows_the_plan_and_writes_nothing(tmp_path, monkeypatch, capsys):

@@ -8,9 +8,9 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.errors import RunFailed
-from fem.result.layout import VARIABLES
 from fem.result.store import ResultFile
 from fem.solver.simulate import make_plan, run
+from lagrange.columns import columns_of
 from lagrange.scene.scene import read_scene
 
 COARSE = ("numerics.mesh_size_mm=2", "numerics.duration_ms=1")
@@ -50,7 +50,7 @@ def test_result_file_holds_the_contract(coarse_run):
     with h5py.File(coarse_run) as file:
         assert file.attrs["status"] == "complete"
         assert file.attrs["committed_samples"] == 401 == file["time"].shape[0]
-        for name, (dimensions, units, _) in VARIABLES.items():
+        for name, (dimensions, units, _) in columns_of("").items():
             assert file[name].attrs["units"] == units and file[name].attrs["long_name"]
             assert file[name].ndim == len(dimensions)
             assert np.all(np.isfinite(file[name][:]))

@@ -12,7 +12,14 @@ from fem.kernels.law import STEEPEST
 from fem.kernels.reduced_housing import push_ring, ring_rates
 from fem.kernels.reduced_state import INNER, OUTER
 from fem.kernels.reduced_surfaces import passing_rates, push_along
-from fem.kernels.sample_kernels import DAMPED_BY_BODIES, DAMPED_BY_CONTACTS, DISSIPATED, N_SCALARS
+from fem.kernels.sample_kernels import (
+    DAMPED_BY_BODIES,
+    DAMPED_BY_CONTACTS,
+    DAMPER_FORCE,
+    DISSIPATED,
+    FORCE,
+    N_SCALARS,
+)
 from fem.kernels.shaft import give_way, mobility
 
 
@@ -169,6 +176,6 @@ def write_damping(dampers, n, out):
     for j in range(n):
         at = N_SCALARS + j
         for row in range(3):
-            out[at + (4 + row) * n] = max(out[at + (4 + row) * n] + dampers.force[row, j], 0.0)
+            out[at + (FORCE + row) * n] = max(out[at + (FORCE + row) * n] + dampers.force[row, j], 0.0)
         for row in (INNER, OUTER):
-            out[at + (9 + row) * n] = dampers.force[row, j]
+            out[at + (DAMPER_FORCE + row) * n] = dampers.force[row, j]

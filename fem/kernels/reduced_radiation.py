@@ -15,7 +15,7 @@ from fem.kernels.lanes import any_lane, select
 from fem.kernels.law import STEEPEST
 from fem.kernels.reduced_housing import push_ring, ring_rates
 from fem.kernels.reduced_state import INNER, OUTER
-from fem.kernels.sample_kernels import DISSIPATED, N_SCALARS
+from fem.kernels.sample_kernels import DISSIPATED, FORCE, N_SCALARS
 from fem.kernels.shaft import give_way, mobility
 
 QUIET, STRUCK, KICKED = 0, 1, 2  # of `Radiation.state`
@@ -126,4 +126,4 @@ def write_radiation(radiation, n, out):
     if radiation.state[0] == KICKED:
         for j in range(n):
             for row in range(2):
-                out[N_SCALARS + (4 + row) * n + j] += radiation.kick[row, j]
+                out[N_SCALARS + (FORCE + row) * n + j] += radiation.kick[row, j]

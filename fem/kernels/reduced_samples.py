@@ -19,6 +19,7 @@ from fem.kernels.reduced_state import INNER, NEXT, OUTER
 from fem.kernels.sample_kernels import (
     CONTACT,
     ELASTIC,
+    FORCE,
     HUB_AX,
     HUB_AY,
     HUB_VX,
@@ -27,8 +28,13 @@ from fem.kernels.sample_kernels import (
     HUB_Y,
     KINETIC,
     N_SCALARS,
+    SPIN,
     TIME,
+    TRACTION,
+    TURN,
     WORK_GRAVITY,
+    X,
+    Y,
 )
 
 
@@ -51,14 +57,14 @@ def write_motion(bodies, forces, drive, before, out, time):
     n = bodies.n
     for j in range(n):
         at = N_SCALARS + j
-        out[at] = bodies.centre[0, j] + ahead * before.acceleration[0, j]
-        out[at + n] = bodies.centre[1, j] + ahead * before.acceleration[1, j]
-        out[at + 2 * n] = bodies.turn[j]
-        out[at + 3 * n] = 0.5 * (before.spin[j] + bodies.spin[j])
+        out[at + X * n] = bodies.centre[0, j] + ahead * before.acceleration[0, j]
+        out[at + Y * n] = bodies.centre[1, j] + ahead * before.acceleration[1, j]
+        out[at + TURN * n] = bodies.turn[j]
+        out[at + SPIN * n] = 0.5 * (before.spin[j] + bodies.spin[j])
         for row in range(3):
-            out[at + (4 + row) * n] = forces.force[row, j]
+            out[at + (FORCE + row) * n] = forces.force[row, j]
         for row in range(2):
-            out[at + (7 + row) * n] = forces.traction[row, j]
+            out[at + (TRACTION + row) * n] = forces.traction[row, j]
 
 
 @part

@@ -20,39 +20,23 @@ from fem.kernels.ring_kernels import HALO
 from fem.kernels.shear_kernels import spring_energy
 from fem.kernels.state import CONTACTS, Course
 
-# columns of a sample: the hub, the energies, then blocks of n_rollers, then those of further bodies
+# Columns of a row by the result file's names (`lagrange.columns`): numbers, then blocks of n_rollers; those of further
+# bodies stand behind. work_load, work_gravity and work_drive are parts of work_external.
+SCALARS = (
+    "time", "inner_x", "inner_y", "inner_vx", "inner_vy", "inner_ax", "inner_ay",
+    "energy_kinetic", "energy_elastic", "energy_contact", "work_load", "work_gravity", "work_drive",
+    "work_dissipated", "work_damping_contact", "work_damping_bodies",
+)  # fmt: skip
+N_SCALARS = len(SCALARS)
 (
-    TIME,
-    HUB_X,
-    HUB_Y,
-    HUB_VX,
-    HUB_VY,
-    HUB_AX,
-    HUB_AY,
-    KINETIC,
-    ELASTIC,
-    CONTACT,
-    WORK_LOAD,
-    WORK_GRAVITY,
-    WORK_DRIVE,
-    DISSIPATED,
-    DAMPED_BY_CONTACTS,
-    DAMPED_BY_BODIES,
-) = range(16)
-N_SCALARS = 16
+    TIME, HUB_X, HUB_Y, HUB_VX, HUB_VY, HUB_AX, HUB_AY, KINETIC, ELASTIC, CONTACT, WORK_LOAD, WORK_GRAVITY, WORK_DRIVE,
+    DISSIPATED, DAMPED_BY_CONTACTS, DAMPED_BY_BODIES,
+) = range(N_SCALARS)  # fmt: skip
 BLOCKS = (
-    "roller_x",
-    "roller_y",
-    "roller_turn",
-    "roller_spin",
-    "inner_force",
-    "outer_force",
-    "roller_roller_force",
-    "inner_traction",
-    "outer_traction",
-    "inner_damping_force",
-    "outer_damping_force",
-)
+    "roller_x", "roller_y", "roller_turn", "roller_spin", "inner_force", "outer_force", "roller_roller_force",
+    "inner_traction", "outer_traction", "inner_damping_force", "outer_damping_force",
+)  # fmt: skip
+X, Y, TURN, SPIN, FORCE, _, _, TRACTION, _, DAMPER_FORCE, _ = range(len(BLOCKS))  # forces by row of contacts
 
 
 @part(inlined=False)
@@ -115,14 +99,14 @@ def write_sample(bodies, groups, contacts, drive, scratch, out, time, moment):
     n = rollers.n
     for j in range(n):
         at = N_SCALARS + j
-        out[at] = rollers.centre[0, j]
-        out[at + n] = rollers.centre[1, j]
-        out[at + 2 * n] = rollers.turn[j] + rollers.lead[j]
-        out[at + 3 * n] = rollers.spin[j]
+        out[at + X * n] = rollers.centre[0, j]
+        out[at + Y * n] = rollers.centre[1, j]
+        out[at + TURN * n] = rollers.turn[j] + rollers.lead[j]
+        out[at + SPIN * n] = rollers.spin[j]
         for row in range(3):
-            out[at + (4 + row) * n] = forces.force[row, j]
+            out[at + (FORCE + row) * n] = forces.force[row, j]
         for row in range(2):
-            out[at + (7 + row) * n] = friction.traction[row, j]
+            out[at + (TRACTION + row) * n] = friction.traction[row, j]
         add_damper_forces(contacts.dampers, j, n, out)
     add_all_motion(bodies.others, drive, out, KINETIC)
 
@@ -151,9 +135,9 @@ def add_damper_forces(dampers, j, n, out):
     if dampers is not None:
         at = N_SCALARS + j
         for row in range(3):
-            out[at + (4 + row) * n] = max(out[at + (4 + row) * n] + dampers.force[row, j], 0.0)
+            out[at + (FORCE + row) * n] = max(out[at + (FORCE + row) * n] + dampers.force[row, j], 0.0)
         for row in range(2):
-            out[at + (9 + row) * n] = dampers.felt[row, j]
+            out[at + (DAMPER_FORCE + row) * n] = dampers.felt[row, j]
 
 
 @part(inlined=False)

@@ -8,16 +8,16 @@ import numpy as np
 
 import fem.kernels.cage as kernels
 from fem.errors import UsageError
-from fem.kernels.cage import N_CAGE_SCALARS, CageContacts, CagePair, GuidingRing, Riders
+from fem.kernels.cage import CageContacts, CagePair, GuidingRing, Riders
 from fem.kernels.fields import filled, lined_up
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import RigidBodies
-from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.state import Drive, Rollers
 from fem.solver.run_arrays import Arrays
+from fem.solver.samples import row_width
 from lagrange.bearing import Bearing, Cage, Operation
-from lagrange.mounting import HELD, Mounting
+from lagrange.mounting import Mounting
 
 # Where a cage stands at the start: statics know no cage, and rollers and rings may leave it no room in the middle.
 
@@ -77,34 +77,7 @@ def cage_seat(
 if TYPE_CHECKING:  # needs the finite elements' libraries
     from fem.solver.start import Start
 
-SCALARS = (
-    "cage_x",
-    "cage_y",
-    "cage_angle",
-    "cage_speed",
-    "cage_guidance_x",
-    "cage_guidance_y",
-    "cage_work_dashpots",
-    "cage_work_friction",
-    "cage_work_drag",
-)
-PER_ROLLER = ("cage_force", "cage_radial_force", "cage_moment")
 GUIDE_SIDES = {"inner_ring": -1.0, "outer_ring": 1.0}  # of the cage, where it meets that ring
-
-
-def row_width(n_rollers: int, cage: Cage | None, mounting: Mounting = HELD) -> int:
-    """Numbers in a sample of the time loops."""
-    usual = N_SCALARS + len(BLOCKS) * n_rollers + len(mounting.columns)
-    return usual if cage is None else usual + N_CAGE_SCALARS + len(PER_ROLLER) * n_rollers
-
-
-def cage_columns(rows: np.ndarray, n_rollers: int, at: int) -> dict[str, np.ndarray]:
-    """What rows of a run with a cage hold of it from a column on, by the result file's names."""
-    found = {name: rows[:, at + i] for i, name in enumerate(SCALARS)}
-    at += N_CAGE_SCALARS
-    for i, name in enumerate(PER_ROLLER):
-        found[name] = rows[:, at + i * n_rollers : at + (i + 1) * n_rollers]
-    return found
 
 
 def with_cage(

@@ -11,13 +11,13 @@ from fem.kernels.drive import N_NOW
 from fem.kernels.fields import at_line, filled
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.lanes import WIDTH
-from fem.kernels.sample_kernels import BLOCKS, N_SCALARS
 from fem.kernels.shaft import Shaft, late_mass
 from fem.kernels.state import BodyDamping, Course, Dampers, Drive, Ring, RingProfile, RollerProfiles
 from fem.solver.run_arrays import Arrays
+from fem.solver.samples import row_places
 from lagrange import Bearing, Kinematics, Operation, kinematics
 from lagrange.contact.damping import ContactDamping
-from lagrange.mounting import OF_SHAFT, Mounting, Sensor
+from lagrange.mounting import Mounting, Sensor
 from lagrange.scene.run import DampingTable
 from lagrange.surface.deviation import Profile, profiles
 
@@ -79,7 +79,7 @@ def springs_on(
         mass=float(mass),
         stiffness=float(shaft.stiffness),
         damping=float(shaft.damping),
-        column=N_SCALARS + len(BLOCKS) * n + mounting.columns.index(OF_SHAFT[0]),
+        column=row_places(n, mounting.parts)["energy_shaft"],
     )
 
 

@@ -15,8 +15,9 @@ from fem.kernels.reduced_state import (
     ReducedForces,
     RigidBodies,
 )
-from fem.solver.cage_arrays import cage_state, pair_of_rigid, row_width
+from fem.solver.cage_arrays import cage_state, pair_of_rigid
 from fem.solver.part_arrays import course_arrays, housing_of, raceway_profiles, springs_on
+from fem.solver.samples import row_width
 from fem.solver.vibrations import vibrations
 from fem.statics.reduced_bearing import growths
 from lagrange import Bearing, kinematics

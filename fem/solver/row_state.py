@@ -7,7 +7,6 @@ import numpy as np
 
 from fem.errors import UsageError
 from fem.kernels.bodies import DONE
-from fem.solver.cage_arrays import row_width
 from fem.solver.guards import (
     ASTRAY,
     energy_caution,
@@ -20,7 +19,7 @@ from fem.solver.guards import (
     run_cautions,
     velocity_trouble,
 )
-from fem.solver.samples import SampleReader
+from fem.solver.samples import SampleReader, row_width
 from fem.solver.simulate import LARGEST_BLOCK, size_of_block
 from fem.solver.solver import Block, Numbers, Plan, RunState
 

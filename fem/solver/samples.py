@@ -1,14 +1,35 @@
 """Rows of the time loop turned into the result file's quantities."""
 
+from collections.abc import Collection
+
 import numpy as np
 
 from fem.kernels import sample_kernels as row
-from fem.solver.cage_arrays import cage_columns
 from fem.solver.guards import EnergyAccount
 from fem.solver.solver import Samples
-from lagrange.mounting import ENERGIES, from_outer_ring
+from lagrange.bearing import Cage
+from lagrange.columns import PER_ROLLER, columns_of
+from lagrange.mounting import ENERGIES, HELD, Mounting, from_outer_ring
 
 TURN = 2.0 * np.pi
+
+
+def row_places(n_rollers: int, parts: Collection[str] = ()) -> dict[str, int | slice]:
+    """Where a row of the time loops holds each column: those of `sample_kernels`, then those of a scene's parts."""
+    further = columns_of(*parts)
+    places: dict[str, int | slice] = {name: i for i, name in enumerate(row.SCALARS)}
+    at = row.N_SCALARS
+    for name in (*row.BLOCKS, *further):
+        is_block = name in row.BLOCKS or further[name].dimensions == PER_ROLLER
+        places[name] = slice(at, at + n_rollers) if is_block else at
+        at += n_rollers if is_block else 1
+    return places
+
+
+def row_width(n_rollers: int, cage: Cage | None, mounting: Mounting = HELD) -> int:
+    """Numbers in a sample of the time loops."""
+    parts = mounting.parts if cage is None else (*mounting.parts, "cage")
+    return sum(n_rollers if isinstance(at, slice) else 1 for at in row_places(n_rollers, parts).values())
 
 
 class SampleReader:
@@ -18,10 +39,9 @@ class SampleReader:
     """
 
     def __init__(self, plan):
-        self._n = plan.model.bearing.n_rollers
-        self._further = plan.operation.mounting.columns  # columns of a row behind those of the rollers
+        parts = (*plan.operation.mounting.parts, *(() if plan.scene.cage is None else ("cage",)))
+        self._places = row_places(plan.model.bearing.n_rollers, parts)
         self._pressed = plan.pressed_energy
-        self._has_cage = plan.scene.cage is not None
         self._looks = plan.looks
         self._interval = plan.interval
         self._count = 0
@@ -50,54 +70,23 @@ class SampleReader:
 
     def read(self, rows: np.ndarray) -> Samples:
         """Quantities of the next rows."""
-        n = self._n
-        end = row.N_SCALARS + n * len(row.BLOCKS)
-        blocks = rows[:, row.N_SCALARS : end].reshape(len(rows), len(row.BLOCKS), n)
-        at = end + len(self._further)
-        block = {name: blocks[:, i] for i, name in enumerate(row.BLOCKS)}
-        further = {name: rows[:, end + i] for i, name in enumerate(self._further)}
-        x, y = from_outer_ring(block | further, "roller")
+        values = {name: rows[:, place] for name, place in self._places.items()}
+        x, y = from_outer_ring(values, "roller")
         works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1)
-        kinetic, stored = rows[:, row.KINETIC], rows[:, row.ELASTIC] + rows[:, row.CONTACT]
-        moved = kinetic + sum(further[name] for name in ENERGIES if name in further)
+        stored = values["energy_elastic"] + values["energy_contact"]
+        moved = values["energy_kinetic"] + sum(values[name] for name in ENERGIES if name in values)
         if self._base is None:
-            self._base = works[0], rows[0, row.DISSIPATED], moved[0], stored[0]
-        work, dissipated = works - self._base[0], rows[:, row.DISSIPATED] - self._base[1]
+            self._base = works[0], values["work_dissipated"][0], moved[0], stored[0]
         gained = moved - self._base[2]
-        values = {
+        values |= {
             "time": (self._count + np.arange(len(rows))) / self._looks * self._interval,
-            "inner_x": rows[:, row.HUB_X],
-            "inner_y": rows[:, row.HUB_Y],
-            "inner_vx": rows[:, row.HUB_VX],
-            "inner_vy": rows[:, row.HUB_VY],
-            "inner_ax": rows[:, row.HUB_AX],
-            "inner_ay": rows[:, row.HUB_AY],
-            "roller_x": block["roller_x"],
-            "roller_y": block["roller_y"],
             "roller_rho": np.hypot(x, y),
             "roller_theta": self._unwrap(np.arctan2(y, x)),
-            "roller_spin": block["roller_spin"],
-            "roller_turn": block["roller_turn"],
-            "inner_force": block["inner_force"],
-            "outer_force": block["outer_force"],
-            "inner_traction": block["inner_traction"],
-            "outer_traction": block["outer_traction"],
-            "roller_roller_force": block["roller_roller_force"],
-            "energy_kinetic": kinetic,
-            "energy_elastic": rows[:, row.ELASTIC],
-            "energy_contact": rows[:, row.CONTACT],
-            "work_external": work,
-            "work_dissipated": dissipated,
-            "inner_damping_force": block["inner_damping_force"],
-            "outer_damping_force": block["outer_damping_force"],
-            "work_damping_contact": rows[:, row.DAMPED_BY_CONTACTS],
-            "work_damping_bodies": rows[:, row.DAMPED_BY_BODIES],
-            **further,
+            "work_external": works - self._base[0],
+            "work_dissipated": values["work_dissipated"] - self._base[1],
         }
-        if self._has_cage:
-            values |= cage_columns(rows, n, at)
         self._count += len(rows)
-        imbalance = gained + (stored - self._base[3]) - work + dissipated
+        imbalance = gained + (stored - self._base[3]) - values["work_external"] + values["work_dissipated"]
         return self._account.samples(values, imbalance, np.fmax(stored - self._pressed, np.abs(gained)))
 
     def _unwrap(self, angle: np.ndarray) -> np.ndarray:

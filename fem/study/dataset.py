@@ -18,10 +18,11 @@ import numpy as np
 
 from fem.errors import UsageError
 from fem.quantities import UNITS, labels
-from fem.result.layout import PER_ROLLER, variables_of
+from fem.result.layout import variables_of
 from fem.study.folder import MISSING, PROGRAM, Folder
 from fem.study.solving import COMPLETE, LIBRARIES, Points, Solved
 from fem.study.study_file import QUANTITIES
+from lagrange.columns import PER_ROLLER
 from lagrange.files.hdf5 import dimension, hdf5_to_write, label, variable
 from lagrange.files.output import replaced
 from lagrange.scene.keys import unit_of

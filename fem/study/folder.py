@@ -30,10 +30,11 @@ from pydantic import (
 )
 
 from fem.errors import UsageError
-from fem.result.layout import PER_ROLLER, Variables
+from fem.result.layout import Variables
 from fem.study.sampling import Design
 from fem.study.solving import COMPLETE, LOST, Points, Solved
 from fem.study.study_file import QUANTITIES, KeepTable, study_of
+from lagrange.columns import PER_ROLLER
 from lagrange.files.input import read_plain
 from lagrange.files.output import read_sealed, write_sealed, write_whole
 from lagrange.scene.scene import parse_scene_text
@@ -118,7 +119,7 @@ def read_point(data: bytes, keep: KeepTable, variables: Variables) -> Solved:
     if not set(facts.quantities) <= set(keep.quantities) or set(signals) != wanted:
         raise ValueError("other quantities or signals than the study's")
     for name, values in signals.items():
-        if values.dtype != np.float64 or values.ndim != (2 if variables[name][0] == PER_ROLLER else 1):
+        if values.dtype != np.float64 or values.ndim != (2 if variables[name].dimensions == PER_ROLLER else 1):
             raise ValueError(f"{name}: no signal")
     if len({len(values) for values in signals.values()}) > 1:
         raise ValueError("signals of several lengths")

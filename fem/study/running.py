@@ -10,11 +10,12 @@ from math import nan
 
 from fem.commands.progress import count_display
 from fem.errors import RunFailed, UsageError
-from fem.result.layout import PER_ROLLER, variables_of
+from fem.result.layout import variables_of
 from fem.solver.simulate import make_plan, programs_named
 from fem.study.cluster import Cluster, solve_on_cluster
 from fem.study.folder import Folder
 from fem.study.solving import LOST, Points, Solved, Wanted, solve
+from lagrange.columns import PER_ROLLER
 from lagrange.messages import say
 
 WORTH_A_CLUSTER = 60.0  # s of work: below, starting workers takes longer than they save
@@ -83,7 +84,7 @@ def _disk(points: Points) -> float:
     numerics, variables = scene.numerics, variables_of(scene)
     rate = 1e3 / numerics.output_interval_us if keep.signal_rate_kHz is None else keep.signal_rate_kHz
     rollers = scene.bearing.rollers
-    columns = sum(rollers if variables[name][0] == PER_ROLLER else 1 for name in keep.signals)
+    columns = sum(rollers if variables[name].dimensions == PER_ROLLER else 1 for name in keep.signals)
     return POINT_FILE + 2.0 * 8.0 * columns * numerics.duration_ms * rate
 
 

@@ -16,10 +16,11 @@ from fem.errors import RunFailed, UsageError
 from fem.interface import OF_CHECK, check_quantities, simulate, statics
 from fem.quantities import OF_STATICS, Quantity
 from fem.recording import Result
-from fem.result.layout import PER_ROLLER, variables_of
+from fem.result.layout import variables_of
 from fem.solver.solver import sample_count
 from fem.study.sampling import Design
 from fem.study.study_file import KeepTable, Study, decimation
+from lagrange.columns import PER_ROLLER
 from lagrange.scene.scene import Scene, SceneError
 from lagrange.version import source_digest
 
@@ -94,7 +95,7 @@ def _check_signals(scene: Scene, keep: KeepTable, first: dict[str, object]) -> N
         "numerics.duration_ms": scene.numerics.duration_ms,
         "numerics.output_interval_us": round(one_of * interval, 6),
     }
-    if any(known[name][0] == PER_ROLLER for name in keep.signals):
+    if any(known[name].dimensions == PER_ROLLER for name in keep.signals):
         sizes["bearing.rollers"] = scene.bearing.rollers
     for key, value in sizes.items():
         if first.setdefault(key, value) != value:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.result.layout import PER_TIME, VARIABLES
 from fem.solver.solver import Block, Plan, RunState, Samples, sample_count
+from lagrange.columns import PER_TIME, columns_of
 from lagrange.scene.scene import Scene
 
 TURN = 0.1  # rad a sample
@@ -53,7 +53,7 @@ class ToyState(RunState):
         n = self.plan.scene.bearing.rollers
         values = {
             name: np.zeros(most if dimensions == PER_TIME else (most, n))
-            for name, (dimensions, *_) in VARIABLES.items()
+            for name, (dimensions, *_) in columns_of("").items()
         }
         values["time"] = self.plan.interval * np.arange(self.done, self.done + most)
         values["inner_x"], values["inner_y"] = np.array(rows).T

@@ -1,0 +1,97 @@
+"""Columns of a run's samples, each declared here alone: the result file, its readers and the handbook follow.
+
+A column more is a line here and the kernel, or the formula in `fem.solver.samples`, that fills it.
+"""
+
+from typing import NamedTuple
+
+PER_TIME, PER_ROLLER = ("time",), ("time", "roller")
+
+
+class Column(NamedTuple):
+    """A variable of the result file."""
+
+    dimensions: tuple[str, ...]
+    unit: str
+    meaning: str
+
+
+# by the part of a scene without which they are absent, in the order in which the time loops write those of a part
+COLUMNS: dict[str, dict[str, tuple[tuple[str, ...], str, str]]] = {
+    "": {
+        "time": (PER_TIME, "s", "time"),
+        "inner_x": (PER_TIME, "m", "hub centre, x"),
+        "inner_y": (PER_TIME, "m", "hub centre, y (up; the load acts along -y)"),
+        "inner_vx": (PER_TIME, "m/s", "hub velocity, x"),
+        "inner_vy": (PER_TIME, "m/s", "hub velocity, y"),
+        "inner_ax": (PER_TIME, "m/s2", "hub acceleration of the integrator, x"),
+        "inner_ay": (PER_TIME, "m/s2", "hub acceleration of the integrator, y"),
+        "roller_x": (PER_ROLLER, "m", "roller's centre of mass, x"),
+        "roller_y": (PER_ROLLER, "m", "roller's centre of mass, y"),
+        "roller_rho": (PER_ROLLER, "m", "roller's distance from the outer ring's centre"),
+        "roller_theta": (PER_ROLLER, "rad", "roller's angle from +x, counter-clockwise, unwrapped"),
+        "roller_spin": (PER_ROLLER, "rad/s", "roller's spin in the fixed frame"),
+        "inner_force": (PER_ROLLER, "N", "normal force, inner raceway on roller"),
+        "outer_force": (PER_ROLLER, "N", "normal force, outer raceway on roller"),
+        "inner_traction": (PER_ROLLER, "N", "tangential force of the inner raceway on the roller, along +theta"),
+        "outer_traction": (PER_ROLLER, "N", "tangential force of the outer raceway on the roller, along +theta"),
+        "roller_roller_force": (PER_ROLLER, "N", "normal force, roller j on roller j + 1"),
+        "energy_kinetic": (PER_TIME, "J", "kinetic energy of all bodies"),
+        "energy_elastic": (PER_TIME, "J", "elastic energy of the meshes"),
+        "energy_contact": (PER_TIME, "J", "elastic energy of the contacts below the grid"),
+        "work_external": (PER_TIME, "J", "work of load, gravity and drive since the start"),
+        "work_dissipated": (PER_TIME, "J", "work dissipated since the start"),
+    },
+    "housing": {
+        "housing_x": (PER_TIME, "m", "housing's place, x, which without a fit is the outer ring's centre"),
+        "housing_y": (PER_TIME, "m", "housing's place, y"),
+        "housing_ax": (PER_TIME, "m/s2", "acceleration of the housing, x"),
+        "housing_ay": (PER_TIME, "m/s2", "acceleration of the housing, y"),
+        "energy_support": (PER_TIME, "J", "energy of the springs under the housing"),
+    },
+    "sensor": {
+        "sensor_ay": (PER_TIME, "m/s2", "acceleration that the sensor shows, y"),
+    },
+    "shaft": {
+        "energy_shaft": (PER_TIME, "J", "energy of the springs that hold the shaft beside the bearing"),
+    },
+    "bore": {
+        "outer_ring_x": (PER_TIME, "m", "outer ring's centre, x: mean of its outside"),
+        "outer_ring_y": (PER_TIME, "m", "outer ring's centre, y"),
+        "outer_ring_ax": (PER_TIME, "m/s2", "acceleration of the outer ring, x"),
+        "outer_ring_ay": (PER_TIME, "m/s2", "acceleration of the outer ring, y"),
+        "bore_force_x": (PER_TIME, "N", "force of the bore on the outer ring, x"),
+        "bore_force_y": (PER_TIME, "N", "force of the bore on the outer ring, y"),
+        "bore_arc": (PER_TIME, "rad", "angle over which the outer ring touches its bore"),
+    },
+    "surfaces": {  # that are not perfect circles
+        "roller_turn": (PER_ROLLER, "rad", "how far the roller has turned about its axis since t = 0, fixed frame"),
+        "inner_sinkage": (PER_ROLLER, "m", "how much nearer the inner ring and the roller come than perfect circles"),
+        "outer_sinkage": (PER_ROLLER, "m", "how much nearer the outer ring and the roller come than perfect circles"),
+    },
+    "cage": {
+        "cage_x": (PER_TIME, "m", "cage centre, x"),
+        "cage_y": (PER_TIME, "m", "cage centre, y"),
+        "cage_angle": (PER_TIME, "rad", "how far the cage has turned since t = 0"),
+        "cage_speed": (PER_TIME, "rad/s", "cage's angular speed"),
+        "cage_guidance_x": (PER_TIME, "N", "force of the guiding ring on the cage, x; 0 where rollers guide it"),
+        "cage_guidance_y": (PER_TIME, "N", "force of the guiding ring on the cage, y; 0 where rollers guide it"),
+        "cage_work_dashpots": (PER_TIME, "J", "dissipated by the cage's dashpots since the start"),
+        "cage_work_friction": (PER_TIME, "J", "dissipated by the cage's friction since the start"),
+        "cage_work_drag": (PER_TIME, "J", "taken by the cage's drag since the start"),
+        "cage_force": (PER_ROLLER, "N", "cage on roller, along the pitch circle: forward where > 0, by the rear wall"),
+        "cage_radial_force": (PER_ROLLER, "N", "cage on roller, outward"),
+        "cage_moment": (PER_ROLLER, "N m", "cage's friction on roller, about the roller's centre"),
+    },
+    "damping": {  # of contacts or of bodies
+        "inner_damping_force": (PER_ROLLER, "N", "part of inner_force that damping gives"),
+        "outer_damping_force": (PER_ROLLER, "N", "part of outer_force that damping gives"),
+        "work_damping_contact": (PER_TIME, "J", "part of work_dissipated that contacts have damped"),
+        "work_damping_bodies": (PER_TIME, "J", "part of work_dissipated that bodies have damped"),
+    },
+}
+
+
+def columns_of(*parts: str) -> dict[str, Column]:
+    """Columns of some parts of a scene, in the order of COLUMNS; of the part "" every run has them."""
+    return {name: Column(*about) for part in COLUMNS if part in parts for name, about in COLUMNS[part].items()}

@@ -5,9 +5,8 @@ from math import cos, pi, sin
 import numpy as np
 
 from fem.kernels import ring_kernels
-from fem.kernels.jit import part, verb
+from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine
-from fem.kernels.state import Course
 
 # Speed and load as a run goes on. Where they stay the course is None: then nothing of this is compiled.
 #
@@ -19,28 +18,25 @@ TURN, SPEED, GAIN, JERK, STEP, FORCE_X, FORCE_Y, RATE_X, RATE_Y = range(9)
 N_NOW = 9
 
 
-@verb
+@part
 def follow(course, time, dt):
     """Look a time up, s, and how far the shaft turns in the step from there."""
-
-
-@follow.of(Course)
-def _follow(course, time, dt):
-    now, c = course.now, course.turn
-    k, t = _piece(course.turn_knots, time)
-    turn, speed, gain, jerk = 0.0, 0.0, 0.0, 0.0
-    for n in range(c.shape[1] - 1, -1, -1):  # Horner, of the polynomial and its derivatives
-        jerk = jerk * t + 3.0 * gain
-        gain = gain * t + 2.0 * speed
-        speed = speed * t + turn
-        turn = turn * t + c[k, n]
-    now[TURN], now[SPEED], now[GAIN], now[JERK] = turn, speed, gain, jerk
-    k, t = _piece(course.turn_knots, time + dt)
-    after = 0.0
-    for n in range(c.shape[1] - 1, -1, -1):
-        after = after * t + c[k, n]
-    now[STEP] = after - turn
-    _find_force(course, time)
+    if course is not None:
+        now, c = course.now, course.turn
+        k, t = _piece(course.turn_knots, time)
+        turn, speed, gain, jerk = 0.0, 0.0, 0.0, 0.0
+        for n in range(c.shape[1] - 1, -1, -1):  # Horner, of the polynomial and its derivatives
+            jerk = jerk * t + 3.0 * gain
+            gain = gain * t + 2.0 * speed
+            speed = speed * t + turn
+            turn = turn * t + c[k, n]
+        now[TURN], now[SPEED], now[GAIN], now[JERK] = turn, speed, gain, jerk
+        k, t = _piece(course.turn_knots, time + dt)
+        after = 0.0
+        for n in range(c.shape[1] - 1, -1, -1):
+            after = after * t + c[k, n]
+        now[STEP] = after - turn
+        _find_force(course, time)
 
 
 @part
@@ -81,14 +77,11 @@ def radial_load_at(drive, time):
     return drive.radial_load * 0.5 * (1.0 - cos(pi * time / drive.ramp))
 
 
-@verb
+@part
 def load_at(course, drive, time):
     """Load along +x and along −y, N; without a course the first means nothing and is not to be used."""
-    return 0.0, radial_load_at(drive, time)
-
-
-@load_at.of(Course)
-def _load_at(course, drive, time):
+    if course is None:
+        return 0.0, radial_load_at(drive, time)
     share = share_at(drive, time)
     return share * course.now[FORCE_X], -share * course.now[FORCE_Y]
 
@@ -101,58 +94,43 @@ def share_at(drive, time):
     return 0.5 * (1.0 - cos(pi * time / drive.ramp))
 
 
-@verb
+@part
 def with_aside(course, value, aside):
     """A value with what the load along x adds to it, where there can be one."""
-    return value
-
-
-@with_aside.of(Course)
-def _with_aside(course, value, aside):
+    if course is None:
+        return value
     return value + aside
 
 
-@verb
+@part
 def speed_of(course, drive):
     """Of the shaft, rad/s."""
-    return drive.speed
-
-
-@speed_of.of(Course)
-def _speed_of(course, drive):
+    if course is None:
+        return drive.speed
     return course.now[SPEED]
 
 
-@verb
+@part
 def turn_at(course, drive, time):
     """How far the shaft has turned, rad."""
-    return drive.speed * time
-
-
-@turn_at.of(Course)
-def _turn_at(course, drive, time):
+    if course is None:
+        return drive.speed * time
     return course.now[TURN]
 
 
-@verb
+@part
 def step_of(course, drive):
     """How far it turns in this step, rad."""
-    return drive.speed * drive.dt
-
-
-@step_of.of(Course)
-def _step_of(course, drive):
+    if course is None:
+        return drive.speed * drive.dt
     return course.now[STEP]
 
 
-@verb
+@part
 def is_turning(course, drive):
     """Whether it turns at all."""
-    return drive.speed != 0.0
-
-
-@is_turning.of(Course)
-def _is_turning(course, drive):
+    if course is None:
+        return drive.speed != 0.0
     return True
 
 

@@ -57,62 +57,47 @@ class Housing(NamedTuple):
     column: int  # of a sample's row, its first
 
 
-@verb
+@part
 def held_reaction(ring, line):
     """Impulse, N s, that an elastic ring's held row has from its nodes in a step, x and y."""
-    return 0.0, 0.0
-
-
-@held_reaction.of(Ring)
-def _held_reaction(ring, line):
+    if ring is None:
+        return 0.0, 0.0
     ring_kernels.row_force(ring.table, ring.u, ring.held, line)
     x, y = ring_kernels.resultant(line, ring.cosines, ring.sines)
     mass = ring.row_mass[ring.held]
     return mass * x, mass * y
 
 
-@verb
+@part
 def slow_motion(ring, line, mass, slowed):
     """What the reciprocal mass adds to the motion of a body of `mass`, kg, with an elastic ring's held row."""
+    if ring is not None:
+        ring_kernels.row_force(ring.slowed, ring.calmed, ring.held, line)
+        x, y = ring_kernels.resultant(line, ring.cosines, ring.sines)
+        share = ring.row_mass[ring.held] / mass
+        remember_slowed(slowed, share * x, share * y)
 
 
-@slow_motion.of(Ring)
-def _slow_motion(ring, line, mass, slowed):
-    ring_kernels.row_force(ring.slowed, ring.calmed, ring.held, line)
-    x, y = ring_kernels.resultant(line, ring.cosines, ring.sines)
-    share = ring.row_mass[ring.held] / mass
-    remember_slowed(slowed, share * x, share * y)
-
-
-@verb
+@part
 def calm_row(ring, mass, line):
     """Calm the velocity of an elastic ring's held row, which moves with a body of `mass`, kg."""
+    if ring is not None:
+        ring_kernels.calm_held(ring, mass, line)
 
 
-@calm_row.of(Ring)
-def _calm_row(ring, mass, line):
-    ring_kernels.calm_held(ring, mass, line)
-
-
-@verb
+@part
 def set_held_row(ring, velocity):
     """Give an elastic ring's held row a velocity, m/s."""
+    if ring is not None:
+        at = 2 * ring.held * ring.cosines.size
+        ring_kernels.set_rigid(ring.w, at, ring.cosines, ring.sines, velocity[0], velocity[1])
 
 
-@set_held_row.of(Ring)
-def _set_held_row(ring, velocity):
-    at = 2 * ring.held * ring.cosines.size
-    ring_kernels.set_rigid(ring.w, at, ring.cosines, ring.sines, velocity[0], velocity[1])
-
-
-@verb
+@part
 def carry(ring, x, y):
     """Move an elastic ring's held row to (x, y), m."""
-
-
-@carry.of(Ring)
-def _carry(ring, x, y):
-    ring_kernels.set_rigid(ring.u, 2 * ring.held * ring.cosines.size, ring.cosines, ring.sines, x, y)
+    if ring is not None:
+        ring_kernels.set_rigid(ring.u, 2 * ring.held * ring.cosines.size, ring.cosines, ring.sines, x, y)
 
 
 @verb
@@ -134,15 +119,12 @@ def _moved(motion, step, acceleration):
     )
 
 
-@verb
+@part
 def write_sensor(sensor, acceleration, out, at):
     """Put what a sensor shows at the instant of a kick into out[at], m/s²."""
-
-
-@write_sensor.of(Resonator)
-def _write_sensor(sensor, acceleration, out, at):
-    r, rate = _moved(sensor.motion, sensor.half_step, acceleration)
-    out[at] = sensor.pull[0] * r + sensor.pull[1] * rate
+    if sensor is not None:
+        r, rate = _moved(sensor.motion, sensor.half_step, acceleration)
+        out[at] = sensor.pull[0] * r + sensor.pull[1] * rate
 
 
 @kick_body.of(Housing)

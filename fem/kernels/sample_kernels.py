@@ -18,7 +18,7 @@ from fem.kernels.node_kernels import set_held_row
 from fem.kernels.rigid_surfaces import turning_energy
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.shear_kernels import spring_energy
-from fem.kernels.state import CONTACTS, Course
+from fem.kernels.state import CONTACTS
 
 # Columns of a row by the result file's names (`lagrange.columns`): numbers, then blocks of n_rollers; those of further
 # bodies stand behind. work_load, work_gravity and work_drive are parts of work_external.
@@ -169,18 +169,14 @@ def _drive_work(inner, drive, scratch, time, moment):
     return _work_so_far(drive.course, rate, given, rim * speed)
 
 
-@verb
+@part
 def _work_so_far(course, rate, given, held):
     """Work of the drive, J, that turns at a rate, 1/s, and has given so much angular momentum, N m s.
 
     `held`: what the ring's held row has of that, which a steady speed leaves out.
     """
-    return rate * given
-
-
-@_work_so_far.of(Course)
-def _work_at_changing_speed(course, rate, given, held):
-    """The speed changes little from sample to sample: what is given at the mean of both."""
+    if course is None:
+        return rate * given
     work, given = course.drive_work, given + held
     if work[1] == work[1]:  # not the first
         work[0] += 0.5 * (work[1] + rate) * (given - work[2])

@@ -18,50 +18,40 @@ Source: Hairer, Lubich and Wanner, Acta Numerica 12 (2003) 399, on leapfrog; Ela
 24 (1996) 229, on the last.
 """
 
-from fem.kernels.jit import part, verb
+from fem.kernels.jit import part
 from fem.kernels.lane_functions import larger, smaller
 from fem.kernels.lane_memory import gather, load, store
 from fem.kernels.lanes import WIDTH, magnitude, select, splat
 from fem.kernels.law import STEEPEST, creep_traction
-from fem.kernels.state import Shear
 
 
-@verb
+@part
 def follow_slips_after(shear, forces, friction, dt, n):
     """Stretch the springs of closed contacts by half of the slips that a kick leaves, less half of their creep."""
+    if shear is not None:
+        columns, half = shear.stretch.shape[1], 0.5 * dt
+        for row in range(shear.stretch.shape[0]):
+            for at in range(row * columns, row * columns + n, WIDTH):
+                gained = half * (load(friction.slip_left, at) - load(shear.creep, at))
+                store(shear.stretch, at, load(shear.stretch, at) + select(load(forces.force, at) > 0.0, gained, 0.0))
 
 
-@follow_slips_after.of(Shear)
-def _follow_slips_after(shear, forces, friction, dt, n):
-    columns, half = shear.stretch.shape[1], 0.5 * dt
-    for row in range(shear.stretch.shape[0]):
-        for at in range(row * columns, row * columns + n, WIDTH):
-            gained = half * (load(friction.slip_left, at) - load(shear.creep, at))
-            store(shear.stretch, at, load(shear.stretch, at) + select(load(forces.force, at) > 0.0, gained, 0.0))
-
-
-@verb
+@part
 def follow_slips_before(shear, friction, n):
     """The other half of the slips, before the next kick, of contacts that were closed at the last."""
+    if shear is not None:
+        columns = shear.stretch.shape[1]
+        for row in range(shear.stretch.shape[0]):
+            for at in range(row * columns, row * columns + n, WIDTH):
+                gained = 0.5 * load(shear.since, at) * load(friction.slip, at)
+                store(shear.stretch, at, load(shear.stretch, at) + select(load(shear.since, at) > 0.0, gained, 0.0))
 
 
-@follow_slips_before.of(Shear)
-def _follow_slips_before(shear, friction, n):
-    columns = shear.stretch.shape[1]
-    for row in range(shear.stretch.shape[0]):
-        for at in range(row * columns, row * columns + n, WIDTH):
-            gained = 0.5 * load(shear.since, at) * load(friction.slip, at)
-            store(shear.stretch, at, load(shear.stretch, at) + select(load(shear.since, at) > 0.0, gained, 0.0))
-
-
-@verb
+@part
 def pull(shear, contacts, pair, row, dt, limit, full_slip):
     """Forces, N, of the springs of eight contacts along their slips; `limit`, N, and `full_slip`, m/s, as Carter's."""
-    return splat(0.0)
-
-
-@pull.of(Shear)
-def _pull(shear, contacts, pair, row, dt, limit, full_slip):
+    if shear is None:
+        return splat(0.0)
     closed = load(contacts.forces.force, row) > 0.0
     compliance = _follow(shear, contacts.forces, pair, row)
     stretched = load(shear.stretch, row)
@@ -89,26 +79,20 @@ def _follow(shear, forces, pair, row):
     return soft
 
 
-@verb
+@part
 def let_go(shear, row):
     """Give up the stretches of eight open contacts."""
+    if shear is not None:
+        store(shear.stretch, row, splat(0.0))
+        store(shear.creep, row, splat(0.0))
+        store(shear.since, row, splat(0.0))
 
 
-@let_go.of(Shear)
-def _let_go(shear, row):
-    store(shear.stretch, row, splat(0.0))
-    store(shear.creep, row, splat(0.0))
-    store(shear.since, row, splat(0.0))
-
-
-@verb
+@part
 def spring_energy(shear, n):
     """What all springs store at the kick just made, J."""
-    return 0.0
-
-
-@spring_energy.of(Shear)
-def _spring_energy(shear, n):
+    if shear is None:
+        return 0.0
     found = 0.0
     for row in range(shear.stretch.shape[0]):
         for j in range(n):

@@ -15,9 +15,6 @@ from lagrange.kinematics import roller_angles
 from lagrange.surface.deviation import Turns
 from meshes import BearingShapes, bearing_shapes
 
-# What the statics of a contact model need and give: how the bodies stand, and the bearing reduced to its contacts.
-
-
 GROWN_PASSES = 2  # each leaves ρω²r²/(λ + 2μ) of what growth was off by, some 0.3 % at most
 
 
@@ -108,9 +105,6 @@ def unloaded(model, motion: Motion, gravity: float) -> Unloaded:
         outer_sag=outer.sag(gravity),
         roller_growth=roller,
     )
-
-
-# A bearing made discrete: three kinds of body and their contacts; what every contact model answers.
 
 
 class KernelData(NamedTuple):

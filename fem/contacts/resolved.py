@@ -1,4 +1,18 @@
-"""Contacts of pressure points on a layer that keeps the surfaces apart, or each spread over a patch of the mesh."""
+"""Contacts of pressure points on a layer that keeps the surfaces apart, or each spread over a patch of the mesh.
+
+Contacts on a mesh about as fine as they are wide: pressure points, each spread over a patch of the mesh.
+
+Where the mesh is far coarser than a contact, one patch carries it all and Hertz's formula gives what the mesh can't see
+(`subgrid`). Where it is finer, the pressure is found at points instead. The force q_j of a point is spread over a patch
+like that one, the overlap at a point is read with the same patch, and what the mesh lacks between two points is
+
+    G_ij = C − A ⟨ln|s − s'|⟩_ij − F(d_ij),    A = 2 / (π E' L),
+
+for each body: the half-plane under cells of even pressure, C so that Hertz's pressure gets the exact approach of that
+body (as in `subgrid`), less the finite elements' own answer F of one patch at the distance d of the other. G is the
+term below the grid: it is all of a contact on a coarse mesh, has a range of four surface spacings, and vanishes as the
+mesh is refined.
+"""
 
 from dataclasses import dataclass
 from math import log, pi
@@ -70,20 +84,6 @@ def resolved_laws(bearing: Bearing, spacings: dict[str, float]) -> list[Resolved
         spacing = min(spacings[body], spacings["roller"])
         found.append(ResolvedLaw(pair=pair, layer=LAYER * pair.modulus / spacing, spacing=spacing / POINTS_PER_NODE))
     return found
-
-
-# Contacts on a mesh about as fine as they are wide: pressure points, each spread over a patch of the mesh.
-#
-# Where the mesh is far coarser than a contact, one patch carries it all and Hertz's formula gives what the mesh can't
-# see (`subgrid`). Where it is finer, the pressure is found at points instead. The force q_j of a point is spread over a
-# patch like that one, the overlap at a point is read with the same patch, and what the mesh lacks between two points is
-#
-# G_ij = C − A ⟨ln|s − s'|⟩_ij − F(d_ij),    A = 2 / (π E' L),
-#
-# for each body: the half-plane under cells of even pressure, C so that Hertz's pressure gets the exact approach of that
-# body (as in `subgrid`), less the finite elements' own answer F of one patch at the distance d of the other. G is the
-# term below the grid: it is all of a contact on a coarse mesh, has a range of four surface spacings, and vanishes as
-# the mesh is refined.
 
 
 POINTS_PER_HALF_WIDTH = 10  # at the largest static force

@@ -127,9 +127,6 @@ def own_fields(ring: RingBody) -> dict[str, Any]:
     return {field.name: getattr(ring, field.name) for field in fields(RingBody)}
 
 
-# A ring in a bore, with play or pressed in: springs along its outside that push and never pull.
-
-
 LOOSE_SPRING = 1.0  # N/m along x and along y, keeps in place a ring that nothing holds
 FIRST_ARC = 0.4 * pi  # rad to either side of straight down, where a ring in play is first taken to touch
 FEWEST_SPRINGS = 8  # that act: fewer leave too little of the stiffness of all

@@ -12,9 +12,6 @@ from fem.elastic.continuum import DECOUPLED, annulus_modes, hertz_centre, koloso
 from fem.errors import UsageError
 from lagrange.bearing import Material
 
-# A load that rolls along a surface: the material that flows through a contact has inertia, and gives way by more.
-
-
 FASTEST = 0.5  # of the speed of shear waves; Rayleigh's wave, at which nothing is steady, is at 0.87 and more
 
 

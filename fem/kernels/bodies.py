@@ -2,9 +2,6 @@
 
 from fem.kernels.jit import every, part, verb
 
-# How a time loop ends: what it returns, and what ends it before its time.
-
-
 DONE, NOT_FINITE = 0, 1
 FASTEST = 1e5  # m/s; no body is faster unless the run has blown up
 

@@ -1,4 +1,4 @@
-"""The bore around an outer ring with play, or pressed in: springs at the nodes of its outside, which only push.
+"""What holds an outer ring at its outside: a bore around it, with play or pressed in, or points that stand still.
 
 Kicks are those of contacts, `law.kick_force`, so that a node that meets or leaves the bore within a step costs no
 energy. Without friction nothing keeps the ring from turning but an impulse around the circle, the same at all nodes,
@@ -18,8 +18,6 @@ from fem.kernels.law import kick_force
 from fem.kernels.ring_kernels import HALO, row_force, wrap
 from fem.kernels.sample_kernels import CONTACT
 from fem.kernels.state import Ring
-
-# Nodes of a ring that stand still, where its held row is not held all around.
 
 
 class HeldNodes(NamedTuple):

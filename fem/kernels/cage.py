@@ -1,4 +1,4 @@
-"""Rollers in their pockets: how far off the middle, how fast, and what they and the cage give each other."""
+"""A cage as named tuples of arrays, and its contacts: with rollers in its pockets, with the ring that guides it."""
 
 from math import sqrt
 from typing import NamedTuple
@@ -10,9 +10,6 @@ from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, magnitude, root
 from fem.kernels.law import kick_force
-
-# A cage, its contacts and the bodies that it meets, as named tuples of arrays.
-
 
 DASHPOTS, FRICTION, DRAG = 0, 1, 2  # of `Cage.lost`
 # of a sample, in this order: place, angle, speed, guide's force, losses; then three blocks of rollers
@@ -98,9 +95,6 @@ class CagePair(NamedTuple):
     ring: GuidingRing | None  # None: no ring guides the cage, or one that stands still
 
 
-# One contact of a cage, in a pocket or with its guide: its spring, its dashpot, its works.
-
-
 @part
 def half_a_work(cage, contacts, j, rates, dt):
     """What a step's dashpot and friction have taken by the velocities at one of its ends."""
@@ -130,9 +124,6 @@ def spring_kick(contacts, j, approach, stiffness, dt):
 def dashpot(cage, closing, force, mobility_dt):
     """Force of a dashpot, N, that leaves closing − mobility·dt·force of a speed; with the spring's it never pulls."""
     return max(cage.damping * closing / (1.0 + cage.damping * mobility_dt), -force)
-
-
-# A cage and the ring that guides it: a circle in a circle.
 
 
 @part

@@ -1,4 +1,9 @@
-"""The hub: its kick and its motion."""
+"""The hub: its kick and its motion; speed and load as a run goes on.
+
+Speed and load as a run goes on. Where they stay the course is None: then nothing of this is compiled.
+
+`follow` looks a time up; all else reads what it has found: what belongs to the step in hand.
+"""
 
 from math import cos, pi, sin
 
@@ -7,11 +12,6 @@ import numpy as np
 from fem.kernels import ring_kernels
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine
-
-# Speed and load as a run goes on. Where they stay the course is None: then nothing of this is compiled.
-#
-# `follow` looks a time up; all else reads what it has found: what belongs to the step in hand.
-
 
 # entries of `Course.now`
 TURN, SPEED, GAIN, JERK, STEP, FORCE_X, FORCE_Y, RATE_X, RATE_Y = range(9)

@@ -3,6 +3,12 @@
 A `@kernel` is called from Python. A `@part` stands in the code of the kernels that call it and nowhere else: a function
 that Python may call has code that takes apart every array of its arguments, which for those of the time loop takes
 0.6 s to compile, ten times the function itself.
+
+Compiled kernels on disk: a sealed file for each function, signature and processor, for numba to load.
+
+What is kept is unpickled and run, so a folder in which others could have put something is not read. A damaged file is
+compiled anew and replaced; where nothing can be written, nothing is kept. None of this ends a run, as it does with
+numba's own cache, which would also write beside the modules, where a change of another module goes unseen.
 """
 
 import hashlib
@@ -21,12 +27,6 @@ from numba.extending import overload, register_jitable
 
 from fem.kernels.kernel_folder import cache_folder, remarks
 from lagrange.files.output import read_sealed, write_sealed
-
-# Compiled kernels on disk: a sealed file for each function, signature and processor, for numba to load.
-#
-# What is kept is unpickled and run, so a folder in which others could have put something is not read. A damaged file is
-# compiled anew and replaced; where nothing can be written, nothing is kept. None of this ends a run, as it does with
-# numba's own cache, which would also write beside the modules, where a change of another module goes unseen.
 
 
 def keep(function, folder: Path | None):

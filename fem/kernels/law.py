@@ -12,9 +12,6 @@ from fem.kernels.lane_functions import larger, logarithm, smaller
 from fem.kernels.lane_memory import gather, gather_quads
 from fem.kernels.lanes import any_lane, magnitude, real, root, select, whole, with_sign
 
-# Carter's creep below Coulomb's limit.
-
-
 SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
 
 

@@ -7,9 +7,6 @@ spaced nodes is the quintic B-spline at the nodes. Four continuous derivatives: 
 from fem.kernels.jit import kernel, part
 from fem.kernels.lane_memory import load, store
 
-# Facets: how a polygon's chords fall away from the circle through its nodes.
-
-
 CORNER = 0.02  # of a facet on either side of a node is rounded: no force jumps where a node passes
 
 

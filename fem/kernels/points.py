@@ -2,6 +2,12 @@
 
 Find q >= 0 with G q >= c, c what the points close by, and G q = c where q > 0. G depends on the distance alone, so the
 inverse for n neighbouring points in contact is known beforehand for every n.
+
+One pressure point on one surface: between the two nodes beside it, or spread over the patch of six around it.
+
+The choice is the scene's: `spread`, that of `Points`, is None or is not, and a run compiles the one it uses. Positions
+are in node spacings, and may lie one turn outside. `side` is that of the contact, 0 or 1; q the point; m a direction in
+the body's frame.
 """
 
 import numpy as np
@@ -10,12 +16,6 @@ from fem.kernels.jit import part, verb
 from fem.kernels.patches import N_NODES, first_node, put, weight_slopes, weights
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import DiscSurface, RingSurface
-
-# One pressure point on one surface: between the two nodes beside it, or spread over the patch of six around it.
-#
-# The choice is the scene's: `spread`, that of `Points`, is None or is not, and a run compiles the one it uses.
-# Positions are in node spacings, and may lie one turn outside. `side` is that of the contact, 0 or 1; q the point; m a
-# direction in the body's frame.
 
 
 @verb

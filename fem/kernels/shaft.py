@@ -2,6 +2,16 @@
 
 Springs are explicit, dashpots act by the mean of the velocities before and after a kick, as a housing's: exact in the
 balance of energies, and no damping shortens the step.
+
+Dashpots between the ground and what a bearing sits in or on, a housing or a shaft: by the mean of the velocities before
+and after a kick, which forces that are found after theirs change once more.
+
+Finite elements divide the impulses of such forces by a body's `late_mass`, its mass and half a step of its dashpots,
+which is what both together resist with, and let the dashpots `conclude` a kick; the reduced model's forces ask how they
+give way.
+
+A body here is a named tuple with `velocity`, `before`, `drag`, `mass`, `damping`: `Shaft`, which shares its arrays with
+the hub, or `Housing`. None: nothing is held so.
 """
 
 from typing import NamedTuple
@@ -12,16 +22,6 @@ from fem.kernels.bodies import add_motion, drift_body, end_kick, kick_body
 from fem.kernels.fields import state
 from fem.kernels.jit import part
 from fem.kernels.sample_kernels import DISSIPATED
-
-# Dashpots between the ground and what a bearing sits in or on, a housing or a shaft: by the mean of the velocities
-# before and after a kick, which forces that are found after theirs change once more.
-#
-# Finite elements divide the impulses of such forces by a body's `late_mass`, its mass and half a step of its dashpots,
-# which is what both together resist with, and let the dashpots `conclude` a kick; the reduced model's forces ask how
-# they give way.
-#
-# A body here is a named tuple with `velocity`, `before`, `drag`, `mass`, `damping`: `Shaft`, which shares its arrays
-# with the hub, or `Housing`. None: nothing is held so.
 
 
 @part

@@ -9,6 +9,11 @@ rotation and of the moment (φ from the contact to the node), along the nodes' o
 of the force. Directions g = (t_node + t + slope·b)·scale, slope = Σ W sin φ, scale = 1/(1 + Σ W cos φ), weighted with
 W, miss nothing: all that a traction does to a body it does at its own nodes, and no other contact of the body has a
 part in it. The mobility is the velocity Σ W g·w that a patch gains per unit impulse along its W g, 1/kg.
+
+Surfaces that are not perfect circles: what comes off the outward motion of a contact's two sides.
+
+`lagrange.surface.deviation` says what a sinkage is, and the compliance of edges, which adds to the ripple. Bodies
+without a profile have None, which compiles to nothing.
 """
 
 from math import pi
@@ -168,12 +173,6 @@ def place_patch(patches, side, group, n_nodes):
     store(patches.position, side * columns + group, position)
     store(patches.beyond, side * columns + group, position - real(base))
     store(patches.start, side * columns + group, select(node < 0, node + n_nodes, node))
-
-
-# Surfaces that are not perfect circles: what comes off the outward motion of a contact's two sides.
-#
-# `lagrange.surface.deviation` says what a sinkage is, and the compliance of edges, which adds to the ripple. Bodies
-# without a profile have None, which compiles to nothing.
 
 
 @part

@@ -19,9 +19,6 @@ from fem.solver.samples import row_width
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.mounting import Mounting
 
-# Where a cage stands at the start: statics know no cage, and rollers and rings may leave it no room in the middle.
-
-
 FINEST = 1e-4  # µm: a place is found to so much
 
 

@@ -12,8 +12,6 @@ from fem.solver.pace import in_words, pace, remember
 from fem.solver.solver import Plan
 from lagrange.messages import said_if_long
 
-# The processor a run is made for: kernels compiled for another one round in other places.
-
 
 def processor() -> dict[str, str]:
     """Its name and what it can do, as the compiler knows them, or as numba's settings have it."""

@@ -135,9 +135,6 @@ def error_estimate(plan: ElementPlan) -> ErrorEstimate:
     return ErrorEstimate(fine=plan, coarse=make_plan(coarser_scene(plan.scene)))
 
 
-# How far a run of the reduced model is from finite elements: the same scene's first stretch on its mesh.
-
-
 STRETCH_MS = 10.0  # finite elements of 1 mm take a second for it
 
 

@@ -15,8 +15,6 @@ from lagrange.surface.deviation import profiles
 if TYPE_CHECKING:
     from fem.solver.finite_elements import ElementPlan
 
-# Energy exchanged by a run so far, and the energy error of its state.
-
 
 class EnergyAccount:
     """What an energy balance is judged by, carried on from block to block.

@@ -1,4 +1,4 @@
-"""Surfaces that are not perfect circles, for the time loops."""
+"""Parts of a scene as the time loops' named tuples: bore, shaft, housing, load history, dampers, surfaces."""
 
 from dataclasses import replace
 from math import expm1, inf
@@ -24,8 +24,6 @@ from lagrange.surface.deviation import Profile, profiles
 if TYPE_CHECKING:  # needs the finite elements' libraries
     from fem.contacts.model import Model
     from fem.elastic.bodies import RingBody
-
-# The bore around the outer ring of a run for the time loop.
 
 
 def bore_body(
@@ -54,9 +52,6 @@ def bore_body(
     )
 
 
-# What holds the shaft beside the bearing, for the time loops.
-
-
 def shaft_springs(mounting: Mounting, drive: Drive, n: int) -> Shaft | None:
     """Springs and dashpots on the finite elements' hub, of n rollers; None where nothing holds the shaft."""
     return springs_on(mounting, drive.hub, drive.velocity, drive.slowed, drive.mass, n)
@@ -81,9 +76,6 @@ def springs_on(
         damping=float(shaft.damping),
         column=row_places(n, mounting.parts)["energy_shaft"],
     )
-
-
-# The housing of a run for the time loop.
 
 
 def housing_body(
@@ -136,9 +128,6 @@ def _resonator(sensor: Sensor, dt: float) -> Resonator:
     )
 
 
-# A scene's course of speed and load as kernels take it.
-
-
 def course_arrays(
     bearing: Bearing, operation: Operation, *, held: bool = True, growth: float = 0.0, roller_growth: float = 0.0
 ) -> Course | None:
@@ -171,9 +160,6 @@ def course_arrays(
         growth=float(growth),
         roller_growth=float(roller_growth),
     )
-
-
-# Dampers of contacts and bodies for the time loop, where a scene has any.
 
 
 def with_damping(arrays: Arrays, model: "Model", table: DampingTable) -> Arrays:

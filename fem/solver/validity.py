@@ -1,4 +1,16 @@
-"""What a run is watched for: contacts too wide for the laws, a hub that vibrates with elastic rings, strikes."""
+"""What a run is watched for: contacts too wide for the laws, a hub that vibrates with elastic rings, strikes.
+
+How far a hub's vibration is off because elastic rings have no mass: watched in a run of the reduced model.
+
+A hub of mass M (its ring's with it) vibrates at ω on contacts and rings that all give way by c per unit force. In the
+model 1/(M ω²) = c, where c holds the rings' statics, Σ (s + h)²/ω_k² of all modes of one wave around: s what a mode
+shifts the raceway by, h the hub. With their mass
+
+1/(M ω²) = c − Σ (s + h)²/ω_k² + Σ s²/(ω_k² − ω²)
+
+for the inner ring on the hub, and for the outer one, h = 0, likewise. What frequency the model has is what the run
+itself shows: the hub's mean squared acceleration over its mean squared velocity.
+"""
 
 from math import ceil, hypot, inf, pi, sqrt
 
@@ -25,9 +37,6 @@ def may_strike(scene: Scene, operation: Operation) -> bool:
     return spalled or falling or scene.numerics.start == "rest" or operation.course is not None
 
 
-# Contacts so wide that the reduced model's laws are too stiff, though Hertz's theory holds: told after a run.
-
-
 NARROW_CONTACT = 0.03  # half-width over the roller's radius: below, laws err by some thousandths of the approach
 LARGEST_LAW_ERROR = 0.005  # of an approach, before a run says so
 BY_PRESSURE = 2.0  # times: what the pressure's change adds to `law_error`
@@ -48,18 +57,6 @@ def law_caution(contacts: Condensed, largest: np.ndarray) -> str | None:
         f"ring and roller that its law is about {100.0 * error:.1g} % too stiff: forces and the hub's place err by as "
         "much or, where few rollers carry, twice; lower operation.radial_load_N or take a stiffer material"
     )
-
-
-# How far a hub's vibration is off because elastic rings have no mass: watched in a run of the reduced model.
-#
-# A hub of mass M (its ring's with it) vibrates at ω on contacts and rings that all give way by c per unit force. In the
-# model 1/(M ω²) = c, where c holds the rings' statics, Σ (s + h)²/ω_k² of all modes of one wave around: s what a mode
-# shifts the raceway by, h the hub. With their mass
-#
-# 1/(M ω²) = c − Σ (s + h)²/ω_k² + Σ s²/(ω_k² − ω²)
-#
-# for the inner ring on the hub, and for the outer one, h = 0, likewise. What frequency the model has is what the run
-# itself shows: the hub's mean squared acceleration over its mean squared velocity.
 
 
 LARGEST_ERROR = 0.005  # of the hub's displacement: share of the frequency that is off, times share that vibrates

@@ -141,9 +141,6 @@ def _sums(reduced: Reduced, pressed: np.ndarray, n_rollers: int) -> np.ndarray:
     return np.bincount(reduced.contact, pressed, minlength=2 * n_rollers)
 
 
-# What a user reads off a bearing at rest.
-
-
 def static_quantities(model: Model, operation: Operation) -> list[Quantity]:
     """Quantities of the bearing at rest under load and weight, rollers where the scene puts them.
 
@@ -164,9 +161,6 @@ def static_quantities(model: Model, operation: Operation) -> list[Quantity]:
         Quantity("static_largest_force", "N", "largest force on the inner raceway, at rest", force),
         Quantity("static_largest_share", "1", "its share of all forces on the inner raceway", share),
     ]
-
-
-# How far a model's static equilibrium is from exact elasticity.
 
 
 @dataclass(frozen=True, kw_only=True)

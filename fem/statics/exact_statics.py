@@ -159,9 +159,6 @@ def _law(ring, roller_approach: float, half_width: float, pair: Pair) -> Contact
     return ContactLaw.of_level(A, total / A + log(half_width) - 0.5 * log(pair.half_width_factor), pair)
 
 
-# The contact forces to expect of a scene, before anything is meshed.
-
-
 @dataclass(frozen=True)
 class ExpectedForces:
     """Static forces of a bearing's contacts, N."""

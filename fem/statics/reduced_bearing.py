@@ -113,9 +113,6 @@ def _last(values: np.ndarray, limit: float) -> int:
     return int(np.flatnonzero(values > limit).max(initial=-1)) + 1
 
 
-# A bearing reduced to its contacts for dynamics: exact series for every body, in steady rolling motion.
-
-
 @dataclass(frozen=True, kw_only=True)
 class ReducedBearing:
     """Compliances of the contacts, rollers at equal angles; laws and couplings without what the bodies' modes carry."""

@@ -1,33 +1,20 @@
 """The installed commands. A signal waits until the command that is being loaded can end in good order."""
 
+from collections.abc import Callable
+from importlib import import_module
+
 from fem.commands.start_up import hold_signals
 
 hold_signals()  # before all else; `fem.commands.run_fem` hears those that have come
 
 
-def run_fem() -> None:
-    """`run-fem`."""
-    from fem.commands.run_fem import run_fem
+def _command(name: str) -> Callable[[], None]:
+    """The entry point of a module of this package that bears its name, loaded when it is called."""
 
-    run_fem()
+    def command() -> None:
+        getattr(import_module(f"fem.commands.{name}"), name)()
 
-
-def render_fem() -> None:
-    """`render-fem`."""
-    from fem.commands.render_fem import render_fem
-
-    render_fem()
+    return command
 
 
-def run_live() -> None:
-    """`run-live`."""
-    from fem.commands.run_live import run_live
-
-    run_live()
-
-
-def run_study() -> None:
-    """`run-study`."""
-    from fem.commands.run_study import run_study
-
-    run_study()
+run_fem, render_fem, run_live, run_study = map(_command, ("run_fem", "render_fem", "run_live", "run_study"))

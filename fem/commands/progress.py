@@ -2,7 +2,7 @@
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from fem.solver.solver import Plan, Progress
@@ -11,7 +11,7 @@ PLAIN_SECONDS = 10.0
 
 
 @contextmanager
-def progress_display(plan: Plan, quiet: bool):
+def progress_display(plan: Plan, quiet: bool) -> Iterator[Callable[[Progress], None]]:
     """Gives the function to call with every `Progress`."""
     if quiet or plan.n_samples == 1:
         yield lambda progress: None
@@ -23,19 +23,22 @@ def progress_display(plan: Plan, quiet: bool):
 
 
 @contextmanager
-def _bar(plan: Plan):
+def _display(*columns):
+    """A line of such columns on standard error that goes when it is done."""
     from rich.console import Console
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as RichProgress
 
-    columns = (
-        TextColumn("{task.fields[simulated]}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TextColumn("{task.fields[speed]} steps/s, energy imbalance {task.fields[imbalance]}"),
-        TimeRemainingColumn(),
-    )
     with RichProgress(*columns, console=Console(stderr=True), transient=True) as display:
+        yield display
+
+
+@contextmanager
+def _bar(plan: Plan):
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    told = "{task.fields[speed]} steps/s, energy imbalance {task.fields[imbalance]}"
+    columns = (TextColumn("{task.fields[simulated]}"), BarColumn(), TaskProgressColumn(), TextColumn(told))
+    with _display(*columns, TimeRemainingColumn()) as display:
         task = display.add_task("", total=plan.n_samples, simulated="0 ms", speed="-", imbalance="-")
 
         def show(progress: Progress) -> None:
@@ -51,54 +54,58 @@ def _bar(plan: Plan):
 
 
 @contextmanager
-def count_display(what: str, total: int, quiet: bool):
+def count_display(what: str, total: int, quiet: bool) -> Iterator[Callable[[], None]]:
     """Gives the function to call after each of `total` things."""
     if quiet:
         yield lambda: None
     elif sys.stderr.isatty():
-        from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
-        from rich.progress import Progress as RichProgress
 
-        columns = (what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-        with RichProgress(*columns, console=Console(stderr=True), transient=True) as display:
+        with _display(what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()) as display:
             task = display.add_task("", total=total)
             yield lambda: display.advance(task)
     else:
         yield _plain_count(what, total)
 
 
+def _is_due() -> Callable[[], bool]:
+    """Gives the function that says whether PLAIN_SECONDS have gone since the last line."""
+    last = time.monotonic()
+
+    def is_due() -> bool:
+        nonlocal last
+        if time.monotonic() - last < PLAIN_SECONDS:
+            return False
+        last = time.monotonic()
+        return True
+
+    return is_due
+
+
 def _plain_count(what: str, total: int) -> Callable[[], None]:
-    began = last = time.monotonic()
-    done = 0
+    began, done, is_due = time.monotonic(), 0, _is_due()
 
     def show() -> None:
-        nonlocal last, done
+        nonlocal done
         done += 1
-        now = time.monotonic()
-        if now - last > PLAIN_SECONDS:
-            last = now
-            left = (total - done) * (now - began) / done
+        if is_due():
+            left = (total - done) * (time.monotonic() - began) / done
             print(f"{what}: {done} of {total}, {left:.0f} s left", file=sys.stderr, flush=True)
 
     return show
 
 
 def _plain_lines(plan: Plan) -> Callable[[Progress], None]:
-    last = time.monotonic()
-    total = (plan.n_samples - 1) * plan.interval
+    total, is_due = (plan.n_samples - 1) * plan.interval, _is_due()
 
     def show(progress: Progress) -> None:
-        nonlocal last
-        if time.monotonic() - last < PLAIN_SECONDS:
-            return
-        last = time.monotonic()
-        left = progress.steps_left / max(progress.speed, 1e-9)
-        print(
-            f"{1e3 * progress.simulated:.2f} of {1e3 * total:.2f} ms, {progress.speed:,.0f} steps/s, {left:.0f} s "
-            f"left, energy imbalance {progress.imbalance:+.1e}",
-            file=sys.stderr,
-            flush=True,
-        )
+        if is_due():
+            left = progress.steps_left / max(progress.speed, 1e-9)
+            print(
+                f"{1e3 * progress.simulated:.2f} of {1e3 * total:.2f} ms, {progress.speed:,.0f} steps/s, {left:.0f} s "
+                f"left, energy imbalance {progress.imbalance:+.1e}",
+                file=sys.stderr,
+                flush=True,
+            )
 
     return show

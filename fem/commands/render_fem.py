@@ -113,7 +113,10 @@ def _render(
     )
     if animation is not None:
         return _film(stored, animation, request, samples, fps, quiet)
-    return _picture(stored, target, request, samples[0])
+    from fem.pictures.render import draw
+
+    draw(stored, target, request, samples[0])
+    return _done(f"Picture: {target}")
 
 
 def _check(option: str, value: float | None, low: float, high: float, unit: str = "") -> None:
@@ -165,14 +168,6 @@ def _samples(stored, start: float | None, stop: float | None, frames: int | None
     return np.unique(np.linspace(first, last, frames or FRAMES).round().astype(int)).tolist()
 
 
-def _picture(stored, target: Path, request, sample: int) -> int:
-    from fem.pictures.render import draw
-
-    draw(stored, target, request, sample)
-    _tell(f"Picture: {target}")
-    return Outcome.COMPLETE.code
-
-
 def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: bool) -> int:
     from fem.commands.progress import count_display
     from fem.pictures.film import write_film
@@ -192,8 +187,7 @@ def _film(stored, target: Path, request, samples: list[int], fps: float, quiet: 
                 count()
 
         write_film(target, images(), fps, renderer.palette)
-    _tell(f"Film: {target} ({len(samples)} frames)")
-    return Outcome.COMPLETE.code
+    return _done(f"Film: {target} ({len(samples)} frames)")
 
 
 def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
@@ -206,8 +200,7 @@ def _export(stored, target: Path, samples: list[int], quiet: bool) -> int:
             write_series(stored, target, samples, count)
         else:
             write_instant(stored, target, samples[0])
-    _tell(f"Fields: {target}")
-    return Outcome.COMPLETE.code
+    return _done(f"Fields: {target}")
 
 
 def _signals(stored, target: Path) -> int:
@@ -218,15 +211,16 @@ def _signals(stored, target: Path) -> int:
         write_accelerations(target, found)
     except OSError as error:
         raise UsageError(f"--export {target}: can't be written: {error.strerror or error}") from None
-    _tell(f"Accelerations: {target} ({', '.join(found.values)} at {found.rate} Hz)")
-    return Outcome.COMPLETE.code
+    return _done(f"Accelerations: {target} ({', '.join(found.values)} at {found.rate} Hz)")
 
 
-def _tell(text: str) -> None:
+def _done(text: str) -> int:
+    """Say what has been written; the exit code."""
     from lagrange.messages import shown, telling
 
     with telling():
         print(shown(text))
+    return Outcome.COMPLETE.code
 
 
 def render_main(arguments: list[str] | None = None) -> int:

@@ -17,14 +17,7 @@ from fem.errors import RunFailed, UsageError
 from fem.solver.simulate import SOLVERS
 
 RUNS = Path("runs")
-EXAMPLES = (
-    "paper",
-    "NU206",
-    "spindle",
-    "faults",
-    "table",
-    "all",
-)  # fem.examples has them; it imports too much for --help
+EXAMPLES = ("paper", "NU206", "spindle", "faults", "table", "all")  # of fem.examples, which imports much for --help
 BROKEN_PIPE = 1  # the code with which rich leaves where nobody reads its output any more
 MOST_THREADS = 4096
 SEPARATOR = "\0"  # of joined values: no argument of a process holds it
@@ -119,16 +112,10 @@ def _run(
         return Outcome.COMPLETE.code
 
     settings = settings_of(set)
-    overrides = list(settings)
-    if bearing is not None:
-        overrides.insert(0, f'bearing={{designation="{bearing}"}}')
-    if model is not None:
-        overrides.append(f"model={model}")
-    if mesh_size is not None:
-        overrides.append(f"numerics.mesh_size_mm={mesh_size}")
-    if duration is not None:
-        overrides.append(f"numerics.duration_ms={duration}")
-    chosen = read_scene(scene, tuple(overrides))
+    keys = {"model": model, "numerics.mesh_size_mm": mesh_size, "numerics.duration_ms": duration}
+    standard = () if bearing is None else (f'bearing={{designation="{bearing}"}}',)
+    given = (f"{key}={value}" for key, value in keys.items() if value is not None)
+    chosen = read_scene(scene, (*standard, *settings, *given))
     path = output if output is not None else RUNS / f"{result_name(chosen.name, settings)}.nc"
     if path.is_dir():
         raise UsageError(f"--output {path}: is a folder; name a file in it")
@@ -152,9 +139,8 @@ def _write_example(name: str, path: Path | None, force: bool) -> int:
     scene, *others = write_example(name, path, force)
     for file in (scene, *others):
         print(f"wrote {shown(file)}")
-    print(
-        f"next: check-residual {shown(others[0])} --scene {shown(scene)}" if others else f"next: run-fem {shown(scene)}"
-    )
+    checked = f"check-residual {shown(others[0])} --scene {shown(scene)}" if others else f"run-fem {shown(scene)}"
+    print(f"next: {checked}")
     return Outcome.COMPLETE.code
 
 
@@ -172,9 +158,7 @@ def result_name(scene_name: str, settings: Sequence[str]) -> str:
         short = parts if any(part.isdecimal() for part in parts) else parts[-1:]
         changes.append(re.sub(r"[^A-Za-z0-9._+-]+", "_", f"-{'.'.join(short)}-{value.strip()}"))
     whole = scene_name + "".join(changes)
-    if len(whole) <= LONGEST_NAME:
-        return whole
-    return f"{whole[:LONGEST_NAME]}-{zlib.crc32(whole.encode()):08x}"
+    return whole if len(whole) <= LONGEST_NAME else f"{whole[:LONGEST_NAME]}-{zlib.crc32(whole.encode()):08x}"
 
 
 def open_streams() -> None:
@@ -218,9 +202,7 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
         ended, reason = Outcome.UNUSABLE, "not enough memory; a coarser numerics.mesh_size_mm takes less"
     except ValueError as error:
         from lagrange.files.hdf5 import Damaged
-        from lagrange.scene.scene import (
-            SceneError,  # loaded by now, or soon: whatever reads scenes or results needs both
-        )
+        from lagrange.scene.scene import SceneError  # loaded by now, or soon, by whatever reads scenes or results
 
         if not isinstance(error, UsageError | SceneError | Damaged):
             raise

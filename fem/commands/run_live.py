@@ -38,13 +38,11 @@ def _live(
     from fem.live.player import Player
     from fem.live.server import LiveServer
 
-    server = LiveServer(Player(chosen, say))
-
     def announce(address: str) -> None:
         with telling():
             print(f"Live: {address}\nCtrl-C ends it.")
 
-    asyncio.run(server.run(announce))
+    asyncio.run(LiveServer(Player(chosen, say)).run(announce))
     return Outcome.COMPLETE.code
 
 

@@ -101,8 +101,9 @@ def _solve(points: "Points", folder: "Folder", options: "StudyOptions") -> int:
     from lagrange.messages import say
 
     pending, lost = pending_points(points, folder), {}
-    tell = None if options.quiet else say
-    total = expected(points, pending, tell).seconds * len(pending) if pending else 0.0
+    total = 0.0
+    if pending:
+        total = expected(points, pending, None if options.quiet else say).seconds * len(pending)
     folder.begin(points)
     if pending:
         with stop_signals() as stopped:
@@ -128,15 +129,14 @@ def _collect(points: "Points", folder: "Folder", quiet: bool) -> int:
     with count_display("points collected", len(points), quiet) as count:
         statuses = write_dataset(points, folder, count)
     write_page(points, folder)
+    is_complete = set(statuses) == {COMPLETE}
     if not quiet:
         with telling():
             print_outcome(points, folder, statuses)
-    if set(statuses) == {COMPLETE}:
-        return Outcome.COMPLETE.code
-    if quiet:
+    elif not is_complete:
         for line in told_outcome(points, folder, statuses):
             say(line)
-    return Outcome.FAILED.code
+    return (Outcome.COMPLETE if is_complete else Outcome.FAILED).code
 
 
 def study_main(arguments: list[str] | None = None) -> int:

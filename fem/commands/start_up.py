@@ -13,6 +13,7 @@ from typing import NoReturn
 from fem.errors import UsageError
 
 SAFE = "PYTHONSAFEPATH"
+HELD = {signal.SIGINT, signal.SIGTERM}  # end a command in good order
 
 
 @contextmanager
@@ -29,9 +30,6 @@ def from_no_current_folder() -> Iterator[None]:
             os.environ[SAFE] = before
 
 
-# Packages that only some uses need, and that an installation without extras lacks.
-
-
 def need(package: str, user: str) -> None:
     """Refuse what needs a package that is not there, before any work for it is done.
 
@@ -41,12 +39,6 @@ def need(package: str, user: str) -> None:
     """
     if find_spec(package) is None:
         raise UsageError(f"{user}: needs {package}, which is not installed: python -m pip install {package}")
-
-
-# Signals that end a command in good order, before a run or a study, during it and after.
-
-
-HELD = {signal.SIGINT, signal.SIGTERM}
 
 
 class Terminated(KeyboardInterrupt):
@@ -63,16 +55,15 @@ def hear_termination() -> None:
     signal.signal(signal.SIGTERM, handle)
 
 
-def hold_signals() -> None:
+def hold_signals(hold: bool = True) -> None:
     """Let both wait from now on: a command that is being loaded, or ends, can't answer them in good order."""
     if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_BLOCK, HELD)
+        signal.pthread_sigmask(signal.SIG_BLOCK if hold else signal.SIG_UNBLOCK, HELD)
 
 
 def hear_signals() -> None:
     """Take those that have waited, and those to come."""
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, HELD)
+    hold_signals(False)
 
 
 @contextmanager
@@ -84,15 +75,12 @@ def stop_signals() -> Iterator[list[int]]:
         stopped.append(number)
         signal.signal(number, signal.SIG_DFL)
 
-    before = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, handle) for number in HELD}
     try:
         yield stopped
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-# When a command has Python look for garbage: not while it imports, nor at its end.
 
 
 @contextmanager
@@ -118,11 +106,8 @@ def leave(code: int) -> NoReturn:
     sys.exit(code)
 
 
-# How a command ends: every outcome with its exit code and its sentence, in one place.
-
-
 class Outcome(Enum):
-    """Exit code, what the user is told, and for runs the `status` in the result file."""
+    """How a command ends: exit code, what the user is told, and for runs the `status` in the result file."""
 
     COMPLETE = 0, "", "complete"
     FAILED = 1, "error: failed: {reason}\nsamples up to then are in {path}", "failed: {reason}"

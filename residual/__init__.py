@@ -1,16 +1,15 @@
 """The check of Lagrange's equations against a simulated or measured run.
 
 record, sources, table_source   `Record`, the arrays all else works on: from a result file, from a table
-sampling, stationarity          what of a record is sound: its interval, its positions, its beginning
-differentiate, budget           accelerations, error forces of equations (22) and (23) and what they are made of
-spectrum, orders, lines         spectra over time and over the shaft's angle, levels of kinematic lines
-vibration, cage                 the housing's or the hub's vibration as bearing engineers read it; the cage's share
-identification, comparison      laws fitted to a run, laws ranked
-fault_finding                   spalls found in trajectories alone, by `roller_motion` and `sinkage_maps`
-evaluation                      the whole check as one call -> `Evaluation`; `run_comparison`: of two
-interpretation, formatting      what the numbers say: sentences, rows of tables
-report, figures, page_data      the self-contained HTML page, its figures, what moves in it
-store, summary                  the report's folder, summary.json
+sampling                        soundness of a record: its interval, its positions, its beginning
+differentiate, budget           accelerations; error forces of equations (22) and (23), their terms, laws ranked by them
+fitted_laws, load_zone          laws fitted to a run; passages through the load zone, static equilibria
+spectrum, lines, orders         spectra over time and over the shaft's angle, levels of kinematic lines
+vibration                       vibration of sensor, housing or hub as bearing engineers read it
+roller_motion, fault_finding    spalls found in trajectories alone
+evaluation                      the whole check as one call -> `Evaluation`
+tables, vibration_tables, run_comparison, interpretation, formatting   rows and sentences of the numbers
+summary, store, report, printing, figures   summary.json, the report's folder, its page, the terminal, the figures
 
     from residual import evaluate, read_result, write_report
     write_report(evaluate(read_result("runs/paper.nc"), law="harris"), "report")

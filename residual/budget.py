@@ -24,15 +24,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lagrange.bearing import Bearing, Cage
+from lagrange.contact.raceway_laws import law_names
 from lagrange.equations import Overlaps, approaches, contact_resultant, error_forces
-from lagrange.kinematics import kinematics
 from lagrange.load_history import load_share
-from residual.cage import push_on_hub, traction_against
-from residual.differentiate import derivative
-from residual.fitted_laws import DampedLaw, Law, spring_and_damper
-from residual.record import Record
+from residual.fitted_laws import DampedLaw, Identification, Law, inner_law, law_force, spring_and_damper
+from residual.record import CageMotion, Record
+from residual.spectrum import Statistics, rms
 
-CHATTER = 0.05  # of a cage revolution
 Term = tuple[np.ndarray | None, np.ndarray | None]  # of x and y, (n_times,), N; None where the source does not tell it
 
 
@@ -218,41 +217,59 @@ def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
     return np.convolve(change, kernel, mode="same") > 0.5
 
 
-def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
-    """Find the first and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
-    at = np.flatnonzero(loaded)
-    if at.size == 0:
-        return []
-    ends = np.flatnonzero(np.diff(at) > bridge + 1)
-    first = at[np.concatenate([[0], ends + 1])]
-    last = at[np.concatenate([ends, [at.size - 1]])]
-    return list(zip(first.tolist(), last.tolist(), strict=True))
+def traction_against(cage: CageMotion, bearing: Bearing) -> np.ndarray:
+    """Part of the inner raceway's tractions that stands against the cage's forces on rollers, N, (n_times, n_rollers).
+
+    A roller's equations of motion along the pitch circle and about its centre give its two tractions from its inertia,
+    the cage's force F and moment M: of the inner one F and M take −½ (F − M/radius).
+    """
+    return -0.5 * (cage.force - cage.moment / bearing.roller_radius)
 
 
-def chatter_gap(record: Record) -> int:
-    """Longest opening within one pass through the load zone, samples: 5 % of a cage revolution."""
-    speed = float(np.mean(np.abs(record.acting.speed)))
-    cage = kinematics(record.bearing, speed).frequencies["FTF"]
-    samples = record.time.size // 50
-    return max(1, samples if samples * record.interval * cage <= CHATTER else int(CHATTER / cage / record.interval))
+def push_on_hub(cage: CageMotion, facts: Cage | None) -> tuple[np.ndarray, np.ndarray]:
+    """Force of the cage on the hub that guides it, N, x and y, each (n_times,)."""
+    if facts is None or facts.guidance != "inner_ring":
+        return np.zeros_like(cage.x), np.zeros_like(cage.x)
+    return -cage.guidance_x, -cage.guidance_y
 
 
-# The roller that figures and tables of a single one are of, and its radial motion.
+@dataclass(frozen=True, kw_only=True)
+class LawScore:
+    """Error forces that one law leaves."""
+
+    name: str
+    errors: tuple[Statistics, Statistics]  # in x and y
+    contact_rms: float | None  # N, of run − law per closed contact; None where the source holds no forces
+
+    @property
+    def rms(self) -> float:
+        """Rms of the error force's magnitude, N: the ranking's measure."""
+        return float(np.hypot(self.errors[0].rms, self.errors[1].rms))
 
 
-def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
-    """The roller that passes through the load zone most often, whole passes first."""
+def rank_laws(record: Record, budget: Budget, identified: dict[str, Identification]) -> list[LawScore]:
+    """Rank all laws by the error force on the held-back samples (all samples where nothing was fitted), smallest first.
 
-    def merit(j):
-        zones = load_zones(loaded[:, j], bridge)
-        whole = sum(first > 0 and last < loaded.shape[0] - 1 for first, last in zones)
-        return len(zones), whole, int(loaded[:, j].sum())
-
-    return max(range(loaded.shape[1]), key=merit)
-
-
-def roller_radial(record: Record, j: int, order: int):
-    """Radial position ρ of one roller, m, its velocity, m/s, and its acceleration, m/s²."""
-    rho = np.hypot(record.roller_x[:, j], record.roller_y[:, j])
-    interval = record.interval
-    return rho, derivative(rho, interval, 1, order), derivative(rho, interval, 2, order)
+    Parameters
+    ----------
+    identified : fitted laws by name
+    """
+    laws = {name: inner_law(name, record) for name in law_names(record.bearing)}
+    laws |= {name: found.law for name, found in identified.items()}
+    first = max((found.samples for found in identified.values()), default=0)
+    late = slice(first, None)
+    directions = (budget.x, budget.y)
+    resultant = contact_resultant(budget.contacts, budget.law_force)
+    inertia_and_load = [direction.error + push for direction, push in zip(directions, resultant, strict=True)]
+    run_force = None if record.inner_force is None else record.inner_force[late]
+    scores = []
+    for name, law in laws.items():
+        contacts = budget.contacts
+        force = law_force(law, contacts.inner, budget.closing_speed, contacts.inner_compliance)
+        pushes = contact_resultant(budget.contacts, force)
+        contact_rms = None
+        if run_force is not None and np.any(run_force > 0.0):
+            contact_rms = rms((run_force - force[late])[run_force > 0.0])
+        error_x, error_y = (Statistics.of((i - p)[late]) for i, p in zip(inertia_and_load, pushes, strict=True))
+        scores.append(LawScore(name=name, errors=(error_x, error_y), contact_rms=contact_rms))
+    return sorted(scores, key=lambda score: score.rms)

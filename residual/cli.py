@@ -96,9 +96,9 @@ def _command(
 ) -> int:
     from lagrange.messages import say, telling
     from residual.evaluation import evaluate
-    from residual.exports import Parts
     from residual.printing import print_summary
     from residual.store import check_replaceable, write_report
+    from residual.summary import ReportOptions
 
     _check_number("--start", start, "ms")
     _check_number("--tolerance", tolerance, "N")
@@ -117,14 +117,14 @@ def _command(
             f"--against {against}: laws of one run differ in their error forces, which --no-equations leaves out; "
             "leave either option out"
         )
-    parts = Parts(
+    options = ReportOptions(
         tolerance=tolerance, search=search, figures=not no_figures, equations=not no_equations, exports=export,
         other=other,
     )  # fmt: skip
-    write_report(evaluation, folder, parts)
+    write_report(evaluation, folder, options)
     if not quiet:
         with telling():
-            print_summary(evaluation, folder, parts, compare_laws)
+            print_summary(evaluation, folder, options, compare_laws)
     return 1 if evaluation.fails(tolerance) else 0
 
 
@@ -141,8 +141,8 @@ def _other(against: str, record, check: tuple, source: tuple):
     `check`: law, start in ms and order; `source`: scene and whether to resample.
     """
     from lagrange.contact.raceway_laws import law_names
-    from residual.comparison import ALIASES, FITTED
     from residual.evaluation import evaluate
+    from residual.fitted_laws import ALIASES, FITTED
 
     law, start, order = check
     seconds = None if start is None else 1e-3 * start
@@ -165,7 +165,7 @@ def _check_number(option: str, value: float | None, unit: str) -> None:
 def _check_law(law: str | None, bearing) -> None:
     """Refuse a law that is not known for the bearing's rolling elements."""
     from lagrange.contact.raceway_laws import law_names
-    from residual.comparison import ALIASES, FITTED
+    from residual.fitted_laws import ALIASES, FITTED
 
     known = (*law_names(bearing), *FITTED)
     if law is not None and law not in (*known, *ALIASES):

@@ -7,16 +7,33 @@ import numpy as np
 
 from lagrange.contact.raceway_laws import caution
 from lagrange.kinematics import Kinematics, kinematics
-from residual.budget import Accelerations, Budget, DirectionBudget, chatter_gap, error_budget, near_contact_change
-from residual.comparison import FITTED, LawScore, identify, inner_law, rank_laws
+from residual.budget import (
+    Accelerations,
+    Budget,
+    DirectionBudget,
+    LawScore,
+    error_budget,
+    near_contact_change,
+    rank_laws,
+)
 from residual.differentiate import Floor, derivative, floor
 from residual.errors import InputError
-from residual.fitted_laws import Law
-from residual.identification import Identification
+from residual.fitted_laws import FITTED, Identification, Law, identify, inner_law
+from residual.formatting import NOISE
 from residual.lines import LineLevel, line_levels, named_peaks, watched_level
+from residual.load_zone import chatter_gap
 from residual.orders import OrderSpectra, Tracking, order_spectra, tracking_of
 from residual.record import FEWEST_SAMPLES, SMALL_LOAD, Record
-from residual.sampling import WITHIN, PositionNoise, TooCoarse, position_noise, rate_notes, too_coarse
+from residual.sampling import (
+    WITHIN,
+    PositionNoise,
+    Stationarity,
+    TooCoarse,
+    position_noise,
+    rate_notes,
+    stationarity,
+    too_coarse,
+)
 from residual.spectrum import (
     Envelope,
     Peak,
@@ -27,9 +44,7 @@ from residual.spectrum import (
     kinematic_lines,
     power_spectrum,
 )
-from residual.stationarity import Quarters, quarters
 from residual.vibration import Vibration, measured, vibration
-from residual.words import NOISE
 
 LOADED = 0.01  # of the largest load: a roller with more is loaded
 SOUND = 0.01  # of the reference force: what the momentum balance of sound trajectories may leave, rms
@@ -69,7 +84,7 @@ class Evaluation:
     lines: dict[str, float]  # kinematic lines, Hz; none where the shaft stands, or its speed changes
     watched: list[tuple[LineLevel, LineLevel]]  # lines the user asked for, in x and y
     ideal_cage: float  # Hz, of rolling without slip; `lines` go by the run's own cage speed
-    quarters: Quarters | None  # what varies in each; None for a record too short for it
+    quarters: Stationarity | None  # what varies in each; None for a record too short for it
     chatter: int  # samples, the longest opening within one pass through the load zone
     identified: dict[str, Identification]  # laws fitted to the run's own forces, by name
     unfitted: str | None  # why no law could be fitted
@@ -105,6 +120,14 @@ class Evaluation:
         """Forces of the inner contacts, N, (n_times, n_rollers): the source's own where it tells them, or the law's."""
         told = self.record.inner_force
         return self.budget.law_force if told is None else told
+
+    @property
+    def hub_acceleration(self) -> tuple[np.ndarray, np.ndarray]:
+        """Along x and y, m/s²: the source's own where it tells them, else from positions."""
+        t = self.record
+        pairs = ((t.inner_ax, t.inner_x), (t.inner_ay, t.inner_y))
+        x, y = (derivative(place, t.interval, order=self.order) if own is None else own for own, place in pairs)
+        return x, y
 
     @property
     def noise(self) -> float:
@@ -235,7 +258,7 @@ def evaluate(
     watched = [(watched_level(x.spectrum, name, lines), watched_level(y.spectrum, name, lines)) for name in watch]
     notes += [_unresolved_note(level, x.spectrum.resolution) for level, _ in watched if not level.resolved]
     notes += rate_notes(max(resonances), interval, order)
-    parts = quarters(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
+    parts = stationarity(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
     notes += [] if parts is None or parts.note is None else [parts.note]
     floors = used.operation.inner_mass * x.floor.total, used.operation.inner_mass * y.floor.total
     force = budget.law_force if used.inner_force is None else used.inner_force

@@ -5,17 +5,17 @@ from math import hypot
 import numpy as np
 
 from residual.evaluation import SOUND, Evaluation
-from residual.quasistatic import QuasiStatic
+from residual.formatting import hertz, share, text
+from residual.load_zone import QuasiStatic
 from residual.sampling import WITHIN
 from residual.spectrum import rms
-from residual.words import hertz, share, text
 
 MATTERS = 0.01  # of the load: less is no deviation of the model's forces worth naming
 LEVEL = 0.1  # of the mean error: varying less, the error is one of level
 ALIKE = 0.05  # loads this near agree
 
 
-def meaning(evaluation: Evaluation, statics: QuasiStatic | None) -> list[str]:
+def interpretation(evaluation: Evaluation, statics: QuasiStatic | None) -> list[str]:
     """Say what the model may be used for, as far as the run has the data."""
     found = [_mean(evaluation)]
     if evaluation.within_noise:
@@ -110,7 +110,7 @@ def _used(evaluation: Evaluation, statics: QuasiStatic) -> str:
 # What a check found, in one plain sentence: are the trajectories sound, and what does the law miss.
 
 
-def headline(evaluation: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
+def verdict(evaluation: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:
     """The sentence; with a tolerance, N rms, it begins with the outcome; of equations (22), (23) only where wanted."""
     found = f"{_sound(evaluation)}; {_missed(evaluation)}." if equations else f"{_sound(evaluation)}."
     if tolerance is None:

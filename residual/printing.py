@@ -7,27 +7,27 @@ from rich.table import Table
 
 from lagrange.messages import shown
 from residual.evaluation import Evaluation
-from residual.exports import Parts
-from residual.interpretation import headline
+from residual.formatting import hertz
+from residual.interpretation import verdict
 from residual.run_comparison import difference_rows, headings
+from residual.summary import ReportOptions
 from residual.tables import error_rows, fit_sentences, peak_name, ranking_rows, ranking_span, watched_rows
 from residual.vibration_tables import search_sentences
-from residual.words import hertz
 
 
-def print_summary(evaluation: Evaluation, folder: Path, parts: Parts, compare_laws: bool) -> None:
+def print_summary(evaluation: Evaluation, folder: Path, options: ReportOptions, compare_laws: bool) -> None:
     """Print what was found, and where the report is."""
     console = Console(highlight=False)
-    if parts.equations:
+    if options.equations:
         _print_errors(console, evaluation)
-    if parts.search is not None:
-        for sentence in search_sentences(parts.search):
+    if options.search is not None:
+        for sentence in search_sentences(options.search):
             console.print(sentence, soft_wrap=True, markup=False)
     if compare_laws:
         _print_laws(console, evaluation)
-    if parts.other is not None:
-        _print_differences(console, evaluation, parts.other, parts.equations)
-    console.print(headline(evaluation, parts.tolerance, parts.equations), soft_wrap=True)
+    if options.other is not None:
+        _print_differences(console, evaluation, options.other, options.equations)
+    console.print(verdict(evaluation, options.tolerance, options.equations), soft_wrap=True)
     console.print(f"Report: {shown(folder / 'report.html')}", soft_wrap=True, markup=False)
 
 

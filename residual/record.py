@@ -12,7 +12,6 @@ from lagrange.equations import Overlaps, approaches
 from lagrange.scene.columns import per_roller
 from lagrange.scene.scene import Scene
 from lagrange.surface.deviation import Turns
-from residual.cage import CageMotion
 from residual.errors import InputError
 
 FEWEST_SAMPLES = 32  # fewer give no statistics and hardly a spectrum
@@ -23,6 +22,48 @@ SAME_SPEED = 1e-3  # relative: a tenth of a bin of a record of 100 shaft turns
 OF_OUTER_RING = ("outer_ring_x", "outer_ring_y", "outer_ring_ax", "outer_ring_ay")
 SMALL_LOAD = 0.05  # of the largest contact force: rollers press by preload or rattle, not under a smaller load
 SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
+
+
+COLUMNS = {  # of a result file, by what they are here
+    "cage_x": "x",
+    "cage_y": "y",
+    "cage_angle": "angle",
+    "cage_guidance_x": "guidance_x",
+    "cage_guidance_y": "guidance_y",
+    "cage_force": "force",
+    "cage_moment": "moment",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class CageMotion:
+    """A cage's samples."""
+
+    x: np.ndarray  # (n_times,), m, of its centre
+    y: np.ndarray
+    angle: np.ndarray  # (n_times,), rad, since the run's start
+    guidance_x: np.ndarray  # (n_times,), N, of the guiding ring on the cage
+    guidance_y: np.ndarray
+    force: np.ndarray  # (n_times, n_rollers), N, on the rollers, forward
+    moment: np.ndarray  # (n_times, n_rollers), N m, on the rollers about their centres
+
+    @property
+    def by_column(self) -> dict[str, np.ndarray]:
+        """The arrays by the result file's names."""
+        return {column: getattr(self, name) for column, name in COLUMNS.items()}
+
+    def samples(self, part: slice) -> "CageMotion":
+        """Restrict the cage to some samples."""
+        return CageMotion(**{name: value[part] for name, value in vars(self).items()})
+
+    def speed(self, interval: float) -> float:
+        """Mean angular speed, rad/s; samples are so many s apart."""
+        return float((self.angle[-1] - self.angle[0]) / (interval * (self.angle.size - 1)))
+
+    def whirl(self, interval: float) -> float:
+        """Mean angular speed of its centre about the bearing's, rad/s."""
+        angle = np.unwrap(np.arctan2(self.y, self.x))
+        return float((angle[-1] - angle[0]) / (interval * (self.angle.size - 1)))
 
 
 @dataclass(frozen=True, kw_only=True)

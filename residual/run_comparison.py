@@ -7,8 +7,7 @@ import numpy as np
 
 from lagrange.scene.scene import Scene
 from residual.evaluation import Evaluation
-from residual.exports import accelerations
-from residual.words import text
+from residual.formatting import text
 
 INNER_X = -80e-6, 60e-6  # m, figure 6
 INNER_Y = -220e-6, -80e-6  # m
@@ -91,7 +90,7 @@ def _quantities(e: Evaluation, equations: bool) -> list[tuple[str, float, float 
         ("loaded rollers, most", 1.0, high),
         ("cage, Hz", 1.0, e.lines.get("FTF")),
     ]
-    for d, acceleration in zip(e.directions, accelerations(e), strict=True):
+    for d, acceleration in zip(e.directions, e.hub_acceleration, strict=True):
         found.append((f"hub's acceleration, {d.name}, rms, m/s²", 1.0, np.std(acceleration)))
     for d in e.directions if equations else ():
         found += [

@@ -1,4 +1,4 @@
-"""Whether a record's sampling and its positions are fine enough for second derivatives."""
+"""Whether a record is sound: sampling and positions fine enough for second derivatives; a settled beginning."""
 
 from dataclasses import dataclass
 from math import comb, floor, hypot, log10
@@ -10,9 +10,9 @@ from lagrange.surface.passages import SAMPLES, spalls
 from residual.budget import Budget
 from residual.differentiate import response, stencil
 from residual.fitted_laws import Law
+from residual.formatting import length, text
 from residual.record import Record
 from residual.spectrum import Statistics, power_spectrum, rms
-from residual.words import length, text
 
 FOLDED = 5.0  # times what differentiation errs by: a momentum balance that leaves more holds folded vibration
 WELL_SAMPLED = 0.05  # of the sampling rate: below, twenty samples a period tell force and acceleration alike
@@ -258,3 +258,64 @@ def rounding_step(places: np.ndarray) -> float:
     step = float(gaps.min())
     counts = gaps / step
     return step if np.all(np.abs(counts - np.round(counts)) < WHOLE) else 0.0
+
+
+QUARTERS = 4
+PASSAGES = 2.0  # of rollers in a quarter: in less, what varies is the passage itself
+SETTLED = 1.5  # quarters alike differ by no more than this factor
+SMALLEST = 1e-9  # m: a hub that moves less stands still
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stationarity:
+    """What varies in each quarter of a record, each (QUARTERS,)."""
+
+    start: np.ndarray  # s, of the run's time
+    hub: dict[str, np.ndarray]  # m, standard deviations of x and y
+    error: dict[str, np.ndarray]  # N, rms of error_x and error_y
+    settled: int | None  # first quarter from which the hub moves alike; None: it still changes in the last two
+
+    @property
+    def note(self) -> str | None:
+        """What to do about a transient; None where there is none."""
+        if self.settled == 0:
+            return None
+        widths = "; ".join(
+            f"{name} {', '.join(f'{1e9 * value:.3g}' for value in values)} nm" for name, values in self.hub.items()
+        )
+        moves = f"how far the hub swings changes over the quarters of the record (standard deviations of {widths})"
+        if self.settled is None:
+            return f"{moves}: it has not settled by the end; simulate longer"
+        return f"{moves}: the beginning is a transient; --start {1e3 * self.start[self.settled]:.4g} leaves it out"
+
+
+def stationarity(record: Record, errors: dict[str, np.ndarray], passing: float) -> Stationarity | None:
+    """Split a record; None where a quarter is too short to tell.
+
+    Parameters
+    ----------
+    errors : error forces by direction, N, each (n_times,)
+    passing : Hz, the ball-pass frequency; 0: nothing passes
+    """
+    parts = np.array_split(np.arange(record.time.size), QUARTERS)
+    if passing <= 0.0 or parts[0].size * record.interval * passing < PASSAGES:
+        return None
+    hub = {name: np.array([values[part].std() for part in parts]) for name, values in
+           (("x", record.inner_x), ("y", record.inner_y))}  # fmt: skip
+    swing = np.hypot(hub["x"], hub["y"])  # of both directions together: the lesser may wander as it likes
+    return Stationarity(
+        start=record.time[[part[0] for part in parts]],
+        hub=hub,
+        error={name: np.array([rms(values[part]) for part in parts]) for name, values in errors.items()},
+        settled=_settled(swing),
+    )
+
+
+def _settled(swing: np.ndarray) -> int | None:
+    """First quarter from which all swings are alike; None if the last two are not."""
+    if swing.max() < SMALLEST:
+        return 0
+    for first in range(QUARTERS - 1):
+        if swing[first:].max() <= SETTLED * swing[first:].min():
+            return first
+    return None

@@ -18,9 +18,8 @@ from lagrange.files.input import FOREIGN, not_text
 from lagrange.messages import shown
 from lagrange.mounting import ENERGIES as OF_MOUNTING
 from lagrange.scene.scene import Scene, SceneError, parse_scene_text
-from residual.cage import COLUMNS, CageMotion
 from residual.errors import InputError
-from residual.record import FEWEST_SAMPLES, Record, StatedError, checked, relative
+from residual.record import COLUMNS, FEWEST_SAMPLES, CageMotion, Record, StatedError, checked, relative
 
 FORMAT_VERSION = 1
 LARGEST_READ = 4 * 2**30  # bytes of arrays held in memory

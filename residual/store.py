@@ -1,9 +1,11 @@
 """Writer of the report folder, residual.nc, summary.json, figures, report.html, which appears whole or not at all."""
 
+import csv
 import json
 import os
 import secrets
 import shutil
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -15,21 +17,21 @@ from lagrange.files.pages import load_matplotlib
 from lagrange.version import VERSION
 from residual.errors import InputError
 from residual.evaluation import Evaluation
-from residual.exports import Parts, write_exports
-from residual.summary import PROGRAM, summarise
-from residual.words import words
+from residual.figures.saved import SavedFigure
+from residual.formatting import term_label
+from residual.summary import PROGRAM, Export, ReportOptions, summarise
 
 OURS = {"residual.nc", "summary.json", "report.html"}
 OURS_BY_NAME = (".png", ".svg", ".csv", ".mat", ".wav")
-WHOLE = Parts()
+WHOLE = ReportOptions()
 
 
-def write_report(evaluation: Evaluation, folder: str | Path, parts: Parts = WHOLE) -> dict:
+def write_report(evaluation: Evaluation, folder: str | Path, options: ReportOptions = WHOLE) -> dict:
     """Write the report folder and return the summary.
 
     Parameters
     ----------
-    parts : what the report is to hold
+    options : what the report is to hold
 
     Errors
     ------
@@ -42,7 +44,7 @@ def write_report(evaluation: Evaluation, folder: str | Path, parts: Parts = WHOL
     fresh = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")  # known before it exists: no signal leaves it
     try:
         fresh.mkdir(mode=0o700)
-        summary = _fill(evaluation, fresh, parts)
+        summary = _fill(evaluation, fresh, options)
         umask = os.umask(0)
         os.umask(umask)
         fresh.chmod(0o777 & ~umask)
@@ -95,24 +97,26 @@ def _move_into_place(fresh: Path, folder: Path) -> None:
     shutil.rmtree(old, ignore_errors=True)
 
 
-def _fill(evaluation: Evaluation, folder: Path, parts: Parts) -> dict:
+def _fill(evaluation: Evaluation, folder: Path, options: ReportOptions) -> dict:
     """Write every file of the report."""
-    from residual.quasistatic import quasi_static
+    from residual.load_zone import quasi_static
     from residual.report import render_report
 
     version = VERSION
     statics = quasi_static(evaluation.record, evaluation.law.name)
     figures = {}
-    if parts.figures:
+    if options.figures:
         load_matplotlib()
         from residual.figures.drawing import draw_figures
 
-        figures = draw_figures(evaluation, statics, parts, folder)
+        figures = draw_figures(evaluation, statics, options, folder)
     _write_arrays(evaluation, folder / "residual.nc", version)
-    write_exports(evaluation, [figure for group in figures.values() for figure in group], parts.exports, folder)
-    page = render_report(evaluation, figures, parts, version, statics)
+    write_exports(evaluation, [figure for group in figures.values() for figure in group], options.exports, folder)
+    page = render_report(evaluation, figures, options, version, statics)
     (folder / "report.html").write_text(page, encoding="utf-8")
-    summary = summarise(evaluation, parts, version) | {"files": sorted({path.name for path in folder.iterdir()} | OURS)}
+    summary = summarise(evaluation, options, version) | {
+        "files": sorted({path.name for path in folder.iterdir()} | OURS)
+    }
     (folder / "summary.json").write_text(
         json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8"
     )
@@ -128,7 +132,7 @@ def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
     }
     for d in evaluation.directions:
         for name, term in d.budget.terms.items():
-            series[f"budget_{d.name}_{name}"] = (term, f"{words(name)} term of error_{d.name}")
+            series[f"budget_{d.name}_{name}"] = (term, f"{term_label(name)} term of error_{d.name}")
         if d.budget.momentum is not None:
             series[f"momentum_{d.name}"] = (d.budget.momentum, f"error_{d.name} with the run's own contact forces")
     with hdf5_to_write(path, track_order=True) as file:
@@ -170,8 +174,60 @@ def _densities(evaluation: Evaluation) -> dict[str, tuple[np.ndarray, str]]:
         error = f"error_{d.name}"
         found[f"psd_{d.name}"] = d.spectrum.psd, error
         for name, spectrum in d.term_spectra.items():
-            found[f"psd_{d.name}_{name}"] = spectrum.psd, f"the {words(name)} term of {error}"
+            found[f"psd_{d.name}_{name}"] = spectrum.psd, f"the {term_label(name)} term of {error}"
         if d.envelope is not None:
             band = f"{d.envelope.low:.4g} to {d.envelope.high:.4g} Hz"
             found[f"envelope_psd_{d.name}"] = d.envelope.spectrum.psd, f"the envelope of {error}, {band}"
     return found
+
+
+# The data of a report for other programs: signals as CSV, MAT and WAV, the curves of figures as CSV.
+
+
+SOUND = "hub_acceleration.wav"
+
+
+def signals(evaluation: Evaluation) -> dict[str, np.ndarray]:
+    """Time series, SI, each (n_times,) or (n_times, n_rollers), by the names of the result file and of residual.nc."""
+    t = evaluation.record
+    found = {"time": t.time, "inner_x": t.inner_x, "inner_y": t.inner_y}
+    found |= dict(zip(("inner_ax", "inner_ay"), evaluation.hub_acceleration, strict=True))
+    found |= {"error_x": evaluation.budget.x.error, "error_y": evaluation.budget.y.error}
+    return found | {"roller_x": t.roller_x, "roller_y": t.roller_y, "inner_force": evaluation.force}
+
+
+def write_exports(evaluation: Evaluation, figures: Iterable[SavedFigure], wanted: Iterable[Export], folder: Path):
+    """Write what is wanted and no more: `signals.csv`; each figure's curves; `signals.mat`; the hub's sound."""
+    if "csv" in wanted:
+        _write_signals(signals(evaluation), folder / "signals.csv")
+    if "curves" in wanted:
+        for figure in figures:
+            _write_curves(figure, folder / f"{figure.name}.csv")
+    if "mat" in wanted:
+        from scipy.io import savemat
+
+        savemat(folder / "signals.mat", signals(evaluation), oned_as="column", do_compression=True)
+    if "wav" in wanted:
+        from scipy.io import wavfile
+
+        sound = np.column_stack(evaluation.hub_acceleration).astype(np.float32)
+        wavfile.write(folder / SOUND, round(1.0 / evaluation.record.interval), sound)
+
+
+def _write_signals(found: dict[str, np.ndarray], path: Path) -> None:
+    """One column for each signal, `name_<j>` for those of roller j."""
+    names, columns = [], []
+    for name, values in found.items():
+        one = values.ndim == 1
+        names += [name] if one else [f"{name}_{j}" for j in range(values.shape[1])]
+        columns.append(values[:, None] if one else values)
+    np.savetxt(path, np.hstack(columns), "%.12g", ",", header=",".join(names), comments="", encoding="utf-8")
+
+
+def _write_curves(figure: SavedFigure, path: Path) -> None:
+    """Rows of panel, curve, x and y."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("panel", "curve", "x", "y"))
+        for curve in figure.curves:
+            writer.writerows((curve.panel, curve.name, f"{x:.9g}", f"{y:.9g}") for x, y in curve.points)

@@ -1,24 +1,42 @@
 """The numbers of summary.json, with their units in their names."""
 
+from dataclasses import dataclass
+from typing import Literal
+
 import numpy as np
 
 from lagrange.messages import shown
-from residual.comparison import LawScore
+from residual.budget import LawScore
 from residual.evaluation import Evaluation
-from residual.exports import Parts
-from residual.identification import CONFIDENCE, Identification
+from residual.fault_finding import FaultSearch
+from residual.fitted_laws import CONFIDENCE, Identification
 from residual.lines import LineLevel
 from residual.spectrum import Peak, Statistics, rms
 from residual.tables import floor_newtons
 from residual.vibration import Vibration
 from residual.vibration_tables import search_summary
 
+Export = Literal["csv", "curves", "mat", "wav"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportOptions:
+    """Of a report."""
+
+    tolerance: float | None = None  # N, on the rms of both errors; None: no verdict
+    search: FaultSearch | None = None  # for spalls; None: none was made
+    figures: bool = True  # most of a report's time
+    equations: bool = True  # False: of the run alone, without the error forces of (22) and (23)
+    exports: tuple[Export, ...] = ()  # the data in other formats
+    other: Evaluation | None = None  # what the run is compared with
+
+
 PROGRAM = "check-residual"
 
 
-def summarise(evaluation: Evaluation, parts: Parts, version: str) -> dict:
+def summarise(evaluation: Evaluation, options: ReportOptions, version: str) -> dict:
     """Content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
-    t, directions, tolerance = evaluation.record, evaluation.directions, parts.tolerance
+    t, directions, tolerance = evaluation.record, evaluation.directions, options.tolerance
     low, high = evaluation.loaded_range
     floors = floor_newtons(evaluation)
     summary = {
@@ -44,7 +62,7 @@ def summarise(evaluation: Evaluation, parts: Parts, version: str) -> dict:
         **{f"lines_{d.name}": [_level(level) for level in d.levels] for d in directions},
         **{f"vibration_{d.name}": _vibration(d.vibration) for d in directions},
         "orders": _orders(evaluation),
-        **search_summary(parts.search),
+        **search_summary(options.search),
         "watched": [{"x": _level(x), "y": _level(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
         "differentiation_floor_N": {"x": floors[0], "y": floors[1]},

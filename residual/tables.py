@@ -3,13 +3,13 @@
 import numpy as np
 
 from lagrange.messages import engineering
-from residual.budget import chosen_roller, roller_radial
 from residual.evaluation import Direction, Evaluation
-from residual.identification import Identification, Interval
+from residual.fitted_laws import Identification, Interval
+from residual.formatting import hertz, metres, term_label, text
 from residual.lines import LineLevel
+from residual.load_zone import chosen_roller, roller_radial
 from residual.run_comparison import PEAK, is_paper
 from residual.spectrum import MAIN_LOBE, Peak, Statistics, rms
-from residual.words import hertz, metres, text, words
 
 NO_MOTION = 1e-6  # nm: round-off of positions
 
@@ -40,7 +40,7 @@ def budget_rows(evaluation: Evaluation) -> list[list[str]]:
     """Rows of term, mean and rms in x, mean and rms in y, N."""
     directions = evaluation.directions
     names = evaluation.budget.x.terms
-    sums = {words(name): [Statistics.of(d.budget.terms[name]) for d in directions] for name in names}
+    sums = {term_label(name): [Statistics.of(d.budget.terms[name]) for d in directions] for name in names}
     if sums:
         sums["sum = error"] = [d.error for d in directions]
     noise = evaluation.noise
@@ -298,7 +298,7 @@ def _remains(evaluation: Evaluation, found: Identification) -> str:
     parts = []
     for d in evaluation.directions:
         left = sorted(((rms(v[found.samples :]), name) for name, v in d.budget.terms.items()), reverse=True)
-        told = [f"{words(name)} {text(v, 3)}" for v, name in left if v > evaluation.noise]
+        told = [f"{term_label(name)} {text(v, 3)}" for v, name in left if v > evaluation.noise]
         parts.append(f"in {d.name} {', '.join(told)}")
     return (
         f"What remains, N rms: {'; '.join(parts)}. Contact law is what a law of this form can't follow "

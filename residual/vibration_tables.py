@@ -8,11 +8,10 @@ import numpy as np
 from lagrange.messages import G, shown
 from lagrange.surface.faults import Fault, Film, MeasuredSurface, Spall, UnequalRoller, Waviness
 from residual.evaluation import Evaluation
-from residual.fault_finding import MAP_STANDS_OUT, SIGMAS, FaultSearch, FoundSpall
+from residual.fault_finding import MAP_STANDS_OUT, SIGMAS, FaultSearch, FoundSpall, SinkageMap
+from residual.formatting import text
 from residual.roller_motion import Place
-from residual.sinkage_maps import SinkageMap
 from residual.vibration import ENVELOPE_FROM, STANDS_OUT, FaultLine
-from residual.words import text
 
 
 def whose(evaluation: Evaluation) -> str:

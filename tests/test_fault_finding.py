@@ -14,10 +14,9 @@ from lagrange.surface.faults import Spall
 from lagrange.surface.rolling_envelope import sinkage
 from residual.cli import main
 from residual.errors import InputError
-from residual.fault_finding import find_faults
+from residual.fault_finding import SinkageMap, find_faults
 from residual.record import Record
 from residual.roller_motion import Contact, Place, RollerMotion, ThreeSamples, edge_sinkage, roller_motion
-from residual.sinkage_maps import SinkageMap
 from residual.vibration_tables import search_sentences, told_angle, unseen
 
 RINGS = {"bore": (28e-3, -1.0), "outside": (18e-3, 1.0)}

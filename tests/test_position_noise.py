@@ -8,7 +8,7 @@ import pytest
 
 from residual.cli import main
 from residual.evaluation import evaluate
-from residual.interpretation import headline, meaning
+from residual.interpretation import interpretation, verdict
 from residual.table_source import read_table
 from tests.reference.synthetic_run import harris_force, make_run, write_table
 
@@ -52,7 +52,7 @@ def test_positions_rounded_to_a_micrometre_blame_no_law(run, tmp_path, capsys):
     assert "are no finding on the contact law harris" in out and "misses" not in out
     assert summary["position_noise"]["rounding_step_m"] == pytest.approx(1e-6)
     assert summary["position_noise"]["within"]
-    sentences = " ".join(meaning(found, None))
+    sentences = " ".join(interpretation(found, None))
     assert "carries" not in sentences and "leaves least" not in sentences
 
 
@@ -67,7 +67,7 @@ def test_white_noise_is_told_from_the_motion_and_its_force_is_that_of_its_second
     assert [d.error.std for d in found.directions] == pytest.approx(list(noise["error_N"].values()), rel=0.1)
     assert "noise" in warnings[0] and "are no finding on the contact law harris" in out
     with_forces = evaluate(replace(found.record, inner_force=run.law_force))
-    assert "whether the trajectories are sound can't be told" in headline(with_forces).lower()
+    assert "whether the trajectories are sound can't be told" in verdict(with_forces).lower()
 
 
 def test_noise_of_the_approaches_makes_a_laws_force_uncertain(run, tmp_path):
@@ -92,4 +92,4 @@ def test_exact_positions_are_told_nothing_of_and_a_wrong_law_is_found(run, tmp_p
 def test_a_mean_beyond_the_noise_is_a_finding_still(run, tmp_path, capsys):
     """Noise of the inertia has no mean: what a law carries too little of the load is seen through it."""
     _, _, _, found = checked(noisy(run, 1e-8), tmp_path, capsys, "johnson")
-    assert found.within_noise and "johnson carries" in " ".join(meaning(found, None))
+    assert found.within_noise and "johnson carries" in " ".join(interpretation(found, None))

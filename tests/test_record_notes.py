@@ -10,10 +10,10 @@ from fem.commands.run_fem import run_main
 from lagrange.scene.scene import Scene
 from residual.cli import main
 from residual.evaluation import evaluate
-from residual.interpretation import headline
+from residual.interpretation import verdict
 from residual.record import Record
+from residual.sampling import stationarity
 from residual.sources import read_result
-from residual.stationarity import quarters
 from residual.tables import floor_newtons
 from tests.reference.synthetic_run import make_run, write_result
 
@@ -83,7 +83,7 @@ def test_a_verdict_names_our_own_sampling_and_the_interval_that_resolves_it(tmp_
         path = tmp_path / f"{interval}.nc"
         options = ["--set", f"numerics.output_interval_us={interval}", "--output", str(path), "--quiet"]
         assert run_main([str(scene), *options]) == 0
-        found.append(headline(evaluate(read_result(path))))
+        found.append(verdict(evaluate(read_result(path))))
         interval = float(found[0].partition("output_interval_us = ")[2].partition(" ")[0])
     coarse, fine = found
     assert coarse.startswith("The trajectories are sound below 10 kHz") and "samples every 5 µs do not follow" in coarse
@@ -115,7 +115,7 @@ def swinging(amplitudes):
 )
 def test_the_quarter_from_which_the_hub_swings_alike(amplitudes, settled):
     record = swinging(1e-7 * np.array(amplitudes, dtype=float))
-    found = quarters(record, {"x": record.inner_x, "y": record.inner_y}, PASSING)
+    found = stationarity(record, {"x": record.inner_x, "y": record.inner_y}, PASSING)
     assert found.settled == settled
     np.testing.assert_allclose(found.hub["x"], 1e-7 * np.array(amplitudes) / np.sqrt(2), rtol=1e-6)
     if settled is None:
@@ -129,5 +129,5 @@ def test_the_quarter_from_which_the_hub_swings_alike(amplitudes, settled):
 def test_a_record_of_few_passages_is_not_judged():
     record = swinging(np.ones(4))
     short = record.samples(slice(0, 1900))
-    assert quarters(short, {}, PASSING) is None and quarters(record, {}, 0.0) is None
-    assert quarters(replace(record), {}, PASSING) is not None
+    assert stationarity(short, {}, PASSING) is None and stationarity(record, {}, 0.0) is None
+    assert stationarity(replace(record), {}, PASSING) is not None

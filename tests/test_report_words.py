@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from residual.evaluation import evaluate
-from residual.interpretation import headline
+from residual.formatting import hertz, length, metres, text
+from residual.interpretation import verdict
 from residual.lines import HUB, named_peaks
 from residual.record import Record
 from residual.sources import read_result
 from residual.spectrum import find_peaks, power_spectrum
 from residual.tables import error_rows, peak_name
-from residual.words import hertz, length, metres, text
 from tests.reference.synthetic_run import make_run, run_variables, write_result
 
 STEP = 1e-5
@@ -95,14 +95,14 @@ def test_a_roller_that_barely_touches_is_not_loaded(tmp_path):
 
 def test_the_first_sentence_tells_sound_trajectories_from_others_and_peak_from_rms(tmp_path):
     record, _ = damped_record(0.0)
-    good = headline(evaluate(record))
+    good = verdict(evaluate(record))
     assert good.startswith("The trajectories are") and "at most" in good
     told = evaluate(read_result(write_result(tmp_path / "a.nc", make_run(n_times=401))))
-    found = headline(told)
+    found = verdict(told)
     assert found.startswith("The trajectories are not sound") and found.count(".") < 20
     worst, peak = max(e.rms for e in told.judged), max(e.max_abs for e in told.judged)
     assert f"{text(100 * worst / 2000, 3)} % of the load, and at most {text(peak)} N" in found
-    assert headline(told, 1.0).startswith("Fails the tolerance of 1 N: the trajectories")
+    assert verdict(told, 1.0).startswith("Fails the tolerance of 1 N: the trajectories")
 
 
 def test_round_off_in_a_table_is_0():

@@ -6,13 +6,11 @@ import pytest
 
 from fem.answers import SeenCage
 from lagrange.scene.scene import parse_scene
-from residual.cage import COLUMNS
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.exports import Parts
-from residual.record import Record
+from residual.record import COLUMNS, Record
 from residual.sources import read_result
-from residual.summary import summarise
+from residual.summary import ReportOptions, summarise
 from tests.reference.synthetic_run import make_run, run_variables, write_result
 
 FORWARD, MOMENT, GUIDED = 30.0, -0.02, (3.0, -4.0)  # N, N m, N: on every roller, on the cage
@@ -69,7 +67,7 @@ def test_a_cage_that_rollers_guide_leaves_the_hub_alone(tmp_path):
 
 
 def test_the_summary_tells_slip_whirl_and_forces(made):
-    cage = summarise(made[1], Parts(), "0")["cage"]
+    cage = summarise(made[1], ReportOptions(), "0")["cage"]
     assert cage["speed_Hz"] == pytest.approx(180.0 / (2.0 * np.pi))
     assert cage["whirl_Hz"] == pytest.approx(100.0 / (2.0 * np.pi))
     assert cage["slip"] == pytest.approx(1.0 - 180.0 / (0.5 * 150.0 * np.pi * 36.0 / 46.0))
@@ -80,7 +78,7 @@ def test_the_summary_tells_slip_whirl_and_forces(made):
 
 def test_a_cage_of_a_shaft_that_turns_both_ways_has_no_mean_speed_whirl_or_slip(made, monkeypatch):
     monkeypatch.setattr(Record, "reverses", True)
-    summary = summarise(made[1], Parts(), "0")
+    summary = summarise(made[1], ReportOptions(), "0")
     assert summary["cage_Hz"]["rolling_without_slip"] is None
     assert summary["cage"]["speed_Hz"] is summary["cage"]["whirl_Hz"] is summary["cage"]["slip"] is None
     assert summary["cage"]["largest_offset_m"] == pytest.approx(2e-5)
@@ -92,7 +90,7 @@ def test_a_cage_of_a_shaft_that_turns_both_ways_has_no_mean_speed_whirl_or_slip(
 def test_a_run_without_a_cage_has_neither_term_nor_numbers(tmp_path):
     evaluation = evaluate(read_result(write_result(tmp_path / "free.nc", make_run(n_times=3001))))
     assert "cage" not in evaluation.budget.x.terms
-    assert "cage" not in summarise(evaluation, Parts(), "0")
+    assert "cage" not in summarise(evaluation, ReportOptions(), "0")
 
 
 def test_damaged_columns_of_the_cage_are_refused(tmp_path):

@@ -4,12 +4,12 @@ import pytest
 
 from lagrange.scene.scene import parse_scene
 from residual.evaluation import evaluate
-from residual.exports import Parts
 from residual.figures.comparison import point_contact
-from residual.figures.curves import TERM_COLOURS
+from residual.figures.saved import TERM_COLOURS
 from residual.figures.spectra import short_time_figure
 from residual.report import render_report
 from residual.sources import read_result
+from residual.summary import ReportOptions
 from tests.reference.synthetic_run import make_run, write_result
 
 # the 209 bearing of Harris' examples
@@ -33,7 +33,7 @@ def test_figure_4_marks_the_bearings_own_contacts(ball_run, tmp_path):
     assert drawn.png.stat().st_size > 10_000 and drawn.svg.exists()
     for words in ("inner raceway Σρ = 0.2018", "F = 0.9400", "outer raceway Σρ = 0.1378", "F = 0.9121"):
         assert words in drawn.caption
-    assert "9 balls Ø 12.7 mm" in render_report(ball_run, {"paper": [drawn]}, Parts(), "0")
+    assert "9 balls Ø 12.7 mm" in render_report(ball_run, {"paper": [drawn]}, ReportOptions(), "0")
 
 
 def test_short_time_spectra_need_two_passages(ball_run, tmp_path):

@@ -10,8 +10,7 @@ from lagrange.contact.laws import PowerLaw, roller_law
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
-from residual.fitted_laws import CoupledLaw, DampedLaw, law_force, neighbours
-from residual.identification import fit_law, passage_numbers
+from residual.fitted_laws import CoupledLaw, DampedLaw, fit_law, law_force, neighbours, passage_numbers
 from residual.sources import read_result
 from tests.reference.synthetic_run import make_run, run_variables, write_result
 

@@ -14,12 +14,11 @@ from PIL.PngImagePlugin import PngInfo
 
 from lagrange.scene.scene import parse_scene
 from residual.evaluation import evaluate
-from residual.exports import Parts
-from residual.interpretation import headline, meaning
-from residual.page_data import MOST_POINTS, picture_of, spectra_json
-from residual.quasistatic import quasi_static
-from residual.report import render_report
+from residual.interpretation import interpretation, verdict
+from residual.load_zone import quasi_static
+from residual.report import MOST_POINTS, picture_of, render_report, spectra_json
 from residual.sources import read_result
+from residual.summary import ReportOptions
 from residual.tables import stated_error_rows
 from tests.reference.synthetic_run import make_run, run_variables, write_result
 
@@ -52,7 +51,7 @@ def test_a_law_fitted_to_the_run_is_stood_in_for_by_the_usual_one(made):
 
 def test_the_sentences_say_how_much_of_the_load_the_law_carries(made):
     found = evaluate(made, law="iso16281")
-    sentences = " ".join(meaning(found, quasi_static(made, "harris")))
+    sentences = " ".join(interpretation(found, quasi_static(made, "harris")))
     share = 100.0 * found.y.error.mean / 2000.0
     assert abs(share) > 1.0
     direction = "less" if share > 0.0 else "more"
@@ -66,15 +65,15 @@ def test_without_forces_the_sentences_blame_nobody(tmp_path):
     run = make_run(n_times=401)
     bare = {name: value for name, value in run_variables(run).items() if "force" not in name and "traction" not in name}
     found = evaluate(read_result(write_result(tmp_path / "bare.nc", run, bare)))
-    sentences = meaning(found, None)
-    assert "can't be told without contact forces" in headline(found)
+    sentences = interpretation(found, None)
+    assert "can't be told without contact forces" in verdict(found)
     assert not any("leaves out" in sentence for sentence in sentences)
 
 
 def test_an_unloaded_bearing_gets_no_share_of_its_load(tmp_path):
     run = make_run(n_times=401, scene=parse_scene({"operation": {"radial_load_N": 0.0}}, "test"))
     found = evaluate(read_result(write_result(tmp_path / "idle.nc", run)))
-    assert not any("% less" in sentence or "% more" in sentence for sentence in meaning(found, None))
+    assert not any("% less" in sentence or "% more" in sentence for sentence in interpretation(found, None))
 
 
 def test_the_pages_spectra_are_those_of_the_evaluation(made):
@@ -113,10 +112,10 @@ def test_error_estimates_of_the_run_are_told(tmp_path):
         file["quantity_value"], file["quantity_error"] = [3.6156e-6], [0.0018e-6]
     found = evaluate(read_result(path))
     assert stated_error_rows(found) == [["static displacement of the hub", "3.6156 µm", "0.0018 µm", "0.05 %"]]
-    page = render_report(found, {}, Parts(), "0")
+    page = render_report(found, {}, ReportOptions(), "0")
     assert "What the mesh may cost" in page and "0.0018 µm" in page
     assert "What the mesh may cost" not in render_report(evaluate(read_result(
-        write_result(tmp_path / "plain.nc", run))), {}, Parts(), "0")  # fmt: skip
+        write_result(tmp_path / "plain.nc", run))), {}, ReportOptions(), "0")  # fmt: skip
 
 
 def _png(path, source):

@@ -11,7 +11,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from fem.study.effects import Column, Effect, Indices, Table
-from residual.figures.curves import BLUE, GREY, ORANGE
+from residual.figures.saved import BLUE, GREY, ORANGE
 from residual.figures.style import STYLE, make_plain
 
 WIDTH = 7.0  # inches

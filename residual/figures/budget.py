@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 
 from residual.evaluation import Evaluation
-from residual.figures.curves import GREY, TERM_COLOURS, SavedFigure
-from residual.figures.panels import panels
-from residual.figures.style import legend_above, log_panel, save, without_minor_ticks
+from residual.figures.saved import GREY, TERM_COLOURS, SavedFigure
+from residual.figures.style import legend_above, log_panel, panels, save, without_minor_ticks
+from residual.formatting import term_label, text
 from residual.spectrum import Spectrum, rms
-from residual.words import text, words
 
 PASSAGES_SHOWN = 2.0
 BINS_PER_DECADE = 120
@@ -36,7 +35,7 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     figure, (*axes, bars) = panels((2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES)
     for axis, direction in zip(axes, evaluation.directions, strict=True):
         for name in ("error", *acting):
-            axis.plot(1e3 * t.time, terms[direction.name][name], color=TERM_COLOURS[name], label=words(name),
+            axis.plot(1e3 * t.time, terms[direction.name][name], color=TERM_COLOURS[name], label=term_label(name),
                       linewidth=1.4 if name == "error" else 0.9)  # fmt: skip
         axis.set_ylabel(f"terms of error_{direction.name}, N")
         axis.margins(x=0.0)
@@ -56,7 +55,7 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     top = max(everything, default=1.0)
     bars.set_xlim(max(min(everything, default=0.1) / 2.0, 1e-5 * top), 8.0 * top)
     bars.set_yticks(
-        position, [words(n).replace(" ", "\n", 1) + ("\nbalance" if n == "momentum" else "") for n in names]
+        position, [term_label(n).replace(" ", "\n", 1) + ("\nbalance" if n == "momentum" else "") for n in names]
     )
     bars.set_xlabel("rms, N (dark: x, light: y)")
     bars.grid(axis="y", visible=False)
@@ -79,13 +78,13 @@ def stacked_terms(evaluation: Evaluation, folder: Path) -> SavedFigure:
         total = direction.budget.error
         values = np.array([v[shown] - v.mean() for v in terms.values()])
         colours = [TERM_COLOURS[name] for name in terms]
-        labels = [words(name) for name in terms]
+        labels = [term_label(name) for name in terms]
         axis.stackplot(time, np.maximum(values, 0.0), colors=colours, labels=labels, alpha=0.75, linewidth=0)
         axis.stackplot(time, np.minimum(values, 0.0), colors=colours, alpha=0.75, linewidth=0)
         axis.plot(time, total[shown] - total.mean(), color="black", linewidth=1.2, label="error")
         axis.set_ylabel(f"error_{direction.name} less its mean, N")
         axis.margins(x=0.0)
-        mean = ", ".join(f"{words(name)} {text(v.mean(), 3, evaluation.noise)}" for name, v in terms.items())
+        mean = ", ".join(f"{term_label(name)} {text(v.mean(), 3, evaluation.noise)}" for name, v in terms.items())
         means.append(f"in {direction.name} {mean}")
     legend_above(axes[0], 5, left=-0.08, columnspacing=1.0, handlelength=1.2)
     axes[1].set_xlabel("time, ms")
@@ -117,7 +116,7 @@ def budget_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
         axis.plot(f, psd, color="black", linewidth=2.6, alpha=0.35, label="error")
         for name in evaluation.budget.acting_terms:
             spectrum = direction.term_spectra[name]
-            axis.plot(*_thinned(spectrum), color=TERM_COLOURS[name], linewidth=0.9, label=words(name))
+            axis.plot(*_thinned(spectrum), color=TERM_COLOURS[name], linewidth=0.9, label=term_label(name))
         top = max(float(psd.max()), 1e-30)
         axis.set_ylim(DYNAMIC_RANGE * top, 10.0 * top)
         axis.set_ylabel(f"PSD, {direction.name}, N²/Hz")

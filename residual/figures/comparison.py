@@ -6,13 +6,19 @@ import numpy as np
 
 from lagrange.bearing import BallBearing
 from lagrange.contact.laws import Side, delta_star, raceway_curvature
-from residual.budget import chosen_roller, load_zones, roller_radial
 from residual.evaluation import Direction, Evaluation
-from residual.exports import accelerations
-from residual.figures.curves import BLUE, ORANGE, RED, SavedFigure
-from residual.figures.panels import panels, panels_beside
-from residual.figures.style import beside_paper, legend_above, log_panel, mark_lines, name_slim, save
-from residual.quasistatic import angle_from_load
+from residual.figures.saved import BLUE, ORANGE, RED, SavedFigure
+from residual.figures.style import (
+    beside_paper,
+    legend_above,
+    log_panel,
+    mark_lines,
+    name_slim,
+    panels,
+    panels_beside,
+    save,
+)
+from residual.load_zone import angle_from_load, chosen_roller, load_zones, roller_radial
 from residual.run_comparison import (
     ERROR_FORCE,
     INNER_X,
@@ -43,7 +49,7 @@ def against_figures(evaluation: Evaluation, other: Evaluation, folder: Path) -> 
         spectra = (
             [d.spectrum for d in each.directions]
             if laws
-            else [power_spectrum(a, t.interval, min(each.lines.values(), default=0.0)) for a in accelerations(each)]
+            else [power_spectrum(a, t.interval, min(each.lines.values(), default=0.0)) for a in each.hub_acceleration]
         )
         for axis, spectrum in zip(axes[3:], spectra, strict=True):
             log_panel(axis, spectrum.frequency[1:])

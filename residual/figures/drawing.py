@@ -6,20 +6,20 @@ from pathlib import Path
 import matplotlib
 
 from residual.evaluation import Evaluation
-from residual.exports import Parts
 from residual.figures.budget import budget_figures
 from residual.figures.comparison import against_figures, paper_figures
-from residual.figures.curves import SavedFigure
 from residual.figures.motion import motion_figures
 from residual.figures.passages import fault_figures, passage_figures
+from residual.figures.saved import SavedFigure
 from residual.figures.spectra import order_figures, spectrum_figures
 from residual.figures.style import STYLE
 from residual.figures.vibration import cage_figure, vibration_figures
-from residual.quasistatic import QuasiStatic
+from residual.load_zone import QuasiStatic
+from residual.summary import ReportOptions
 
 
 def draw_figures(
-    evaluation: Evaluation, statics: QuasiStatic | None, parts: Parts, folder: Path
+    evaluation: Evaluation, statics: QuasiStatic | None, options: ReportOptions, folder: Path
 ) -> dict[str, list[SavedFigure]]:
     """Draw what the run has the data for into a folder; by groups, in the page's order.
 
@@ -27,26 +27,26 @@ def draw_figures(
     ----------
     evaluation : Evaluation
     statics : QuasiStatic, the Lagrangian model's equilibria; None: there are none
-    parts : Parts, of the report
+    options : ReportOptions, of the report
     """
     with matplotlib.rc_context(STYLE):
         drawn = {
-            "against": [] if parts.other is None else against_figures(evaluation, parts.other, folder),
+            "against": [] if options.other is None else against_figures(evaluation, options.other, folder),
             "motion": [*motion_figures(evaluation, statics, folder), *filter(None, [cage_figure(evaluation, folder)])],
             "vibration": [
                 *vibration_figures(evaluation, folder),
                 *order_figures(evaluation, folder),
                 *passage_figures(evaluation, folder),
             ],
-            "search": [] if parts.search is None else fault_figures(parts.search, folder),
+            "search": [] if options.search is None else fault_figures(options.search, folder),
         }
-        if parts.equations:
+        if options.equations:
             drawn |= {
                 "spectra": spectrum_figures(evaluation, folder),
                 "budget": budget_figures(evaluation, folder),
                 "paper": paper_figures(evaluation, folder),
             }
-    told = {group: method_told(evaluation, parts.other if group == "against" else None) for group in drawn}
+    told = {group: method_told(evaluation, options.other if group == "against" else None) for group in drawn}
     return {
         group: [replace(figure, caption=f"{figure.caption}{told[group]}") for figure in found]
         for group, found in drawn.items()

@@ -5,15 +5,13 @@ from pathlib import Path
 import numpy as np
 
 from lagrange import mounting
-from residual.budget import chosen_roller, load_zones
 from residual.evaluation import Evaluation
-from residual.figures.curves import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, SavedFigure
-from residual.figures.panels import panels
-from residual.figures.style import legend_above, save
-from residual.quasistatic import QuasiStatic, angle_from_load
+from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, SavedFigure
+from residual.figures.style import legend_above, panels, save
+from residual.formatting import length, text
+from residual.load_zone import QuasiStatic, angle_from_load, chosen_roller, load_zones
 from residual.record import Record
 from residual.sources import ENERGIES
-from residual.words import length, text
 
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other
 SHORT_ROW, LONG_ROW = 6, -0.13  # entries of a legend as wide as its axis; where a longer one begins

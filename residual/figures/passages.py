@@ -9,15 +9,13 @@ from lagrange.surface.faults import Spall
 from lagrange.surface.passages import Passage, SpallEvent, find_passages, spall_events, spalls
 from residual.differentiate import derivative
 from residual.evaluation import Evaluation
-from residual.fault_finding import FaultSearch, Near
-from residual.figures.curves import BLUE, GREEN, GREY, ORANGE, RED, SKY, SavedFigure
-from residual.figures.panels import COLOUR_BAR, RIGHT, colour_bar, panels
-from residual.figures.style import legend_above, save
-from residual.quasistatic import angle_from_load
+from residual.fault_finding import FaultSearch, Near, SinkageMap
+from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED, SKY, SavedFigure
+from residual.figures.style import COLOUR_BAR, RIGHT, colour_bar, legend_above, panels, save
+from residual.formatting import text
+from residual.load_zone import angle_from_load
 from residual.record import Record
-from residual.sinkage_maps import SinkageMap
 from residual.vibration_tables import named, told_angle
-from residual.words import text
 
 MOST_SPALLS = 3  # figures: of those struck hardest
 MOST_PASSAGES = 150  # in one of them: more hide each other

@@ -6,13 +6,23 @@ import numpy as np
 from matplotlib.colors import LogNorm
 
 from residual.evaluation import Direction, Evaluation
-from residual.figures.curves import BLUE, LINE_COLOURS, SKY, SavedFigure, family
-from residual.figures.panels import COLOUR_BAR, RIGHT, colour_bar, panels
-from residual.figures.style import legend_above, line_handles, log_panel, mark_lines, save, without_minor_ticks
+from residual.figures.saved import BLUE, LINE_COLOURS, SKY, SavedFigure, family
+from residual.figures.style import (
+    COLOUR_BAR,
+    RIGHT,
+    colour_bar,
+    legend_above,
+    line_handles,
+    log_panel,
+    mark_lines,
+    panels,
+    save,
+    without_minor_ticks,
+)
+from residual.formatting import text
 from residual.lines import HUB
 from residual.orders import HIGHEST, OrderSpectra, Tracking
 from residual.spectrum import Envelope, ShortTime, short_time_spectrum
-from residual.words import text
 
 DYNAMIC_RANGE = 1e-7  # of a short-time spectrum's plot
 ENVELOPE_BAND = 3.3  # times the ball-pass frequency of the inner ring

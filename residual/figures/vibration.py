@@ -6,17 +6,15 @@ import numpy as np
 
 from lagrange.bearing import Cage
 from lagrange.kinematics import kinematics, turned
-from residual.cage import CageMotion
 from residual.evaluation import Evaluation
-from residual.figures.curves import BLUE, GREEN, GREY, LINE_COLOURS, ORANGE, RED, SKY, SavedFigure, family
-from residual.figures.panels import panels
-from residual.figures.style import legend_above, line_handles, mark_lines, save
+from residual.figures.saved import BLUE, GREEN, GREY, LINE_COLOURS, ORANGE, RED, SKY, SavedFigure, family
+from residual.figures.style import legend_above, line_handles, mark_lines, panels, save
+from residual.formatting import text
 from residual.orders import SLOWEST
-from residual.record import Record
+from residual.record import CageMotion, Record
 from residual.spectrum import Envelope, Spectrum
 from residual.vibration import FaultLine, fault_lines
 from residual.vibration_tables import whose
-from residual.words import text
 
 PASSAGES_SHOWN = 5.0
 SPECTRUM_TO = 2.2  # times BPFI

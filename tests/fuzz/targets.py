@@ -217,10 +217,9 @@ def _refused(error: Exception) -> bool:
 def _evaluated(trajectory) -> None:
     """Check that what the reader takes can be evaluated, and the numbers be written."""
     from residual.evaluation import evaluate
-    from residual.exports import Parts
-    from residual.summary import summarise
+    from residual.summary import ReportOptions, summarise
 
-    json.dumps(summarise(evaluate(trajectory), Parts(), "0"), allow_nan=False)
+    json.dumps(summarise(evaluate(trajectory), ReportOptions(), "0"), allow_nan=False)
 
 
 _PLANS: list = []

@@ -7,7 +7,7 @@ import numpy as np
 
 from residual import Record, evaluate, run_comparison
 from residual.figures.comparison import chosen_roller
-from residual.figures.curves import BLUE, GREEN, GREY, ORANGE, RED
+from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED
 from residual.figures.style import STYLE
 from residual.spectrum import power_spectrum
 from tests.paper.variants import BAND, SKIPPED, Measured, Variant, left_sides, radial

@@ -1,4 +1,4 @@
-"""Parts of the time loop as kernels that Python can call, kept compiled as the time loop is."""
+"""ReportOptions of the time loop as kernels that Python can call, kept compiled as the time loop is."""
 
 import numpy as np
 

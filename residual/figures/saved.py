@@ -1,4 +1,4 @@
-"""A figure that has been written, its curves and their colours. Imports no library that draws."""
+"""A figure that has been written, and the colours of curves: for all that shows figures without drawing them."""
 
 import re
 from dataclasses import dataclass
@@ -26,6 +26,9 @@ class SavedFigure:
     png: Path
     svg: Path
     curves: tuple[Curve, ...] = ()  # what it shows
+
+
+# Colours of curves, and which kinematic line a harmonic is of.
 
 
 # Okabe and Ito's palette, told apart by colour-blind readers

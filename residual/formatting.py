@@ -50,6 +50,6 @@ def share(part: float, whole: float) -> str:
     return f"{text(100.0 * part / whole, 3, 1e-4)} %"
 
 
-def words(name: str) -> str:
+def term_label(name: str) -> str:
     """Write the name of a budget's term as words."""
     return name.replace("_", " ")

@@ -1,4 +1,4 @@
-"""Equilibria of the Lagrangian model at every angle the rollers pass: beside them one sees what motion adds."""
+"""The load zone: passages of rollers through it, and the equilibria of the Lagrangian model beside which they stand."""
 
 from dataclasses import dataclass
 from math import pi
@@ -7,9 +7,11 @@ import numpy as np
 
 from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.raceway_laws import law_names
-from lagrange.kinematics import roller_angles
+from lagrange.kinematics import kinematics, roller_angles
+from residual.differentiate import derivative
 from residual.record import Record
 
+CHATTER = 0.05  # of a cage revolution
 PHASES = 24  # of one roller pitch
 
 
@@ -56,3 +58,40 @@ def quasi_static(record: Record, law: str) -> QuasiStatic | None:
         angle=away[order],
         force=np.concatenate([each.inner_force for each in found])[order],
     )
+
+
+def load_zones(loaded: np.ndarray, bridge: int) -> list[tuple[int, int]]:
+    """Find the first and last sample of each pass through the load zone; gaps up to `bridge` are chatter."""
+    at = np.flatnonzero(loaded)
+    if at.size == 0:
+        return []
+    ends = np.flatnonzero(np.diff(at) > bridge + 1)
+    first = at[np.concatenate([[0], ends + 1])]
+    last = at[np.concatenate([ends, [at.size - 1]])]
+    return list(zip(first.tolist(), last.tolist(), strict=True))
+
+
+def chatter_gap(record: Record) -> int:
+    """Longest opening within one pass through the load zone, samples: 5 % of a cage revolution."""
+    speed = float(np.mean(np.abs(record.acting.speed)))
+    cage = kinematics(record.bearing, speed).frequencies["FTF"]
+    samples = record.time.size // 50
+    return max(1, samples if samples * record.interval * cage <= CHATTER else int(CHATTER / cage / record.interval))
+
+
+def chosen_roller(loaded: np.ndarray, bridge: int) -> int:
+    """The roller that passes through the load zone most often, whole passes first."""
+
+    def merit(j):
+        zones = load_zones(loaded[:, j], bridge)
+        whole = sum(first > 0 and last < loaded.shape[0] - 1 for first, last in zones)
+        return len(zones), whole, int(loaded[:, j].sum())
+
+    return max(range(loaded.shape[1]), key=merit)
+
+
+def roller_radial(record: Record, j: int, order: int):
+    """Radial position ρ of one roller, m, its velocity, m/s, and its acceleration, m/s²."""
+    rho = np.hypot(record.roller_x[:, j], record.roller_y[:, j])
+    interval = record.interval
+    return rho, derivative(rho, interval, 1, order), derivative(rho, interval, 2, order)

@@ -9,7 +9,7 @@ from fem.commands.run_fem import run_main
 from fem.pictures.bodies import drawn_bearing
 from fem.pictures.look import Request
 from fem.pictures.recover import StoredRun
-from fem.pictures.surfaces import chart_factor, charts, holes, unequal_rollers
+from fem.pictures.surfaces import Drawing, chart_factor, charts, holes, unequal_rollers
 
 ORANGE = (0xFF, 0x99, 0x00)
 SETTINGS = (
@@ -17,6 +17,10 @@ SETTINGS = (
     "spall.1.width_mm=2", 'spall.2.body="roller"', "spall.2.roller=3", "waviness.0.amplitude_um=2",
     "waviness.0.order=7", "unequal_roller.0.roller=5", "unequal_roller.0.diameter_deviation_um=-3",
 )  # fmt: skip
+
+
+def drawing(instant, drawn, magnification):
+    return Drawing(instant=instant, drawn=drawn, magnification=magnification)
 
 
 @pytest.fixture(scope="module")
@@ -41,8 +45,8 @@ def drawn(instant):
 
 def test_holes_lie_where_spalls_are_and_are_as_deep(instant, drawn):
     """At their own scale: flat bottoms of 10 and 100 µm; as reached: the bottom, or 128.8 µm between two edges."""
-    true = holes(instant, drawn, 1.0, 0.0, as_reached=False)
-    reached = holes(instant, drawn, 1.0, 0.0, as_reached=True)
+    true = holes(drawing(instant, drawn, 1.0), 0.0, as_reached=False)
+    reached = holes(drawing(instant, drawn, 1.0), 0.0, as_reached=True)
     hub = drawn.hub
     roller = drawn.roller_reference[3] + drawn.roller_shift[3]
     for k, centre, radius, direction, depths in (
@@ -63,7 +67,7 @@ def test_holes_lie_where_spalls_are_and_are_as_deep(instant, drawn):
 
 def test_rounded_edges_are_round_in_a_close_up(instant, drawn):
     """Of radius 0.1 mm, 10 µm deep: half a µm below the circle 10 µm from where it leaves it, x²/(2e)."""
-    hole = holes(instant, drawn, 1.0, 0.0, as_reached=False)[0]
+    hole = holes(drawing(instant, drawn, 1.0), 0.0, as_reached=False)[0]
     depth, along = np.hypot(*hole.edge.T) - 28e-3, hole.edge[:, 1]
     opening = 0.5e-3 * np.sqrt(1.02)
     for x in (10e-6, 30e-6):
@@ -71,7 +75,7 @@ def test_rounded_edges_are_round_in_a_close_up(instant, drawn):
 
 
 def test_a_hole_is_never_drawn_deeper_than_its_body_bears_and_says_by_what_factor(instant, drawn):
-    found = holes(instant, drawn, 1e4, 0.0, as_reached=True)
+    found = holes(drawing(instant, drawn, 1e4), 0.0, as_reached=True)
     depth = np.hypot(*found[0].edge.T) - np.hypot(*found[0].edge[0])
     assert depth.max() <= 1.5e-3 and found[0].name == "spall 1 mm, × 100"
 
@@ -79,14 +83,14 @@ def test_a_hole_is_never_drawn_deeper_than_its_body_bears_and_says_by_what_facto
 def test_where_a_roller_has_sunk_in_it_is_not_cut_away(instant, drawn):
     """The spall's upper line is the roller's surface there, at any magnification."""
     for magnification in (1.0, 200.0):
-        for hole in holes(instant, drawn, magnification, 1e-6, as_reached=True)[:1]:
+        for hole in holes(drawing(instant, drawn, magnification), 1e-6, as_reached=True)[:1]:
             centres = drawn.roller_reference + magnification * drawn.roller_shift
             nearest = np.hypot(*(hole.top[:, None] - centres).transpose(2, 0, 1)).min(axis=1)
             assert nearest.min() > 5e-3 - 1e-9
 
 
 def test_charts_magnify_heights_around_their_circles(instant, drawn):
-    (chart,) = charts(instant, drawn, 100.0)
+    (chart,) = charts(drawing(instant, drawn, 100.0))
     factor = chart_factor(instant.model.bearing)
     centre = 100.0 * drawn.hub
     height = np.hypot(*(chart.curve - centre).T) - np.hypot(*(chart.circle - centre).T)
@@ -97,7 +101,7 @@ def test_charts_magnify_heights_around_their_circles(instant, drawn):
 
 
 def test_an_unequal_roller_is_named(instant, drawn):
-    ((circle, name, _),) = unequal_rollers(instant, drawn, 1.0)
+    ((circle, name),) = unequal_rollers(drawing(instant, drawn, 1.0))
     assert (circle.roller, name) == (5, "Ø −3 µm")
 
 

@@ -1,5 +1,6 @@
 """The picture of the whole bearing. Lengths on the page are in outside radii."""
 
+from dataclasses import dataclass
 from math import asin
 
 import numpy as np
@@ -26,12 +27,7 @@ from fem.pictures.legend import ORBIT_DOT, draw_legend, orbit_view
 from fem.pictures.look import Look
 from fem.pictures.recover import Instant
 from fem.pictures.stress_below import FIRST_ROLLER
-from fem.pictures.surfaces import charts, holes, unequal_rollers
-
-# The cage in the picture of the whole bearing: its bars between the rollers, where they are.
-#
-# Its play is a thousand times the bodies' displacements, and is not magnified.
-
+from fem.pictures.surfaces import Drawing, charts, holes, unequal_rollers
 
 BAR = 0.34  # of a roller's radius: half a bar's width across the pitch circle
 POINTS = 12  # of an arc
@@ -39,7 +35,10 @@ ROUND = 24  # points of a pocket's wall
 
 
 def bars(instant: Instant) -> list[np.ndarray]:
-    """Outlines of the cage's bars, closed, (n, 2), m; none without a cage."""
+    """Outlines of the cage's bars between the rollers, closed, (n, 2), m; none without a cage.
+
+    They are drawn where they are: a cage's play is a thousand times the bodies' displacements, and is not magnified.
+    """
     facts, bearing = instant.scene.ideal_cage(), instant.model.bearing
     if facts is None or instant.cage is None:
         return []
@@ -94,6 +93,19 @@ NAME = 18.0  # pixels of a page 1600 wide
 MARK = 0.62, 0.09  # radius at which a roller's mark lies and its size, of the roller's radius
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Whole(Drawing):
+    """What is drawn, and where."""
+
+    page: Panel
+    look: Look
+
+    @property
+    def scale(self) -> float:
+        """Lengths on the page, outside radii, over those of the bearing, m."""
+        return 1.0 / self.bearing.outside_radius
+
+
 def views(look: Look) -> list[View]:
     """Panels: the page, and the orbit where the run has one."""
     return [PAGE] + ([] if look.orbit is None else [orbit_view(PAGE, look.orbit)])
@@ -106,92 +118,87 @@ def pixels() -> tuple[float, float]:
 
 def paint(canvas: Canvas, instant: Instant, drawn: DrawnBearing, look: Look) -> None:
     """Draw an instant on an empty page."""
-    page = canvas.panels[0]
-    scale = 1.0 / instant.model.bearing.outside_radius
-    fine = drawn.refined(FINEST * pixels()[0] / scale, COARSEST / scale, RELATIVE[look.scale.field == "photoelastic"])
-    _housing(page, instant, drawn, look)
-    _bodies(page, drawn, fine, look, scale)
-    _cage(page, instant, scale)
-    _surfaces(page, instant, drawn, look, scale)
-    _marks(page, instant, drawn, look, scale)
-    _shaft(page, instant, drawn, look)
-    _forces(page, instant, drawn, look)
+    whole = _Whole(instant=instant, drawn=drawn, magnification=look.magnification, page=canvas.panels[0], look=look)
+    for draw in (_housing, _bodies, _cage, _surfaces, _marks, _shaft, _forces):
+        draw(whole)
     draw_legend(canvas, instant, look, FORCE)
 
 
-def _housing(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look) -> None:
-    scale, bore = 1.0 / instant.model.bearing.outside_radius, instant.scene.mounting().bore
+def _housing(whole: _Whole) -> None:
+    page, look, scale, bore = whole.page, whole.look, whole.scale, whole.instant.scene.mounting().bore
     if bore is None:
-        inside = scale * float(np.hypot(*drawn.outlines(look.magnification)[OUTSIDE][0])) - 0.01
+        inside = scale * float(np.hypot(*whole.drawn.outlines(whole.magnification)[OUTSIDE][0])) - 0.01
     else:  # as magnified as the ring in it, and never all of the housing
-        inside = min(1.0 + 0.5 * scale * look.magnification * bore.clearance, HOUSING_RADIUS - THINNEST_HOUSING)
+        inside = min(1.0 + 0.5 * scale * whole.magnification * bore.clearance, HOUSING_RADIUS - THINNEST_HOUSING)
     page.fill(ring(inside, HOUSING_RADIUS, -0.03), HOUSING)
     if look.load_zone is not None:
         start, end = look.load_zone
         end += 2.0 * np.pi * (end < start)
         page.fill(ring(inside, HOUSING_RADIUS, -0.02, start, end), LOAD_ZONE)
     page.stroke(circle((0.0, 0.0), HOUSING_RADIUS, -0.01), FAINT, OUTLINE)
-    middle = 0.5 * (scale * instant.model.bearing.outside_radius + HOUSING_RADIUS)
-    for j, centre in enumerate(drawn.roller_reference):
+    middle = 0.5 * (scale * whole.bearing.outside_radius + HOUSING_RADIUS)
+    for j, centre in enumerate(whole.drawn.roller_reference):
         x, y = middle * centre / np.hypot(*centre)
         page.text(str(j), x, y, 19.0, "#4d4d4d", align="center")
 
 
-def _bodies(page: Panel, drawn: DrawnBearing, fine: DrawnBearing, look: Look, scale: float) -> None:
-    points = scale * fine.points(look.magnification)
+def _bodies(whole: _Whole) -> None:
+    page, drawn, magnification, scale = whole.page, whole.drawn, whole.magnification, whole.scale
+    colours, is_fringes = whole.look.scale, whole.look.scale.field == "photoelastic"
+    fine = drawn.refined(FINEST * pixels()[0] / scale, COARSEST / scale, RELATIVE[is_fringes])
     height = ROLLERS_ABOVE * (fine.body >= FIRST_ROLLER)  # where one lies in a spall, magnified, it overlaps the ring
-    page.field(cells(points, fine.triangles, height), look.scale.values(fine), look.scale.limits, look.scale.colours)
-    if look.scale.field != "photoelastic" and drawn.spacing > FINEST_WIRES * pixels()[0] / scale:
-        wires = segments(scale * drawn.points(look.magnification), drawn.inner_edges(), 0.05)
+    bodies = cells(scale * fine.points(magnification), fine.triangles, height)
+    page.field(bodies, colours.values(fine), colours.limits, colours.colours)
+    if not is_fringes and drawn.spacing > FINEST_WIRES * pixels()[0] / scale:
+        wires = segments(scale * drawn.points(magnification), drawn.inner_edges(), 0.05)
         page.stroke(wires, "white", WIRE, opacity=0.22)
-    page.stroke([line(scale * outline, 0.1) for outline in drawn.outlines(look.magnification)], INK, OUTLINE)
+    page.stroke([line(scale * outline, 0.1) for outline in drawn.outlines(magnification)], INK, OUTLINE)
 
 
-def _cage(page: Panel, instant: Instant, scale: float) -> None:
-    found = [scale * outline for outline in bars(instant)]
+def _cage(whole: _Whole) -> None:
+    found = [whole.scale * outline for outline in bars(whole.instant)]
     if found:
-        page.fill([polygon(outline, BEHIND) for outline in found], CAGE)
-        page.stroke([line(np.concatenate([outline, outline[:1]]), BEHIND) for outline in found], INK, OUTLINE)
+        whole.page.fill([polygon(outline, BEHIND) for outline in found], CAGE)
+        whole.page.stroke([line(np.concatenate([outline, outline[:1]]), BEHIND) for outline in found], INK, OUTLINE)
 
 
-def _surfaces(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look, scale: float) -> None:
+def _surfaces(whole: _Whole) -> None:
     """Holes where spalls are, roundness charts of waves, and the names of both and of unequal rollers."""
-    found, names = holes(instant, drawn, look.magnification, OUTLINE * pixels()[0] / scale, as_reached=True), []
-    for hole in found:
+    page, scale, names = whole.page, whole.scale, []
+    for hole in holes(whole, OUTLINE * pixels()[0] / scale, as_reached=True):
         page.fill(strip(scale * hole.top, scale * hole.bottom, 0.11), "white")
         page.stroke(line(scale * hole.edge, 0.115), FAULT, 3.5)
-        names.append((hole.name, *(scale * hole.place)))
-    for chart in charts(instant, drawn, look.magnification):
+        names.append((hole.name, hole.place))
+    for chart in charts(whole):
         page.stroke(line(scale * chart.circle, 0.11), "white", 1.0, opacity=0.8)
         page.stroke(line(scale * chart.curve, 0.115), FAULT, 2.5)
-        names.append((chart.name, *(scale * chart.place)))
-    for roller, name, place in unequal_rollers(instant, drawn, look.magnification):
+        names.append((chart.name, chart.place))
+    for roller, name in unequal_rollers(whole):
         page.stroke(circle(scale * roller.centre, scale * roller.radius, 0.115), FAULT, 4.0)
-        names.append((name, *(scale * place)))
-    for name, x, y in names:
-        page.text(name, x, y, NAME, backed=True, align="center")
+        names.append((name, roller.name_place))
+    for name, place in names:
+        page.text(name, *(scale * place), NAME, backed=True, align="center")
 
 
-def _marks(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look, scale: float) -> None:
+def _marks(whole: _Whole) -> None:
     """Dots that turn with the rollers and the inner ring."""
+    instant, bearing, scale = whole.instant, whole.bearing, whole.scale
     if instant.operation.speed == 0.0:
         return
-    bearing = instant.model.bearing
-    centres = drawn.roller_reference + look.magnification * drawn.roller_shift
     turns = np.column_stack([np.cos(instant.roller_turn), np.sin(instant.roller_turn)])
-    places = [*(scale * (centres + MARK[0] * bearing.roller_radius * turns))]
+    places = [*(scale * (whole.centres + MARK[0] * bearing.roller_radius * turns))]
     radius = 0.5 * (bearing.bore_radius + bearing.inner_raceway_radius)
     turn = np.array([np.cos(instant.ring_turn), np.sin(instant.ring_turn)])
-    places.append(scale * (radius * turn + look.magnification * drawn.hub))
+    places.append(scale * (radius * turn + whole.hub))
     size = MARK[1] * bearing.roller_radius * scale
-    page.fill([disc(place, 1.35 * size, 0.12) for place in places], INK)
-    page.fill([disc(place, size, 0.13) for place in places], "white")
+    whole.page.fill([disc(place, 1.35 * size, 0.12) for place in places], INK)
+    whole.page.fill([disc(place, size, 0.13) for place in places], "white")
 
 
-def _shaft(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look) -> None:
+def _shaft(whole: _Whole) -> None:
     """The hub as a disc, with its centre, the outer ring's centre, the load and the sense of rotation."""
-    scale = 1.0 / instant.model.bearing.outside_radius
-    hub, bore = scale * look.magnification * drawn.hub, scale * instant.model.bearing.bore_radius
+    page, operation = whole.page, whole.instant.operation
+    hub, bore = whole.scale * whole.hub, whole.scale * whole.bearing.bore_radius
     size = min(27.0, 75.0 * bore)
     page.fill(disc(hub, bore, 0.05), SHAFT)
     page.stroke(circle(hub, bore, 0.06), INK, OUTLINE)
@@ -199,7 +206,6 @@ def _shaft(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look) -> No
     page.stroke(
         [line(np.array([[-arm, 0.0], [arm, 0.0]]), 0.2), line(np.array([[0.0, -arm], [0.0, arm]]), 0.2)], FAINT, 1.5
     )
-    operation = instant.operation
     if operation.radial_load > 0.0:
         tip = hub + np.array([0.0, -0.80 * bore])
         page.fill(arrow(hub, tip, 0.075 * bore, 0.3), INK)
@@ -211,20 +217,16 @@ def _shaft(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look) -> No
         page.text("n", hub[0], hub[1] + 0.56 * bore, size, bold=True, align="center")
 
 
-def _forces(page: Panel, instant: Instant, drawn: DrawnBearing, look: Look) -> None:
+def _forces(whole: _Whole) -> None:
     """Arrows from the contacts into the rollers."""
-    scale = 1.0 / instant.model.bearing.outside_radius
-    centres = drawn.roller_reference + look.magnification * drawn.roller_shift
     arrows = []
-    for tails, forces in contact_forces(instant):
-        for centre, tail, force in zip(centres, tails, forces, strict=True):
-            vector = look.arrow_length * force
+    for tails, forces in contact_forces(whole.instant):
+        for start, vector in zip(whole.scale * (whole.centres + tails), whole.look.arrow_length * forces, strict=True):
             if np.hypot(*vector) >= 0.5 * ARROW_WIDTH:
-                start = scale * (centre + tail)
                 arrows.append((start, start + vector))
     if arrows:
-        page.fill([arrow(*ends, ARROW_WIDTH, 0.40, border=0.25 * ARROW_WIDTH) for ends in arrows], "white")
-        page.fill([arrow(*ends, ARROW_WIDTH, 0.41) for ends in arrows], FORCE)
+        whole.page.fill([arrow(*ends, ARROW_WIDTH, 0.40, border=0.25 * ARROW_WIDTH) for ends in arrows], "white")
+        whole.page.fill([arrow(*ends, ARROW_WIDTH, 0.41) for ends in arrows], FORCE)
 
 
 def contact_forces(instant: Instant) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -234,14 +236,8 @@ def contact_forces(instant: Instant) -> list[tuple[np.ndarray, np.ndarray]]:
     ahead, _ = _directions(instant.next_angle)
     pushed = instant.roller_force[:, None] * ahead
     return [
-        (
-            -radius * inner[0],
-            instant.inner_force[:, None] * inner[0] + instant.inner_traction[:, None] * inner[1],
-        ),
-        (
-            radius * outer[0],
-            -instant.outer_force[:, None] * outer[0] + instant.outer_traction[:, None] * outer[1],
-        ),
+        (-radius * inner[0], instant.inner_force[:, None] * inner[0] + instant.inner_traction[:, None] * inner[1]),
+        (radius * outer[0], -instant.outer_force[:, None] * outer[0] + instant.outer_traction[:, None] * outer[1]),
         (radius * ahead, -pushed),
         (-radius * np.roll(ahead, 1, axis=0), np.roll(pushed, 1, axis=0)),
     ]

@@ -17,13 +17,10 @@ from fem.pictures.look import Look
 from fem.pictures.recover import Instant
 from fem.pictures.scale import Scale
 from fem.pictures.stress_below import AT_DEPTH, FIRST_ROLLER, LARGEST_SHEAR, BodyLoad, hertz_stress
-from fem.pictures.surfaces import holes
+from fem.pictures.surfaces import Drawing, holes
 from fem.solver.frames import rotated
 from lagrange.surface.faults import own_radius
 from lagrange.surface.passages import spalls
-
-# The largest shear stress under a contact, where it lies, and what Hertz's theory says of it.
-
 
 DEPTHS = np.linspace(0.0, 2.0, 401)[1:]  # half-widths
 ACROSS = np.linspace(-1.0, 1.0, 41)
@@ -32,7 +29,7 @@ FITTED_WITHIN = 2.2  # node spacings: there the smooth part is a straight functi
 
 @dataclass(frozen=True, kw_only=True)
 class ShearPeak:
-    """Below one contact of one body."""
+    """The largest shear stress below one contact of one body, and what Hertz's theory says of the contact."""
 
     shear: float  # Pa, in the plane
     depth: float  # m
@@ -108,7 +105,7 @@ def views(look: Look) -> list[View]:
 def paint(canvas: Canvas, instant: Instant, drawn: DrawnBearing, look: Look) -> None:
     """Draw an instant on an empty page."""
     page, main, *contacts = canvas.panels
-    scene = _Scene(instant=instant, drawn=drawn, look=look)
+    scene = _Roller(instant=instant, drawn=drawn, magnification=look.magnification, look=look)
     draw_title(page, instant, look, 0.02, 0.97, (0.042, 0.071))
     _roller(main, scene)
     for panel, kind in zip(contacts, ("inner", "outer"), strict=True):
@@ -120,16 +117,14 @@ def paint(canvas: Canvas, instant: Instant, drawn: DrawnBearing, look: Look) -> 
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Scene:
+class _Roller(Drawing):
     """What is drawn, and how the plane is turned."""
 
-    instant: Instant
-    drawn: DrawnBearing
     look: Look
 
     @property
     def radius(self) -> float:
-        return self.instant.model.bearing.roller_radius
+        return self.bearing.roller_radius
 
     @property
     def centre(self) -> np.ndarray:
@@ -137,9 +132,12 @@ class _Scene:
 
     def contact(self, kind: str) -> np.ndarray:
         """Where the roller touches a raceway, m."""
-        j, instant = self.look.roller, self.instant
-        angle = instant.inner_angle[j] + np.pi if kind == "inner" else instant.outer_angle[j]
+        angle = self.direction(kind) + np.pi * (kind == "inner")
         return self.centre + self.radius * np.array([np.cos(angle), np.sin(angle)])
+
+    def direction(self, kind: str) -> float:
+        """From the ring's centre to the roller's, rad."""
+        return (self.instant.inner_angle if kind == "inner" else self.instant.outer_angle)[self.look.roller]
 
     def loads(self, kind: str) -> list[BodyLoad]:
         """The contact's two loads, on the ring and on the roller; none where it is open."""
@@ -147,11 +145,9 @@ class _Scene:
 
     def is_over_a_spall(self, kind: str) -> bool:
         """Whether the contact's line of centres meets a spall: then its edges carry the force."""
-        j, instant = self.look.roller, self.instant
-        direction = instant.inner_angle[j] if kind == "inner" else instant.outer_angle[j]
-        on_ring = direction - instant.ring_turn * (kind == "inner")
-        on_roller = direction + np.pi * (kind == "inner") - instant.roller_turn[j]
-        bearing = instant.model.bearing
+        j, bearing, direction = self.look.roller, self.bearing, self.direction(kind)
+        on_ring = direction - self.instant.ring_turn * (kind == "inner")
+        on_roller = direction + np.pi * (kind == "inner") - self.instant.roller_turn[j]
         for spall in spalls(bearing):
             if spall.body == f"{kind}_ring" or spall.roller == j:
                 angle = on_ring if spall.roller is None else on_roller
@@ -166,26 +162,25 @@ class _Scene:
 
     def show(self, panel: Panel, fine: DrawnBearing, scale: Scale, origin: np.ndarray, unit: float) -> None:
         """Coloured bodies and their outlines."""
-        magnification = self.look.magnification
-        points = self.placed(fine.points(magnification), origin, unit)
+        points = self.placed(fine.points(self.magnification), origin, unit)
         panel.field(cells(points, fine.triangles, 0.0), scale.values(fine), scale.limits, scale.colours)
-        outlines = [line(self.placed(o, origin, unit), 0.1) for o in self.drawn.outlines(magnification)]
+        outlines = [line(self.placed(o, origin, unit), 0.1) for o in self.drawn.outlines(self.magnification)]
         panel.stroke(outlines, INK, OUTLINE)
         margin = OUTLINE * unit * panel.view.tall / (1200.0 * (panel.view.top - panel.view.bottom))
-        for hole in holes(self.instant, self.drawn, magnification, margin, as_reached=False):
+        for hole in holes(self, margin, as_reached=False):
             top, bottom, edge = (self.placed(points, origin, unit) for points in (hole.top, hole.bottom, hole.edge))
             panel.fill(strip(top, bottom, 0.11), "white")
             panel.stroke(line(edge, 0.115), FAULT, 2.0 * OUTLINE)
 
 
-def _roller(main: Panel, scene: _Scene) -> None:
+def _roller(main: Panel, scene: _Roller) -> None:
     """The whole roller, with the mesh and the bodies' names."""
     look, drawn, radius, centre = scene.look, scene.drawn, scene.radius, scene.centre
     is_fringes = look.scale.field == "photoelastic"
     fine = drawn.near(centre, REACH * radius).refined(FINEST * radius, COARSEST * radius, RELATIVE[is_fringes])
     scene.show(main, fine, look.scale, centre, radius)
     if not is_fringes and drawn.spacing > FINEST_WIRES * pixels()[0] * radius:
-        wires = segments(scene.placed(drawn.points(look.magnification), centre, radius), drawn.inner_edges(), 0.05)
+        wires = segments(scene.placed(drawn.points(scene.magnification), centre, radius), drawn.inner_edges(), 0.05)
         main.stroke(wires, "white", WIRE, opacity=0.25)
     left, tall = -0.48 * main.wide, MAIN.tall
     angle = (np.degrees(scene.instant.outer_angle[look.roller]) + 90.0 + 180.0) % 360.0 - 180.0
@@ -196,7 +191,7 @@ def _roller(main: Panel, scene: _Scene) -> None:
     draw_length(main, left + 0.02, -0.46 * tall, 1e3 * radius, backed=True)
 
 
-def _contact(panel: Panel, scene: _Scene, kind: str, peaks: list[tuple[BodyLoad, ShearPeak]]) -> None:
+def _contact(panel: Panel, scene: _Roller, kind: str, peaks: list[tuple[BodyLoad, ShearPeak]]) -> None:
     """The field around one contact, how wide it is, and where the shear is largest."""
     b, point = scene.look.half_width, scene.contact(kind)
     spacing = scene.instant.model.roller.shape.surface_spacing
@@ -214,11 +209,10 @@ def _contact(panel: Panel, scene: _Scene, kind: str, peaks: list[tuple[BodyLoad,
             panel.stroke([line(arm, z) for arm in arms], colour, pixels)
 
 
-def _facts(page: Panel, view: View, scene: _Scene, kind: str, peaks: list[tuple[BodyLoad, ShearPeak]]) -> None:
+def _facts(page: Panel, view: View, scene: _Roller, kind: str, peaks: list[tuple[BodyLoad, ShearPeak]]) -> None:
     """Beside a contact's panel: its force, pressure and width, and the largest shear on either side."""
     left, bottom = ASPECT * view.left, view.bottom
-    instant = scene.instant
-    force = (instant.inner_force if kind == "inner" else instant.outer_force)[scene.look.roller]
+    force = getattr(scene.instant, f"{kind}_force")[scene.look.roller]
     page.text(f"{kind.capitalize()} contact: {force:.0f} N", left, view.top + 0.022, HEADING, bold=True)
     lines = ["open"]
     if force > 0.0 and not peaks and scene.is_over_a_spall(kind):
@@ -231,7 +225,7 @@ def _facts(page: Panel, view: View, scene: _Scene, kind: str, peaks: list[tuple[
     _small_lines(page, left, bottom - 0.021, lines)
 
 
-def _scales(page: Panel, scene: _Scene) -> None:
+def _scales(page: Panel, scene: _Roller) -> None:
     """Colour bars of the main panel and of the contacts, and what theory says of the shear."""
     look = scene.look
     page.text(look.scale.title, BARS[0][0], 0.965, HEADING, bold=True)

@@ -49,6 +49,52 @@ class Circle:
         unit = np.column_stack([np.cos(direction), np.sin(direction)])
         return self.centre + (self.radius + self.into * np.broadcast_to(inwards, angle.shape))[:, None] * unit
 
+    def point(self, angle: float, inwards: float) -> np.ndarray:
+        """One of them, (2,), m."""
+        return self.points(np.array([angle]), inwards)[0]
+
+    @property
+    def name_place(self) -> np.ndarray:
+        """Where a roller's names stand, (2,), m: across from the dot that shows its turn."""
+        return self.point(pi, (1.0 - NAME_AT) * self.radius)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawing:
+    """An instant and its bodies as a picture magnifies their displacements."""
+
+    instant: Instant
+    drawn: DrawnBearing
+    magnification: float
+
+    @property
+    def bearing(self) -> Bearing:
+        return self.instant.model.bearing
+
+    @property
+    def hub(self) -> np.ndarray:
+        """Where the hub is drawn, (2,), m."""
+        return self.magnification * self.drawn.hub
+
+    @property
+    def centres(self) -> np.ndarray:
+        """Where the rollers' centres are drawn, (n_rollers, 2), m."""
+        return self.drawn.roller_reference + self.magnification * self.drawn.roller_shift
+
+    def circle(self, body: Body, roller: int | None) -> Circle:
+        """A raceway, or a roller's surface."""
+        bearing, thickness = self.bearing, _thickness(self.bearing, body)
+        if body == "outer_ring":
+            radius = bearing.outer_raceway_radius + (self.magnification - 1.0) * bearing.radial_clearance
+            place = dict(centre=np.zeros(2), radius=radius, turn=0.0, into=1.0)
+        elif body == "inner_ring":
+            turn = self.instant.ring_turn
+            place = dict(centre=self.hub, radius=bearing.inner_raceway_radius, turn=turn, into=-1.0)
+        else:
+            turn = float(self.instant.roller_turn[roller])
+            place = dict(centre=self.centres[roller], radius=bearing.roller_radius, turn=turn, into=-1.0)
+        return Circle(body=body, roller=roller, thickness=thickness, **place)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Hole:
@@ -71,7 +117,7 @@ class Chart:
     place: np.ndarray  # (2,), m
 
 
-def holes(instant: Instant, drawn: DrawnBearing, magnification: float, margin: float, as_reached: bool) -> list[Hole]:
+def holes(drawing: Drawing, margin: float, as_reached: bool) -> list[Hole]:
     """The spalls of an instant.
 
     Parameters
@@ -79,34 +125,31 @@ def holes(instant: Instant, drawn: DrawnBearing, magnification: float, margin: f
     margin : m, from a circle's outline, which a hole takes away with it
     as_reached : whether they are as deep as rollers reach, or as they are
     """
-    bearing, found = instant.model.bearing, []
+    bearing, found = drawing.bearing, []
     for spall in spalls(bearing):
-        circle = _circle(instant, drawn, magnification, spall.body, spall.roller)
+        circle, factor = drawing.circle(spall.body, spall.roller), drawing.magnification
         own = own_radius(bearing, spall)
         half = asin(spall.half_opening(bearing.roller_radius) / own)
         angle = spall.angle + half * np.linspace(-1.0, 1.0, HOLE_POINTS)
         if as_reached:
             depth = _sinkage(profiles(replace(bearing, faults=(spall,))), spall.body, spall.roller, angle)
             most = min(DEEPEST * circle.thickness, STEEPEST * spall.width)
-            factor = _hole_factor(magnification, float(depth.max()), most)
+            factor = _hole_factor(factor, float(depth.max()), most)
         else:
             at, below = outline(spall, spall.half_opening(bearing.roller_radius))
             order = np.argsort(at, kind="stable")
             depth = np.interp(own * np.sin(angle - spall.angle), at[order], below[order])
-            factor = magnification
         depth = np.clip(factor * depth, 0.0, circle.thickness)
-        met = _met(instant, drawn, magnification, circle, angle)
-        beside = (
-            spall.angle + half + NAME_BESIDE * bearing.outside_radius / (own + 0.5 * circle.into * circle.thickness)
-        )
-        ring_place = circle.points(np.array([beside]), 0.5 * circle.thickness)[0]
+        met, times = _met(drawing, circle, angle), "" if factor == drawing.magnification else f", × {factor:g}"
+        middle = 0.5 * circle.thickness
+        beside = spall.angle + half + NAME_BESIDE * bearing.outside_radius / (own + circle.into * middle)
         found.append(
             Hole(
                 top=circle.points(angle, np.maximum(met, -margin)),
                 bottom=circle.points(angle, np.maximum(depth, met)),
                 edge=circle.points(angle, depth),
-                name=f"spall {1e3 * spall.width:.3g} mm" + (f", × {factor:g}" if factor != magnification else ""),
-                place=ring_place if spall.roller is None else _name_place(circle),
+                name=f"spall {1e3 * spall.width:.3g} mm{times}",
+                place=circle.point(beside, middle) if spall.roller is None else circle.name_place,
             )
         )
     return found
@@ -117,22 +160,15 @@ def _hole_factor(magnification: float, deepest: float, most: float) -> float:
     return magnification if magnification * deepest <= most else rounded_down(most / deepest)
 
 
-def charts(instant: Instant, drawn: DrawnBearing, magnification: float) -> list[Chart]:
+def charts(drawing: Drawing) -> list[Chart]:
     """Charts of all surfaces with waves or measured heights."""
-    bearing, made = instant.model.bearing, []
-    for body, roller, height, name in _heights(bearing):
-        circle = _circle(instant, drawn, magnification, body, roller)
+    made, factor = [], chart_factor(drawing.bearing)
+    for body, roller, height, name in _heights(drawing.bearing):
+        circle = drawing.circle(body, roller)
         depth = 0.5 * circle.thickness if roller is None else (1.0 - CHART_AT) * circle.radius
-        made.append(
-            Chart(
-                circle=circle.points(AROUND, depth),
-                curve=circle.points(AROUND, depth - chart_factor(bearing) * height),
-                name=name,
-                place=_name_place(circle)
-                if roller is not None
-                else circle.points(np.array([0.5 * pi - circle.turn]), depth)[0],
-            )
-        )
+        place = circle.point(0.5 * pi - circle.turn, depth) if roller is None else circle.name_place
+        curve = circle.points(AROUND, depth - factor * height)
+        made.append(Chart(circle=circle.points(AROUND, depth), curve=curve, name=name, place=place))
     return made
 
 
@@ -154,32 +190,15 @@ def _heights(bearing: Bearing) -> Iterator[tuple[Body, int | None, np.ndarray, s
             yield body, roller, -_sinkage(alone, body, roller, AROUND), ", ".join(_wave_name(wave) for wave in waves)
 
 
-def unequal_rollers(
-    instant: Instant, drawn: DrawnBearing, magnification: float
-) -> list[tuple[Circle, str, np.ndarray]]:
-    """Rollers of another size: as drawn, by how much they are larger, and where that is told, (2,), m."""
+def unequal_rollers(drawing: Drawing) -> list[tuple[Circle, str]]:
+    """Rollers of another size as drawn, and by how much they are larger."""
     found = []
-    for fault in instant.model.bearing.faults:
+    for fault in drawing.bearing.faults:
         if isinstance(fault, UnequalRoller):
-            circle = _circle(instant, drawn, magnification, "roller", fault.roller)
             sign = "+" if fault.diameter_deviation > 0.0 else "−"
-            found.append((circle, f"Ø {sign}{abs(1e6 * fault.diameter_deviation):.3g} µm", _name_place(circle)))
+            name = f"Ø {sign}{abs(1e6 * fault.diameter_deviation):.3g} µm"
+            found.append((drawing.circle("roller", fault.roller), name))
     return found
-
-
-def _circle(instant: Instant, drawn: DrawnBearing, magnification: float, body: Body, roller: int | None) -> Circle:
-    bearing = instant.model.bearing
-    if body == "outer_ring":
-        radius = bearing.outer_raceway_radius + (magnification - 1.0) * bearing.radial_clearance
-        place = dict(centre=np.zeros(2), radius=radius, turn=0.0, into=1.0)
-    elif body == "inner_ring":
-        place = dict(
-            centre=magnification * drawn.hub, radius=bearing.inner_raceway_radius, turn=instant.ring_turn, into=-1.0
-        )
-    else:
-        centre = drawn.roller_reference[roller] + magnification * drawn.roller_shift[roller]
-        place = dict(centre=centre, radius=bearing.roller_radius, turn=float(instant.roller_turn[roller]), into=-1.0)
-    return Circle(body=body, roller=roller, thickness=_thickness(bearing, body), **place)
 
 
 def _thickness(bearing: Bearing, body: Body) -> float:
@@ -191,13 +210,12 @@ def _thickness(bearing: Bearing, body: Body) -> float:
     return rings.get(body, bearing.roller_radius)
 
 
-def _met(instant: Instant, drawn: DrawnBearing, magnification: float, circle: Circle, angle: np.ndarray) -> np.ndarray:
+def _met(drawing: Drawing, circle: Circle, angle: np.ndarray) -> np.ndarray:
     """How deep other bodies reach into a circle's material along its radii, m; negative where they end before it."""
-    bearing = instant.model.bearing
     if circle.roller is None:
-        others = [_circle(instant, drawn, magnification, "roller", j) for j in range(bearing.n_rollers)]
+        others = [drawing.circle("roller", j) for j in range(drawing.bearing.n_rollers)]
     else:
-        others = [_circle(instant, drawn, magnification, body, None) for body in ("inner_ring", "outer_ring")]
+        others = [drawing.circle(body, None) for body in ("inner_ring", "outer_ring")]
     deepest = np.full_like(angle, -np.inf)
     unit = circle.points(angle, 0.0) - circle.centre
     unit /= np.hypot(*unit.T)[:, None]
@@ -219,11 +237,6 @@ def _sinkage(surfaces: Profiles, body: Body, roller: int | None, angle: np.ndarr
     profile = own.get(body, surfaces.rollers_outside)
     every = np.repeat(angle[:, None], profile.row.size, axis=1)
     return profile.at(every)[0][:, roller or 0]
-
-
-def _name_place(circle: Circle) -> np.ndarray:
-    """Where a roller's names stand, (2,), m: across from the dot that shows its turn."""
-    return circle.points(np.array([pi]), (1.0 - NAME_AT) * circle.radius)[0]
 
 
 def _wave_name(wave: Waviness | MeasuredSurface) -> str:

@@ -18,32 +18,23 @@ from fem.contacts.patch import patch
 from fem.elastic.bodies import DiscBody, RingBody
 from fem.kernels.state import INNER, OUTER
 from fem.pictures.recover import Instant
-from fem.pictures.stress_below import (
-    FIRST_ROLLER,
-    INNER_RING,
-    OUTER_RING,
-    BodyLoad,
-    add_hertz,
-    contact_loads,
-    smooth_stress,
-)
+from fem.pictures.stress_below import BodyLoad, add_hertz, contact_loads, smooth_stress
 from fem.solver.frames import rotated
 from lagrange.bearing import Bearing
 from lagrange.equations import touching_distances
 
-# Triangles halved again and again where a picture needs finer ones than the mesh has.
-#
-# scikit-fem refines too, but rebuilds the whole mesh at each level and doesn't tell what new nodes lie between; here
-# all columns of nodal data are carried along.
-
-
-MOST_LEVELS = 14
+MOST_LEVELS = 14  # of refinement
+LARGEST_WEIGHT = 0.55  # of a patch: the quintic B-spline's peak, 66/120
+ARCS = 16  # an outline's points for each surface node
 
 
 def refined(
     data: np.ndarray, triangles: np.ndarray, wanted: Callable[[np.ndarray], np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Split triangles until none is larger than wanted; no node is left hanging on an edge.
+
+    scikit-fem refines too, but rebuilds the whole mesh at each level and doesn't tell what new nodes lie between; here
+    all columns of nodal data are carried along.
 
     Parameters
     ----------
@@ -102,10 +93,6 @@ def _rotated(triangles, middle, chosen, first):
     order = (first[chosen, None] + np.arange(3)) % 3
     return (np.take_along_axis(array[chosen], order, axis=1).T for array in (triangles, middle))
 
-
-LARGEST_WEIGHT = 0.55  # of a patch: the quintic B-spline's peak, 66/120
-
-ARCS = 16  # an outline's points for each surface node
 
 # columns of the nodal data that refinement carries along
 _LOCAL, _RADIUS, _CENTRE, _MOTION, _DENT = slice(0, 2), 2, slice(3, 5), slice(5, 7), slice(7, 9)
@@ -221,24 +208,21 @@ def drawn_bearing(instant: Instant) -> DrawnBearing:
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
     n = bearing.n_rollers
     reference = _roller_reference(instant)
-    dents = _dents(instant)
     loads = contact_loads(instant)
-    stresses = smooth_stress(instant, loads)
     bodies = (inner, outer, *n * (disc,))
-    for body, stress in zip(bodies, stresses, strict=True):
-        if body.material.rigid:  # has none; drawn without colour
-            stress[:] = np.nan
-
-    motions = body_motions(instant)
-    parts = [
-        _part(INNER_RING, inner, rotated(inner.points, instant.ring_turn), (0.0, 0.0), motions[0], dents[0],
-              stresses[0]),
-        _part(OUTER_RING, outer, outer.points - outer.cartesian(_clearance(outer, bearing)), (0.0, 0.0), motions[1],
-              dents[1], stresses[1]),
-    ]  # fmt: skip
-    for j in range(n):
-        parts.append(_part(FIRST_ROLLER + j, disc, rotated(disc.points, instant.roller_turn[j]), reference[j],
-                           motions[2 + j], dents[2 + j], stresses[FIRST_ROLLER + j]))  # fmt: skip
+    local = [rotated(inner.points, instant.ring_turn), outer.points - outer.cartesian(_clearance(outer, bearing))]
+    local += [rotated(disc.points, turn) for turn in instant.roller_turn]
+    parts = []
+    for number, (body, centre, motion, dent, stress) in enumerate(
+        zip(bodies, [*np.zeros((2, 2)), *reference], body_motions(instant), _dents(instant),
+            smooth_stress(instant, loads), strict=True)
+    ):  # fmt: skip
+        data = np.empty((len(motion), _COLUMNS))
+        data[:, _LOCAL], data[:, _RADIUS], data[:, _CENTRE] = local[number], np.hypot(*local[number].T), centre
+        data[:, _MOTION], data[:, _DENT] = motion, dent
+        data[:, _STRESS] = np.nan if body.material.rigid else stress  # which has none: drawn without colour
+        data[:, _POISSON], data[:, _BODY] = body.material.poisson_ratio, number
+        parts.append(data)
     first = np.concatenate([[0], np.cumsum([len(part) for part in parts])])
     cells = [body.cells + start for body, start in zip(bodies, first, strict=False)]
     circles = []
@@ -265,10 +249,7 @@ def body_motions(instant: Instant) -> list[np.ndarray]:
     return [
         instant.hub + inner.cartesian(instant.inner_ring, instant.ring_turn),
         outer.cartesian(instant.outer_ring + _clearance(outer, instant.model.bearing)),
-        *(
-            shift[j] + rotated(instant.rollers[j], instant.roller_turn[j])
-            for j in range(instant.model.bearing.n_rollers)
-        ),
+        *(shift[j] + rotated(instant.rollers[j], turn) for j, turn in enumerate(instant.roller_turn)),
     ]
 
 
@@ -285,15 +266,6 @@ def _clearance(outer: RingBody, bearing: Bearing) -> np.ndarray:
     return outward
 
 
-def _part(number, body, local, centre, motion, dent, stress) -> np.ndarray:
-    """Nodal data of one body."""
-    data = np.empty((len(local), _COLUMNS))
-    data[:, _LOCAL], data[:, _RADIUS], data[:, _CENTRE] = local, np.hypot(*local.T), centre
-    data[:, _MOTION], data[:, _DENT], data[:, _STRESS] = motion, dent, stress
-    data[:, _POISSON], data[:, _BODY] = body.material.poisson_ratio, number
-    return data
-
-
 def _halves(cells: np.ndarray) -> np.ndarray:
     """Quadrilaterals as two triangles each; triangles as they are."""
     return cells if cells.shape[1] == 3 else np.concatenate([cells[:, [0, 1, 2]], cells[:, [0, 2, 3]]])
@@ -303,14 +275,11 @@ def _dents(instant: Instant) -> list[np.ndarray]:
     """Indentation below the grid as it is drawn, (n_nodes, 2) of every body, m."""
     model, disc = instant.model, instant.model.roller
     inner, outer = model.inner_ring, model.outer_ring
-    inner_dent = model.indentation(INNER, instant.inner_force)
+    turned, inner_dent = instant.ring_turn, model.indentation(INNER, instant.inner_force)
     outer_dent = model.indentation(OUTER, instant.outer_force)
     on_inner, on_outer = (_share(ring, disc) for ring in (inner, outer))
     dents = [
-        inner.cartesian(
-            _ring_dents(inner, instant.inner_angle - instant.ring_turn, -on_inner * inner_dent),
-            instant.ring_turn,
-        ),
+        inner.cartesian(_ring_dents(inner, instant.inner_angle - turned, -on_inner * inner_dent), turned),
         outer.cartesian(_ring_dents(outer, instant.outer_angle, on_outer * outer_dent)),
     ]
     inner_dent, outer_dent = (1.0 - on_inner) * inner_dent, (1.0 - on_outer) * outer_dent

@@ -19,8 +19,6 @@ from fem.pictures.drawing_process import trouble
 
 os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # no warning without display
 
-
-
 FONT = str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
 BOLD = FONT.replace("DejaVuSans", "DejaVuSans-Bold")
 FROM_FILE = 4  # VTK_FONT_FILE
@@ -30,6 +28,7 @@ LARGEST_WINDOW = 8192  # pixels
 INK = "#1a1a1a"
 NO_VALUE = "#c9c9c9"
 FAULT = "#ff9900"  # of surfaces that are not perfect
+Meshes = pv.PolyData | Sequence[pv.PolyData]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,13 +64,11 @@ class Panel:
         view, (width, height) = self.view, self._canvas.size
         return view.tall * (view.right - view.left) * width / ((view.top - view.bottom) * height)
 
-    def fill(self, meshes: pv.PolyData | Sequence[pv.PolyData], color: str, opacity: float = 1.0) -> None:
+    def fill(self, meshes: Meshes, color: str, opacity: float = 1.0) -> None:
         """Areas of one colour."""
         self._add(_joined(meshes), color=color, opacity=opacity)
 
-    def stroke(
-        self, meshes: pv.PolyData | Sequence[pv.PolyData], color: str, pixels: float, opacity: float = 1.0
-    ) -> None:
+    def stroke(self, meshes: Meshes, color: str, pixels: float, opacity: float = 1.0) -> None:
         """Lines."""
         self._add(_joined(meshes), color=color, line_width=pixels * self._canvas.pixel, opacity=opacity)
 
@@ -152,7 +149,7 @@ class Canvas:
         self._plotter.close()
 
 
-def _joined(meshes: pv.PolyData | Sequence[pv.PolyData]) -> pv.PolyData:
+def _joined(meshes: Meshes) -> pv.PolyData:
     if isinstance(meshes, pv.PolyData):
         return meshes
     first, *others = meshes
@@ -160,8 +157,6 @@ def _joined(meshes: pv.PolyData | Sequence[pv.PolyData]) -> pv.PolyData:
 
 
 # Flat shapes of a picture as pyvista meshes: discs, rings, arcs, arrows. z orders them.
-
-
 ARC_POINTS = 361
 
 
@@ -186,15 +181,18 @@ def ring(inner: float, outer: float, z: float, start: float = 0.0, end: float = 
     return strip(*(arc((0.0, 0.0), radius, start, end) for radius in (inner, outer)), z)
 
 
+def _corners(corner, width: float, height: float) -> np.ndarray:
+    return np.asarray(corner) + np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
+
+
 def bar(corner, width: float, height: float, z: float) -> pv.PolyData:
     """A rectangle by its lower left corner."""
-    return polygon(np.asarray(corner) + np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]]), z)
+    return polygon(_corners(corner, width, height), z)
 
 
 def frame(corner, width: float, height: float, z: float) -> pv.PolyData:
     """The outline of a rectangle."""
-    corners = np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height], [0.0, 0.0]])
-    return line(np.asarray(corner) + corners, z)
+    return line(_corners(corner, width, height)[[0, 1, 2, 3, 0]], z)
 
 
 def border(middle: tuple[float, float], wide: float, tall: float, z: float) -> pv.PolyData:

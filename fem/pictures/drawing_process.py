@@ -47,13 +47,8 @@ def check_rendering() -> None:
     """
     environment = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow", **os.environ}
     try:
-        done = subprocess.run(
-            [sys.executable, "-P", "-c", PROBE],  # -P: nothing is imported from the current folder
-            env=environment,
-            capture_output=True,
-            text=True,
-            timeout=PATIENCE,
-        )
+        probe = [sys.executable, "-P", "-c", PROBE]  # -P: nothing is imported from the current folder
+        done = subprocess.run(probe, env=environment, capture_output=True, text=True, timeout=PATIENCE)
     except subprocess.TimeoutExpired:
         raise UsageError(trouble(f"a trial picture was not finished in {PATIENCE:.0f} s")) from None
     except OSError as error:
@@ -74,16 +69,14 @@ def trouble(reason: str) -> str:
     return f"this machine can't draw off-screen ({reason}); install the system libraries:\n{CURE}"
 
 
-# A command in a process of its own: where system libraries are missing, a renderer ends it instead of raising.
-
-
-ACCESS_VIOLATION = 0xC0000005  # what Windows makes of it
+ACCESS_VIOLATION = 0xC0000005  # what Windows makes of a crash
 CRASHES = (-signal.SIGSEGV, -signal.SIGABRT, ACCESS_VIOLATION)
 
 
 def run_apart(command: Callable[[], None]) -> int:
     """Run a function of a module, which ends by `sys.exit`, in a fresh interpreter; its exit code.
 
+    Where system libraries are missing, a renderer ends its process instead of raising.
     A probe before would draw twice and import all that draws twice. Ctrl-C and SIGTERM are passed
     on; the code is then what the command makes of it.
 

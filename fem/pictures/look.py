@@ -71,9 +71,8 @@ def chosen_look(
     forces = run.contact_forces(samples)
     largest = float(forces.max())
     some = np.unique(np.linspace(0, len(samples) - 1, LOOKED_AT).round().astype(int))
-    displacement = max(
-        float(np.hypot(*motion.T).max()) for k in some for motion in body_motions(run.instant(samples[k]))
-    )
+    motions = (motion for k in some for motion in body_motions(run.instant(samples[k])))
+    displacement = max(float(np.hypot(*motion.T).max()) for motion in motions)
     model = run.model
     half_width = max(law.pair.half_width(max(largest, 1e-3)) for law in (model.inner_law, model.outer_law))
     scale, contact_scale = _scales(request, run, largest, displacement, pixel, contact_pixel * half_width)

@@ -28,12 +28,11 @@ ROUND_OFF = 1e-6  # of the run's largest force: a contact that carries less is o
 
 
 @dataclass(frozen=True, kw_only=True)
-class Instant:
-    """One sample with its displacements; SI, fields as in `fem.statics.equilibrium.Equilibrium`."""
+class Instant(Frame):
+    """One sample with its displacements, and what it holds of bodies and forces; SI."""
 
     scene: Scene
     model: Model
-    time: float  # s, of the sample
     hub: np.ndarray  # (2,), m
     centres: np.ndarray  # (n_rollers, 2), m
     inner_force: np.ndarray  # (n_rollers,), N
@@ -41,15 +40,9 @@ class Instant:
     inner_traction: np.ndarray  # N, on the roller, positive along +theta
     outer_traction: np.ndarray
     roller_force: np.ndarray  # N, roller j on j + 1
-    ring_turn: float  # rad
-    roller_turn: np.ndarray  # (n_rollers,), rad
-    inner_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, relative to the hub, in the ring's frame, m
-    outer_ring: np.ndarray  # (n_rows, 2, n_sectors), polar, from its housing's place, m
-    rollers: np.ndarray  # (n_rollers, n_nodes, 2), about the centre of mass, in each roller's frame, m
     cage: np.ndarray | None  # (3,), its centre, m, and how far it has turned, rad; None: there is none
     stored: bool  # the run's own fields, not recovered ones
     stored_elastic_energy: float  # J, of the meshes in the run
-    stored_contact_energy: float  # J, below the grid
 
     @property
     def operation(self) -> Operation:
@@ -74,13 +67,8 @@ class Instant:
     @property
     def elastic_energy(self) -> float:
         """½ uᵀKu over all bodies, J."""
-        total = sum(
-            np.vdot(u, ring.force(u))
-            for ring, u in (
-                (self.model.inner_ring, self.inner_ring),
-                (self.model.outer_ring, self.outer_ring),
-            )
-        )
+        rings = (self.model.inner_ring, self.inner_ring), (self.model.outer_ring, self.outer_ring)
+        total = sum(np.vdot(u, ring.force(u)) for ring, u in rings)
         flat = self.rollers.reshape(len(self.rollers), -1).T
         return 0.5 * float(total + np.vdot(flat, self.model.roller.stiffness @ flat))
 
@@ -192,26 +180,18 @@ class StoredRun:
         else:
             frame = _recovered(self.scene, model, values, sample, time, self._turns[sample])
         cage = None if self.scene.cage is None else np.array([self._values.column(name)[sample] for name in OF_CAGE])
+        same = ("inner_force", "outer_force", "inner_traction", "outer_traction")
         return Instant(
-            cage=cage,
+            **vars(frame),
+            **{name: values[name] for name in same},
             scene=self.scene,
             model=model,
-            time=time,
             hub=np.array([values["inner_x"], values["inner_y"]]),
             centres=_centres(values),
-            inner_force=values["inner_force"],
-            outer_force=values["outer_force"],
-            inner_traction=values["inner_traction"],
-            outer_traction=values["outer_traction"],
             roller_force=values["roller_roller_force"],
-            ring_turn=frame.ring_turn,
-            roller_turn=frame.roller_turn,
-            inner_ring=frame.inner_ring,
-            outer_ring=frame.outer_ring,
-            rollers=frame.rollers,
+            cage=cage,
             stored=sample in self._frames,
             stored_elastic_energy=float(values["energy_elastic"]),
-            stored_contact_energy=float(values["energy_contact"]),
         )
 
 
@@ -234,13 +214,10 @@ def _recovered(scene: Scene, model: Model, values: dict, sample: int, time: floa
     ring_turn = float(turned(model.bearing, operation, time).shaft)
 
     inner_load = inner.body_load(operation.gravity, ring_turn, speed)
-    for angle, force, traction in zip(
-        _angle(centres - hub) - ring_turn, values["inner_force"], values["inner_traction"], strict=True
-    ):
-        _push_ring(model, inner, inner_load, angle, -force, -traction)
     outer_load = outer.body_load(operation.gravity)
-    for angle, force, traction in zip(_angle(centres), values["outer_force"], values["outer_traction"], strict=True):
-        _push_ring(model, outer, outer_load, angle, force, -traction)
+    for j, (on_inner, on_outer) in enumerate(zip(_angle(centres - hub) - ring_turn, _angle(centres), strict=True)):
+        _push_ring(model, inner, inner_load, on_inner, -values["inner_force"][j], -values["inner_traction"][j])
+        _push_ring(model, outer, outer_load, on_outer, values["outer_force"][j], -values["outer_traction"][j])
     return Frame(
         sample=sample,
         time=time,

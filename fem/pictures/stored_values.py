@@ -35,12 +35,8 @@ class StoredValues:
         if not path.is_file():
             raise UsageError(f"{path}: no such result file; run run-fem first, or name another")
         size = path.stat().st_size
-        refusal = refusal_in_child(
-            lambda: self._read(_survived),
-            str(path),
-            READ_SECONDS + size / READ_RATE,
-            READ_MEMORY + READ_COPIES * size,
-        )
+        seconds, memory = READ_SECONDS + size / READ_RATE, READ_MEMORY + READ_COPIES * size
+        refusal = refusal_in_child(lambda: self._read(_survived), str(path), seconds, memory)
         if refusal is not None:
             raise UsageError(refusal)
         self.times, self.scene_text, self.scene_files, self.frames = self._read(_opened)

@@ -75,9 +75,7 @@ def hertz_stress(points: np.ndarray, load: SurfaceLoad) -> np.ndarray:
     slope = -2.0 / (root * (z + root))
     trace = -2.0 / pi * (force * transform).real
     deviator = (2.0 * force.real * transform + 2j * z.imag * force * slope) * turn**2 / pi
-    return np.column_stack(
-        [0.5 * (trace - deviator.real), 0.5 * (trace + deviator.real), 0.5 * deviator.imag]
-    )  # fmt: skip
+    return 0.5 * np.column_stack([trace - deviator.real, trace + deviator.real, deviator.imag])
 
 
 def spline_displacement(
@@ -140,13 +138,6 @@ def _spline_logarithm(z: np.ndarray) -> np.ndarray:
     return total
 
 
-# The stress of an instant including what lies below the grid: the mesh's, less its patches', plus Hertz's.
-#
-# On rollers the exchange is made everywhere: what the mesh is left with is then smooth throughout. On rings it fades
-# out with the distance from the contact; far away the two fields agree, and around the outer ring they can't be
-# continued.
-
-
 WINDOW = 0.4, 0.8  # radii of a raceway: whole up to this distance from the contact, nothing from the second on
 BEYOND = 1.0  # radii: strains at the window's end look at nodes further away
 INNER_RING, OUTER_RING, FIRST_ROLLER = 0, 1, 2  # numbers of bodies
@@ -170,7 +161,12 @@ class BodyLoad:
         return self.spacing is None
 
     def share(self, points: np.ndarray) -> np.ndarray:
-        """How far the exchange is made at points (n, 2) from the body's centre: 1 at the contact, 0 far away."""
+        """How far the exchange is made at points (n, 2) from the body's centre: 1 at the contact, 0 far away.
+
+        On rollers it is made everywhere: what the mesh is left with is then smooth throughout. On rings it fades out
+        with the distance from the contact; far away the two fields agree, and around the outer ring they can't be
+        continued.
+        """
         if self.is_resolved or self.is_rigid:
             return np.zeros(len(points))
         if self.body >= FIRST_ROLLER:
@@ -194,18 +190,9 @@ def contact_loads(instant: Instant) -> list[BodyLoad]:
         load = SurfaceLoad(
             point=radius * outward, inward=-convex * outward, force=force / length, half_width=half_width
         )
-        kind, roller = contact
-        loads.append(
-            BodyLoad(
-                body=body,
-                kind=kind,
-                roller=roller,
-                load=load,
-                radius=convex * radius,
-                spacing=model.smeared(2.0 * np.pi * radius / nodes, half_width),
-                is_rigid=shape.material.rigid,
-            )
-        )
+        spacing, (kind, roller) = model.smeared(2.0 * np.pi * radius / nodes, half_width), contact
+        about = dict(body=body, kind=kind, roller=roller, load=load, is_rigid=shape.material.rigid)
+        loads.append(BodyLoad(**about, radius=convex * radius, spacing=spacing))
 
     for kind, ring, body, sign in (("inner", inner, INNER_RING, 1.0), ("outer", outer, OUTER_RING, -1.0)):
         law = getattr(model, f"{kind}_law")

@@ -53,8 +53,13 @@ class Wish(BaseModel):
 class Message(NamedTuple):
     """What the player tells, as JSON."""
 
-    kind: Literal["bearing", "frame", "refused", "telling", "pace"]
+    kind: str
     text: str
+
+
+def message(kind: Literal["bearing", "frame", "refused", "telling", "pace"], content: object) -> Message:
+    """One of those above."""
+    return Message(kind, json.dumps({kind: content}, allow_nan=False, separators=(",", ":")))
 
 
 def read_wish(text: str | bytes) -> Wish:
@@ -102,7 +107,7 @@ def bearing_message(player: Player) -> Message:
         "start": scene.numerics.start,
         "toml": scene.to_toml(),
     }
-    return _message("bearing", facts)
+    return message("bearing", facts)
 
 
 def frame_message(player: Player, slowness: float | None) -> Message:
@@ -129,27 +134,8 @@ def frame_message(player: Player, slowness: float | None) -> Message:
         "balanced": player.is_balanced,
         "cautions": player.cautions,
     }
-    return _message("frame", frame)
-
-
-def refusal_message(reason: object) -> Message:
-    """Why a wish can't be granted."""
-    return _message("refused", str(reason))
-
-
-def telling_message(sentence: str) -> Message:
-    """What takes long; "": nothing does any more."""
-    return _message("telling", sentence)
-
-
-def pace_message(pace: Pace) -> Message:
-    """How the run is played."""
-    return _message("pace", pace.model_dump())
+    return message("frame", frame)
 
 
 def _short(values: np.ndarray, digits: int = 3) -> list:
     return np.round(values, digits).tolist()
-
-
-def _message(kind: str, content: object) -> Message:
-    return Message(kind, json.dumps({kind: content}, allow_nan=False, separators=(",", ":")))

@@ -13,9 +13,6 @@ from fem.solver.solver import Samples
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.scene import Scene
 
-# What charts show of the past: the hub's orbit since the last frame, the spectrum of an acceleration.
-
-
 LONGEST = 2**15  # samples that a spectrum is of
 SHORTEST = 256
 LOWEST, HIGHEST = 20.0, 20e3  # Hz, of the spectrum shown; beyond, bodies without mass are not those of steel
@@ -30,7 +27,7 @@ def measured(names: Container[str]) -> tuple[str, str]:
 
 
 class Record:
-    """The last samples of a run."""
+    """The last samples of a run, for charts: the hub's orbit since the last frame, the spectrum of an acceleration."""
 
     def __init__(self, interval: float):
         self._interval = interval  # s, between samples

@@ -6,15 +6,7 @@ from threading import Condition, Thread
 
 from fem.errors import RunFailed, UsageError
 from fem.live.controls import Values
-from fem.live.messages import (
-    Message,
-    Pace,
-    bearing_message,
-    frame_message,
-    pace_message,
-    refusal_message,
-    telling_message,
-)
+from fem.live.messages import Message, Pace, bearing_message, frame_message, message
 from fem.live.player import Player
 from lagrange.scene.scene import SceneError
 
@@ -42,43 +34,39 @@ class Playing(Thread):
         self._looked = 0.0  # s, when somebody last got a frame
         self._advanced: float | None = None  # s, when the last advance of this run at this pace began
         self._slowness: float | None = None  # reached
-        self._owed = 0.0  # samples: the part of one that frames have not come to yet
+        self._residue = 0.0  # samples: the part of one that frames have not come to yet
+
+    def _set(self, **wishes: object) -> None:
+        """Change what this thread looks at, and wake it."""
+        with self._changed:
+            vars(self).update(wishes)
+            self._changed.notify()
 
     def ask_for_frame(self) -> None:
         """Somebody waits for the next frame."""
-        with self._changed:
-            self._awaited = True
-            self._changed.notify()
+        self._set(_awaited=True)
 
     def ask_for_step(self) -> None:
         """Go on by a step, of a paused run."""
-        with self._changed:
-            self._step = True
-            self._changed.notify()
+        self._set(_step=True)
 
     def change_values(self, values: Values) -> None:
         """Begin again with other values; of many only the last are used."""
-        with self._changed:
-            self._values = values
-            self._changed.notify()
+        self._set(_values=values)
 
     def change_pace(self, pace: Pace) -> None:
         """Play faster, slower, or not; viewers are told."""
-        with self._changed:
-            self._pace, self._advanced, self._slowness, self._owed = pace, None, None, 0.0
-            self._changed.notify()
-        self._publish(pace_message(pace))
+        self._set(_pace=pace, _advanced=None, _slowness=None, _residue=0.0)
+        self._publish(message("pace", pace.model_dump()))
 
     def end(self) -> None:
         """Leave off after the block in work."""
-        with self._changed:
-            self._ended = True
-            self._changed.notify()
+        self._set(_ended=True)
 
     def run(self) -> None:
         try:
             self._publish(bearing_message(self._player))
-            self._publish(pace_message(self._pace))
+            self._publish(message("pace", self._pace.model_dump()))
             while not self._ended:
                 with self._changed:
                     if not self._has_work():
@@ -104,14 +92,14 @@ class Playing(Thread):
         with self._changed:
             values, self._values = self._values, None
         try:
-            self._player.change(values, lambda sentence: self._publish(telling_message(sentence)))
+            self._player.change(values, lambda sentence: self._publish(message("telling", sentence)))
         except (SceneError, UsageError, RunFailed) as error:
-            self._publish(refusal_message(f"{error}\nThe bearing goes on with the values it had before."))
+            self._publish(message("refused", f"{error}\nThe bearing goes on with the values it had before."))
         else:
-            self._publish(refusal_message(""))
+            self._publish(message("refused", ""))
             self._publish(bearing_message(self._player))
             self._new, self._advanced, self._slowness = True, None, None
-        self._publish(telling_message(""))
+        self._publish(message("telling", ""))
 
     def _advance(self, began: float) -> None:
         """Go on by what the pace asks for since the last time."""
@@ -122,13 +110,13 @@ class Playing(Thread):
         if not (pace.playing or step):
             return
         interval = self._player.plan.interval
-        owed = self._owed + since / pace.slowness / interval
-        count = max(1, int(owed))
-        self._owed = max(0.0, owed - count)
+        wanted = self._residue + since / pace.slowness / interval
+        count = max(1, int(wanted))
+        self._residue = max(0.0, wanted - count)
         try:
             done = self._player.advance(count, lambda: time.monotonic() > began + WORK * FRAME)
         except RunFailed as error:
-            self._publish(refusal_message(f"{error}; change a value to begin again"))
+            self._publish(message("refused", f"{error}; change a value to begin again"))
             self.change_pace(Pace(slowness=pace.slowness, playing=False))
             return
         self._new = True

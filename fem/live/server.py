@@ -22,15 +22,12 @@ from websockets.http11 import Request, Response
 
 from fem.errors import UsageError
 from fem.live.controls import sliders
-from fem.live.messages import FASTEST, SLOWEST, Message, read_wish, refusal_message
+from fem.live.messages import FASTEST, SLOWEST, Message, message, read_wish
 from fem.live.player import Player, measured
 from fem.live.playing import Playing
 from fem.result.acceleration import channels
 from lagrange.files.pages import as_it_is, render_page
 from lagrange.scene.scene import Scene
-
-# The page: its parts put into one file, and the rules a browser shall keep it to.
-
 
 PARTS = Path(__file__).parent / "template"
 SCRIPTS = ("drawing.js", "charts.js", "live.js")
@@ -45,7 +42,7 @@ class Page:
 
 
 def make_page(scene: Scene, connection: str) -> Page:
-    """The page of a scene, which connects to an address (ws://host:port)."""
+    """The page of a scene in one file, which connects to an address (ws://host:port)."""
     mark = secrets.token_urlsafe(16)
     text = render_page(
         PARTS / "live.html.j2",
@@ -96,7 +93,8 @@ class LiveServer:
         with socket.create_server((LOOPBACK, 0)) as door:
             self._port = door.getsockname()[1]
             self._page = make_page(self._player.scene, f"ws://{LOOPBACK}:{self._port}")
-            playing = self.playing = Playing(self._player, self._hand_over, self._fail)
+            publish, fail = self._in_loop(self._publish), self._in_loop(self._finish)
+            playing = self.playing = Playing(self._player, publish, fail)
             playing.start()
             try:
                 async with serve(
@@ -113,23 +111,18 @@ class LiveServer:
         """End it, from any thread."""
         self._loop.call_soon_threadsafe(self._finish, None)
 
-    def _fail(self, error: BaseException) -> None:
-        self._tell_loop(self._finish, error)
-
     def _finish(self, error: BaseException | None) -> None:
-        if self._ended.done():
-            return
-        if error is None:
-            self._ended.set_result(None)
-        else:
-            self._ended.set_exception(error)
+        if not self._ended.done():
+            self._ended.set_result(None) if error is None else self._ended.set_exception(error)
 
-    def _hand_over(self, message: Message) -> None:
-        self._tell_loop(self._publish, message)
+    def _in_loop(self, function: Callable) -> Callable[[object], None]:
+        """The function as another thread may call it."""
 
-    def _tell_loop(self, function: Callable, argument: object) -> None:
-        with suppress(RuntimeError):  # the loop has ended
-            self._loop.call_soon_threadsafe(function, argument)
+        def call(argument: object) -> None:
+            with suppress(RuntimeError):  # the loop has ended
+                self._loop.call_soon_threadsafe(function, argument)
+
+        return call
 
     def _publish(self, message: Message) -> None:
         """Send to all; a frame to those who wait for one."""
@@ -169,7 +162,7 @@ class LiveServer:
         try:
             wish = read_wish(text)
         except UsageError as error:
-            broadcast([viewer], refusal_message(error).text)
+            broadcast([viewer], message("refused", str(error)).text)
             return
         if wish.frame:
             self._viewers[viewer] = True

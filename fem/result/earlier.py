@@ -10,7 +10,9 @@ from fem.result.durable import is_in_use
 from lagrange.files.hdf5 import SIGNATURE, Damaged, check_array, read_scene_text, refusal_in_child
 from lagrange.scene.scene import Scene, SceneError, parse_scene_text
 
-# What two scenes, or two sets of versions, differ in, for messages.
+READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
+READ_MEMORY = 2**29  # bytes
+MOST_CHANGES = 3  # told of another scene
 
 
 def differences(before: Mapping[str, object], now: Mapping[str, object]) -> list[str]:
@@ -32,11 +34,6 @@ def _flat(tables: dict, prefix: str = "") -> dict[str, object]:
     for key, value in tables.items():
         flat |= _flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
     return flat
-
-
-READ_SECONDS, READ_RATE = 10.0, 20e6  # of processor time to read a file: at least, and B/s
-READ_MEMORY = 2**29  # bytes
-MOST_CHANGES = 3  # told of another scene
 
 
 def refuse_foreign(path: Path) -> None:
@@ -75,10 +72,8 @@ def refuse_another_run(path: Path, scene: Scene) -> None:
     if refusal_in_child(read, str(path), READ_SECONDS, READ_MEMORY) is not None or (before := read()) is None:
         return
     if changed := differences(scene_keys(before), scene_keys(scene)):
-        told = [
-            *changed[:MOST_CHANGES],
-            *([f"and {len(changed) - MOST_CHANGES} more"] if changed[MOST_CHANGES:] else []),
-        ]
+        more = [f"and {len(changed) - MOST_CHANGES} more"] if changed[MOST_CHANGES:] else []
+        told = [*changed[:MOST_CHANGES], *more]
         raise UsageError(
             f"{path}: holds a complete run of another scene ({'; '.join(told)}); --force replaces it, --output names "
             "another file"

@@ -24,13 +24,13 @@ from lagrange.surface.passages import COLUMNS, HOUSING, SpallEvent, find_passage
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
 
-ESTIMATE = {
-    "quantity": "name of a quantity of interest",
-    "quantity_unit": "unit of its value and error",
-    "quantity_meaning": "what it is",
-    "quantity_value": "on the run's mesh",
-    "quantity_coarse_value": "on the coarser mesh",
-    "quantity_error": "estimated discretisation error of the value, not negative",
+ESTIMATE = {  # meaning, and value of an `Estimate`
+    "quantity": ("name of a quantity of interest", lambda each: each.quantity.name),
+    "quantity_unit": ("unit of its value and error", lambda each: each.quantity.unit),
+    "quantity_meaning": ("what it is", lambda each: each.quantity.meaning),
+    "quantity_value": ("on the run's mesh", lambda each: each.quantity.value),
+    "quantity_coarse_value": ("on the coarser mesh", lambda each: each.coarse_value),
+    "quantity_error": ("estimated discretisation error of the value, not negative", lambda each: each.error),
 }
 
 
@@ -60,20 +60,12 @@ def write_estimates(path: Path, found: "list[Estimate]", coarse_mesh_size: float
 
 
 def _add(file: h5py.File, found: "list[Estimate]", coarse_mesh_size: float) -> None:
-    columns = {
-        "quantity": [each.quantity.name for each in found],
-        "quantity_unit": [each.quantity.unit for each in found],
-        "quantity_meaning": [each.quantity.meaning for each in found],
-        "quantity_value": [each.quantity.value for each in found],
-        "quantity_coarse_value": [each.coarse_value for each in found],
-        "quantity_error": [each.error for each in found],
-    }
     for name in reversed(ESTIMATE):  # of an earlier estimate
         if name in file:
             del file[name]
-    for name, values in columns.items():
-        variable = file.create_dataset(name, data=values)
-        variable.attrs["long_name"] = ESTIMATE[name]
+    for name, (meaning, value) in ESTIMATE.items():
+        variable = file.create_dataset(name, data=[value(each) for each in found])
+        variable.attrs["long_name"] = meaning
     file["quantity"].make_scale("quantity")
     for name in ESTIMATE:
         if name != "quantity":
@@ -94,12 +86,6 @@ def read_blocks(path: Path, names: tuple[str, ...], rows: int = 1 << 16) -> Iter
         count = int(file.attrs["committed_samples"])
         for first in range(0, count, rows):
             yield {name: file[name][first : min(first + rows, count)] for name in names}
-
-
-# What a result file holds where surfaces are not perfect: sinkages, events of spalls, files of measured heights.
-#
-# The first two follow from the samples alone, whichever solver they come from: events are found when a run ends, from
-# all samples in its file, and so are the same however often it was interrupted and resumed.
 
 
 EVENTS = "events"
@@ -142,7 +128,11 @@ def write_scene_files(file: h5py.File, scene: Scene) -> None:
 
 
 def events_of(bearing: Bearing, operation: Operation, file: h5py.File, count: int) -> list[SpallEvent]:
-    """Events of the first `count` samples of an open result file."""
+    """Events of the first `count` samples of an open result file.
+
+    They follow from the samples alone, whichever solver these come from, and are found when a run ends: they are the
+    same however often it was interrupted and resumed.
+    """
     names = [name for name in (*COLUMNS, *HOUSING) if name in file]
     return spall_events(
         find_passages(bearing, operation, lambda start, stop: {name: file[name][start:stop] for name in names}, count)

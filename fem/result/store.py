@@ -158,9 +158,7 @@ class ResultFile:
                 write_events(file, self._bearing, self._events)
             if not self._plan.frame_stride:
                 return []
-            from fem.result.fields import (
-                lay_out,  # a run of the Lagrangian model needs none of the finite elements behind it
-            )
+            from fem.result.fields import lay_out  # other runs need none of the finite elements behind it
 
             return lay_out(file, self._plan.model, frames_of(capacity, self._plan.frame_stride))
 

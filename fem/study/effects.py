@@ -102,9 +102,7 @@ def table_of(points: Points, dataset: Collected) -> Table:
         _column(name, unit_of_key(key), f"scene key {key}", [point[i] for point in design.points])
         for i, (key, name) in enumerate(zip(design.keys, design.names, strict=True))
     ]
-    quantities = [
-        _quantity(name, *QUANTITIES[name], dataset.quantities[name]) for name in points.study.keep.quantities
-    ]
+    quantities = [_quantity(name, *QUANTITIES[name], dataset.quantities[name]) for name in points.study.keep.quantities]
     return Table(
         points=points,
         parameters=[each for each in parameters if len(np.unique(each.values[np.isfinite(each.values)])) > 1],

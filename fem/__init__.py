@@ -1,7 +1,7 @@
 """Explicit elastic finite-element simulation of a roller bearing.
 
 commands                        the installed commands
-runner                          a run of any solver with its file, checkpoints and signals; `answers`: of its user
+runner                          a run of any solver with its file, checkpoints and signals; `run_summary`
 interface                       runs from Python: `simulate`, `statics`; `recording`: a run in memory; `quantities`
 live, study, pictures, result   a run played in a page, many runs of a scene, pictures and films, files
 solver                          what every solver answers; the finite elements, the reduced and the Lagrangian model

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.answers import LOADED, Seen
+from fem.run_summary import LOADED, RunStatistics
 from lagrange import Bearing, kinematics
 from lagrange.messages import engineering
 from lagrange.mounting import from_outer_ring
@@ -81,7 +81,7 @@ def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
 
 
 def run_quantities(bearing: Bearing, speed: float | None, samples: Mapping[str, np.ndarray]) -> list[Quantity]:
-    """All of OF_RUN, of OF_START alone where there is one sample; `speed` as in `first_answers`.
+    """All of OF_RUN, of OF_START alone where there is one sample; `speed` as in `run_summary`.
 
     NaN where a run can't tell: the load zone before rollers have been everywhere, the slip of a cage that stands or
     turns both ways.
@@ -102,7 +102,7 @@ def run_quantities(bearing: Bearing, speed: float | None, samples: Mapping[str, 
 
 
 def _of_record(bearing: Bearing, speed: float | None, samples: Mapping[str, np.ndarray]) -> dict[str, float]:
-    seen, ideal = Seen(), kinematics(bearing, speed or 0.0).cage
+    seen, ideal = RunStatistics(), kinematics(bearing, speed or 0.0).cage
     seen.add(samples)
     zone, width = seen.load_zone(), seen.hub.high - seen.hub.low
     off = samples["inner_ay"] - samples["inner_ay"].mean()
@@ -118,9 +118,6 @@ def _of_record(bearing: Bearing, speed: float | None, samples: Mapping[str, np.n
     }
 
 
-# What a run is an example of: the labels that its signals carry in a data set.
-
-
 OF_SPALL = {"angle_deg": "deg", "width_mm": "mm", "depth_um": "um"}  # units
 UNITS = {
     "speed_rpm": "rpm",
@@ -132,7 +129,9 @@ UNITS = {
 
 
 def labels(scene: "Scene") -> dict[str, float | str]:
-    """Speed, load, frequencies of rolling without slip, and the first spall: its body is "none" where there is none.
+    """What a run is an example of, in a data set: speed, load, frequencies of rolling without slip, the first spall.
+
+    The spall's body is "none" where there is none.
 
     NaN where a table changes them: no number of a run is its speed or its load then.
     """

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fem.answers import columns_of
 from fem.commands.progress import progress_display
 from fem.commands.start_up import Outcome, imported, stop_signals
 from fem.commands.summary import print_estimates, print_plan, print_run
@@ -16,6 +15,7 @@ from fem.errors import RunFailed, UsageError
 from fem.result.checkpoint import checkpoint_path, load_checkpoint, refuse_no_place, save_checkpoint
 from fem.result.later_columns import read_blocks, read_columns, write_estimates
 from fem.result.store import ResultFile, Stored, WriteFailed, nothing_stored
+from fem.run_summary import summary_columns
 from fem.solver.pace import remember
 from fem.solver.simulate import make_plan, programs_named, run
 from fem.solver.solver import Plan, Progress, RunState
@@ -135,7 +135,7 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
         remember(plan.scene.model, plan.expected_seconds, state.processor)
     if outcome is Outcome.COMPLETE and not options.quiet:
         with telling():
-            names = (*columns_of(plan.scene), *plan.scene.mounting().places)
+            names = (*summary_columns(plan.scene), *plan.scene.mounting().places)
             print_run(state, read_blocks(path, names), path)
     return _ended(outcome, reason=reason, path=path, time=1e3 * seen.simulated, left=_left(path, store, True))
 

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from fem.answers import first_answers
+from fem.run_summary import run_summary
 from fem.solver.compiling import CompiledPlan
 from fem.solver.solver import Plan, RunState
 from lagrange import Bearing, kinematics
@@ -113,7 +113,7 @@ def print_run(state: RunState, blocks: Iterable[dict[str, np.ndarray]], path: Pa
             lines[0] += f"; {body.replace('_', ' ')} {place}"
     else:
         bearing, speed = plan.scene.ideal_bearing(), plan.scene.ideal_operation().mean_speed(progress.simulated)
-        lines = [f"{name + ':':14s} {value}" for name, value in first_answers(bearing, speed, blocks).items()]
+        lines = [f"{name + ':':14s} {value}" for name, value in run_summary(bearing, speed, blocks).items()]
         lines.append(
             f"{1e3 * progress.simulated:g} ms in {progress.wall:.2f} s ({progress.steps} steps), energy imbalance "
             f"{progress.imbalance:+.1e} of the exchanged energy"

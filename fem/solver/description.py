@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
-from fem.answers import largest_loads
 from fem.elastic.outer_support import LooseRing, SupportedRing
 from fem.elastic.reciprocal_mass import LUMPED, SECOND, THIRD
+from fem.run_summary import largest_loads
 from fem.solver.pace import in_words, pace
 from fem.solver.run_arrays import Arrays
 from fem.statics.equilibrium import static_error

@@ -11,8 +11,8 @@ from math import ceil
 
 import numpy as np
 
-from fem.answers import largest_loads
 from fem.errors import RunFailed
+from fem.run_summary import largest_loads
 from fem.solver.cautions import of_scene
 from fem.solver.compiling import CompiledPlan
 from fem.solver.guards import THROUGH, EnergyAccount, largest_forces, n_in_place, run_cautions, through_trouble

@@ -9,10 +9,10 @@ from math import ceil, inf, pi, sqrt
 
 import numpy as np
 
-from fem.answers import largest_loads
 from fem.contacts.contact_law import LOAD_MARGIN
 from fem.errors import UsageError
 from fem.kernels.lanes import WIDTH
+from fem.run_summary import largest_loads
 from fem.solver.cage_arrays import cage_seat, critical_with_cage
 from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan

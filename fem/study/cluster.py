@@ -2,7 +2,7 @@
 
 A task is a pure function of its scene. Few are under way at a time, so that neither this process nor the scheduler ever
 holds the study; a worker that dies is the scheduler's business, which gives its points to others; one that hangs is
-killed (`stuck`).
+killed (`Watch`).
 """
 
 import asyncio
@@ -11,7 +11,6 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from typing import Any
 
 from fem.commands.start_up import from_no_current_folder
@@ -19,19 +18,17 @@ from fem.errors import UsageError
 from fem.study.solving import LOST, STOPPED, Solved, Wanted, program, solve
 from lagrange.scene.scene import Scene
 
-# Workers that a point holds: found by how long it has taken, and begun anew without it.
-#
-# A point asks for its time limit several times a second, but not while it is planned, compiled or inside of other
-# compiled code. A worker that hangs there answers nobody, so that it is watched from outside: each point tells when it
-# begins, and long after its limit the worker's process is killed.
-
-
 GRACE = 60.0  # s, beyond the limit: planning a fine mesh, or compiling on a new node
 RESTART = 60.0  # s, that a worker may take to come back
 
 
 class Watch:
-    """What the points of a client's study have told of their beginnings."""
+    """Finds unresponsive workers by how long their points have taken.
+
+    A point asks for its time limit several times a second, but not while it is planned, compiled or inside of other
+    compiled code. A worker that hangs there answers nobody, so that it is watched from outside: each point tells when
+    it begins, and long after its limit the worker's process is killed.
+    """
 
     def __init__(self, client: Any, seconds: float):
         self.topic = f"run-study {client.id}"
@@ -79,14 +76,6 @@ COUNTING = 2.0  # s, between two looks at how many workers there are
 HUNG = "hung in compiled code: its worker was killed, limits.seconds_per_point = {:g} s were long over"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Cluster:
-    """Where points are solved."""
-
-    scheduler: str | None  # address; None: processes of this machine
-    workers: int  # of them
-
-
 def task(point: int, scene: Scene, wanted: Wanted, expected_program: str, topic: str) -> Solved | None:
     """What a worker does for one point."""
     tell_begun(topic, point)
@@ -96,13 +85,15 @@ def task(point: int, scene: Scene, wanted: Wanted, expected_program: str, topic:
 
 
 def solve_on_cluster(
-    where: Cluster,
+    where: str | int,
     scenes: Iterator[tuple[int, Scene]],
     wanted: Wanted,
     add: Callable[[int, Solved], None],
     stop: Callable[[], bool],
 ) -> None:
     """Solve numbered scenes and hand what became of each to `add`, in the order in which they end.
+
+    `where` : address of a scheduler, or how many processes of this machine to start
 
     Errors
     ------
@@ -164,33 +155,28 @@ def _outcome(future) -> Solved:
 
 
 @contextmanager
-def _client(where: Cluster) -> Iterator[Any]:
+def _client(where: str | int) -> Iterator[Any]:
     from distributed import Client, LocalCluster
 
-    if where.scheduler is None:
-        with (
-            from_no_current_folder(),
-            LocalCluster(
-                n_workers=where.workers, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL
-            ) as cluster,
-            Client(cluster) as client,
-        ):
+    if isinstance(where, int):
+        how = dict(threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL)
+        with from_no_current_folder(), LocalCluster(n_workers=where, **how) as cluster, Client(cluster) as client:
             yield client
         return
     try:
         with ThreadPoolExecutor(1) as apart:  # here a loop may be running: a notebook's
-            apart.submit(asyncio.run, asyncio.wait_for(_knock(where.scheduler), CONNECT)).result()
-        client = Client(where.scheduler, timeout=CONNECT)
+            apart.submit(asyncio.run, asyncio.wait_for(_knock(where), CONNECT)).result()
+        client = Client(where, timeout=CONNECT)
     except Exception as error:  # whatever dask says of addresses and of what it finds there
         reason = str(error) or "nothing was said in time"
-        raise UsageError(f"--scheduler {where.scheduler}: does not answer: {reason}") from None
+        raise UsageError(f"--scheduler {where}: does not answer: {reason}") from None
     with client:
         try:
             client.wait_for_workers(1, timeout=FIRST_WORKER)
         except TimeoutError:
             raise UsageError(
-                f"--scheduler {where.scheduler}: no worker came in {FIRST_WORKER:g} s; start some: "
-                f"dask worker {where.scheduler} --nthreads 1"
+                f"--scheduler {where}: no worker came in {FIRST_WORKER:g} s; start some: "
+                f"dask worker {where} --nthreads 1"
             ) from None
         yield client
 

@@ -166,18 +166,13 @@ class _Signals:
         time = first.signal_interval * np.arange(length)
         variable(file, "time", time, ("time",), "s", "time of the signals' samples")
         for name, values in first.signals.items():
-            dimensions, unit, meaning = known[name]
-            if dimensions == PER_ROLLER and "roller" not in file:
+            column = known[name]
+            if column.dimensions == PER_ROLLER and "roller" not in file:
                 dimension(file, "roller", values.shape[1])
-            room = file.create_dataset(
-                name,
-                shape=(*design.shape, *values.shape),
-                dtype="f8",
-                chunks=(*(1 for _ in design.shape), *values.shape),
-                fillvalue=nan,
-            )
+            shape, chunks = (*design.shape, *values.shape), (*(1 for _ in design.shape), *values.shape)
+            room = file.create_dataset(name, shape=shape, dtype="f8", chunks=chunks, fillvalue=nan)
             room.attrs["_FillValue"] = np.array([nan])
-            label(file, name, (*design.dimensions, *dimensions), unit, meaning)
+            label(file, name, (*design.dimensions, *column.dimensions), column.unit, column.meaning)
 
 
 @dataclass(frozen=True, kw_only=True)

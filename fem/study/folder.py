@@ -39,17 +39,14 @@ from lagrange.files.input import read_plain
 from lagrange.files.output import read_sealed, write_sealed, write_whole
 from lagrange.scene.scene import parse_scene_text
 
-# What files of a study's folder tell: anybody may have made them, so they are validated as a scene is.
-
-
 PROGRAM = "run-study"
 LARGEST = 1e100  # of a quantity in its unit: none was ever computed
 LONGEST_NAME = 255
 Value = StrictBool | StrictInt | Annotated[StrictFloat, Field(allow_inf_nan=False)] | StrictStr
 
 
-class StudyFacts(BaseModel):
-    """A study, its scene and the values and digests of its points."""
+class StudyRecord(BaseModel):
+    """A study, its scene and the values and digests of its points; validated, as anybody may have made the file."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
@@ -78,8 +75,8 @@ class StudyFacts(BaseModel):
         return self
 
 
-class PointFacts(BaseModel):
-    """What became of a point."""
+class PointRecord(BaseModel):
+    """What became of a point; validated likewise."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
 
@@ -113,7 +110,7 @@ def read_point(data: bytes, keep: KeepTable, variables: Variables) -> Solved:
         if sum(member.file_size for member in archive.infolist()) > len(data):
             raise ValueError("packed, which no point's file is")
     with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-        facts = PointFacts.model_validate_json(arrays["facts"].tobytes())
+        facts = PointRecord.model_validate_json(arrays["facts"].tobytes())
         signals = {name: arrays[name] for name in arrays.files if name != "facts"}
     wanted = set(keep.signals) if facts.status == COMPLETE else set()
     if not set(facts.quantities) <= set(keep.quantities) or set(signals) != wanted:
@@ -155,7 +152,7 @@ class Folder:
         UsageError, SceneError: there is none, or it is damaged.
         """
         try:
-            facts = StudyFacts.model_validate_json(read_plain(self._about))
+            facts = StudyRecord.model_validate_json(read_plain(self._about))
         except OSError as error:
             raise UsageError(f"{self.path}: no study: {error.strerror} (study.json)") from None
         except ValidationError as error:
@@ -194,9 +191,14 @@ class Folder:
         ------
         OSError: it can't be written.
         """
+        study, design = points.study, points.design
+        facts: dict[str, Any] = {"program": PROGRAM, "name": study.name, "study": study.text, "listed": study.listed}
+        facts |= {"scene": study.scene.to_written_toml(), "files": study.scene.files}
+        facts |= {name: getattr(design, name) for name in ("keys", "points", "axes", "base")}
+        facts |= {"digests": points.digests, "made_by": points.made_by}
         with self._named():
             (self.path / "points").mkdir(parents=True, exist_ok=True)
-            write_whole(self._about, json.dumps(_facts(points), ensure_ascii=False).encode())
+            write_whole(self._about, json.dumps(facts, ensure_ascii=False).encode())
 
     def done(self, digest: str) -> bool:
         """Whether a point has been solved, well or not."""
@@ -214,13 +216,7 @@ class Folder:
         """
         if solved.status == LOST:
             return
-        facts = {
-            "status": solved.status,
-            "text": solved.text,
-            "seconds": solved.seconds,
-            "quantities": dict(solved.quantities),
-            "signal_interval": solved.signal_interval,
-        }
+        facts = {name: getattr(solved, name) for name in PointRecord.model_fields}
         archive = io.BytesIO()
         arrays: dict[str, Any] = {"facts": np.frombuffer(json.dumps(facts).encode(), dtype=np.uint8), **solved.signals}
         np.savez(archive, **arrays)
@@ -247,21 +243,3 @@ class Folder:
             raise OSError(
                 error.errno, f"{error.strerror}; finished points are kept, --resume goes on", str(self.path)
             ) from None
-
-
-def _facts(points: Points) -> dict[str, Any]:
-    study, design = points.study, points.design
-    return {
-        "program": PROGRAM,
-        "name": study.name,
-        "study": study.text,
-        "listed": study.listed,
-        "scene": study.scene.to_written_toml(),
-        "files": study.scene.files,
-        "keys": design.keys,
-        "points": design.points,
-        "axes": design.axes,
-        "base": design.base,
-        "digests": points.digests,
-        "made_by": points.made_by,
-    }

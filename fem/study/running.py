@@ -12,7 +12,7 @@ from fem.commands.progress import count_display
 from fem.errors import RunFailed, UsageError
 from fem.result.layout import variables_of
 from fem.solver.simulate import make_plan, programs_named
-from fem.study.cluster import Cluster, solve_on_cluster
+from fem.study.cluster import solve_on_cluster
 from fem.study.folder import Folder
 from fem.study.solving import LOST, Points, Solved, Wanted, solve
 from lagrange.columns import PER_ROLLER
@@ -124,8 +124,7 @@ def solve_points(
             count()
 
         if options.scheduler is not None or workers:
-            where = Cluster(scheduler=options.scheduler, workers=workers)
-            solve_on_cluster(where, ((i, points.scene(i)) for i in pending), wanted, add, stop)
+            solve_on_cluster(options.scheduler or workers, ((i, points.scene(i)) for i in pending), wanted, add, stop)
         else:
             _solve_here(points, pending, wanted, add, stop)
     for i, solved in lost.items():

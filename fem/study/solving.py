@@ -24,9 +24,6 @@ from lagrange.columns import PER_ROLLER
 from lagrange.scene.scene import Scene, SceneError
 from lagrange.version import source_digest
 
-# The points of a study as scenes: validated before the first is solved, and named by what decides their results.
-
-
 FORMAT = 1  # of a point's file
 MOST_FAULTS = 10  # told at once
 LIBRARIES = ("numpy", "scipy", "numba", "pydantic")

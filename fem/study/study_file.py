@@ -94,9 +94,7 @@ class StudyTable(Table):
     name: str | None = Field(None, min_length=1, max_length=100, pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$")
     scene: str | None = Field(None, min_length=1)
     sampling: SamplingTable = SamplingTable()
-    fixed: dict[str, Any] = Field(
-        {}, max_length=MOST_NAMES
-    )  # by dotted key, put on the scene before anything is varied
+    fixed: dict[str, Any] = Field({}, max_length=MOST_NAMES)  # by dotted key, before anything is varied
     parameters: dict[str, Any] = Field({}, max_length=MOST_NAMES)
     keep: KeepTable = KeepTable()
     limits: LimitsTable = LimitsTable()

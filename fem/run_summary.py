@@ -8,15 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lagrange import BallBearing, Bearing, kinematics
-from lagrange.contact.raceway_laws import Pair, contact_pairs
+from lagrange.contact.raceway_laws import contact_pairs
 from lagrange.kinematics import Kinematics
 from lagrange.mounting import from_outer_ring
 
 if TYPE_CHECKING:
     from lagrange.scene.scene import Scene
-
-# What an engineer asks of a run's cage: where its centre goes, how it slips, how hard pockets and guide push.
-
 
 CAGE_COLUMNS = (
     "cage_x", "cage_y", "cage_angle", "cage_force", "cage_radial_force", "cage_guidance_x", "cage_guidance_y",
@@ -25,8 +22,8 @@ CENTRED = 1e-9  # m: nearer to the middle the centre has no direction
 
 
 @dataclass
-class SeenCage:
-    """What is gathered of a cage's samples; SI."""
+class CageStatistics:
+    """Where a cage's centre goes, how it slips, how hard pockets and guide push; SI."""
 
     samples: int = 0
     angles: tuple[float, float] = (0.0, 0.0)  # of the cage, first and last, rad
@@ -79,7 +76,7 @@ LOADED = 0.01  # of the largest force: a roller with more is in the load zone
 
 
 @dataclass
-class Path:
+class PathStatistics:
     """Where a body has been, m."""
 
     samples: int = 0
@@ -99,17 +96,17 @@ class Path:
 
 
 @dataclass
-class Seen:
-    """What is gathered of a run's samples; SI."""
+class RunStatistics:
+    """Paths, forces and load zone of a run, gathered from its samples; SI."""
 
     samples: int = 0
     first_time: float = 0.0
     last_time: float = 0.0
     first_angle: float = 0.0  # of the cage, rad
     last_angle: float = 0.0
-    hub: Path = field(default_factory=Path)  # from the outer ring's centre
-    housing: Path = field(default_factory=Path)
-    outer_ring: Path = field(default_factory=Path)  # where it has a fit, from the bore's middle
+    hub: PathStatistics = field(default_factory=PathStatistics)  # from the outer ring's centre
+    housing: PathStatistics = field(default_factory=PathStatistics)
+    outer_ring: PathStatistics = field(default_factory=PathStatistics)  # where it has a fit, from the bore's middle
     largest: np.ndarray = field(default_factory=lambda: np.zeros(2))  # force at the inner and the outer raceway, N
     by_angle: np.ndarray = field(default_factory=lambda: np.full(BINS, np.nan))  # largest force there, N; NaN: unseen
 
@@ -124,9 +121,9 @@ class Seen:
         if "housing_x" in samples:
             self.housing.add(np.stack([samples["housing_x"], samples["housing_y"]]))
         if "outer_ring_x" in samples:
-            bore = (samples.get(f"housing_{axis}", 0.0) for axis in "xy")
-            ring = (samples[f"outer_ring_{axis}"] for axis in "xy")
-            self.outer_ring.add(np.stack([place - moved for place, moved in zip(ring, bore, strict=True)]))
+            self.outer_ring.add(
+                np.stack([samples[f"outer_ring_{axis}"] - samples.get(f"housing_{axis}", 0.0) for axis in "xy"])
+            )
         forces = samples["inner_force"], samples["outer_force"]
         self.largest = np.fmax(self.largest, [force.max() for force in forces])
         place = (samples["roller_theta"] * (BINS / tau)).astype(np.int64) % BINS
@@ -146,17 +143,17 @@ class Seen:
         return (BINS - int(gaps.max()) + 1) * tau / BINS
 
 
-def columns_of(scene: "Scene") -> tuple[str, ...]:
-    """What `first_answers` reads of a run of a scene."""
+def summary_columns(scene: "Scene") -> tuple[str, ...]:
+    """What `run_summary` reads of a run of a scene."""
     return COLUMNS if scene.cage is None else (*COLUMNS, *CAGE_COLUMNS)
 
 
-def first_answers(bearing: Bearing, speed: float | None, blocks: Iterable[Mapping[str, np.ndarray]]) -> dict[str, str]:
+def run_summary(bearing: Bearing, speed: float | None, blocks: Iterable[Mapping[str, np.ndarray]]) -> dict[str, str]:
     """Names and values of what is asked first, of a run in blocks of samples.
 
     `speed` : mean of the shaft, rad/s; None: it turns both ways, and no slip or passing frequency has a meaning
     """
-    seen, caged = Seen(), SeenCage()
+    seen, caged = RunStatistics(), CageStatistics()
     for block in blocks:
         seen.add(block)
         if "cage_x" in block:
@@ -194,10 +191,8 @@ def largest_loads(bearing: Bearing, inner: float, outer: float) -> str:
     """The largest force at each raceway, N, in words; of rollers each with its own Hertz pressure."""
     parts = []
     for row, (raceway, force) in enumerate((("inner", float(inner)), ("outer", float(outer)))):
-        pressure = "" if isinstance(bearing, BallBearing) else _pressure(contact_pairs(bearing)[row], force)
+        pressure = ""
+        if not isinstance(bearing, BallBearing):
+            pressure = f" ({1e-6 * contact_pairs(bearing)[row].peak_pressure(force):.0f} MPa)"
         parts.append(f"{force:.1f} N{pressure} at the {raceway} raceway")
     return ", ".join(parts)
-
-
-def _pressure(pair: Pair, force: float) -> str:
-    return f" ({1e-6 * pair.peak_pressure(force):.0f} MPa)"

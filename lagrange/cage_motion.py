@@ -10,7 +10,7 @@ import numpy as np
 
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.kinematics import kinematics
-from lagrange.motion import ContactState, State, angular_equations, housing_accelerations
+from lagrange.motion import ContactState, State, accelerations, housing_accelerations
 
 SMALLEST = 1e-30  # m
 LOSSES = ("dashpots", "friction", "drag")
@@ -150,10 +150,9 @@ def holding_cage(bearing: Bearing, operation: Operation, time, state: State, tou
     nothing, per_roller = np.zeros(len(time)), np.zeros(state.rho.shape)
     course = operation.course
     gain = 0.0 if course is None else kinematics(bearing, course.speed(time, 1)[:, None]).cage
-    force = angular_equations(bearing, operation, state, touch, gain) / state.rho
-    if operation.mounting.housing is not None:
-        x, y = housing_accelerations(bearing, operation, state, touch)
-        force = force + bearing.roller_mass * (y[:, None] * np.cos(state.theta) - x[:, None] * np.sin(state.theta))
+    ring = housing_accelerations(bearing, operation, state, touch)
+    *_, free = accelerations(bearing, operation, state, touch, ring)
+    force = bearing.roller_mass * state.rho * (gain - free)
     return CageSamples(
         x=nothing + state.ring_x, y=nothing + state.ring_y, angle=state.theta[:, 0] - operation.first_roller_angle,
         speed=state.theta_rate[:, 0],

@@ -46,7 +46,11 @@ class ContactState(PolarOverlaps):
     along_y: np.ndarray  # ∂χ/∂y
     inner_force: np.ndarray  # N, >= 0, 0 outside the load zone: (24), (25)
     outer_force: np.ndarray
-    inner_damper: np.ndarray | float = 0.0  # N, the dampers' part of them
+    inner_closing: np.ndarray  # m/s, rates of the overlaps, as bodies move and surfaces pass
+    outer_closing: np.ndarray
+    inner_passing: np.ndarray | float = 0.0  # m/s, the part of them by ring and rollers that turn on under the contact
+    outer_passing: np.ndarray | float = 0.0
+    inner_damper: np.ndarray | float = 0.0  # N, the dampers' part of the forces
     outer_damper: np.ndarray | float = 0.0
     inner_compliance: np.ndarray | float = 0.0  # m/N, of edges, in series with the law
     outer_compliance: np.ndarray | float = 0.0
@@ -94,17 +98,22 @@ def contact_state(
         passing_out = outer.passing(0.0, turns.roller_speed)
     radial, tangential = found.radial, found.tangential
     along_x, along_y = tangential * sin - radial * cos, -tangential * cos - radial * sin
+    vx, vy, around = (
+        np.asarray(state.x_rate)[..., None],
+        np.asarray(state.y_rate)[..., None],
+        state.rho * state.theta_rate,
+    )
+    inner_closing = -(radial * state.rho_rate + tangential * around + along_x * vx + along_y * vy) + passing_in
+    outer_closing = state.rho_rate - found.outer_slope * around + passing_out
     if damping.acts:
-        vx, vy = np.asarray(state.x_rate)[..., None], np.asarray(state.y_rate)[..., None]
-        closing = -(radial * state.rho_rate + tangential * state.rho * state.theta_rate + along_x * vx + along_y * vy)
-        opening = state.rho_rate - found.outer_slope * state.rho * state.theta_rate
         inner_rate = damping.coefficient(inner_force, inner_law.slope(found.inner))
         outer_rate = damping.coefficient(outer_force, outer_law.slope(found.outer))
-        inner_damper = damper_force(inner_force, closing + passing_in, inner_rate)
-        outer_damper = damper_force(outer_force, opening + passing_out, outer_rate)
+        inner_damper = damper_force(inner_force, inner_closing, inner_rate)
+        outer_damper = damper_force(outer_force, outer_closing, outer_rate)
         inner_force, outer_force = inner_force + inner_damper, outer_force + outer_damper
     return ContactState(
         **vars(found), along_x=along_x, along_y=along_y, inner_force=inner_force, outer_force=outer_force,
+        inner_closing=inner_closing, outer_closing=outer_closing, inner_passing=passing_in, outer_passing=passing_out,
         inner_damper=inner_damper, outer_damper=outer_damper, inner_compliance=inner_soft,
         outer_compliance=outer_soft,
     )  # fmt: skip
@@ -170,10 +179,10 @@ def hub_equations(operation: Operation, state: State, contacts: ContactState, x_
 
 
 def housing_accelerations(bearing: Bearing, operation: Operation, state: State, contacts: ContactState):
-    """Ẍ, Ÿ of a housing and its outer ring, m/s², each (...,): contacts, springs, dashpots, weight."""
+    """Ẍ, Ÿ of the outer ring, m/s², each (...,), by contacts and its housing's springs, dashpots, weight; 0 without."""
     housing = operation.mounting.housing
     if housing is None:
-        raise ValueError("nothing moves the outer ring")
+        return 0.0, 0.0
     mass = housing.mass + bearing.outer_ring_mass
     cos, sin = np.cos(state.theta), np.sin(state.theta)
     x = np.sum(contacts.outer_force * (cos + contacts.outer_slope * sin), axis=-1)
@@ -183,16 +192,21 @@ def housing_accelerations(bearing: Bearing, operation: Operation, state: State, 
     return (x - held_x) / mass, (y - held_y) / mass - operation.gravity
 
 
-def accelerations(bearing: Bearing, operation: Operation, state: State, contacts: ContactState):
+def accelerations(
+    bearing: Bearing, operation: Operation, state: State, contacts: ContactState, ring_acceleration=(0.0, 0.0)
+):
     """ẍ, ÿ, (...,), m/s²; ρ̈, m/s², and θ̈ of free elements, rad/s², (..., n_rollers).
 
     The equations are linear in the accelerations, and each holds one of them. With angles from kinematics (20) leave
-    θ̈ unused: it is what the element would do without a cage. The outer ring stands still, or moves steadily.
+    θ̈ unused: it is what the element would do without a cage, and m ρ (ω̇ − θ̈) the force along the pitch circle that
+    keeps it from that. ẍ, ÿ are those in the fixed frame; ρ̈, θ̈ are about the
+    outer ring's centre, whose own Ẍ, Ÿ, (...,), m/s², are `ring_acceleration`.
     """
     error_x, error_y = hub_equations(operation, state, contacts, 0.0, 0.0)
-    radial = radial_equations(bearing, operation, state, contacts, 0.0)
-    angular = angular_equations(bearing, operation, state, contacts, 0.0)
-    m = bearing.roller_mass
+    x, y = (np.asarray(each)[..., None] for each in ring_acceleration)
+    cos, sin, m = np.cos(state.theta), np.sin(state.theta), bearing.roller_mass
+    radial = radial_equations(bearing, operation, state, contacts, x * cos + y * sin)
+    angular = angular_equations(bearing, operation, state, contacts, (y * cos - x * sin) / state.rho)
     return (
         -error_x / operation.inner_mass,
         -error_y / operation.inner_mass,

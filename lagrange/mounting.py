@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import exp, expm1, pi, sqrt
+from math import pi, sqrt
 
 import numpy as np
 
@@ -194,24 +194,3 @@ def from_outer_ring(samples: Mapping[str, np.ndarray], *bodies: str) -> list[np.
             moved = samples.get(f"housing_{axis}") if moved is None else moved
             found.append(place if moved is None else (place.T - moved).T)
     return found
-
-
-# What a dashpot to the ground makes of a kick: exactly, whatever its strength.
-
-
-def flow(rate: float, mass: float, velocity: complex, acceleration: complex, seconds: float) -> tuple[complex, float]:
-    """A mass's velocity after a kick, had its dashpot acted as well, and what that takes, J.
-
-    Parameters
-    ----------
-    rate : of the dashpot over the mass, 1/s; mass : kg
-    velocity : x + iy, m/s, after the kick; acceleration : m/s², by all else, constant in it; seconds : of the kick
-
-    The dashpot takes what its mean force does on leapfrog's way, so that energies balance at any rate.
-    """
-    if rate == 0.0:
-        return velocity, 0.0
-    left, before = exp(-rate * seconds), velocity - seconds * acceleration
-    slower = left * before - expm1(-rate * seconds) / rate * acceleration
-    lost = 0.5 * mass * (slower - velocity).conjugate() * (before + slower)
-    return slower, -lost.real

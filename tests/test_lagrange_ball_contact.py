@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from lagrange.bearing import BallBearing, Material
 from lagrange.contact.laws import approach_constant, ball_law, delta_star, ellipticity, raceway_curvature
 from lagrange.contact.raceway_laws import contact_laws
 from lagrange.scene.scene import Scene
+from tests.reference.ideal import DGBB_209, STEEL_207
 
 # Harris, Rolling Bearing Analysis (4th ed. 2001), table 6.1: F(ρ), δ*
 HARRIS = [
@@ -18,14 +18,6 @@ HARRIS = [
     (0.95738, 0.5551), (0.9729, 0.4960), (0.983797, 0.4352), (0.990902, 0.3745), (0.995112, 0.3176),
     (0.9973, 0.2705), (0.9981847, 0.2427), (0.9989156, 0.2106), (0.9994785, 0.17167), (0.9998527, 0.11995),
 ]  # fmt: skip
-STEEL_207 = Material(youngs_modulus=207e9, poisson_ratio=0.3, density=7850.0)
-# the 209 deep-groove bearing of Harris' examples: 9 balls of 12.7 mm, grooves of 52 %
-DGBB_209 = BallBearing(
-    n_rollers=9, roller_radius=6.35e-3, roller_length=19e-3,
-    inner_raceway_radius=26.1455e-3, outer_raceway_radius=38.853e-3, bore_radius=22.5e-3, outside_radius=42.5e-3,
-    inner_groove_radius=6.604e-3, outer_groove_radius=6.604e-3,
-    roller=STEEL_207, inner_ring=STEEL_207, outer_ring=STEEL_207,
-)  # fmt: skip
 
 
 @pytest.mark.parametrize(("difference", "published"), HARRIS)

@@ -23,8 +23,8 @@ from lagrange.motion import (
     rotation_energy,
 )
 from lagrange.scene.scene import Scene
+from tests.reference.ideal import DGBB_209
 from tests.reference.lagrange_equations import derived_equations
-from tests.test_lagrange_ball_contact import DGBB_209
 
 N = 3
 BEARING = replace(Scene().ideal_bearing(), n_rollers=N)

@@ -1,34 +1,32 @@
-"""Forward solution: balances, order, statics it settles on, its own residual."""
+"""Forward solution by scipy: balances, statics it settles on, its own residual, impacts; what it refuses."""
 
+import sys
 from dataclasses import replace
+from math import atan2, exp, pi, sqrt
 
 import numpy as np
 import pytest
-from scipy.integrate import simpson
+from scipy.integrate import solve_ivp
 
+from lagrange.bearing import Cage, Operation
 from lagrange.contact.damping import ContactDamping
-from lagrange.contact.raceway_laws import contact_laws
+from lagrange.contact.laws import PowerLaw
+from lagrange.contact.raceway_laws import ContactLaws, contact_laws
 from lagrange.equations import approaches, contact_resultant, error_forces
-from lagrange.integrate import DRIFTS, KICKS
-from lagrange.motion import State, angular_equations, contact_state
-from lagrange.scene.scene import Scene
+from lagrange.first_state import Problem
+from lagrange.mounting import Housing, Mounting, Shaft
 from lagrange.simulate import simulate
 from lagrange.statics import static_equilibrium
-from lagrange.step_size import STABLE
-from tests.test_lagrange_ball_contact import DGBB_209
+from tests.reference.ideal import DGBB_209, DOWN, HARRIS, PAPER, PRELOADED, RUNNING, spall, wavy
 
-PAPER = Scene().ideal_bearing()
-RUNNING = Scene().ideal_operation()
-HARRIS = contact_laws("harris", PAPER)
-PRELOADED = replace(PAPER, outer_raceway_radius=0.02799)  # every contact stays closed: smooth forces
-ENERGY = 1e-6  # of the elastic energy: what the issue asks for; the runs reach 1e-8
-
-
-def state_of(run):
-    return State(
-        x=run.inner_x, y=run.inner_y, rho=run.roller_rho, theta=run.roller_theta,
-        x_rate=run.inner_vx, y_rate=run.inner_vy, rho_rate=run.roller_rho_rate, theta_rate=run.roller_theta_rate,
-    )  # fmt: skip
+module = sys.modules["lagrange.simulate"]  # the package's `simulate` is the function
+ENERGY = 1e-8  # of the elastic energy
+MOUNTED = replace(
+    RUNNING,
+    mounting=Mounting(
+        housing=Housing(mass=0.5, stiffness=2e8, damping=4000.0), shaft=Shaft(stiffness=1e8, damping=300.0)
+    ),
+)
 
 
 def own_errors(run, ax, ay):
@@ -38,116 +36,83 @@ def own_errors(run, ax, ay):
     return np.array(error_forces(run.operation, ax, ay, *resultant))
 
 
-def second_difference(record, interval):
-    """Second derivative, eighth order, of the inner samples."""
-    weights = np.array([-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
-    return np.convolve(record - record.mean(), weights, mode="valid") / interval**2
-
-
 @pytest.mark.parametrize("angles", ["kinematic", "free"])
-@pytest.mark.parametrize("name", ["harris", "johnson"])
-def test_energy_is_kept_while_rollers_pass_through_the_load_zone(name, angles):
-    run = simulate(PAPER, RUNNING, contact_laws(name, PAPER), 5e-3, 1e-5, angles=angles)
-    elastic = run.energy_contact.mean()
-    assert elastic == pytest.approx(3.8e-3, rel=0.05)
-    assert np.max(np.abs(run.energy_error)) < ENERGY * elastic
-    assert np.ptp(np.sum(run.inner_force > 0.0, axis=1)) == 1  # 6 and 7 loaded
+@pytest.mark.parametrize(
+    ("operation", "choices", "faults"),
+    [
+        (RUNNING, {}, ()),
+        (RUNNING, {"start": "rest", "load_ramp": 3e-4}, ()),
+        (RUNNING, {"start": "rest", "damping": ContactDamping(constant=100.0)}, ()),
+        (MOUNTED, {"start": "rest", "load_ramp": 2e-4, "damping": ContactDamping(hunt_crossley=1.0)}, ()),
+        (MOUNTED, {}, wavy()),
+        (RUNNING, {}, (spall("outer_ring", DOWN + 0.02),)),
+    ],
+)
+def test_the_work_of_every_force_is_in_the_balance(operation, choices, faults, angles):
+    """Load, weight, held angles, a drive over slopes, dampers and dashpots; contacts rattle and a roller is struck."""
+    duration = 2.5e-4 if operation is RUNNING and faults else 4e-4
+    run = simulate(replace(PAPER, faults=faults), operation, HARRIS, duration, 1e-5, angles=angles, **choices)
+    exchanged = max(np.ptp(run.energy_contact), np.ptp(run.work_external))
+    assert np.abs(run.energy_error).max() < (1e-4 if faults else 1e-6) * exchanged  # splines have jumps of third order
+    assert np.all(np.diff(run.work_dissipated) >= 0.0) and np.all(np.diff(run.work_damping) >= 0.0)
+    if operation is MOUNTED or "damping" in choices:
+        assert run.work_dissipated[-1] > 1e-10
     if angles == "kinematic":  # a wrong account of what holds the angles would show
-        assert np.max(np.abs(run.work_cage)) > 1e-3 * elastic
+        assert np.ptp(run.work_cage) > 1e-3 * exchanged
 
 
-def test_energy_is_kept_by_balls():
-    operation = replace(RUNNING, radial_load=8900.0, inner_mass=0.5)
-    run = simulate(DGBB_209, operation, contact_laws("hertz", DGBB_209), 5e-3, 2e-5)
+@pytest.mark.parametrize(
+    ("bearing", "operation", "law", "largest"),
+    [
+        (PAPER, RUNNING, "harris", 630.8),
+        (PAPER, RUNNING, "johnson", 635.1),
+        (DGBB_209, replace(RUNNING, radial_load=8900.0, inner_mass=0.5), "hertz", 4530.0),
+    ],
+)
+def test_energy_is_kept_while_elements_pass_through_the_load_zone(bearing, operation, law, largest):
+    run = simulate(bearing, operation, contact_laws(law, bearing), 1e-3, 1e-5)
     assert np.max(np.abs(run.energy_error)) < ENERGY * run.energy_contact.mean()
-    assert run.inner_force.max() == pytest.approx(4530.0, rel=0.02)
-
-
-def test_rattle_of_a_start_from_rest_keeps_energy_too():
-    run = simulate(PAPER, RUNNING, HARRIS, 4e-3, 1e-5, start="rest", load_ramp=1e-3)
-    late = run.time > 2e-3
-    assert run.inner_force.min() == 0.0 and np.sum(run.inner_force[:60] > 0.0) > 100
-    assert np.max(np.abs(run.energy_error)) < 1e-5 * run.energy_contact[late].mean()
-    assert run.inner_y[late].mean() == pytest.approx(-4.13e-6, abs=0.05e-6)
-    assert run.inner_y[0] == run.inner_vy[0] == 0.0
-
-
-def test_work_of_the_cage_is_that_of_the_moment_it_gives():
-    run = simulate(PAPER, RUNNING, HARRIS, 2e-3, 1e-6)
-    state = state_of(run)
-    moment = angular_equations(PAPER, RUNNING, state, contact_state(PAPER, HARRIS, state), 0.0)
-    power = np.sum(moment * state.theta_rate, axis=1)
-    assert run.work_cage[-1] == pytest.approx(simpson(power, x=run.time), rel=1e-6)
-    assert run.work_load[-1] == pytest.approx(-2000.0 * (run.inner_y[-1] - run.inner_y[0]), rel=1e-12)
+    assert run.inner_force.max() == pytest.approx(largest, rel=0.02)
 
 
 def test_own_residual_is_round_off_with_own_accelerations():
-    run = simulate(PAPER, RUNNING, HARRIS, 2e-3, 1e-5)
+    run = simulate(PAPER, RUNNING, HARRIS, 5e-4, 1e-5)
     assert np.max(np.abs(own_errors(run, run.inner_ax, run.inner_ay))) < 1e-7  # 3e-18 m of 0.5 GN/m
 
 
-def test_own_residual_is_the_floor_of_differentiation():
-    """13.2 kHz and 54 kHz, eighth order: a sample interval of 2 µs leaves some µN where no contact opens or closes."""
-    run = simulate(PRELOADED, RUNNING, contact_laws("harris", PRELOADED), 2e-3, 2e-6)
-    ax, ay = (second_difference(record, 2e-6) for record in (run.inner_x, run.inner_y))
-    errors = own_errors(run, run.inner_ax, run.inner_ay)[:, 4:-4]
-    mass = RUNNING.inner_mass
-    errors += mass * np.array([ax - run.inner_ax[4:-4], ay - run.inner_ay[4:-4]])
-    assert np.max(np.abs(errors)) < 1e-4
-    wrong = mass * np.max(np.abs(run.inner_ay))
-    assert wrong > 100 * np.max(np.abs(errors))  # the inertia force is really tested
+def test_accelerations_are_those_of_the_path():
+    """Second differences of eighth order; 13.2 kHz and 54 kHz, where no contact opens or closes."""
+    weights = np.array([-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
+    run = simulate(PRELOADED, RUNNING, contact_laws("harris", PRELOADED), 2e-4, 2e-6, start="rest")
+    assert run.inner_force.min() > 0.0
+    for place, acceleration in ((run.inner_x, run.inner_ax), (run.inner_y, run.inner_ay)):
+        found = np.convolve(place, weights, mode="valid") / 4e-12
+        np.testing.assert_allclose(found, acceleration[4:-4], atol=1e-4 * np.abs(run.inner_ay).max())
 
 
-def test_scheme_is_of_fourth_order():
-    laws = contact_laws("harris", PRELOADED)
-    steps = 2e-6 / np.array([1, 2, 4])
-
-    def final(step, angles):
-        run = simulate(PRELOADED, RUNNING, laws, 2e-4, 2e-5, start="rest", time_step=step, angles=angles)
-        assert run.inner_force.min() > 0.0
-        return np.concatenate([run.inner_y, run.inner_x, run.roller_rho.ravel()])
-
-    for angles in ("kinematic", "free"):
-        exact = final(2e-7, angles)
-        error = [np.max(np.abs(final(step, angles) - exact)) for step in steps]
-        assert np.polyfit(np.log(steps), np.log(error), 1)[0] == pytest.approx(4.0, abs=0.2)
-        assert error[-1] < 3e-13  # of a motion of 4 µm
-
-
-def test_scheme_is_stable_as_far_as_it_says():
-    kicks = [*KICKS, 1.0 - 2.0 * sum(KICKS), *KICKS[::-1]]
-    drifts = [*DRIFTS, 0.5 - sum(DRIFTS), 0.5 - sum(DRIFTS), *DRIFTS[::-1]]
-
-    def trace(phase):
-        matrix = np.array([[1.0, 0.0], [-kicks[0] * phase, 1.0]])
-        for drift, kick in zip(drifts, kicks[1:], strict=True):
-            matrix = np.array([[1.0, drift * phase], [0.0, 1.0]]) @ matrix
-            matrix = np.array([[1.0, 0.0], [-kick * phase, 1.0]]) @ matrix
-        return np.trace(matrix)
-
-    phases = np.linspace(0.01, STABLE, 300)
-    assert all(abs(trace(phase)) < 2.0 for phase in phases)
-    assert trace(0.5) == pytest.approx(2 * np.cos(0.5), abs=1e-6)
-
-
-def test_storing_less_often_changes_nothing():
-    often = simulate(PAPER, RUNNING, HARRIS, 1e-3, 1e-5, time_step=5e-6)
-    seldom = simulate(PAPER, RUNNING, HARRIS, 1e-3, 1e-4, time_step=5e-6)
-    assert often.time_step == pytest.approx(seldom.time_step, rel=1e-12) and often.steps == seldom.steps == 200
-    np.testing.assert_allclose(often.inner_y[::10], seldom.inner_y, atol=1e-16)
-    np.testing.assert_allclose(often.work_external[::10], seldom.work_external, atol=1e-15)
+def test_a_tighter_tolerance_and_a_shorter_step_change_as_little_as_said(monkeypatch):
+    choices = {"start": "rest", "load_ramp": 2e-4}
+    run = simulate(PAPER, RUNNING, HARRIS, 4e-4, 1e-5, **choices)
+    shorter = simulate(PAPER, RUNNING, HARRIS, 4e-4, 1e-4, time_step=2e-6, **choices)
+    assert shorter.time_step < 2.0001e-6 and shorter.steps > run.steps
+    for name in ("RELATIVE", "PLACE", "RATE", "WORK"):
+        monkeypatch.setattr(module, name, 0.01 * getattr(module, name))
+    finer = simulate(PAPER, RUNNING, HARRIS, 4e-4, 1e-5, **choices)
+    np.testing.assert_allclose(run.inner_y, finer.inner_y, atol=1e-12)
+    np.testing.assert_allclose(shorter.inner_y, finer.inner_y[::10], atol=1e-12)
+    assert np.ptp(run.inner_y) > 1e-6
 
 
 def test_varying_compliance_has_the_size_of_the_statics():
     """14 nm vertical and 120 nm horizontal, peak to peak, at the ball-pass frequency (independent solution)."""
-    run = simulate(PAPER, RUNNING, HARRIS, 2 / 381.52, 1e-5)
+    run = simulate(PAPER, RUNNING, HARRIS, 1 / 381.52, 2e-5)
     assert 1e9 * np.ptp(run.inner_y) == pytest.approx(14.5, abs=1.0)
     assert 1e9 * np.ptp(run.inner_x) == pytest.approx(122.0, abs=4.0)
 
 
 def test_free_rollers_keep_the_angular_momentum():
     operation = replace(RUNNING, gravity=0.0, radial_load=0.0)
-    run = simulate(PRELOADED, operation, contact_laws("harris", PRELOADED), 1e-3, 1e-5, start="rest", angles="free")
+    run = simulate(PRELOADED, operation, contact_laws("harris", PRELOADED), 2e-4, 1e-5, start="rest", angles="free")
     orbits = PAPER.roller_mass * np.sum(run.roller_rho**2 * run.roller_theta_rate, axis=1)
     hub = operation.inner_mass * (run.inner_x * run.inner_vy - run.inner_y * run.inner_vx)
     np.testing.assert_allclose(orbits + hub, orbits[0], rtol=1e-12)
@@ -155,73 +120,94 @@ def test_free_rollers_keep_the_angular_momentum():
 
 def test_free_angles_start_as_told_and_turn_on():
     operation = replace(RUNNING, first_roller_angle=4.0)
-    run = simulate(PAPER, operation, HARRIS, 1e-3, 1e-5, angles="free")
+    run = simulate(PAPER, operation, HARRIS, 1e-3, 1e-4, angles="free")
     np.testing.assert_allclose(run.roller_theta[0], 4.0 + 2 * np.pi * np.arange(13) / 13, rtol=1e-12)
     turned = run.roller_theta[-1] - run.roller_theta[0]
     np.testing.assert_allclose(turned, 2 * np.pi * 29.348 * 1e-3, rtol=1e-2)
 
 
-@pytest.mark.parametrize("angles", ["kinematic", "free"])
-@pytest.mark.parametrize(("start", "least"), [("rest", 1e-3), ("equilibrium", 1e-7)])
-def test_damping_loses_exactly_the_energy_it_says(angles, start, least):
-    """From equilibrium the cage works against the dampers, which open and close the contacts it drives past."""
-    damping = ContactDamping(constant=100.0)
-    run = simulate(PAPER, RUNNING, HARRIS, 2e-3, 1e-5, start=start, damping=damping, angles=angles)
-    assert np.all(np.diff(run.work_dissipated) >= 0.0)
-    assert run.work_dissipated[-1] > least
-    assert np.max(np.abs(run.energy_error)) < 2e-3 * run.work_dissipated[-1]
-
-
-def test_damped_standing_bearing_settles_on_its_statics():
+def test_a_standing_bearing_settles_on_its_statics_and_rests_there():
     standing = replace(RUNNING, speed=0.0)
-    run = simulate(PAPER, standing, HARRIS, 8e-3, 1e-4, start="rest", damping=ContactDamping(constant=500.0))
+    run = simulate(PAPER, standing, HARRIS, 2e-3, 1e-4, start="rest", damping=ContactDamping(constant=2000.0))
     found = static_equilibrium(PAPER, standing, HARRIS)
-    assert run.inner_y[-1] == pytest.approx(found.y, rel=1e-9)
-    np.testing.assert_allclose(run.inner_force[-1], found.inner_force, atol=1e-6)
+    assert run.inner_y[-1] == pytest.approx(found.y, rel=1e-8)
+    np.testing.assert_allclose(run.inner_force[-1], found.inner_force, atol=1e-4)
+    still = simulate(PAPER, standing, HARRIS, 5e-4, 1e-5)
+    assert np.ptp(still.inner_y) < 1e-13 and np.ptp(still.inner_x) < 1e-13
 
 
-def test_equilibrium_start_rests_where_nothing_turns():
-    standing = replace(RUNNING, speed=0.0)
-    run = simulate(PAPER, standing, HARRIS, 1e-3, 1e-5)
-    assert np.ptp(run.inner_y) < 1e-14 and np.ptp(run.inner_x) < 1e-14
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [{"interval": 0.0}, {"duration": -1.0}, {"damping": ContactDamping(constant=-1.0)}, {"start": "hot"},
-     {"angles": "fixed"}, {"duration": float("nan")}, {"load_ramp": -1.0}],
-)  # fmt: skip
-def test_impossible_arguments_are_refused(wrong):
-    arguments = {"duration": 1e-3, "interval": 1e-5} | wrong
-    with pytest.raises(ValueError, match=next(iter(wrong))):
-        simulate(PAPER, RUNNING, HARRIS, **arguments)
-
-
-def test_a_step_too_long_for_the_forces_met_is_halved_or_told(monkeypatch):
-    monkeypatch.setattr("lagrange.step_size.STEP", 12.0)
-    run = simulate(PAPER, RUNNING, HARRIS, 1e-3, 2e-5)
-    assert run.time_step == pytest.approx(5e-6) and run.steps == 200
-    assert np.max(np.abs(run.energy_error)) < ENERGY * run.energy_contact.mean()
-    with pytest.raises(RuntimeError, match="too fast for the step of 2e-05 s; set time_step = "):
-        simulate(PAPER, RUNNING, HARRIS, 1e-3, 2e-5, time_step=2e-5)
-
-
-def test_rattling_contacts_are_refined_or_told():
+def test_a_hub_that_drops_through_a_clearance_strikes_the_rollers():
     loose = replace(PAPER, outer_raceway_radius=0.02802)
-    run = simulate(loose, RUNNING, HARRIS, 2e-3, 1e-5, start="rest")  # drops by 20 µm onto the rollers
+    run = simulate(loose, RUNNING, HARRIS, 5e-4, 1e-5, start="rest")  # by 20 µm
     assert run.inner_force.max() > 3000.0
-    assert np.max(np.abs(run.energy_error)) < 0.01 * (run.energy_contact.max() + np.ptp(run.energy_kinetic))
-    with pytest.warns(UserWarning, match="contacts rattle"):
-        simulate(loose, RUNNING, HARRIS, 2e-3, 1e-5, start="rest", time_step=5e-6)
-
-
-def test_ring_that_tips_from_roller_to_roller_starts_without_a_kick():
-    loose = replace(PAPER, outer_raceway_radius=0.02802)
-    run = simulate(loose, replace(RUNNING, radial_load=0.0), HARRIS, 1e-3, 1e-5)
-    assert run.inner_force.max() < 50.0 and abs(run.inner_vy[0]) < 1.0
+    assert np.max(np.abs(run.energy_error)) < 1e-5 * run.energy_contact.max()
+    tips = simulate(loose, replace(RUNNING, radial_load=0.0), HARRIS, 1e-3, 1e-5)
+    assert tips.inner_force.max() < 50.0 and abs(tips.inner_vy[0]) < 1.0  # from roller to roller, without a kick
 
 
 def test_no_duration_gives_the_start_alone():
     run = simulate(PAPER, RUNNING, HARRIS, 0.0, 1e-5)
     assert run.time.shape == (1,) and run.roller_rho.shape == (1, 13) and run.steps == 0
     assert run.inner_force[0].max() == pytest.approx(630.76, abs=0.05)
+
+
+CAGE = Cage(
+    mass=0.01, inertia=5e-6, pocket_clearance=1e-4, guidance="rollers", guidance_clearance=None, stiffness=1e8,
+    damping=0.0, friction_coefficient=0.1, drag_torque=0.0,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [({"interval": 0.0}, "interval"), ({"duration": -1.0}, "duration"), ({"duration": float("nan")}, "duration"),
+     ({"damping": ContactDamping(constant=-1.0)}, "damping"), ({"start": "hot"}, "start"),
+     ({"angles": "fixed"}, "angles"), ({"load_ramp": -1.0}, "load_ramp"),
+     ({"angles": "free", "cage": CAGE}, "cage")],
+)  # fmt: skip
+def test_impossible_arguments_are_refused(wrong, told):
+    with pytest.raises(ValueError, match=told):
+        simulate(PAPER, RUNNING, HARRIS, **({"duration": 1e-3, "interval": 1e-5} | wrong))
+
+
+STIFFNESS = 1e8  # N/m
+
+
+def thrown(damping: ContactDamping, speed: float, exponent: float = 1.0) -> float:
+    """Speed over `speed` with which a roller comes back that is thrown at the outer ring; nothing else acts."""
+    law = PowerLaw(name="test", stiffness=STIFFNESS, exponent=exponent, source="")
+    far = replace(PAPER, n_rollers=1, inner_raceway_radius=0.9 * PAPER.inner_raceway_radius)
+    still = Operation(speed=0.0, radial_load=0.0, inner_mass=1.0, gravity=0.0, first_roller_angle=0.0)
+    laws = ContactLaws(inner=law, outer=law)
+    motion = module.Motion(Problem(bearing=far, operation=still, laws=laws, damping=damping, start="rest"))
+    start = motion.start
+    start[4] = far.outer_raceway_radius - far.roller_radius - far.pitch_radius  # ρ, where it touches
+    start[4 + 4 + 2] = speed
+    unit = sqrt(far.roller_mass / STIFFNESS) * (1.0 if exponent == 1.0 else 4.0)
+    found = solve_ivp(motion.rate, (0.0, 5.0 * unit), start, "DOP853", rtol=1e-9, atol=1e-13, max_step=0.1 * unit)
+    assert found.y[4, -1] < start[4]  # it has left
+    return float(-found.y[10, -1] / speed)
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.1, 0.3])
+def test_two_bodies_bounce_through_a_dashpot_as_theory_says(ratio, monkeypatch):
+    """Where pulling is allowed the coefficient of restitution is exp(−πζ/√(1 − ζ²)); by the law itself, which never
+    pulls, exp(−ζ/√(1 − ζ²)·(π − atan2(2ζ√(1 − ζ²), 1 − 2ζ²))) with the angle at which spring and damper cancel.
+
+    Source of the latter: Schwager and Pöschel, Coefficient of restitution and linear-dashpot model revisited, Granular
+    Matter 9 (2007).
+    """
+    damping = ContactDamping(constant=2.0 * ratio * sqrt(STIFFNESS * PAPER.roller_mass))
+    decay, root = ratio / sqrt(1.0 - ratio**2), sqrt(1.0 - ratio**2)
+    leaves = pi - atan2(2.0 * ratio * root, 1.0 - 2.0 * ratio**2)
+    assert thrown(damping, 0.1) == pytest.approx(exp(-decay * leaves), rel=1e-5)
+    monkeypatch.setattr("lagrange.motion.damper_force", lambda spring, rate, c: np.where(spring > 0.0, c * rate, 0.0))
+    assert thrown(damping, 0.1) == pytest.approx(exp(-pi * decay), rel=1e-5)
+
+
+@pytest.mark.parametrize("loss", [0.01, 0.03])
+def test_hunt_and_crossley_lose_in_proportion_to_speed(loss):
+    """e = 1 − αv + O((αv)²), whatever the spring's law."""
+    speed = 0.1
+    damping = ContactDamping(hunt_crossley=loss / speed)
+    for exponent in (1.0, 10.0 / 9.0):
+        assert thrown(damping, speed, exponent) == pytest.approx(1.0 - loss, abs=1.5 * loss**2)

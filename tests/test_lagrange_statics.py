@@ -11,8 +11,8 @@ from lagrange.contact.raceway_laws import ContactLaws, contact_laws
 from lagrange.motion import State, contact_state, hub_equations, radial_equations
 from lagrange.scene.scene import Scene
 from lagrange.statics import static_equilibrium
+from tests.reference.ideal import DGBB_209
 from tests.reference.load_distribution import SJOVALL, stribeck_number
-from tests.test_lagrange_ball_contact import DGBB_209
 
 PAPER = Scene().ideal_bearing()
 RUNNING = Scene().ideal_operation()

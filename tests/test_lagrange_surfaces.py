@@ -5,36 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from lagrange import contact_laws, simulate, static_equilibrium, step_size
-from lagrange.contact.damping import ContactDamping
+from lagrange import simulate, static_equilibrium, step_size
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics, roller_angles
 from lagrange.motion import State, accelerations, contact_energy, contact_state
-from lagrange.scene.scene import Scene
-from lagrange.simulate import Simulation
 from lagrange.step_size import KNOTS_PER_UNDAMPED_STEP, near_faults
 from lagrange.surface.deviation import Turns, profiles
-from lagrange.surface.faults import Spall, UnequalRoller, Waviness
+from tests.reference.compiled_motion import compiled, simulation
+from tests.reference.ideal import DOWN, HARRIS, PAPER, RUNNING, spall, wavy
 
-PAPER = Scene().ideal_bearing()
-RUNNING = Scene().ideal_operation()
 STANDING = replace(RUNNING, speed=0.0, gravity=0.0)
-DOWN = -np.pi / 2
-HARRIS = contact_laws("harris", PAPER)
-
-
-def spall(body, angle, width=1e-3, depth=1e-4):
-    roller = 0 if body == "roller" else None
-    return Spall(body=body, roller=roller, angle=angle, width=width, depth=depth, edge_radius=1e-4)
-
-
-def wavy():
-    return (
-        Waviness(body="inner_ring", roller=None, order=12, amplitude=0.5e-6, phase=0.3),
-        Waviness(body="outer_ring", roller=None, order=5, amplitude=0.4e-6, phase=0.0),
-        Waviness(body="roller", roller=1, order=4, amplitude=0.3e-6, phase=0.0),
-        UnequalRoller(roller=3, diameter_deviation=1e-6),
-    )
 
 
 # rigid rings, Harris' law, the roller on the load line sunk by h: hub and loads from the load line outwards, from an
@@ -99,36 +79,10 @@ def test_accelerations_are_the_gradient_of_the_energy():
     np.testing.assert_allclose(forces[n + 2 :], -np.array(gradient[n + 2 :]), atol=2e-5, rtol=1e-4)
 
 
-@pytest.mark.parametrize("angles", ["kinematic", "free"])
-@pytest.mark.parametrize("damping", [0.0, 1000.0])
-def test_energy_is_balanced_on_waves(angles, damping):
-    """The bodies are turned by a drive whose work is accounted for, 1e-3 J here; the error is the integration's."""
-    bearing = replace(PAPER, faults=wavy())
-    run = simulate(bearing, RUNNING, HARRIS, 2e-3, 1e-5, angles=angles, damping=ContactDamping(constant=damping))
-    assert np.ptp(run.work_cage) > 1e-4
-    assert np.abs(run.energy_error).max() < 2e-6 * run.energy_contact.max()
-
-
-@pytest.mark.parametrize(
-    ("body", "angle"), [("outer_ring", DOWN + 0.05), ("inner_ring", DOWN - 0.08), ("roller", DOWN + 0.25)]
-)
-def test_energy_is_balanced_over_a_spall_and_the_strike(body, angle, monkeypatch):
-    """Of second order in the step where the kink in the spall's middle and the strike are crossed."""
-    bearing = replace(PAPER, faults=(spall(body, angle),))
-    errors = []
-    for times in (3.5, 1.0):
-        monkeypatch.setattr(step_size, "KNOTS_PER_UNDAMPED_STEP", times * KNOTS_PER_UNDAMPED_STEP)
-        run = simulate(bearing, RUNNING, HARRIS, 0.6e-3, 1e-5)
-        errors.append(np.abs(run.energy_error).max() / run.energy_contact.max())
-        # the roller was unloaded and struck
-        assert run.outer_force[:, 0].min() == 0.0
-    assert errors[0] < 1e-3 and errors[1] < 1e-4 and errors[1] < errors[0] / 8.0
-
-
 def test_the_record_s_equations_hold_on_imperfect_surfaces():
     """Accelerations of the solution against differences of its own velocities."""
     bearing = replace(PAPER, faults=wavy())
-    run = simulate(bearing, RUNNING, HARRIS, 1e-3, 1e-6)
+    run = simulate(bearing, RUNNING, HARRIS, 2e-4, 1e-6)
     v = run.inner_vy
     slope = (8.0 * (v[3:-1] - v[1:-3]) - (v[4:] - v[:-4])) / 12e-6
     assert np.std(run.inner_ay) > 1.0
@@ -152,18 +106,33 @@ def test_the_first_state_moves_with_the_equilibrium():
     np.testing.assert_allclose(run.inner_y[every], slow, atol=0.5e-9)
 
 
+@pytest.mark.parametrize(
+    ("body", "angle"), [("outer_ring", DOWN + 0.05), ("inner_ring", DOWN - 0.08), ("roller", DOWN + 0.25)]
+)
+def test_energy_of_compiled_steps_is_balanced_over_a_spall_and_the_strike(body, angle, monkeypatch):
+    """Of second order in the step where the kink in the spall's middle and the strike are crossed."""
+    problem = Problem(bearing=replace(PAPER, faults=(spall(body, angle),)), operation=RUNNING, laws=HARRIS)
+    errors = []
+    for times in (3.5, 1.0):
+        monkeypatch.setattr(step_size, "KNOTS_PER_UNDAMPED_STEP", times * KNOTS_PER_UNDAMPED_STEP)
+        run = compiled(problem, 61)
+        errors.append(np.abs(run.energy_error).max() / run.energy_contact.max())
+        # the roller was unloaded and struck
+        assert run.outer_force[:, 0].min() == 0.0
+    assert errors[0] < 1e-3 and errors[1] < 1e-4 and errors[1] < errors[0] / 8.0
+
+
 @pytest.mark.parametrize("angles", ["kinematic", "free"])
 def test_a_run_in_parts_has_the_same_bits(angles):
     """Cut at any sample, its memory kept and taken back."""
     bearing = replace(PAPER, faults=(*wavy(), spall("outer_ring", DOWN + 0.02)))
     problem = Problem(bearing=bearing, operation=RUNNING, laws=HARRIS, angles=angles)
-    whole, first, second = (Simulation(problem, 1e-5, time_step=2e-6) for _ in range(3))
-    expected = whole.advance(8)
+    whole, first, second = compiled(problem, 8), simulation(problem), simulation(problem)
     first.advance(3)
     second.take_back({name: array.copy() for name, array in first.to_keep().items()}, 3, 0)
     found = second.advance(5)
     for name in ("inner_y", "roller_rho", "work_cage", "energy_error"):
-        assert np.array_equal(getattr(found, name), getattr(expected, name)[3:])
+        assert np.array_equal(getattr(found, name), getattr(whole, name)[3:])
 
 
 @pytest.mark.parametrize("body", ["inner_ring", "outer_ring", "roller"])

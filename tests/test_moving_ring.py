@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fem.interface import simulate as run_scene
-from fem.solver.lagrangian_steps import CompiledIntegration
 from fem.solver.reduced import make_plan
 from fem.solver.reduced_start import equilibrium_start
 from fem.statics.reduced_bearing import reduced_bearing
@@ -16,14 +15,14 @@ from lagrange.contact.damping import ContactDamping
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.mounting import OF_HOUSING, Housing, Mounting, Sensor, Shaft
-from lagrange.scene.scene import Scene, SceneError, parse_scene, read_scene
-from lagrange.simulate import Simulation
+from lagrange.scene.scene import SceneError, parse_scene, read_scene
 from residual.evaluation import evaluate
 from residual.record import relative
+from tests.reference.compiled_motion import assert_right, compiled, simulation, solved
 from tests.reference.going_on import assert_same_bits, rest_of_run
+from tests.reference.ideal import HARRIS, PAPER, RUNNING, wavy
 from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with
 from tests.test_housing import PEDESTAL, ring_down
-from tests.test_lagrange_surfaces import wavy
 
 LIGHT = Housing(mass=0.5, stiffness=2e8, damping=4000.0)
 SENSOR = Sensor(frequency=15e3, damping_ratio=0.05)
@@ -39,12 +38,6 @@ WAYS = {
 
 def mounted(operation, housing=LIGHT, shaft=None):
     return replace(operation, mounting=Mounting(housing=housing, sensor=SENSOR, shaft=shaft))
-
-
-def solved(operation, duration, interval, bearing=None, **choices):
-    """A Lagrangian run in plain numpy."""
-    bearing = Scene().ideal_bearing() if bearing is None else bearing
-    return simulate(bearing, operation, contact_laws("harris", bearing), duration, interval, **choices)
 
 
 @pytest.mark.parametrize(
@@ -75,7 +68,7 @@ def test_the_housing_rings_down_at_its_frequency_and_damping():
     scene = read_scene(None, (*PRELOADED, "operation.speed_rpm=0"))
     bearing, operation = scene.ideal_bearing(), replace(scene.ideal_operation(), radial_load=50.0)
     housed = mounted(operation, weighing(12.638, bearing, operation))
-    run = solved(housed, 0.024, 5e-5, bearing, start="rest", load_ramp=3e-4)
+    run = solved(bearing, housed, contact_laws("harris", bearing), 0.024, 5e-5, start="rest", load_ramp=3e-4)
     frequency, zeta = ring_down(run.housing_y[6:] + 50.0 / 15.1e6, 5e-5)
     assert frequency == pytest.approx(173.97, rel=1e-3)
     assert zeta == pytest.approx(2210.7 / (2.0 * np.sqrt(15.1e6 * 12.638)), rel=1e-3)
@@ -84,9 +77,8 @@ def test_the_housing_rings_down_at_its_frequency_and_damping():
 @pytest.mark.parametrize("shaft", [None, SHAFT])
 def test_statics_carry_load_and_weights_by_the_springs_of_both_sides(shaft):
     """Both models' starts: load and weights at the springs, and the bearing's own forces between hub and ring."""
-    bearing = Scene().ideal_bearing()
-    operation = mounted(Scene().ideal_operation(), shaft=shaft)
-    problem = Problem(bearing=bearing, operation=operation, laws=contact_laws("harris", bearing))
+    bearing, operation = PAPER, mounted(RUNNING, shaft=shaft)
+    problem = Problem(bearing=bearing, operation=operation, laws=HARRIS)
     state, gravity = problem.first_state.state, operation.gravity
     start = equilibrium_start(reduced_bearing(bearing, kinematics(bearing, operation.speed)), operation)
     hanging = operation.inner_mass + bearing.outer_ring_mass + LIGHT.mass
@@ -103,7 +95,7 @@ def test_statics_carry_load_and_weights_by_the_springs_of_both_sides(shaft):
 @pytest.mark.parametrize("way", WAYS)
 def test_energy_balances_in_a_housing_that_swings(way, shaft):
     """Of what swings; held angles take up work with the housing's velocity, and dashpots take what they should."""
-    run = solved(mounted(Scene().ideal_operation(), shaft=shaft), 5e-4, 1e-5, **HIT, **WAYS[way])
+    run = solved(PAPER, mounted(RUNNING, shaft=shaft), HARRIS, 5e-4, 1e-5, **HIT, **WAYS[way])
     exchanged = np.ptp(run.energy_support)
     assert exchanged > 3e-3 and run.work_dissipated[-1] > 1e-3
     assert np.abs(run.energy_error).max() < 2e-4 * exchanged
@@ -114,15 +106,16 @@ def test_the_work_of_held_angles_is_that_of_their_forces():
     scene = read_scene(None, ("bearing.outer_raceway_diameter_mm=55.98",))
     bearing, operation = replace(scene.ideal_bearing(), faults=wavy()), scene.ideal_operation()
     still = mounted(operation, replace(LIGHT, damping=0.0))
-    coarse, fine = (solved(still, 2.5e-4, 1e-5, bearing, **HIT, time_step=step) for step in (1e-6, 5e-7))
+    problem = Problem(bearing=bearing, operation=still, laws=contact_laws("harris", bearing), **HIT)
+    coarse, fine = (compiled(problem, 26, time_step=step) for step in (1e-6, 5e-7))
     errors = [np.abs(run.energy_error).max() for run in (coarse, fine)]
     assert errors[1] < 0.1 * errors[0] and errors[1] < 1e-6 * np.ptp(fine.work_cage)
 
 
 def test_contacts_springs_dashpots_and_weight_accelerate_the_housing():
     """By differences of its own path and of its velocity's, at every sample."""
-    operation = mounted(Scene().ideal_operation())
-    run = solved(operation, 4e-4, 5e-7, **HIT, angles="free")
+    operation = mounted(RUNNING)
+    run = simulate(PAPER, operation, HARRIS, 2e-4, 5e-7, **HIT, angles="free")
     mass = LIGHT.mass + run.bearing.outer_ring_mass
     outward = np.exp(1j * run.roller_theta)
     place = run.housing_x + 1j * run.housing_y
@@ -136,7 +129,7 @@ def test_contacts_springs_dashpots_and_weight_accelerate_the_housing():
 
 def test_the_sensor_shows_what_its_equation_says():
     """r̈ + 2ζω ṙ + ω² r = −Ÿ, integrated again from the housing's acceleration."""
-    run = solved(mounted(Scene().ideal_operation()), 4e-4, 1e-6, **HIT)
+    run = simulate(PAPER, mounted(RUNNING), HARRIS, 4e-4, 1e-6, **HIT)
     omega = 2.0 * np.pi * SENSOR.frequency
 
     def rate(time, state):
@@ -186,7 +179,8 @@ def test_the_checkers_terms_sum_up_with_every_option_at_once(tmp_path, more):
     scene = scene_with(
         tmp_path, *EVERYTHING, *more.get("settings", ()), speeds=more.get("speeds"), loads=LOADS, more=FAULTS
     )
-    run = solved(scene.ideal_operation(), 5.4e-4, 1e-5, scene.ideal_bearing(), **HIT,
+    bearing = scene.ideal_bearing()
+    run = solved(bearing, scene.ideal_operation(), contact_laws("harris", bearing), 5.4e-4, 1e-5, **HIT,
                  damping=ContactDamping(constant=100.0))  # fmt: skip
     names = "differentiation", "outer_ring", "shaft", "damping"
     assert_terms_add_up(checked(scene, run), 1e-9 * 2000.0, names)
@@ -209,37 +203,23 @@ def test_the_checkers_terms_sum_up_with_a_cage_and_a_film_too(tmp_path):
 @pytest.mark.parametrize("shaft", [None, SHAFT])
 @pytest.mark.parametrize("faults", [(), wavy()])
 @pytest.mark.parametrize("way", WAYS)
-def test_the_compiled_steps_are_the_references(way, faults, shaft):
-    scene = Scene()
-    bearing = replace(scene.ideal_bearing(), faults=faults)
-    problem = Problem(
-        bearing=bearing, operation=mounted(scene.ideal_operation(), shaft=shaft), laws=contact_laws("harris", bearing),
-        **HIT, **WAYS[way],
-    )  # fmt: skip
-    kinds = {"integration": CompiledIntegration}, {}
-    ours, theirs = (Simulation(problem, 1e-5, **kind).advance(31) for kind in kinds)
-    assert ours.steps == theirs.steps
-    names = "inner_x", "inner_y", "housing_x", "housing_y", "sensor_ay", "work_cage", "work_dissipated", "roller_rho"
-    for name in names:
-        scale = np.abs(getattr(theirs, name)).max()
-        np.testing.assert_allclose(getattr(ours, name), getattr(theirs, name), rtol=0.0, atol=1e-8 * scale + 1e-18)
+def test_the_compiled_steps_make_the_references_motion(way, faults, shaft):
+    bearing = replace(PAPER, faults=faults)
+    operation = mounted(RUNNING, shaft=shaft)
+    problem = Problem(bearing=bearing, operation=operation, laws=contact_laws("harris", bearing), **HIT, **WAYS[way])
+    assert_right(problem, share=5e-3)
 
 
 @pytest.mark.slow
 def test_a_solution_in_parts_has_the_bits_of_the_whole():
-    problem = Problem(
-        bearing=Scene().ideal_bearing(), operation=mounted(Scene().ideal_operation(), replace(LIGHT, damping=0.0)),
-        laws=contact_laws("harris", Scene().ideal_bearing()), **HIT,
-    )  # fmt: skip
-    for kind in ({"integration": CompiledIntegration}, {}):
-        whole = Simulation(problem, 1e-5, **kind).advance(90)
-        first = Simulation(problem, 1e-5, **kind)
-        first.advance(70)
-        second = Simulation(problem, 1e-5, **kind)
-        second.take_back({name: array.copy() for name, array in first.to_keep().items()}, first.done, 0)
-        rest = second.advance(20)
-        for name in ("inner_y", "housing_y", "sensor_ay", "work_cage", "energy_error"):
-            np.testing.assert_array_equal(getattr(rest, name), getattr(whole, name)[70:])
+    operation = mounted(RUNNING, replace(LIGHT, damping=0.0))
+    problem = Problem(bearing=PAPER, operation=operation, laws=HARRIS, **HIT)
+    whole, first, second = compiled(problem, 90), simulation(problem), simulation(problem)
+    first.advance(70)
+    second.take_back({name: array.copy() for name, array in first.to_keep().items()}, first.done, 0)
+    rest = second.advance(20)
+    for name in ("inner_y", "housing_y", "sensor_ay", "work_cage", "energy_error"):
+        np.testing.assert_array_equal(getattr(rest, name), getattr(whole, name)[70:])
 
 
 @pytest.mark.slow

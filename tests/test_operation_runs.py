@@ -9,7 +9,6 @@ import pytest
 
 from fem.commands.run_fem import run_main
 from fem.runner import RunOptions, run_scene
-from fem.solver.lagrangian_steps import CompiledIntegration
 from fem.solver.simulate import make_plan
 from fem.statics.contact_balance import Loads, balance, first_guess
 from fem.statics.exact_statics import exact_contacts
@@ -17,9 +16,9 @@ from lagrange import contact_laws
 from lagrange.first_state import Problem
 from lagrange.kinematics import roller_angles
 from lagrange.scene.scene import read_scene
-from lagrange.simulate import Simulation
 from residual.evaluation import evaluate
 from residual.sources import read_result
+from tests.reference.compiled_motion import assert_right
 from tests.reference.operation_tables import LOADS, RAMP, scene_with
 
 MODELS = ("lagrange", "reduced", "fem")
@@ -70,16 +69,11 @@ def test_a_resumed_run_has_the_same_bits(model, tmp_path):
         assert np.array_equal(mine[name], theirs[name], equal_nan=True), name
 
 
-def test_compiled_steps_are_those_of_numpy(tmp_path):
+@pytest.mark.parametrize("choices", [{}, {"angles": "free"}, {"start": "rest", "load_ramp": 5e-4}])
+def test_compiled_steps_make_the_references_motion(choices, tmp_path):
     scene = scene_with(tmp_path, *TURNING, "numerics.duration_ms=8", speeds=RAMP, loads=LOADS)
     bearing, operation = scene.ideal_bearing(), scene.ideal_operation()
-    for choices in ({}, {"angles": "free"}, {"start": "rest", "load_ramp": 5e-4}):
-        problem = Problem(bearing=bearing, operation=operation, laws=contact_laws("harris", bearing), **choices)
-        ours = Simulation(problem, 1e-5, integration=CompiledIntegration).advance(101)
-        theirs = Simulation(problem, 1e-5).advance(101)
-        for name in ("inner_x", "inner_y", "inner_ay", "inner_force", "work_load", "work_cage"):
-            expected = getattr(theirs, name)
-            np.testing.assert_allclose(getattr(ours, name), expected, rtol=0.0, atol=1e-6 * np.abs(expected).max())
+    assert_right(Problem(bearing=bearing, operation=operation, laws=contact_laws("harris", bearing), **choices), 61)
 
 
 @pytest.mark.parametrize("model", ["reduced", "fem"])

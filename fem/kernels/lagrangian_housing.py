@@ -1,4 +1,18 @@
-"""A housing that moves the outer ring of the Lagrangian model: `lagrange.in_housing`, its reference, on lanes.
+"""A housing that moves the outer ring of the Lagrangian model, on lanes.
+
+All places are from the outer ring's centre, which the housing carries, so that contacts are as on the ground; that
+frame does not turn, but it accelerates, and takes as much from every body's acceleration. z is an array of two: the hub
+from the ring's centre, and the ring.
+
+Free elements obey Newton's laws, and so does the whole. What holds kinematic angles turns about the ring's centre and
+stands outside: its forces on the elements, N_j along the circle, have no counterpart on hub or ring. Their power is
+
+    Σ N_j (ω ρ_j + t_j·Ż),    N_j = m (2 ρ̇_j ω + ρ_j ω̇ + t_j·(Z̈ + g e_y)) − the contacts' force along t_j
+
+Its terms of the first kind are those on the ground but for Z̈; all that goes with ρ̇_j or is a rate of the state is
+integrated by parts, which leaves S·Ż − L·Z̈ with S and L of positions alone, and what `lagrange.stepping.held_energy`
+tells of a state.
+Around at least three equally spaced elements Σ (r·Ż)(t·Ż) = 0 and Σ (t·Ż)² = ½ N_b |Ż|².
 
 Where the ground holds the ring the housing is None and nothing of this is compiled.
 """
@@ -228,7 +242,7 @@ def _flow(rate, mass, velocity, acceleration, seconds):
 
 @part
 def slow(springs, housing, motion, bearing, seconds):
-    """A kick so long, just made, had the dashpots of shaft and housing acted as well; see `lagrange.in_housing`.
+    """A kick so long, just made, had the dashpots of shaft and housing acted as well; exact at any strength.
 
     Returns what these take, and what held angles take up from that, J.
     """

@@ -1,4 +1,4 @@
-"""The time loop of the Lagrangian model: the steps of `lagrange.integrate`, their reference, on lanes."""
+"""The time loop of the Lagrangian model: compositions and leapfrog, on lanes."""
 
 from math import pi, sin
 

@@ -25,10 +25,7 @@ class PowerConstants(NamedTuple):
 
 
 class IdealHousing(NamedTuple):
-    """What carries the outer ring, and a sensor on it; hub and elements are then from the ring's centre.
-
-    See `lagrange.in_housing`.
-    """
+    """What carries the outer ring, and a sensor on it; hub and elements are then from the ring's centre."""
 
     motion: np.ndarray  # (3, 2), place, m, velocity, acceleration
     sensor: np.ndarray  # (2,), r, m, and ṙ, m/s; 0 without one

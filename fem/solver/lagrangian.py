@@ -23,11 +23,10 @@ from lagrange import Trajectory, contact_laws, static_equilibrium
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import caution
 from lagrange.first_state import Problem
-from lagrange.integrate import ALL_DRIFTS, Integration, NumpyIntegration
 from lagrange.mounting import HELD
 from lagrange.scene.scene import MODEL_NAMES, Scene
-from lagrange.simulate import ENERGY_TOLERANCE, Simulation, Verdict
 from lagrange.step_size import Steps, critical_time_step, steps_of
+from lagrange.stepping import ALL_DRIFTS, ENERGY_TOLERANCE, Integration, Simulation, Verdict
 
 ARRAYS = 30  # per roller and sample of a block, at the most at a time
 # one thread of a 2024 server core, forces of eight elements once; only a guide
@@ -115,7 +114,7 @@ class LagrangianPlan(CompiledPlan):
     def integration(self) -> type[Integration]:
         """What takes the steps; the start alone needs none, and no compiler."""
         if self.n_samples == 1:
-            return NumpyIntegration
+            return Integration
         from fem.solver.lagrangian_steps import CompiledIntegration
 
         return CompiledIntegration
@@ -182,7 +181,7 @@ class LagrangianState(RunState):
     def __init__(self, plan: LagrangianPlan):
         super().__init__(plan)
         try:
-            self._simulation = Simulation(plan.problem, plan.interval, integration=plan.integration)
+            self._simulation = Simulation(plan.problem, plan.interval, plan.integration)
         except RuntimeError as error:
             raise RunFailed(str(error)) from None
         self.account = EnergyAccount()

@@ -1,4 +1,4 @@
-"""Compiled steps of the Lagrangian model: those of `lagrange.integrate.NumpyIntegration`, which is their reference."""
+"""Compiled steps of the Lagrangian model; see `lagrange.stepping`."""
 
 import numpy as np
 
@@ -26,9 +26,8 @@ from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import LogarithmicLaw
 from lagrange.equations import touching_distances
-from lagrange.integrate import MOTION, Integration
 from lagrange.step_size import Steps
-from lagrange.systems import Packed
+from lagrange.stepping import MOTION, Integration, Packed
 
 
 class CompiledIntegration(Integration):
@@ -127,7 +126,7 @@ def _bearing(system, columns: int) -> IdealBearing:
         )
     if system.holds_angles:
         angle = np.zeros(columns)
-        angle[: system.n] = system.first + system.spacing
+        angle[: system.n] = system.angles
         first = np.array([np.cos(angle), np.sin(angle)])
     return IdealBearing(
         laws=tuple(_constants(law) for law in problem.laws),
@@ -166,7 +165,7 @@ def _cage(system, cage: Cage, motion: IdealMotion, bearing: IdealBearing) -> Cag
         radius=float(ideal.roller_radius),
         swelling=None,
     )
-    body = cage_state(ideal, cage, system.first + system.spacing, float(system.ideal.cage))
+    body = cage_state(ideal, cage, system.angles, float(system.ideal.cage))
     return CagePair(cage=body, riders=riders, ring=_guiding(cage, motion, bearing))
 
 

@@ -6,21 +6,22 @@ from the same start, which judges the steps, and with the hub standing, which ju
 """
 
 import argparse
-import warnings
 from math import pi
 from time import process_time
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from fem.errors import RunFailed
+from fem.interface import simulate as run_scene
 from fem.solver.lagrangian import make_plan
 from lagrange.catalogue import designations
 from lagrange.first_state import Problem
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import SceneError, parse_scene
-from lagrange.simulate import simulate
 
 DURATION, INTERVAL = 2e-3, 2e-6  # s
+NUMERICS = {"duration_ms": 1e3 * DURATION, "output_interval_us": 1e6 * INTERVAL}
 CLOSE = 0.01  # of the largest force, between the same starts
 LOUD = 1.3  # times the largest force with a hub that stands at first: a start that excites the bearing
 
@@ -138,29 +139,19 @@ class Reference:
         return np.array([max(inner.max(), outer.max()) for inner, outer in both])
 
 
-def own_forces(problem: Problem, duration: float = DURATION) -> np.ndarray:
-    """The largest contact force at every sample of the program's solution, N."""
-    run = simulate(
-        problem.bearing, problem.operation, problem.laws, duration, INTERVAL,
-        start=problem.start, angles=problem.angles, damping=problem.damping, cage=problem.cage,
-    )  # fmt: skip
-    return np.maximum(run.inner_force, run.outer_force).max(axis=1)
-
-
 def judged(tables: dict) -> tuple[float, float, float, str | None]:
     """Error of the largest force, largest over first, largest over a standing hub's, and caution or refusal."""
     problem = problem_of(tables)
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        try:
-            own = own_forces(problem)
-        except RuntimeError as error:
-            return 0.0, 1.0, 1.0, f"refused: {error}"
+    try:
+        result = run_scene(parse_scene({"model": "lagrange", **tables, "numerics": NUMERICS}, "scene"))
+    except RunFailed as error:
+        return 0.0, 1.0, 1.0, f"refused: {error}"
+    own = np.maximum(result["inner_force"], result["outer_force"]).max(axis=1)
     reference = Reference(problem)
     same = reference.forces()
     still = same if not np.any(problem.first_state.state.rho_rate) else reference.forces(moving=False)
-    said = [str(warning.message) for warning in caught]
-    return abs(own.max() / same.max() - 1.0), own.max() / own[0], own.max() / still.max(), "; ".join(said) or None
+    said = "; ".join(result.warnings) or None
+    return abs(own.max() / same.max() - 1.0), own.max() / own[0], own.max() / still.max(), said
 
 
 def main(count: int, seed: int) -> None:

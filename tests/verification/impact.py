@@ -3,14 +3,11 @@
 from math import gamma, pi, sqrt
 
 import numpy as np
+from scipy.integrate import solve_ivp
 
 from lagrange import BallBearing, Operation, contact_laws
-from lagrange.contact.damping import UNDAMPED
 from lagrange.first_state import Problem
-from lagrange.integrate import NumpyIntegration
-from lagrange.motion import State
-from lagrange.step_size import Steps
-from lagrange.systems import FreeAngles
+from lagrange.simulate import Motion
 from tests.reference.bearings import STEEL, STEEL_ON_STEEL
 from tests.reference.disc_impact import thrown_at_flat
 from tests.reference.line_contact import impact_on_rigid_flat
@@ -102,7 +99,7 @@ def thrown_roller():
 
 
 def ball_impact():
-    """A steel ball of 5 mm radius on a steel half-space at 1 m/s: the Lagrange model's ball contact and integrator.
+    """A steel ball of 5 mm radius on a steel half-space at 1 m/s: the Lagrange model's ball contact and equations.
 
     The half-space is an outer raceway of 1 km radius.
     """
@@ -112,16 +109,13 @@ def ball_impact():
         bore_radius=0.1, outside_radius=2.0 * far, inner_groove_radius=far, outer_groove_radius=far, **STEEL_ON_STEEL,
     )  # fmt: skip
     alone = Operation(speed=0.0, radial_load=0.0, inner_mass=1.0, gravity=0.0, first_roller_angle=0.0)
-    track, zero = far - radius, np.zeros(1)
     laws = contact_laws("hertz", bearing)
-    system = FreeAngles(Problem(bearing=bearing, operation=alone, laws=laws, angles="free"))
-    start = State(
-        x=0.0, y=0.0, rho=zero + track - 1e-7, theta=zero,
-        x_rate=0.0, y_rate=0.0, rho_rate=zero + speed, theta_rate=zero,
-    )  # fmt: skip
-    step = 2e-8
-    record = NumpyIntegration(system, system.pack(start), step, Steps.equal(1), UNDAMPED).advance(2000)
-    depth = np.abs(record.q[:, 0]) - track
+    motion = Motion(Problem(bearing=bearing, operation=alone, laws=laws, angles="free", start="rest"))
+    touching, start, step = far - radius - bearing.pitch_radius, motion.start, 2e-8
+    start[4], start[4 + 4 + 2] = touching - 1e-7, speed  # ρ and its rate
+    time = step * np.arange(2000)
+    path = solve_ivp(motion.rate, (0.0, time[-1]), start, "DOP853", time, rtol=1e-9, atol=1e-12, max_step=1e-7).y
+    depth = path[4] - touching
     law = laws.outer
     touching = np.flatnonzero(depth > 0.0)
     in_at, out_at = touching[0], touching[-1]

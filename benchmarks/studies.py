@@ -17,7 +17,7 @@ from rich.console import Console
 
 from benchmarks.measuring import new_table
 from fem.study import solving
-from fem.study.cluster import Cluster, solve_on_cluster
+from fem.study.cluster import solve_on_cluster
 from fem.study.dataset import write_dataset
 from fem.study.folder import Folder
 from fem.study.sampling import design_of
@@ -96,7 +96,7 @@ def with_dask(points: Points, workers: int, warm: int) -> tuple[float, float]:
         ended.append((time.perf_counter(), solved.seconds))
 
     scenes = ((i, points.scene(i)) for i in range(len(points)))
-    solve_on_cluster(Cluster(scheduler=None, workers=workers), scenes, wanted_of(points), add, lambda: False)
+    solve_on_cluster(workers, scenes, wanted_of(points), add, lambda: False)
     counted = ended[warm:]
     return (ended[-1][0] - ended[warm - 1][0]) / len(counted), sum(taken for _, taken in counted) / len(counted)
 

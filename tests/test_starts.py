@@ -14,7 +14,7 @@ from lagrange.kinematics import kinematics
 from lagrange.scene.scene import parse_scene
 from lagrange.statics import static_equilibrium
 from lagrange.surface.deviation import UNTURNED
-from tests.accuracy.starts import CLOSE, Reference, own_forces, problem_of
+from tests.accuracy.starts import CLOSE, Reference, problem_of, solution
 
 NU206 = {"designation": "NU206"}
 SPRINGS = {"shaft": "springs", "shaft_stiffness_N_per_m": 2e4}
@@ -54,8 +54,8 @@ LIGHT = {
 @pytest.mark.parametrize("name", LIGHT)
 def test_a_light_start_does_not_shock_the_bearing(name):
     """Beside `solve_ivp` of equations written anew, from the same start, and from its place with a hub that stands."""
-    problem, short = problem_of(LIGHT[name]), 4e-4
-    own, reference = own_forces(problem, short), Reference(problem)
+    short, reference = 4e-4, Reference(problem_of(LIGHT[name]))
+    own, _ = solution(LIGHT[name], short)
     assert own.max() == pytest.approx(reference.forces(duration=short).max(), rel=CLOSE)
     assert own.max() < (1.0 + CLOSE) * reference.forces(moving=False, duration=short).max()
 

@@ -21,7 +21,6 @@ from lagrange.kinematics import kinematics
 from lagrange.scene.scene import SceneError, parse_scene
 
 DURATION, INTERVAL = 2e-3, 2e-6  # s
-NUMERICS = {"duration_ms": 1e3 * DURATION, "output_interval_us": 1e6 * INTERVAL}
 CLOSE = 0.01  # of the largest force, between the same starts
 LOUD = 1.3  # times the largest force with a hub that stands at first: a start that excites the bearing
 
@@ -139,19 +138,24 @@ class Reference:
         return np.array([max(inner.max(), outer.max()) for inner, outer in both])
 
 
+def solution(tables: dict, duration: float = DURATION) -> tuple[np.ndarray, tuple[str, ...]]:
+    """The largest contact force at every sample of the program's run, N, and its warnings."""
+    numerics = {"duration_ms": 1e3 * duration, "output_interval_us": 1e6 * INTERVAL}
+    run = run_scene(parse_scene({"model": "lagrange", **tables, "numerics": numerics}, "scene"))
+    return np.maximum(run["inner_force"], run["outer_force"]).max(axis=1), run.warnings
+
+
 def judged(tables: dict) -> tuple[float, float, float, str | None]:
     """Error of the largest force, largest over first, largest over a standing hub's, and caution or refusal."""
     problem = problem_of(tables)
     try:
-        result = run_scene(parse_scene({"model": "lagrange", **tables, "numerics": NUMERICS}, "scene"))
+        own, said = solution(tables)
     except RunFailed as error:
         return 0.0, 1.0, 1.0, f"refused: {error}"
-    own = np.maximum(result["inner_force"], result["outer_force"]).max(axis=1)
     reference = Reference(problem)
     same = reference.forces()
     still = same if not np.any(problem.first_state.state.rho_rate) else reference.forces(moving=False)
-    said = "; ".join(result.warnings) or None
-    return abs(own.max() / same.max() - 1.0), own.max() / own[0], own.max() / still.max(), said
+    return abs(own.max() / same.max() - 1.0), own.max() / own[0], own.max() / still.max(), "; ".join(said) or None
 
 
 def main(count: int, seed: int) -> None:

@@ -70,7 +70,8 @@ def played(monkeypatch, work: float, slowness: float) -> World:
     world = World(work)
     monkeypatch.setattr(playing_module, "time", world)
     monkeypatch.setattr(playing_module, "Condition", lambda: world)
-    for kind in ("frame", "bearing", "pace"):
+    monkeypatch.setattr(playing_module, "message", lambda kind, content: Message(kind, ""))
+    for kind in ("frame", "bearing"):
         monkeypatch.setattr(playing_module, f"{kind}_message", lambda *_, kind=kind: Message(kind, ""))
 
     def fail(error: BaseException) -> None:

@@ -188,7 +188,7 @@ def fail_after(monkeypatch, function, good):
     monkeypatch.setattr(f"os.{name}", failing)
 
 
-@pytest.mark.parametrize("function", ["open", "np.savez", "move_into_place"])
+@pytest.mark.parametrize("function", ["checkpoint.open", "checkpoint.np.savez", "durable.move_into_place"])
 def test_a_checkpoint_that_can_not_be_written_leaves_the_last_one_and_the_run_goes_on(
     function, whole, tmp_path, monkeypatch, capsys
 ):
@@ -199,7 +199,7 @@ def test_a_checkpoint_that_can_not_be_written_leaves_the_last_one_and_the_run_go
     def fail(*_, **__):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(f"fem.result.checkpoint.{function}", fail, raising=False)
+    monkeypatch.setattr(f"fem.result.{function}", fail, raising=False)
     assert run_main([*SHORT, "--output", str(path), "--resume"]) == 0
     error = capsys.readouterr().err
     assert f"warning: {checkpoint_path(path)}: No space left" in error and "Traceback" not in error

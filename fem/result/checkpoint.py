@@ -5,7 +5,6 @@ Plain arrays and a line of JSON, which the solver's state gives and takes back; 
 """
 
 import json
-import os
 import zipfile
 from math import inf, isfinite
 from pathlib import Path
@@ -14,13 +13,13 @@ import numpy as np
 from numpy.lib import format as npy
 
 from fem.errors import UsageError
-from fem.result.durable import move_into_place
+from fem.result.durable import put_in_place
 from fem.result.earlier import differences, scene_keys
 from fem.result.layout import variables_of
 from fem.result.store import Stored
 from fem.solver.solver import Plan, RunState
 from lagrange.files.input import read_plain
-from lagrange.files.output import new_part, real_path
+from lagrange.files.output import real_path
 from lagrange.scene.scene import Scene, SceneError, parse_scene_text
 from lagrange.version import VERSION
 
@@ -77,18 +76,12 @@ def save_checkpoint(result: Path, state: RunState, stored: Stored) -> None:
         "numbers": numbers,
         "scene": plan.scene.to_toml(),
     }
-    temporary = new_part(path)
     try:
-        with open(temporary, "wb") as file:
+        with put_in_place(path) as part, open(part, "wb") as file:
             arrays = {name: np.asarray(value, order="C") for name, value in arrays.items()}
             np.savez(file, meta=np.frombuffer(json.dumps(meta).encode(), dtype=np.uint8), **arrays)
-            file.flush()
-            os.fsync(file.fileno())
-        move_into_place(temporary, path)
     except OSError as error:
         raise OSError(error.errno, error.strerror or str(error), str(path)) from None
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def _versions(plan: Plan) -> dict[str, str]:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from lagrange.files.output import BINARY
+from lagrange.files.output import BINARY, new_part
 
 try:
     import fcntl
@@ -78,6 +78,22 @@ def claim(handle: int, size: int) -> None:
         os.posix_fallocate(handle, 0, size)
     except OSError as error:
         raise OSError(error.errno, f"{error.strerror}: {size / 1e6:.3g} MB are needed") from None
+
+
+@contextmanager
+def put_in_place(path: Path) -> Iterator[Path]:
+    """Give the name of a file to write beside another; once it is on the disk it takes that one's place.
+
+    OSError: it can't be written; the earlier file stays as it is.
+    """
+    part = new_part(path)
+    try:
+        yield part
+        with open(part, "r+b") as file:
+            os.fsync(file.fileno())
+        move_into_place(part, path)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def move_into_place(temporary: Path, path: Path) -> None:

@@ -1,7 +1,6 @@
 """What a result file gains beside the run's columns: error estimates, and facts of imperfect surfaces."""
 
 import json
-import os
 import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
@@ -11,10 +10,10 @@ from typing import TYPE_CHECKING
 import h5py
 import numpy as np
 
-from fem.result.durable import alone_in, move_into_place
+from fem.result.durable import alone_in, put_in_place
 from lagrange.bearing import Bearing, Operation
 from lagrange.files.hdf5 import SCENE_FILE, hdf5_to_write
-from lagrange.files.output import new_part, real_path
+from lagrange.files.output import real_path
 from lagrange.kinematics import turned
 from lagrange.mounting import from_outer_ring
 from lagrange.scene.scene import Scene
@@ -46,17 +45,10 @@ def write_estimates(path: Path, found: "list[Estimate]", coarse_mesh_size: float
     OSError: no room for a second file; the first stays as it is.
     """
     path = real_path(path)
-    part = new_part(path)
-    try:
-        with alone_in(path.parent):
-            shutil.copyfile(path, part)
-            with hdf5_to_write(part, "r+") as file:
-                _add(file, found, coarse_mesh_size)
-            with open(part, "r+b") as file:
-                os.fsync(file.fileno())
-            move_into_place(part, path)
-    finally:
-        part.unlink(missing_ok=True)
+    with alone_in(path.parent), put_in_place(path) as part:
+        shutil.copyfile(path, part)
+        with hdf5_to_write(part, "r+") as file:
+            _add(file, found, coarse_mesh_size)
 
 
 def _add(file: h5py.File, found: "list[Estimate]", coarse_mesh_size: float) -> None:

@@ -76,20 +76,27 @@ def test_long_names_are_cut_and_stay_apart():
 PRECIOUS = "time_s,load_x_N\n0,0\n1,2000\n"
 
 
+def put(kind, place):
+    """Put a file, a link to one or a pipe there; gives the function that says whether it has stayed as it was."""
+    precious = place.parents[1] / f"precious{place.suffix}"
+    precious.write_text(PRECIOUS)
+    {"file": lambda: place.write_text(PRECIOUS), "link": lambda: place.symlink_to(precious),
+     "pipe": lambda: os.mkfifo(place)}[kind]()  # fmt: skip
+    return lambda: (
+        precious.read_text() == PRECIOUS and (place.is_fifo() if kind == "pipe" else place.read_text() == PRECIOUS)
+    )
+
+
 @pytest.mark.parametrize("name", ["paper.nc.part", "paper.nc.checkpoint.part"])
 @pytest.mark.parametrize("kind", ["file", "link", "pipe"])
 def test_what_stands_under_a_name_that_a_run_may_need_stays(name, kind, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "runs").mkdir()
-    precious = tmp_path / "precious.txt"
-    precious.write_text(PRECIOUS)
     place = tmp_path / "runs" / name
-    {"file": lambda: place.write_text(PRECIOUS), "link": lambda: place.symlink_to(precious),
-     "pipe": lambda: os.mkfifo(place)}[kind]()  # fmt: skip
+    stays = put(kind, place)
     with no_endless_wait():
         assert run_main(SHORT) == 0
-    assert precious.read_text() == PRECIOUS
-    assert place.is_fifo() if kind == "pipe" else place.read_text() == PRECIOUS
+    assert stays()
     assert {path.name for path in place.parent.iterdir()} >= {name, "paper.nc"}
 
 
@@ -97,15 +104,11 @@ def test_what_stands_under_a_name_that_a_run_may_need_stays(name, kind, tmp_path
 def test_a_checkpoint_that_is_none_is_neither_removed_nor_replaced(kind, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "runs").mkdir()
-    precious, place = tmp_path / "precious.txt", tmp_path / "runs" / "paper.nc.checkpoint"
-    precious.write_text(PRECIOUS)
-    {"file": lambda: place.write_text(PRECIOUS), "link": lambda: place.symlink_to(precious),
-     "pipe": lambda: os.mkfifo(place)}[kind]()  # fmt: skip
+    stays = put(kind, tmp_path / "runs" / "paper.nc.checkpoint")
     with no_endless_wait():
         assert run_main(SHORT) == 2
     assert "paper.nc.checkpoint: is no" in capsys.readouterr().err
-    assert precious.read_text() == PRECIOUS
-    assert place.is_fifo() if kind == "pipe" else place.read_text() == PRECIOUS
+    assert stays()
 
 
 def test_files_left_on_their_way_are_removed_and_those_of_others_stay(tmp_path):
@@ -126,15 +129,13 @@ def test_a_name_as_long_as_the_disk_takes_has_parts_of_its_own(tmp_path):
 @pytest.mark.parametrize("kind", ["file", "link", "pipe"])
 def test_only_an_export_is_replaced_by_an_export(ending, kind, kept, capsys):
     option = {".gif": "--animation", ".mp4": "--animation", ".png": "--output"}.get(ending, "--export")
-    precious, place = kept.with_name(f"mine{ending}"), kept.with_name(f"target{ending}")
-    precious.write_text(PRECIOUS)
-    {"file": lambda: place.write_text(PRECIOUS), "link": lambda: place.symlink_to(precious),
-     "pipe": lambda: os.mkfifo(place)}[kind]()  # fmt: skip
+    place = kept.with_name(f"target{ending}")
+    stays = put(kind, place)
     with no_endless_wait():
         assert render_main([str(kept), option, str(place), "--quiet"]) == 2
     told = capsys.readouterr().err
     assert str(place) in told and ("not a plain file" if kind == "pipe" else "--force") in told
-    assert precious.read_text() == PRECIOUS and (kind == "pipe" or place.read_text() == PRECIOUS)
+    assert stays()
 
 
 @pytest.mark.parametrize("ending", [".csv", ".mat", ".wav", ".vtu", ".vtkhdf", ".pvd"])

@@ -9,7 +9,7 @@ from PIL import Image
 from fem.commands.render_fem import render_fem, render_main
 from fem.errors import UsageError
 from fem.pictures.canvas import Panel
-from fem.pictures.drawing_process import trouble
+from fem.pictures.drawing_process import rendering_failure
 
 
 def test_the_command_writes_a_png_of_the_width_asked_for(can_draw, coarse_run, tmp_path, capsys):
@@ -86,7 +86,7 @@ def test_a_film_that_fails_leaves_nothing(can_draw, coarse_run, tmp_path, monkey
 
 def test_the_command_on_a_machine_that_cannot_draw_exits_2(monkeypatch, capsys):
     def crash(command):
-        raise UsageError(trouble("the renderer crashed"))
+        raise UsageError(rendering_failure("the renderer crashed"))
 
     monkeypatch.setattr("fem.pictures.drawing_process.run_apart", crash)
     monkeypatch.setattr("fem.commands.render_fem.hear_termination", lambda: None)

@@ -15,7 +15,7 @@ from matplotlib.colors import Colormap
 from PIL import Image
 
 from fem.errors import UsageError
-from fem.pictures.drawing_process import trouble
+from fem.pictures.drawing_process import rendering_failure
 
 os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")  # no warning without display
 
@@ -139,7 +139,7 @@ class Canvas:
         self._plotter.render()
         pixels = np.ascontiguousarray(self._plotter.screenshot(return_img=True)[..., :3])
         if pixels.min() == pixels.max():
-            raise UsageError(trouble("the picture is blank"))
+            raise UsageError(rendering_failure("the picture is blank"))
         return np.asarray(Image.fromarray(pixels).reduce(self._finer))
 
     def __enter__(self) -> "Canvas":

@@ -50,11 +50,11 @@ def check_rendering() -> None:
         probe = [sys.executable, "-P", "-c", PROBE]  # -P: nothing is imported from the current folder
         done = subprocess.run(probe, env=environment, capture_output=True, text=True, timeout=PATIENCE)
     except subprocess.TimeoutExpired:
-        raise UsageError(trouble(f"a trial picture was not finished in {PATIENCE:.0f} s")) from None
+        raise UsageError(rendering_failure(f"a trial picture was not finished in {PATIENCE:.0f} s")) from None
     except OSError as error:
-        raise UsageError(trouble(f"a trial could not be started: {error.strerror}")) from None
+        raise UsageError(rendering_failure(f"a trial could not be started: {error.strerror}")) from None
     if done.returncode != 0:
-        raise UsageError(trouble(_reason(done)))
+        raise UsageError(rendering_failure(_reason(done)))
 
 
 def _reason(done: subprocess.CompletedProcess) -> str:
@@ -64,7 +64,7 @@ def _reason(done: subprocess.CompletedProcess) -> str:
     return f"a trial picture failed (exit {done.returncode})" + (f": {said[-1].strip()[:200]}" if said else "")
 
 
-def trouble(reason: str) -> str:
+def rendering_failure(reason: str) -> str:
     """Say why nothing can be drawn, and what cures it."""
     return f"this machine can't draw off-screen ({reason}); install the system libraries:\n{CURE}"
 
@@ -98,5 +98,5 @@ def run_apart(command: Callable[[], None]) -> int:
             os.kill(process.pid, signal.SIGTERM if isinstance(error, Terminated) else signal.SIGINT)
     code = process.exitcode
     if code in CRASHES:
-        raise UsageError(trouble("the renderer crashed: OpenGL libraries are missing"))
+        raise UsageError(rendering_failure("the renderer crashed: OpenGL libraries are missing"))
     return code if code >= 0 else 128 - code

@@ -54,12 +54,11 @@ def fields(instant: Instant) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     model, found = instant.model, global_fields(instant.model, instant)
     inner, outer, disc = model.inner_ring, model.outer_ring, model.roller
     rollers = rotated(disc.points[None], instant.roller_turn[:, None]) + instant.centres[:, None]
-    points = np.concatenate(
-        [rotated(inner.points, instant.ring_turn) + instant.hub, outer.points, rollers.reshape(-1, 2)]
-    )
-    names = ("inner_ring", "outer_ring", "roller")
-    displacement = np.concatenate([found[name][0].reshape(-1, 2) for name in names])
-    stress = np.concatenate([found[name][1].reshape(-1, 3) for name in names])
+    turned_ring = rotated(inner.points, instant.ring_turn) + instant.hub
+    points = np.concatenate([turned_ring, outer.points, rollers.reshape(-1, 2)])
+    bodies = [found[name] for name in ("inner_ring", "outer_ring", "roller")]
+    displacement = np.concatenate([moved.reshape(-1, 2) for moved, _ in bodies])
+    stress = np.concatenate([strained.reshape(-1, 3) for _, strained in bodies])
     count = [len(inner.points), len(outer.points), instant.roller_turn.size * len(disc.points)]
     poisson = np.repeat([body.material.poisson_ratio for body in (inner, outer, disc)], count)
     tensor = np.zeros((len(points), 3, 3))

@@ -33,18 +33,14 @@ def draw_legend(canvas: Canvas, instant: Instant, look: Look, force_colour: str)
     y = _lines(page, BAR[0] - 0.12, scale_notes(instant, look.scale))
     y = _heading(page, f"Displacement × {look.magnification:g}", y)
     x, y_hub = (signed(round(1e6 * value, 2)) for value in instant.hub)
-    bore = instant.scene.mounting().bore
+    bore, clearance = instant.scene.mounting().bore, 2.0 * instant.model.bearing.radial_clearance
     facts = [f"hub (dot): x = {x}, y = {y_hub} µm"]
     facts.append(f"from the {'outer ring' if bore is None else 'bore'}'s centre (cross)")
-    if bore is not None:
-        name = "play in the bore" if bore.clearance >= 0.0 else "press fit"
-        facts.append(f"{name} {1e6 * abs(bore.clearance):.3g} µm, magnified too")
-    clearance = 2e6 * instant.model.bearing.radial_clearance
-    if abs(clearance) > 1e-6:
-        name = "clearance" if clearance > 0.0 else "preload"
-        facts.append(f"{name} {abs(clearance):.3g} µm, magnified too")
-    facts += _surface_notes(instant)
-    y = _lines(page, y, facts)
+    gaps = [] if bore is None else [("play in the bore" if bore.clearance >= 0.0 else "press fit", bore.clearance)]
+    if abs(clearance) > 1e-12:
+        gaps.append(("clearance" if clearance > 0.0 else "preload", clearance))
+    facts += [f"{name} {1e6 * abs(gap):.3g} µm, magnified too" for name, gap in gaps]
+    y = _lines(page, y, facts + _surface_notes(instant))
     y = _heading(page, "Contact force on the rollers", y)
     largest = max(instant.inner_force.max(), instant.outer_force.max(), instant.roller_force.max())
     if largest > 0.0:
@@ -136,13 +132,9 @@ def signed(value: float) -> str:
 
 def hertz(instant: Instant) -> str:
     """The largest Hertz pressure of all contacts and where it is."""
-    forces = zip(
-        instant.model.laws,
-        (instant.inner_force, instant.outer_force, instant.roller_force),
-        ("inner", "outer", "next"),
-        strict=True,
-    )
-    found = [(law.pair.peak_pressure(float(force.max())), int(force.argmax()), kind) for law, force, kind in forces]
+    forces = instant.inner_force, instant.outer_force, instant.roller_force
+    contacts = zip(instant.model.laws, forces, ("inner", "outer", "next"), strict=True)
+    found = [(law.pair.peak_pressure(float(force.max())), int(force.argmax()), kind) for law, force, kind in contacts]
     pressure, roller, kind = max(found, key=lambda item: item[0])
     place = f" (roller {roller}, {kind})" if pressure > 0.0 else ""
     return f"p₀ = {1e-6 * pressure:.0f} MPa{place}"

@@ -7,6 +7,7 @@ single precision: 1e-7 of a micrometre's displacement is far below any wave. Roo
 
 import zlib
 from math import prod
+from typing import NamedTuple
 
 import h5py
 import numpy as np
@@ -19,70 +20,80 @@ from lagrange.files.hdf5 import CHECKSUM, Damaged, check_array, has
 GROUP = "fields"
 BODIES = ("roller", "inner_ring", "outer_ring")
 COMPONENTS = {"component": 2, "stress_component": 3}
-FRAME = {  # what a frame writes: the dimensions after time
-    "time": (),
-    "sample": (),
-    "roller_turn": ("roller",),
-    CHECKSUM: (),
+NO_SAMPLE = 2**63 - 1  # of a frame that has not been written
+
+
+class FrameVariable(NamedTuple):
+    """What a frame writes."""
+
+    dimensions: tuple[str, ...]  # after time
+    dtype: str
+    unit: str
+    meaning: str
+    fill: float | None = None
+
+
+FRAME = {
+    "time": FrameVariable((), "<f8", "s", "time of the frame", np.nan),
+    "sample": FrameVariable((), "<i8", "1", "number of the frame's sample", NO_SAMPLE),
+    CHECKSUM: FrameVariable(
+        (), "<i8", "1", "CRC-32 of the frame's other variables, one after the other by name, little-endian"
+    ),
+    "roller_turn": FrameVariable(("roller",), "<f8", "rad", "turn of the roller's mesh"),
     **{
-        f"{body}_{field}": (*(("roller",) if body == "roller" else ()), f"{body}_node", component)
+        f"{body}_{field}": FrameVariable(
+            (*(("roller",) if body == "roller" else ()), f"{body}_node", component),
+            "<f4", unit, f"{field} of the {body.replace('_', ' ')}",
+        )
         for body in BODIES
-        for field, component in (("displacement", "component"), ("stress", "stress_component"))
+        for field, component, unit in (("displacement", "component", "m"), ("stress", "stress_component", "Pa"))
     },
-}
+}  # fmt: skip
 LARGEST = 1e18  # SI: far above any stress and turn; squares are still numbers
 LARGEST_FRAME = 10_000_000  # numbers: more than there are in meshes of a million nodes
-NO_SAMPLE = 2**63 - 1  # of a frame that has not been written
 
 
 def lay_out(file: h5py.File, model: Model, capacity: int) -> list[str]:
     """Make the group `fields` with room for so many frames; the names of what a frame writes, see `stored_values`."""
-    n = model.bearing.n_rollers
     group = file.create_group(GROUP)
     group.attrs["long_name"] = "displacement from the rigid motion and stress of the meshes, fixed axes"
-    _new(group, "time", (capacity,), "<f8", "s", "time of the frame", fill=np.nan)
-    group["time"].make_scale("time")
-    for name, count, words in (("component", 2, "x, y"), ("stress_component", 3, "xx, yy, xy")):
-        _dimension(group, name, count, words)
-    _new(group, "sample", (capacity,), "<i8", "1", "number of the frame's sample", group["time"], fill=NO_SAMPLE)
-    words = "CRC-32 of the frame's other variables, one after the other by name, little-endian"
-    _new(group, CHECKSUM, (capacity,), "<i8", "1", words, group["time"])
-    _new(group, "roller_turn", (capacity, n), "<f8", "rad", "turn of the roller's mesh", group["time"], file["roller"])
-    names = ["time", "sample", "roller_turn", CHECKSUM]
+    scales = {"roller": file["roller"]}
+    sizes = [("component", 2, "x, y"), ("stress_component", 3, "xx, yy, xy")]
     for name in BODIES:
-        body = getattr(model, name)
-        words = name.replace("_", " ")
-        _dimension(group, f"{name}_node", len(body.points), f"node of the {words}'s mesh")
-        _dimension(group, f"{name}_cell", len(body.cells), f"cell of the {words}'s mesh")
-        _dimension(group, f"{name}_corner", body.cells.shape[1], "corner of a cell")
-        node = group[f"{name}_node"]
+        body, words = getattr(model, name), name.replace("_", " ")
+        sizes.append((f"{name}_node", len(body.points), f"node of the {words}'s mesh"))
+        sizes.append((f"{name}_cell", len(body.cells), f"cell of the {words}'s mesh"))
+        sizes.append((f"{name}_corner", body.cells.shape[1], "corner of a cell"))
+    for name, count, meaning in sizes:
+        scales[name] = scale = group.create_dataset(name, data=np.arange(count))
+        scale.attrs["units"], scale.attrs["long_name"] = "1", meaning
+        scale.make_scale(name)
+    for name in BODIES:
+        body, words = getattr(model, name), name.replace("_", " ")
         points = group.create_dataset(f"{name}_points", data=body.points)
         points.attrs["units"], points.attrs["long_name"] = "m", f"nodes of the {words}'s mesh, undeformed, turn 0"
-        _attach(points, node, group["component"])
+        _attach(points, scales[f"{name}_node"], scales["component"])
         cells = group.create_dataset(f"{name}_cells", data=body.cells)
         cells.attrs["long_name"] = f"corner nodes of the {words}'s cells"
-        _attach(cells, group[f"{name}_cell"], group[f"{name}_corner"])
-        front, scales = ((n,), (file["roller"],)) if name == "roller" else ((), ())
-        for field, component, units in (("displacement", "component", "m"), ("stress", "stress_component", "Pa")):
-            shape = (capacity, *front, len(body.points), len(group[component]))
-            _new(
-                group, f"{name}_{field}", shape, "<f4", units, f"{field} of the {words}",
-                group["time"], *scales, node, group[component],
-            )  # fmt: skip
-            names.append(f"{name}_{field}")
-    return [f"{GROUP}/{name}" for name in names]
+        _attach(cells, scales[f"{name}_cell"], scales[f"{name}_corner"])
+    for name, about in FRAME.items():
+        own = [scales[dimension] for dimension in about.dimensions]
+        variable = new_block(group, name, (capacity, *map(len, own)), about.dtype, about.fill)
+        variable.attrs["units"], variable.attrs["long_name"] = about.unit, about.meaning
+        if name == "time":
+            variable.make_scale("time")
+        else:
+            _attach(variable, group["time"], *own)
+    return [f"{GROUP}/{name}" for name in FRAME]
 
 
 def stored_values(model: Model, frame: Frame) -> dict[str, bytes]:
     """What a frame writes, by the names `lay_out` gives."""
-    values = {
-        "time": np.array(frame.time, dtype="<f8"),
-        "sample": np.array(frame.sample, dtype="<i8"),
-        "roller_turn": np.asarray(frame.roller_turn, dtype="<f8"),
-    }
+    found = {"time": frame.time, "sample": frame.sample, "roller_turn": frame.roller_turn}
     for name, (displacement, stress) in global_fields(model, frame).items():
-        values |= {f"{name}_displacement": displacement.astype("<f4"), f"{name}_stress": stress.astype("<f4")}
-    values[CHECKSUM] = np.array(_checksum(values), dtype="<i8")
+        found |= {f"{name}_displacement": displacement, f"{name}_stress": stress}
+    values = {name: np.asarray(value, dtype=FRAME[name].dtype) for name, value in found.items()}
+    values[CHECKSUM] = np.array(_checksum(values), dtype=FRAME[CHECKSUM].dtype)
     return {f"{GROUP}/{name}": value.tobytes() for name, value in values.items()}
 
 
@@ -91,18 +102,6 @@ def _checksum(values: dict[str, np.ndarray]) -> int:
     for name in sorted(values):
         found = zlib.crc32(values[name].tobytes(), found)
     return found
-
-
-def _dimension(group, name: str, count: int, long_name: str) -> None:
-    scale = group.create_dataset(name, data=np.arange(count))
-    scale.attrs["units"], scale.attrs["long_name"] = "1", long_name
-    scale.make_scale(name)
-
-
-def _new(group, name: str, shape, dtype: str, units: str, long_name: str, *scales, fill=None) -> None:
-    variable = new_block(group, name, shape, dtype, fill)
-    variable.attrs["units"], variable.attrs["long_name"] = units, long_name
-    _attach(variable, *scales)
 
 
 def _attach(variable, *scales) -> None:
@@ -180,9 +179,8 @@ def _check_field(file: h5py.File, name: str, count: int, model: Model | None) ->
     ------
     Damaged.
     """
-    path, dimensions = f"{GROUP}/{name}", FRAME[name]
-    kinds = "i" if name in ("sample", CHECKSUM) else "f"
-    check_array(file, path, count, kinds=kinds, dimensions=(1 + len(dimensions),))
+    path, dimensions = f"{GROUP}/{name}", FRAME[name].dimensions
+    check_array(file, path, count, kinds=FRAME[name].dtype[1], dimensions=(1 + len(dimensions),))
     shape = file[path].shape[1:]
     if model is None:
         wanted = tuple(COMPONENTS.get(dimension, size) for dimension, size in zip(dimensions, shape, strict=True))

@@ -24,15 +24,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lagrange.bearing import Bearing, Cage
 from lagrange.contact.raceway_laws import law_names
 from lagrange.equations import Overlaps, approaches, contact_resultant, error_forces
 from lagrange.load_history import load_share
-from residual.fitted_laws import DampedLaw, Identification, Law, inner_law, law_force, spring_and_damper
+from residual.fitted_laws import Identification, Law, inner_law, law_force, spring_and_damper
 from residual.record import CageMotion, Record
 from residual.spectrum import Statistics, rms
 
-Term = tuple[np.ndarray | None, np.ndarray | None]  # of x and y, (n_times,), N; None where the source does not tell it
+# terms that the run's own forces account for: without them the error is the momentum balance
+ACCOUNTED = ("contact_law", "damping", "friction", "cage", "load_and_weight")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +45,7 @@ class Accelerations:
 
     @property
     def whole(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of the hub in the fixed frame."""
+        """Accelerations of the hub in the fixed frame."""
         pairs = zip(self.hub, self.outer_ring, strict=True)
         x, y = (hub if moved is None else hub + moved for hub, moved in pairs)
         return x, y
@@ -80,27 +80,6 @@ class Budget:
         return [name for name, x in self.x.terms.items() if np.any(x) or np.any(self.y.terms[name])]
 
 
-def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.ndarray]:
-    """Sum the tangential forces on the inner ring: x and y components, N, each (n_times,).
-
-    `traction`, (n_times, n_rollers), N, acts on the roller along t = (−n_y, n_x), n pointing from the inner
-    ring's centre to the roller's; the ring feels the opposite.
-    """
-    outward_x, outward_y = -contacts.direction_x, -contacts.direction_y
-    return (
-        np.sum(traction * outward_y, axis=1),
-        np.sum(-traction * outward_x, axis=1),
-    )
-
-
-def missing_load(record: Record) -> tuple[np.ndarray, np.ndarray]:
-    """Load of (22), and of (23), that does not act yet during the ramp of a start from rest, N, each (n_times,)."""
-    numerics, acting = record.scene.numerics, record.acting
-    ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
-    missing = 1.0 - load_share(record.time, ramp)
-    return -acting.side_load * missing, acting.radial_load * missing
-
-
 def error_budget(record: Record, law: Law, accelerations: Accelerations, closing_speed) -> Budget:
     """Split the error forces that a contact law leaves into their terms.
 
@@ -112,101 +91,98 @@ def error_budget(record: Record, law: Law, accelerations: Accelerations, closing
     ------
     The terms add up to the error to round-off, about 1e-12 of the load.
     """
-    operation = record.acting
-    contacts = record.contacts
+    contacts, shaft, held = record.contacts, record.operation.mounting.shaft, (0.0, 0.0)
     spring, damper = spring_and_damper(law, contacts.inner, closing_speed, contacts.inner_compliance)
     force = spring + damper
-    contacts = contacts.under(spring)  # an edge gives way under the spring, which its compliance is in series with
-    law_push = contact_resultant(contacts, force)
-    held, shaft = _held_by_shaft(record, accelerations)
-    errors = error_forces(operation, *accelerations.whole, *law_push, held)
+    contacts = contacts.under(spring)  # the spring alone deforms an edge, whose compliance is in series with it
+    if shaft is not None:
+        x, y = (shaft.force(place, v) for place, v in zip(record.hub, accelerations.velocity, strict=True))
+        held = x, y
+    errors = error_forces(record.acting, *accelerations.whole, *contact_resultant(contacts, force), held)
     if record.inner_force is None:
         x, y = (DirectionBudget(error=error, terms={}, momentum=None) for error in errors)
         loaded = contacts.inner > 0.0
     else:
-        friction: Term = (None, None)
-        cage: Term = (None, None)
-        damping: Term = (None, None)
-        differentiation, outer_ring = _differentiation(record, accelerations)
-        run_spring = record.inner_force
-        run_damper: np.ndarray | float = 0.0
-        if record.inner_damping_force is not None:
-            run_spring, run_damper = record.inner_force - record.inner_damping_force, record.inner_damping_force
-        if record.inner_damping_force is not None or isinstance(law, DampedLaw):
-            damping = contact_resultant(contacts, run_damper - damper)
-        laws = contact_resultant(contacts, run_spring - spring)
-        if record.inner_traction is not None:
-            circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
-            friction = traction_resultant(circles, record.inner_traction)
-            friction, cage = _cage_apart(record, circles, friction)
-        load = missing_load(record)
+        inertia = (_inertia_terms(record, accelerations, i) for i in range(2))
+        forces = _force_terms(record, contacts, spring, damper)
         rest = "ring_flexibility" if record.attributes else "other_forces"
-        pairs = {
-            "differentiation": differentiation, "outer_ring": outer_ring, "shaft": shaft, "contact_law": laws,
-            "damping": damping, "friction": friction, "cage": cage, "load_and_weight": load,
-        }  # fmt: skip
         x, y = (
-            _split(error, {name: pair[axis] for name, pair in pairs.items()}, rest) for axis, error in enumerate(errors)
+            _split(error, known | {name: pair[i] for name, pair in forces.items()}, rest)
+            for i, (error, known) in enumerate(zip(errors, inertia, strict=True))
         )
         loaded = record.inner_force > 0.0
     return Budget(x=x, y=y, law_force=force, contacts=contacts, closing_speed=closing_speed, loaded=loaded)
 
 
-def _cage_apart(record: Record, circles: Overlaps, friction: Term) -> tuple[Term, Term]:
-    """Terms of friction and of the cage, x and y each, from the resultant of all tractions; no cage's are None."""
-    if record.cage is None:
-        return friction, (None, None)
-    pushed = push_on_hub(record.cage, record.scene.ideal_cage())
+def _inertia_terms(record: Record, accelerations: Accelerations, i: int) -> dict[str, np.ndarray]:
+    """Terms along x (0) or y (1), N, of what differs between our accelerations and velocities and the integrator's."""
+    axis, mass, shaft = "xy"[i], record.operation.inner_mass, record.operation.mounting.shaft
+    own, own_ring, velocity = (getattr(record, f"{name}{axis}") for name in ("inner_a", "outer_ring_a", "inner_v"))
+    hub, ring = accelerations.hub[i], accelerations.outer_ring[i]
+    found = {}
+    if own is not None and ring is not None and own_ring is not None:
+        found = {"differentiation": mass * (hub - (own - own_ring)), "outer_ring": mass * (ring - own_ring)}
+    elif own is not None:
+        found = {"differentiation": mass * (accelerations.whole[i] - own)}
+    if shaft is not None and velocity is not None:
+        found["shaft"] = shaft.damping * (accelerations.velocity[i] - velocity)
+    return found
+
+
+def _force_terms(record: Record, contacts: Overlaps, spring, damper) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Terms of forces along x and y, N; without those of which the source holds no data."""
+    run_spring, run_damper = record.inner_force, record.inner_damping_force
+    if run_damper is not None:
+        run_spring = run_spring - run_damper
+    found = {"contact_law": contact_resultant(contacts, run_spring - spring)}
+    if run_damper is not None or isinstance(damper, np.ndarray):
+        found["damping"] = contact_resultant(contacts, (0.0 if run_damper is None else run_damper) - damper)
+    if record.inner_traction is not None:
+        circles = approaches(record.bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
+        found["friction"] = traction_resultant(circles, record.inner_traction)
+        if record.cage is not None:
+            found |= _cage_terms(record, record.cage, circles, found["friction"])
+    numerics, acting = record.scene.numerics, record.acting
+    ramp = 1e-3 * numerics.load_ramp_ms if numerics.start == "rest" else 0.0
+    missing = 1.0 - load_share(record.time, ramp)
+    return found | {"load_and_weight": (-acting.side_load * missing, acting.radial_load * missing)}
+
+
+def traction_resultant(contacts: Overlaps, traction) -> tuple[np.ndarray, np.ndarray]:
+    """Sum the tangential forces on the inner ring: x and y components, N, each (n_times,).
+
+    `traction`, (n_times, n_rollers), N, acts on the roller along t = (−n_y, n_x), n pointing from the inner
+    ring's centre to the roller's; on the ring acts the opposite.
+    """
+    outward_x, outward_y = -contacts.direction_x, -contacts.direction_y
+    return np.sum(traction * outward_y, axis=1), np.sum(-traction * outward_x, axis=1)
+
+
+def _cage_terms(record: Record, cage: CageMotion, circles: Overlaps, tractions) -> dict:
+    """Terms of friction and of the cage from the resultant of all tractions, x and y, N.
+
+    A roller's equations of motion along the pitch circle and about its centre give its two tractions from its inertia,
+    the cage's force F and moment M: of the inner one F and M take −½ (F − M/radius).
+    """
+    facts, still = record.scene.ideal_cage(), np.zeros_like(cage.x)
+    guided = facts is not None and facts.guidance == "inner_ring"
+    push = (-cage.guidance_x, -cage.guidance_y) if guided else (still, still)
     if record.scene.model == "lagrange":  # its raceways do not rub, and pockets' forces move rollers alone
-        return friction, pushed
-    against = traction_resultant(circles, traction_against(record.cage, record.bearing))
-    rest = tuple(all_of_it - part for all_of_it, part in zip(friction, against, strict=True))
-    return rest, tuple(part + push for part, push in zip(against, pushed, strict=True))
+        return {"cage": push}
+    against = traction_resultant(circles, -0.5 * (cage.force - cage.moment / record.bearing.roller_radius))
+    return {
+        "friction": tuple(whole - part for whole, part in zip(tractions, against, strict=True)),
+        "cage": tuple(part + force for part, force in zip(against, push, strict=True)),
+    }
 
 
-def _held_by_shaft(record: Record, accelerations: Accelerations):
-    """Force of the shaft's springs and dashpots on the hub, N, and what it errs by as our velocity does; each for x and
-    y, the latter None where the source holds no velocities or nothing holds the shaft."""
-    shaft = record.operation.mounting.shaft
-    if shaft is None:
-        return (0.0, 0.0), (None, None)
-    own = record.inner_vx, record.inner_vy
-    force = tuple(shaft.force(x, v) for x, v in zip(record.hub, accelerations.velocity, strict=True))
-    err = (
-        None if told is None else shaft.damping * (found - told)
-        for found, told in zip(accelerations.velocity, own, strict=True)
-    )
-    return force, tuple(err)
-
-
-def _differentiation(record: Record, accelerations: Accelerations):
-    """M times what our accelerations differ by from the integrator's, N: of the hub relative to the outer ring, and of
-    the outer ring; each for x and y, None where the source holds none."""
-    mass = record.operation.inner_mass
-    hub: list[np.ndarray | None] = []
-    outer_ring: list[np.ndarray | None] = []
-    own = (record.inner_ax, record.outer_ring_ax), (record.inner_ay, record.outer_ring_ay)
-    for whole, ours, moved, (inner, outer) in zip(
-        accelerations.whole, accelerations.hub, accelerations.outer_ring, own, strict=True
-    ):
-        if inner is None or moved is None or outer is None:
-            hub.append(None if inner is None else mass * (whole - inner))
-            outer_ring.append(None)
-        else:
-            hub.append(mass * (ours - (inner - outer)))
-            outer_ring.append(mass * (moved - outer))
-    return hub, outer_ring
-
-
-def _split(error, known: dict[str, np.ndarray | None], rest: str) -> DirectionBudget:
-    """Budget of one direction. Terms for which the source holds no data are None; the term `rest` takes them over."""
-    terms = {name: term for name, term in known.items() if term is not None}
+def _split(error, terms: dict[str, np.ndarray], rest: str) -> DirectionBudget:
+    """Budget of one direction; its term `rest` is what the others leave of the error."""
     momentum = error
-    for name in ("contact_law", "damping", "friction", "cage", "load_and_weight"):
+    for name in ACCOUNTED:
         if name in terms:
             momentum = momentum - terms[name]
-    terms[rest] = error - sum(terms.values())
-    return DirectionBudget(error=error, terms=terms, momentum=momentum)
+    return DirectionBudget(error=error, terms={**terms, rest: error - sum(terms.values())}, momentum=momentum)
 
 
 def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
@@ -215,22 +191,6 @@ def near_contact_change(loaded: np.ndarray, reach: int) -> np.ndarray:
     change[1:] = np.any(loaded[1:] != loaded[:-1], axis=1)
     kernel = np.ones(2 * reach + 1)
     return np.convolve(change, kernel, mode="same") > 0.5
-
-
-def traction_against(cage: CageMotion, bearing: Bearing) -> np.ndarray:
-    """Part of the inner raceway's tractions that stands against the cage's forces on rollers, N, (n_times, n_rollers).
-
-    A roller's equations of motion along the pitch circle and about its centre give its two tractions from its inertia,
-    the cage's force F and moment M: of the inner one F and M take −½ (F − M/radius).
-    """
-    return -0.5 * (cage.force - cage.moment / bearing.roller_radius)
-
-
-def push_on_hub(cage: CageMotion, facts: Cage | None) -> tuple[np.ndarray, np.ndarray]:
-    """Force of the cage on the hub that guides it, N, x and y, each (n_times,)."""
-    if facts is None or facts.guidance != "inner_ring":
-        return np.zeros_like(cage.x), np.zeros_like(cage.x)
-    return -cage.guidance_x, -cage.guidance_y
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -256,20 +216,16 @@ def rank_laws(record: Record, budget: Budget, identified: dict[str, Identificati
     """
     laws = {name: inner_law(name, record) for name in law_names(record.bearing)}
     laws |= {name: found.law for name, found in identified.items()}
-    first = max((found.samples for found in identified.values()), default=0)
-    late = slice(first, None)
-    directions = (budget.x, budget.y)
-    resultant = contact_resultant(budget.contacts, budget.law_force)
-    inertia_and_load = [direction.error + push for direction, push in zip(directions, resultant, strict=True)]
-    run_force = None if record.inner_force is None else record.inner_force[late]
-    scores = []
+    late = slice(max((found.samples for found in identified.values()), default=0), None)
+    contacts = budget.contacts
+    resultant = contact_resultant(contacts, budget.law_force)
+    inertia_and_load = [d.error + push for d, push in zip((budget.x, budget.y), resultant, strict=True)]
+    run_force = np.zeros(0) if record.inner_force is None else record.inner_force[late]
+    closed, scores = run_force > 0.0, []
     for name, law in laws.items():
-        contacts = budget.contacts
         force = law_force(law, contacts.inner, budget.closing_speed, contacts.inner_compliance)
-        pushes = contact_resultant(budget.contacts, force)
-        contact_rms = None
-        if run_force is not None and np.any(run_force > 0.0):
-            contact_rms = rms((run_force - force[late])[run_force > 0.0])
+        pushes = contact_resultant(contacts, force)
+        contact_rms = rms((run_force - force[late])[closed]) if closed.any() else None
         error_x, error_y = (Statistics.of((i - p)[late]) for i, p in zip(inertia_and_load, pushes, strict=True))
         scores.append(LawScore(name=name, errors=(error_x, error_y), contact_rms=contact_rms))
     return sorted(scores, key=lambda score: score.rms)

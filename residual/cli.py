@@ -73,8 +73,11 @@ def _command(
     ] = (),
     order: Annotated[Literal[4, 6, 8], Parameter(help="order of the differentiation")] = 6,
     tolerance: Annotated[float | None, Parameter(help="newtons rms; exit 1 if either error exceeds it")] = None,
-    find_faults: Annotated[
-        bool, Parameter(negative="", help="look for a spall in the trajectories: body, angle, width, or none")
+    search: Annotated[
+        bool,
+        Parameter(
+            name="--find-faults", negative="", help="look for a spall in the trajectories: body, angle, width, or none"
+        ),
     ] = False,
     no_figures: Annotated[bool, Parameter(negative="", help="draw no figures, most of a report's time")] = False,
     no_equations: Annotated[
@@ -96,29 +99,35 @@ def _command(
 ) -> int:
     from lagrange.messages import say, telling
     from residual.evaluation import evaluate
+    from residual.fault_finding import find_faults
     from residual.printing import print_summary
     from residual.store import check_replaceable, write_report
     from residual.summary import ReportOptions
 
-    _check_number("--start", start, "ms")
-    _check_number("--tolerance", tolerance, "N")
+    for option, value, unit in (("--start", start, "ms"), ("--tolerance", tolerance, "N")):
+        if value is not None and not 0.0 <= value < float("inf"):
+            raise InputError(f"{option} {value:g}: must be a number of {unit} >= 0")
+    seconds = None if start is None else 1e-3 * start
     path = run if run is not None else _newest()
     record = _read(path, scene, resample)
     folder = output if output is not None else path.with_name(f"{path.stem}-residual")
     _check_law(law, record.bearing)
     check_replaceable(folder)
-    evaluation = evaluate(record, law, None if start is None else 1e-3 * start, order, line)
-    search = _search(evaluation.record) if find_faults else None
+    evaluation = evaluate(record, law, seconds, order, line)
+    found = find_faults(evaluation.record) if search else None
     for note in evaluation.notes:
         say(f"warning: {path}: {note}")
-    other = None if against is None else _other(against, record, (law, start, order), (scene, resample))
+    other = None
+    if against is not None:
+        compared, its_law = _compared(against, record, law, (scene, resample))
+        other = evaluate(compared, its_law, seconds, order)
     if no_equations and other is not None and other.record.source == record.source:
         raise InputError(
             f"--against {against}: laws of one run differ in their error forces, which --no-equations leaves out; "
             "leave either option out"
         )
     options = ReportOptions(
-        tolerance=tolerance, search=search, figures=not no_figures, equations=not no_equations, exports=export,
+        tolerance=tolerance, search=found, figures=not no_figures, equations=not no_equations, exports=export,
         other=other,
     )  # fmt: skip
     write_report(evaluation, folder, options)
@@ -128,47 +137,35 @@ def _command(
     return 1 if evaluation.fails(tolerance) else 0
 
 
-def _search(record):
-    """Search for a spall."""
-    from residual.fault_finding import find_faults
-
-    return find_faults(record)
-
-
-def _other(against: str, record, check: tuple, source: tuple):
-    """Evaluate what the run is compared with: the same run with another law, or another run.
-
-    `check`: law, start in ms and order; `source`: scene and whether to resample.
-    """
+def _laws(bearing) -> tuple[list[str], tuple[str, ...]]:
+    """Names of the laws for a bearing's rolling elements, and others that they have."""
     from lagrange.contact.raceway_laws import law_names
-    from residual.evaluation import evaluate
     from residual.fitted_laws import ALIASES, FITTED
 
-    law, start, order = check
-    seconds = None if start is None else 1e-3 * start
-    if against in (*law_names(record.bearing), *FITTED, *ALIASES):
-        return evaluate(record, against, seconds, order)
+    return [*law_names(bearing), *FITTED], ALIASES
+
+
+def _compared(against: str, record, law: str | None, source: tuple) -> tuple:
+    """Record and law that the run is compared with: itself with another law, or another run, by scene and resampling.
+
+    Errors
+    ------
+    InputError: neither a law nor a file.
+    """
+    known, aliases = _laws(record.bearing)
+    if against in (*known, *aliases):
+        return record, against
     if not Path(against).exists():
-        known = ", ".join((*law_names(record.bearing), *FITTED))
-        raise InputError(f"--against {against}: neither a file nor a contact law; laws are {known}")
+        raise InputError(f"--against {against}: neither a file nor a contact law; laws are {', '.join(known)}")
     other = _read(Path(against), *source)
     _check_law(law, other.bearing)
-    return evaluate(other, law, seconds, order)
-
-
-def _check_number(option: str, value: float | None, unit: str) -> None:
-    """Refuse an option's number that is negative or not finite."""
-    if value is not None and not 0.0 <= value < float("inf"):
-        raise InputError(f"{option} {value:g}: must be a number of {unit} >= 0")
+    return other, law
 
 
 def _check_law(law: str | None, bearing) -> None:
     """Refuse a law that is not known for the bearing's rolling elements."""
-    from lagrange.contact.raceway_laws import law_names
-    from residual.fitted_laws import ALIASES, FITTED
-
-    known = (*law_names(bearing), *FITTED)
-    if law is not None and law not in (*known, *ALIASES):
+    known, aliases = _laws(bearing)
+    if law is not None and law not in (*known, *aliases):
         raise InputError(f"--law {law}: unknown; known are {', '.join(known)}")
 
 

@@ -219,6 +219,7 @@ def evaluate(
     budget = error_budget(used, law, accelerations, closing_speed)
     ideal = kinematics(record.bearing, used.mean_speed)
     lines = {} if used.varies_speed else kinematic_lines(_observed(ideal, used))
+    slowest = min(lines.values(), default=0.0)  # Hz
     tracking = tracking_of(used)
     notes += _speed_notes(used, tracking)
     far = ~near_contact_change(budget.loaded, order // 2)
@@ -226,13 +227,14 @@ def evaluate(
     resonances = _resonances(used, law if own is None else own.law, budget)  # a law may be a tenth too soft
     noise = NOISE * _largest_force(used, budget)
     central = slice(max(0, order // 2 - first), used.time.size - order // 2)  # where stencils are
+    bodies = measured(used, accelerations)
 
-    def direction(
-        name: str, part: DirectionBudget, motion: np.ndarray, body: str, acceleration: np.ndarray, resonance: float
-    ) -> Direction:
-        spectrum = power_spectrum(part.error, interval, _slowest(lines))
+    def direction(i: int) -> Direction:
+        part, motion, resonance = (budget.x, budget.y)[i], (used.inner_x, used.inner_y)[i], resonances[i]
+        body, acceleration = bodies[i]
+        spectrum = power_spectrum(part.error, interval, slowest)
         return Direction(
-            name=name,
+            name="xy"[i],
             budget=part,
             error=Statistics.of(part.error),
             away=Statistics.of(part.error[far]) if far.sum() >= FEWEST_SAMPLES else None,
@@ -242,24 +244,18 @@ def evaluate(
             peaks=named_peaks(find_peaks(spectrum, lines), spectrum, lines, resonance, noise),
             levels=line_levels(spectrum, lines),
             resonance=resonance,
-            envelope=envelope(part.error, interval, resonance, _slowest(lines)),
-            term_spectra={name: power_spectrum(term, interval, _slowest(lines)) for name, term in part.terms.items()},
+            envelope=envelope(part.error, interval, resonance, slowest),
+            term_spectra={name: power_spectrum(term, interval, slowest) for name, term in part.terms.items()},
             vibration=vibration(acceleration, interval, lines, body),
             orders=None if tracking is None else order_spectra(tracking, part.error, motion, acceleration),
         )
 
-    x, y = (
-        direction(name, part, place, body, acceleration, resonance)
-        for name, part, place, (body, acceleration), resonance in zip(
-            "xy", (budget.x, budget.y), (used.inner_x, used.inner_y), measured(used, accelerations), resonances,
-            strict=True,
-        )
-    )  # fmt: skip
+    x, y = map(direction, range(2))
     watched = [(watched_level(x.spectrum, name, lines), watched_level(y.spectrum, name, lines)) for name in watch]
-    notes += [_unresolved_note(level, x.spectrum.resolution) for level, _ in watched if not level.resolved]
+    notes += [level.unresolved_note(x.spectrum.resolution) for level, _ in watched if not level.resolved]
     notes += rate_notes(max(resonances), interval, order)
-    parts = stationarity(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
-    notes += [] if parts is None or parts.note is None else [parts.note]
+    settled = stationarity(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
+    notes += [] if settled is None or settled.note is None else [settled.note]
     floors = used.operation.inner_mass * x.floor.total, used.operation.inner_mass * y.floor.total
     force = budget.law_force if used.inner_force is None else used.inner_force
     reference = reference_force(used.load, force)
@@ -267,11 +263,14 @@ def evaluate(
     notes += [coarse.note] if coarse is not None and coarse.seldom else []
     found = Evaluation(
         record=used, law=law, order=order, start=float(used.time[0]), budget=budget, x=x, y=y, lines=lines,
-        watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=parts,
+        watched=watched, ideal_cage=ideal.frequencies["FTF"], chatter=chatter, quarters=settled,
         identified=identified, unfitted=unfitted, laws=rank_laws(used, budget, identified), too_coarse=coarse,
         reference=reference, position_noise=position_noise(used, law, budget, order), notes=(),
     )  # fmt: skip
-    return replace(found, notes=tuple(dict.fromkeys([*_noise_notes(found), *notes])))
+    errs = found.position_noise
+    if errs is not None and hypot(*errs.error) > max(SOUND * reference[0], found.noise):
+        notes.insert(0, errs.note)
+    return replace(found, notes=tuple(dict.fromkeys(notes)))
 
 
 def reference_force(load: float, force: np.ndarray) -> tuple[float, str]:
@@ -281,14 +280,6 @@ def reference_force(load: float, force: np.ndarray) -> tuple[float, str]:
     """
     contact = float(force.max(initial=0.0))
     return (load, "load") if load > SMALL_LOAD * contact else (contact, "largest contact force")
-
-
-def _noise_notes(evaluation: Evaluation) -> list[str]:
-    """State the noise floor of a table's positions where it matters."""
-    noise = evaluation.position_noise
-    if noise is None:
-        return []
-    return [noise.note] if hypot(*noise.error) > max(SOUND * evaluation.reference[0], evaluation.noise) else []
 
 
 def _first_sample(record: Record, start: float | None) -> tuple[int, list[str]]:
@@ -333,11 +324,6 @@ def _observed(ideal: Kinematics, record: Record) -> Kinematics:
     return replace(ideal, cage=record.cage_speed)
 
 
-def _slowest(lines: dict[str, float]) -> float:
-    """Frequency of the slowest line, Hz; 0 for a standing bearing."""
-    return min(lines.values(), default=0.0)
-
-
 def _identify(
     record: Record, approach, closing_speed, chatter: int, wanted
 ) -> tuple[dict[str, Identification], str | None]:
@@ -351,15 +337,6 @@ def _identify(
                 raise
             reason = str(error)
     return identified, reason
-
-
-def _unresolved_note(level: LineLevel, resolution: float) -> str:
-    """Say why a line asked for can't be told apart, and what would help."""
-    return (
-        f"{level.name} can't be resolved from this record: with Δf = {resolution:.4g} Hz it lies "
-        f"{level.frequency / resolution:.2g} bins up, and {level.obstacle} lies within two bins of it; it takes a "
-        f"record of at least {level.record_needed:.2g} s"
-    )
 
 
 def _largest_force(record: Record, budget: Budget) -> float:

@@ -1,9 +1,10 @@
 """Spalls found from trajectories alone: which bodies, where, how wide, each with an interval; or none.
 
-`roller_motion` says what rollers do from sample to sample; `sinkage_maps` lay what it misses on perfect circles over
-each other by each body's own angle and name suspects; for each of them the spall is sought that makes it miss least,
-and the suspect that explains most is a spall. What it explains is taken out, and the search goes on until nothing
-stands out.
+`roller_motion` says what rollers do from sample to sample. Sinkage maps, medians of all passages by each body's own
+angle, show how deep rollers find the surface there beyond perfect circles. A spall is deep in every passage at its own
+angle of its own body; by the angle of any other body its passages lie scattered, and the median does not show them;
+waves have no single deepest place. For each suspect place the spall is sought that explains most, the best of them is
+found, what it explains is taken out, and the search goes on until nothing stands out.
 """
 
 from collections.abc import Sequence
@@ -28,6 +29,27 @@ LEAST = 3e-7  # m: maps of perfect bearings reach 0.2 µm
 MAP_BESIDE = 0.03, 2e-3  # of the circumference, and m: as far from the deepest place the rest of a map begins
 REST = 0.99  # quantile of the rest of a map that its deepest place is compared with
 FEWEST_REST = 20  # bins
+
+
+MAP_STANDS_OUT = 3.0  # times the rest of its map: perfect and wavy bearings reach 2
+MOST_SUSPECTS = 4
+MOST_SPALLS = 4
+WIDTHS = 1e-3 * np.geomspace(0.22, 3.4, 12)  # m, first tried
+ASIDE = np.linspace(-0.6, 0.6, 9)  # of the width, first tried beside the map's deepest place
+STARTS = 2  # best of these, each made finer
+MOST_SAMPLES = 1200  # that a spall is matched to
+DEEP = 2e-4  # m, first tried
+DEPTH_RATIOS = (1.8, 1.5, 1.3, 1.2, 1.1)  # from one refinement to the next
+MOVED = 4  # steps that either edge is moved by in each refinement
+DEPTH_TELLS = 8e-4  # m, width from which a roller may reach a bottom
+FINER, FIRST_STEP = 0.55, 0.16  # of the width
+BESIDE = 2e-4  # m, that rollers are followed beside a spall's edges
+UNREST = 1.5e-7  # m, that three samples are missed by anyway
+FARTHEST = 3e-4  # m from sample to sample
+NARROWEST = 1.5e-4  # m
+RESAMPLED = 200  # sets of passages drawn with replacement
+SIGMAS = 2.0
+MODEL_WIDTH, MODEL_PLACE = 0.03, 1.5e-5  # of the width, and m: scatter on known spalls beyond what passages tell
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,14 +86,14 @@ class SinkageMap:
 def sinkage_maps(motion: RollerMotion, contact: Contact, known: Sequence[Spalled] = ()) -> list[SinkageMap]:
     """Maps of every body: rings, then rollers; what `known` spalls explain is taken out, and their places are."""
     stride, (n_times, n_rollers) = contact.stride(motion.interval), motion.rho.shape
-    thinned = max(1, int(0.5 * BIN / max(_travel(motion, motion.places()[0]), 1e-9)))
+    thinned = max(1, int(0.5 * BIN / max(motion.travel(motion.places()[0]), 1e-9)))
     times = np.arange(stride, n_times - stride, thinned)
     middle, roller = (index.ravel() for index in np.meshgrid(times, np.arange(n_rollers), indexing="ij"))
     every = ThreeSamples(motion, contact, middle, roller)
     sunk = {side: _told(every, side, known) for side in ("outer", "inner")}
     maps = []
     for place in motion.places():
-        travel = thinned * _travel(motion, place)
+        travel = thinned * motion.travel(place)
         if travel == 0.0:
             continue
         own = slice(None) if place.roller is None else roller == place.roller
@@ -86,11 +108,6 @@ def sinkage_maps(motion: RollerMotion, contact: Contact, known: Sequence[Spalled
                 found.height[_beside(found, spalls[0])] = np.nan
         maps.append(found)
     return maps
-
-
-def _travel(motion: RollerMotion, place: Place) -> float:
-    """What contacts move by on a body from sample to sample, m."""
-    return float(np.median(np.abs(np.diff(motion.angles(place, place.sides[0]), axis=0)))) * place.radius
 
 
 def _beside(each: SinkageMap, spall: np.ndarray) -> np.ndarray:
@@ -122,27 +139,6 @@ def _height(angle: np.ndarray, depth: np.ndarray, bins: float) -> np.ndarray:
     known = np.isfinite(around).any(axis=0)
     height[known] = np.nanmedian(around[:, known], axis=0)
     return height
-
-
-MAP_STANDS_OUT = 3.0  # times the rest of its map: perfect and wavy bearings reach 2
-MOST_SUSPECTS = 4
-MOST_SPALLS = 4
-WIDTHS = 1e-3 * np.geomspace(0.22, 3.4, 12)  # m, first tried
-ASIDE = np.linspace(-0.6, 0.6, 9)  # of the width, first tried beside the map's deepest place
-STARTS = 2  # best of these, each made finer
-MOST_SAMPLES = 1200  # that a spall is matched to
-DEEP = 2e-4  # m, first tried
-DEPTH_RATIOS = (1.8, 1.5, 1.3, 1.2, 1.1)  # from one refinement to the next
-MOVED = 4  # steps that either edge is moved by in each refinement
-DEPTH_TELLS = 8e-4  # m, width from which a roller may reach a bottom
-FINER, FIRST_STEP = 0.55, 0.16  # of the width
-BESIDE = 2e-4  # m, that rollers are followed beside a spall's edges
-UNREST = 1.5e-7  # m, that three samples are missed by anyway
-FARTHEST = 3e-4  # m from sample to sample
-NARROWEST = 1.5e-4  # m
-RESAMPLED = 200  # sets of passages drawn with replacement
-SIGMAS = 2.0
-MODEL_WIDTH, MODEL_PLACE = 0.03, 1.5e-5  # of the width, and m: scatter on known spalls beyond what passages tell
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -212,8 +208,7 @@ def find_faults(record: Record) -> FaultSearch:
 
 def _check_sampling(record: Record, motion: RollerMotion) -> None:
     """Refuse a record whose contacts do not move, or leap over spalls."""
-    ring = motion.places()[1]
-    travel = float(np.median(np.abs(np.diff(motion.angles(ring, "inner"), axis=0)))) * ring.radius
+    travel = motion.travel(motion.places()[1])
     if motion.operation.fastest == 0.0 or travel == 0.0:
         raise InputError(f"{record.source}: --find-faults: the bearing stands, so rollers pass over nothing")
     if travel > FARTHEST:
@@ -228,8 +223,7 @@ def _clearest(motion: RollerMotion, contact: Contact, maps: list[SinkageMap], kn
     suspects = sorted((m for m in maps if m.deepest[1] >= MAP_STANDS_OUT), key=lambda m: -m.deepest[1])[:MOST_SUSPECTS]
     rest = [each.spalled for each in known]
     judged = [match for m in suspects if (match := _match(motion, contact, m, rest)) is not None]
-    best = max(judged, key=lambda match: match[0], default=None)
-    return None if best is None else best[1]
+    return max(judged, key=lambda match: match[0], default=(0.0, None))[1]
 
 
 class Near:
@@ -273,7 +267,7 @@ def _match(motion: RollerMotion, contact: Contact, suspect: SinkageMap, rest) ->
         return None
     half = max(0.5 * spall[1] + BESIDE + place.radius * abs(spall[0] - angle) for spall, *_ in fits)
     near = Near(motion, contact, place, angle, half, rest)
-    misfit = near.misfit(np.array([*(fit[0] for fit in fits), _none(angle)])).sum(axis=1)
+    misfit = near.misfit(np.array([*(fit[0] for fit in fits), (angle, 0.0, 0.0)])).sum(axis=1)
     best = int(np.argmin(misfit[:-1]))
     gain = float(misfit[-1] - misfit[best])
     if gain <= 0.0:
@@ -294,11 +288,6 @@ def _again(motion: RollerMotion, contact: Contact, found: Sequence[FoundSpall], 
         return mine
     angle_error, width_error = _intervals(mine.place, *fit)
     return replace(mine, spall=fit[0], angle_error=angle_error, width_error=width_error)
-
-
-def _none(angle: float) -> np.ndarray:
-    """No spall, at an angle, rad."""
-    return np.array([angle, 0.0, 0.0])
 
 
 def _starts(motion: RollerMotion, contact: Contact, place: Place, angle: float, rest) -> list[np.ndarray]:

@@ -1,4 +1,13 @@
-"""Contact laws beyond Q(δ) of one contact: coupled to its neighbours, or with a damper beside the spring."""
+"""Contact laws beyond Q(δ) of one contact, and laws fitted to a run's own forces.
+
+A contact is coupled to its neighbours, or has a damper beside its spring. K and n of Q = K δ^n, and where wanted the
+coupling c and the damping d, are fitted by least squares to the closed inner contacts of the record's first part; the
+rest is held back to judge the law on.
+
+The samples of one roller's passage through the load zone are far from independent, so the intervals take the
+passage, not the sample, as the unit of observation. They say how well the data fix the two numbers, not that a
+power law is true: what the law can't follow in any passage shows in the scatter, not in the interval.
+"""
 
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -15,6 +24,21 @@ from residual.record import FEWEST_SAMPLES, Record
 from residual.spectrum import rms
 
 FIXED_POINT_STEPS = 60  # gain 0.5: round-off
+FIT_SHARE = 0.5  # of the record
+CONFIDENCE = 0.95
+LEAST_FORCE = 1e-100  # N: squares of less are nothing
+LEAST_SPREAD = 0.02  # of ln δ: less depth range than this fixes no exponent
+LARGEST_GAIN = 0.5  # of the coupling's fixed point: beyond it the coupling is no correction any more
+Extra = Literal["coupling", "damping"]
+ADJECTIVE = {"coupling": "coupled", "damping": "damped"}
+# name: what is fitted beside K and n
+FITTED: dict[str, tuple[Extra, ...]] = {
+    "fitted": (),
+    "fitted_coupled": ("coupling",),
+    "fitted_damped": ("damping",),
+    "fitted_coupled_damped": ("coupling", "damping"),
+}
+ALIASES = ("tripp",)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,15 +108,6 @@ def neighbours(force) -> np.ndarray:
     return np.roll(force, 1, axis=-1) + np.roll(force, -1, axis=-1)
 
 
-FIT_SHARE = 0.5  # of the record
-CONFIDENCE = 0.95
-LEAST_FORCE = 1e-100  # N: squares of less are nothing
-LEAST_SPREAD = 0.02  # of ln δ: less depth range than this fixes no exponent
-LARGEST_GAIN = 0.5  # of the coupling's fixed point: beyond it the coupling is no correction any more
-Extra = Literal["coupling", "damping"]
-ADJECTIVE = {"coupling": "coupled", "damping": "damped"}
-
-
 @dataclass(frozen=True, kw_only=True)
 class Interval:
     """A fitted number and its 95 % confidence interval."""
@@ -109,8 +124,8 @@ class Identification:
     law: PowerLaw | DampedLaw
     stiffness: Interval  # K, N/m^n
     exponent: Interval  # n
-    coupling: Interval | None  # c, m/N
-    damping: Interval | None  # d, N s/m
+    coupling: Interval | None = None  # c, m/N
+    damping: Interval | None = None  # d, N s/m
     samples: int  # of the record's first part; the rest is held back
     contacts: int  # closed contacts fitted
     passages: int  # independent passages through the load zone among them
@@ -171,9 +186,11 @@ def fit_law(
     if np.linalg.matrix_rank(jacobian) < n_parameters:
         raise InputError("the run's forces do not fix all numbers of the law; use a longer run, or a named law")
     covariance = _clustered_covariance(jacobian, miss, passage)
-    return _identified(
-        extras, parameters, covariance, units, samples=samples, contacts=load.size, passages=n_passages,
-        depth=(float(depth.min()), float(depth.max())), scatter=units["load"] * rms(miss),
+    deepest = float(depth.max())
+    found = _in_si(extras, parameters, covariance, units)
+    return Identification(
+        law=_law(found, deepest), **found, samples=samples, contacts=load.size, passages=n_passages,
+        depth=(float(depth.min()), deepest), scatter=units["load"] * rms(miss),
     )  # fmt: skip
 
 
@@ -231,38 +248,36 @@ def _clustered_covariance(jacobian, miss, passage) -> np.ndarray:
     return reach**2 * n_passages / (n_passages - 1) * bread @ (score.T @ score) @ bread
 
 
-def _identified(extras, parameters, covariance, units, **facts) -> Identification:
-    """Convert to SI: ln K = ln K' + ln Q0 − n ln δ0, so K and n are correlated and K's interval is wide."""
+def _in_si(extras, parameters, covariance, units) -> dict[str, Interval]:
+    """Numbers in SI: ln K = ln K' + ln Q0 − n ln δ0, so K and n are correlated and K's interval is wide."""
+
+    def interval(value: float, reach: float) -> Interval:
+        return Interval(value=float(value), low=float(value - reach), high=float(value + reach))
+
     exponent = float(parameters[1])
     log_stiffness = float(parameters[0] + np.log(units["load"]) - exponent * np.log(units["depth"]))
     weights = np.zeros(parameters.size)
     weights[:2] = 1.0, -np.log(units["depth"])
     reach = float(np.sqrt(weights @ covariance @ weights))
-    stiffness = Interval(
-        value=float(np.exp(log_stiffness)),
-        low=float(np.exp(log_stiffness - reach)),
-        high=float(np.exp(log_stiffness + reach)),
-    )
+    value, low, high = (float(np.exp(log_stiffness + each)) for each in (0.0, -reach, reach))
     half = np.sqrt(np.diag(covariance))
-    found = {}
+    found = {"stiffness": Interval(value=value, low=low, high=high), "exponent": interval(exponent, half[1])}
     for i, extra in enumerate(extras, 2):
         scale = units["depth" if extra == "coupling" else "load"] / units[extra]
-        found[extra] = _symmetric(scale * parameters[i], scale * half[i])
-    return Identification(
-        law=_law(stiffness.value, exponent, found, facts["depth"][1]), stiffness=stiffness,
-        exponent=_symmetric(exponent, half[1]), coupling=found.get("coupling"), damping=found.get("damping"), **facts,
-    )  # fmt: skip
+        found[extra] = interval(scale * parameters[i], scale * half[i])
+    return found
 
 
-def _law(stiffness: float, exponent: float, extras: dict[str, Interval], deepest: float) -> PowerLaw | DampedLaw:
+def _law(found: dict[str, Interval], deepest: float) -> PowerLaw | DampedLaw:
     """Make the law with the numbers found, if its iteration converges."""
     about: dict[str, Any] = {
-        "name": "_".join(["fitted", *(ADJECTIVE[extra] for extra in extras)]),
-        "stiffness": stiffness, "exponent": exponent, "range": "the depths it was fitted to",
+        "name": "_".join(["fitted", *(word for extra, word in ADJECTIVE.items() if extra in found)]),
+        "stiffness": found["stiffness"].value, "exponent": found["exponent"].value,
+        "range": "the depths it was fitted to",
     }  # fmt: skip
     law = PowerLaw(**about, source="fitted to the run's own contact forces, Q = K δ^n")
-    if "coupling" in extras:
-        coupling = extras["coupling"].value
+    if "coupling" in found:
+        coupling = found["coupling"].value
         gain = 2.0 * abs(coupling) * float(law.slope(max(deepest, 0.0)))
         if gain > LARGEST_GAIN:
             raise InputError(
@@ -271,23 +286,9 @@ def _law(stiffness: float, exponent: float, extras: dict[str, Interval], deepest
             )
         source = "fitted to the run's own contact forces, Q_j = K (δ_j − c (Q_j−1 + Q_j+1))^n"
         law = CoupledLaw(**about, source=source, coupling=coupling)
-    if "damping" in extras:
-        return DampedLaw(spring=law, damping=ContactDamping(constant=extras["damping"].value))
+    if "damping" in found:
+        return DampedLaw(spring=law, damping=ContactDamping(constant=found["damping"].value))
     return law
-
-
-def _symmetric(value: float, reach: float) -> Interval:
-    return Interval(value=float(value), low=float(value - reach), high=float(value + reach))
-
-
-# name: what is fitted beside K and n
-FITTED: dict[str, tuple[Extra, ...]] = {
-    "fitted": (),
-    "fitted_coupled": ("coupling",),
-    "fitted_damped": ("damping",),
-    "fitted_coupled_damped": ("coupling", "damping"),
-}
-ALIASES = ("tripp",)
 
 
 def inner_law(name: str, record: Record) -> Law:

@@ -42,6 +42,14 @@ class LineLevel:
     obstacle: str  # the nearest of them, "zero frequency" or a line's name
     record_needed: float  # s, of a record that resolves it
 
+    def unresolved_note(self, resolution: float) -> str:
+        """Why the line can't be told apart at a resolution, Hz, and what would help."""
+        return (
+            f"{self.name} can't be resolved from this record: with Δf = {resolution:.4g} Hz it lies "
+            f"{self.frequency / resolution:.2g} bins up, and {self.obstacle} lies within two bins of it; it takes a "
+            f"record of at least {self.record_needed:.2g} s"
+        )
+
 
 def sidebands(lines: dict[str, float]) -> dict[str, float]:
     """Frequencies, Hz, by name, of lines that only a long record separates: "2×FTF", "BPFO+shaft", ...
@@ -66,12 +74,10 @@ def first_sidebands(lines: dict[str, float], sides: tuple[tuple[str, str], ...])
 
 def line_levels(spectrum: Spectrum, lines: dict[str, float]) -> list[LineLevel]:
     """Levels of all lines and all resolved sidebands below the Nyquist frequency, by frequency."""
-    among = lines | sidebands(lines)
+    sides = sidebands(lines)
     levels = [_level(spectrum, name, frequency, lines) for name, frequency in lines.items()]
-    for name, frequency in sidebands(lines).items():
-        level = _level(spectrum, name, frequency, among)
-        if level.resolved:
-            levels.append(level)
+    beside = [_level(spectrum, name, frequency, lines | sides) for name, frequency in sides.items()]
+    levels += [level for level in beside if level.resolved]
     top = spectrum.frequency[-1]
     return sorted((level for level in levels if level.high <= top), key=lambda level: level.frequency)
 
@@ -83,9 +89,9 @@ def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> L
     ------
     InputError: neither a line's name nor a frequency within the spectrum.
     """
-    among = lines | sidebands(lines)
-    name = wanted.strip().replace("-", "−").replace("*", "×")
-    name = re.sub(r"(?<=\d)x", "×", name)
+    sides = sidebands(lines)
+    among = lines | sides
+    name = re.sub(r"(?<=\d)x", "×", wanted.strip().replace("-", "−").replace("*", "×"))
     frequency = {key.lower(): value for key, value in among.items()}.get(name.lower())
     top = float(spectrum.frequency[-1])
     if frequency is None:
@@ -98,7 +104,7 @@ def watched_level(spectrum: Spectrum, wanted: str, lines: dict[str, float]) -> L
         name = f"{frequency:g} Hz"
     if not LOWEST < frequency < top:
         raise InputError(f"--line {wanted}: must lie between {LOWEST:g} Hz and the Nyquist frequency {top:.4g} Hz")
-    return _level(spectrum, name, frequency, among if name.lower() in map(str.lower, sidebands(lines)) else lines)
+    return _level(spectrum, name, frequency, among if name.lower() in map(str.lower, sides) else lines)
 
 
 def named_peaks(

@@ -9,7 +9,7 @@ from lagrange import contact_laws, static_equilibrium
 from lagrange.contact.raceway_laws import law_names
 from lagrange.kinematics import kinematics, roller_angles
 from residual.differentiate import derivative
-from residual.record import Record
+from residual.record import Record, angle_from_load
 
 CHATTER = 0.05  # of a cage revolution
 PHASES = 24  # of one roller pitch
@@ -24,11 +24,6 @@ class QuasiStatic:
     y: np.ndarray
     angle: np.ndarray  # (n,), rad from the load line, counter-clockwise, −π … π, rising
     force: np.ndarray  # (n,), N, of the inner contact
-
-
-def angle_from_load(angle):
-    """Angle from the load line, −y, counter-clockwise, −π … π, of an angle from x, rad."""
-    return np.mod(angle + 1.5 * pi, 2.0 * pi) - pi
 
 
 def quasi_static(record: Record, law: str) -> QuasiStatic | None:

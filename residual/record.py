@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -176,6 +177,11 @@ class Record:
         return float(np.mean(angle[-1] - angle[0]) / (self.time[-1] - self.time[0]))
 
     @property
+    def from_load(self) -> np.ndarray:
+        """Angles of the rollers about the outer ring's centre from the load line, rad, (n_times, n_rollers)."""
+        return angle_from_load(np.arctan2(self.roller_y, self.roller_x))
+
+    @property
     def turns(self) -> Turns:
         """Of the inner ring, and of the rollers: told by the source, or those of rolling without slip."""
         rolling = Turns.rolling(self.bearing, self.operation, self.time[:, None])
@@ -195,6 +201,11 @@ class Record:
                 cut[f.name] = value[part]
         cage = None if self.cage is None else self.cage.samples(part)
         return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()}, cage=cage)
+
+
+def angle_from_load(angle):
+    """Angle from the load line, −y, counter-clockwise, −π … π, of an angle from x, rad."""
+    return np.mod(angle + 1.5 * pi, 2.0 * pi) - pi
 
 
 def relative(arrays: dict[str, np.ndarray], centre: Sequence[str]) -> dict[str, np.ndarray]:

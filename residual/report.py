@@ -20,7 +20,7 @@ from residual.formatting import text
 from residual.interpretation import interpretation, verdict
 from residual.load_zone import QuasiStatic
 from residual.record import Record
-from residual.run_comparison import difference_rows, headings
+from residual.run_comparison import difference_rows, headings, paper_rows
 from residual.spectrum import Spectrum, power_spectrum
 from residual.summary import ReportOptions
 from residual.tables import (
@@ -29,7 +29,6 @@ from residual.tables import (
     fit_sentences,
     honest_notes,
     level_rows,
-    paper_rows,
     peak_rows,
     quarter_rows,
     ranking_rows,
@@ -43,7 +42,6 @@ from residual.vibration_tables import (
     vibration_headings,
     vibration_rows,
     vibration_sentences,
-    whose,
 )
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -89,7 +87,7 @@ def render_report(
         levels=level_rows(evaluation),
         watched=watched_rows(evaluation),
         lines=[(name, text(f)) for name, f in evaluation.lines.items() if "×" not in name],
-        body=whose(evaluation),
+        body=evaluation.y.vibration.body,
         vibration_headings=vibration_headings(evaluation),
         vibration=vibration_rows(evaluation),
         envelope=envelope_rows(evaluation),

@@ -15,7 +15,18 @@ from lagrange.surface.faults import Spall
 from residual.record import SMALL_LOAD, Record
 
 Side = Literal["inner", "outer"]
+SIDES: dict[str, tuple[Side, ...]] = {"outer_ring": ("outer",), "inner_ring": ("inner",), "roller": ("outer", "inner")}
 SCALES = 0.5, 2.0  # of a law's stiffness by the hub's load: beyond, the run is not what its scene says
+PHASE_STEP = 0.7  # of the roller's vibration between its contacts, rad: leapfrog is off by 2 % of a cycle
+SOFTEST, STIFFEST = 1e-8, 3e-4  # m, overlaps that the contacts' law is tabulated for
+TABULATED = 300
+STIFF = 2e-5  # m, overlap whose stiffness sets the time step
+VELOCITY_STEPS = 2  # secant steps
+FIRST_VELOCITY_STEP, LONGEST_VELOCITY_STEP = 0.01, 0.3  # m/s
+INSENSITIVE = 0.15  # of the time between samples: below, velocities show little in the outer samples and are left
+EDGE_ROUNDING = 0.02  # edge radius over roller radius: 0.1 mm of 5 mm; the width changes by 1 % from 0 to twice it
+SOFT_WAY = 0.04, 200  # of the roller's radius, on either side of an edge; points
+AT_ONCE = 1_000_000  # numbers held of one array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,8 +39,7 @@ class Place:
 
     @property
     def sides(self) -> tuple[Side, ...]:
-        of_rings: dict[str, tuple[Side, ...]] = {"outer_ring": ("outer",), "inner_ring": ("inner",)}
-        return of_rings.get(self.body, ("outer", "inner"))
+        return SIDES[self.body]
 
     @property
     def rollers(self) -> slice:
@@ -64,19 +74,16 @@ class RollerMotion:
         direction = self.outer_angle if side == "outer" else self.inner_angle + np.pi
         return (direction - self.roller_turn)[:, place.rollers]
 
-    def sunk(self, side: Side) -> np.ndarray:
-        """How much deeper rollers lie in a raceway than in the other one, which carries the same load, m."""
-        here, there = (self.outer, self.inner) if side == "outer" else (self.inner, self.outer)
-        return here - np.maximum(there, 0.0)
+    def travel(self, place: Place) -> float:
+        """Median way of contacts on a body from sample to sample, m."""
+        return float(np.median(np.abs(np.diff(self.angles(place, place.sides[0]), axis=0)))) * place.radius
 
     def places(self) -> list[Place]:
         """Every surface that may have a spall."""
         b = self.bearing
-        rings = [
-            Place(body="outer_ring", roller=None, radius=b.outer_raceway_radius),
-            Place(body="inner_ring", roller=None, radius=b.inner_raceway_radius),
-        ]
-        return rings + [Place(body="roller", roller=j, radius=b.roller_radius) for j in range(b.n_rollers)]
+        outer = Place(body="outer_ring", roller=None, radius=b.outer_raceway_radius)
+        inner = Place(body="inner_ring", roller=None, radius=b.inner_raceway_radius)
+        return [outer, inner, *(Place(body="roller", roller=j, radius=b.roller_radius) for j in range(b.n_rollers))]
 
 
 def roller_motion(record: Record) -> RollerMotion:
@@ -121,24 +128,6 @@ def stiffness(motion: RollerMotion, law: str):
     return lambda overlap: scale * named.force(overlap) / overlap
 
 
-# What a roller does from one sample to the next two, by its equation of motion between two contacts that only push.
-#
-# The middle one of three samples is the start, forwards and backwards in time; the velocity there is the one that fits
-# the difference of the outer two, and their sum is what the equation then tells. So nothing has to be known of the
-# roller's state before: whether it rests, flies or rattles, three samples tell of the surfaces met between them.
-
-
-PHASE_STEP = 0.7  # of the roller's vibration between its contacts, rad: leapfrog is off by 2 % of a cycle
-SOFTEST, STIFFEST = 1e-8, 3e-4  # m, overlaps that the contacts' law is tabulated for
-TABULATED = 300
-STIFF = 2e-5  # m, overlap whose stiffness sets the time step
-VELOCITY_STEPS = 2  # secant steps
-FIRST_VELOCITY_STEP, LONGEST_VELOCITY_STEP = 0.01, 0.3  # m/s
-INSENSITIVE = 0.15  # of the time between samples: below, velocities show little in the outer samples and are left
-EDGE_ROUNDING = 0.02  # edge radius over roller radius: 0.1 mm of 5 mm; the width changes by 1 % from 0 to twice it
-SOFT_WAY = 0.04, 200  # of the roller's radius, on either side of an edge; points
-AT_ONCE = 1_000_000  # numbers held of one array
-
 Spalled = tuple[Place, np.ndarray]  # a body and spalls of it
 Sunk = Callable[[float], dict[Side, tuple[np.ndarray | float, np.ndarray | float]]]
 NONE = 0.0  # no edges
@@ -181,7 +170,13 @@ class Contact:
 
 
 class ThreeSamples:
-    """Some rollers at some times, with the samples before and after; arrays (n,)."""
+    """Some rollers at some times, with the samples before and after; arrays (n,).
+
+    A roller moves from one sample to the next two by its equation of motion between two contacts that only push. The
+    middle sample is the start, forwards and backwards in time; the velocity there is the one that fits the difference
+    of the outer two, whose sum then follows from the equation. So the roller's state before need not be known: whether
+    it rests, flies or rattles, three samples depend on the surfaces met between them.
+    """
 
     def __init__(self, motion: RollerMotion, contact: Contact, middle: np.ndarray, roller: np.ndarray):
         """`middle` : numbers of the middle samples; `roller` : of the rollers."""
@@ -190,7 +185,7 @@ class ThreeSamples:
         self.lapse = self.stride * motion.interval
         self.steps = int(np.ceil(self.lapse * contact.fastest / PHASE_STEP))
         b = motion.bearing
-        self._before, self._now, self._after = self._samples(motion.rho)
+        self._before, self._now, self._after = (motion.rho[middle + k * self.stride, roller] for k in (-1, 0, 1))
         angle = self._through(motion.outer_angle)
         rate = angle[1] / self.lapse
         self._pull = b.pitch_radius * rate**2 - motion.operation.gravity * np.sin(angle[0])
@@ -199,13 +194,10 @@ class ThreeSamples:
         # velocities at the middle over the first surfaces asked for, from which others are a step away
         self._settled: tuple[np.ndarray, np.ndarray] | None = None
 
-    def _samples(self, of: np.ndarray, column: np.ndarray | None = None) -> tuple[np.ndarray, ...]:
-        at = self.roller if column is None else column
-        return tuple(of[self.middle + k * self.stride, at] for k in (-1, 0, 1))
-
     def _through(self, of: np.ndarray, column: np.ndarray | None = None) -> tuple[np.ndarray, ...]:
         """Coefficients of the parabola through three samples, over time from −1 to 1."""
-        before, now, after = self._samples(of, column)
+        at = self.roller if column is None else column
+        before, now, after = (of[self.middle + k * self.stride, at] for k in (-1, 0, 1))
         return now, 0.5 * (after - before), 0.5 * (after + before) - now
 
     def angle(self, place: Place, side: Side) -> np.ndarray:
@@ -220,13 +212,14 @@ class ThreeSamples:
         at a time from −1 to 1
         """
         n, step = self.steps, self.lapse / self.steps
-        times = np.arange(-n, n + 1) / n
-        deeper = [sunk(t) for t in times]
-        inside = [(_at(self._inside, t) - d["inner"][0], d["inner"][1]) for t, d in zip(times, deeper, strict=True)]
-        outside = [(_at(self._outside, t) + d["outer"][0], d["outer"][1]) for t, d in zip(times, deeper, strict=True)]
+        surfaces = []  # low and high at each step, and what edges add to their compliance
+        for t in np.arange(-n, n + 1) / n:
+            deeper = sunk(t)
+            (low, soft_low), (high, soft_high) = deeper["inner"], deeper["outer"]
+            surfaces.append((_at(self._inside, t) - low, soft_low, _at(self._outside, t) + high, soft_high))
 
         def rate(place, k):
-            (low, soft_low), (high, soft_high) = inside[n + k], outside[n + k]
+            low, soft_low, high, soft_high = surfaces[n + k]
             return self.contact.push(low - place, soft_low) - self.contact.push(place - high, soft_high) + self._pull
 
         first = rate(self._now, 0)

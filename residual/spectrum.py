@@ -1,6 +1,8 @@
-"""Spectra of a signal: power density, peaks, envelope, short-time; its moments.
+"""Spectra of a signal: power density, peaks, envelope, short-time; its mean, rms and the like.
 
-Units are those of an error force, N; of an acceleration read m/s² for N.
+Units are those of an error force, N; of an acceleration read m/s² for N. Something that strikes once per roller makes a
+resonance ring each time: its frequency shows in the envelope of a band that holds the resonance, not at low frequency
+itself.
 """
 
 from dataclasses import dataclass
@@ -23,6 +25,15 @@ DYNAMIC_RANGE = 1e-8  # peaks this far below the largest are leakage or round-of
 PROMINENCE = 4.0  # a peak stands at least this factor above the saddles beside it
 MOST_OTHERS = 2  # lines that a peak may be too: a record that tells hardly any apart would name them all
 BACKGROUND_BINS = 61  # width of the running median
+PASSAGE_SHARE = 0.5  # of a roller passage, a piece of a short-time spectrum: what happens once per roller is told apart
+RECORD_SHARE = 1.0 / 32.0  # of the signal, where nothing passes
+FEWEST_IN_WINDOW = 32  # samples
+MOST_COLUMNS = 800  # a figure's panel is 750 pixels wide; windows overlap by at least half
+BAND = (2.0**-0.5, 2.0**0.5)  # of a resonance, of its envelope: one octave around it
+FILTER_ORDER = 4
+TOP_OF_NYQUIST = 0.9
+TRANSIENT = 6.0  # periods of the band's width, both ends together
+SHORTEST = 0.01  # periods of the band's lower edge in a record: of slower ones there is no filter in double precision
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,12 +114,10 @@ def power_spectrum(signal, interval: float, slowest_line: float = 0.0) -> Spectr
     from scipy.signal import welch  # costs half a second to import
 
     signal = np.asarray(signal, dtype=float)
-    n = signal.size
-    length = n
+    length = n = signal.size
     if slowest_line > 0.0:
         wanted = int(np.ceil(REVOLUTIONS_PER_SEGMENT / slowest_line / interval))
-        if n >= 2 * wanted:
-            length = wanted
+        length = wanted if n >= 2 * wanted else n
     frequency, psd = welch(
         signal - signal.mean(), fs=1.0 / interval, window=WINDOW, nperseg=length, noverlap=length // 2,
         detrend="constant", scaling="density",
@@ -130,11 +139,10 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
     """
     from scipy.signal import find_peaks as scipy_peaks
 
-    psd, step = spectrum.psd, spectrum.resolution
+    psd = spectrum.psd
     if psd.size < 5 or not np.max(psd) > 0.0:
         return []
-    tiny = np.max(psd) * 1e-30
-    level = np.log(np.maximum(psd, tiny))
+    level = np.log(np.maximum(psd, np.max(psd) * 1e-30))
     level[0] = min(level[0], level[1])  # zero frequency is removed, not a valley
     background = _background(spectrum.frequency, level)
     factor = np.log2(psd.size / FALSE_PEAKS) ** (1.0 / np.sqrt(spectrum.segments))
@@ -142,10 +150,9 @@ def find_peaks(spectrum: Spectrum, lines: dict[str, float], most: int = 12) -> l
     padded[~np.isfinite(padded)] = level.min() - 1.0
     at, _ = scipy_peaks(padded, prominence=np.log(PROMINENCE))
     at -= 1
-    keep = (level[at] > background[at] + np.log(factor)) & (psd[at] > DYNAMIC_RANGE * psd.max()) & (at > 0)
-    at = at[keep]
+    at = at[(level[at] > background[at] + np.log(factor)) & (psd[at] > DYNAMIC_RANGE * psd.max()) & (at > 0)]
     at = at[np.argsort(psd[at])[::-1][:most]]
-    return [_describe(spectrum, int(i), step, lines) for i in at]
+    return [_describe(spectrum, int(i), lines) for i in at]
 
 
 def _background(frequency: np.ndarray, level: np.ndarray) -> np.ndarray:
@@ -157,22 +164,18 @@ def _background(frequency: np.ndarray, level: np.ndarray) -> np.ndarray:
     return trend + median_filter(level - trend, size=min(BACKGROUND_BINS, level.size), mode="reflect")
 
 
-def _describe(spectrum: Spectrum, i: int, step: float, lines: dict[str, float]) -> Peak:
+def _describe(spectrum: Spectrum, i: int, lines: dict[str, float]) -> Peak:
     """Describe and name the peak at bin `i`."""
+    step, reach = spectrum.resolution, MAIN_LOBE * spectrum.resolution
     frequency = _interpolate(spectrum.psd, i) * step
     near = sorted((abs(value - frequency), name) for name, value in lines.items())
-    line = near[0][1] if near and near[0][0] <= step else None
-    reach = MAIN_LOBE * step
+    names = [name for distance, name in near if distance <= step]
+    line = names[0] if names else None
     others = [name for distance, name in near if distance < reach and name != line]
-    also = tuple(name for distance, name in near if distance <= step and name != line)[:MOST_OTHERS]
     return Peak(
-        frequency=frequency,
-        psd=float(spectrum.psd[i]),
-        rms=spectrum.band_rms((i - 2.5) * step, (i + 2.5) * step),
-        line=line,
-        also=also,
-        resolved=not others and frequency >= reach,
-    )
+        frequency=frequency, psd=float(spectrum.psd[i]), rms=spectrum.band_rms((i - 2.5) * step, (i + 2.5) * step),
+        line=line, also=tuple(names[1 : 1 + MOST_OTHERS]), resolved=not others and frequency >= reach,
+    )  # fmt: skip
 
 
 def _interpolate(psd: np.ndarray, i: int) -> float:
@@ -187,15 +190,6 @@ def _interpolate(psd: np.ndarray, i: int) -> float:
     side = 1 if right >= left else -1
     ratio = np.sqrt(max(left, right) / psd[i])
     return float(i + side * max(0.0, (2.0 * ratio - 1.0) / (ratio + 1.0)))
-
-
-# Short-time spectrum: how the error force's spectrum changes along the record.
-
-
-PASSAGE_SHARE = 0.5  # of a roller passage: what happens once per roller is told apart
-RECORD_SHARE = 1.0 / 32.0  # of the signal, where nothing passes
-FEWEST_IN_WINDOW = 32  # samples
-MOST_COLUMNS = 800  # a figure's panel is 750 pixels wide; windows overlap by at least half
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -239,9 +233,6 @@ def short_time_spectrum(signal, interval: float, passing: float = 0.0) -> ShortT
     )
 
 
-# Mean, rms and the like of a signal.
-
-
 def rms(signal) -> float:
     """Root of the mean square, in the signal's unit."""
     return float(np.sqrt(np.mean(signal**2)))
@@ -262,20 +253,6 @@ class Statistics:
             mean=float(np.mean(signal)), rms=rms(signal), std=float(np.std(signal)),
             max_abs=float(np.max(np.abs(signal))),
         )  # fmt: skip
-
-
-# Envelope spectrum, which shows how the vibration in a band swells and fades.
-#
-# Something that strikes once per roller makes a resonance ring each time: its frequency shows in the envelope of a band
-# that holds the resonance, not at low frequency itself. Units are the signal's: N of an error force, m/s² of an
-# acceleration.
-
-
-BAND = (2.0**-0.5, 2.0**0.5)  # of the resonance: one octave around it
-FILTER_ORDER = 4
-TOP_OF_NYQUIST = 0.9
-TRANSIENT = 6.0  # periods of the band's width, both ends together
-SHORTEST = 0.01  # periods of the band's lower edge in a record: of slower ones there is no filter in double precision
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,7 @@ import json
 import os
 import secrets
 import shutil
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +19,13 @@ from residual.errors import InputError
 from residual.evaluation import Evaluation
 from residual.figures.saved import SavedFigure
 from residual.formatting import term_label
+from residual.spectrum import Envelope
 from residual.summary import PROGRAM, Export, ReportOptions, summarise
 
 OURS = {"residual.nc", "summary.json", "report.html"}
 OURS_BY_NAME = (".png", ".svg", ".csv", ".mat", ".wav")
 WHOLE = ReportOptions()
+SOUND = "hub_acceleration.wav"
 
 
 def write_report(evaluation: Evaluation, folder: str | Path, options: ReportOptions = WHOLE) -> dict:
@@ -102,7 +104,6 @@ def _fill(evaluation: Evaluation, folder: Path, options: ReportOptions) -> dict:
     from residual.load_zone import quasi_static
     from residual.report import render_report
 
-    version = VERSION
     statics = quasi_static(evaluation.record, evaluation.law.name)
     figures = {}
     if options.figures:
@@ -110,81 +111,75 @@ def _fill(evaluation: Evaluation, folder: Path, options: ReportOptions) -> dict:
         from residual.figures.drawing import draw_figures
 
         figures = draw_figures(evaluation, statics, options, folder)
-    _write_arrays(evaluation, folder / "residual.nc", version)
+    _write_arrays(evaluation, folder / "residual.nc")
     write_exports(evaluation, [figure for group in figures.values() for figure in group], options.exports, folder)
-    page = render_report(evaluation, figures, options, version, statics)
+    page = render_report(evaluation, figures, options, VERSION, statics)
     (folder / "report.html").write_text(page, encoding="utf-8")
-    summary = summarise(evaluation, options, version) | {
-        "files": sorted({path.name for path in folder.iterdir()} | OURS)
-    }
+    files = sorted({path.name for path in folder.iterdir()} | OURS)
+    summary = summarise(evaluation, options, VERSION) | {"files": files}
     (folder / "summary.json").write_text(
         json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False) + "\n", encoding="utf-8"
     )
     return summary
 
 
-def _write_arrays(evaluation: Evaluation, path: Path, version: str) -> None:
+def _write_arrays(evaluation: Evaluation, path: Path) -> None:
     """Write residual.nc: HDF5 with dimension scales, which is NetCDF-4."""
-    t, budget = evaluation.record, evaluation.budget
-    series = {
-        "error_x": (budget.x.error, "left side of equation (22)"),
-        "error_y": (budget.y.error, "left side of equation (23), load moved over"),
-    }
-    for d in evaluation.directions:
-        for name, term in d.budget.terms.items():
-            series[f"budget_{d.name}_{name}"] = (term, f"{term_label(name)} term of error_{d.name}")
-        if d.budget.momentum is not None:
-            series[f"momentum_{d.name}"] = (d.budget.momentum, f"error_{d.name} with the run's own contact forces")
     with hdf5_to_write(path, track_order=True) as file:
-        variable(file, "time", t.time, ("time",), "s", "time")
-        variable(file, "frequency", evaluation.x.spectrum.frequency, ("frequency",), "Hz", "frequency")
-        for name, (value, long_name) in series.items():
-            variable(file, name, value, ("time",), "N", long_name)
-        count = evaluation.loaded_count.astype(np.int32)
-        variable(file, "loaded_rollers", count, ("time",), "1", "rollers in the load zone")
-        for name, (psd, of) in _densities(evaluation).items():
-            variable(file, name, psd, ("frequency",), "N2 Hz-1", f"one-sided PSD of {of}")
-        for d in evaluation.directions:
-            found = d.vibration.envelope
-            if found is not None:
-                body = d.vibration.body
-                of = f"the envelope of the {body}'s acceleration in {d.name}, {found.low:.4g} to {found.high:.4g} Hz"
-                name = f"{body}_envelope_psd_{d.name}"
-                variable(file, name, found.spectrum.psd, ("frequency",), "m2 s-4 Hz-1", f"one-sided PSD of {of}")
-        if evaluation.x.orders is not None:
-            orders = evaluation.x.orders.path.frequency
-            variable(file, "shaft_order", orders, ("shaft_order",), "1", "cycles per turn of the shaft")
-        for d in evaluation.directions:
-            if d.orders is not None:
-                of = f"one-sided PSD over orders of the hub's place in {d.name}"
-                variable(file, f"hub_order_psd_{d.name}", d.orders.path.psd, ("shaft_order",), "m2", of)
-                of = f"one-sided PSD over orders of error_{d.name}"
-                variable(file, f"order_psd_{d.name}", d.orders.error.psd, ("shaft_order",), "N2", of)
+        for name, values, dimension, unit, long_name in _variables(evaluation):
+            variable(file, name, values, (dimension,), unit, long_name)
         file.attrs.update(
-            program=PROGRAM, program_version=version, run=t.name, law=evaluation.law.name,
-            order=evaluation.order,
-            frequency_resolution_Hz=evaluation.x.spectrum.resolution, window="hann", scene=t.scene.to_toml(),
+            program=PROGRAM, program_version=VERSION, run=evaluation.record.name, law=evaluation.law.name,
+            order=evaluation.order, frequency_resolution_Hz=evaluation.x.spectrum.resolution, window="hann",
+            scene=evaluation.record.scene.to_toml(),
         )  # fmt: skip
 
 
-def _densities(evaluation: Evaluation) -> dict[str, tuple[np.ndarray, str]]:
-    """Power spectral densities, N²/Hz, and what each is of, by the variable's name."""
-    found = {}
-    for d in evaluation.directions:
+def _variables(e: Evaluation) -> Iterator[tuple[str, np.ndarray, str, str, str]]:
+    """Variables of residual.nc: name, values, dimension, unit, meaning; dimensions before what they are of."""
+    psd, density = "one-sided PSD of", "N2 Hz-1"
+    yield "time", e.record.time, "time", "s", "time"
+    yield "frequency", e.x.spectrum.frequency, "frequency", "Hz", "frequency"
+    yield "error_x", e.budget.x.error, "time", "N", "left side of equation (22)"
+    yield "error_y", e.budget.y.error, "time", "N", "left side of equation (23), load moved over"
+    for d in e.directions:
+        for name, term in d.budget.terms.items():
+            yield f"budget_{d.name}_{name}", term, "time", "N", f"{term_label(name)} term of error_{d.name}"
+        if d.budget.momentum is not None:
+            yield (
+                f"momentum_{d.name}",
+                d.budget.momentum,
+                "time",
+                "N",
+                f"error_{d.name} with the run's own contact forces",
+            )
+    yield "loaded_rollers", e.loaded_count.astype(np.int32), "time", "1", "rollers in the load zone"
+    for d in e.directions:
         error = f"error_{d.name}"
-        found[f"psd_{d.name}"] = d.spectrum.psd, error
-        for name, spectrum in d.term_spectra.items():
-            found[f"psd_{d.name}_{name}"] = spectrum.psd, f"the {term_label(name)} term of {error}"
+        yield f"psd_{d.name}", d.spectrum.psd, "frequency", density, f"{psd} {error}"
+        for name, each in d.term_spectra.items():
+            of = f"{psd} the {term_label(name)} term of {error}"
+            yield f"psd_{d.name}_{name}", each.psd, "frequency", density, of
         if d.envelope is not None:
-            band = f"{d.envelope.low:.4g} to {d.envelope.high:.4g} Hz"
-            found[f"envelope_psd_{d.name}"] = d.envelope.spectrum.psd, f"the envelope of {error}, {band}"
-    return found
+            of = f"{psd} the envelope of {error}, {_band(d.envelope)}"
+            yield f"envelope_psd_{d.name}", d.envelope.spectrum.psd, "frequency", density, of
+    for d in e.directions:
+        body, heard = d.vibration.body, d.vibration.envelope
+        if heard is not None:
+            of = f"{psd} the envelope of the {body}'s acceleration in {d.name}, {_band(heard)}"
+            yield f"{body}_envelope_psd_{d.name}", heard.spectrum.psd, "frequency", "m2 s-4 Hz-1", of
+    for d in e.directions:
+        if (found := d.orders) is not None:
+            if d is e.x:
+                yield "shaft_order", found.path.frequency, "shaft_order", "1", "cycles per turn of the shaft"
+            of = f"one-sided PSD over orders of the hub's place in {d.name}"
+            yield f"hub_order_psd_{d.name}", found.path.psd, "shaft_order", "m2", of
+            of = f"one-sided PSD over orders of error_{d.name}"
+            yield f"order_psd_{d.name}", found.error.psd, "shaft_order", "N2", of
 
 
-# The data of a report for other programs: signals as CSV, MAT and WAV, the curves of figures as CSV.
-
-
-SOUND = "hub_acceleration.wav"
+def _band(found: Envelope) -> str:
+    return f"{found.low:.4g} to {found.high:.4g} Hz"
 
 
 def signals(evaluation: Evaluation) -> dict[str, np.ndarray]:

@@ -1,27 +1,33 @@
-"""The numbers of summary.json, with their units in their names."""
+"""The options of a report, and the numbers of summary.json, with their units in their names."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from math import degrees
+from operator import attrgetter
+from typing import Any, Literal
 
 import numpy as np
 
 from lagrange.messages import shown
 from residual.budget import LawScore
 from residual.evaluation import Evaluation
-from residual.fault_finding import FaultSearch
-from residual.fitted_laws import CONFIDENCE, Identification
+from residual.fault_finding import SIGMAS, FaultSearch, FoundSpall, SinkageMap
+from residual.fitted_laws import CONFIDENCE, Identification, Interval
 from residual.lines import LineLevel
+from residual.record import CageMotion, Record
+from residual.sampling import PositionNoise, Stationarity
 from residual.spectrum import Peak, Statistics, rms
 from residual.tables import floor_newtons
-from residual.vibration import Vibration
-from residual.vibration_tables import search_summary
+from residual.vibration import FaultLine, Vibration
+from residual.vibration_tables import told_angle, unseen
 
+PROGRAM = "check-residual"
 Export = Literal["csv", "curves", "mat", "wav"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
-    """Of a report."""
+    """What a report is to hold."""
 
     tolerance: float | None = None  # N, on the rms of both errors; None: no verdict
     search: FaultSearch | None = None  # for spalls; None: none was made
@@ -31,14 +37,92 @@ class ReportOptions:
     other: Evaluation | None = None  # what the run is compared with
 
 
-PROGRAM = "check-residual"
+def _angles(found: FoundSpall) -> np.ndarray:
+    """Interval of a spall's angle, degrees, as scenes give it."""
+    return told_angle(found.place, found.angle) + degrees(found.angle_error) * np.array([-1.0, 1.0])
+
+
+def _item(name: str, key: int | str) -> Callable[[Any], Any]:
+    """How to get an item of an attribute."""
+    return lambda found: getattr(found, name)[key]
+
+
+def _axes(name: str) -> Callable[[Any], dict]:
+    """How to get an attribute's pair by x and y."""
+    return lambda found: dict(zip("xy", getattr(found, name), strict=True))
+
+
+def _settled(found: Stationarity) -> float | None:
+    return None if found.settled is None else float(found.start[found.settled])
+
+
+# keys of the numbers of each class: its attribute, or a function of it
+KEYS: dict[type, dict[str, str | Callable[[Any], Any]]] = {
+    Statistics: {"mean_N": "mean", "rms_N": "rms", "std_N": "std", "max_abs_N": "max_abs"},
+    Peak: {
+        "frequency_Hz": "frequency", "psd_N2_Hz": "psd", "rms_N": "rms", "line": "line", "also": "also",
+        "resolved": "resolved",
+    },
+    LineLevel: {
+        "line": "name", "frequency_Hz": "frequency", "rms_N": "rms", "background_rms_N": "background",
+        "band_Hz": attrgetter("low", "high"), "stands_out": "stands_out", "resolved": "resolved",
+        "record_needed_s": "record_needed",
+    },
+    Vibration: {
+        "body": "body", "peak_m_s2": "peak", "rms_m_s2": "rms", "crest_factor": "crest", "kurtosis": "kurtosis",
+        "bands": lambda v: [{"band_Hz": list(limits), "rms_m_s2": level} for limits, level in v.bands.items()],
+        "envelope_band_Hz": lambda v: None if v.envelope is None else [v.envelope.low, v.envelope.high],
+        "envelope_lines": "lines",
+    },
+    FaultLine: {
+        "line": "name", "frequency_Hz": "frequency", "amplitude_m_s2": "amplitude", "floor_m_s2": "floor",
+        "ratio": "ratio", "stands_out": "stands_out", "resolved": "resolved", "record_needed_s": "record_needed",
+    },
+    FoundSpall: {
+        "body": "place.body", "roller": "place.roller", "angle_deg": lambda s: told_angle(s.place, s.angle),
+        "angle_interval_deg": _angles, "width_mm": lambda s: 1e3 * s.width,
+        "width_interval_mm": lambda s: 1e3 * s.width + 1e3 * s.width_error * np.array([-1.0, 1.0]),
+        "interval_sigmas": lambda _: SIGMAS, "stands_out": "stands_out", "explained": "explained",
+        "passages": "passages",
+    },
+    SinkageMap: {"body": "place.body", "roller": "place.roller", "share": "seen", "unseen_deg": unseen},
+    PositionNoise: {
+        "rounding_step_m": "step", "hub_rms_m": _axes("hub"),
+        "roller_rms_m": "roller", "balance_N": _axes("inertia"),
+        "error_N": _axes("error"),
+    },
+    Stationarity: {
+        "start_s": "start", **{f"hub_std_{axis}_m": _item("hub", axis) for axis in "xy"},
+        **{f"error_rms_{axis}_N": _item("error", axis) for axis in "xy"}, "settled_from_s": _settled,
+    },
+    LawScore: {
+        "law": "name", "error_x": _item("errors", 0), "error_y": _item("errors", 1), "contact_rms_N": "contact_rms",
+    },
+    Interval: {"value": "value", "low": "low", "high": "high"},
+    Identification: {
+        "stiffness_N_per_m_to_the_n": "stiffness", "exponent": "exponent", "coupling_m_per_N": "coupling",
+        "damping_N_s_per_m": "damping", "confidence": lambda _: CONFIDENCE, "contacts": "contacts",
+        "passages": "passages", "scatter_N": "scatter",
+    },
+}  # fmt: skip
+
+
+def numbers(found: Any) -> Any:
+    """An object's numbers by their keys, as JSON has them; each of a list's or an array's; others as they are."""
+    if type(found) in KEYS:
+        return {
+            key: numbers(attrgetter(of)(found) if isinstance(of, str) else of(found))
+            for key, of in KEYS[type(found)].items()
+        }
+    if isinstance(found, np.ndarray):
+        return found.tolist()
+    return [numbers(each) for each in found] if isinstance(found, list | tuple) else found
 
 
 def summarise(evaluation: Evaluation, options: ReportOptions, version: str) -> dict:
     """Content of summary.json: `budget_*` are the terms' rms, `budget_mean_*` add up to the error's mean."""
-    t, directions, tolerance = evaluation.record, evaluation.directions, options.tolerance
-    low, high = evaluation.loaded_range
-    floors = floor_newtons(evaluation)
+    t, directions, tolerance, search = evaluation.record, evaluation.directions, options.tolerance, options.search
+    noise, (low, high) = numbers(evaluation.position_noise), evaluation.loaded_range
     summary = {
         "program": PROGRAM,
         "program_version": version,
@@ -49,134 +133,53 @@ def summarise(evaluation: Evaluation, options: ReportOptions, version: str) -> d
         "interval_s": t.interval,
         "start_s": evaluation.start,
         "order": evaluation.order,
-        **_errors((evaluation.x.error, evaluation.y.error)),
+        **{f"error_{d.name}": numbers(d.error) for d in directions},
         "frequency_resolution_Hz": evaluation.x.spectrum.resolution,
         "segments": evaluation.x.spectrum.segments,
         "kinematic_lines_Hz": evaluation.lines,
         "cage_Hz": {
             "observed": evaluation.lines.get("FTF"),
-            "rolling_without_slip": None if evaluation.record.reverses else evaluation.ideal_cage,
+            "rolling_without_slip": None if t.reverses else evaluation.ideal_cage,
         },
-        **_caged(evaluation),
-        **{f"peaks_{d.name}": [_peak(peak) for peak in d.peaks] for d in directions},
-        **{f"lines_{d.name}": [_level(level) for level in d.levels] for d in directions},
-        **{f"vibration_{d.name}": _vibration(d.vibration) for d in directions},
+        **({} if t.cage is None else {"cage": _cage(t, t.cage, evaluation.ideal_cage)}),
+        **{f"peaks_{d.name}": numbers(d.peaks) for d in directions},
+        **{f"lines_{d.name}": numbers(d.levels) for d in directions},
+        **{f"vibration_{d.name}": numbers(d.vibration) for d in directions},
         "orders": _orders(evaluation),
-        **search_summary(options.search),
-        "watched": [{"x": _level(x), "y": _level(y)} for x, y in evaluation.watched],
+        **({} if search is None else _search(search)),
+        "watched": [{"x": numbers(x), "y": numbers(y)} for x, y in evaluation.watched],
         "loaded_rollers": {"min": low, "max": high},
-        "differentiation_floor_N": {"x": floors[0], "y": floors[1]},
+        "differentiation_floor_N": dict(zip("xy", floor_newtons(evaluation), strict=True)),
         "load_N": t.load,
-        "position_noise": _position_noise(evaluation),
-        "quarters": _quarters(evaluation),
+        "position_noise": None if noise is None else noise | {"within": evaluation.within_noise},
+        "quarters": numbers(evaluation.quarters),
         "tolerance_N": tolerance,
         "verdict": None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
         "notes": list(evaluation.notes),
+        "laws": numbers(evaluation.laws),
+        "identification": _identification(evaluation),
     }
-    summary["laws"] = [_score(score) for score in evaluation.laws]
-    found = evaluation.identification
-    summary["identification"] = None if found is None else _identification(found, t.time, evaluation.judged)
     for d in directions:
         terms = d.budget.terms
         summary[f"budget_mean_{d.name}"] = {name: float(np.mean(v)) for name, v in terms.items()}
         summary[f"budget_{d.name}"] = {name: rms(v) for name, v in terms.items()}
         if d.balance is not None:
-            summary[f"momentum_{d.name}"] = _statistics(d.balance)
+            summary[f"momentum_{d.name}"] = numbers(d.balance)
             summary[f"budget_{d.name}"]["momentum"] = d.balance.rms
-        summary[f"away_from_contact_changes_{d.name}"] = None if d.away is None else _statistics(d.away)
+        summary[f"away_from_contact_changes_{d.name}"] = numbers(d.away)
     return summary
 
 
-def _caged(evaluation: Evaluation) -> dict:
-    """Of a run with a cage; null where there is no such mean."""
-    t, cage = evaluation.record, evaluation.record.cage
-    if cage is None:
-        return {}
-    speed, ideal = cage.speed(t.interval), 2.0 * np.pi * evaluation.ideal_cage
+def _cage(t: Record, cage: CageMotion, rolling: float) -> dict[str, float | None]:
+    """Numbers of a cage, Hz where it rolls without slip; null where the shaft reverses and there is no such mean."""
+    speed, ideal = cage.speed(t.interval), 2.0 * np.pi * rolling
     return {
-        "cage": {
-            "speed_Hz": None if t.reverses else speed / (2.0 * np.pi),
-            "slip": None if t.reverses or ideal == 0.0 else 1.0 - abs(speed) / ideal,
-            "largest_offset_m": float(np.hypot(cage.x, cage.y).max()),
-            "whirl_Hz": None if t.reverses else cage.whirl(t.interval) / (2.0 * np.pi),
-            "largest_pocket_force_N": float(np.abs(cage.force).max()),
-            "largest_guidance_force_N": float(np.hypot(cage.guidance_x, cage.guidance_y).max()),
-        }
-    }
-
-
-def _position_noise(evaluation: Evaluation) -> dict | None:
-    """What a table's positions err by and the error forces that this makes; null of a run of run-fem."""
-    found = evaluation.position_noise
-    if found is None:
-        return None
-    return {
-        "rounding_step_m": found.step,
-        "hub_rms_m": dict(zip("xy", found.hub, strict=True)),
-        "roller_rms_m": found.roller,
-        "balance_N": dict(zip("xy", found.inertia, strict=True)),
-        "error_N": dict(zip("xy", found.error, strict=True)),
-        "within": evaluation.within_noise,
-    }
-
-
-def _quarters(evaluation: Evaluation) -> dict | None:
-    """What varies in each quarter of the record; null for one too short for it."""
-    found = evaluation.quarters
-    if found is None:
-        return None
-    return {
-        "start_s": found.start.tolist(),
-        **{f"hub_std_{name}_m": values.tolist() for name, values in found.hub.items()},
-        **{f"error_rms_{name}_N": values.tolist() for name, values in found.error.items()},
-        "settled_from_s": None if found.settled is None else float(found.start[found.settled]),
-    }
-
-
-def _statistics(s: Statistics) -> dict[str, float]:
-    return {"mean_N": s.mean, "rms_N": s.rms, "std_N": s.std, "max_abs_N": s.max_abs}
-
-
-def _errors(errors: tuple[Statistics, Statistics]) -> dict[str, dict[str, float]]:
-    return {"error_x": _statistics(errors[0]), "error_y": _statistics(errors[1])}
-
-
-def _level(level: LineLevel) -> dict:
-    return {
-        "line": level.name,
-        "frequency_Hz": level.frequency,
-        "rms_N": level.rms,
-        "background_rms_N": level.background,
-        "band_Hz": [level.low, level.high],
-        "stands_out": level.stands_out,
-        "resolved": level.resolved,
-        "record_needed_s": level.record_needed,
-    }
-
-
-def _vibration(v: Vibration) -> dict:
-    """Levels of a body's acceleration and amplitudes of the fault lines in its envelope."""
-    return {
-        "body": v.body,
-        "peak_m_s2": v.peak,
-        "rms_m_s2": v.rms,
-        "crest_factor": v.crest,
-        "kurtosis": v.kurtosis,
-        "bands": [{"band_Hz": list(limits), "rms_m_s2": level} for limits, level in v.bands.items()],
-        "envelope_band_Hz": None if v.envelope is None else [v.envelope.low, v.envelope.high],
-        "envelope_lines": [
-            {
-                "line": line.name,
-                "frequency_Hz": line.frequency,
-                "amplitude_m_s2": line.amplitude,
-                "floor_m_s2": line.floor,
-                "ratio": line.ratio,
-                "stands_out": line.stands_out,
-                "resolved": line.resolved,
-                "record_needed_s": line.record_needed,
-            }
-            for line in v.lines
-        ],
+        "speed_Hz": None if t.reverses else speed / (2.0 * np.pi),
+        "slip": None if t.reverses or ideal == 0.0 else 1.0 - abs(speed) / ideal,
+        "largest_offset_m": float(np.hypot(cage.x, cage.y).max()),
+        "whirl_Hz": None if t.reverses else cage.whirl(t.interval) / (2.0 * np.pi),
+        "largest_pocket_force_N": float(np.abs(cage.force).max()),
+        "largest_guidance_force_N": float(np.hypot(cage.guidance_x, cage.guidance_y).max()),
     }
 
 
@@ -185,59 +188,33 @@ def _orders(evaluation: Evaluation) -> dict | None:
     found = {d.name: d.orders for d in evaluation.directions if d.orders is not None}
     if not found:
         return None
-    tracking, path = found["x"].tracking, found["x"].path
+    tracking = found["x"].tracking
     return {
         "start_s": float(tracking.time[0]),
         "end_s": float(tracking.time[-1]),
-        "resolution": path.resolution,
+        "resolution": found["x"].path.resolution,
         "lines": tracking.lines,
-        **{
-            f"peaks_{name}": [
-                {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved} for p in orders.peaks
-            ]
-            for name, orders in found.items()
-        },
+    } | {
+        f"peaks_{name}": [
+            {"order": p.frequency, "rms_m": p.rms, "line": p.line, "resolved": p.resolved} for p in orders.peaks
+        ]
+        for name, orders in found.items()
     }
 
 
-def _score(score: LawScore) -> dict:
+def _search(search: FaultSearch) -> dict:
+    """Spalls found, how much of each body was seen, and what stands out still."""
+    left = max((m.deepest[1] for m in search.left), default=0.0)
     return {
-        "law": score.name,
-        **_errors(score.errors),
-        "contact_rms_N": score.contact_rms,
-    }
+        "faults": numbers(search.found), "faults_seen": numbers(search.maps), "faults_left_stand_out": left,
+    }  # fmt: skip
 
 
-def _identification(found: Identification, time: np.ndarray, held_back) -> dict:
+def _identification(evaluation: Evaluation) -> dict | None:
     """The fit's numbers in SI, and the errors on the part of the record it was not fitted to."""
-
-    def interval(number):
-        return None if number is None else {"value": number.value, "low": number.low, "high": number.high}
-
-    return {
-        "stiffness_N_per_m_to_the_n": interval(found.stiffness),
-        "exponent": interval(found.exponent),
-        "coupling_m_per_N": interval(found.coupling),
-        "damping_N_s_per_m": interval(found.damping),
-        "confidence": CONFIDENCE,
-        "contacts": found.contacts,
-        "passages": found.passages,
-        "scatter_N": found.scatter,
-        "fitted_until_s": float(time[found.samples - 1]),
-        "held_back": {
-            "start_s": float(time[found.samples]),
-            "samples": int(time.size - found.samples),
-            **_errors(held_back),
-        },
-    }
-
-
-def _peak(p: Peak) -> dict:
-    return {
-        "frequency_Hz": p.frequency,
-        "psd_N2_Hz": p.psd,
-        "rms_N": p.rms,
-        "line": p.line,
-        "also": list(p.also),
-        "resolved": p.resolved,
-    }
+    found, time = evaluation.identification, evaluation.record.time
+    if found is None:
+        return None
+    held_back = {"start_s": float(time[found.samples]), "samples": int(time.size - found.samples)}
+    held_back |= {f"error_{axis}": numbers(error) for axis, error in zip("xy", evaluation.judged, strict=True)}
+    return numbers(found) | {"fitted_until_s": float(time[found.samples - 1]), "held_back": held_back}

@@ -21,6 +21,12 @@ LONGEST_LINE = 2**20  # characters
 LONGEST_QUOTE = 200  # characters of a message
 MOTION = ("time", "inner_x", "inner_y")
 CARTESIAN, POLAR = ("roller_x", "roller_y"), ("roller_rho", "roller_theta")
+SPLINE_DEGREE = 7  # of the spline: smoother than the highest order of differentiation needs
+LARGEST_GAP = 10.0  # of the median interval: nothing is made up across more
+FORCES = ("inner_force", "outer_force", "inner_traction", "outer_traction")  # with kinks: straight lines
+DECIMALS = range(13)  # of time stamps, in s
+COARSEST = 0.5  # last place over the interval: a row that is missing then can't pass as rounding
+ROUNDED = 0.75  # of their last place: half for rounding, the rest for the fit of a few stamps
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is not finite, and refused as such
@@ -221,16 +227,6 @@ def _at(path: Path, header: list[str], columns: Columns, quantity: str, n_roller
         else:
             indices.append(header.index(present))
     return indices, factor, absent
-
-
-SPLINE_DEGREE = 7  # of the spline: smoother than the highest order of differentiation needs
-LARGEST_GAP = 10.0  # of the median interval: nothing is made up across more
-FORCES = ("inner_force", "outer_force", "inner_traction", "outer_traction")  # with kinks: straight lines
-
-
-DECIMALS = range(13)  # of time stamps, in s
-COARSEST = 0.5  # last place over the interval: a row that is missing then can't pass as rounding
-ROUNDED = 0.75  # of their last place: half for rounding, the rest for the fit of a few stamps
 
 
 def even_clock(time: np.ndarray) -> tuple[np.ndarray, str] | None:

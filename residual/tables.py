@@ -1,50 +1,39 @@
 """Rows of the tables in the report and on the terminal, as text without layout."""
 
-import numpy as np
-
 from lagrange.messages import engineering
-from residual.evaluation import Direction, Evaluation
+from residual.evaluation import Evaluation
 from residual.fitted_laws import Identification, Interval
-from residual.formatting import hertz, metres, term_label, text
-from residual.lines import LineLevel
-from residual.load_zone import chosen_roller, roller_radial
-from residual.run_comparison import PEAK, is_paper
+from residual.formatting import hertz, term_label, text
+from residual.run_comparison import PEAK
 from residual.spectrum import MAIN_LOBE, Peak, Statistics, rms
 
 NO_MOTION = 1e-6  # nm: round-off of positions
-
-
-def span(values, scale: float = 1.0, digits: int = 4) -> str:
-    """Write the smallest and the largest of some values, scaled."""
-    return f"{text(scale * float(np.min(values)), digits)} … {text(scale * float(np.max(values)), digits)}"
+REFERENCE = "harris"  # the paper's law: what a fit is compared with, for rollers
+MILLIMETRES = 1e3
 
 
 def error_rows(evaluation: Evaluation) -> list[list[str]]:
     """Rows of name, mean, rms, standard deviation and largest magnitude, N."""
-    noise = evaluation.noise
-    rows = [
-        _statistics_row("error_x, equation (22)", evaluation.x.error, noise),
-        _statistics_row("error_y, equation (23)", evaluation.y.error, noise),
+    found = {"error_x, equation (22)": evaluation.x.error, "error_y, equation (23)": evaluation.y.error}
+    found |= {f"momentum balance, {d.name}": d.balance for d in evaluation.directions if d.balance is not None}
+    return [
+        [name, *(text(value, noise=evaluation.noise) for value in (s.mean, s.rms, s.std, s.max_abs))]
+        for name, s in found.items()
     ]
-    for d in evaluation.directions:
-        if d.balance is not None:
-            rows.append(_statistics_row(f"momentum balance, {d.name}", d.balance, noise))
-    return rows
-
-
-def _statistics_row(name: str, s: Statistics, noise: float) -> list[str]:
-    return [name, *(text(value, noise=noise) for value in (s.mean, s.rms, s.std, s.max_abs))]
 
 
 def budget_rows(evaluation: Evaluation) -> list[list[str]]:
     """Rows of term, mean and rms in x, mean and rms in y, N."""
-    directions = evaluation.directions
+    directions, noise = evaluation.directions, evaluation.noise
     names = evaluation.budget.x.terms
     sums = {term_label(name): [Statistics.of(d.budget.terms[name]) for d in directions] for name in names}
     if sums:
         sums["sum = error"] = [d.error for d in directions]
-    noise = evaluation.noise
     return [[name, *(text(v, noise=noise) for s in cells for v in (s.mean, s.rms))] for name, cells in sums.items()]
+
+
+def yes_no(is_so: bool) -> str:
+    return "yes" if is_so else "no"
 
 
 def peak_name(peak: Peak) -> str:
@@ -54,48 +43,7 @@ def peak_name(peak: Peak) -> str:
 
 def peak_rows(peaks: list[Peak]) -> list[list[str]]:
     """Rows of frequency, density, rms, what it may be, and whether it is resolved."""
-    return [
-        [hertz(p.frequency), text(p.psd, 3), text(p.rms, 3), peak_name(p), "yes" if p.resolved else "no"] for p in peaks
-    ]
-
-
-def paper_rows(evaluation: Evaluation) -> list[list[str]]:
-    """Rows of figure, quantity, range read off the paper, and ours; none for another bearing or operating point."""
-    t, budget = evaluation.record, evaluation.budget
-    if not is_paper(t.scene):
-        return []
-    j = chosen_roller(budget.loaded, evaluation.chatter)
-    rho, velocity, acceleration = roller_radial(t, j, evaluation.order)
-    low, high = evaluation.loaded_range
-    return [
-        ["6", "x of the inner ring", "−80 … +60 µm", _length(t.inner_x)],
-        ["6", "y of the inner ring", "−220 … −80 µm", _length(t.inner_y)],
-        ["7", f"ρ of one roller (ours: {j})", "22.98 … 23.08 mm", _length(rho)],
-        ["7", "dρ/dt, mm/s", "±400", span(velocity, 1e3, 3)],
-        ["7", "d²ρ/dt², m/s²", "±5000", span(acceleration, 1.0, 3)],
-        ["text", "rollers in the load zone", "6 … 7", f"{low} … {high}"],
-        ["8", "left side of (22), N", "±3000 around 0", span(budget.x.error)],
-        ["9", "−(left side of (23)), N", "±3000 around 2000", span(t.acting.radial_load - budget.y.error)],
-        ["10", "strongest peak of (22), 0-300 Hz", "near 22 Hz, 2.5·10¹⁰", _band_peak(evaluation.x)],
-        ["11", "strongest peak of (23), 0-300 Hz", "near 22 Hz, 1.5·10⁷", _band_peak(evaluation.y)],
-    ]
-
-
-def _length(values) -> str:
-    return metres(float(np.min(values)), float(np.max(values)))
-
-
-def _band_peak(direction: Direction) -> str:
-    """State the strongest significant peak in the paper's band, or the strongest bin where none stands out."""
-    peaks = [p for p in direction.peaks if p.frequency <= 300.0]
-    if peaks:
-        return f"{text(peaks[0].frequency)} Hz, {text(peaks[0].psd, 3)} N²/Hz"
-    spectrum = direction.spectrum
-    band = (spectrum.frequency > 0.0) & (spectrum.frequency <= 300.0)
-    if not band.any():
-        return "no bin in this band"
-    top = float(spectrum.psd[band].max())
-    return f"none stands out (density at most {text(top, 3)} N²/Hz)"
+    return [[hertz(p.frequency), text(p.psd, 3), text(p.rms, 3), peak_name(p), yes_no(p.resolved)] for p in peaks]
 
 
 def quarter_rows(evaluation: Evaluation) -> list[list[str]]:
@@ -158,7 +106,14 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
             "Away from contacts that open or close, where the stencil has its full order, the error is "
             f"{text(x.away.rms)} N rms in x and {text(y.away.rms)} N rms in y."
         )
-    notes.append(_law_note(evaluation))
+    notes.append(
+        f"The law ({evaluation.law.source}) takes each contact alone and was not made for this run: even an exact "
+        "simulation leaves a mean error with it. The momentum balance, where the run tells its forces, does not depend "
+        "on it."
+        if evaluation.identification is None
+        else "The law was fitted to the first part of this record: the numbers of the whole record include that part; "
+        "those of the part held back don't."
+    )
     if x.peaks or y.peaks:
         notes.append(
             "A peak bears the name of the nearest kinematic line within Δf; that is a matter of frequency, "
@@ -167,33 +122,22 @@ def honest_notes(evaluation: Evaluation) -> list[str]:
     return [note[0].upper() + note[1:] for note in notes]
 
 
-def _law_note(evaluation: Evaluation) -> str:
-    """Say what the law is worth."""
-    if evaluation.identification is not None:
-        return (
-            "The law was fitted to the first part of this record: the numbers of the whole record include that part; "
-            "those of the part held back don't."
-        )
-    return (
-        f"The law ({evaluation.law.source}) takes each contact alone and was not made for this run: even an exact "
-        "simulation leaves a mean error with it. The momentum balance, where the run tells its forces, does not depend "
-        "on it."
-    )
-
-
-# Rows about the levels of lines, for the report and the terminal.
-
-
 def level_rows(evaluation: Evaluation) -> list[list[str]]:
     """Rows of line, Hz, N rms and background in x and in y, resolved; levels that stand out are marked."""
-    rows = []
-    for x, y in zip(evaluation.x.levels, evaluation.y.levels, strict=True):
-        rows.append([x.name, text(x.frequency), *_cells(x), *_cells(y), "yes" if x.resolved else f"no: {x.obstacle}"])
-    return rows
+    return [
+        [
+            x.name,
+            text(x.frequency),
+            *(cell for at in (x, y) for cell in (marked(at.rms, at.stands_out), text(at.background, 3))),
+            "yes" if x.resolved else f"no: {x.obstacle}",
+        ]
+        for x, y in zip(evaluation.x.levels, evaluation.y.levels, strict=True)
+    ]
 
 
-def _cells(level: LineLevel) -> list[str]:
-    return [text(level.rms, 3) + (" *" if level.stands_out else ""), text(level.background, 3)]
+def marked(level: float, stands_out: bool) -> str:
+    """A level, with an asterisk where it stands out."""
+    return text(level, 3) + (" *" if stands_out else "")
 
 
 def watched_rows(evaluation: Evaluation) -> list[list[str]]:
@@ -204,17 +148,10 @@ def watched_rows(evaluation: Evaluation) -> list[list[str]]:
             text(x.rms, 3),
             text(y.rms, 3),
             f"{text(x.background, 3)}, {text(y.background, 3)}",
-            "yes" if x.resolved else "no",
+            yes_no(x.resolved),
         ]
         for x, y in evaluation.watched
     ]
-
-
-# Rows and sentences about contact laws: the ranking, and what a fitted law is worth.
-
-
-REFERENCE = "harris"  # the paper's law: what a fit is compared with, for rollers
-MILLIMETRES = 1e3
 
 
 def ranking_rows(evaluation: Evaluation) -> list[list[str]]:
@@ -246,36 +183,24 @@ def fit_sentences(evaluation: Evaluation) -> list[str]:
     found = evaluation.identification
     if found is None:
         return []
-    sentences = [_constants(found), _known(found), _disappears(evaluation)]
-    if evaluation.budget.y.terms:
-        sentences.append(_remains(evaluation, found))
-    return sentences
-
-
-def _constants(found: Identification) -> str:
-    """State the fitted numbers with their intervals."""
     scale = MILLIMETRES**-found.exponent.value
-    numbers = (
+    sentences = [
         f"Fitted: K = {_interval(found.stiffness, scale)} N/mm^n, n = {_interval(found.exponent)}"
         + ("" if found.coupling is None else f", c = {_interval(found.coupling, 1e12)} pm/N")
         + ("" if found.damping is None else f", d = {_interval(found.damping)} N s/m")
-        + " (95 % confidence; K is the force at 1 mm, far outside the data, hence its width"
-    )
-    return numbers + ")."
+        + " (95 % confidence; K is the force at 1 mm, far outside the data, hence its width).",
+        f"From {found.contacts} closed contacts in {found.passages} passages of rollers through the load zone, "
+        f"approaches {text(1e6 * max(found.depth[0], 0.0), 3)} to {text(1e6 * found.depth[1], 3)} µm; the law misses "
+        f"the run's forces by {text(found.scatter, 3)} N rms per contact. A passage counts as one observation.",
+        _disappears(evaluation),
+    ]
+    return [*sentences, _remains(evaluation, found)] if evaluation.budget.y.terms else sentences
 
 
 def _interval(number: Interval, scale: float = 1.0) -> str:
     low, high = sorted((scale * number.low, scale * number.high))
     value = scale * number.value
     return f"{text(value, 5)} [{text(low, 5)}, {text(high, 5)}]"
-
-
-def _known(found: Identification) -> str:
-    return (
-        f"From {found.contacts} closed contacts in {found.passages} passages of rollers through the load zone, "
-        f"approaches {text(1e6 * max(found.depth[0], 0.0), 3)} to {text(1e6 * found.depth[1], 3)} µm; the law misses "
-        f"the run's forces by {text(found.scatter, 3)} N rms per contact. A passage counts as one observation."
-    )
 
 
 def _disappears(evaluation: Evaluation) -> str:

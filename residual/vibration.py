@@ -9,39 +9,7 @@ from residual.lines import first_sidebands, half_band, nearest_line
 from residual.record import Record
 from residual.spectrum import MAIN_LOBE, Envelope, Spectrum, band_envelope, power_spectrum, rms
 
-# Which body's vibration a report is of: the sensor's where a run has one, else the housing's, else the hub's.
-
-
 Measured = tuple[str, np.ndarray]  # a body and its acceleration along an axis, (n_times,), m/s²
-
-
-def measured(record: Record, accelerations: Accelerations) -> tuple[Measured, Measured]:
-    """Body and acceleration along x and along y, in the fixed frame: what an accelerometer on the machine would see.
-
-    The integrator's own where the source tells it, else from positions. A sensor measures along y alone; along x stands
-    the housing beside it.
-    """
-    hub_x, hub_y = accelerations.whole
-    (housing_x, housing_y), sensor = _housing(record, accelerations), record.sensor_ay
-    hub = (hub_x if record.inner_ax is None else record.inner_ax, hub_y if record.inner_ay is None else record.inner_ay)
-    x: Measured = ("hub", hub[0]) if housing_x is None else ("housing", housing_x)
-    y: Measured = ("hub", hub[1]) if housing_y is None else ("housing", housing_y)
-    return x, y if sensor is None else ("sensor", sensor)
-
-
-def _housing(record: Record, accelerations: Accelerations) -> tuple[np.ndarray | None, np.ndarray | None]:
-    """Accelerations of the housing: those of the outer ring that it holds, or its own beside a ring with a fit."""
-    mounting = record.scene.mounting()
-    if mounting.housing is None:
-        return None, None
-    if mounting.bore is not None:
-        return record.housing_ax, record.housing_ay
-    x, y = accelerations.outer_ring
-    return x if record.outer_ring_ax is None else record.outer_ring_ax, (
-        y if record.outer_ring_ay is None else record.outer_ring_ay
-    )
-
-
 BANDS = ((0.0, 1e3), (1e3, 5e3), (5e3, 20e3), (20e3, 50e3))  # Hz
 ENVELOPE_FROM = 3.0  # times BPFI: above what rollers do to the hub by passing
 ENVELOPE_TO = 50e3  # Hz, as far as accelerometers go
@@ -87,6 +55,26 @@ class Vibration:
     def tells_lines(self) -> bool:
         """Whether the record is long enough to tell any fault line from the others."""
         return any(line.resolved for line in self.lines)
+
+
+def measured(record: Record, accelerations: Accelerations) -> tuple[Measured, Measured]:
+    """Body and acceleration along x and along y, in the fixed frame: what an accelerometer on the machine would show.
+
+    The sensor's where a run has one, else the housing's (that of the outer ring in it, or its own beside a ring with a
+    fit), else the hub's; the integrator's own where the source holds it, else from positions. A sensor measures along y
+    alone; along x stands the housing beside it.
+    """
+    mounting, found = record.scene.mounting(), []
+    for axis, hub, ring in zip("xy", accelerations.whole, accelerations.outer_ring, strict=True):
+        own = {name: getattr(record, f"{name}_a{axis}") for name in ("inner", "outer_ring", "housing")}
+        place = "hub", hub if own["inner"] is None else own["inner"]
+        moved = (
+            own["housing"] if mounting.bore is not None else ring if own["outer_ring"] is None else own["outer_ring"]
+        )
+        if mounting.housing is not None and moved is not None:
+            place = "housing", moved
+        found.append(place)
+    return found[0], found[1] if record.sensor_ay is None else ("sensor", record.sensor_ay)
 
 
 def vibration(acceleration, interval: float, lines: dict[str, float], body: str = "hub") -> Vibration:

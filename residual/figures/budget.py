@@ -7,7 +7,7 @@ import numpy as np
 
 from residual.evaluation import Evaluation
 from residual.figures.saved import GREY, TERM_COLOURS, SavedFigure
-from residual.figures.style import legend_above, log_panel, panels, save, without_minor_ticks
+from residual.figures.style import DASHED, legend_above, log_panel, panels, save, without_minor_ticks
 from residual.formatting import term_label, text
 from residual.spectrum import Spectrum, rms
 
@@ -21,43 +21,35 @@ NAMES = 1.2  # inches, of terms beside their bars
 
 def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the error's terms over time, and their rms."""
-    t, budget = evaluation.record, evaluation.budget
-    acting = budget.acting_terms
-    terms = {
-        d.name: {"error": d.budget.error, **{name: d.budget.terms[name] for name in acting}}
-        for d in evaluation.directions
-    }
-    sizes = {name: {term: rms(values) for term, values in found.items()} for name, found in terms.items()}
-    for d in evaluation.directions:
-        sizes[d.name]["momentum"] = 0.0 if d.balance is None else d.balance.rms
+    time, acting = 1e3 * evaluation.record.time, evaluation.budget.acting_terms
     more = ROOM_FOR_A_TERM * max(0, len(acting) - USUAL_TERMS)
     shares = 1.0, 1.0, 1.4 + more / INCHES_OF_A_SHARE
-    figure, (*axes, bars) = panels((2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES)
-    for axis, direction in zip(axes, evaluation.directions, strict=True):
-        for name in ("error", *acting):
-            axis.plot(1e3 * t.time, terms[direction.name][name], color=TERM_COLOURS[name], label=term_label(name),
+    figure, (*axes, bars) = panels(
+        (2, 1), 8.4 + more, lines=2, shares=shares, left=NAMES, x="rms, N (dark: x, light: y)"
+    )
+    names = ["error", *acting, "momentum"]
+    position, colours, sizes = np.arange(len(names))[::-1], [TERM_COLOURS[name] for name in names], []
+    for axis, d, offset, shade in zip(axes, evaluation.directions, (0.19, -0.19), (1.0, 0.5), strict=True):
+        terms = {"error": d.budget.error, **{name: d.budget.terms[name] for name in acting}}
+        for name, values in terms.items():
+            axis.plot(time, values, color=TERM_COLOURS[name], label=term_label(name),
                       linewidth=1.4 if name == "error" else 0.9)  # fmt: skip
-        axis.set_ylabel(f"terms of error_{direction.name}, N")
+        axis.set_ylabel(f"terms of error_{d.name}, N")
         axis.margins(x=0.0)
+        widths = [*map(rms, terms.values()), 0.0 if d.balance is None else d.balance.rms]
+        drawn = bars.barh(position + offset, widths, height=0.34, color=colours, alpha=shade)
+        bars.bar_label(drawn, [f"{d.name}: {text(v, 3)} N" for v in widths], padding=4, fontsize=8.5)
+        sizes += widths
     legend_above(axes[0], 5, left=-0.1, columnspacing=1.0, handlelength=1.3)
     axes[1].set_xlabel("time, ms")
-    names = ["error", *acting, "momentum"]
-    position = np.arange(len(names))[::-1]
-    for offset, letter, shade in ((0.19, "x", 1.0), (-0.19, "y", 0.5)):
-        values = [sizes[letter][name] for name in names]
-        colours = [TERM_COLOURS[name] for name in names]
-        drawn = bars.barh(position + offset, values, height=0.34, color=colours, alpha=shade)
-        texts = [f"{letter}: {text(v, 3)} N" for v in values]
-        bars.bar_label(drawn, texts, padding=4, fontsize=8.5)
     bars.set_xscale("log")
     without_minor_ticks(bars)
-    everything = [v for found in sizes.values() for v in found.values() if v > 0.0]
+    everything = [v for v in sizes if v > 0.0]
     top = max(everything, default=1.0)
     bars.set_xlim(max(min(everything, default=0.1) / 2.0, 1e-5 * top), 8.0 * top)
     bars.set_yticks(
         position, [term_label(n).replace(" ", "\n", 1) + ("\nbalance" if n == "momentum" else "") for n in names]
     )
-    bars.set_xlabel("rms, N (dark: x, light: y)")
     bars.grid(axis="y", visible=False)
     caption = (
         "What the error forces are made of; the terms add up to the error sample by sample. Momentum balance: the "
@@ -68,26 +60,21 @@ def budget_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
 
 def stacked_terms(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the terms less their means, stacked, over two roller passages in the middle of the record."""
-    t = evaluation.record
-    shown = _middle(evaluation)
-    time = 1e3 * t.time[shown]
-    figure, axes = panels(2, 5.6)
+    shown = middle(evaluation, PASSAGES_SHOWN)
+    time = 1e3 * evaluation.record.time[shown]
+    figure, axes = panels(2, 5.6, x="time, ms", y=[f"error_{axis} less its mean, N" for axis in "xy"])
     means = []
     for axis, direction in zip(axes, evaluation.directions, strict=True):
         terms = {name: direction.budget.terms[name] for name in evaluation.budget.acting_terms}
         total = direction.budget.error
         values = np.array([v[shown] - v.mean() for v in terms.values()])
-        colours = [TERM_COLOURS[name] for name in terms]
-        labels = [term_label(name) for name in terms]
-        axis.stackplot(time, np.maximum(values, 0.0), colors=colours, labels=labels, alpha=0.75, linewidth=0)
-        axis.stackplot(time, np.minimum(values, 0.0), colors=colours, alpha=0.75, linewidth=0)
+        style = {"colors": [TERM_COLOURS[name] for name in terms], "alpha": 0.75, "linewidth": 0}
+        axis.stackplot(time, np.maximum(values, 0.0), labels=[term_label(name) for name in terms], **style)
+        axis.stackplot(time, np.minimum(values, 0.0), **style)
         axis.plot(time, total[shown] - total.mean(), color="black", linewidth=1.2, label="error")
-        axis.set_ylabel(f"error_{direction.name} less its mean, N")
-        axis.margins(x=0.0)
         mean = ", ".join(f"{term_label(name)} {text(v.mean(), 3, evaluation.noise)}" for name, v in terms.items())
         means.append(f"in {direction.name} {mean}")
     legend_above(axes[0], 5, left=-0.08, columnspacing=1.0, handlelength=1.2)
-    axes[1].set_xlabel("time, ms")
     caption = (
         "The terms of the error forces stacked, positive upward and negative downward, each less its mean over the "
         "record; the black line, their sum, is the error less its mean. Middle of the record, "
@@ -96,20 +83,19 @@ def stacked_terms(evaluation: Evaluation, folder: Path) -> SavedFigure:
     return save(figure, folder, "budget_stacked", "Terms of the error forces, stacked", caption)
 
 
-def _middle(evaluation: Evaluation) -> slice:
-    """Choose the samples of a few roller passages in the middle of the record; all of them for a standing bearing."""
-    t = evaluation.record
-    passing = evaluation.lines.get("BPFO", 0.0)
+def middle(evaluation: Evaluation, passages: float) -> slice:
+    """Samples of some roller passages in the middle of the record; all of them for a standing bearing."""
+    t, passing = evaluation.record, evaluation.lines.get("BPFO", 0.0)
     if passing == 0.0:
         return slice(None)
-    n = min(t.time.size, int(PASSAGES_SHOWN / passing / t.interval) + 1)
+    n = min(t.time.size, int(passages / passing / t.interval) + 1)
     first = (t.time.size - n) // 2
     return slice(first, first + n)
 
 
 def budget_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the density of every term beside the error's."""
-    figure, axes = panels(2, 6.4, lines=3)
+    figure, axes = panels(2, 6.4, lines=3, x="frequency, Hz", y=[f"PSD, {axis}, N²/Hz" for axis in "xy"])
     for axis, direction in zip(axes, evaluation.directions, strict=True):
         f, psd = _thinned(direction.spectrum)
         log_panel(axis, f)
@@ -119,15 +105,13 @@ def budget_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
             axis.plot(*_thinned(spectrum), color=TERM_COLOURS[name], linewidth=0.9, label=term_label(name))
         top = max(float(psd.max()), 1e-30)
         axis.set_ylim(DYNAMIC_RANGE * top, 10.0 * top)
-        axis.set_ylabel(f"PSD, {direction.name}, N²/Hz")
         lines = {n: at for n, at in evaluation.lines.items() if "×" not in n and f[0] <= at <= f[-1]}
         for line, frequency in lines.items():
-            axis.axvline(frequency, color=GREY, linestyle=(0, (4, 2)), linewidth=0.9, zorder=0)
+            axis.axvline(frequency, color=GREY, linestyle=DASHED, linewidth=0.9, zorder=0)
             if direction is evaluation.x:
                 axis.annotate(line, (frequency, 1.01), xycoords=("data", "axes fraction"), fontsize=9, va="bottom",
                               ha=_side(frequency, lines.values()), color="#555555")  # fmt: skip
     legend_above(axes[0], 5, borderaxespad=1.6, columnspacing=1.2, handlelength=1.4)
-    axes[1].set_xlabel("frequency, Hz")
     caption = (
         "One-sided power spectral density of each term and of the error, averaged over "
         f"{BINS_PER_DECADE} bins a decade where the record resolves more. Terms are not independent: where two of them "

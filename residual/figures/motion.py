@@ -7,21 +7,31 @@ import numpy as np
 from lagrange import mounting
 from residual.evaluation import Evaluation
 from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, PURPLE, RED, SKY, SavedFigure
-from residual.figures.style import legend_above, panels, save
+from residual.figures.style import DOTS, legend_above, panels, save
 from residual.formatting import length, text
-from residual.load_zone import QuasiStatic, angle_from_load, chosen_roller, load_zones
-from residual.record import Record
+from residual.load_zone import QuasiStatic, chosen_roller, load_zones
+from residual.record import angle_from_load
 from residual.sources import ENERGIES
 
 MOST_POINTS = 20_000  # of a scatter plot: more hide each other
 SHORT_ROW, LONG_ROW = 6, -0.13  # entries of a legend as wide as its axis; where a longer one begins
 SMALLEST_TURN = 1e-3  # of a revolution: less is a standing bearing
+FROM_LOAD = "roller's angle from the load line, degrees"
+ENERGY_CURVES = {
+    "energy_kinetic": ("kinetic", BLUE),
+    "energy_elastic": ("elastic", RED),
+    "energy_contact": ("contact", PURPLE),
+    "energy_support": ("support", SKY),
+    "energy_shaft": ("shaft", ORANGE),
+    "work_external": ("external work", GREEN),
+    "work_dissipated": ("dissipated", GREY),
+}
 
 
 def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> SavedFigure:
     """Draw the hub's path and that of the Lagrangian model's equilibria, each about its own middle."""
     t = evaluation.record
-    figure, (axes,) = panels(1, 4.6)
+    figure, (axes,) = panels(1, 4.6, x="x less its mean, µm", y=["y less its mean, µm"])
     middle = 1e6 * np.array([t.inner_x.mean(), t.inner_y.mean()])
     axes.plot(1e6 * t.inner_x - middle[0], 1e6 * t.inner_y - middle[1], color=BLUE, linewidth=0.6, alpha=0.8,
               label="run")  # fmt: skip
@@ -35,7 +45,6 @@ def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Pa
             f" Thick: the equilibria of the Lagrangian model (rigid rings, law {statics.law}) over one roller passage, "
             f"about theirs, x = {length(1e-6 * standing[0])}, y = {length(1e-6 * standing[1])}."
         )
-    axes.set(xlabel="x less its mean, µm", ylabel="y less its mean, µm")
     axes.set_aspect("equal", adjustable="datalim")
     legend_above(axes, 2)
     return save(figure, folder, "orbit", "Orbit of the inner ring", caption)
@@ -43,20 +52,17 @@ def orbit_figure(evaluation: Evaluation, statics: QuasiStatic | None, folder: Pa
 
 def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> SavedFigure:
     """Draw the inner contact force around the bearing in polar coordinates, the load downwards."""
-    t = evaluation.record
-    told = t.inner_force is not None
     force = evaluation.force
     stride = max(1, force.size // MOST_POINTS)
     figure, (axes,) = panels(1, 5.2, projection="polar")
     axes.set_theta_zero_location("S")
-    angle = _from_load(t)[::stride]
+    angle = evaluation.record.from_load[::stride]
+    told = evaluation.record.inner_force is not None
     name = "run" if told else f"law {evaluation.law.name} on the run's approaches"
-    axes.plot(angle.ravel(), force[::stride].ravel(), color=BLUE, linestyle="none", marker=".", markersize=2.5,
-              rasterized=True, label=name)  # fmt: skip
+    axes.plot(angle.ravel(), force[::stride].ravel(), color=BLUE, label=name, **DOTS)
     caption = "Force of the inner raceway on the rollers over their angle from the load line, all rollers and times"
     if statics is not None:
-        axes.plot(statics.angle, statics.force, color=ORANGE, linewidth=1.8,
-                  label=f"Lagrangian statics, {statics.law}")  # fmt: skip
+        axes.plot(statics.angle, statics.force, color=ORANGE, linewidth=1.8, label=f"Lagrangian statics, {statics.law}")
         most, static = float(force.max()), float(statics.force.max())
         caption += (
             f"; line: the static equilibria of the Lagrangian model. Largest: {text(most)} N in the run, "
@@ -73,61 +79,42 @@ def load_distribution(evaluation: Evaluation, statics: QuasiStatic | None, folde
 
 def roller_loads(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the law's and the run's inner contact forces over the roller's angle from the load line."""
-    t, budget = evaluation.record, evaluation.budget
-    stride = max(1, budget.law_force.size // MOST_POINTS)
-    rows = slice(None, None, stride)
-    contacts = budget.contacts
+    own, budget, contacts = evaluation.record.inner_force, evaluation.budget, evaluation.budget.contacts
+    rows = slice(None, None, max(1, budget.law_force.size // MOST_POINTS))
     angle = np.degrees(angle_from_load(np.arctan2(-contacts.direction_y[rows], -contacts.direction_x[rows])))
-    told = t.inner_force is not None
-    figure, axes = panels(2 if told else 1, 5.6 if told else 3.8)
+    figure, axes = panels(
+        1 if own is None else 2, 3.8 if own is None else 5.6, x=FROM_LOAD, y=["inner contact force, N"]
+    )
     axis = axes[0]
-    style = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
-    axis.plot(angle.ravel(), budget.law_force[rows].ravel(), color=RED, label=f"law: {evaluation.law.name}", **style)
-    if t.inner_force is not None:
-        axis.plot(angle.ravel(), t.inner_force[rows].ravel(), color=BLUE, label="run's own contact force", **style)
-        closed = budget.loaded[rows]
-        miss = (t.inner_force - budget.law_force)[rows]
-        axes[1].plot(angle[closed], miss[closed], color=PURPLE, **style)
-        axes[1].set_ylabel("run − law, closed contacts, N")
-    axis.set_ylabel("inner contact force, N")
-    axes[-1].set_xlabel("roller's angle from the load line, degrees")
-    axis.set_xlim(-180.0, 180.0)
-    axis.set_xticks(np.arange(-180, 181, 45))
-    axis.set_ylim(bottom=0.0)
-    axis.legend(loc="upper left", markerscale=5)
+    axis.plot(angle.ravel(), budget.law_force[rows].ravel(), color=RED, label=f"law: {evaluation.law.name}", **DOTS)
     caption = (
         "Contact force between the inner ring and each roller, all rollers and times, over the roller's angle from "
         "the load line (counter-clockwise)."
-    ) + (" Below: how far the law misses the closed contacts." if told else "")
+    )
+    if own is not None:
+        axis.plot(angle.ravel(), own[rows].ravel(), color=BLUE, label="run's own contact force", **DOTS)
+        closed = budget.loaded[rows]
+        axes[1].plot(angle[closed], (own - budget.law_force)[rows][closed], color=PURPLE, **DOTS)
+        axes[1].set_ylabel("run − law, closed contacts, N")
+        caption += " Below: how far the law misses the closed contacts."
+    axis.set(xlim=(-180.0, 180.0), xticks=np.arange(-180, 181, 45), ylim=(0.0, None))
+    axis.legend(loc="upper left", markerscale=5)
     return save(figure, folder, "loads", "Loads of the rollers", caption)
 
 
 def energy_balance(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the changes of energies and works since the first sample, and what does not add up."""
     t = evaluation.record
-    names = {
-        "energy_kinetic": ("kinetic", BLUE),
-        "energy_elastic": ("elastic", RED),
-        "energy_contact": ("contact", PURPLE),
-        "energy_support": ("support", SKY),
-        "energy_shaft": ("shaft", ORANGE),
-        "work_external": ("external work", GREEN),
-        "work_dissipated": ("dissipated", GREY),
-    }
-    figure, axes = panels(2, 4.8)
-    shown = {key: style for key, style in names.items() if key in t.energies}
+    figure, axes = panels(2, 4.8, x="time, ms", y=["change, mJ", "imbalance, µJ"])
+    shown = {key: style for key, style in ENERGY_CURVES.items() if key in t.energies}
     for key, (label, colour) in shown.items():
-        change = t.energies[key] - t.energies[key][0]
-        axes[0].plot(1e3 * t.time, 1e3 * change, label=label, color=colour)
-    axes[0].margins(x=0.0)
-    axes[0].set_ylabel("change, mJ")
+        axes[0].plot(1e3 * t.time, 1e3 * (t.energies[key] - t.energies[key][0]), label=label, color=colour)
     left = 0.0 if len(shown) <= SHORT_ROW else LONG_ROW
     legend_above(axes[0], len(shown), left, columnspacing=0.9, handlelength=1.1)
     imbalance = energy_imbalance(t.energies)
     scale = float(np.mean(t.energies["energy_elastic"] + t.energies["energy_contact"]))
     scale += float(np.ptp(t.energies["work_dissipated"]))  # an imbalance accumulates, as this does
     axes[1].plot(1e3 * t.time, 1e6 * imbalance, color="black")
-    axes[1].set(xlabel="time, ms", ylabel="imbalance, µJ")
     share = (
         f"; at most {text(100.0 * float(np.abs(imbalance).max()) / scale, 2)} % of the mean strain energy and "
         "the dissipated energy together"
@@ -151,10 +138,10 @@ def energy_imbalance(energies) -> np.ndarray:
 
 def passage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
     """Draw the forces on one roller through the load zone; None where it never passes or the source holds no forces."""
-    t = evaluation.record
-    j = chosen_roller(evaluation.budget.loaded, evaluation.chatter)
-    zones = load_zones(evaluation.budget.loaded[:, j], evaluation.chatter)
-    angle = np.degrees(np.unwrap(_from_load(t)[:, j]))
+    t, budget = evaluation.record, evaluation.budget
+    j = chosen_roller(budget.loaded, evaluation.chatter)
+    zones = load_zones(budget.loaded[:, j], evaluation.chatter)
+    angle = np.degrees(np.unwrap(t.from_load[:, j]))
     if not zones or t.inner_force is None or np.ptp(angle) < 360.0 * SMALLEST_TURN:
         return None
     first, last = max(zones, key=lambda zone: zone[1] - zone[0])
@@ -163,13 +150,13 @@ def passage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
     place = angle[shown] - 360.0 * np.round(angle[(first + last) // 2] / 360.0)
     tractions = [each for each in (t.inner_traction, t.outer_traction) if each is not None]
     tangential = len(tractions) == 2
-    figure, axes = panels(2 if tangential else 1, 5.2 if tangential else 3.4)
+    names = ["normal force, N", "traction on the roller, N"]
+    figure, axes = panels(2 if tangential else 1, 5.2 if tangential else 3.4, x=FROM_LOAD, y=names)
     axes[0].plot(place, t.inner_force[shown, j], color=BLUE, label="inner raceway")
     if t.outer_force is not None:
         axes[0].plot(place, t.outer_force[shown, j], color=RED, linestyle=(0, (5, 2)), label="outer raceway")
-    axes[0].plot(place, evaluation.budget.law_force[shown, j], color=GREY, linewidth=0.9,
-                 label=f"law {evaluation.law.name}, inner")  # fmt: skip
-    axes[0].set_ylabel("normal force, N")
+    law = f"law {evaluation.law.name}, inner"
+    axes[0].plot(place, budget.law_force[shown, j], color=GREY, linewidth=0.9, label=law)
     axes[0].set_ylim(bottom=0.0)
     legend_above(axes[0], 3)
     caption = (
@@ -180,16 +167,9 @@ def passage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
     if tangential:
         for traction, colour, name in zip(tractions, (BLUE, RED), ("inner", "outer"), strict=True):
             axes[1].plot(place, traction[shown, j], color=colour, linewidth=0.9, label=name)
-        axes[1].set_ylabel("traction on the roller, N")
         caption += "; below: tractions, positive counter-clockwise"
-    axes[-1].set_xlabel("roller's angle from the load line, degrees")
     axes[-1].margins(x=0.0)
     return save(figure, folder, "passage", f"Roller {j} through the load zone", caption + ".")
-
-
-def _from_load(t: Record) -> np.ndarray:
-    """Angle of every roller about the outer ring's centre from the load line, (n_times, n_rollers)."""
-    return angle_from_load(np.arctan2(t.roller_y, t.roller_x))
 
 
 def motion_figures(evaluation: Evaluation, statics: QuasiStatic | None, folder: Path) -> list[SavedFigure]:

@@ -7,20 +7,20 @@ from matplotlib.collections import LineCollection
 
 from lagrange.surface.faults import Spall
 from lagrange.surface.passages import Passage, SpallEvent, find_passages, spall_events, spalls
-from residual.differentiate import derivative
 from residual.evaluation import Evaluation
 from residual.fault_finding import FaultSearch, Near, SinkageMap
 from residual.figures.saved import BLUE, GREEN, GREY, ORANGE, RED, SKY, SavedFigure
-from residual.figures.style import COLOUR_BAR, RIGHT, colour_bar, legend_above, panels, save
+from residual.figures.style import COLOUR_BAR, DASHED, RIGHT, colour_bar, legend_above, panels, save
 from residual.formatting import text
-from residual.load_zone import angle_from_load
 from residual.record import Record
-from residual.vibration_tables import named, told_angle
+from residual.vibration_tables import body_name, told_angle
 
 MOST_SPALLS = 3  # figures: of those struck hardest
 MOST_PASSAGES = 150  # in one of them: more hide each other
 MEAN_POINTS = 401
 SHOWN = 2.6  # half-widths on either side of the middle
+BESIDE = 0.4e-3  # m, shown on either side of a spall found
+MICRO = 1e6
 
 
 def passage_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
@@ -60,16 +60,19 @@ def _onward(passage: Passage) -> np.ndarray:
 
 def _overlay(evaluation: Evaluation, number: int, found: list[Passage], folder: Path) -> SavedFigure:
     """Draw force and hub's acceleration over the angle from one spall's middle."""
-    record = evaluation.record
+    record, spall = evaluation.record, spalls(evaluation.record.bearing)[number]
     found = found[:: -(-len(found) // MOST_PASSAGES)]
     loud = max(evaluation.directions, key=lambda direction: direction.vibration.rms).name
-    acceleration = _acceleration(record, loud)
+    acceleration = evaluation.hub_acceleration["xy".index(loud)]
     place = None
-    if spalls(record.bearing)[number].body != "outer_ring":  # then it is passed at all places
-        place = np.array([abs(np.degrees(angle_from_load(_place(record, passage)))) for passage in found])
-    figure, axes = panels(2, 5.6, right=RIGHT if place is None else COLOUR_BAR)
+    if spall.body != "outer_ring":  # then it is passed at all places
+        place = np.array([abs(np.degrees(record.from_load[_middle(passage), passage.roller])) for passage in found])
+    names = ["contact force, N", f"hub's acceleration, {loud}, m/s²"]
+    right = RIGHT if place is None else COLOUR_BAR
+    figure, axes = panels(2, 5.6, right=right, x="angle from the spall's middle, on the way, °", y=names)
     _draw_lines(axes[0], found, [passage.force for passage in found], place)
-    drawn = _draw_lines(axes[1], found, [acceleration[_where(passage)] for passage in found], place)
+    accelerations = [acceleration[each.first : each.first + each.time.size] for each in found]
+    drawn = _draw_lines(axes[1], found, accelerations, place)
     strikes = [event for event in spall_events(found) if event.kind == "strike"]
     at = [np.degrees(_angle_at(found, event)) for event in strikes]
     if strikes:
@@ -77,11 +80,10 @@ def _overlay(evaluation: Evaluation, number: int, found: list[Passage], folder: 
         axes[0].plot(at, forces, "o", color=RED, markersize=3.0, label="strikes", zorder=5)
     legend_above(axes[0], 3)
     half = float(np.degrees(found[0].half_width))
-    axes[0].set(ylabel="contact force, N", ylim=(0.0, None), xlim=(-SHOWN * half, SHOWN * half))
-    axes[1].set(ylabel=f"hub's acceleration, {loud}, m/s²", xlabel="angle from the spall's middle, on the way, °")
+    axes[0].set(ylim=(0.0, None), xlim=(-SHOWN * half, SHOWN * half))
     if place is not None:
         colour_bar(drawn, axes, "roller's place, ° from the load line")
-    caption = _caption(spalls(record.bearing)[number], found, strikes, at)
+    caption = _caption(spall, found, strikes, at)
     return save(figure, folder, f"passages_{number}", f"Passages over spall {number}", caption)
 
 
@@ -97,18 +99,17 @@ def _draw_lines(axis, found: list[Passage], rows: list[np.ndarray], place: np.nd
     every = [np.interp(grid, angle[k], row[k]) for angle, row, k in zip(angles, rows, rising, strict=True)]
     axis.plot(grid, np.mean(every, axis=0), color="black", linewidth=1.4, label=f"mean of {len(found)} passages")
     for edge in (-half, half):
-        axis.axvline(edge, color=GREY, linestyle=(0, (4, 2)), linewidth=1.0, zorder=1)
+        axis.axvline(edge, color=GREY, linestyle=DASHED, linewidth=1.0, zorder=1)
     axis.autoscale_view()
     return drawn
 
 
 def _caption(spall: Spall, found: list[Passage], strikes: list[SpallEvent], at: list[float]) -> str:
     half = float(np.degrees(found[0].half_width))
-    name = f"roller {spall.roller}" if spall.roller is not None else f"the {spall.body.replace('_', ' ')}"
     caption = (
-        f"Passages over the {text(1e3 * spall.width)} mm wide spall on {name}, laid over each other by the contact's "
-        f"angle from its middle: the force of that contact, and the hub's acceleration. Dashed: the spall's edges, "
-        f"{text(half, 3)}° away."
+        f"Passages over the {text(1e3 * spall.width)} mm wide spall on {body_name(spall)}, laid over each other by the "
+        f"contact's angle from its middle: the force of that contact, and the hub's acceleration. Dashed: the spall's "
+        f"edges, {text(half, 3)}° away."
     )
     if strikes:
         force, share = np.median([event.force for event in strikes]), 0.5 + 0.5 * np.median(at) / half
@@ -119,20 +120,9 @@ def _caption(spall: Spall, found: list[Passage], strikes: list[SpallEvent], at: 
     return caption
 
 
-def _where(passage: Passage) -> slice:
-    return slice(passage.first, passage.first + passage.time.size)
-
-
-def _acceleration(record: Record, name: str) -> np.ndarray:
-    """Of the hub in one direction, m/s², the source's own where it tells it."""
-    own, place = {"x": (record.inner_ax, record.inner_x), "y": (record.inner_ay, record.inner_y)}[name]
-    return derivative(place, record.interval) if own is None else own
-
-
-def _place(record: Record, passage: Passage) -> float:
-    """Where the roller is when it passes the middle, rad from +x."""
-    at = passage.first + int(np.argmin(np.abs(passage.angle)))
-    return float(np.arctan2(record.roller_y[at, passage.roller], record.roller_x[at, passage.roller]))
+def _middle(passage: Passage) -> int:
+    """Sample at which the roller passes the middle."""
+    return passage.first + int(np.argmin(np.abs(passage.angle)))
 
 
 def _angle_at(found: list[Passage], event: SpallEvent) -> float:
@@ -144,13 +134,6 @@ def _angle_at(found: list[Passage], event: SpallEvent) -> float:
         and passage.time[0] <= event.time <= passage.time[-1]
     )
     return float(np.interp(event.time, passage.time, _onward(passage)))
-
-
-# Figure of a search for spalls: bodies' maps, and what rollers do near each spall beside what perfect circles tell.
-
-
-BESIDE = 0.4e-3  # m, shown on either side of a spall
-MICRO = 1e6
 
 
 def fault_figures(search: FaultSearch, folder: Path) -> list[SavedFigure]:
@@ -188,7 +171,7 @@ def _draw_map(axis, each: SinkageMap, colour: str) -> None:
     """Draw a map around the body."""
     angle = np.array([told_angle(each.place, a) for a in each.angle])
     order = np.argsort(angle)
-    axis.plot(angle[order], MICRO * each.height[order], color=colour, linewidth=0.9, label=named(each.place))
+    axis.plot(angle[order], MICRO * each.height[order], color=colour, linewidth=0.9, label=body_name(each.place))
 
 
 def _draw_passages(axis, search: FaultSearch, k: int) -> None:

@@ -1,10 +1,23 @@
-"""A figure that has been written, and the colours of curves: for all that shows figures without drawing them."""
+"""A figure that has been written, and the colours of curves: for all that shows figures without drawing any."""
 
 import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
+# Okabe and Ito's palette, told apart by colour-blind readers
+BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
+    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",
+)  # fmt: skip
+# of Tol's muted palette (Paul Tol's Notes, SRON/EPS/TN/09-002), where eight colours are too few
+INDIGO, OLIVE, WINE = "#332288", "#999933", "#882255"
+TERM_COLOURS = {  # of the budget; other_forces stands in the place of ring_flexibility
+    "error": "black", "contact_law": RED, "damping": PURPLE, "friction": GREEN, "cage": SKY, "ring_flexibility": BLUE,
+    "other_forces": BLUE, "differentiation": GREY, "outer_ring": INDIGO, "shaft": ORANGE, "load_and_weight": OLIVE,
+    "momentum": WINE,
+}  # fmt: skip
+LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "BSF": ORANGE, "BPFO": RED, "BPFI": GREEN}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,32 +39,6 @@ class SavedFigure:
     png: Path
     svg: Path
     curves: tuple[Curve, ...] = ()  # what it shows
-
-
-# Colours of curves, and which kinematic line a harmonic is of.
-
-
-# Okabe and Ito's palette, told apart by colour-blind readers
-BLUE, ORANGE, GREEN, RED, PURPLE, SKY, GREY = (
-    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#7F7F7F",
-)  # fmt: skip
-# of Tol's muted palette (Paul Tol's Notes, SRON/EPS/TN/09-002), where eight colours are too few
-INDIGO, OLIVE, WINE = "#332288", "#999933", "#882255"
-TERM_COLOURS = {
-    "error": "black",
-    "contact_law": RED,
-    "damping": PURPLE,
-    "friction": GREEN,
-    "cage": SKY,
-    "ring_flexibility": BLUE,
-    "other_forces": BLUE,  # in the place of the one above
-    "differentiation": GREY,
-    "outer_ring": INDIGO,
-    "shaft": ORANGE,
-    "load_and_weight": OLIVE,
-    "momentum": WINE,
-}
-LINE_COLOURS = {"FTF": PURPLE, "shaft": GREY, "BSF": ORANGE, "BPFO": RED, "BPFI": GREEN}
 
 
 def family(line: str) -> str:

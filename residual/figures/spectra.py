@@ -1,5 +1,6 @@
 """Figures of spectra: of error forces, of envelopes, over time, and over the shaft's angle."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -22,37 +23,36 @@ from residual.figures.style import (
 from residual.formatting import text
 from residual.lines import HUB
 from residual.orders import HIGHEST, OrderSpectra, Tracking
-from residual.spectrum import Envelope, ShortTime, short_time_spectrum
+from residual.spectrum import ShortTime, short_time_spectrum
 
 DYNAMIC_RANGE = 1e-7  # of a short-time spectrum's plot
 ENVELOPE_BAND = 3.3  # times the ball-pass frequency of the inner ring
+SHORT_TIME_RANGE, RANGE = 1e-8, 1e-9  # of a density's plot over orders
+ON_MAP = ("FTF", "BPFO", "BPFI", "BSF")
 
 
 def whole_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the densities up to the Nyquist frequency on logarithmic axes, kinematic lines and peaks marked."""
-    figure, axes = panels(2, 6.4, lines=2)
-    handles, resonances = [], {}
+    names = [f"PSD of error_{axis}, N²/Hz" for axis in "xy"]
+    figure, axes = panels(2, 6.4, lines=2, x="frequency, Hz", y=names)
+    handles, marked, mark = [], [], None
     for axis, direction in zip(axes, evaluation.directions, strict=True):
         f, psd = direction.spectrum.frequency[1:], direction.spectrum.psd[1:]
         log_panel(axis, f)
         axis.plot(f, np.maximum(psd, 1e-300), color=BLUE, linewidth=0.9)
         top = max(psd.max(), 1e-30)
         axis.set_ylim(max(np.percentile(psd, 2) / 3.0, 1e-14 * top), 12.0 * top)
-        handles = line_handles(mark_lines(axis, evaluation.lines, f[0], f[-1], labels=False), evaluation.lines)
+        handles = line_handles(mark_lines(axis, evaluation.lines, f[0], f[-1]), evaluation.lines)
         if 0.0 < direction.resonance < f[-1]:
             mark = axis.axvline(direction.resonance, color=SKY, linewidth=5.0, alpha=0.4, zorder=0)
-            resonances[direction.name] = mark
+            marked.append(direction)
         for peak in direction.peaks:
             unnamed = SKY if any(HUB in name for name in peak.also) else "black"
             colour = LINE_COLOURS[family(peak.line)] if peak.line else unnamed
-            mark = axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour,
-                             markerfacecolor=colour if peak.resolved else "white", linestyle="none")  # fmt: skip
-            mark[0].set_clip_on(False)
-        axis.set_ylabel(f"PSD of error_{direction.name}, N²/Hz")
-    axes[1].set_xlabel("frequency, Hz")
-    if resonances:
-        mark = next(iter(resonances.values()))
-        mark.set_label(f"hub on its contacts ≈ {_resonances(evaluation, tuple(resonances))}")
+            axis.plot(peak.frequency, 2.2 * peak.psd, marker="v", markersize=6, color=colour, linestyle="none",
+                      markerfacecolor=colour if peak.resolved else "white", clip_on=False)  # fmt: skip
+    if mark is not None:
+        mark.set_label(f"hub on its contacts ≈ {_resonances(marked)}")
         handles.append(mark)
     legend_above(axes[0], 3, handles=handles, columnspacing=1.4)
     caption = (
@@ -63,36 +63,35 @@ def whole_spectra(evaluation: Evaluation, folder: Path) -> SavedFigure:
     return save(figure, folder, "whole_spectra", "Spectra of the error forces", caption)
 
 
-def _resonances(evaluation: Evaluation, names: tuple[str, ...]) -> str:
-    """The ring's resonances in these directions, in words."""
-    told = [f"{d.name} {1e-3 * d.resonance:.3g}" for d in evaluation.directions if d.name in names]
-    return f"{', '.join(told)} kHz"
+def _resonances(directions: Iterable[Direction]) -> str:
+    """The ring's resonances in some directions, in words."""
+    return ", ".join(f"{d.name} {1e-3 * d.resonance:.3g}" for d in directions) + " kHz"
 
 
-def envelope_figure(evaluation: Evaluation, found: list[tuple[Direction, Envelope]], folder: Path) -> SavedFigure:
-    """Draw the spectra of the envelopes of the bands around the ring's resonances."""
-    figure, axes = panels(len(found), 0.6 + 2.4 * len(found), lines=2)
+def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:
+    """Draw the spectra of the envelopes of the bands around the ring's resonances; None where there are none."""
+    found = [(d, d.envelope) for d in evaluation.directions if d.envelope is not None]
+    if not found:
+        return None
+    names = [f"envelope PSD, {direction.name}, N²/Hz" for direction, _ in found]
+    figure, axes = panels(len(found), 0.6 + 2.4 * len(found), lines=2, x="frequency, Hz", y=names)
     top = ENVELOPE_BAND * evaluation.lines.get("BPFI", 1000.0)
-    parts = []
-    families = []
+    parts, families = [], []
     for axis, (direction, envelope) in zip(axes, found, strict=True):
         spectrum = envelope.spectrum
         inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
         axis.semilogy(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, linewidth=1.0)
         without_minor_ticks(axis)
-        axis.set_ylabel(f"envelope PSD, {direction.name}, N²/Hz")
         axis.set_xlim(0.0, top)
-        families = mark_lines(axis, evaluation.lines, 0.0, top, labels=False)
+        families = mark_lines(axis, evaluation.lines, 0.0, top)
         parts.append(
             f"{direction.name}, {envelope.low / 1e3:.3g} to {envelope.high / 1e3:.3g} kHz: {text(envelope.rms, 3)}"
         )
     legend_above(axes[0], 3, handles=line_handles(families, evaluation.lines))
-    axes[-1].set_xlabel("frequency, Hz")
-    told = _resonances(evaluation, tuple(direction.name for direction, _ in found))
     caption = (
         "Spectra of the envelope of the error force in an octave around the resonance of the ring on its contacts, "
-        f"{told}. Rms of the bands, N: {'; '.join(parts)}. A line here means that the vibration at the resonance "
-        "swells at that frequency."
+        f"{_resonances(d for d, _ in found)}. Rms of the bands, N: {'; '.join(parts)}. A line here means that the "
+        "vibration at the resonance swells at that frequency."
     )
     return save(figure, folder, "envelope", "Envelope spectra around the ring's resonances", caption)
 
@@ -105,7 +104,7 @@ def short_time_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | Non
     found = [spectrum for spectrum in tried if spectrum is not None]
     if len(found) < len(tried):
         return None
-    figure, axes = panels(2, 6.0, lines=0, right=COLOUR_BAR)
+    figure, axes = panels(2, 6.0, lines=0, right=COLOUR_BAR, x="time, ms", y=["frequency, kHz"] * 2)
     for axis, direction, spectrum in zip(axes, evaluation.directions, found, strict=True):
         time, frequency = 1e3 * (t.time[0] + spectrum.time), 1e-3 * spectrum.frequency
         top = 10.0 ** np.ceil(np.log10(max(spectrum.psd.max(), 1e-30)))
@@ -117,38 +116,22 @@ def short_time_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | Non
         colour_bar(image, [axis], f"PSD of error_{direction.name}, N²/Hz", extend="min")
         if 0.0 < direction.resonance < spectrum.frequency[-1]:
             axis.axhline(1e-3 * direction.resonance, color="white", linestyle=(0, (4, 3)), linewidth=1.0)
-        axis.set(ylabel="frequency, kHz", ylim=(0.0, frequency[-1]))
+        axis.set_ylim(0.0, frequency[-1])
         axis.grid(visible=False)
-    axes[1].set_xlabel("time, ms")
-    length = found[0].length
+    length, half_passage = found[0].length, ", half a roller passage" if passing > 0.0 else ""
     caption = (
-        f"Short-time power spectral density of the error forces: Hann windows of {1e3 * length:.3g} ms"
-        + (", half a roller passage" if passing > 0.0 else "")
-        + f", which tell apart {2e-3 / length:.2g} kHz in frequency and {0.5e3 * length:.2g} ms in time."
-        + (
-            " Dashed: the ring's resonance on its contacts."
-            if any(d.resonance > 0.0 for d in evaluation.directions)
-            else ""
-        )
+        f"Short-time power spectral density of the error forces: Hann windows of {1e3 * length:.3g} ms{half_passage}, "
+        f"which tell apart {2e-3 / length:.2g} kHz in frequency and {0.5e3 * length:.2g} ms in time."
     )
+    if any(d.resonance > 0.0 for d in evaluation.directions):
+        caption += " Dashed: the ring's resonance on its contacts."
     return save(figure, folder, "short_time", "Short-time spectra of the error forces", caption)
 
 
 def spectrum_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
     """Draw those figures that the run has the data for."""
-    drawn = [whole_spectra(evaluation, folder)]
-    envelopes = [(d, d.envelope) for d in evaluation.directions if d.envelope is not None]
-    if envelopes:
-        drawn.append(envelope_figure(evaluation, envelopes, folder))
-    short_time = short_time_figure(evaluation, folder)
-    return drawn if short_time is None else [*drawn, short_time]
-
-
-# Figure of a run whose speed changes: order spectra of the hub, and how they follow the shaft.
-
-
-SHORT_TIME_RANGE, RANGE = 1e-8, 1e-9  # of a density's plot
-ON_MAP = ("FTF", "BPFO", "BPFI", "BSF")
+    drawn = (draw(evaluation, folder) for draw in (whole_spectra, envelope_figure, short_time_figure))
+    return [figure for figure in drawn if figure is not None]
 
 
 def order_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
@@ -167,7 +150,7 @@ def order_spectrum(x: OrderSpectra, y: OrderSpectra, body: str, folder: Path) ->
     figure, axes = panels(rows, 0.6 + 2.0 * sum(rows), right=RIGHT if short is None else COLOUR_BAR)
     top, families = HIGHEST * tracking.lines["BPFI"], []
     for axis, (name, spectrum, scale) in zip(axes, shown, strict=False):
-        families = mark_lines(axis, tracking.lines, 0.0, top, labels=False)
+        families = mark_lines(axis, tracking.lines, 0.0, top)
         inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= top)
         psd = np.maximum(scale * spectrum.psd[inside], 1e-300)
         axis.semilogy(spectrum.frequency[inside], psd, color=BLUE, linewidth=0.9)
@@ -177,13 +160,13 @@ def order_spectrum(x: OrderSpectra, y: OrderSpectra, body: str, folder: Path) ->
     legend_above(axes[0], 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, fontsize=9)
     if short is not None:
         _draw_map(axes[-1], tracking, short)
-    low, high = (text(60.0 * speed, 4) for speed in speed_range(tracking))
+    speed = 60.0 * np.gradient(tracking.turn, tracking.time)
+    low, high = text(float(speed.min()), 4), text(float(speed.max()), 4)
     caption = (
-        f"Order spectra (power spectral densities) of the hub's path, and of the envelope of the "
-        f"{body}'s acceleration, "
-        f"resampled at {tracking.angles.size} equal angles of the shaft while it turns with {low} to {high} rpm (Δ = "
-        f"{text(x.path.resolution, 2)} orders). Dashed: kinematic lines by the run's own cage, which stay where they "
-        "are in orders; dotted: multiples."
+        f"Order spectra (power spectral densities) of the hub's path, and of the envelope of the {body}'s "
+        f"acceleration, resampled at {tracking.angles.size} equal angles of the shaft while it turns with {low} to "
+        f"{high} rpm (Δ = {text(x.path.resolution, 2)} orders). Dashed: kinematic lines by the run's own cage, which "
+        "stay where they are in orders; dotted: multiples."
     )
     if short is not None:
         caption += (
@@ -191,12 +174,6 @@ def order_spectrum(x: OrderSpectra, y: OrderSpectra, body: str, folder: Path) ->
             "shaft is horizontal."
         )
     return save(figure, folder, "orders", "Order spectra of the hub", caption)
-
-
-def speed_range(tracking: Tracking) -> tuple[float, float]:
-    """Lowest and highest speed of the part that is tracked, 1/s."""
-    speed = np.gradient(tracking.turn, tracking.time)
-    return float(speed.min()), float(speed.max())
 
 
 def _draw_map(axis, tracking: Tracking, short: ShortTime) -> None:

@@ -1,4 +1,8 @@
-"""What gives all figures one look: style, colours, ticks, marks of kinematic lines, files in PNG and SVG."""
+"""One look for all figures: style, panels, colour bars, marks of kinematic lines, labels of ticks, files.
+
+Panels stand at fixed places, in inches, because layouts that measure labels take most of a figure's time. So do
+matplotlib's mathematical labels of ticks, in whose place stands plain text.
+"""
 
 import re
 import zlib
@@ -11,11 +15,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import LogFormatterSciNotation, NullLocator, ScalarFormatter
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from residual.figures.saved import BLUE, GREY, LINE_COLOURS, ORANGE, Curve, SavedFigure, family
+
+if TYPE_CHECKING:
+    from matplotlib.typing import RcKeyType
 
 WIDTH = 7.0  # inches; about one page's text width, still legible when a phone shrinks it
 LEFT, RIGHT = 0.86, 0.14  # beside panels: tick labels and the axis' name; half a tick label
@@ -25,131 +33,13 @@ NAME_BESIDE, NAME_BELOW = 0.68, 0.36  # of axes, from the panel to the name's mi
 SLIM, SLIM_GAP, SLIM_LABELS = 0.6, 0.12, 0.5  # axes for the paper's ranges
 MOST_STEPS = 5  # between ticks of a y axis; each tick is five artists, and ticks take half of a figure's time
 COLOUR_BAR = 1.0  # at the right of panels with a scale of colours
-
-
-def panels(rows, height: float, *, lines: float = 1, shares=None, left=LEFT, right=RIGHT, **keywords):
-    """Make a figure of panels below each other; the figure and its axes, (n_rows,).
-
-    Parameters
-    ----------
-    rows : int, panels that share their x axis; or a tuple of such numbers, for groups with x axes of their own
-    height : float, inches, of the figure
-    lines : lines of text, as of a legend, above the first panel of a group
-    shares : heights of the panels over each other's; None: equal ones
-    left, right : float, inches, beside the panels
-    keywords : of each panel, as `projection`
-    """
-    groups = (rows,) if isinstance(rows, int) else rows
-    above = MARGIN + LINE * lines
-    count = sum(groups)
-    shares = np.ones(count) if shares is None else np.asarray(shares, dtype=float)
-    room = height - len(groups) * (above + BELOW) - (count - len(groups)) * BETWEEN
-    figure, top = Figure(figsize=(WIDTH, height)), height
-    axes: list[Axes] = []
-    for size in groups:
-        top -= above
-        first = None
-        for row in range(size):
-            high = room * shares[len(axes)] / shares.sum()
-            axis = _panel(figure, (left, top - high, WIDTH - left - right, high), sharex=first, **keywords)
-            first = axis if first is None else first
-            axis.tick_params(labelbottom=row == size - 1)
-            axes.append(axis)
-            top -= high + (BETWEEN if row < size - 1 else BELOW)
-    return figure, np.array(axes)
-
-
-def _panel(figure, place, **keywords):
-    """One panel at left, bottom, width, height, inches, with the names of its axes at fixed places."""
-    width, height = figure.get_size_inches()
-    left, bottom, wide, high = place
-    axis = figure.add_axes((left / width, bottom / height, wide / width, high / height), **keywords)
-    if axis.name == "rectilinear":
-        axis.locator_params(axis="y", nbins=MOST_STEPS)
-        axis.yaxis.set_label_coords(-NAME_BESIDE / wide, 0.5)
-        axis.xaxis.set_label_coords(0.5, -NAME_BELOW / high)
-    return axis
-
-
-def beside(axis, width: float, gap: float):
-    """Add an axis at the right of another, of its height; width and gap in inches."""
-    figure, box = axis.figure, axis.get_position()
-    inch = 1.0 / figure.get_size_inches()[0]
-    return figure.add_axes((box.x1 + gap * inch, box.y0, width * inch, box.height))
-
-
-def panels_beside(n_rows: int, height: float, lines: float = 1):
-    """Make `panels` with a slim axis at the right of each row for `beside_paper`: figure, axes, slim axes."""
-    figure, axes = panels(n_rows, height, lines=lines, right=SLIM_GAP + SLIM + SLIM_LABELS)
-    slim = [beside(axis, SLIM, SLIM_GAP) for axis in axes]
-    for axis in slim:
-        axis.yaxis.tick_right()
-        axis.spines["left"].set_visible(False)
-        axis.spines["right"].set_visible(True)
-        axis.grid(visible=False)
-        axis.set_xlim(0.0, 1.0)
-        axis.set_xticks([])
-    return figure, axes, slim
-
-
-def colour_bar(drawn, axes, label: str, **keywords) -> None:
-    """Add the scale of colours at the right of panels that leave room there, as by `right=COLOUR_BAR`."""
-    figure, boxes = axes[0].figure, [axis.get_position() for axis in axes]
-    inch = 1.0 / figure.get_size_inches()[0]
-    low, high = min(box.y0 for box in boxes), max(box.y1 for box in boxes)
-    place = figure.add_axes((boxes[0].x1 + 0.12 * inch, low, 0.15 * inch, high - low))
-    figure.colorbar(drawn, cax=place, label=label, **keywords).minorticks_off()
-
-
-# Labels of ticks as plain text: matplotlib's own mathematical ones take most of a figure's time.
-
-
-RAISED = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def plain(label: str) -> str:
-    r"""A label without marks of mathematics: "$\mathdefault{2\times10^{-3}}$" -> "2×10⁻³", "1e−5" -> "×10⁻⁵"."""
-    label = label.replace(r"\times", "×").replace(r"\mathdefault", "")
-    label = re.sub(r"10\^\{([-−]?\d+)\}", lambda found: "10" + found[1].translate(RAISED), label)
-    label = re.sub(r"^1e([-−]?)\+?(\d+)$", lambda found: "×10" + (found[1] + found[2]).translate(RAISED), label)
-    return re.sub(r"[${}\\]", "", label)
-
-
-class PlainScalar(ScalarFormatter):
-    """Numbers with one power of ten for all."""
-
-    def get_offset(self) -> str:
-        return plain(super().get_offset())
-
-
-class PlainLog(LogFormatterSciNotation):
-    """Powers of ten."""
-
-    def __call__(self, x, pos=None) -> str:
-        return plain(super().__call__(x, pos))
-
-
-def make_plain(figure) -> None:
-    """Give every axis of a figure plain labels, but those with labels of their own."""
-    for axes in figure.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            if type(axis.get_major_formatter()) is ScalarFormatter:
-                axis.set_major_formatter(PlainScalar())
-            for name in ("major", "minor"):
-                if type(getattr(axis, f"get_{name}_formatter")()) is LogFormatterSciNotation:
-                    getattr(axis, f"set_{name}_formatter")(PlainLog(labelOnlyBase=name == "major"))
-
-
-# What gives all figures one look: style, colours, marks of kinematic lines, files in PNG and SVG.
-
-
-if TYPE_CHECKING:
-    from matplotlib.typing import RcKeyType
-
 DPI = 150
 MARK = 0.012  # of a panel's height, long
+RAISED = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+DASHED, DOTTED = (0, (4, 2)), (0, (1, 2))
+DOTS: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.5, "rasterized": True}
 # PNG about as large as at level 6 by default, in a third of the time
-PACKED: "dict[str, Any]" = {"compress_level": 1, "compress_type": zlib.Z_RLE}
+PACKED: dict[str, Any] = {"compress_level": 1, "compress_type": zlib.Z_RLE}
 STYLE: "dict[RcKeyType, Any]" = {
     "font.family": "DejaVu Sans",
     "font.size": 11,
@@ -177,6 +67,72 @@ STYLE: "dict[RcKeyType, Any]" = {
 }
 
 
+def panels(rows, height: float, *, lines: float = 1, shares=None, left=LEFT, right=RIGHT, x="", y=(), **keywords):
+    """Make a figure of panels below each other; the figure and its axes, (n_rows,).
+
+    Parameters
+    ----------
+    rows : int, panels that share their x axis; or a tuple of such numbers, for groups with x axes of their own
+    height : float, inches, of the figure
+    lines : lines of text, as of a legend, above the first panel of a group
+    shares : heights of the panels over each other's; None: equal ones
+    left, right : float, inches, beside the panels
+    x, y : names of the last group's x axis and of the y axes; over time curves reach from side to side
+    keywords : of each panel, as `projection`
+    """
+    groups = (rows,) if isinstance(rows, int) else rows
+    above, count = MARGIN + LINE * lines, sum(groups)
+    shares = np.ones(count) if shares is None else np.asarray(shares, dtype=float)
+    room = height - len(groups) * (above + BELOW) - (count - len(groups)) * BETWEEN
+    figure, top = Figure(figsize=(WIDTH, height)), height
+    axes: list[Axes] = []
+    for size in groups:
+        top -= above
+        first = None
+        for row in range(size):
+            high = room * shares[len(axes)] / shares.sum()
+            axis = _panel(figure, (left, top - high, WIDTH - left - right, high), sharex=first, **keywords)
+            first = axis if first is None else first
+            axis.tick_params(labelbottom=row == size - 1)
+            if x.startswith("time"):
+                axis.margins(x=0.0)
+            axes.append(axis)
+            top -= high + (BETWEEN if row < size - 1 else BELOW)
+    axes[-1].set_xlabel(x)
+    for axis, name in zip(axes, y, strict=False):
+        axis.set_ylabel(name)
+    return figure, np.array(axes)
+
+
+def _panel(figure, place, **keywords):
+    """One panel at left, bottom, width, height, inches, with the names of its axes at fixed places."""
+    width, height = figure.get_size_inches()
+    left, bottom, wide, high = place
+    axis = figure.add_axes((left / width, bottom / height, wide / width, high / height), **keywords)
+    if axis.name == "rectilinear":
+        axis.locator_params(axis="y", nbins=MOST_STEPS)
+        axis.yaxis.set_label_coords(-NAME_BESIDE / wide, 0.5)
+        axis.xaxis.set_label_coords(0.5, -NAME_BELOW / high)
+    return axis
+
+
+def panels_beside(n_rows: int, height: float, **keywords):
+    """Make `panels` with a slim axis at the right of each row for `beside_paper`: figure, axes, slim axes."""
+    figure, axes = panels(n_rows, height, right=SLIM_GAP + SLIM + SLIM_LABELS, **keywords)
+    slim, inch = [], 1.0 / figure.get_size_inches()[0]
+    for axis in axes:
+        box = axis.get_position()
+        slim.append(figure.add_axes((box.x1 + SLIM_GAP * inch, box.y0, SLIM * inch, box.height)))
+        slim[-1].yaxis.tick_right()
+        slim[-1].spines["left"].set_visible(False)
+        slim[-1].spines["right"].set_visible(True)
+        slim[-1].grid(visible=False)
+        slim[-1].set(xlim=(0.0, 1.0), xticks=[])
+    for x, word, colour, side in ((-0.12, "paper", "#8A5A00", "left"), (1.12, "run", BLUE, "right")):
+        slim[0].annotate(word, (x, 1.02), xycoords="axes fraction", fontsize=8.5, color=colour, va="bottom", ha=side)
+    return figure, axes, slim
+
+
 def beside_paper(axis, paper: tuple[float, float], ours: np.ndarray) -> None:
     """Draw the range that the paper's figure shows as a band, and ours as a bar, on a scale of their own."""
     low, high = float(np.min(ours)), float(np.max(ours))
@@ -191,10 +147,63 @@ def beside_paper(axis, paper: tuple[float, float], ours: np.ndarray) -> None:
     axis.tick_params(axis="y", labelsize=8.5)
 
 
-def name_slim(axis) -> None:
-    """Write above the first slim axis what its band and its bar are."""
-    for x, word, colour, side in ((-0.12, "paper", "#8A5A00", "left"), (1.12, "run", BLUE, "right")):
-        axis.annotate(word, (x, 1.02), xycoords="axes fraction", fontsize=8.5, color=colour, va="bottom", ha=side)
+def colour_bar(drawn, axes, label: str, **keywords) -> None:
+    """Add the scale of colours at the right of panels that leave room there, as by `right=COLOUR_BAR`."""
+    figure, boxes = axes[0].figure, [axis.get_position() for axis in axes]
+    inch = 1.0 / figure.get_size_inches()[0]
+    low, high = min(box.y0 for box in boxes), max(box.y1 for box in boxes)
+    place = figure.add_axes((boxes[0].x1 + 0.12 * inch, low, 0.15 * inch, high - low))
+    figure.colorbar(drawn, cax=place, label=label, **keywords).minorticks_off()
+
+
+def legend_above(axis, columns: int, left: float = 0.0, **style) -> None:
+    """Put an axis' legend above it, its left edge a share of the axis' width to the right of the axis' own."""
+    axis.legend(loc="lower left", bbox_to_anchor=(left, 1.0), ncols=columns, **{"borderaxespad": 0.2, **style})
+
+
+def log_panel(axis, frequency: np.ndarray) -> None:
+    """Make both axes logarithmic, the x axis from the first to the last of some frequencies."""
+    low, high = frequency[0], frequency[-1]
+    axis.set(xscale="log", yscale="log", xlim=(low, high))
+    without_minor_ticks(axis)
+    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.log10(high))
+    between = np.outer(decades, np.arange(2, 10)).ravel()
+    marks = [[(f, 0.0), (f, -MARK)] for f in between if low <= f <= high]
+    drawn = LineCollection(
+        marks, colors=GREY, linewidths=0.6, transform=axis.get_xaxis_transform(), clip_on=False, zorder=2
+    )
+    axis.add_collection(drawn, autolim=False)
+
+
+def without_minor_ticks(axis) -> None:
+    """Leave out the small ticks of logarithmic axes: each is five artists, and takes as long as a curve."""
+    axis.xaxis.set_minor_locator(NullLocator())
+    axis.yaxis.set_minor_locator(NullLocator())
+
+
+def mark_lines(axis, lines: dict[str, float], low: float, high: float, labels: bool = False) -> list[str]:
+    """Mark the kinematic lines within low … high, Hz, by vertical lines; the families drawn."""
+    shown = sorted((f, name) for name, f in lines.items() if low <= f <= high)
+    previous, level = -np.inf, 0
+    for frequency, name in shown:
+        colour, first = LINE_COLOURS[family(name)], family(name) == name
+        axis.axvline(
+            frequency, color=colour, linewidth=1.1 if first else 0.8, linestyle=DASHED if first else DOTTED, zorder=1
+        )
+        if labels:
+            level = 1 - level if frequency - previous < 0.1 * (high - low) else 0
+            axis.annotate(name, (frequency, 1.02 + 0.065 * level), xycoords=("data", "axes fraction"), ha="center",
+                          va="bottom", fontsize=9.5, color=colour)  # fmt: skip
+            previous = frequency
+    return list(dict.fromkeys(family(name) for _, name in shown))
+
+
+def line_handles(families: list[str], lines: dict[str, float], unit: str = " Hz"):
+    """Make the legend's entries of kinematic lines; no unit of orders."""
+    return [
+        Line2D([], [], color=LINE_COLOURS[name], linestyle=DASHED, label=f"{name} {lines[name]:.4g}{unit}")
+        for name in families
+    ]
 
 
 def save(figure, folder: Path, name: str, title: str, caption: str) -> SavedFigure:
@@ -216,64 +225,33 @@ def save(figure, folder: Path, name: str, title: str, caption: str) -> SavedFigu
     return SavedFigure(name=name, title=title, caption=caption, png=png, svg=svg, curves=curves)
 
 
-def log_panel(axis, frequency: np.ndarray) -> None:
-    """Make both axes logarithmic, the x axis from the first to the last of some frequencies."""
-    low, high = frequency[0], frequency[-1]
-    axis.set(xscale="log", yscale="log", xlim=(low, high))
-    without_minor_ticks(axis)
-    decades = 10.0 ** np.arange(np.floor(np.log10(low)), np.log10(high))
-    between = np.outer(decades, np.arange(2, 10)).ravel()
-    marks = [[(f, 0.0), (f, -MARK)] for f in between if low <= f <= high]
-    drawn = LineCollection(
-        marks, colors=GREY, linewidths=0.6, transform=axis.get_xaxis_transform(), clip_on=False, zorder=2
-    )
-    axis.add_collection(drawn, autolim=False)
+def plain(label: str) -> str:
+    r"""A label without marks of mathematics: "$\mathdefault{2\times10^{-3}}$" -> "2×10⁻³", "1e−5" -> "×10⁻⁵"."""
+    label = label.replace(r"\times", "×").replace(r"\mathdefault", "")
+    label = re.sub(r"10\^\{([-−]?\d+)\}", lambda found: "10" + found[1].translate(RAISED), label)
+    label = re.sub(r"^1e([-−]?)\+?(\d+)$", lambda found: "×10" + (found[1] + found[2]).translate(RAISED), label)
+    return re.sub(r"[${}\\]", "", label)
 
 
-def without_minor_ticks(*axes) -> None:
-    """Leave out the small ticks of logarithmic axes: each is five artists, and takes as long as a curve."""
-    for axis in axes:
-        axis.xaxis.set_minor_locator(NullLocator())
-        axis.yaxis.set_minor_locator(NullLocator())
+class PlainScalar(ScalarFormatter):
+    """Numbers with one power of ten for all."""
+
+    def get_offset(self) -> str:
+        return plain(super().get_offset())
 
 
-def legend_above(axis, columns: int, left: float = 0.0, **style) -> None:
-    """Put an axis' legend above it, its left edge a share of the axis' width to the right of the axis' own."""
-    axis.legend(loc="lower left", bbox_to_anchor=(left, 1.0), ncols=columns, **{"borderaxespad": 0.2, **style})
+class PlainLog(LogFormatterSciNotation):
+    """Powers of ten."""
+
+    def __call__(self, x, pos=None) -> str:
+        return plain(super().__call__(x, pos))
 
 
-def mark_lines(axis, lines: dict[str, float], low: float, high: float, labels: bool) -> list[str]:
-    """Mark the kinematic lines within low … high, Hz, by vertical lines; the families drawn."""
-    shown = sorted((f, name) for name, f in lines.items() if low <= f <= high)
-    previous, level = -np.inf, 0
-    for frequency, name in shown:
-        axis.axvline(
-            frequency,
-            color=LINE_COLOURS[family(name)],
-            linewidth=1.1 if family(name) == name else 0.8,
-            linestyle=(0, (4, 2)) if family(name) == name else (0, (1, 2)),
-            zorder=1,
-        )
-        if labels:
-            level = 1 - level if frequency - previous < 0.1 * (high - low) else 0
-            axis.annotate(
-                name,
-                (frequency, 1.02 + 0.065 * level),
-                xycoords=("data", "axes fraction"),
-                ha="center",
-                va="bottom",
-                fontsize=9.5,
-                color=LINE_COLOURS[family(name)],
-            )
-            previous = frequency
-    return list(dict.fromkeys(family(name) for _, name in shown))
-
-
-def line_handles(families: list[str], lines: dict[str, float], unit: str = " Hz"):
-    """Make the legend's entries of kinematic lines; no unit of orders."""
-    from matplotlib.lines import Line2D
-
-    return [
-        Line2D([], [], color=LINE_COLOURS[name], linestyle=(0, (4, 2)), label=f"{name} {lines[name]:.4g}{unit}")
-        for name in families
-    ]
+def make_plain(figure) -> None:
+    """Give every axis of a figure plain labels, but those with labels of their own."""
+    for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+        if type(axis.get_major_formatter()) is ScalarFormatter:
+            axis.set_major_formatter(PlainScalar())
+        for name in ("major", "minor"):
+            if type(getattr(axis, f"get_{name}_formatter")()) is LogFormatterSciNotation:
+                getattr(axis, f"set_{name}_formatter")(PlainLog(labelOnlyBase=name == "major"))

@@ -7,46 +7,51 @@ import numpy as np
 from lagrange.bearing import Cage
 from lagrange.kinematics import kinematics, turned
 from residual.evaluation import Evaluation
+from residual.figures.budget import middle
 from residual.figures.saved import BLUE, GREEN, GREY, LINE_COLOURS, ORANGE, RED, SKY, SavedFigure, family
 from residual.figures.style import legend_above, line_handles, mark_lines, panels, save
 from residual.formatting import text
 from residual.orders import SLOWEST
 from residual.record import CageMotion, Record
-from residual.spectrum import Envelope, Spectrum
+from residual.spectrum import Spectrum
 from residual.vibration import FaultLine, fault_lines
-from residual.vibration_tables import whose
 
 PASSAGES_SHOWN = 5.0
 SPECTRUM_TO = 2.2  # times BPFI
 BESIDE = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}  # keeps a name legible
 HEADROOM = 1.22  # above the highest line, for its name
+SHORTEST = 2e-3  # s, over which speeds of a cage are means
 
 
 def vibration_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
     """Draw the figure, if the record tells lines of envelopes."""
-    envelopes = [d.vibration.envelope for d in evaluation.directions if d.vibration.envelope is not None]
-    return [envelope_figure(evaluation, envelopes, folder)] if evaluation.x.vibration.tells_lines else []
+    return [envelope_figure(evaluation, folder)] if evaluation.x.vibration.tells_lines else []
 
 
-def envelope_figure(evaluation: Evaluation, envelopes: list[Envelope], folder: Path) -> SavedFigure:
+def envelope_figure(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw the band of the acceleration with its envelope over a few passages, and the envelope's spectra."""
-    figure, (upper, *axes) = panels((1, 2), 7.4, lines=2, shares=(0.85, 1.0, 1.0))
-    found = list(zip(evaluation.directions, envelopes, strict=True))
+    figure, (upper, *axes) = panels((1, 2), 7.4, lines=2, shares=(0.85, 1.0, 1.0), x="frequency, Hz")
+    found = [(d, d.vibration.envelope) for d in evaluation.directions if d.vibration.envelope is not None]
     loud, loudest = max(found, key=lambda each: each[0].vibration.rms)
-    _draw_passages(upper, evaluation, f"{loud.vibration.body}, {loud.name}", loudest)
+    shown = middle(evaluation, PASSAGES_SHOWN)
+    time = 1e3 * evaluation.record.time[shown]
+    upper.plot(time, loudest.band[shown], color=SKY, linewidth=0.6, label="acceleration in the band")
+    upper.plot(time, loudest.level[shown], color=BLUE, linewidth=0.8, label="its envelope")
+    upper.margins(x=0.0)
+    upper.set(xlabel="time, ms", ylabel=f"{loud.vibration.body}, {loud.name}, m/s²")
+    legend_above(upper, 2)
     top = SPECTRUM_TO * evaluation.lines["BPFI"]
     slow = {name: evaluation.lines[name] for name in ("FTF", "shaft")}
     lines, families = slow | fault_lines(evaluation.lines), []
     for axis, (direction, envelope) in zip(axes, found, strict=True):
-        families = mark_lines(axis, lines, 0.0, top, labels=False)
+        families = mark_lines(axis, lines, 0.0, top)
         _draw_spectrum(axis, envelope.spectrum, direction.vibration.lines, top)
         axis.set_ylabel(f"{direction.vibration.body}, {direction.name}, m/s²")
     handles = line_handles(families, evaluation.lines)
     legend_above(
         axes[0], 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, handletextpad=0.4, fontsize=9
     )
-    axes[1].set_xlabel("frequency, Hz")
-    body = whose(evaluation)
+    body = evaluation.y.vibration.body
     caption = (
         f"Acceleration of the {loud.vibration.body} within {text(1e-3 * loudest.low, 3)} to "
         f"{text(1e-3 * loudest.high, 3)} kHz: in {loud.name} over {PASSAGES_SHOWN:g} roller "
@@ -57,19 +62,6 @@ def envelope_figure(evaluation: Evaluation, envelopes: list[Envelope], folder: P
     )
     title = f"Envelope spectra of the {body}'s acceleration"
     return save(figure, folder, f"{body}_envelope", title, caption)
-
-
-def _draw_passages(axis, evaluation: Evaluation, name: str, found: Envelope) -> None:
-    """Draw the band and its envelope over some passages in the record's middle."""
-    time = evaluation.record.time
-    count = min(time.size, int(PASSAGES_SHOWN / evaluation.lines["BPFO"] / evaluation.record.interval) + 1)
-    first = (time.size - count) // 2
-    shown = slice(first, first + count)
-    axis.plot(1e3 * time[shown], found.band[shown], color=SKY, linewidth=0.6, label="acceleration in the band")
-    axis.plot(1e3 * time[shown], found.level[shown], color=BLUE, linewidth=0.8, label="its envelope")
-    axis.margins(x=0.0)
-    axis.set(xlabel="time, ms", ylabel=f"{name}, m/s²")
-    legend_above(axis, 2)
 
 
 def _draw_spectrum(axis, spectrum: Spectrum, lines: list[FaultLine], top: float) -> None:
@@ -88,12 +80,6 @@ def _draw_spectrum(axis, spectrum: Spectrum, lines: list[FaultLine], top: float)
                               fontsize=9.5, color=colour, ha="center", bbox=BESIDE)  # fmt: skip
             highest = max(highest, line.amplitude)
     axis.set(xlim=(0.0, top), ylim=(0.0, HEADROOM * max(highest, np.finfo(float).tiny)))
-
-
-# A figure of the cage: its centre's path, its pockets' forces, its slip.
-
-
-SHORTEST = 2e-3  # s, over which speeds are means
 
 
 def cage_figure(evaluation: Evaluation, folder: Path) -> SavedFigure | None:

@@ -26,7 +26,8 @@ from fem.solver.validity import may_strike
 from fem.statics.contact_balance import NotFound
 from fem.statics.equilibrium import static_equilibrium
 from lagrange import Operation, kinematics
-from lagrange.scene.scene import MODEL_NAMES, Scene
+from lagrange.scene.scene import Scene
+from lagrange.scene.tables import MODEL_NAMES
 
 LONG = THIRD, SECOND  # which of them is tried first
 KNOTS_A_STEP = 0.3  # of a profile's spline: with more, spalls that pass at 40 m/s cost per cents of the energy

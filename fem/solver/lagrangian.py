@@ -24,7 +24,8 @@ from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import caution
 from lagrange.first_state import Problem
 from lagrange.mounting import HELD
-from lagrange.scene.scene import MODEL_NAMES, Scene
+from lagrange.scene.scene import Scene
+from lagrange.scene.tables import MODEL_NAMES
 from lagrange.step_size import Steps, critical_time_step, steps_of
 from lagrange.stepping import ALL_DRIFTS, ENERGY_TOLERANCE, Integration, Simulation, Verdict
 

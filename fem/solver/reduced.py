@@ -29,7 +29,8 @@ from fem.statics.reduced_bearing import ReducedBearing, reduced_bearing, tangent
 from fem.statics.vibrating_bearing import UnseenWaves, bearing_modes, unseen_waves
 from lagrange import Operation, kinematics
 from lagrange.contact.damping import ContactDamping
-from lagrange.scene.scene import MODEL_NAMES, Scene
+from lagrange.scene.scene import Scene
+from lagrange.scene.tables import MODEL_NAMES
 from lagrange.step_size import fastest_in_machine
 
 LEFT = 0.2  # of what a guess was off by, the most that sweeps may leave with its sign turned

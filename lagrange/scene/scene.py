@@ -9,84 +9,31 @@ from copy import deepcopy
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 import tomli_w
-from pydantic import Field, PrivateAttr, ValidationError, model_validator
+from pydantic import PrivateAttr, ValidationError, model_validator
 
-from lagrange.bearing import BallBearing, Bearing, Cage, Operation
 from lagrange.catalogue import inner_ring_and_shaft, listed
 from lagrange.files.input import plain_text
-from lagrange.mounting import Mounting
-from lagrange.scene.bearing import (
-    BearingTable,
-    BodiesTable,
-    CageTable,
-    LubricantTable,
-    MaterialTable,
-    heavy_inner_ring_and_shaft,
-)
+from lagrange.scene.bearing import heavy_inner_ring_and_shaft
 from lagrange.scene.columns import Columns
 from lagrange.scene.combinations import COMBINATIONS
-from lagrange.scene.faults import Check, SceneError, Table, all_faults, likely_of, plain, printable
+from lagrange.scene.faults import Check, SceneError, all_faults, likely_of, plain, printable
 from lagrange.scene.files import LONGEST_TEXT, apply_override, content_in_place, content_of, load, set_key
-from lagrange.scene.mounting import SensorTable, SupportTable
-from lagrange.scene.operation import OperationTable
-from lagrange.scene.run import (
-    ContactTable,
-    DampingTable,
-    LagrangeTable,
-    NumericsTable,
-    OutputTable,
-    ReducedTable,
-    with_former_name,
-)
-from lagrange.scene.surfaces import SURFACES, ProfileTable, SpallTable, UnequalRollerTable, WavinessTable
+from lagrange.scene.run import DampingTable, with_former_name
+from lagrange.scene.surfaces import SURFACES
+from lagrange.scene.tables import SceneTables
 from lagrange.step_size import fitting_interval, wave_interval
-from lagrange.surface.faults import Fault
-from lagrange.surface.film import films
 from lagrange.surface.passages import strike_interval
 
-MM = 1e-3
 MESH_SHARE = 0.1  # of a roller's diameter, between surface nodes where the scene gives no mesh size
 CONTENTS = ("content", "speed_table_content", "load_table_content")  # texts of files, in the tables that name them
 FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
-MOST_TABLES = 200  # of one array
-MODEL_NAMES = {"fem": "finite elements", "reduced": "reduced model", "lagrange": "Lagrangian model"}
 
 
-class Scene(Table):
+class Scene(SceneTables):
     """A whole scene. Defaults are the paper's bearing."""
-
-    name: str = Field(
-        "paper",
-        min_length=1,
-        max_length=100,
-        pattern=r"^[A-Za-z0-9][A-Za-z0-9._ -]*$",
-        description="of the scene, and of the files that runs write",
-    )
-    model: Literal["fem", "reduced", "lagrange"] = Field(
-        "fem", description="finite elements; elastic bodies without their mass; rigid bodies on contact springs"
-    )
-    bearing: BearingTable = BearingTable()
-    material: MaterialTable = MaterialTable()
-    bodies: BodiesTable = BodiesTable()
-    operation: OperationTable = OperationTable()
-    contact: ContactTable = ContactTable()
-    damping: DampingTable = DampingTable()
-    lagrange: LagrangeTable = LagrangeTable()
-    reduced: ReducedTable = ReducedTable()
-    numerics: NumericsTable = NumericsTable()
-    output: OutputTable = OutputTable()
-    support: SupportTable | None = None
-    sensor: SensorTable | None = None
-    cage: CageTable | None = None
-    lubricant: LubricantTable | None = None
-    spall: list[SpallTable] = Field([], max_length=MOST_TABLES)
-    waviness: list[WavinessTable] = Field([], max_length=MOST_TABLES)
-    unequal_roller: list[UnequalRollerTable] = Field([], max_length=MOST_TABLES)
-    profile: list[ProfileTable] = Field([], max_length=MOST_TABLES)
-    table: Columns = Columns()
 
     _written: dict[str, Any] | None = PrivateAttr(None)  # the tables as they were given, before they were completed
 
@@ -148,82 +95,6 @@ class Scene(Table):
 
     def checks(self) -> tuple[Check, ...]:
         return tuple(partial(check, self) for check in COMBINATIONS)
-
-    def ideal_bearing(self) -> Bearing:
-        """The bearing in SI, with the faults of its surfaces and the films on them."""
-        faults, perfect = self._faults(), self.perfect_bearing()
-        if self.lubricant is not None:
-            faults += films(perfect, self.ideal_operation(), self.lubricant.lubricant())
-        return replace(perfect, faults=faults)
-
-    def _faults(self) -> tuple[Fault, ...]:
-        """Of its surfaces, without films."""
-        return tuple(table.fault() for name in SURFACES for table in getattr(self, name))
-
-    @property
-    def method(self) -> str:
-        """Model and damping in words, for the captions of pictures."""
-        return f"{MODEL_NAMES[self.model]}, {self.damping.words}"
-
-    @property
-    def has_faults(self) -> bool:
-        """Whether surfaces are not perfect, but for films."""
-        return any(getattr(self, name) for name in SURFACES)
-
-    @property
-    def friction_coefficient(self) -> float:
-        """Of the contacts, dry or under a film."""
-        return self.contact.friction_coefficient if self.lubricant is None else self.lubricant.traction_coefficient
-
-    def perfect_bearing(self) -> Bearing:
-        """The bearing in SI, without faults of its surfaces."""
-        b = self.bearing
-        shape: dict[str, Any] = dict(
-            n_rollers=b.rollers,
-            roller_radius=0.5 * MM * b.roller_diameter_mm,
-            roller_length=MM * b.roller_length_mm,
-            inner_raceway_radius=0.5 * MM * b.inner_raceway_diameter_mm,
-            outer_raceway_radius=0.5 * MM * b.outer_raceway_diameter_mm,
-            bore_radius=0.5 * MM * b.bore_diameter_mm,
-            outside_radius=0.5 * MM * b.outside_diameter_mm,
-            roller=replace(self.material.of("roller"), rigid=self.bodies.rollers == "rigid"),
-            inner_ring=replace(self.material.of("inner_ring"), rigid=self.bodies.inner_ring == "rigid"),
-            outer_ring=replace(self.material.of("outer_ring"), rigid=self.bodies.outer_ring == "rigid"),
-        )
-        if b.type == "roller":
-            return Bearing(**shape)
-        if b.inner_conformity is None or b.outer_conformity is None:
-            raise ValueError('bearing.type = "ball" without inner_conformity or outer_conformity; leave None out')
-        return BallBearing(
-            **shape,
-            inner_groove_radius=MM * b.inner_conformity * b.roller_diameter_mm,
-            outer_groove_radius=MM * b.outer_conformity * b.roller_diameter_mm,
-        )
-
-    def ideal_cage(self) -> Cage | None:
-        """The cage in SI; None: there is none."""
-        return None if self.cage is None else self.cage.cage(self.perfect_bearing())
-
-    def ideal_operation(self) -> Operation:
-        """The operating point in SI."""
-        return replace(self.operation.ideal(), mounting=self.mounting())
-
-    def mounting(self) -> Mounting:
-        """What the bearing stands in, in SI."""
-        return Mounting(
-            points=None if self.support is None else self.support.points(),
-            housing=None if self.support is None else self.support.housing(),
-            bore=None if self.support is None else self.support.bore(),
-            sensor=None if self.sensor is None else self.sensor.sensor(),
-            shaft=self.operation.springs(),
-        )
-
-    @property
-    def files(self) -> dict[str, str]:
-        """Texts of the files that it names, by their digests, as far as they are at hand."""
-        profiles = {table.sha256: table.content for table in self.profile
-                    if table.sha256 is not None and table.content is not None}  # fmt: skip
-        return profiles | self.operation.files
 
     def varied(self, changes: Mapping[str, Any]) -> "Scene":
         """This scene with other values under dotted keys, as `--set` has them; the whole is validated anew.

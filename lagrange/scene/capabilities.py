@@ -1,0 +1,86 @@
+"""What models and contact models take: one table, feature by kind of scene, from which the refusals follow.
+
+A new feature is a line of `GIVEN`, a new kind of scene one of `KINDS`, a pair that does not go one of `REFUSED`.
+"""
+
+from collections.abc import Callable, Iterator
+
+from lagrange.scene.surfaces import SURFACES
+from lagrange.scene.tables import SceneTables
+
+
+def _surfaces(scene: SceneTables) -> str | None:
+    given = [f"[[{name}]]" for name in SURFACES if getattr(scene, name)]
+    return next(iter(given), None if scene.lubricant is None else "[lubricant]")
+
+
+def bore_given(scene: SceneTables) -> str | None:
+    """A ring's fit as the scene writes it."""
+    bore = scene.mounting().bore
+    return None if bore is None else f"support.fit_clearance_um = {1e6 * bore.clearance:g}"
+
+
+# how a scene writes what it has; None where it lacks it
+GIVEN: dict[str, Callable[[SceneTables], str | None]] = {
+    "fields": lambda scene: f"output.fields_every_ms = {t}" if (t := scene.output.fields_every_ms) > 0.0 else None,
+    "rigid body": lambda scene: f'bodies.{scene.bodies.rigid[0]} = "rigid"' if scene.bodies.rigid else None,
+    "points": lambda scene: 'support.kind = "points"' if scene.mounting().points else None,
+    "housing": lambda scene: 'support.kind = "housing"' if scene.mounting().housing else None,
+    "shaft": lambda scene: 'operation.shaft = "springs"' if scene.mounting().shaft else None,
+    "sensor": lambda scene: "[sensor]" if scene.sensor else None,
+    "bore": bore_given,
+    "bodies' damping": lambda scene: f"damping.bodies_1_s = {r:g}" if (r := scene.damping.bodies_1_s) > 0.0 else None,
+    "contacts' damping": lambda scene: "[damping] of contacts" if scene.damping.contacts.acts else None,
+    "load history": lambda scene: f"operation.{key}" if (key := scene.operation.changes) else None,
+    "surfaces": _surfaces,
+}
+# what scenes are, by what keeps them from a feature
+KINDS: dict[str, Callable[[SceneTables], bool]] = {
+    "no mesh": lambda scene: scene.model != "fem",
+    "other contacts": lambda scene: scene.contact.model != "subgrid",
+    "other contacts on meshes": lambda scene: scene.model == "fem" and scene.contact.model != "subgrid",
+    "modes": lambda scene: scene.model == "reduced" and scene.reduced.modes_up_to_kHz > 0.0,
+    "rigid outer ring": lambda scene: scene.bodies.outer_ring == "rigid",
+    "balls": lambda scene: scene.bearing.type == "ball",
+    "no housing": lambda scene: scene.mounting().housing is None,
+}
+EITHER = "; leave one of them out"
+SUBGRID = '{given}: only with contact.model = "subgrid", not with "{contact}"'
+COMPARES = f"{SUBGRID}, which is there to compare contacts{EITHER}"
+FEM = '{given}: only with model = "fem", not with "{model}", whose outer ring'
+RINGS_ALONE = "whose modes are those of rings that contacts and load alone move"
+OTHER_MODES = f"{{given}}: not together with {{modes}}, {RINGS_ALONE}{EITHER}"
+REFUSED = (
+    ("fields", "no mesh", "{given}: model = '{model}' has no mesh and no fields; leave it out or 0"),
+    ("rigid body", "other contacts", f"{SUBGRID}, whose points of pressure sit on meshes"),
+    ("points", "no mesh", f'{FEM} does not bend as a whole; take kind = "housing", or leave one of them out'),
+    ("points", "rigid outer ring", f"{{given}}: a rigid outer ring is held as well by any{EITHER}"),
+    ("points", "other contacts", f"{SUBGRID}{EITHER}"),
+    ("shaft", "other contacts on meshes", COMPARES),
+    ("shaft", "modes", OTHER_MODES),
+    ("housing", "modes", OTHER_MODES),
+    ("sensor", "no housing",
+     '{given}: stands on a housing that moves; add [support] with kind = "housing", or leave the sensor out'),
+    ("bore", "no mesh", f"{FEM} is held without play; leave it out"),
+    ("bore", "rigid outer ring", f'{{given}}: only for an elastic outer ring, bodies.outer_ring is "rigid"{EITHER}'),
+    ("bore", "other contacts", f"{SUBGRID}{EITHER}"),
+    ("bodies' damping", "no mesh",
+     "{given}: only for bodies with meshes, which model = '{model}' has none of; leave it out, or take model = 'fem'"),
+    ("contacts' damping", "other contacts on meshes",
+     f"{SUBGRID}, whose points of pressure stand for part of a contact{EITHER}"),
+    ("contacts' damping", "modes", f"{{modes}}: not together with {{given}}, which would feed the modes{EITHER}"),
+    ("load history", "other contacts on meshes", COMPARES),
+    ("surfaces", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),
+    ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
+)  # fmt: skip
+
+
+def refusals(scene: SceneTables) -> Iterator[str]:
+    """A sentence for every feature that this kind of scene can't have."""
+    words = {
+        "model": scene.model, "contact": scene.contact.model,
+        "modes": f"reduced.modes_up_to_kHz = {scene.reduced.modes_up_to_kHz:g}",
+    }  # fmt: skip
+    for feature, kind, sentence in REFUSED:
+        if (given := GIVEN[feature](scene)) is not None and KINDS[kind](scene):
+            yield sentence.format(given=given, **words)

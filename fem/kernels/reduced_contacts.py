@@ -163,7 +163,9 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
         tilt_i, tilt_o = _tilted(compliance, forces, INNER, group), _tilted(compliance, forces, OUTER, group)
         store_pair(forces.tilt, group, columns, tilt_i * over_i, tilt_o * over_o)
         _take(forces.taken, columns, group, reach - away - first_i, out - track - first_o)
-        first_i, first_o = _lowered(bodies, compliance, forces, group, turn, first_i, first_o, forces.slope)
+        first_i, first_o = _lowered(
+            bodies, compliance, forces, group, (turn, drive.looks), first_i, first_o, forces.slope
+        )
         first_i, first_o = less_vibration(bodies.vibrations, forces, columns, group, first_i, first_o)
         first_i, first_o = select(there, first_i, -1.0), select(there, first_o, -1.0)
         B_i, B_o = level(inner, forces.bracket_now, group), level(outer, forces.bracket_now, columns + group)
@@ -191,9 +193,15 @@ def _touching_now(course, compliance, drive):
 
 
 @part
-def _lowered(bodies, compliance, forces, group, turn, inner, outer, slope):
-    """Approaches of eight rollers on surfaces that are not perfect circles; laws' brackets and slopes are kept."""
+def _lowered(bodies, compliance, forces, group, where, inner, outer, slope):
+    """Approaches of eight rollers on surfaces that are not perfect circles; laws' brackets and slopes are kept.
+
+    `where` : how far the inner ring has turned, rad, and whether any contact is where they are not.
+    """
     if slope is None:
+        return inner, outer
+    turn, looks = where
+    if not looks:
         return inner, outer
     columns = bodies.columns
     ix, iy = load(forces.normal, group), load(forces.normal, columns + group)

@@ -166,6 +166,19 @@ def _note_work(dampers, bodies, forces, before, drive):
 
 
 @part
+def damping_power(dampers, bodies, forces, drive):
+    """What a second's dampers, under the velocities after a kick, take in the half step ahead, J; see `_note_work`."""
+    found = splat(0.0)
+    if dampers is not None:
+        for group in range(0, bodies.n, WIDTH):
+            motion = bodies.hub_velocity, bodies.velocity, bodies.spin, ring_rates(bodies.housing)[1]
+            now = _closing(bodies, forces, drive, group, motion)
+            F_i, F_o = load(dampers.force, group), load(dampers.force, bodies.columns + group)
+            found += 0.5 * (F_i * now[0] + F_o * now[1])
+    return total(found)
+
+
+@part
 def write_damping(dampers, n, out):
     """What contacts have damped, J, and the dampers' forces, N: see `sample_kernels.add_damper_forces`."""
     out[DAMPED_BY_CONTACTS] = out[DAMPED_BY_BODIES] = 0.0

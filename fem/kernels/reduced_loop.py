@@ -30,6 +30,7 @@ from fem.kernels.reduced_housing import (
 )
 from fem.kernels.reduced_kick import kick
 from fem.kernels.reduced_modes import carried_by, drift_modes, kick_rings
+from fem.kernels.reduced_paces import drive_of, sections_of, short_steps, steps_of, take_pace
 from fem.kernels.reduced_radiation import note_radiated, radiate, write_radiation
 from fem.kernels.reduced_samples import note_beyond, write_energies, write_motion
 from fem.kernels.reduced_surfaces import AGAIN, follow_angles
@@ -46,17 +47,19 @@ TOUCHING = 1.05  # over a roller's diameter: centres further apart are out of ea
 
 
 @kernel(nogil=True)
-def advance_reduced(bodies, compliance, forces, drive, before, first_step, stride, samples):
+def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row, stride, samples):
     """Fill `samples`, one row each `stride` steps, starting with the state as it is; leaves the state after them.
 
-    Rows are those of the finite elements, `sample_kernels.write_sample`.
+    Rows are those of the finite elements, `sample_kernels.write_sample`. `drives`, `paces`: of steps of two lengths,
+    see `reduced_paces`; else one drive, and None.
 
     Returns (status, step, body): DONE, or NOT_FINITE with the step and the body (roller j, or −1 the hub).
     """
-    step = first_step
-    for row in range(samples.shape[0]):
-        for inside in range(stride):
-            time = step * drive.dt
+    in_row = sections_of(paces)
+    for place in range(samples.shape[0] * in_row):
+        section, drive, inside, count = first_row * in_row + place, drive_of(paces, drives), 0, steps_of(paces, stride)
+        while inside < count:
+            time = (section * count + inside) * drive.dt
             _remember(bodies, before)
             follow(drive.course, time, drive.dt)
             _meet_cage(bodies.cage, drive)
@@ -83,8 +86,8 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             radiate(forces.radiation, bodies, compliance, forces, before, drive)
             damp_contacts(forces.dampers, bodies, compliance, forces, before, drive)
             note_radiated(forces.radiation, bodies, forces, before, drive)
-            if inside == 0:
-                out = samples[row]
+            if inside == 0 and section % in_row == 0:
+                out = samples[place // in_row]
                 write_motion(bodies, forces, drive, before, out, time)
                 write_energies(bodies, compliance, forces, drive, before, out, (aside, radial_load))
                 half, carried = 0.5 * drive.dt, carried_by(bodies.vibrations, 1)
@@ -98,6 +101,9 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
                 _write_cage(bodies.cage, drive, out)
                 _write_shaft(bodies.shaft, drive, out)
                 write_ring(bodies.housing, before, drive, out)
+            if inside == 0:
+                take_pace(paces, bodies, compliance, forces, drives, before, time, (aside, radial_load), given)
+                drive, count = drive_of(paces, drives), steps_of(paces, stride)
             past, next_ = carried_by(bodies.vibrations, 1), carried_by(bodies.vibrations, 2)
             work = before.hub_velocity[1] + bodies.hub_velocity[1]
             work += past[1] + next_[1]
@@ -109,11 +115,11 @@ def advance_reduced(bodies, compliance, forces, drive, before, first_step, strid
             _drift_cage(bodies.cage, drive)
             _drift_shaft(bodies.shaft, drive)
             drift_ring(bodies.housing, drive)
-            step += 1
+            inside += 1
             body = lost(bodies.hub_velocity, bodies)
             if body != -2:
-                return NOT_FINITE, step, body
-    return DONE, step, -2
+                return NOT_FINITE, short_steps(paces, stride, section, inside), body
+    return DONE, 0, -2
 
 
 @verb

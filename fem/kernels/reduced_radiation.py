@@ -120,6 +120,22 @@ def _note_work(radiation, bodies, forces, before, drive):
 
 
 @part
+def radiated_power(bodies, forces):
+    """What the impulses of the last kick take in the half step ahead, over the step, W."""
+    found, radiation = 0.0, forces.radiation
+    if radiation.state[0] == KICKED:
+        next_ = ring_rates(bodies.housing)[1]
+        for j in range(bodies.n):
+            vx, vy = bodies.velocity[0, j], bodies.velocity[1, j]
+            rate = (bodies.hub_velocity[0] - vx) * forces.normal[INNER, 0, j]
+            rate += (bodies.hub_velocity[1] - vy) * forces.normal[INNER, 1, j]
+            found += 0.5 * radiation.kick[INNER, j] * rate
+            rate = (vx - next_[0]) * forces.normal[OUTER, 0, j] + (vy - next_[1]) * forces.normal[OUTER, 1, j]
+            found += 0.5 * radiation.kick[OUTER, j] * rate
+    return found
+
+
+@part
 def write_radiation(radiation, n, out):
     """Add what waves have been given, J, and the impulses over the step to the forces, N."""
     out[DISSIPATED] += radiation.work[0]

@@ -181,6 +181,7 @@ class ReducedDrive(NamedTuple):
     friction: float
     inner_radius: float  # m, of the raceway
     course: Course | None = None  # of speed and load; None: they stay
+    looks: bool = True  # whether contacts look up surfaces that are not perfect circles
 
 
 class Before(NamedTuple):

@@ -78,6 +78,8 @@ def push_along(slope, bodies, forces, drive, group, P, Q):
     """
     if slope is None:
         return splat(0.0), splat(0.0)
+    if not drive.looks:
+        return splat(0.0), splat(0.0)
     columns, soft = bodies.columns, forces.softening
     away, out = _distances(bodies, forces, group)
     half, half_o = 0.5 * Q[0] * Q[0], 0.5 * Q[1] * Q[1]
@@ -98,6 +100,8 @@ def passing_rates(slope, bodies, forces, drive, group, motion):
     spins, velocity of the outer ring.
     """
     if slope is None:
+        return splat(0.0), splat(0.0)
+    if not drive.looks:
         return splat(0.0), splat(0.0)
     columns = bodies.columns
     hub, velocity, spin, ring = motion

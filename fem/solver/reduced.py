@@ -18,6 +18,7 @@ from fem.solver.cautions import cautions
 from fem.solver.compiling import CompiledPlan
 from fem.solver.limits import check_rollers, check_speed, check_widths
 from fem.solver.pace import in_words, pace
+from fem.solver.paces import Sections, sections_of, time_along_a_wave
 from fem.solver.part_arrays import time_along_a_knot
 from fem.solver.reduced_start import ReducedStart, equilibrium_start, rest_start, standing_hub
 from fem.solver.reduced_state import ReducedState
@@ -56,8 +57,9 @@ class ReducedPlan(CompiledPlan):
     seat: np.ndarray  # (2,), m, of a cage's centre at the start, from the outer ring's
     static_energy: float  # J, of contacts that hold the load at rest
     critical_time_step: float  # s
-    stride: int  # steps between samples
+    stride: int  # steps between samples, the shortest ones
     looks: int  # at the energy per sample
+    sections: Sections | None  # of two step lengths; None: of one
     n_samples: int
     cautions: tuple[str, ...] = ()
     model_name = MODEL_NAMES["reduced"]
@@ -74,6 +76,12 @@ class ReducedPlan(CompiledPlan):
         return self.interval / self.stride
 
     @property
+    def long_step(self) -> float:
+        """Away from edges of spalls, s."""
+        cut = self.sections
+        return self.time_step if cut is None else self.interval / (self.looks * cut.count * cut.far)
+
+    @property
     def degrees_of_freedom(self) -> int:
         """Two of the hub, three of each roller, one of each mode."""
         n, modes = self.model.bearing.n_rollers, self.model.modes
@@ -81,7 +89,10 @@ class ReducedPlan(CompiledPlan):
 
     @property
     def steps(self) -> int:
-        return self.stride * (self.n_samples - 1)
+        """Of the run; of two lengths, about."""
+        cut = self.sections
+        each = self.stride if cut is None else self.looks * cut.count * cut.mean
+        return round(each * (self.n_samples - 1))
 
     @property
     def expected_seconds(self) -> float:
@@ -106,14 +117,28 @@ class ReducedPlan(CompiledPlan):
             "degrees of freedom": f"{self.degrees_of_freedom}, elastic bodies "
             + ("without mass" if self.model.modes is None else f"with their modes up to {up_to:g} kHz"),
             **self.operation.mounting.rows,
-            "time step": f"{1e6 * self.time_step:.3g} µs ({self.time_step / self.critical_time_step:.2f} of the "
-            f"critical {1e6 * self.critical_time_step:.3g} µs)",
-            "steps": f"{self.steps} for {1e3 * (self.n_samples - 1) * self.interval:g} ms",
-            "samples": f"{self.n_samples}, one each {self.stride} steps",
+            **self._step_rows(),
             "expected time": in_words("reduced", self.expected_seconds),
             "largest static forces": largest_loads(
                 self.model.bearing, start.inner_force.max(), start.outer_force.max()
             ),
+        }
+
+    def _step_rows(self) -> dict[str, str]:
+        critical, duration = self.critical_time_step, f"{1e3 * (self.n_samples - 1) * self.interval:g} ms"
+        long = f"{1e6 * self.long_step:.3g} µs"
+        of_critical = f"({self.long_step / critical:.2f} of the critical {1e6 * critical:.3g} µs)"
+        if self.sections is None:
+            return {
+                "time step": f"{long} {of_critical}",
+                "steps": f"{self.steps} for {duration}",
+                "samples": f"{self.n_samples}, one each {self.stride} steps",
+            }
+        return {
+            "time step": f"{long} {of_critical}, {1e6 * self.time_step:.3g} µs near edges and until strikes have died "
+            "away",
+            "steps": f"about {self.steps} for {duration}",
+            "samples": f"{self.n_samples}, one each {self.stride} steps at most",
         }
 
 
@@ -147,14 +172,19 @@ def make_plan(scene: Scene) -> ReducedPlan:
     critical = critical_with_cage(critical, bearing, scene.ideal_cage(), operation)
     interval = 1e-6 * numerics.output_interval_us
     longest = min(SHARE * critical, longest_with_modes(modes, float(scene.friction_coefficient)))
-    longest = min(longest, KNOTS_A_STEP * time_along_a_knot(bearing, fastest))
     longest = min(longest, _time_of_dampers(model, LOAD_MARGIN * largest, operation, scene.damping.contacts))
-    longest *= numerics.time_step_safety
+    on_waves = min(longest, KNOTS_A_STEP * time_along_a_wave(bearing, fastest)) * numerics.time_step_safety
+    longest = min(longest, KNOTS_A_STEP * time_along_a_knot(bearing, fastest)) * numerics.time_step_safety
     steps = max(1, ceil(interval / longest * (1.0 - 1e-12)))
     start = rest_start(model, operation) if numerics.start == "rest" else loaded
     of_start = () if start.caution is None else (start.caution,)
     raceways = float(max(start.inner_force.max(), start.outer_force.max()))
     looks = ceil(steps / LONGEST_UNWATCHED)
+    stride, sections = looks * ceil(steps / looks), None
+    if scene.damping.contacts.acts:  # contacts without dampers vibrate on after a strike
+        sections = sections_of(bearing, fastest, interval / looks, longest, on_waves)
+    if sections is not None:
+        stride = looks * sections.count * sections.near
     return ReducedPlan(
         scene=scene,
         model=model,
@@ -170,8 +200,9 @@ def make_plan(scene: Scene) -> ReducedPlan:
             + model.contacts.outer_law.energy(loaded.outer_force).sum()
         ),
         critical_time_step=critical,
-        stride=looks * ceil(steps / looks),
+        stride=stride,
         looks=looks,
+        sections=sections,
         n_samples=sample_count(scene),
         cautions=(*cautions(scene, model, operation, loaded, interval), *of_start),
     )

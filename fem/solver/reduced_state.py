@@ -9,11 +9,12 @@ import numpy as np
 
 from fem.kernels.reduced_loop import advance_reduced
 from fem.kernels.reduced_state import Before, RingModes, RollerModes
+from fem.solver.paces import paces_of
 from fem.solver.reduced_arrays import contact_compliance, contact_forces, outer_drive, rigid_bodies
 from fem.solver.row_state import LONGEST_UNWATCHED, RowState
 from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader
-from fem.solver.solver import ROUND_OFF, Block, Numbers, Samples
+from fem.solver.solver import ROUND_OFF, Block, Numbers, Progress, Samples
 from fem.solver.validity import add_samples, law_caution, no_sums, vibration_caution
 from lagrange import Bearing
 
@@ -47,10 +48,16 @@ class ReducedState(RowState):
         self._begin()
 
     def _begin(self) -> None:
-        stride, looks = self._whole.stride * 2**self._halvings, self._whole.looks
+        times, looks, sections = 2**self._halvings, self._whole.looks, self._whole.sections
+        stride, finer = self._whole.stride * times, times
         while stride > looks * LONGEST_UNWATCHED:  # and divide the stride all the way
-            looks *= 2
-        self.plan = plan = replace(self._whole, stride=stride, looks=looks)
+            looks, finer = 2 * looks, finer // 2
+        self.plan = plan = replace(
+            self._whole,
+            stride=stride,
+            looks=looks,
+            sections=None if sections is None else sections.finer(finer),
+        )
         self.reader = SampleReader(plan)
         self._worst = 0.0  # J, the largest energy error of samples so far
         self._missed, self._passed_on = 0.0, 0.0
@@ -59,6 +66,7 @@ class ReducedState(RowState):
         columns = self.bodies.columns
         self.compliance = contact_compliance(plan, columns)
         self.forces, self.drive = contact_forces(plan, columns), outer_drive(plan)
+        self.drives, self.paces = paces_of(plan, self.drive)
         self._before = Before(
             hub_velocity=np.zeros(2),
             velocity=np.zeros((2, columns)),
@@ -106,7 +114,8 @@ class ReducedState(RowState):
     @property
     def shock(self) -> float:
         """The most that a force has changed in a vibration of the bodies' own, over the largest force."""
-        rate = float(self.forces.fastest.max()) / self.plan.time_step
+        now = self.drives[0 if self.paces is None else self.paces.now[0]]
+        rate = float(self.forces.fastest.max()) / now.dt
         return rate * slowest_vibration(self.plan.model.bearing) / max(float(self._largest.max()), 1e-30)
 
     @property
@@ -158,6 +167,16 @@ class ReducedState(RowState):
         )
 
     @property
+    def progress(self) -> Progress:
+        found = super().progress
+        if self.paces is None:
+            return found
+        made = int(self.paces.made.sum())
+        left = round(found.steps_left * made / found.steps) if found.steps else round(self.plan.steps)
+        speed = (self.void_steps + made) / found.wall if found.wall > 0.0 else 0.0
+        return replace(found, steps=made, steps_left=left, speed=speed)
+
+    @property
     def outcome_attributes(self) -> dict[str, float]:
         return super().outcome_attributes | {"time_step": self.plan.time_step}
 
@@ -191,6 +210,8 @@ class ReducedState(RowState):
                 found["guide.speed"] = self.bodies.cage.ring.speed
         if self.bodies.housing is not None:
             found |= changing_arrays(self.bodies.housing, "housing")
+        if self.paces is not None:
+            found |= {"paces.now": self.paces.now, "paces.made": self.paces.made}
         if self.bodies.shaft is not None:
             found |= {f"shaft.{name}": getattr(self.bodies.shaft, name) for name in ("before", "dissipated")}
         return found
@@ -240,7 +261,8 @@ class ReducedState(RowState):
                 raise ValueError(f"{name}: vibrations beyond all bounds")
 
     def step_rows(self, first: int, stride: int, rows: np.ndarray) -> tuple[int, int, int]:
-        return advance_reduced(self.bodies, self.compliance, self.forces, self.drive, self._before, first, stride, rows)
+        moving = self.bodies, self.compliance, self.forces, self.drives, self._before
+        return advance_reduced(*moving, self.paces, first // stride, stride, rows)
 
 
 def slowest_vibration(bearing: Bearing) -> float:

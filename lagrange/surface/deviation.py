@@ -9,7 +9,7 @@ by −Q σ' − ½ Q² c': in all that asks for slopes, c adds ½ Q c' to that o
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from math import ceil, pi
+from math import ceil, inf, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -26,6 +26,7 @@ KNOTS_PER_WAVE = 64  # the spline misses a wave by 1e-7 of its amplitude
 FEWEST_KNOTS = 8
 FAINT = 1e-9  # of a profile's largest coefficient: what is less is a perfect circle's
 SUPPORT = 2  # knots that a coefficient is felt over, on either side
+RINGING = 10  # knots beyond a kink after which a spline through it is off by a millionth of what it is at the kink
 
 
 class Along(NamedTuple):
@@ -45,6 +46,9 @@ class Profile:
     compliance: np.ndarray | None  # (n_rows, n_knots), m/N, coefficients of what edges add; None: there are none
     row: np.ndarray  # (n_rollers,), the row that each roller's contact meets
     spacing: float  # m, between knots along the surface
+    spalls: tuple[tuple[int | None, float, float], ...] = ()  # roller, middle and half of each, with its edges, rad
+    waves: float = inf  # m, between the knots that all but spalls would need; infinite: between spalls circles are
+    # perfect
 
     def at(self, angle: np.ndarray) -> Along:
         """At angles of the rollers' contacts, (..., n_rollers), rad."""
@@ -192,6 +196,11 @@ class Profiles:
         """The least distance between knots, m."""
         return min(profile.spacing for profile in vars(self).values() if profile is not None)
 
+    @property
+    def shortest_of_waves(self) -> float:
+        """The same of all but spalls; infinite: between these circles are perfect."""
+        return min(profile.waves for profile in vars(self).values() if profile is not None)
+
 
 def _met(ring: Profile | None, on_ring, roller: Profile | None, on_roller) -> Met:
     """Of contacts at angles on the ring and on the rollers, rad."""
@@ -239,12 +248,25 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
     if any(isinstance(fault, Spall) for fault in faults):
         softer = [_softening(some, roller, own, other, meeting, n) for some in rows]
         compliance = _spline(pair.line_compliance * np.array(softer))
+    smooth = [_knots(fault, own, other, meeting) for fault in faults if not isinstance(fault, Spall)]
     return Profile(
         coefficients=_spline(np.array([_sinkages(some, roller, own, other, meeting, n) for some in rows])),
         compliance=compliance,
         row=row,
         spacing=2.0 * pi * own / n,
+        spalls=tuple(
+            (fault.roller, fault.angle, _half(fault, roller, own, other, meeting) + RINGING * 2.0 * pi / n)
+            for fault in faults
+            if isinstance(fault, Spall)
+        ),
+        waves=2.0 * pi * own / max(FEWEST_KNOTS, *smooth) if smooth else inf,
     )
+
+
+def _half(spall: Spall, roller_radius: float, own: float, other: float, meeting: Meeting) -> float:
+    """From a spall's middle to where contacts are sound, rad."""
+    opening = float(np.arcsin(spall.half_opening(roller_radius) / own))
+    return max(opening, reach(spall, roller_radius, own, other, meeting))
 
 
 def _knots(fault: Fault, own: float, other: float, meeting: Meeting) -> int:

@@ -56,7 +56,8 @@ class CompiledPlan(Plan):
         collecting, began = gc.isenabled(), time.process_time()
         gc.disable()  # a compiler's many objects are nearly all kept: looking for cycles takes a tenth of its time
         try:
-            with said_if_long(PATIENCE, COMPILING + self.compiling, tell), install_recorder("numba:compile") as new:
+            long = "" if tell is None else COMPILING + self.compiling
+            with said_if_long(PATIENCE, long, tell), install_recorder("numba:compile") as new:
                 self.first_state().take_steps(0)
         finally:
             if collecting:

@@ -1,6 +1,5 @@
 """Looks at the samples of a run: what no sound one shows, contacts too wide for theory, the error of its energy."""
 
-from itertools import accumulate
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -44,9 +43,11 @@ class EnergyAccount:
         dissipated = values["work_dissipated"]
         left = np.exp(-np.fmax(np.diff(dissipated, prepend=self._dissipated), 0.0) / found.passed_on)
         added = np.diff(imbalance, prepend=self._imbalance)
-        steps = zip(left.tolist(), added.tolist(), strict=True)
-        errors = accumulate(steps, lambda error, step: error * step[0] + step[1], initial=self._error)
-        found.error[:] = list(errors)[1:]
+        error, errors = self._error, []
+        for kept, more in zip(left.tolist(), added.tolist(), strict=True):
+            error = error * kept + more
+            errors.append(error)
+        found.error[:] = errors
         self.exchanged, self._error = float(exchanged[-1]), float(found.error[-1])
         self._imbalance, self._dissipated = float(imbalance[-1]), float(dissipated[-1])
         return found
@@ -89,8 +90,8 @@ def n_in_place(bearing: Bearing, give: float, samples: Samples) -> int:
     surfaces = profiles(bearing)
     give += 0.0 if surfaces is None else surfaces.deepest
     hub_x, hub_y, x, y = from_outer_ring(samples, "inner", "roller")
-    from_hub = np.hypot(x - hub_x[:, None], y - hub_y[:, None]).min(axis=1)
-    astray = from_hub < reach - give
+    x, y = x - hub_x[:, None], y - hub_y[:, None]
+    astray = np.sqrt((x * x + y * y).min(axis=1)) < reach - give
     astray |= samples["roller_rho"].max(axis=1) > track + give
     astray |= np.hypot(hub_x, hub_y) > 2.0 * (abs(bearing.radial_clearance) + give)
     return int(np.argmax(astray)) if astray.any() else len(astray)

@@ -71,6 +71,7 @@ class SampleReader:
     def read(self, rows: np.ndarray) -> Samples:
         """Quantities of the next rows."""
         values = {name: rows[:, place] for name, place in self._places.items()}
+        values |= {name: np.ascontiguousarray(values[name]) for name in ("roller_x", "roller_y")}  # read several times
         x, y = from_outer_ring(values, "roller")
         works = rows[:, [row.WORK_LOAD, row.WORK_GRAVITY, row.WORK_DRIVE]].sum(axis=1)
         stored = values["energy_elastic"] + values["energy_contact"]
@@ -90,8 +91,11 @@ class SampleReader:
         return self._account.samples(values, imbalance, np.fmax(stored - self._pressed, np.abs(gained)))
 
     def _unwrap(self, angle: np.ndarray) -> np.ndarray:
-        first = np.round((self._angle - angle[:1]) / TURN)
-        turns = np.concatenate([first, -np.round(np.diff(angle, axis=0) / TURN)]).cumsum(axis=0)
+        turns = np.round((self._angle - angle[0]) / TURN)
         unwrapped = angle + TURN * turns
+        moved = np.diff(angle, axis=0)
+        for sample, roller in np.argwhere(np.abs(moved) > np.pi):  # few
+            turns[roller] -= np.round(moved[sample, roller] / TURN)
+            unwrapped[sample + 1 :, roller] = angle[sample + 1 :, roller] + TURN * turns[roller]
         self._angle = unwrapped[-1]
         return unwrapped

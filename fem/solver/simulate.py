@@ -55,7 +55,7 @@ def run(
     Parameters
     ----------
     report : is called after each block
-    state : where to go on from; it is kept up to date after each block, before `report`
+    state : where to go on from, of a plan that is prepared; it is kept up to date after each block, before `report`
     stop : is asked after each block, and within samples that take long; those are then not taken
     keep : gets the fields the scene asks for, each before the sample of its instant
     begin_again : is told why all that was written is void and the run goes on from its start
@@ -64,8 +64,9 @@ def run(
     ------
     RunFailed: the run went wrong numerically; good samples were written.
     """
-    plan.prepare()
-    state = plan.first_state() if state is None else state
+    if state is None:
+        plan.prepare()
+        state = plan.first_state()
     state.stop = stop
     size = 1
     while state.done < plan.n_samples and not stop():

@@ -5,6 +5,7 @@ kinematics, load_history        rolling without slip; speed and load that change
 contact, surface                laws Q(δ), Hertz, dampers; spalls, waviness, measured heights, a film
 equations, motion               (1)-(23) in Cartesian coordinates; the N_b + 2 equations of motion
 statics, first_state            equilibrium of hub and rolling elements; where a motion starts
+rating                          load ratings, lives, friction and stiffness for a machine's designer
 simulate, trajectory            forward solution, and its result
 scene                           the TOML scene file: validated, in the bearing engineer's units; the objects above in SI
 files, messages                 files that commands read and write; what they print

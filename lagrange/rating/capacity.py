@@ -1,0 +1,66 @@
+"""Load ratings: ISO 281 dynamic, ISO 76 static, fatigue load limit. mm and N."""
+
+from dataclasses import dataclass
+
+from lagrange.bearing import BallBearing, Bearing
+from lagrange.rating.sources import Unavailable
+
+OF_CAGED = 1.1  # b_m of cylindrical, tapered and machined needle roller bearings, ISO 281 table 6
+REDUCTION = 0.83  # λ, of radial roller bearings: pressures along real contact lines are uneven
+MEDIUM = 100.0  # mm, D_pw beyond which the fatigue load limit falls
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dimensions:
+    """Of one row of cylindrical rollers, by the standards' letters; mm."""
+
+    rollers: int  # Z
+    diameter: float  # D_we
+    length: float  # L_we
+    pitch: float  # D_pw
+
+    @property
+    def gamma(self) -> float:
+        """γ = D_we cos α/D_pw, α = 0."""
+        return self.diameter / self.pitch
+
+    @classmethod
+    def of(cls, bearing: Bearing) -> "Dimensions":
+        """Of a bearing. Unavailable: it has balls."""
+        if isinstance(bearing, BallBearing):
+            raise Unavailable("ratings are those of roller bearings; this one has balls")
+        return cls(
+            rollers=bearing.n_rollers,
+            diameter=2e3 * bearing.roller_radius,
+            length=1e3 * bearing.roller_length,
+            pitch=2e3 * bearing.pitch_radius,
+        )
+
+
+def capacity_factor(gamma: float) -> float:
+    """f_c of ISO 281 for radial roller bearings, N and mm.
+
+    f_c = 0.483 B1 · 0.377 λ · γ^(2/9) (1 − γ)^(29/27)/(1 + γ)^(1/4) · {1 + X^(9/2)}^(−2/9),
+    X = 1.04 ((1 − γ)/(1 + γ))^(143/108)
+
+    Source: ISO/TR 1281-1, formula 34; 0.483 B1 = 551.13373 N.
+    """
+    ratio = (1.0 - gamma) / (1.0 + gamma)
+    geometry = gamma ** (2 / 9) * (1.0 - gamma) ** (29 / 27) / (1.0 + gamma) ** 0.25
+    return 551.13373 * 0.377 * REDUCTION * geometry * (1.0 + (1.04 * ratio ** (143 / 108)) ** 4.5) ** (-2 / 9)
+
+
+def dynamic_capacity(row: Dimensions) -> float:
+    """C_r of ISO 281, N: the load with a basic rating life of a million revolutions."""
+    size = row.length ** (7 / 9) * row.rollers**0.75 * row.diameter ** (29 / 27)
+    return OF_CAGED * capacity_factor(row.gamma) * size
+
+
+def static_capacity(row: Dimensions) -> float:
+    """C_0r of ISO 76, N: the largest contact stress is then 4000 MPa."""
+    return 44.0 * (1.0 - row.gamma) * row.rollers * row.length * row.diameter
+
+
+def fatigue_load_limit(row: Dimensions) -> float:
+    """C_u of ISO 281 annex B, simplified, N."""
+    return static_capacity(row) / 8.2 * min(1.0, (MEDIUM / row.pitch) ** 0.3)

@@ -1,0 +1,63 @@
+"""Stresses of a line contact: Hertz's pressure and what it makes below the surface. SI."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from lagrange.contact.raceway_laws import Pair
+
+PERMITTED = 4000e6  # Pa, at ISO 76's C0: roller and raceway then keep 1e-4 of the roller's diameter
+FATIGUE = 1500e6  # Pa, at ISO 281's C_u, of usual bearing steels
+DEPTHS = np.linspace(0.0, 3.0, 30_001)  # over the half-width
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineContact:
+    """One contact under its force; m, Pa."""
+
+    peak_pressure: float
+    half_width: float
+    largest_shear: float
+    shear_depth: float
+    largest_von_mises: float
+    von_mises_depth: float
+
+
+def stress_below(depth, poisson_ratio: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """σ_x, σ_y, σ_z over the peak pressure on the line of symmetry, at depths over the half-width.
+
+    Plane strain along y.
+
+    σ_x = −(1 + 2z²)/√(1 + z²) + 2z, σ_z = −1/√(1 + z²), σ_y = ν (σ_x + σ_z)
+
+    Source: Johnson, Contact Mechanics (1985), (4.49).
+    """
+    z = np.asarray(depth, dtype=float)
+    root = np.sqrt(1.0 + z * z)
+    across, down = 2.0 * z - (1.0 + 2.0 * z * z) / root, -1.0 / root
+    return across, poisson_ratio * (across + down), down
+
+
+@cache
+def _largest(poisson_ratio: float) -> tuple[float, float, float, float]:
+    """Largest shear and von Mises stress over the peak pressure, each with its depth over the half-width."""
+    x, y, z = stress_below(DEPTHS, poisson_ratio)
+    shear = 0.5 * np.abs(x - z)
+    mises = np.sqrt(0.5 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2))
+    rows = [(float(each.max()), float(DEPTHS[each.argmax()])) for each in (shear, mises)]
+    return *rows[0], *rows[1]
+
+
+def line_contact(pair: Pair, force: float) -> LineContact:
+    """Stresses of a pair under a force, N; the depths are those in steel of the ring's Poisson ratio."""
+    pressure, width = pair.peak_pressure(force), pair.half_width(force)
+    shear, shear_at, mises, mises_at = _largest(pair.materials[0].poisson_ratio)
+    return LineContact(
+        peak_pressure=pressure,
+        half_width=width,
+        largest_shear=shear * pressure,
+        shear_depth=shear_at * width,
+        largest_von_mises=mises * pressure,
+        von_mises_depth=mises_at * width,
+    )

@@ -1,0 +1,148 @@
+"""Basic reference rating life of ISO/TS 16281 for line contact, rollers cut into laminae. mm, N; lives in 10⁶ rev.
+
+The standard's own load distribution is that of rigid rings; any other, as of elastic rings, may be put in its place.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from lagrange.rating.capacity import REDUCTION, Dimensions
+
+LAMINAE = 40  # n_s; the standard asks for 30 at least
+EXPONENT = 10.0 / 9.0  # of the load of a lamina over its approach
+STIFFNESS = 35948.0  # c_L/L_we^(8/9), N/mm^(10/9)/mm^(8/9), both contacts of a steel roller
+LONG = 2.5  # L_we/D_we beyond which the middle of the profile is straight
+STEPS = 100  # of Newton's method; five are usual
+
+
+def positions(row: Dimensions, laminae: int = LAMINAE) -> np.ndarray:
+    """x_k, (laminae,), mm, of the laminae's middles from the roller's."""
+    return (np.arange(laminae) + 0.5 - 0.5 * laminae) * row.length / laminae
+
+
+def profile_drop(row: Dimensions, x: np.ndarray) -> np.ndarray:
+    """P(x), mm, of the standard's logarithmic profile: (42), of long rollers (43) and (44)."""
+    diameter, length = row.diameter, row.length
+    if length <= LONG * diameter:
+        return 0.00035 * diameter * np.log(1.0 / (1.0 - (2.0 * x / length) ** 2))
+    beyond = np.maximum(2.0 * np.abs(x) - (length - LONG * diameter), 0.0) / (LONG * diameter)
+    return 0.0005 * diameter * np.log(1.0 / (1.0 - beyond**2))
+
+
+@dataclass(frozen=True, kw_only=True)
+class LaminaLoads:
+    """Loads of laminae, (n_rollers, n_laminae), N, under which rigid rings are in equilibrium."""
+
+    loads: np.ndarray
+    displacement: float  # δ_r, mm
+    moment: float  # that holds the tilt, N mm
+
+    @property
+    def of_rollers(self) -> np.ndarray:
+        """(n_rollers,), N."""
+        return self.loads.sum(axis=1)
+
+
+def rigid_loads(
+    row: Dimensions,
+    load: float,
+    clearance: float = 0.0,
+    tilt: float = 0.0,
+    *,
+    profile: bool = True,
+    laminae: int = LAMINAE,
+    first: float = 0.0,
+) -> LaminaLoads:
+    """Load distribution of ISO/TS 16281 (38) to (46): rigid rings, a radial load, N, and a prescribed tilt, rad.
+
+    Parameters
+    ----------
+    clearance : s, diametral, mm
+    profile : the standard's; else straight rollers
+    first : rad, of roller 0 from the load
+
+    Source: ISO/TS 16281:2008, c_s = 35948 L_we^(8/9)/n_s, δ_jk = δ_j − x_k tan ψ_j − 2 P(x_k).
+    """
+    x = positions(row, laminae)
+    drop = 2.0 * profile_drop(row, x) if profile else np.zeros(laminae)
+    cos = np.cos(first + 2.0 * np.pi * np.arange(row.rollers) / row.rollers)
+    gap = 0.5 * clearance + np.outer(np.tan(tilt) * cos, x) + drop
+    stiff = STIFFNESS * row.length ** (8 / 9) / laminae
+
+    def carried(delta):
+        deep = np.maximum(delta * cos[:, None] - gap, 0.0)
+        return stiff * deep**EXPONENT, stiff * EXPONENT * deep ** (EXPONENT - 1.0) * (deep > 0.0)
+
+    delta = max(clearance, 0.0) + 1e-3 * row.diameter  # the force is convex in δ: Newton's method comes from above
+    while carried(delta)[0].sum(axis=1) @ cos < load:
+        delta *= 2.0
+    for _ in range(STEPS):
+        force, slope = carried(delta)
+        step = (force.sum(axis=1) @ cos - load) / (slope.sum(axis=1) @ cos**2)
+        delta -= step
+        if abs(step) <= 1e-14 * row.diameter:
+            break
+    force = carried(delta)[0]
+    return LaminaLoads(loads=force, displacement=float(delta), moment=-float(cos @ (force @ x)))
+
+
+def shared_out(row: Dimensions, loads: np.ndarray, laminae: int = LAMINAE) -> np.ndarray:
+    """Loads of laminae, (..., laminae), N, of rollers without tilt under loads, (...), N; the standard's profile."""
+    loads = np.asarray(loads, dtype=float)[..., None]
+    drop = 2.0 * profile_drop(row, positions(row, laminae))
+    stiff = STIFFNESS * row.length ** (8 / 9) / laminae
+    delta = drop.max() + (loads / (stiff * laminae)) ** (1.0 / EXPONENT)  # deeper than it is; convex as above
+    for _ in range(STEPS):
+        deep = np.maximum(delta - drop, 0.0)
+        force = stiff * deep**EXPONENT
+        slope = (stiff * EXPONENT * deep ** (EXPONENT - 1.0) * (deep > 0.0)).sum(axis=-1, keepdims=True)
+        step = (force.sum(axis=-1, keepdims=True) - loads) / np.where(slope > 0.0, slope, np.inf)
+        delta = delta - step
+        if np.all(np.abs(step) <= 1e-14 * row.diameter):
+            break
+    return stiff * np.maximum(delta - drop, 0.0) ** EXPONENT * (loads > 0.0)
+
+
+def edge_factor(laminae: int = LAMINAE) -> np.ndarray:
+    """f of (60), (laminae,): stress concentration by lamina, 1 in the middle and 2.33 at both ends."""
+    k = np.arange(laminae) + 1.0
+    argument = 1.985 * np.abs((2.0 * k - laminae - 1.0) / (2.0 * laminae - 2.0))
+    found = np.ones(laminae)
+    found[argument > 0.0] -= 0.01 / np.log(argument[argument > 0.0])
+    return found
+
+
+def lamina_capacities(row: Dimensions, capacity: float, laminae: int = LAMINAE) -> tuple[float, float]:
+    """q_ci and q_ce, N, of a lamina at the inner and the outer ring, by C_r, N: (47) to (57), radial, one row."""
+    ratio = 1.038 * ((1.0 - row.gamma) / (1.0 + row.gamma)) ** (143 / 108)
+    shared = capacity / (REDUCTION * row.rollers) * laminae ** (-7 / 9)
+    return shared / 0.378 * (1.0 + ratio**4.5) ** (2 / 9), shared / 0.364 * (1.0 + ratio**-4.5) ** (2 / 9)
+
+
+def reference_life(
+    row: Dimensions, capacity: float, inner: np.ndarray, outer: np.ndarray | None = None, *, turning: str = "inner"
+) -> float:
+    """L10r, 10⁶ revolutions, under loads of laminae: (58) to (65).
+
+    Parameters
+    ----------
+    capacity : C_r, N
+    inner, outer : (..., laminae), N, of all rollers, and of further cage angles where these are averaged over;
+        outer None: as inner
+    turning : the ring that turns against the load
+    """
+    factor, laminae = edge_factor(inner.shape[-1]), inner.shape[-1]
+    life = 0.0
+    loads = {"inner": inner, "outer": inner if outer is None else outer}
+    for ring, limit in zip(loads, lamina_capacities(row, capacity, laminae), strict=True):
+        exponent = 4.0 if ring == turning else 4.5
+        stressed = (factor * loads[ring]).reshape(-1, laminae)
+        equivalent = np.mean(stressed**exponent, axis=0) ** (1.0 / exponent)
+        life += float(np.sum((equivalent / limit) ** 4.5))
+    return life ** (-8 / 9) if life > 0.0 else np.inf
+
+
+def reference_load(capacity: float, life: float) -> float:
+    """P_ref, N: the load of which the basic rating life is L10r."""
+    return capacity * life ** (-3 / 10)

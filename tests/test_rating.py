@@ -1,0 +1,225 @@
+"""Ratings by the standards' formulas: values worked out elsewhere, tables of the standards, catalogues."""
+
+import numpy as np
+import pytest
+
+from lagrange.bearing import Bearing, Material
+from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.rating.capacity import (
+    Dimensions,
+    capacity_factor,
+    dynamic_capacity,
+    fatigue_load_limit,
+    static_capacity,
+)
+from lagrange.rating.contact_stress import PERMITTED, line_contact, stress_below
+from lagrange.rating.friction import conductance, palmgren_torque, power_loss, skf_torque
+from lagrange.rating.life import (
+    DutyCycle,
+    basic_life,
+    contamination_factor,
+    in_hours,
+    life_modification,
+    reference_viscosity,
+    reliability_factor,
+)
+from lagrange.rating.reference_life import edge_factor, profile_drop, reference_life, rigid_loads, shared_out
+from lagrange.rating.sources import Unavailable
+from lagrange.scene.scene import read_scene
+
+PAPER = Dimensions(rollers=13, diameter=10.0, length=10.0, pitch=46.0)
+N209 = Dimensions(rollers=14, diameter=10.0, length=9.6, pitch=65.015)
+STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
+
+
+def of(designation):
+    return Dimensions.of(read_scene(None, (f'bearing={{designation="{designation}"}}',)).ideal_bearing())
+
+
+def test_capacity_factor_by_the_standards_table():
+    gamma = [0.01, 0.02, 0.05, 0.10, 0.12, 0.14, 0.16, 0.18, 0.20, 0.22, 0.24, 0.26, 0.28, 0.30]
+    table = [52.1, 60.8, 74.1, 84.2, 86.3, 87.7, 88.5, 88.8, 88.7, 88.2, 87.4, 86.4, 85.1, 83.7]
+    assert [capacity_factor(g) for g in gamma] == pytest.approx(table, abs=0.1)
+
+
+@pytest.mark.parametrize(("designation", "kilonewton"), [("NU204", 25.1), ("NU205", 28.6)])
+def test_dynamic_capacity_of_a_catalogue(designation, kilonewton):
+    assert 1e-3 * dynamic_capacity(of(designation)) == pytest.approx(kilonewton, rel=0.01)
+
+
+def test_static_capacity_means_4000_megapascal():
+    """ISO 76: largest roller load 5 C0/(Z cos α), steel of 210 GPa."""
+    bearing = Bearing(
+        n_rollers=13, roller_radius=5e-3, roller_length=10e-3, inner_raceway_radius=18e-3, outer_raceway_radius=28e-3,
+        bore_radius=12.5e-3, outside_radius=32.5e-3, roller=STEEL, inner_ring=STEEL, outer_ring=STEEL,
+    )  # fmt: skip
+    capacity = static_capacity(Dimensions.of(bearing))
+    assert capacity == pytest.approx(44_765, abs=1)
+    contact = line_contact(contact_pairs(bearing)[0], 5.0 * capacity / 13)
+    assert contact.peak_pressure == pytest.approx(4020e6, abs=1e6)
+    assert contact.peak_pressure == pytest.approx(PERMITTED, rel=0.01)
+    assert fatigue_load_limit(PAPER) == pytest.approx(capacity / 8.2)
+
+
+@pytest.mark.parametrize(
+    ("row", "load", "clearance", "tilt", "profile", "micrometre", "rollers", "life", "ratio"),
+    [
+        (PAPER, 2000.0, 0.0, 0.0, False, 4.160, [629.7, 550.1, 335.9, 60.0], 219_668, 5.80),
+        (PAPER, 2000.0, 0.0, 0.0, True, 7.281, [674.0, 561.4, 286.7, 25.2], 135_033, 3.57),
+        (PAPER, 2000.0, 0.020, 0.0, True, 18.928, [909.7, 603.1, 19.6], 73_788, 1.95),
+        (PAPER, 2000.0, 0.0, 1e-3, True, 6.947, [675.6], 110_944, 2.93),
+        (PAPER, 2000.0, 0.0, 1e-3, False, 4.019, [635.6], 17_320, 0.458),
+        (PAPER, 2000.0, 0.0, 2e-3, True, 5.970, [681.2], 71_482, 1.89),
+        (PAPER, 2000.0, 0.0, 2e-3, False, 3.766, [775.8], 2_734, 0.072),
+        (PAPER, 2000.0, 0.0, 4e-3, True, 3.985, [849.5], 15_141, 0.400),
+        (PAPER, 2000.0, 0.0, 4e-3, False, 3.504, [1199.9], 232, 0.006),
+        (N209, 4450.0, 0.0, 0.0, True, 12.223, [1378.4, 1187.9, 695.0, 144.6], 10_411, 3.65),
+        (N209, 4450.0, 0.0406, 0.0, True, 35.814, [1924.9, 1337.9, 91.6], 5_026, 1.76),
+        (N209, 4450.0, 0.0406, 2e-3, True, 35.116, [1893.5, 1332.3, 125.0], 3_432, 1.20),
+    ],
+)
+def test_reference_life(row, load, clearance, tilt, profile, micrometre, rollers, life, ratio):
+    found = rigid_loads(row, load, clearance, tilt, profile=profile)
+    assert 1e3 * found.displacement == pytest.approx(micrometre, rel=1e-3)
+    assert found.of_rollers[: len(rollers)] == pytest.approx(rollers, rel=1e-3, abs=0.06)
+    rated = reference_life(row, dynamic_capacity(row), found.loads)
+    assert rated == pytest.approx(life, rel=5e-3)
+    assert rated / basic_life(dynamic_capacity(row), load) == pytest.approx(ratio, rel=0.01, abs=5e-4)
+
+
+@pytest.mark.parametrize(("tilt", "moment"), [(1e-3, 1835.0), (2e-3, 3333.0), (4e-3, 7702.0)])
+def test_moment_that_holds_a_tilt(tilt, moment):
+    assert rigid_loads(PAPER, 2000.0, 0.0, tilt).moment == pytest.approx(moment, rel=1e-3)
+
+
+@pytest.mark.parametrize(("laminae", "life"), [(40, 71_482), (60, 71_720), (200, 71_812)])
+def test_convergence_by_laminae(laminae, life):
+    loads = rigid_loads(PAPER, 2000.0, 0.0, 2e-3, laminae=laminae).loads
+    assert reference_life(PAPER, dynamic_capacity(PAPER), loads) == pytest.approx(life, rel=1e-4)
+
+
+def test_light_loads_give_longer_lives():
+    """Straight rollers without clearance: L10r goes with P^−4, L10 with P^(−10/3), from one load distribution."""
+    capacity, ratios = dynamic_capacity(PAPER), []
+    for share in (1.0, 8.0):
+        loads = rigid_loads(PAPER, capacity / share, profile=False).loads
+        ratios.append(reference_life(PAPER, capacity, loads) / basic_life(capacity, capacity / share))
+    assert ratios[1] / ratios[0] == pytest.approx(8.0 ** (2 / 3), rel=1e-9)
+
+
+def test_rollers_that_share_out_their_own_loads():
+    """The standard's own distribution comes back from its rollers' loads alone."""
+    given = rigid_loads(PAPER, 2000.0)
+    assert shared_out(PAPER, given.of_rollers) == pytest.approx(given.loads, abs=1e-8)
+
+
+def test_outer_ring_that_turns():
+    loads = rigid_loads(PAPER, 2000.0).loads
+    capacity = dynamic_capacity(PAPER)
+    assert reference_life(PAPER, capacity, loads, turning="outer") < reference_life(PAPER, capacity, loads)
+
+
+def test_profiles_and_edges():
+    ends = edge_factor(40)[[0, -1]]
+    assert ends == pytest.approx([2.328, 2.328], abs=1e-3)
+    long = Dimensions(rollers=13, diameter=4.0, length=20.0, pitch=46.0)
+    x = np.array([0.0, 4.9, 5.1, 9.0])
+    drop = profile_drop(long, x)
+    assert drop[:2].tolist() == [0.0, 0.0] and 0.0 < drop[2] < drop[3]
+    assert drop[3] == pytest.approx(0.0005 * 4.0 * np.log(1.0 / (1.0 - 0.64)))
+
+
+@pytest.mark.parametrize(
+    ("kappa", "row"),
+    [
+        (0.2, [0.109, 0.118, 0.124, 0.133, 0.152, 0.174, 0.209]),
+        (0.4, [0.118, 0.138, 0.154, 0.177, 0.231, 0.307, 0.454]),
+        (1.0, [0.169, 0.280, 0.399, 0.651, 1.714, 5.311, 30.36]),
+        (4.0, [0.203, 0.405, 0.664, 1.335, 5.587, 32.92, 50.0]),
+        (9.0, [0.203, 0.405, 0.664, 1.335, 5.587, 32.92, 50.0]),
+    ],
+)
+def test_life_modification(kappa, row):
+    found = [life_modification(kappa, ratio) for ratio in (0.01, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)]
+    assert found == pytest.approx(row, rel=2e-3, abs=5.1e-4)
+
+
+def test_what_has_no_rating_is_told():
+    for refused in (
+        lambda: life_modification(0.05, 1.0),
+        lambda: basic_life(1.0, 0.0),
+        lambda: in_hours(1.0, 0.0),
+        lambda: reference_viscosity(0.0, 46.0),
+        lambda: reliability_factor(91.0),
+    ):
+        with pytest.raises(Unavailable):
+            refused()
+
+
+def test_life_of_a_million_revolutions():
+    assert basic_life(1000.0, 1000.0) == 1.0
+    assert in_hours(1.0, 1000.0 / 60.0) == pytest.approx(1000.0)
+    assert basic_life(2000.0, 1000.0) == pytest.approx(2.0 ** (10 / 3))
+
+
+@pytest.mark.parametrize(("speed", "pitch", "viscosity"), [(500, 46, 38.17), (2900, 46.5, 12.25), (4500, 46, 9.89)])
+def test_reference_viscosity(speed, pitch, viscosity):
+    assert reference_viscosity(speed, pitch) == pytest.approx(viscosity, rel=1e-3)
+
+
+def test_contamination_grows_with_the_film_up_to_its_limit():
+    found = [contamination_factor(kappa, 46.0) for kappa in (0.1, 1.0, 4.0, 100.0)]
+    assert found == sorted(found) and found[-1] == pytest.approx(1.0 - 0.5663 / 46.0 ** (1 / 3))
+
+
+def test_duty_cycle():
+    """Half of the turns under twice the load: mean damage (1 + 2^(10/3))/2."""
+    cycle = DutyCycle(loads=np.array([1000.0, 2000.0]), speeds=np.array([600.0, -1200.0]), shares=np.array([2.0, 1.0]))
+    damage = 0.5 * (1.0 / basic_life(1e4, 1000.0) + 1.0 / basic_life(1e4, 2000.0))
+    assert basic_life(1e4, cycle.load) == pytest.approx(1.0 / damage)
+    assert cycle.speed == pytest.approx(800.0) and cycle.largest_load == 2000.0
+
+
+@pytest.mark.parametrize(
+    ("loads", "speeds", "shares", "word"),
+    [
+        ([-1.0], [1.0], [1.0], "load"),
+        ([1.0], [1.0], [-1.0], "share"),
+        ([1.0], [np.nan], [1.0], "speed"),
+        ([1.0], [0.0], [1.0], "turn"),
+        ([1.0, 2.0], [1.0], [1.0], "step"),
+        ([], [], [], "step"),
+    ],
+)
+def test_bad_duty_cycles_are_named(loads, speeds, shares, word):
+    with pytest.raises(ValueError, match=word):
+        DutyCycle(loads=np.array(loads), speeds=np.array(speeds), shares=np.array(shares))
+
+
+def test_stresses_below_a_line_contact():
+    """Johnson 4.2: shear 0.300 p0 at 0.78 b; von Mises 0.558 p0 at 0.70 b in steel; σ_x = σ_z = −p0 at the surface."""
+    pair = contact_pairs(read_scene(None).ideal_bearing())[0]
+    found = line_contact(pair, 628.5)
+    assert found.peak_pressure == pytest.approx(768e6, rel=1e-3)
+    assert found.largest_shear / found.peak_pressure == pytest.approx(0.3003, abs=1e-4)
+    assert found.shear_depth / found.half_width == pytest.approx(0.7861, abs=2e-4)
+    assert found.largest_von_mises / found.peak_pressure == pytest.approx(0.558, abs=1e-3)
+    assert found.von_mises_depth / found.half_width == pytest.approx(0.704, abs=1e-3)
+    x, y, z = stress_below(0.0, 0.3)
+    assert (x, z, y) == pytest.approx((-1.0, -1.0, -0.6))
+
+
+def test_friction_of_the_worked_example():
+    """NU206, 3000 N, 2900 1/min, 20 mm²/s; the two models differ by a quarter."""
+    skf = skf_torque(30.0, 62.0, 3000.0, 2900.0, 20.0)
+    palmgren = palmgren_torque(30.0, 62.0, 3000.0, 2900.0, 20.0)
+    assert (skf.rolling, skf.sliding) == pytest.approx((87.4, 4.2), abs=0.05)
+    assert (palmgren.rolling, palmgren.sliding) == pytest.approx((32.1, 41.4), abs=0.05)
+    assert power_loss(skf.total, 2900.0) == pytest.approx(27.9, abs=0.15)
+    assert power_loss(palmgren.total, 2900.0) == pytest.approx(22.4, abs=0.15)
+    assert 50.0 * conductance(30.0, 62.0, 16.0) == pytest.approx(74.0, abs=0.1)
+
+
+def test_friction_at_rest_is_that_of_the_load():
+    assert skf_torque(30.0, 62.0, 3000.0, 0.0, 20.0).rolling == 0.0
+    assert skf_torque(30.0, 62.0, 3000.0, 0.0, 20.0).sliding == pytest.approx(0.0015 * 46.0 * 3000.0 * 0.15)

@@ -111,6 +111,18 @@ def held_hub(
     return here.unbalance, here.rho
 
 
+def held_stiffness(
+    bearing: Bearing, operation: Operation, laws: ContactLaws, hub: np.ndarray, *, angles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Of a hub that is held at a place: the force of contacts and shaft on it, (2,), N, and its stiffness, (2, 2), N/m.
+
+    Parameters: as of `held_hub`
+    """
+    system = _System(bearing, operation, laws, angles, bearing.roller_mass, UNTURNED, np.zeros(2))
+    here = system.at(hub, np.zeros(2))
+    return -here.unbalance, here.stiffness
+
+
 def _load(operation: Operation) -> np.ndarray:
     """Load and weight on the hub, (2,), N."""
     return np.array([operation.side_load, -(operation.radial_load + operation.inner_mass * operation.gravity)])

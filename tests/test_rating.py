@@ -98,6 +98,13 @@ def test_convergence_by_laminae(laminae, life):
     assert reference_life(PAPER, dynamic_capacity(PAPER), loads) == pytest.approx(life, rel=1e-4)
 
 
+@pytest.mark.parametrize(("share", "ratio"), [(1, 1.45), (2, 2.44), (4, 3.19), (8, 3.61)])
+def test_lives_of_light_loads(share, ratio):
+    capacity = dynamic_capacity(PAPER)
+    life = reference_life(PAPER, capacity, rigid_loads(PAPER, capacity / share, laminae=60).loads)
+    assert life / basic_life(capacity, capacity / share) == pytest.approx(ratio, abs=0.01)
+
+
 def test_light_loads_give_longer_lives():
     """Straight rollers without clearance: L10r goes with P^−4, L10 with P^(−10/3), from one load distribution."""
     capacity, ratios = dynamic_capacity(PAPER), []

@@ -1,0 +1,162 @@
+"""The hub's 2 × 2 stiffness and damping over a pitch of the rollers, whatever contacts carry it. SI.
+
+K_ij = ∂F_i/∂x_j at a fixed angle of the cage, everything else in equilibrium again; exact, by the implicit function
+theorem, where each balance is solved. y is against the load, x along it to the right.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lagrange.bearing import Bearing, Operation
+from lagrange.contact.damping import UNDAMPED, ContactDamping
+from lagrange.contact.raceway_laws import ContactLaws
+from lagrange.equations import overlaps
+from lagrange.kinematics import roller_angles
+from lagrange.mounting import HELD
+from lagrange.statics import static_equilibrium
+
+SAMPLES = 64  # cage angles in a pitch; stiffness jumps where contacts open, so that means are off by 0.5 % at most
+LOOSE = 1.0  # N/m, of rollers that nothing holds
+HARMONICS = 6
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """Equilibrium at one angle of the cage."""
+
+    place: np.ndarray  # (2,), m, of the hub from the outer ring's centre
+    rho: np.ndarray  # (n_rollers,), m
+    inner_force: np.ndarray  # (n_rollers,), N
+    outer_force: np.ndarray
+    stiffness: np.ndarray  # (2, 2), N/m
+    damping: np.ndarray  # (2, 2), N s/m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pitch:
+    """Equilibria over a pitch of the rollers, equally spaced, (n,)."""
+
+    turned: np.ndarray  # rad, of the cage from its first angle
+    theta: np.ndarray  # (n, n_rollers), rad from +x
+    place: np.ndarray  # (n, 2), m
+    inner_force: np.ndarray  # (n, n_rollers), N
+    outer_force: np.ndarray
+    stiffness: np.ndarray  # (n, 2, 2), N/m
+    damping: np.ndarray  # (n, 2, 2), N s/m
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Stiffness, (2, 2), N/m, mean over the pitch."""
+        return self.stiffness.mean(axis=0)
+
+    @property
+    def range(self) -> np.ndarray:
+        """Lowest and highest stiffness by entry, (2, 2, 2), N/m."""
+        return np.stack([self.stiffness.min(axis=0), self.stiffness.max(axis=0)])
+
+    @property
+    def harmonics(self) -> np.ndarray:
+        """Amplitudes at 1, 2 ... times the rollers' passage, (HARMONICS, 2, 2), N/m."""
+        n = len(self.turned)
+        spectrum = np.abs(np.fft.rfft(self.stiffness, axis=0)) * 2.0 / n
+        return spectrum[1 : HARMONICS + 1]
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether the hub is held in every direction at every angle."""
+        return bool(np.linalg.eigvalsh(self.stiffness).min() > 0.0)
+
+
+def over_pitch(
+    bearing: Bearing,
+    first_roller_angle: float,
+    solve: Callable[[np.ndarray, Point | None], Point],
+    samples: int = SAMPLES,
+) -> Pitch:
+    """Solve at equally spaced angles of the cage, each from the one before.
+
+    `solve` : of the rollers' angles, (n_rollers,), rad, and a point that is near
+    """
+    turned = 2.0 * np.pi / bearing.n_rollers * np.arange(samples) / samples
+    theta = roller_angles(bearing, first_roller_angle) + turned[:, None]
+    found: list[Point] = []
+    for angles in theta:
+        found.append(solve(angles, found[-1] if found else None))
+    names = "place", "inner_force", "outer_force", "stiffness", "damping"
+    return Pitch(
+        turned=turned, theta=theta, **{name: np.stack([getattr(point, name) for point in found]) for name in names}
+    )
+
+
+def lagrangian_pitch(
+    bearing: Bearing,
+    operation: Operation,
+    laws: ContactLaws,
+    damping: ContactDamping = UNDAMPED,
+    samples: int = SAMPLES,
+) -> Pitch:
+    """Of rigid rings on contact laws, perfect surfaces, under what loads the bearing: the shaft's springs do not.
+
+    Errors
+    ------
+    RuntimeError: no equilibrium.
+    """
+    bearing, operation = replace(bearing, faults=()), replace(operation, mounting=HELD)
+
+    def solve(angles: np.ndarray, near: Point | None) -> Point:
+        start = None if near is None else (float(near.place[0]), float(near.place[1]))
+        try:
+            still = static_equilibrium(bearing, operation, laws, angles=angles, start=start)
+        except RuntimeError:
+            still = static_equilibrium(bearing, operation, laws, angles=angles)
+        place, forces = np.array([still.x, still.y]), np.concatenate([still.inner_force, still.outer_force])
+        slopes = np.concatenate(
+            [law.slope(law.approach(q)) for law, q in zip(laws, (still.inner_force, still.outer_force), strict=True)]
+        )
+        rates = approach_rates(bearing, angles, place, still.rho)
+        return Point(
+            place=place, rho=still.rho, inner_force=still.inner_force, outer_force=still.outer_force,
+            stiffness=still.stiffness, damping=damping_matrix(rates, np.diag(slopes), slopes, forces, damping),
+        )  # fmt: skip
+
+    return over_pitch(bearing, operation.first_roller_angle, solve, samples)
+
+
+def approach_rates(bearing: Bearing, theta: np.ndarray, place: np.ndarray, rho: np.ndarray) -> np.ndarray:
+    """Approach of contacts, inner ones first, by hub and radii of rollers, (2 n_rollers, n_rollers + 2)."""
+    n = bearing.n_rollers
+    radial = np.stack([np.cos(theta), np.sin(theta)])
+    met = overlaps(bearing, place[0], place[1], *(radial * rho), rho)
+    normal = -np.stack([met.direction_x, met.direction_y])
+    rates = np.zeros((2 * n, n + 2))
+    rates[:n, :2] = normal.T
+    rates[:n, 2:] = np.diag(-np.sum(normal * radial, axis=0))
+    rates[n:, 2:] = np.eye(n)
+    return rates
+
+
+def damping_matrix(
+    rates: np.ndarray, contacts: np.ndarray, slopes: np.ndarray, forces: np.ndarray, damping: ContactDamping
+) -> np.ndarray:
+    """Of the hub by the contacts' dampers, (2, 2), N s/m, so slow that massless rollers stay in balance.
+
+    Parameters
+    ----------
+    rates : of `approach_rates`
+    contacts : (2 n_rollers, 2 n_rollers), N/m, forces by approaches
+    slopes : (2 n_rollers,), N/m, of the contacts alone; forces : N
+    """
+    if not damping.acts:
+        return np.zeros((2, 2))
+    whole = rates.T @ contacts @ rates + LOOSE * np.eye(rates.shape[1])
+    follow = -np.linalg.solve(whole[2:, 2:], whole[2:, :2])
+    closing = rates[:, :2] + rates[:, 2:] @ follow
+    coefficient = np.where(forces > 0.0, damping.coefficient(forces, slopes), 0.0)
+    return closing.T @ (coefficient[:, None] * closing)
+
+
+def in_series(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Stiffness of two springs behind each other, (2, 2) each, N/m: as of a bearing in its housing."""
+    return np.linalg.inv(np.linalg.inv(first) + np.linalg.inv(second))

@@ -74,6 +74,7 @@ def check_quantities(evaluation: "Evaluation") -> list[Quantity]:
 
 if TYPE_CHECKING:
     from fem.errors import RunFailed, UsageError
+    from fem.rating.answers import rating
     from fem.recording import Result
     from fem.solver.solver import Progress
     from lagrange.scene.scene import Scene, SceneError, read_scene
@@ -86,6 +87,7 @@ __all__ = [
     "SceneError",
     "Statics",
     "UsageError",
+    "rating",
     "read_scene",
     "simulate",
     "statics",
@@ -98,6 +100,7 @@ _HOME = {
     "Scene": "lagrange.scene.scene",
     "SceneError": "lagrange.scene.scene",
     "UsageError": "fem.errors",
+    "rating": "fem.rating.answers",
     "read_scene": "lagrange.scene.scene",
 }
 _PLANNING = Lock()  # meshes, factorisations and compiling are not for two threads at once

@@ -80,6 +80,11 @@ def bearing_keys(designation: str, group: str = "CN") -> dict[str, float | int]:
     }
 
 
+def width_of(designation: str) -> float:
+    """Of its rings, mm. KeyError: no such bearing."""
+    return float(_SERIES_NU2[designation][2])
+
+
 def inner_ring_and_shaft(designation: str) -> float:
     """Mass, kg. KeyError: no such bearing."""
     bore, _, width, inner, *_ = _SERIES_NU2[designation]

@@ -19,7 +19,7 @@ from urllib.request import urlopen
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ("README.md", "docs/first_bearing.md", "docs/recipes.md", "docs/studies.md", "docs/tables.md")
-PROGRAMS = ("run-fem", "check-residual", "render-fem", "run-live", "run-study")
+PROGRAMS = ("run-fem", "check-residual", "render-fem", "run-live", "run-study", "rate-bearing")
 PLACEHOLDER = re.compile(r"\b(NAME|PATH)\b")
 SECONDS = 150  # that a command may take
 FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)

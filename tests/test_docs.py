@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from fem.commands.rate_bearing import rate_app, rate_main
 from fem.commands.render_fem import render_app, render_main
 from fem.commands.run_fem import run_app, run_main
 from fem.commands.run_live import live_app
@@ -26,8 +27,9 @@ APPS = {
     "render-fem": render_app,
     "run-live": live_app,
     "run-study": study_app,
+    "rate-bearing": rate_app,
 }
-MAINS = {"run-fem": run_main, "check-residual": check_main, "render-fem": render_main}
+MAINS = {"run-fem": run_main, "check-residual": check_main, "render-fem": render_main, "rate-bearing": rate_main}
 MOST_WORDS = 900
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 LAST_DIGIT = 1e-3  # relative: bits, and with them last digits, differ between processors and versions of libraries

@@ -11,7 +11,7 @@ from fem.commands.run_fem import run_main
 from fem.result.checkpoint import checkpoint_path
 from fem.solver.simulate import make_plan
 from lagrange.scene.scene import read_scene
-from tests.reference.commands import environment, started_as
+from tests.reference.commands import ENTRIES, environment, started_as
 from tests.waiting import GIVE_UP, wait_until
 
 LONG = ["--set", "numerics.output_interval_us=1e6", "--duration", "3000"]  # minutes a sample
@@ -105,7 +105,7 @@ sys.addaudithook(strike)
 @pytest.mark.parametrize(
     ("name", "module"),
     [
-        *((name, "cyclopts") for name in ("run-fem", "check-residual", "render-fem", "run-study", "run-live")),
+        *((name, "cyclopts") for name in ENTRIES),
         *((name, "numpy") for name in ("run-fem", "check-residual")),
     ],
 )

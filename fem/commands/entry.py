@@ -17,4 +17,5 @@ def _command(name: str) -> Callable[[], None]:
     return command
 
 
-run_fem, render_fem, run_live, run_study = map(_command, ("run_fem", "render_fem", "run_live", "run_study"))
+COMMANDS = "run_fem", "render_fem", "run_live", "run_study", "rate_bearing"
+run_fem, render_fem, run_live, run_study, rate_bearing = map(_command, COMMANDS)

@@ -6,8 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from fem.kernels.law import STEEPEST, contact_force
-from fem.kernels.state import Law
+from fem.kernels.state import STEEPEST, Law
 from lagrange.contact.raceway_laws import Pair
 
 LOAD_MARGIN = 10.0  # critical steps take contacts to be as stiff as at this many times the largest static force
@@ -50,6 +49,8 @@ class ContactLaw:
 
     def force(self, approach: float) -> float:
         """Force, N, of an approach, m."""
+        from fem.kernels.law import contact_force  # with a compiler, which statics do without
+
         return contact_force(approach, self.A, self.B, self.Q_line, 0.0)
 
     def stiffness(self, force: float) -> float:

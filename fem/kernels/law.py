@@ -11,6 +11,7 @@ from fem.kernels.jit import kernel, part
 from fem.kernels.lane_functions import larger, logarithm, smaller
 from fem.kernels.lane_memory import gather, gather_quads
 from fem.kernels.lanes import any_lane, magnitude, real, root, select, whole, with_sign
+from fem.kernels.state import STEEPEST as STEEPEST
 
 SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
 
@@ -42,7 +43,6 @@ def creep_traction(slip, limit, full_slip, mobility_dt):
 KNOTS_PER_NODE = 8  # the ripple's highest wave is one node spacing long
 STANDING = 1e-4  # of its value: an approach that changes less works as a constant force
 NEAR = 1e-5  # relative: a step of third order from so near leaves less than round-off
-STEEPEST = 0.25  # at this bracket less a half the mesh resolves the contact; the law goes on as a straight line
 REPAID, MOST_REPAID = 0.25, 0.01  # of a contact's residual energy, in a step; of its force, at most
 
 

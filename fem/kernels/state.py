@@ -12,6 +12,7 @@ import numpy as np
 
 from fem.kernels.fields import given, room, state
 
+STEEPEST = 0.25  # at this bracket less a half the mesh resolves the contact; the law goes on as a straight line
 INNER, OUTER, ROLLER = 0, 1, 2  # rows of the pairs: inner raceway, outer raceway, roller j with j + 1
 
 

@@ -64,7 +64,7 @@ def _main_effects(table: Table) -> Iterator[Figure]:
             axis.set_ylabel(_broken(quantity))
         if row == len(quantities) - 1:
             axis.set_xlabel(_broken(parameter))
-    yield _finished(
+    yield finished(
         figure,
         "main-effects",
         "Main effects",
@@ -108,7 +108,7 @@ def _heat_map(table: Table) -> Iterator[Figure]:
         figure.colorbar(drawn, ax=axis, label="" if quantity.unit == "1" else quantity.unit)
     for axis in axes.ravel()[len(quantities) :]:
         axis.set_visible(False)
-    yield _finished(
+    yield finished(
         figure,
         "heat-map",
         "Two parameters at a time",
@@ -143,7 +143,7 @@ def _scatter_matrix(table: Table) -> Iterator[Figure]:
             axis.set_xlabel(_broken(x), fontsize=7)
         if column == 0:
             axis.set_ylabel(_broken(y), fontsize=7)
-    yield _finished(
+    yield finished(
         figure,
         "scatter-matrix",
         "Everything against everything",
@@ -163,7 +163,7 @@ def _sobol_bars(table: Table, indices: list[tuple[Column, Indices]]) -> Iterator
         axis.set(ylabel=quantity.name, ylim=(min(0.0, found.first.min()), 1.05))
         axis.set_xticks(at, [name.replace("_", "\n", 1) for name in names])
     axes[0, 0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
-    yield _finished(
+    yield finished(
         figure,
         "sobol-indices",
         "Sobol indices",
@@ -182,7 +182,8 @@ def _broken(column: Column) -> str:
     return "\n".join(lines) + ("" if column.unit == "1" else f"\n{column.unit}")
 
 
-def _finished(figure, name: str, title: str, caption: str) -> Figure:
+def finished(figure, name: str, title: str, caption: str) -> Figure:
+    """A figure as text that goes into a page, and closed."""
     make_plain(figure)
     vectors, pixels = io.BytesIO(), io.BytesIO()
     figure.savefig(vectors, format="svg", metadata={"Date": None})

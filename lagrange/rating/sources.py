@@ -11,11 +11,14 @@ class Unavailable(ValueError):
 class Source:
     """Of a formula. `second_hand` says how its constants are known where not from the source itself; "" elsewhere."""
 
+    name: str  # short
     text: str
     second_hand: str = ""
 
     def __str__(self) -> str:
-        return f"{self.text} (second hand: {self.second_hand})" if self.second_hand else self.text
+        """All of it."""
+        end = f" (second hand: {self.second_hand})" if self.second_hand else ""
+        return f"{self.name}: {self.text}{end}"
 
 
 _PROGRAMS = "constants as two independent programs quote them"
@@ -23,27 +26,30 @@ _ONE = "constants as one program quotes them"
 _RECALLED = "constants not compared with the source"
 
 DYNAMIC = Source(
-    "ISO 281:2007, C = b_m f_c (L_we cos α)^(7/9) Z^(3/4) D_we^(29/27), b_m = 1.1; f_c by ISO/TR 1281-1 (34)",
+    "ISO 281",
+    "2007, C = b_m f_c (L_we cos α)^(7/9) Z^(3/4) D_we^(29/27), b_m = 1.1; f_c by ISO/TR 1281-1 (34)",
     f"{_ONE}; b_m not compared with the source",
 )
-STATIC = Source("ISO 76:2006, C0 = 44 (1 − D_we cos α/D_pw) Z L_we D_we cos α; s0 = C0/P0, P0 = F_r", _RECALLED)
-LIFE = Source("ISO 281:2007, L10 = (C/P)^(10/3), P = F_r")
-RELIABILITY = Source("ISO 281:2007 table 12, a1", _RECALLED)
-VISCOSITY = Source("ISO 281:2007, κ = ν/ν1; ν1 = 45000 n^−0.83 D_pw^−½, from 1000 1/min 4500 (n D_pw)^−½", _PROGRAMS)
-FATIGUE = Source("ISO 281:2007 annex B, C_u = C0/8.2, beyond D_pw = 100 mm times (100/D_pw)^0.3", _RECALLED)
-A_ISO = Source("ISO 281:2007 (34) to (36), a_ISO of radial roller bearings", _PROGRAMS)
-CONTAMINATION = Source("ISO 281:2007 annex A, e_C of in-line filtered oil, β6(c) ≥ 200", _RECALLED)
-REFERENCE = Source("ISO/TS 16281:2008 (38) to (65): laminae, rigid rings", _PROGRAMS)
-LOAD_SHARING = Source("ISO/TS 16281:2008 (58) to (65) with the roller loads of elastic rings", _PROGRAMS)
-CYCLE = Source("ISO 281:2007 with Palmgren and Miner's sum: P = (Σ n t P_i^(10/3)/Σ n t)^(3/10)")
-HERTZ = Source("Hertz; Johnson, Contact Mechanics (1985), 4.2: line contact, stresses (4.49)")
-STRESS_LIMITS = Source("ISO 76: 4000 MPa at C0; ISO 281 annex B: 1500 MPa at C_u", _RECALLED)
-FILM = Source("Dowson and Higginson (1968), h = 2.65 R U^0.70 G^0.54 W^−0.13; λ = h/rms roughness", "book not read")
+STATIC = Source("ISO 76", "2006, C0 = 44 (1 − D_we cos α/D_pw) Z L_we D_we cos α; s0 = C0/P0, P0 = F_r", _RECALLED)
+LOAD = Source("ISO 281", "P = F_r; of a duty cycle by Palmgren and Miner, (Σ n t P^(10/3)/Σ n t)^(3/10)")
+LIFE = Source("ISO 281", "2007, L10 = (C/P)^(10/3)")
+RELIABILITY = Source("ISO 281", "2007 table 12", _RECALLED)
+VISCOSITY = Source("ISO 281", "2007, κ = ν/ν1; ν1 = 45000 n^−0.83 D_pw^−½, from 1000 1/min 4500 (n D_pw)^−½", _PROGRAMS)
+FATIGUE = Source("ISO 281", "annex B, C_u = C0/8.2, beyond D_pw = 100 mm times (100/D_pw)^0.3", _RECALLED)
+A_ISO = Source("ISO 281", "2007 (34) to (36), radial roller bearings", _PROGRAMS)
+CONTAMINATION = Source("ISO 281", "annex A, in-line filtered oil, β6(c) ≥ 200", _RECALLED)
+REFERENCE = Source("ISO/TS 16281", "2008 (38) to (65): laminae, rigid rings", _PROGRAMS)
+LOAD_SHARING = Source("ISO/TS 16281", "2008 (58) to (65) with the roller loads of elastic rings", _PROGRAMS)
+HERTZ = Source("Hertz", "Johnson, Contact Mechanics (1985), 4.2: line contact, stresses below it (4.49)")
+STRESS_LIMITS = Source("ISO 76, ISO 281", "4000 MPa at C0; 1500 MPa at C_u", _RECALLED)
+FILM = Source("Dowson", "and Higginson (1968), h = 2.65 R U^0.70 G^0.54 W^−0.13; λ = h/rms roughness", "book not read")
 SKF = Source(
-    "SKF Rolling Bearings catalogue, model of the frictional moment, cylindrical roller bearings with cage",
-    "forms read in the catalogue; R1, S1, S2, K_rs, K_z not compared with its tables",
+    "SKF",
+    "Rolling Bearings catalogue, model of the frictional moment, cylindrical roller bearings with cage",
+    "forms read in the catalogue; R1, S2, K_rs, K_z not compared with its tables",
 )
-PALMGREN = Source("Palmgren, M0 = f0 (ν n)^(2/3) d_m³ 1e-7, M1 = f1 F d_m; f0 = 2.2, f1 = 3e-4", _RECALLED)
-HEAT = Source("ISO 15312 reference heat flow, 0.016 W/mm² of π B (d + D) at 70 °C against 20 °C", _RECALLED)
-CLEARANCE = Source("the scene's clearance; growth of the inner ring as it spins: rotating disc, plane strain")
-LINEARISED = Source("balance of hub and rollers linearised exactly at the operating point (implicit function theorem)")
+PALMGREN = Source("Palmgren", "M0 = f0 (ν n)^(2/3) d_m³ 1e-7, M1 = f1 F d_m; f0 = 2.2, f1 = 3e-4", _RECALLED)
+BOTH_FRICTIONS = Source("SKF, Palmgren", f"{SKF.text}; {PALMGREN.text}", SKF.second_hand)
+HEAT = Source("ISO 15312", "reference heat flow, 0.016 W/mm² of π B (d + D) at 70 °C against 20 °C", _RECALLED)
+CLEARANCE = Source("scene", "the scene's clearance; growth of inner ring and rollers as they spin: discs, plane strain")
+LINEARISED = Source("balance", "of hub and rollers, linearised at the operating point (implicit function theorem)")

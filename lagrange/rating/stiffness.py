@@ -128,7 +128,8 @@ def approach_rates(bearing: Bearing, theta: np.ndarray, place: np.ndarray, rho: 
     """Approach of contacts, inner ones first, by hub and radii of rollers, (2 n_rollers, n_rollers + 2)."""
     n = bearing.n_rollers
     radial = np.stack([np.cos(theta), np.sin(theta)])
-    met = overlaps(bearing, place[0], place[1], *(radial * rho), rho)
+    roller_x, roller_y = radial * rho
+    met = overlaps(bearing, place[0], place[1], roller_x, roller_y, rho)
     normal = -np.stack([met.direction_x, met.direction_y])
     rates = np.zeros((2 * n, n + 2))
     rates[:n, :2] = normal.T

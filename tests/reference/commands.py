@@ -13,6 +13,7 @@ ENTRIES = {
     "render-fem": "from fem.commands.entry import render_fem as main",
     "run-live": "from fem.commands.entry import run_live as main",
     "run-study": "from fem.commands.entry import run_study as main",
+    "rate-bearing": "from fem.commands.entry import rate_bearing as main",
     "check-residual": "from residual.entry import check_residual as main",
 }
 

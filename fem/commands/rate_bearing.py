@@ -1,0 +1,132 @@
+"""The command `rate-bearing`. Imports little: everything heavy waits until a scene has been read."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from fem.commands.run_fem import new_app, result_name, run_app_main, settings_of
+from fem.commands.start_up import Outcome, hear_termination, leave
+from fem.errors import UsageError
+
+CYCLE_COLUMNS = "load_N", "speed_rpm", "share"
+LONGEST = 10_000_000  # bytes of a duty cycle
+
+rate_app = new_app(
+    "rate-bearing",
+    """Rate a roller bearing: load ratings, lives, stiffness for rotordynamics, contact stresses, film, friction.
+
+Without a scene: the bearing of Rubio et al. (2007). Prints a table and writes NAME-rating.json; with --output a
+folder, and in it rating.html with figures too. Every number has its source beside it; what could not be computed is
+null with its reason.
+
+Example: rate-bearing --bearing NU206 --set operation.radial_load_N=3000 --output rated
+         rate-bearing motor.toml --viscosity 20 --ross coefficients.csv
+
+Exit codes: 0 done; 2 unusable input; 130 interrupted; 143 terminated.
+""",
+)
+
+
+@rate_app.default
+def _rate(
+    scene: Annotated[Path | None, Parameter(help="scene file (TOML); default: the paper's bearing")] = None,
+    /,
+    *,
+    bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's: NU204 to NU216")] = None,
+    set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
+    output: Annotated[Path | None, Parameter(help="folder for the JSON file and rating.html")] = None,
+    ross: Annotated[Path | None, Parameter(help="write coefficients over speed for ROSS, CSV")] = None,
+    cycle: Annotated[
+        Path | None, Parameter(help=f"duty cycle, CSV with the columns {', '.join(CYCLE_COLUMNS)} of time")
+    ] = None,
+    viscosity: Annotated[
+        float | None, Parameter(help="kinematic, of the oil in operation, mm²/s; default: the scene's [lubricant]")
+    ] = None,
+    contamination: Annotated[float | None, Parameter(help="factor e_C, 0 to 1; default: oil filtered in line")] = None,
+    reliability: Annotated[float, Parameter(help="of the modified life, %: 90, 95, 96, 97, 98, 99, 99.5, 99.9")] = 90.0,
+    roughness: Annotated[float | None, Parameter(help="rms of roller and raceway together, µm")] = None,
+    width: Annotated[float | None, Parameter(help="of the bearing, mm; default: that of its designation")] = None,
+    quiet: Annotated[bool, Parameter(negative="", help="print nothing")] = False,
+) -> int:
+    for name, value, largest in (
+        ("viscosity", viscosity, 1e6),
+        ("contamination", contamination, 1.0),
+        ("roughness", roughness, 1e3),
+        ("width", width, 1e4),
+    ):
+        if value is not None and not 0.0 < value <= largest:
+            raise UsageError(f"--{name} {value:g}: must be above 0 and at most {largest:g}")
+    from lagrange.messages import shown, telling
+    from lagrange.rating.life import RELIABILITY
+    from lagrange.scene.scene import read_scene
+
+    if reliability not in RELIABILITY:
+        raise UsageError(f"--reliability {reliability:g}: must be one of {', '.join(f'{p:g}' for p in RELIABILITY)}")
+    settings = settings_of(set)
+    overrides = settings if bearing is None else [f'bearing={{designation="{bearing}"}}', *settings]
+    chosen = read_scene(scene, tuple(overrides))
+    from fem.rating.answers import Options, rating
+    from fem.rating.report import print_rating, write_json
+    from lagrange.rating.sources import Unavailable
+
+    options = Options(
+        viscosity=viscosity,
+        contamination=contamination,
+        reliability=reliability,
+        roughness=roughness,
+        width=width,
+        cycle=None if cycle is None else _cycle(cycle),
+    )
+    rated = rating(chosen, options)
+    folder = Path() if output is None else output
+    folder.mkdir(parents=True, exist_ok=True)
+    written = [folder / f"{result_name(chosen.name, settings)}-rating.json"]
+    write_json(written[0], rated)
+    if output is not None:
+        from fem.rating.page import write_page
+
+        written.append(folder / "rating.html")
+        write_page(written[1], rated)
+    if ross is not None:
+        from fem.rating.ross import coefficients, write_coefficients
+
+        try:
+            found = coefficients(rated)
+        except Unavailable as error:
+            raise UsageError(f"--ross: {error}") from None
+        write_coefficients(ross, found)
+        written.append(ross)
+    if not quiet:
+        with telling():
+            print_rating(rated)
+            for path in written:
+                print(f"wrote {shown(path)}")
+    return Outcome.COMPLETE.code
+
+
+def _cycle(path: Path):
+    """A duty cycle from a file."""
+    from lagrange.files.input import columns, plain_text
+    from lagrange.rating.life import DutyCycle
+
+    try:
+        loads, speeds, shares = columns(plain_text(path, LONGEST), CYCLE_COLUMNS).T
+        return DutyCycle(loads=loads, speeds=speeds, shares=shares)
+    except ValueError as error:
+        raise UsageError(f"--cycle {path}: {error}") from None
+
+
+def rate_main(arguments: list[str] | None = None) -> int:
+    """`rate-bearing`, its exit code."""
+    return run_app_main(rate_app, arguments)
+
+
+def rate_bearing() -> None:
+    """Entry point."""
+    hear_termination()
+    leave(rate_main())
+
+
+if __name__ == "__main__":
+    rate_bearing()

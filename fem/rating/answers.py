@@ -1,0 +1,477 @@
+"""Every number that a machine's designer asks of a bearing, with its unit, meaning and source; null with a reason."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import pi, sqrt
+from typing import Any
+
+import numpy as np
+
+from lagrange import Bearing, Operation, contact_laws
+from lagrange.catalogue import listed, width_of
+from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.first_state import equilibrium_state
+from lagrange.mounting import HELD
+from lagrange.rating import sources
+from lagrange.rating.capacity import Dimensions, dynamic_capacity, fatigue_load_limit, static_capacity
+from lagrange.rating.contact_stress import FATIGUE, PERMITTED, LineContact, line_contact
+from lagrange.rating.film import Films, films
+from lagrange.rating.friction import Torque, conductance, palmgren_torque, power_loss, skf_torque
+from lagrange.rating.life import (
+    DutyCycle,
+    basic_life,
+    contamination_factor,
+    in_hours,
+    life_modification,
+    reference_viscosity,
+    reliability_factor,
+)
+from lagrange.rating.reference_life import LaminaLoads, reference_life, rigid_loads, shared_out
+from lagrange.rating.sources import Source, Unavailable
+from lagrange.rating.stiffness import Pitch, in_series, lagrangian_pitch
+from lagrange.scene.scene import Scene
+
+RPM = 2.0 * pi / 60.0
+POSITIONS = 16  # of the cage in a pitch, for the standard's load distribution
+INSTANTS = 2000  # of a load that changes with time
+PLANE = "the bearing's section is plane: the scene has no [axial], and rollers don't tilt"
+NO_FIT = "the scene has no [fit]: interference and temperatures are taken to be in its clearance"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """What a scene doesn't say."""
+
+    viscosity: float | None = None  # mm²/s, kinematic, in operation; None: that of [lubricant] over the density
+    oil_density: float = 870.0  # kg/m³
+    contamination: float | None = None  # e_C; None: oil, filtered in line
+    reliability: float = 90.0  # %
+    roughness: float | None = None  # µm, rms of roller and raceway together
+    width: float | None = None  # mm, of the bearing; None: that of its designation
+    cycle: DutyCycle | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """One number, or some that belong together; `value` None where there is none, and then `reason` says why."""
+
+    name: str
+    value: Any
+    unit: str
+    meaning: str
+    source: Source
+    reason: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rating(Mapping[str, Any]):
+    """Values by name; `answers` have units and sources beside them."""
+
+    scene: Scene
+    answers: tuple[Answer, ...]
+    warnings: tuple[str, ...]
+    case: "Case"
+
+    def __getitem__(self, name: str) -> Any:
+        return self.answer(name).value
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(answer.name for answer in self.answers)
+
+    def __len__(self) -> int:
+        return len(self.answers)
+
+    def answer(self, name: str) -> Answer:
+        """KeyError: there is none of that name."""
+        for answer in self.answers:
+            if answer.name == name:
+                return answer
+        raise KeyError(name)
+
+    @property
+    def clearances(self) -> list[tuple[str, float | None]]:
+        return list(self["operating_clearance_parts_um"].items())
+
+    def to_json(self) -> dict[str, Any]:
+        """Values, and by their names the reasons of those that are null, and the sources."""
+        return {
+            **{answer.name: _plain(answer.value) for answer in self.answers},
+            "warnings": list(self.warnings),
+            "reasons": {answer.name: answer.reason for answer in self.answers if answer.reason}
+            | {f"operating_clearance_parts_um.{name}": NO_FIT for name, part in self.clearances if part is None},
+            "sources": {
+                answer.name: {
+                    "source": f"{answer.source.name}: {answer.source.text}",
+                    "second_hand": answer.source.second_hand or None,
+                }
+                for answer in self.answers
+            },
+        }
+
+
+class Case:
+    """A scene with its options; each property is computed once, or is `Unavailable`."""
+
+    def __init__(self, scene: Scene, options: Options):
+        self.scene, self.options = scene, options
+        self.bearing: Bearing = scene.perfect_bearing()
+        operation = scene.ideal_operation()
+        self.course, self.operation = operation.course, replace(operation, course=None)
+
+    @cached_property
+    def row(self) -> Dimensions:
+        return Dimensions.of(self.bearing)
+
+    @cached_property
+    def laws(self):
+        return contact_laws(self.scene.lagrange.law, self.bearing)
+
+    @cached_property
+    def on_bearing(self) -> Operation:
+        """The operation with what loads the bearing alone: without what the shaft's springs carry."""
+        operation, shaft = self.operation, self.operation.mounting.shaft
+        if shaft is not None:
+            try:
+                state = equilibrium_state(self.bearing, operation, self.laws).state
+            except RuntimeError as error:
+                raise Unavailable(str(error)) from None
+            places = float(state.x + state.ring_x), float(state.y + state.ring_y)
+            aside, down = (-shaft.stiffness * place for place in places)
+            operation = replace(
+                operation, side_load=operation.side_load + aside, radial_load=operation.radial_load - down
+            )
+        return replace(operation, mounting=HELD)
+
+    @cached_property
+    def static_load(self) -> float:
+        """At t = 0, weight of shaft and ring included, N."""
+        operation = self.on_bearing
+        return float(np.hypot(operation.side_load, operation.radial_load + operation.inner_mass * operation.gravity))
+
+    @cached_property
+    def cycle(self) -> DutyCycle | None:
+        """Given, or of a load or speed that changes with time."""
+        if self.options.cycle is not None or self.course is None:
+            return self.options.cycle
+        time = 1e-3 * self.scene.numerics.duration_ms * (np.arange(INSTANTS) + 0.5) / INSTANTS
+        (x, y), speed = self.course.force(time), self.course.speed(time)
+        weight = self.operation.inner_mass * self.operation.gravity
+        load = np.hypot(np.broadcast_to(x, time.shape), np.broadcast_to(y, time.shape) - weight)
+        speeds = np.broadcast_to(np.asarray(speed) / RPM, time.shape)
+        try:
+            return DutyCycle(loads=load, speeds=speeds, shares=np.ones(INSTANTS))
+        except ValueError as error:
+            raise Unavailable(str(error)) from None
+
+    @cached_property
+    def load(self) -> float:
+        """P, N."""
+        return self.static_load if self.cycle is None else self.cycle.load
+
+    @cached_property
+    def largest_load(self) -> float:
+        """P0, N."""
+        return self.static_load if self.cycle is None else self.cycle.largest_load
+
+    @cached_property
+    def rpm(self) -> float:
+        return abs(self.operation.speed) / RPM if self.cycle is None else self.cycle.speed
+
+    @cached_property
+    def viscosity(self) -> float:
+        """Kinematic, mm²/s."""
+        if self.options.viscosity is not None:
+            return self.options.viscosity
+        if self.scene.lubricant is None:
+            raise Unavailable("no viscosity: the scene has no [lubricant]; or give --viscosity in mm²/s")
+        return 1e6 * self.scene.lubricant.viscosity_Pa_s / self.options.oil_density
+
+    @cached_property
+    def kappa(self) -> float:
+        return self.viscosity / reference_viscosity(self.rpm, self.row.pitch)
+
+    @cached_property
+    def contamination(self) -> float:
+        given = self.options.contamination
+        return contamination_factor(self.kappa, self.row.pitch) if given is None else given
+
+    @cached_property
+    def a_iso(self) -> float:
+        return life_modification(self.kappa, self.contamination * fatigue_load_limit(self.row) / self.load)
+
+    @cached_property
+    def rigid(self) -> LaminaLoads:
+        """The standard's load distribution."""
+        return rigid_loads(self.row, self.rigid_load, 2e3 * self.bearing.radial_clearance)
+
+    @property
+    def rigid_load(self) -> float:
+        """P, N; some."""
+        return positive(self.load, "there is no load distribution")
+
+    @cached_property
+    def rigid_pitch(self) -> np.ndarray:
+        """The same at further angles of the cage, (n_rollers · POSITIONS, n_laminae), N."""
+        pitch, clearance = 2.0 * pi / self.row.rollers, 2e3 * self.bearing.radial_clearance
+        firsts = pitch * np.arange(POSITIONS) / POSITIONS
+        return np.concatenate([rigid_loads(self.row, self.rigid_load, clearance, first=at).loads for at in firsts])
+
+    @cached_property
+    def elastic(self) -> Pitch:
+        mounting = self.scene.mounting()
+        if mounting.points is not None or mounting.bore is not None:
+            raise Unavailable("[support]: elastic rings are rated with the outer ring held all around")
+        from fem.rating.elastic import elastic_pitch
+
+        return elastic_pitch(self.bearing, self.on_bearing, self.scene.damping.contacts)
+
+    @cached_property
+    def lagrangian(self) -> Pitch:
+        try:
+            return lagrangian_pitch(self.bearing, self.on_bearing, self.laws, self.scene.damping.contacts)
+        except RuntimeError as error:
+            raise Unavailable(str(error)) from None
+
+    @property
+    def pitch(self) -> Pitch:
+        """By the contacts of the scene's model."""
+        return self.lagrangian if self.scene.model == "lagrange" else self.elastic
+
+    @property
+    def contacts(self) -> str:
+        """Which those are, in words."""
+        law = f"rigid rings on the contact law {self.scene.lagrange.law}"
+        return law if self.scene.model == "lagrange" else "elastic rings and rollers"
+
+    @cached_property
+    def stressed(self) -> dict[str, LineContact]:
+        """The most loaded contact of each raceway over the pitch."""
+        _ = self.row  # of rollers
+        forces = self.pitch.inner_force.max(), self.pitch.outer_force.max()
+        pairs = contact_pairs(self.bearing)
+        return {pair.kind: line_contact(pair, float(q)) for pair, q in zip(pairs, forces, strict=False)}
+
+    @cached_property
+    def films(self) -> Films:
+        if self.scene.lubricant is None:
+            raise Unavailable("no film: the scene has no [lubricant]")
+        _ = self.row
+        forces = float(self.pitch.inner_force.max()), float(self.pitch.outer_force.max())
+        return films(self.bearing, self.operation.speed, self.scene.lubricant.lubricant(), *forces)
+
+    @property
+    def diameters(self) -> tuple[float, float]:
+        """d and D, mm."""
+        return 2e3 * self.bearing.bore_radius, 2e3 * self.bearing.outside_radius
+
+    @cached_property
+    def torques(self) -> dict[str, Torque]:
+        _ = self.row
+        at = *self.diameters, self.load, self.rpm, self.viscosity
+        return {"skf": skf_torque(*at), "palmgren": palmgren_torque(*at)}
+
+    @cached_property
+    def losses(self) -> dict[str, float]:
+        """W."""
+        return {name: power_loss(torque.total, self.rpm) for name, torque in self.torques.items()}
+
+    @cached_property
+    def conductance(self) -> float:
+        """W/K."""
+        width, known = self.options.width, listed(self.scene.bearing.designation)
+        if width is None and known is not None:
+            width = width_of(known[0])
+        if width is None:
+            raise Unavailable("the bearing's width is not known: no designation; give --width in mm")
+        return conductance(*self.diameters, width)
+
+    @cached_property
+    def spinning_loss(self) -> float:
+        """Of clearance by the inner ring and the rollers as they grow with speed, µm."""
+        if any(material.rigid for material in (self.bearing.roller, self.bearing.inner_ring)):
+            return 0.0
+        from fem.statics.reduced_bearing import growths
+        from lagrange.kinematics import kinematics
+
+        inner, roller = growths(self.bearing, kinematics(self.bearing, self.operation.speed))
+        return 2e6 * (inner + 2.0 * roller)
+
+    @cached_property
+    def clearance_parts(self) -> dict[str, float | None]:
+        return {
+            "given": round(2e6 * self.bearing.radial_clearance, 6),
+            "shaft_fit": None,
+            "housing_fit": None,
+            "temperature": None,
+            "speed": -self.spinning_loss,
+        }
+
+    def with_housing(self) -> np.ndarray:
+        housing = self.scene.mounting().housing
+        if housing is None:
+            raise Unavailable("the scene has no [support] with a housing on springs")
+        return in_series(self.pitch.mean, housing.stiffness * np.eye(2))
+
+    def frequencies(self) -> list[float]:
+        """Of the hub on its linearised mean stiffness, Hz."""
+        values = np.linalg.eigvalsh(self.pitch.mean)
+        if not values[0] > 0.0:
+            raise Unavailable("the mean stiffness holds the hub in one direction at most")
+        return [sqrt(value / self.operation.inner_mass) / (2.0 * pi) for value in values]
+
+    def lambda_ratio(self) -> float:
+        if self.options.roughness is None:
+            raise Unavailable("no roughness of the surfaces: give --roughness, rms of both together, in µm")
+        return 1e6 * self.films.thinner / self.options.roughness
+
+    def elastic_life(self) -> float:
+        inner, outer = (shared_out(self.row, q) for q in (self.elastic.inner_force, self.elastic.outer_force))
+        return reference_life(self.row, dynamic_capacity(self.row), inner, outer)
+
+    def modified_life(self) -> float:
+        life = basic_life(dynamic_capacity(self.row), self.load)
+        return in_hours(reliability_factor(self.options.reliability) * self.a_iso * life, self.rpm)
+
+
+def _refuse(reason: str) -> Any:
+    raise Unavailable(reason)
+
+
+_Declared = tuple[str, str, str, Source, Callable[[Case], Any]]
+s = sources
+DECLARED: tuple[_Declared, ...] = (
+    ("C_N", "N", "basic dynamic load rating C", s.DYNAMIC, lambda c: dynamic_capacity(c.row)),
+    ("C0_N", "N", "basic static load rating C0", s.STATIC, lambda c: static_capacity(c.row)),
+    ("Cu_N", "N", "fatigue load limit C_u", s.FATIGUE, lambda c: fatigue_load_limit(c.row)),
+    ("P_N", "N", "equivalent dynamic load P, weight included", s.LOAD, lambda c: c.load),
+    ("P0_N", "N", "equivalent static load P0", s.STATIC, lambda c: c.largest_load),
+    ("s0", "1", "static safety factor", s.STATIC,
+     lambda c: static_capacity(c.row) / positive(c.largest_load, "it is infinite")),
+    ("speed_rpm", "1/min", "speed of the inner ring, of a duty cycle its mean", s.LOAD, lambda c: c.rpm),
+    ("L10_Mrev", "Mrev", "basic rating life L10", s.LIFE, lambda c: basic_life(dynamic_capacity(c.row), c.load)),
+    ("L10_h", "h", "basic rating life L10", s.LIFE,
+     lambda c: in_hours(basic_life(dynamic_capacity(c.row), c.load), c.rpm)),
+    ("a1", "1", "reliability factor a1", s.RELIABILITY, lambda c: reliability_factor(c.options.reliability)),
+    ("nu_mm2_s", "mm²/s", "kinematic viscosity in operation", s.VISCOSITY, lambda c: c.viscosity),
+    ("nu1_mm2_s", "mm²/s", "reference viscosity ν1", s.VISCOSITY, lambda c: reference_viscosity(c.rpm, c.row.pitch)),
+    ("kappa", "1", "viscosity ratio κ", s.VISCOSITY, lambda c: c.kappa),
+    ("e_C", "1", "contamination factor e_C", s.CONTAMINATION, lambda c: c.contamination),
+    ("a_ISO", "1", "life modification factor a_ISO", s.A_ISO, lambda c: c.a_iso),
+    ("Lnm_h", "h", "modified rating life a1 a_ISO L10", s.A_ISO, lambda c: c.modified_life()),
+    ("L10r_Mrev", "Mrev", "reference rating life L10r, rigid rings", s.REFERENCE,
+     lambda c: reference_life(c.row, dynamic_capacity(c.row), c.rigid.loads)),
+    ("L10r_pitch_Mrev", "Mrev", "L10r, rigid rings, mean over a pitch", s.REFERENCE,
+     lambda c: reference_life(c.row, dynamic_capacity(c.row), c.rigid_pitch)),
+    ("L10r_elastic_Mrev", "Mrev", "L10r, elastic rings, mean over a pitch", s.LOAD_SHARING,
+     lambda c: c.elastic_life()),
+    ("Lnmr_h", "h", "modified reference rating life Lnmr", s.REFERENCE,
+     lambda c: _refuse("the dynamic equivalent load of a lamina is not at hand from a source")),
+    ("peak_pressure_MPa", "MPa", "largest Hertz pressure", s.HERTZ,
+     lambda c: 1e-6 * max(each.peak_pressure for each in c.stressed.values())),
+    ("contacts", "", "most loaded contact of each raceway", s.HERTZ,
+     lambda c: {name: _told(each) for name, each in c.stressed.items()}),
+    ("pressure_over_permitted", "1", "largest pressure over 4000 MPa", s.STRESS_LIMITS,
+     lambda c: max(each.peak_pressure for each in c.stressed.values()) / PERMITTED),
+    ("pressure_over_fatigue", "1", "largest pressure over 1500 MPa", s.STRESS_LIMITS,
+     lambda c: max(each.peak_pressure for each in c.stressed.values()) / FATIGUE),
+    ("roller_loads_N", "N", "loads of rollers at the first angle, rigid rings", s.REFERENCE,
+     lambda c: c.rigid.of_rollers),
+    ("operating_clearance_um", "µm", "diametral clearance in operation", s.CLEARANCE,
+     lambda c: sum(part for part in c.clearance_parts.values() if part is not None)),
+    ("operating_clearance_parts_um", "µm", "parts of that clearance", s.CLEARANCE, lambda c: c.clearance_parts),
+    ("stiffness_N_per_m", "N/m", "stiffness [[kxx, kxy], [kyx, kyy]], mean over a pitch", s.LINEARISED,
+     lambda c: c.pitch.mean),
+    ("stiffness_range_N_per_m", "N/m", "stiffness, lowest and highest by entry", s.LINEARISED, lambda c: c.pitch.range),
+    ("stiffness_harmonics_N_per_m", "N/m", "stiffness, amplitudes at 1, 2 ... rollers' passages", s.LINEARISED,
+     lambda c: c.pitch.harmonics),
+    ("stiffness_contacts", "", "contacts of that stiffness", s.LINEARISED, lambda c: (c.pitch, c.contacts)[1]),
+    ("stiffness_with_housing_N_per_m", "N/m", "stiffness in series with the housing's springs", s.LINEARISED,
+     lambda c: c.with_housing()),
+    ("tilt_stiffness_N_m_per_rad", "N m/rad", "stiffness against tilting", s.LINEARISED, lambda c: _refuse(PLANE)),
+    ("damping_N_s_per_m", "N s/m", "damping by the contacts' dampers, mean over a pitch", s.LINEARISED,
+     lambda c: c.pitch.damping.mean(axis=0) if c.scene.damping.contacts.acts
+     else _refuse("the scene has no [damping] of contacts")),
+    ("hub_frequencies_Hz", "Hz", "natural frequencies of the hub's mass", s.LINEARISED, lambda c: c.frequencies()),
+    ("hub_um", "µm", "hub's displacement x, y, mean over a pitch", s.LINEARISED,
+     lambda c: 1e6 * c.pitch.place.mean(axis=0)),
+    ("film_um", "µm", "least film thickness, the thinner of both raceways", s.FILM,
+     lambda c: 1e6 * c.films.thinner),
+    ("lambda", "1", "film thickness over roughness, λ", s.FILM, lambda c: c.lambda_ratio()),
+    ("friction_torque_N_mm", "N mm", "frictional torque, ±30 %", s.BOTH_FRICTIONS,
+     lambda c: {name: torque.total for name, torque in c.torques.items()}),
+    ("friction_torque_palmgren_N_mm", "N mm", "Palmgren's parts of speed and of load", s.PALMGREN,
+     lambda c: {"speed": c.torques["palmgren"].rolling, "load": c.torques["palmgren"].sliding}),
+    ("power_loss_W", "W", "heat, ±30 %", s.BOTH_FRICTIONS, lambda c: c.losses),
+    ("temperature_rise_K", "K", "temperature above the surroundings, first estimate", s.HEAT,
+     lambda c: {name: loss / c.conductance for name, loss in c.losses.items()}),
+)  # fmt: skip
+
+
+def positive(load: float, else_what: str) -> float:
+    """The load, N. Unavailable: there is none."""
+    if not load > 0.0:
+        raise Unavailable(f"without load {else_what}")
+    return load
+
+
+def _told(contact: LineContact) -> dict[str, float]:
+    return {
+        "peak_pressure_MPa": 1e-6 * contact.peak_pressure,
+        "half_width_um": 1e6 * contact.half_width,
+        "largest_shear_MPa": 1e-6 * contact.largest_shear,
+        "shear_depth_um": 1e6 * contact.shear_depth,
+        "largest_von_mises_MPa": 1e-6 * contact.largest_von_mises,
+        "von_mises_depth_um": 1e6 * contact.von_mises_depth,
+    }
+
+
+def _plain(value: Any) -> Any:
+    """For JSON: arrays as lists, what is infinite or no number as null."""
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
+    if isinstance(value, np.ndarray | list | tuple):
+        return [_plain(each) for each in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    return value
+
+
+def rating(scene: Scene, options: Options = Options()) -> Rating:
+    """All answers to a scene.
+
+    Example
+    -------
+    rating(Scene(bearing={"designation": "NU206"}))["C_N"]
+    """
+    case, found = Case(scene, options), []
+    for name, unit, meaning, source, compute in DECLARED:
+        value, reason = None, ""
+        try:
+            value = compute(case)
+        except Unavailable as error:
+            reason = str(error)
+        found.append(Answer(name=name, value=value, unit=unit, meaning=meaning, source=source, reason=reason))
+    answers = tuple(found)
+    return Rating(scene=scene, answers=answers, warnings=tuple(_warnings(case, answers)), case=case)
+
+
+def _warnings(case: Case, answers: tuple[Answer, ...]) -> Iterator[str]:
+    values = {answer.name: answer.value for answer in answers}
+    if values["stiffness_N_per_m"] is not None and not case.pitch.is_stable:
+        yield (
+            "the stiffness across the load is not positive at every angle of the cage: the hub balances on single "
+            "rollers, and the mean matrix says little; more load or less clearance holds it"
+        )
+    if values["s0"] is not None and values["s0"] < 1.0:
+        yield f"static safety {values['s0']:.2f} is below 1: the raceways keep dents"
+    if values["C_N"] is not None and values["P_N"] > 0.5 * values["C_N"]:
+        yield "P is beyond C/2, where the life formula of ISO 281 does not hold"
+    if values["C_N"] is not None and 0.0 < values["P_N"] < 0.02 * values["C_N"]:
+        yield "P is below 2 % of C: rollers may skid, and rating lives say little"
+    if case.course is not None:
+        yield "speed or load changes with time: stiffness, stresses and film are those at its start"
+    if values["kappa"] is not None and values["kappa"] < 1.0:
+        yield f"κ = {values['kappa']:.2g}: boundary lubrication, wear is likely"
+    if case.scene.damping.contacts.acts is False:
+        yield "no damping of contacts in the scene: a rotor on these coefficients is undamped"

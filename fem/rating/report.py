@@ -1,0 +1,66 @@
+"""What rate-bearing prints, and its JSON file."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from fem.rating.answers import Answer, Rating
+from lagrange.files.output import write_whole
+from lagrange.messages import shown
+
+ON_PAPER = {"N/m": (1e-6, "N/µm")}  # units that engineers read
+BULKY = "stiffness_harmonics_N_per_m", "roller_loads_N", "contacts"  # in the file and on the page
+
+
+def write_json(path: Path, rating: Rating) -> None:
+    """The answers, with reasons and sources; OSError."""
+    text = json.dumps(rating.to_json(), indent=1, ensure_ascii=False, allow_nan=False)
+    write_whole(path, (text + "\n").encode())
+
+
+def in_words(answer: Answer) -> str:
+    """A value with its unit for people, or why there is none."""
+    if answer.value is None:
+        return f"none: {answer.reason}"
+    factor, unit = ON_PAPER.get(answer.unit, (1.0, "" if answer.unit == "1" else answer.unit))
+    return f"{_number(answer.value, factor)} {unit}".rstrip()
+
+
+def _number(value: Any, factor: float) -> str:
+    if isinstance(value, str):
+        return value
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_number(each, factor)}" for name, each in value.items())
+    if value is None:
+        return "none"
+    if np.ndim(value) == 0:
+        scaled = factor * float(value)
+        return f"{scaled:.4g}" if abs(scaled) < 1e4 or abs(scaled) >= 1e7 else f"{scaled:.0f}"
+    if np.ndim(value) == 3:
+        return " to ".join(_number(each, factor) for each in value)
+    least = 1e-9 * float(np.max(np.abs(value)))  # round-off of what symmetry makes 0
+    return f"[{', '.join(_number(0.0 if np.ndim(e) == 0 and abs(e) < least else e, factor) for e in value)}]"
+
+
+def print_rating(rating: Rating) -> None:
+    """A table of what could be computed, what could not with its reason, then warnings."""
+    console = Console(highlight=False)
+    console.print(f"Rating of {shown(rating.scene.name)}", style="italic", markup=False)
+    table, missing = Table(box=None, pad_edge=False, show_header=False), dict[str, list[str]]()
+    for answer in rating.answers:
+        if answer.value is None:
+            missing.setdefault(answer.reason, []).append(answer.name)
+        elif answer.name not in BULKY:
+            source = answer.source.name + (" †" if answer.source.second_hand else "")
+            table.add_row(*(escape(shown(cell)) for cell in (answer.meaning, in_words(answer), source)))
+    console.print(table)
+    console.print("† with constants that are second hand: the JSON file says which", markup=False)
+    for reason, names in missing.items():
+        console.print(f"not computed: {', '.join(names)}: {shown(reason)}", soft_wrap=True, markup=False)
+    for warning in rating.warnings:
+        console.print(f"warning: {shown(warning)}", soft_wrap=True, markup=False)

@@ -1,0 +1,199 @@
+"""rate-bearing: what it prints and writes, what it refuses, coefficients for rotordynamics."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from fem.commands.rate_bearing import rate_main
+from fem.interface import rating
+from fem.rating.answers import DECLARED, Options
+from fem.rating.ross import NAMES, coefficients, read_coefficients, write_coefficients
+from lagrange.rating.life import DutyCycle, basic_life
+from lagrange.scene.scene import read_scene
+from tests.reference.commands import environment
+
+PROMISED = (
+    "C_N C0_N P_N s0 L10_Mrev L10_h a_ISO kappa L10r_Mrev peak_pressure_MPa operating_clearance_um stiffness_N_per_m "
+    "stiffness_range_N_per_m tilt_stiffness_N_m_per_rad film_um lambda friction_torque_N_mm power_loss_W warnings"
+).split()
+OIL = "lubricant.viscosity_Pa_s=0.0174"  # 20 mm²/s at 870 kg/m³
+
+
+def scene(*overrides):
+    return read_scene(None, ('bearing={designation="NU206"}', "operation.radial_load_N=3000", *overrides))
+
+
+@pytest.fixture(scope="module")
+def rated():
+    return rating(scene(OIL, "operation.speed_rpm=2900"), Options(roughness=0.1))
+
+
+def test_the_command_writes_what_was_promised(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert rate_main(["--bearing", "NU206"]) == 0
+    told = json.loads((tmp_path / "NU206-rating.json").read_text(encoding="utf-8"))
+    assert set(PROMISED) <= set(told)
+    for name, value in told.items():
+        assert value is not None or told["reasons"][name]
+    assert set(told["sources"]) == {declared[0] for declared in DECLARED}
+    assert np.shape(told["stiffness_N_per_m"]) == (2, 2) and np.shape(told["stiffness_range_N_per_m"]) == (2, 2, 2)
+    shown = capsys.readouterr().out
+    assert "basic dynamic load rating C" in shown and "ISO 281 †" in shown and "wrote NU206-rating.json" in shown
+
+
+def test_numbers_of_a_worked_example(rated):
+    """NU206, 3000 N and the shaft's weight, 2900 1/min, 20 mm²/s."""
+    assert rated["C_N"] == pytest.approx(38_412, abs=1)
+    assert rated["L10_Mrev"] == pytest.approx(basic_life(rated["C_N"], rated["P_N"]))
+    assert rated["L10_h"] == pytest.approx(rated["L10_Mrev"] * 1e6 / (60.0 * 2900.0))
+    assert rated["kappa"] == pytest.approx(20.0 / 12.25, rel=1e-3)
+    assert rated["friction_torque_N_mm"]["skf"] == pytest.approx(91.7, abs=0.2)
+    assert rated["friction_torque_N_mm"]["palmgren"] == pytest.approx(73.5, abs=0.2)
+    assert rated["power_loss_W"]["skf"] / rated["temperature_rise_K"]["skf"] == pytest.approx(1.48, abs=0.01)
+    assert 0.1 < rated["film_um"] < 1.0 and rated["lambda"] == pytest.approx(rated["film_um"] / 0.1)
+    assert rated["hub_um"][1] < 0.0 and len(rated) == len(DECLARED)
+
+
+def test_elastic_rings_change_the_life_and_not_by_an_order(rated):
+    assert 0.3 < rated["L10r_elastic_Mrev"] / rated["L10r_pitch_Mrev"] < 3.0
+    assert rated["L10r_pitch_Mrev"] == pytest.approx(rated["L10r_Mrev"], rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "missing", "word"),
+    [
+        (["operation.radial_load_N=0", "operation.gravity_m_s2=0"], "L10_Mrev", "load"),
+        (["operation.speed_rpm=0"], "L10_h", "turn"),
+        ([], "kappa", "viscosity"),
+        ([], "tilt_stiffness_N_m_per_rad", "plane"),
+        ([], "stiffness_with_housing_N_per_m", "housing"),
+        (["bodies.rollers=rigid", "model=lagrange"], "L10r_elastic_Mrev", "rigid"),
+    ],
+)
+def test_what_can_not_be_computed_has_a_reason(overrides, missing, word):
+    found = rating(scene(*overrides)).answer(missing)
+    assert found.value is None and word in found.reason
+
+
+def test_ratings_of_ball_bearings_are_refused_and_their_stiffness_is_not():
+    found = rating(read_scene(None, ("bearing.type=ball", "model=lagrange")))
+    assert found["C_N"] is None and "balls" in found.answer("C_N").reason
+    assert found["stiffness_N_per_m"][1, 1] > 0.0
+
+
+def test_a_housing_in_series_and_a_shaft_beside():
+    alone = rating(scene("model=lagrange", "operation.gravity_m_s2=0"))
+    beside = rating(
+        scene(
+            "model=lagrange", "operation.gravity_m_s2=0", "support.kind=housing", "support.stiffness_N_per_m=1e8",
+            "operation.shaft=springs", "operation.shaft_stiffness_N_per_m=2e7",
+        )
+    )  # fmt: skip
+    assert 0.0 < beside["P_N"] < alone["P_N"] == 3000.0
+    matrix = beside["stiffness_with_housing_N_per_m"]
+    assert 1.0 / matrix[1, 1] == pytest.approx(1.0 / beside["stiffness_N_per_m"][1, 1] + 1e-8, rel=1e-3)
+
+
+def test_a_load_that_turns_is_a_duty_cycle():
+    found = rating(scene("operation.rotating_load_N=500", "operation.gravity_m_s2=0", "numerics.duration_ms=80"))
+    angle = 2.0 * np.pi * (np.arange(1000) + 0.5) / 1000
+    loads = np.hypot(500.0 * np.sin(angle), 3000.0 + 500.0 * np.cos(angle))
+    assert found["P_N"] == pytest.approx(np.mean(loads ** (10 / 3)) ** 0.3, rel=1e-3)
+    assert found["P0_N"] == pytest.approx(3500.0, rel=1e-3)
+    assert any("changes with time" in warning for warning in found.warnings)
+
+
+def test_duty_cycle_of_a_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cycle.csv").write_text("load_N,speed_rpm,share\n1000,600,2\n2000,1200,1\n", encoding="utf-8")
+    assert rate_main(["--bearing", "NU206", "--cycle", "cycle.csv", "--quiet"]) == 0
+    told = json.loads((tmp_path / "NU206-rating.json").read_text(encoding="utf-8"))
+    cycle = DutyCycle(loads=np.array([1e3, 2e3]), speeds=np.array([600.0, 1200.0]), shares=np.array([2.0, 1.0]))
+    assert told["P_N"] == pytest.approx(cycle.load) and told["P0_N"] == 2000.0
+    assert told["speed_rpm"] == pytest.approx(800.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("load_N,speed_rpm\n1,2\n", "share is missing"),
+        ("load_N,speed_rpm,share\n-1,2,1\n", "load"),
+        ("load_N,speed_rpm,share\n1,0,1\n", "must turn"),
+        ("load_N,speed_rpm,share\n1,x,1\n", "row 1"),
+    ],
+)
+def test_bad_duty_cycles_are_named(text, word, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cycle.csv").write_text(text, encoding="utf-8")
+    assert rate_main(["--cycle", "cycle.csv"]) == 2
+    told = capsys.readouterr().err
+    assert "cycle.csv" in told and word in told and not (tmp_path / "paper-rating.json").exists()
+
+
+@pytest.mark.parametrize(
+    "arguments", [["--viscosity", "-1"], ["--contamination", "2"], ["--reliability", "91"], ["--bearing", "NU999"]]
+)
+def test_impossible_options_are_refused(arguments, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert rate_main(arguments) == 2
+    assert "error:" in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
+def test_warnings_of_a_hub_on_single_rollers():
+    found = rating(scene("model=lagrange", "operation.radial_load_N=5", "operation.gravity_m_s2=0"))
+    assert any("not positive" in warning for warning in found.warnings)
+
+
+def test_coefficients_for_rotordynamics(rated, tmp_path):
+    found = coefficients(rated)
+    write_coefficients(tmp_path / "ross.csv", found)
+    table = read_coefficients(tmp_path / "ross.csv")
+    assert list(table) == ["frequency", *NAMES] and len(table["frequency"]) == 7
+    matrices = np.stack([table[name] for name in NAMES[:4]], axis=1).reshape(-1, 2, 2)
+    assert matrices == pytest.approx(found.stiffness, rel=1e-8, abs=1e-3)
+    at = np.interp(rated.case.operation.speed, table["frequency"], table["kyy"])
+    assert at == pytest.approx(rated["stiffness_N_per_m"][1, 1], rel=0.01)
+
+
+def test_the_element_that_ross_builds_has_these_matrices(rated, tmp_path):
+    ross = pytest.importorskip("ross")
+    found = coefficients(rated)
+    write_coefficients(tmp_path / "ross.csv", found)
+    element = ross.BearingElement(n=0, **read_coefficients(tmp_path / "ross.csv"))
+    for row in (0, 3, 6):
+        speed = float(found.frequency[row])
+        assert element.K(speed)[:2, :2] == pytest.approx(found.stiffness[row], rel=1e-6, abs=1.0)
+        assert element.C(speed)[:2, :2] == pytest.approx(found.damping[row], abs=1e-6)
+
+
+def test_a_start_loads_no_compiler_and_nothing_that_draws(tmp_path):
+    program = (
+        "import sys; from fem.commands.rate_bearing import rate_main\n"
+        "code = rate_main(['--bearing', 'NU206'])\n"
+        "print(code, *(name for name in ('numba', 'matplotlib', 'scipy.optimize', 'h5py') if name in sys.modules))"
+    )
+    started = [sys.executable, "-c", program]
+    done = subprocess.run(started, cwd=tmp_path, env=environment(), capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1].split() == ["0"], done.stderr
+
+
+def test_the_page_shows_what_was_rated(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    options = ["--bearing", "NU206", "--viscosity", "20", "--output", "rated", "--quiet"]
+    assert rate_main(options) == 0
+    told = json.loads((tmp_path / "rated" / "NU206-rating.json").read_text(encoding="utf-8"))
+    page = (tmp_path / "rated" / "rating.html").read_text(encoding="utf-8")
+    assert f"{told['C_N']:.0f} N" in page and "second hand" in page
+    for name in ("load-zone", "stiffness", "load-deflection", "life", "misalignment", "friction"):
+        assert f'id="{name}"' in page
+
+
+def test_a_page_of_a_bearing_without_ratings_still_shows_its_stiffness(tmp_path):
+    from fem.rating.page import write_page
+
+    write_page(tmp_path / "rating.html", rating(read_scene(None, ("bearing.type=ball", "model=lagrange"))))
+    page = (tmp_path / "rating.html").read_text(encoding="utf-8")
+    assert 'id="stiffness"' in page and 'id="life"' not in page and "this one has balls" in page

@@ -1,0 +1,234 @@
+"""One channel of a record, in SI units and at equal steps, with what is wrong with it in sentences."""
+
+import re
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from lagrange.messages import G, shown
+from residual.errors import InputError
+from residual.measured.formats import read_channels
+from residual.measured.text import Channels
+
+TIME = re.compile(
+    r"(?:.*[._])?(?:time|t|zeit|timestamp|abscissa|x[_ ]?values?)(?:[\s_]*[\[(]?(s|sec|ms|us|µs|ns)[\])]?)?",
+    re.IGNORECASE,
+)
+SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9}
+UNITS = {  # as people write them: factor to SI, SI unit
+    "g": (G, "m/s²"), "gn": (G, "m/s²"), "mg": (1e-3 * G, "m/s²"), "m/s²": (1.0, "m/s²"), "m/s2": (1.0, "m/s²"),
+    "m/s^2": (1.0, "m/s²"), "m_s2": (1.0, "m/s²"), "mm/s": (1e-3, "m/s"), "mm_s": (1e-3, "m/s"), "m/s": (1.0, "m/s"),
+}  # fmt: skip
+VOLTS = {"v": 1.0, "mv": 1e-3}
+SENSITIVITY = re.compile(r"([\d.]+)\s*(m?)V\s*/\s*\(?\s*(g|m/s2|m/s²|m/s\^2|mm/s)\s*\)?", re.IGNORECASE)
+FEWEST = 1024  # samples
+UNEVEN = 0.02  # of a step, by which times may scatter as they are written with few digits
+APART = 1.5  # steps: more is a gap
+RATES_AGREE = 0.01
+CLIPPED_RUN, CLIPPED = 3, 3  # equal samples in a row at the largest value, and how many such runs are no chance
+SATURATED = 0.01  # of the samples at the largest values
+DROPPED = 32  # equal samples in a row
+OFFSET = 1.0  # times the rms about the mean
+COARSE = 32  # different values
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Signal:
+    """One channel at equal steps."""
+
+    name: str  # of the file and the channel
+    values: np.ndarray  # (n_times,), in `unit`, its mean removed
+    rate: float  # Hz
+    unit: str  # "m/s²", "m/s"; "" where the record does not tell
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def duration(self) -> float:
+        return self.values.size / self.rate
+
+
+def read_signal(
+    path: str | Path,
+    rate: float | None = None,
+    channel: str | None = None,
+    unit: str | None = None,
+    sensitivity: str | None = None,
+) -> Signal:
+    """Read one channel of a record.
+
+    Parameters
+    ----------
+    rate : Hz, where the file has neither a rate nor a column of times
+    channel : its name, a part of it, or its number from 1; None: the only one
+    unit : g, m/s2, mm/s or V; None: as the file says
+    sensitivity : of a record in volts, as "100 mV/g"
+
+    Errors
+    ------
+    InputError: no record, no such channel, no rate, a unit that is not known, fewer than 1024 samples, no vibration.
+    """  # fmt: skip
+    path = Path(path)
+    try:
+        channels = read_channels(path)
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror or error}") from None
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None
+    times = _times(channels)
+    name = _chosen(path, channels, channel)
+    values = channels.values[name].astype(float)
+    notes = [f"{note[0].upper()}{note[1:]}." for note in channels.notes]
+    found = _rate(path, channels, times, rate, notes)
+    values = _longest(path, values, times, notes)
+    factor, si = _unit(path, name, channels, unit, sensitivity)
+    if not si:
+        notes.append("The record does not tell its unit: levels are in the file's own; give --unit for others.")
+    if values.size < FEWEST:
+        raise InputError(f"{path}: {name} has {values.size} samples in one piece; at least {FEWEST} are needed")
+    notes += _faults(values, found)
+    mean = float(values.mean())
+    values = factor * (values - mean)
+    if not np.any(values):
+        raise InputError(f"{path}: {name} is constant, {mean:g}: no vibration; is it the right channel?")
+    title = path.name if len(channels.values) == 1 else f"{path.name}, {shown(name)}"
+    return Signal(name=title, values=values, rate=found, unit=si, notes=tuple(notes))
+
+
+def _times(channels: Channels) -> np.ndarray | None:
+    """The column of times, s, taken out of the channels; None: there is none."""
+    for name, values in list(channels.values.items()):
+        said = TIME.fullmatch(name.strip())
+        rising = values.size > 2 and bool(np.all(np.diff(values[np.isfinite(values)]) > 0.0))
+        unnamed = name == "column 1" and len(channels.values) > 1 and rising and _even(values)
+        if (said and rising) or unnamed:
+            del channels.values[name]
+            unit = (said and said[1]) or channels.units.get(name, "s")
+            return values * SECONDS.get(unit.strip().lower(), 1.0)
+    return None
+
+
+def _even(values: np.ndarray) -> bool:
+    steps = np.diff(values)
+    return bool(np.all(np.isfinite(steps)) and np.mean(np.abs(steps / np.median(steps) - 1.0) > 0.1) < 0.01)
+
+
+def _chosen(path: Path, channels: Channels, wanted: str | None) -> str:
+    names = list(channels.values)
+    listed = ", ".join(f"{k} {shown(name)[:60]}" for k, name in enumerate(names[:20], 1))
+    if not names:
+        raise InputError(f"{path}: holds times but no signal")
+    if wanted is None:
+        if len(names) == 1:
+            return names[0]
+        raise InputError(f"{path}: holds {len(names)} channels; add --channel and one of: {listed}")
+    if wanted in names:
+        return wanted
+    matches = [name for name in names if wanted.lower() in name.lower()]
+    if len(matches) == 1:
+        return matches[0]
+    if wanted.isdecimal() and 1 <= int(wanted) <= len(names):
+        return names[int(wanted) - 1]
+    how = "several channels" if matches else "no channel"
+    raise InputError(f"{path}: --channel {wanted}: {how} of that name; there are: {listed}")
+
+
+def _rate(path: Path, channels: Channels, times: np.ndarray | None, given: float | None, notes: list[str]) -> float:
+    """The rate, Hz, of the times, of the file or as given; those that contradict each other are refused."""
+    if given is not None and not 1.0 <= given <= 1e9:
+        raise InputError(f"--rate {given:g}: must be a number of Hz from 1 to 1e9")
+    told = channels.rate
+    if times is not None:
+        if not np.all(np.isfinite(times)):
+            raise InputError(f"{path}: a time is missing; delete that row, or the column of times and give --rate")
+        steps = np.diff(times)
+        step = float(np.median(steps))
+        near = steps[steps < APART * step]
+        told = 1.0 / float(near.mean())
+        if np.std(near) > UNEVEN * step:
+            notes.append(
+                f"Times scatter by {100.0 * float(np.std(near)) / step:.2g} % of a step; samples were taken as equally "
+                "spaced, which blurs lines where they are not."
+            )
+    if told is None and given is None:
+        raise InputError(f"{path}: neither a rate nor a column of times is in it; add --rate and the number of Hz")
+    if told is not None and given is not None and abs(told / given - 1.0) > RATES_AGREE:
+        raise InputError(f"{path}: --rate {given:g} Hz, but the file's own is {told:.6g} Hz; leave --rate out")
+    return float(told if given is None else given)  # type: ignore[arg-type]
+
+
+def _longest(path: Path, values: np.ndarray, times: np.ndarray | None, notes: list[str]) -> np.ndarray:
+    """The longest piece without a gap."""
+    broken = ~np.isfinite(values)
+    missing = int(broken.sum())
+    steps = np.diff(times) if times is not None else np.ones(1)
+    ends = np.flatnonzero(steps > APART * float(np.median(steps))) + 1
+    if missing == 0 and len(ends) == 0:
+        return values
+    edges = sorted({0, values.size, *map(int, ends), *map(int, np.flatnonzero(np.diff(broken.astype(int))) + 1)})
+    pieces = [(b - a, a, b) for a, b in pairwise(edges) if not broken[a]]
+    if not pieces:
+        raise InputError(f"{path}: no sample of it is a number")
+    size, first, last = max(pieces)
+    what = f"{missing} samples without a number" if missing else ""
+    what += (" and " if missing and len(ends) else "") + (f"{len(ends)} gaps in time" if len(ends) else "")
+    notes.append(f"The record has {what}; the longest piece was taken, {size} of {values.size} samples.")
+    return values[first:last]
+
+
+def _unit(path: Path, name: str, channels: Channels, given: str | None, sensitivity: str | None) -> tuple[float, str]:
+    """Factor to SI and the SI unit, "" of a unit that is not told."""
+    bracketed = re.search(r"[\[(]([^\])]+)[\])]\s*$", name)
+    ending = re.search(r"_(g|m_s2|mm_s)$", name)
+    in_name = (bracketed[1] if bracketed else "") or (ending[1] if ending else "")
+    own = channels.units.get(name) or channels.units.get("") or in_name
+    unit = (given if given is not None else own).strip().lower()
+    if sensitivity is not None:
+        said = SENSITIVITY.fullmatch(sensitivity.strip())
+        if said is None or not float(said[1]) > 0.0:
+            raise InputError(f"--sensitivity {shown(sensitivity)}: write it as 100mV/g, 10mV/(m/s2) or 4mV/(mm/s)")
+        if unit and unit not in VOLTS:
+            raise InputError(f"{path}: --sensitivity is of a record in V, but this one is in {shown(unit)}")
+        factor, si = UNITS[said[3].lower()]
+        return VOLTS.get(unit, 1.0) * factor / (float(said[1]) * (1e-3 if said[2] else 1.0)), si
+    if unit in VOLTS:
+        if given is not None:
+            raise InputError(f"--unit {given}: add the sensor's --sensitivity, as 100mV/g")
+        return VOLTS[unit], ""
+    if unit in UNITS:
+        return UNITS[unit]
+    if given is not None:
+        raise InputError(f"--unit {shown(given)}: not known; known are g, m/s2, mm/s, and V with --sensitivity")
+    return 1.0, ""
+
+
+def _faults(values: np.ndarray, rate: float) -> list[str]:
+    """What is wrong with a record, as sentences."""
+    notes = []
+    changes = np.flatnonzero(np.diff(values) != 0.0) + 1
+    starts = np.concatenate([[0], changes])
+    lengths = np.diff(np.concatenate([starts, [values.size]]))
+    high, low = float(values.max()), float(values.min())
+    at_end = (values[starts] == high) | (values[starts] == low)
+    clipped = at_end & (lengths >= CLIPPED_RUN)
+    if 0 < clipped.sum() and clipped.sum() >= CLIPPED and high > low:
+        share = float(lengths[clipped].sum()) / values.size
+        word = "saturated" if share > SATURATED else "clipped"
+        notes.append(
+            f"The record is {word}: {int(clipped.sum())} runs of samples at its largest or smallest value "
+            f"({100.0 * share:.2g} % of it); lower the gain. Levels are too low."
+        )
+    dropped = (lengths >= DROPPED) & ~clipped
+    if dropped.any() and high > low:
+        longest = 1e3 * float(lengths[dropped].max()) / rate
+        notes.append(
+            f"The signal drops out {int(dropped.sum())} times: it stays at one value, for up to {longest:.3g} ms."
+        )
+    mean, spread = float(values.mean()), float(values.std())
+    if spread > 0.0 and abs(mean) > OFFSET * spread:
+        notes.append(f"Its mean, {mean:.3g}, is larger than its rms about it, {spread:.3g}, and was removed.")
+    different = np.unique(values[: 1 << 16]).size
+    if 1 < different < COARSE:
+        notes.append(f"It has {different} different values only: the range was set too wide.")
+    return notes

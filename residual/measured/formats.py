@@ -18,7 +18,7 @@ from residual.measured.text import Channels, read_text
 LARGEST = 1 << 30  # bytes of a file, and of what is packed in it
 MOST_CHANNELS = 256
 DEEPEST = 6  # structs in structs
-SECONDS, MEMORY = 60.0, 2 << 30  # that reading an HDF5 file may take
+SECONDS, MEMORY = 20.0, 2 << 30  # that reading an HDF5 file may take
 RATE_NAMES = ("rate", "fs", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency")
 UNIVERSAL = re.compile(rb"\s*-1\s*\n\s*58b?\s")
 
@@ -39,11 +39,13 @@ def read_channels(path: Path) -> Channels:
         return _hdf5(path)
     for start, kind, read in KINDS:
         if data.startswith(start):
+            if read is _matlab:
+                return _tried_in_child(lambda: _guarded("a MATLAB file", _matlab, data, path))
             return _guarded(kind, read, data, path)
     if UNIVERSAL.match(data):
         return _guarded("a universal file (UFF58)", _universal, data, path)
     if path.suffix.lower() == ".mat":  # version 4 has no mark of its own
-        return _guarded("a MATLAB file", _matlab, data, path)
+        return _tried_in_child(lambda: _guarded("a MATLAB file", _matlab, data, path))
     return read_text(data)
 
 
@@ -61,6 +63,14 @@ def _guarded(kind: str, read: Callable[[bytes, Path], Channels], data: bytes, pa
     if not found.values:
         raise ValueError(f"{kind} without a signal: no row or column of real numbers is in it")
     return found
+
+
+def _tried_in_child(read: Callable[[], Channels]) -> Channels:
+    """Read by a library that may crash or never end on a damaged file: tried in a child process first."""
+    refusal = refusal_in_child(read, "it", SECONDS, MEMORY)
+    if refusal is not None:
+        raise ValueError(refusal.replace("the HDF5 library", "the library that reads such files"))
+    return read()
 
 
 class _Refused(ValueError):
@@ -172,10 +182,7 @@ def _hdf5(path: Path) -> Channels:
             raise Damaged("an HDF5 file (MATLAB 7.3) without a signal: no row or column of real numbers is in it")
         return found
 
-    refusal = refusal_in_child(read, "it", SECONDS, MEMORY)
-    if refusal is not None:
-        raise ValueError(refusal)
-    return read()
+    return _tried_in_child(read)
 
 
 def _hdf5_tree(group: Any, depth: int) -> dict[str, Any]:

@@ -31,6 +31,7 @@ CLIPPED_RUN, CLIPPED = 3, 3  # equal samples in a row at the largest value, and 
 SATURATED = 0.01  # of the samples at the largest values
 DROPPED = 32  # equal samples in a row
 OFFSET = 1.0  # times the rms about the mean
+LARGEST = 1e30  # of a sample: more is no measured number, nor finite when squared
 COARSE = 32  # different values
 
 
@@ -160,7 +161,7 @@ def _rate(path: Path, channels: Channels, times: np.ndarray | None, given: float
 
 def _longest(path: Path, values: np.ndarray, times: np.ndarray | None, notes: list[str]) -> np.ndarray:
     """The longest piece without a gap."""
-    broken = ~np.isfinite(values)
+    broken = ~(np.abs(values) < LARGEST)
     missing = int(broken.sum())
     steps = np.diff(times) if times is not None else np.ones(1)
     ends = np.flatnonzero(steps > APART * float(np.median(steps))) + 1

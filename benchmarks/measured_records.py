@@ -1,50 +1,107 @@
-"""Verdicts on a folder of measured records: `python -m benchmarks.measured_records FOLDER` prints a table.
+"""Verdicts on records whose truth is known: a folder of measured ones, or synthetic ones; and the time of one.
 
-Each record is an .npz with `x` and `scale`, `rate` (Hz), `shaft` (nominal, Hz), `label` (outer, inner, element, none),
-`width_mm`, and `geometry` (number of rolling elements, their diameter and the pitch diameter in mm, contact angle in
-degrees); `--speed-tolerance` in per cent, for names that begin with a given word: `--wide O_=7`.
+    python -m benchmarks.measured_records FOLDER
+    python -m benchmarks.measured_records --synthetic 300 --seed 2026
+    python -m benchmarks.measured_records --time
+
+A measured record is an .npz with `x` and `scale`, `rate` (Hz), `shaft` (nominal, Hz), `label` (outer, inner, element,
+none), `width_mm`, and `geometry`: number of rolling elements, their diameter and the pitch diameter in mm, contact
+angle in degrees. `--wide O_=7` takes 7 % as the tolerance of speed for names that begin with O_.
 """
 
 import argparse
 import sys
 import time
+from collections import Counter
 from math import radians
 from pathlib import Path
 
 import numpy as np
 
-from residual.measured.diagnosis import Geometry, diagnose
+from residual.measured.diagnosis import BODIES, DEEP, Diagnosis, Geometry, diagnose
+from residual.measured.envelope import HARMONICS
 from residual.measured.signals import Signal
+from residual.measured.synthetic import Truth, drawn, synthetic_record
+
+SPEEDS_OFF = 0.05  # of synthetic records, at most
+NEAR = np.linspace(-3e-3, 3e-3, 31)  # of a line, where its depth is looked for
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--speed-tolerance", type=float, default=1.0)
-    parser.add_argument("--wide", action="append", default=[])
-    options = parser.parse_args()
-    wide = dict(each.split("=") for each in options.wide)
-    print("| record | true | verdict | line found / kinematic, Hz | clear | depth | width, mm | seconds |")
-    print("|---|---|---|---|---|---|---|---|")
-    for path in sorted(options.folder.glob("*.npz")):
+def measured(folder: Path, tolerance: float, wide: dict[str, float]) -> None:
+    """Print the table of a folder."""
+    print("| record | true | verdict | line found / kinematic, Hz | above others, σ | depth | seconds |")
+    print("|---|---|---|---|---|---|---|")
+    for path in sorted(folder.glob("*.npz")):
         with np.load(path) as file:
             values, rate, shaft = file["x"] * float(file["scale"]), float(file["rate"]), float(file["shaft"])
             count, diameter, pitch, angle = map(float, file["geometry"])
             label, width = str(file["label"]), float(file["width_mm"])
-        tolerance = next(
-            (float(t) for start, t in wide.items() if path.name.startswith(start)), options.speed_tolerance
-        )
+        own = next((t for start, t in wide.items() if path.name.startswith(start)), tolerance)
         signal = Signal(name=path.stem, values=values - values.mean(), rate=rate, unit="")
         geometry = Geometry(
             elements=int(count), element_diameter=1e-3 * diameter, pitch_diameter=1e-3 * pitch,
             contact_angle=radians(angle),
         )  # fmt: skip
         begun = time.process_time()
-        found = diagnose(signal, geometry, shaft, 1e-2 * tolerance)
+        found = diagnose(signal, geometry, shaft, 1e-2 * own)
         best, spent = found.findings[0], time.process_time() - begun
         true = label + ("" if label == "none" or not width > 0.0 else f", {width:.2f} mm")
         print(f"| {path.stem} | {true} | {found.verdict} | {best.name} {best.found:.2f} / {best.expected:.2f} | "
-              f"{best.clear:.1f} | {best.depth:.2f} | - | {spent:.2f} |")  # fmt: skip
+              f"{best.clear:.1f} | {best.depth:.2f} | {spent:.2f} |")  # fmt: skip
+
+
+def depth_of(truth: Truth, found: Diagnosis) -> float:
+    """Depth of modulation of the true line."""
+    combs = np.multiply.outer(truth.line * (1.0 + NEAR), np.arange(1, HARMONICS + 1))
+    return max(float(np.linalg.norm(found.spectrum.modulation(each))) for each in combs)
+
+
+def synthetic(count: int, seed: int) -> None:
+    """Print the confusion matrix of records drawn by chance, half of them healthy."""
+    rng, matrix = np.random.default_rng(seed), Counter()
+    for k in range(count):
+        truth, geometry, shaft = drawn(rng, k % 2 == 0, SPEEDS_OFF)
+        found = diagnose(truth.signal, geometry, shaft, SPEEDS_OFF)
+        kind = "healthy" if k % 2 == 0 else BODIES[truth.fault]
+        if k % 2:
+            kind += f", depth ≥ {DEEP:g}" if depth_of(truth, found) >= DEEP else f", depth < {DEEP:g}"
+        matrix[kind, found.verdict] += 1
+    words = (*BODIES.values(), "trace", "uncertain", "none")
+    print(f"| true | {' | '.join(words)} |")
+    print("|---" * (1 + len(words)) + "|")
+    for kind in sorted({kind for kind, _ in matrix}):
+        print(f"| {kind} | {' | '.join(str(matrix[kind, word]) for word in words)} |")
+
+
+def timed() -> None:
+    """Print the processor time of one record of 10 s at 51.2 kHz."""
+    geometry = Geometry(elements=9, element_diameter=7.94e-3, pitch_diameter=39.04e-3)
+    truth = synthetic_record(np.random.default_rng(1), geometry, 30.0, "BPFO", 1.0, duration=10.0, rate=51_200.0)
+    for tolerance in (0.01, 0.05):
+        times = []
+        for _ in range(3):
+            begun = time.process_time()
+            diagnose(truth.signal, geometry, 30.0, tolerance)
+            times.append(time.process_time() - begun)
+        print(f"10 s at 51.2 kHz, tolerance {100.0 * tolerance:g} %: {np.median(times):.2f} s of processor time")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, nargs="?")
+    parser.add_argument("--speed-tolerance", type=float, default=1.0, help="per cent")
+    parser.add_argument("--wide", action="append", default=[], help="START=PER_CENT")
+    parser.add_argument("--synthetic", type=int, default=0, help="number of records")
+    parser.add_argument("--seed", type=int, default=2026)
+    parser.add_argument("--time", action="store_true")
+    options = parser.parse_args()
+    if options.folder is not None:
+        wide = {start: float(t) for start, t in (each.split("=") for each in options.wide)}
+        measured(options.folder, options.speed_tolerance, wide)
+    if options.synthetic:
+        synthetic(options.synthetic, options.seed)
+    if options.time:
+        timed()
     return 0
 
 

@@ -209,14 +209,14 @@ def _terminated(number, frame):
     raise SystemExit(128 + number)
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the command and return its exit code. A user's mistake gives a few lines on stderr, never a traceback."""
+def main(arguments: list[str] | None = None, command: App = app) -> int:
+    """Run a command and return its exit code. A user's mistake gives a few lines on stderr, never a traceback."""
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # of a code page that lacks the minus sign
     try:
         _signals("SIG_UNBLOCK")
-        result = app(arguments, exit_on_error=False, print_error=False)
+        result = command(arguments, exit_on_error=False, print_error=False)
         if sys.stdout is not None:
             sys.stdout.flush()
         return result if isinstance(result, int) else 0
@@ -255,12 +255,12 @@ def main(arguments: list[str] | None = None) -> int:
     return 2
 
 
-def check_residual() -> None:
-    """Entry point of the installed command."""
+def check_residual(command: App = app) -> None:
+    """Entry point of an installed command."""
     signal.signal(signal.SIGTERM, _terminated)
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # others would only wait, and waiting takes their time too
     gc.disable()  # a report's only garbage is its figures, 20 MB; looking for it takes a tenth of the time
-    code = main()
+    code = main(command=command)
     _signals("SIG_BLOCK")
     gc.freeze()  # nor is all that libraries have made searched once more as the process ends
     sys.exit(code)

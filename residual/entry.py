@@ -1,4 +1,4 @@
-"""The installed command. A signal waits until the command that is being loaded can end in good order."""
+"""The installed commands. A signal waits until the command that is being loaded can end in good order."""
 
 import signal
 
@@ -11,3 +11,11 @@ def check_residual() -> None:
     from residual.cli import check_residual
 
     check_residual()
+
+
+def check_vibration() -> None:
+    """`check-vibration`."""
+    from residual.check_vibration import app
+    from residual.cli import check_residual
+
+    check_residual(app)

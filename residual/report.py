@@ -98,7 +98,7 @@ def render_report(
         quarters=quarter_rows(evaluation),
         stated_errors=stated_error_rows(evaluation),
         picture=picture_of(t.source) if t.attributes else None,
-        **{f"{group}_figures": [(f, _embedded(f)) for f in figures.get(group, ())] for group in GROUPS},
+        **{f"{group}_figures": [(f, embedded(f)) for f in figures.get(group, ())] for group in GROUPS},
         resolution=text(evaluation.x.spectrum.resolution),
         spectra=Markup(spectra_json(evaluation, options.equations)),
         plot_script=as_it_is(TEMPLATES / "spectra.js"),
@@ -184,7 +184,7 @@ def _ring_of_cage(evaluation: Evaluation) -> list[tuple[str, str]]:
     return [("Cage", f"{mean} up to {text(off)} µm from the bearing's, pockets push with up to {text(force)} N")]
 
 
-def _embedded(figure: SavedFigure) -> str:
+def embedded(figure: SavedFigure) -> str:
     """Encode the figure as a data address: vectors unless they are many and take more room than pixels."""
     vectors, pixels = figure.svg.stat().st_size, figure.png.stat().st_size
     small = vectors <= LARGEST_SVG or vectors <= pixels

@@ -5,7 +5,7 @@ import json
 import os
 import secrets
 import shutil
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -40,13 +40,18 @@ def write_report(evaluation: Evaluation, folder: str | Path, options: ReportOpti
     InputError: the folder holds something that is not an earlier report. OSError: it can't be written. Either
     way an earlier report stays as it was and no part of a new one is left.
     """
+    return write_folder(folder, lambda fresh: _fill(evaluation, fresh, options))
+
+
+def write_folder(folder: str | Path, fill: Callable[[Path], dict], program: str = PROGRAM) -> dict:
+    """Make a folder by `fill`, which gives what it has written as summary.json, in the place of an earlier one."""
     folder = real_path(Path(folder))
-    check_replaceable(folder)
+    check_replaceable(folder, program)
     folder.parent.mkdir(parents=True, exist_ok=True)
     fresh = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")  # known before it exists: no signal leaves it
     try:
         fresh.mkdir(mode=0o700)
-        summary = _fill(evaluation, fresh, options)
+        summary = fill(fresh)
         umask = os.umask(0)
         os.umask(umask)
         fresh.chmod(0o777 & ~umask)
@@ -57,8 +62,8 @@ def write_report(evaluation: Evaluation, folder: str | Path, options: ReportOpti
     return summary
 
 
-def check_replaceable(folder: Path) -> None:
-    """Refuse to touch anything but a missing or empty folder, or an earlier report and nothing else."""
+def check_replaceable(folder: Path, program: str = PROGRAM) -> None:
+    """Refuse to touch anything but a missing or empty folder, or an earlier report of a program and nothing else."""
     folder = real_path(folder)
     if not folder.exists():
         return
@@ -69,12 +74,12 @@ def check_replaceable(folder: Path) -> None:
         return
     try:
         summary = json.loads(read_plain(folder / "summary.json"))
-        if summary["program"] != PROGRAM:
+        if summary["program"] != program:
             raise ValueError
         ours = set(summary.get("files", ()))
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
         raise InputError(
-            f"{folder}: not empty and no report of {PROGRAM}; choose another --output or empty it"
+            f"{folder}: not empty and no report of {program}; choose another --output or empty it"
         ) from None
     of_earlier = () if ours else OURS_BY_NAME  # versions that did not list what they wrote
     foreign = sorted(n for n in names - OURS - ours if not n.endswith(of_earlier))

@@ -1,0 +1,91 @@
+"""The command `check-vibration`. Imports little: everything heavy waits until a record is read."""
+
+from math import radians
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+
+from residual.cli import _version
+from residual.errors import InputError
+
+app = App(
+    name="check-vibration",
+    version=_version,
+    suppress_keyboard_interrupt=False,
+    result_action="return_value",
+    help_format="plaintext",
+    help="""Say what a vibration record tells of a bearing: outer ring, inner ring, rolling element, or nothing.
+
+Reads CSV, WAV, MATLAB, NPY, NPZ and result files of run-fem; UFF58, TDMS and Parquet by further packages. Writes a
+folder with vibration.html, figures and summary.json.
+
+Example: check-vibration record.csv --bearing NU206 --speed 1480 --speed-tolerance 2%
+
+Exit codes: 0 done, whatever the verdict; 2 unusable input; 130 interrupted; 143 terminated.
+""",
+)
+
+
+@app.default
+def _command(
+    record: Annotated[Path, Parameter(help="vibration record, or result file of run-fem")],
+    /,
+    *,
+    rate: Annotated[float | None, Parameter(help="samples per second, Hz; default: the record's own")] = None,
+    channel: Annotated[str | None, Parameter(help="name, part of a name, or number of the channel")] = None,
+    unit: Annotated[str | None, Parameter(help="g, m/s2, mm/s, or V with --sensitivity; default: the file's")] = None,
+    sensitivity: Annotated[str | None, Parameter(help="of a record in volts: 100mV/g")] = None,
+    bearing: Annotated[str | None, Parameter(help="designation of a standard bearing: NU206")] = None,
+    scene: Annotated[Path | None, Parameter(help="scene file (TOML) of the bearing; its speed is the default")] = None,
+    elements: Annotated[int | None, Parameter(help="number of rolling elements, of another bearing")] = None,
+    element_diameter: Annotated[float | None, Parameter(help="of its rolling elements, mm")] = None,
+    pitch_diameter: Annotated[float | None, Parameter(help="of its pitch circle, mm")] = None,
+    contact_angle: Annotated[float, Parameter(help="degrees")] = 0.0,
+    speed: Annotated[float | None, Parameter(help="of the shaft, rpm")] = None,
+    speed_tolerance: Annotated[str, Parameter(help="by which the speed may be wrong, per cent")] = "1%",
+    against: Annotated[Path | None, Parameter(help="another record, as of a healthy bearing, or a result file")] = None,
+    output: Annotated[Path | None, Parameter(help="folder; default: <record>-vibration beside the record")] = None,
+    no_figures: Annotated[bool, Parameter(negative="", help="draw no figures")] = False,
+    quiet: Annotated[bool, Parameter(negative="", help="print nothing")] = False,
+) -> int:  # fmt: skip
+    from lagrange.messages import telling
+    from residual.measured.checks import Options, Question, check_record
+    from residual.measured.report import print_check, write_check
+    from residual.store import check_replaceable
+
+    question = Question(
+        bearing=bearing, scene=scene, elements=elements, element_diameter=element_diameter,
+        pitch_diameter=pitch_diameter, contact_angle=radians(contact_angle), speed=speed,
+        tolerance=_share("--speed-tolerance", speed_tolerance),
+    )  # fmt: skip
+    options = Options(rate=rate, channel=channel, unit=unit, sensitivity=sensitivity)
+    folder = output if output is not None else record.with_name(f"{record.stem}-vibration")
+    check_replaceable(folder, app.name[0])
+    check = check_record(record, against, question, options)
+    write_check(check, folder, not no_figures)
+    if not quiet:
+        with telling():
+            print_check(check, folder)
+    return 0
+
+
+def _share(option: str, text: str) -> float:
+    """A share from per cent."""
+    try:
+        return 1e-2 * float(text.strip().removesuffix("%"))
+    except ValueError:
+        raise InputError(f"{option} {text}: must be a number of per cent, as 2%") from None
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command and return its exit code."""
+    from residual.cli import main
+
+    return main(arguments, app)
+
+
+if __name__ == "__main__":
+    from residual.cli import check_residual
+
+    check_residual(app)

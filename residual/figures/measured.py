@@ -1,0 +1,100 @@
+"""Figures of a measured record: its envelope's lines, its spectrum, and an excerpt in time."""
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib import rc_context
+
+from residual.figures.saved import BLUE, ORANGE, SavedFigure
+from residual.figures.style import STYLE, legend_above, line_handles, mark_lines, panels, save, without_minor_ticks
+from residual.formatting import text
+from residual.measured.checks import Check, Judged
+
+PASSES_SHOWN = 8.0
+LINES_TO = 3.2  # times BPFI
+MOST_POINTS = 4000  # of a curve: beyond, the largest of neighbours
+
+
+def measured_figures(check: Check, folder: Path) -> list[SavedFigure]:
+    """Draw the envelope's spectrum, the record's spectrum and an excerpt."""
+    with rc_context(STYLE):
+        return [_envelope(check, folder), _record(check, folder)]
+
+
+def _envelope(check: Check, folder: Path) -> SavedFigure:
+    """Depth of modulation over frequency, or over turns of the shaft where two records are compared."""
+    found = check.record.diagnosis
+    judged = [check.record] if check.other is None else [check.record, check.other]
+    figure, axes = panels(len(judged), 3.4 + 2.2 * (len(judged) - 1), lines=3)
+    by_turns = len(judged) > 1
+    for axis, each in zip(axes, judged, strict=True):
+        spectrum, unit = each.diagnosis.spectrum, each.diagnosis.shaft if by_turns else 1.0
+        lines = {name: each.diagnosis.lines[name] / unit for name in ("FTF", "shaft", "BSF", "BPFO", "BPFI")}
+        marked = {name: lines[name] for name in ("FTF", "shaft", "BPFO", "BPFI")} | {"2×BSF": 2.0 * lines["BSF"]}
+        best = each.diagnosis.findings[0]
+        marked |= {line.name: line.found / unit for line in best.lines}
+        top = LINES_TO * lines["BPFI"]
+        families = mark_lines(axis, marked, 0.0, top, labels=False)
+        frequency, depth = _thinned(spectrum.frequency / unit, spectrum.depth, top)
+        axis.plot(frequency, depth, color=BLUE, linewidth=0.9)
+        if best.stands_out:
+            inside = [line for line in best.lines if line.found / unit <= top]
+            axis.plot([line.found / unit for line in inside], [line.depth for line in inside], "o", color="black",
+                      markersize=3.5)  # fmt: skip
+        axis.set(xlim=(0.0, top), ylabel="depth of modulation")
+        axis.set_ylim(0.0, 1.15 * float(depth[1:].max()))
+        if by_turns:
+            axis.text(0.99, 0.9, each.signal.name, transform=axis.transAxes, ha="right", fontsize=9.5)
+        if axis is axes[0]:
+            handles = line_handles(families, lines, "" if by_turns else " Hz")
+            legend_above(axis, 5, left=-0.06, handles=handles, handlelength=1.3, columnspacing=0.9, handletextpad=0.4,
+                         fontsize=9)  # fmt: skip
+    axes[-1].set_xlabel("cycles per turn of the shaft" if by_turns else "frequency, Hz")
+    caption = (
+        f"Squared envelope of the prewhitened record, Δf = {text(found.spectrum.resolution, 3)} Hz. Dashed: kinematic "
+        f"lines at the speed as found; dotted: harmonics of {found.findings[0].name}, 2×BSF. Dots: what stands out."
+    )
+    return save(figure, folder, "envelope", "Lines in the envelope", caption)
+
+
+def _record(check: Check, folder: Path) -> SavedFigure:
+    """Spectrum of each record, and an excerpt of the first."""
+    figure, (upper, lower) = panels((1, 1), 6.2, lines=1)
+    for judged, colour in ((check.record, BLUE), (check.other, ORANGE)):
+        if judged is not None:
+            frequency, amplitude = _thinned(judged.spectrum.frequency[1:], judged.spectrum.amplitude[1:], np.inf)
+            upper.plot(frequency, amplitude, color=colour, linewidth=0.7, label=judged.signal.name)
+    unit = check.record.signal.unit or "own unit"
+    upper.set(xscale="log", yscale="log", xlabel="frequency, Hz", ylabel=f"amplitude, {unit}")
+    without_minor_ticks(upper)
+    legend_above(upper, 2)
+    time, values = _excerpt(check.record)
+    lower.plot(1e3 * time, values, color=BLUE, linewidth=0.7)
+    lower.margins(x=0.0)
+    lower.set(xlabel="time, ms", ylabel=unit)
+    caption = (
+        f"Above: amplitude spectrum of the record. Below: {PASSES_SHOWN:g} passes of rolling elements over a point of "
+        "the outer ring, about the largest value."
+    )
+    return save(figure, folder, "record", "Spectrum and excerpt of the record", caption)
+
+
+def _excerpt(judged: Judged) -> tuple[np.ndarray, np.ndarray]:
+    """Times, s, and values about the record's largest magnitude."""
+    signal = judged.signal
+    count = min(signal.values.size, int(PASSES_SHOWN / judged.diagnosis.lines["BPFO"] * signal.rate) + 1)
+    middle = int(np.argmax(np.abs(signal.values)))
+    first = min(max(0, middle - count // 2), signal.values.size - count)
+    return (first + np.arange(count)) / signal.rate, signal.values[first : first + count]
+
+
+def _thinned(x: np.ndarray, y: np.ndarray, top: float) -> tuple[np.ndarray, np.ndarray]:
+    """A curve up to `top`, its highest points kept."""
+    keep = x <= top
+    x, y = x[keep], y[keep]
+    each = max(1, int(np.ceil(x.size / MOST_POINTS)))
+    count = x.size // each
+    if each == 1:
+        return x, y
+    index = np.arange(count) * each + np.argmax(y[: count * each].reshape(count, each), axis=1)
+    return x[index], y[index]

@@ -1,0 +1,184 @@
+"""A check of one record, or of two beside each other: what is asked, what the bearing is, levels and verdicts."""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from lagrange.scene.operation import RPM
+from lagrange.scene.scene import Scene, parse_scene, read_scene
+from residual.errors import InputError
+from residual.measured.diagnosis import Diagnosis, Geometry, diagnose
+from residual.measured.signals import Signal, read_signal
+from residual.record import Record
+from residual.spectrum import Spectrum, power_spectrum, rms
+
+VELOCITY_BAND = (10.0, 1000.0)  # Hz, of ISO 20816
+MOST_PARTS = 1000  # of a ratio of rates
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How a record is read."""
+
+    rate: float | None = None
+    channel: str | None = None
+    unit: str | None = None
+    sensitivity: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question:
+    """The bearing and its speed, as an option says them; one way for the bearing."""
+
+    bearing: str | None = None
+    scene: Path | None = None
+    elements: int | None = None
+    element_diameter: float | None = None  # mm
+    pitch_diameter: float | None = None  # mm
+    contact_angle: float = 0.0  # rad
+    speed: float | None = None  # rpm
+    tolerance: float = 0.01
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Judged:
+    """A signal with its levels and verdict."""
+
+    signal: Signal
+    spectrum: Spectrum  # of the signal itself
+    diagnosis: Diagnosis
+    geometry: Geometry
+    shaft: float  # Hz, nominal
+    rms: float
+    crest: float  # largest magnitude over rms
+    kurtosis: float
+    velocity: float | None  # m/s rms in ISO 20816's band; None: of no acceleration
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Check:
+    """A record, and another beside it."""
+
+    path: Path
+    record: Judged
+    other: Judged | None
+
+
+def check_record(path: Path, against: Path | None, question: Question, options: Options) -> Check:
+    """Read and judge a record, and what it is compared with.
+
+    Errors
+    ------
+    InputError: a record, bearing or speed that can't be used.
+    """
+    record = _judged(path, question, options, None)
+    other = None if against is None else _judged(against, question, options, record)
+    return Check(path=path, record=record, other=other)
+
+
+def _judged(path: Path, question: Question, options: Options, beside: Judged | None) -> Judged:
+    """A file's record; a run brings its own bearing and speed, and takes the rate of what it stands beside."""
+    from residual.sources import is_result, read_result
+
+    if path.is_file() and path.suffix != ".mat" and is_result(path):
+        run = read_result(path)
+        own = Geometry.of(run.bearing), abs(run.mean_speed) / (2.0 * np.pi)
+        geometry, shaft = _bearing(question) or own[0], own[1]
+        if question.speed is not None and beside is None:
+            shaft = question.speed / 60.0
+        if beside is not None:
+            geometry = own[0]
+        signal = _of_run(path, run, None if beside is None else beside.signal.rate)
+    else:
+        if beside is not None and path.suffix.lower() == ".toml":
+            raise InputError(
+                f"--against {path}: a scene; run it by run-fem first and name its result file, since the checker knows "
+                "no solver"
+            )
+        asked = _bearing(question)
+        if asked is None:
+            raise InputError(
+                "the bearing is missing: add --bearing NU206, --scene SCENE.toml, or --elements, --element-diameter "
+                "and --pitch-diameter"
+            )
+        geometry, shaft = asked, _speed(question)
+        signal = read_signal(path, options.rate, options.channel, options.unit, options.sensitivity)
+    level = rms(signal.values)
+    diagnosis = diagnose(signal, geometry, shaft, question.tolerance)
+    spectrum = power_spectrum(signal.values, 1.0 / signal.rate, diagnosis.lines["FTF"])
+    return Judged(
+        signal=signal, spectrum=spectrum, diagnosis=diagnosis, geometry=geometry, shaft=shaft, rms=level,
+        crest=float(np.max(np.abs(signal.values))) / level, kurtosis=float(np.mean((signal.values / level) ** 4)),
+        velocity=_velocity(spectrum) if signal.unit == "m/s²" else None,
+    )  # fmt: skip
+
+
+def _bearing(question: Question) -> Geometry | None:
+    """The bearing that options give; None: none of them does."""
+    sizes = question.elements, question.element_diameter, question.pitch_diameter
+    ways = [question.bearing is not None, question.scene is not None, any(size is not None for size in sizes)]
+    if sum(ways) > 1:
+        raise InputError("--bearing, --scene and --elements say the same thing; leave all but one out")
+    if question.bearing is not None:
+        return Geometry.of(parse_scene({"bearing": {"designation": question.bearing}}, "--bearing").perfect_bearing())
+    if question.scene is not None:
+        return Geometry.of(_scene(question).perfect_bearing())
+    if not any(ways):
+        return None
+    count, diameter, pitch = sizes
+    if count is None or diameter is None or pitch is None:
+        raise InputError("--elements, --element-diameter and --pitch-diameter go together; add what is missing")
+    if not (3 <= count <= 400 and 0.0 < diameter < pitch < 1e5 and abs(question.contact_angle) < 0.5 * np.pi):
+        raise InputError(
+            f"--elements {count}, --element-diameter {diameter:g}, --pitch-diameter {pitch:g}: no bearing; at least 3 "
+            "elements, smaller than the pitch diameter, and a contact angle below 90 degrees"
+        )
+    return Geometry(
+        elements=count, element_diameter=1e-3 * diameter, pitch_diameter=1e-3 * pitch,
+        contact_angle=question.contact_angle,
+    )  # fmt: skip
+
+
+def _scene(question: Question) -> Scene:
+    return read_scene(question.scene)
+
+
+def _speed(question: Question) -> float:
+    """The shaft's frequency, Hz: as given, else the scene's."""
+    if question.speed is not None:
+        return question.speed / 60.0
+    if question.scene is None:
+        raise InputError("the speed is missing: add --speed and the shaft's rpm")
+    return abs(_scene(question).operation.speed_rpm) * RPM / (2.0 * np.pi)
+
+
+def _of_run(path: Path, run: Record, rate: float | None) -> Signal:
+    """Acceleration along y of a run: of its sensor, else its housing, else its hub; at most at a rate, Hz."""
+    found = {
+        "sensor": run.sensor_ay, "housing": run.housing_ay, "outer ring": run.outer_ring_ay, "hub": run.inner_ay,
+    }  # fmt: skip
+    body, values = next(((name, values) for name, values in found.items() if values is not None), ("", None))
+    if values is None:
+        raise InputError(
+            f"{path}: a run without accelerations; a housing with a sensor gives them, see docs/supports.md"
+        )
+    own, notes = 1.0 / run.interval, []
+    if rate is not None and rate < own:
+        from scipy.signal import resample_poly
+
+        ratio = Fraction(rate / own).limit_denominator(MOST_PARTS)
+        values, own = resample_poly(values, ratio.numerator, ratio.denominator), own * float(ratio)
+        notes.append(f"The run was brought to {own:.6g} samples per second.")
+    return Signal(name=f"{path.name}, {body}", values=values - values.mean(), rate=own, unit="m/s²", notes=tuple(notes))
+
+
+def _velocity(spectrum: Spectrum) -> float | None:
+    """Vibration velocity, m/s rms, in ISO 20816's band; None: the record is too short or too slow for it."""
+    low, high = VELOCITY_BAND
+    if spectrum.resolution > 0.5 * low or spectrum.frequency[-1] < high:
+        return None
+    inside = (spectrum.frequency >= low) & (spectrum.frequency <= high)
+    of_velocity = spectrum.psd[inside] / (2.0 * np.pi * spectrum.frequency[inside]) ** 2
+    return float(np.sqrt(np.sum(of_velocity) * spectrum.resolution))

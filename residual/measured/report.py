@@ -1,0 +1,203 @@
+"""What check-vibration prints and writes: the verdict first, the evidence beside it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from lagrange.files.pages import load_matplotlib, render_page
+from lagrange.messages import G, shown
+from lagrange.version import VERSION
+from residual.formatting import hertz, text
+from residual.measured.checks import Check, Judged
+from residual.measured.diagnosis import BODIES, CLEAR, DECOYS, DEEP, Finding
+from residual.store import write_folder
+
+PROGRAM = "check-vibration"
+TEMPLATE = Path(__file__).parents[1] / "templates" / "vibration.html.j2"
+HEADLINES = {
+    "outer_ring": "The outer ring is damaged.",
+    "inner_ring": "The inner ring is damaged.",
+    "rolling_element": "A rolling element is damaged.",
+    "trace": "A trace: a line of the bearing, too faint for damage.",
+    "uncertain": "Uncertain: what stands out does not carry a verdict.",
+    "none": "No sign of damage.",
+}
+NO_WIDTH = "the width of a damage is not estimated from an envelope: pulses of 0.3 and 3 mm can leave the same lines"
+NOT_ASKED = "no ring is accused"
+
+
+def write_check(check: Check, folder: Path, figures: bool = True) -> dict:
+    """Write vibration.html, figures and summary.json into a folder that appears whole or not at all.
+
+    Errors
+    ------
+    InputError: the folder holds something else. OSError: it can't be written.
+    """
+
+    def fill(fresh: Path) -> dict:
+        drawn = []
+        if figures:
+            load_matplotlib()
+            from residual.figures.measured import measured_figures
+
+            drawn = measured_figures(check, fresh)
+        from residual.report import embedded
+
+        record, found = check.record, check.record.diagnosis
+        page = render_page(
+            TEMPLATE, name=record.signal.name, version=VERSION, headline=HEADLINES[found.verdict],
+            reasons=found.reasons, notes=notes(record), facts=facts(check), findings=findings(check),
+            lines=line_rows(record), comparison=comparison(check),
+            other=None if check.other is None else check.other.signal.name,
+            gates=(DECOYS, CLEAR, DEEP), figures=[(figure, embedded(figure)) for figure in drawn],
+        )  # fmt: skip
+        (fresh / "vibration.html").write_text(page, encoding="utf-8")
+        summary = summarise(check) | {"files": sorted({path.name for path in fresh.iterdir()} | {"summary.json"})}
+        said = json.dumps(summary, indent=1, allow_nan=False, ensure_ascii=False)
+        (fresh / "summary.json").write_text(said + "\n", encoding="utf-8")
+        return summary
+
+    return write_folder(folder, fill, PROGRAM)
+
+
+def print_check(check: Check, folder: Path) -> None:
+    """Print the verdict, what it rests on, and where the page is."""
+    found = check.record.diagnosis
+    print(f"Verdict: {found.verdict}. {HEADLINES[found.verdict]}")
+    for sentence in (*found.reasons, *notes(check.record)):
+        print(f"  {shown(sentence)}")
+    for row in findings(check):
+        print(f"  {row[0]:6} {row[1]:>9} Hz by kinematics, {row[2]:>9} found; depth {row[4]}, σ {row[5]}, p {row[6]}")
+    for name, value in facts(check):
+        print(f"{name + ':':18} {shown(value)}")
+    for row in comparison(check):
+        print(f"{row[0] + ':':34} {row[1]:>12}   {row[2]:>12}")
+    print(f"Page: {shown(folder / 'vibration.html')}")
+
+
+def notes(judged: Judged) -> list[str]:
+    """What is wrong with the record, and what it does not resolve."""
+    return [*judged.signal.notes, *judged.diagnosis.notes]
+
+
+def facts(check: Check) -> list[tuple[str, str]]:
+    """The record in words."""
+    judged, signal, found = check.record, check.record.signal, check.record.diagnosis
+    unit = f" {signal.unit}" if signal.unit else ", in the file's own unit"
+    level = f"{text(judged.rms)}{unit} rms"
+    if signal.unit == "m/s²":
+        level += f" ({text(judged.rms / G, 3)} g)"
+    level += f", crest factor {text(judged.crest, 3)}, kurtosis {text(judged.kurtosis, 3)}"
+    if judged.velocity is not None:
+        level += f"; velocity {text(1e3 * judged.velocity, 3)} mm/s rms (10–1000 Hz, ISO 20816)"
+    lines = ", ".join(f"{name} {text(found.lines[name], 5)}" for name in ("FTF", *BODIES))
+    return [
+        ("Record", f"{signal.name}: {text(signal.duration, 4)} s at {hertz(signal.rate, 5)}"),
+        ("Level", level),
+        ("Speed", f"{text(60.0 * found.shaft, 5)} rpm, {found.shaft_from}; nominal {text(60.0 * judged.shaft, 5)} rpm"),
+        ("Lines, Hz", f"{lines}; resolution {text(found.spectrum.resolution, 3)}"),
+        ("Width", f"not measurable: {width_reason(judged)}"),
+    ]
+
+
+def width_reason(judged: Judged) -> str:
+    """Why no width is told."""
+    return NO_WIDTH if judged.diagnosis.verdict in ("outer_ring", "inner_ring") else NOT_ASKED
+
+
+def findings(check: Check) -> list[tuple[str, ...]]:
+    """Frequencies, depth, prominence and chance of each part of the bearing, most prominent first."""
+    return [
+        (each.name, text(each.expected, 5), text(each.found, 5), f"{100.0 * (each.found / each.expected - 1.0):+.2f} %",
+         text(each.depth, 2), text(each.clear, 3), text(each.p, 2), _sidebands(each))
+        for each in check.record.diagnosis.findings
+    ]  # fmt: skip
+
+
+def _sidebands(finding: Finding) -> str:
+    return "-" if finding.sidebands is None else text(finding.sidebands, 2)
+
+
+def line_rows(judged: Judged) -> list[tuple[str, ...]]:
+    """Harmonics of the most prominent part."""
+    return [
+        (line.name, text(line.expected, 5), text(line.found, 5), text(line.level, 3), text(line.depth, 2))
+        for line in judged.diagnosis.findings[0].lines
+    ]
+
+
+def comparison(check: Check) -> list[tuple[str, str, str]]:
+    """Levels and lines of both records; none where there is one."""
+    if check.other is None:
+        return []
+    pair = check.record, check.other
+    name = check.record.diagnosis.findings[0].name
+    same = [next(each for each in judged.diagnosis.findings if each.name == name) for judged in pair]
+
+    def row(label: str, values: Any, digits: int = 3) -> tuple[str, str, str]:
+        first, second = ("-" if value is None else text(value, digits) for value in values)
+        return label, first, second
+
+    unit = check.record.signal.unit if check.record.signal.unit == check.other.signal.unit else "own units"
+    return [
+        ("verdict", pair[0].diagnosis.verdict, pair[1].diagnosis.verdict),
+        row(f"rms, {unit}", (judged.rms for judged in pair)),
+        row("kurtosis", (judged.kurtosis for judged in pair)),
+        row("crest factor", (judged.crest for judged in pair)),
+        row(f"{name}, Hz", (each.found for each in same), 5),
+        row(f"{name} per turn of the shaft", (f.found / j.diagnosis.shaft for f, j in zip(same, pair, strict=True)), 4),
+        row(f"depth of {name}", (each.depth for each in same), 2),
+        row("second over first harmonic", (_second(each) for each in same), 2),
+        row("sidebands over first line", (each.sidebands for each in same), 2),
+        row("σ above other frequencies", (each.clear for each in same), 3),
+    ]
+
+
+def _second(finding: Finding) -> float | None:
+    depths = [line.depth for line in finding.lines]
+    return depths[1] / depths[0] if len(depths) > 1 and depths[0] > 0.0 else None
+
+
+def summarise(check: Check) -> dict:
+    """Content of summary.json."""
+    judged, found = check.record, check.record.diagnosis
+    return {
+        "program": PROGRAM,
+        "program_version": VERSION,
+        "record": shown(check.path.name),
+        **_told(judged),
+        "width_mm": None,
+        "width_interval_mm": None,
+        "width_reason": width_reason(judged),
+        "resolution_Hz": found.spectrum.resolution,
+        "against": None if check.other is None else {"record": shown(check.other.signal.name), **_told(check.other)},
+    }
+
+
+def _told(judged: Judged) -> dict:
+    """Verdict, lines and levels of one record."""
+    found, unit = judged.diagnosis, {"m/s²": "m_s2", "m/s": "m_s"}.get(judged.signal.unit, "own_unit")
+    return {
+        "verdict": found.verdict,
+        "reasons": list(found.reasons),
+        "notes": notes(judged),
+        "lines": [
+            {"name": line.name, "expected_Hz": line.expected, "found_Hz": line.found, "level": line.level, "p": each.p,
+             "depth": line.depth}
+            for each in found.findings for line in each.lines
+        ],
+        "parts": [
+            {"name": each.name, "expected_Hz": each.expected, "found_Hz": each.found, "p": each.p, "clear": each.clear,
+             "depth": each.depth, "sidebands": each.sidebands}
+            for each in found.findings
+        ],
+        "speed_rpm": 60.0 * found.shaft,
+        "speed_from": found.shaft_from,
+        "kinematic_lines_Hz": found.lines,
+        "rate_Hz": judged.signal.rate,
+        "seconds": judged.signal.duration,
+        f"rms_{unit}": judged.rms,
+        "crest": judged.crest,
+        "kurtosis": judged.kurtosis,
+        "velocity_mm_s": None if judged.velocity is None else 1e3 * judged.velocity,
+    }  # fmt: skip

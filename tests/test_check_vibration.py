@@ -1,0 +1,157 @@
+"""The command check-vibration: verdict, summary.json, page, comparison, refusals."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from residual.check_vibration import main
+from residual.measured.diagnosis import BODIES, Geometry
+from residual.measured.synthetic import synthetic_record
+
+NU206 = ("--bearing", "NU206", "--speed", "1480")
+SHAFT = 1480.0 / 60.0  # Hz
+GEOMETRY = Geometry(elements=13, element_diameter=9e-3, pitch_diameter=46.5e-3)  # as NU206's in the catalogue
+CONTRACT = {
+    "verdict", "lines", "width_mm", "width_interval_mm", "width_reason", "speed_rpm",
+}  # fmt: skip
+OF_LINES = {"name", "expected_Hz", "found_Hz", "level", "p", "depth"}
+
+
+def written(path, fault="BPFO", strength=1.0, seed=4):
+    truth = synthetic_record(np.random.default_rng(seed), GEOMETRY, SHAFT, fault, strength, duration=1.0)
+    np.savez(path, acc=truth.signal.values, rate=truth.signal.rate)
+    return truth
+
+
+@pytest.fixture(scope="module")
+def checked(tmp_path_factory):
+    """A damaged record against a healthy one: folder and truth."""
+    folder = tmp_path_factory.mktemp("records")
+    truth = written(folder / "today.npz")
+    written(folder / "healthy.npz", None, 0.0)
+    code = main(
+        [str(folder / "today.npz"), *NU206, "--unit", "g", "--against", str(folder / "healthy.npz"),
+         "--output", str(folder / "report"), "--quiet"]
+    )  # fmt: skip
+    assert code == 0
+    return folder / "report", truth
+
+
+def test_summary_holds_what_is_promised(checked):
+    folder, truth = checked
+    summary = json.loads((folder / "summary.json").read_text())
+    assert set(summary) >= CONTRACT
+    assert all(set(line) == OF_LINES for line in summary["lines"])
+    assert summary["verdict"] == "outer_ring"
+    first = summary["lines"][0]
+    assert first["name"] == "BPFO"
+    assert first["expected_Hz"] == pytest.approx(GEOMETRY.lines(SHAFT)["BPFO"], rel=2e-4)
+    assert first["found_Hz"] == pytest.approx(truth.line, rel=3e-3)
+    assert summary["speed_rpm"] == pytest.approx(1480.0, rel=0.012)
+    assert summary["width_mm"] is None and summary["width_reason"]
+    assert summary["against"]["verdict"] == "none"
+    assert set(summary["files"]) == {path.name for path in folder.iterdir()}
+
+
+def test_page_says_the_verdict_first_and_fetches_nothing(checked):
+    page = (checked[0] / "vibration.html").read_text()
+    body = page[page.index("<body>") :]
+    assert body.index("The outer ring is damaged.") < body.index("Evidence") < body.index("Comparison")
+    assert body.count("data:image/") == 2
+    assert "http" not in body.replace("http://www.w3.org", "")
+
+
+def test_level_is_in_the_unit_of_the_record(checked):
+    folder, truth = checked
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["rms_m_s2"] == pytest.approx(9.80665 * float(np.std(truth.signal.values)), rel=1e-9)
+
+
+def test_velocity_of_one_tone_is_its_acceleration_over_its_frequency(tmp_path):
+    time = np.arange(51_200) / 25_600.0
+    rng = np.random.default_rng(2)
+    tone = 3.0 * np.cos(2.0 * np.pi * 100.0 * time) + 1e-3 * rng.standard_normal(time.size)  # m/s²
+    np.savez(tmp_path / "tone.npz", acc=tone, rate=25_600.0)
+    assert main([str(tmp_path / "tone.npz"), *NU206, "--unit", "m/s2", "--no-figures", "--quiet"]) == 0
+    summary = json.loads((tmp_path / "tone-vibration" / "summary.json").read_text())
+    assert summary["velocity_mm_s"] == pytest.approx(1e3 * 3.0 / np.sqrt(2.0) / (2.0 * np.pi * 100.0), rel=5e-3)
+
+
+@pytest.mark.parametrize("fault", [None, *BODIES])
+def test_verdict_is_printed_first(fault, tmp_path, capsys):
+    written(tmp_path / "record.npz", fault, 1.0 if fault else 0.0)
+    assert main([str(tmp_path / "record.npz"), *NU206, "--no-figures"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith(f"Verdict: {BODIES[fault] if fault else 'none'}. ")
+    assert f"Page: {tmp_path / 'record-vibration' / 'vibration.html'}" in told
+
+
+def test_sizes_of_a_bearing_do_as_well_as_its_name(tmp_path):
+    written(tmp_path / "record.npz")
+    found = []
+    sizes = ["--elements", "13", "--element-diameter", "9", "--pitch-diameter", "46.5", "--speed", "1480"]
+    for options in (NU206, sizes):
+        assert main([str(tmp_path / "record.npz"), *options, "--no-figures", "--quiet"]) == 0
+        found.append(json.loads((tmp_path / "record-vibration" / "summary.json").read_text())["lines"][0]["found_Hz"])
+    assert found[0] == pytest.approx(found[1], rel=2e-3)
+
+
+def test_scene_gives_bearing_and_speed(tmp_path):
+    written(tmp_path / "record.npz")
+    scene = tmp_path / "motor.toml"
+    scene.write_text('bearing.designation = "NU206"\noperation.speed_rpm = -1480.0\n')
+    assert main([str(tmp_path / "record.npz"), "--scene", str(scene), "--no-figures", "--quiet"]) == 0
+    summary = json.loads((tmp_path / "record-vibration" / "summary.json").read_text())
+    assert summary["verdict"] == "outer_ring"
+
+
+REFUSED = {
+    "no bearing": (["--speed", "1480"], "the bearing is missing"),
+    "no speed": (["--bearing", "NU206"], "the speed is missing"),
+    "two bearings": (["--bearing", "NU206", "--elements", "9", "--speed", "1"], "leave all but one out"),
+    "half a bearing": (["--elements", "9", "--speed", "1480"], "go together"),
+    "no such bearing": (["--bearing", "NU9", "--speed", "1480"], "not in the table"),
+    "impossible sizes": (
+        ["--elements", "9", "--element-diameter", "50", "--pitch-diameter", "40", "--speed", "1"],
+        "no bearing",
+    ),
+    "tolerance": ([*NU206, "--speed-tolerance", "much"], "must be a number of per cent"),
+    "wide tolerance": ([*NU206, "--speed-tolerance", "50%"], "from 0 to 10%"),
+    "slow": (["--bearing", "NU206", "--speed", "1"], "passes of rolling elements"),
+    "scene against": ([*NU206, "--against", "scene.toml"], "run it by run-fem first"),
+    "missing against": ([*NU206, "--against", "none.csv"], "No such file"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_unusable_input_is_refused_in_one_line(case, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    written(tmp_path / "record.npz")
+    options, words = REFUSED[case]
+    assert main(["record.npz", *options]) == 2
+    told = capsys.readouterr().err
+    assert words in told and told.startswith("error: ") and told.count("\n") == 1
+    assert not (tmp_path / "record-vibration").exists()
+
+
+def test_foreign_folder_is_not_touched(tmp_path, capsys):
+    written(tmp_path / "record.npz")
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "letter.txt").write_text("dear")
+    assert main([str(tmp_path / "record.npz"), *NU206, "--output", str(tmp_path / "mine")]) == 2
+    assert "no report of check-vibration" in capsys.readouterr().err
+    assert (tmp_path / "mine" / "letter.txt").read_text() == "dear"
+
+
+def test_help_loads_no_heavy_library():
+    heavy = ["numpy", "scipy", "matplotlib", "h5py", "pydantic"]
+    program = (
+        "import sys; from residual.check_vibration import app\n"
+        "app(['--help'], exit_on_error=False)\n"
+        f"print('loaded', *(name for name in {heavy!r} if name in sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.splitlines()[-1].split() == ["loaded"], done.stderr

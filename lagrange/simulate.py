@@ -8,7 +8,6 @@ dampers, and a sensor's motion, so that the energy balances to the tolerance.
 from typing import Literal
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
 from lagrange.bearing import Bearing, Cage, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping
@@ -135,6 +134,8 @@ def simulate(
     ValueError: impossible arguments; a free cage, whose Coulomb friction is no smooth function of the motion.
     RuntimeError: no equilibrium to start from; the integrator finds no step.
     """
+    from scipy.integrate import solve_ivp  # which commands that import this package load without
+
     if not (duration >= 0.0 and interval > 0.0):
         raise ValueError(f"duration = {duration}, interval = {interval}: at least 0, and positive")
     problem = Problem(

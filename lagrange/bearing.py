@@ -183,9 +183,6 @@ class Operation:
         return self.course is not None and self.course.varies_speed
 
 
-# The cage as a rigid body in the plane: a fact of the bearing, beside its rings and rollers.
-
-
 Guidance = Literal["rollers", "inner_ring", "outer_ring"]
 
 

@@ -3,9 +3,12 @@
 An overlap is >= 0 where the circles touch and < 0 where a gap is left. Each form is here once. `overlaps` takes
 positions in x and y: records, and finite elements that add their own displacements. `polar_overlaps` keeps all digits
 of an overlap of nanometres, where `overlaps` is off by 1e-17 m: forces then are exact to 1e-14. `touching_distances`
-are the constants of the shortest form, reach − χ and ρ − track, for loops in which each array operation counts.
+are the constants of the shortest form, reach − χ and ρ − track, of compiled loops.
 
 Where surfaces are not perfect their sinkage σ comes off the overlaps, and derivatives are those of χ + σ.
+
+Source: Rubio, García Prada, Castejón, Laniado, Dynamic analysis of rolling bearing system using Lagrangian model vs.
+FEM code (IFToMM 2007), with the signs put right: y points up, the load W acts along −y.
 """
 
 from dataclasses import dataclass, replace
@@ -134,12 +137,6 @@ def touching_distances(bearing: Bearing) -> tuple[float, float]:
         bearing.inner_raceway_radius + bearing.roller_radius,
         bearing.outer_raceway_radius - bearing.roller_radius,
     )
-
-
-# Geometry (19), (26), (27) and the inner ring's equations of motion (22), (23), vectorised over time.
-#
-# Source: Rubio, García Prada, Castejón, Laniado, Dynamic analysis of rolling bearing system using Lagrangian model
-# vs. FEM code (IFToMM 2007), with the signs put right: y points up, the load W acts along −y.
 
 
 def approaches(bearing: Bearing, inner_x, inner_y, roller_x, roller_y, turns: Turns | None = None) -> Overlaps:

@@ -139,9 +139,6 @@ def _weight_on_springs(bearing: Bearing, operation: Operation) -> float:
     return 0.0 if housing is None else operation.gravity * (housing.mass + bearing.outer_ring_mass)
 
 
-# What is solved: a bearing at an operating point under contact laws, the model's choices, and where it starts.
-
-
 @dataclass(frozen=True, kw_only=True)
 class Problem:
     """One motion to be found; the parameters are those of `lagrange.simulate`.

@@ -55,15 +55,6 @@ class Course:
         out, back = self.unbalance * speed**2, self.unbalance * gain
         return along_x + out * cosine + back * sine + x, along_y + out * sine - back * cosine + y
 
-    def force_rate(self, time) -> tuple[Any, Any]:
-        """Of that, N/s."""
-        along_x, along_y = np.moveaxis(self.load(time, 1), -1, 0)
-        speed, gain, jerk = self.speed(time), self.speed(time, 1), self.speed(time, 2)
-        cosine, sine = self._heavy_side(time)
-        x, y = self._rotating(time)
-        out, ahead = 3.0 * self.unbalance * speed * gain, self.unbalance * (speed**3 - jerk)
-        return along_x + out * cosine - ahead * sine - speed * y, along_y + out * sine + ahead * cosine + speed * x
-
     def _heavy_side(self, time):
         angle = self.turn(time) + self.unbalance_angle
         return np.cos(angle), np.sin(angle)
@@ -159,20 +150,9 @@ def points_of(text: str, names: tuple[str, ...], largest: float, decimal: str = 
     return time, values
 
 
-# A load that grows from nothing by half a cosine, without a jump in its rate.
-
-
 def load_share(time, ramp: float):
     """Share of the load that acts at a time, s, 0 to 1; any shape. Without a ramp (0 s) all of it."""
     time = np.asarray(time, dtype=float)
     if ramp <= 0.0:
         return np.ones_like(time)
     return 0.5 * (1.0 - np.cos(pi * np.clip(time / ramp, 0.0, 1.0)))
-
-
-def load_share_rate(time, ramp: float):
-    """Rate of `load_share`, 1/s."""
-    time = np.asarray(time, dtype=float)
-    if ramp <= 0.0:
-        return np.zeros_like(time)
-    return 0.5 * pi / ramp * np.sin(pi * np.clip(time / ramp, 0.0, 1.0))

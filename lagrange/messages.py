@@ -1,4 +1,7 @@
-"""What commands print of files and values that may be anything, and the units that engineers read."""
+"""What commands print of files and values that may be anything, and the units that engineers read.
+
+Such text is printable, not endless, and no reason to fail.
+"""
 
 import os
 import sys
@@ -21,11 +24,6 @@ ENGINEERING = {  # by the SI unit: the factor, and the unit that numbers printed
 def engineering(unit: str) -> tuple[float, str]:
     """Factor from an SI unit, as result files spell it, to the one that people read, and its name; "" of a ratio."""
     return ENGINEERING.get(unit, (1.0, unit))
-
-
-# What commands print of files and values that may be anything: printable, not endless, and no reason to fail.
-#
-# Stands on the ground floor, as `stored` does: the commands of solver and checker share it.
 
 
 MOST_LINES, LONGEST_LINE = 60, 1200

@@ -1,8 +1,9 @@
-"""The N_b + 2 equations of motion (21)-(23), the θ equation the paper lacks, and accelerations from them.
+"""The N_b + 2 equations of motion (21)-(23), the θ equation the paper lacks, accelerations from them, and energies.
 
 Every function works on one instant or on many: hub quantities are (...,), those of the rolling elements
-(..., n_rollers). y points up, the load W acts along −y. The signs are those of Lagrange's equations of T and V in
-`energy`.
+(..., n_rollers). y points up, the load W acts along −y. The signs are those of Lagrange's equations of T and V.
+Inner ring and motor shaft move as one mass M = m_in + m_R. Rotation is kept apart: by the kinematics it follows from
+the shaft's speed, and no equation of motion feels it.
 """
 
 from dataclasses import dataclass
@@ -199,8 +200,8 @@ def accelerations(
 
     The equations are linear in the accelerations, and each holds one of them. With angles from kinematics (20) leave
     θ̈ unused: it is what the element would do without a cage, and m ρ (ω̇ − θ̈) the force along the pitch circle that
-    keeps it from that. ẍ, ÿ are those in the fixed frame; ρ̈, θ̈ are about the
-    outer ring's centre, whose own Ẍ, Ÿ, (...,), m/s², are `ring_acceleration`.
+    keeps it from that. ẍ, ÿ are those in the fixed frame; ρ̈, θ̈ are about the outer ring's centre, whose own
+    Ẍ, Ÿ, (...,), m/s², are `ring_acceleration`.
     """
     error_x, error_y = hub_equations(operation, state, contacts, 0.0, 0.0)
     x, y = (np.asarray(each)[..., None] for each in ring_acceleration)
@@ -213,13 +214,6 @@ def accelerations(
         -radial / m,
         -angular / (m * state.rho**2),
     )
-
-
-# Kinetic and potential energy: equations (2), (3), (14)-(17) of the paper.
-#
-# The paper's sums over inner ring, motor and rolling elements; inner ring and motor shaft move as one mass
-# M = m_in + m_R. Rotation is kept apart: by the kinematics it follows from the shaft's speed, and no equation
-# of motion feels it.
 
 
 def kinetic_energy(bearing: Bearing, operation: Operation, state: State) -> np.ndarray:

@@ -73,9 +73,6 @@ def _stiffness(bearing: Bearing, operation: Operation) -> tuple[float, float]:
     return inner, outer
 
 
-# How long a time step may be: from the stiffest mode, an element between its contacts.
-
-
 STEP = 2.0  # of 1/ω of the stiffest mode: its frequency then is 0.05 % off, the hub's 1e-6
 DAMPED_STEP = 0.3
 OVERLOAD = 2.0  # the stiffest mode is estimated at this many times the largest static force
@@ -247,9 +244,6 @@ def contact_speed(problem: Problem) -> float:
     """Of contacts along the surfaces at the highest speed of the run, m/s."""
     ideal = kinematics(problem.bearing, problem.operation.fastest)
     return abs(ideal.roller - ideal.cage) * problem.bearing.roller_radius
-
-
-# When contacts are near faults: elsewhere circles are perfect, and steps may be longer.
 
 
 GIVE = 0.05  # of a roller's radius: further than twice the clearance and this no elastic contact lets a hub go

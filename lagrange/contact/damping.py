@@ -24,11 +24,6 @@ class ContactDamping:
     def acts(self) -> bool:
         return self != UNDAMPED
 
-    @property
-    def follows_forces(self) -> bool:
-        """Whether a contact's damper depends on its force."""
-        return self.time > 0.0 or self.hunt_crossley > 0.0
-
     def coefficient(self, force, stiffness):
         """N s/m, of contacts under spring forces, N, that are so stiff, N/m; any shape."""
         return self.constant + self.time * stiffness + 1.5 * self.hunt_crossley * force

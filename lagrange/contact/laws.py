@@ -1,6 +1,8 @@
 """Contact laws Q(δ) of one contact that need no raceway: empirical ones of rollers, Hertz of a ball in a groove.
 
-Laws that know the raceways or the material are in `raceway_laws`; those of balls in `laws`.
+Laws that know the raceways or the material are in `raceway_laws`. Hertz's point contact is that of equations (4) to
+(11) of the paper for any material; the constants 2.79e-4 and 2.15e5 that Harris and the paper print (N, mm) belong to
+E = 207 GPa, ν = 0.3 on both sides.
 """
 
 from dataclasses import dataclass
@@ -111,11 +113,6 @@ def roller_law(name: str, roller_length: float) -> PowerLaw:
     if name not in LAWS:
         raise ValueError(f"unknown contact law {name!r}; known: {', '.join(sorted(LAWS))}")
     return LAWS[name](roller_length)
-
-
-# Hertz point contact of a ball in a groove: equations (4) to (11) of the paper, for any material.
-#
-# The constants 2.79e-4 and 2.15e5 that Harris and the paper print (N, mm) belong to E = 207 GPa, ν = 0.3 on both sides.
 
 
 Side = Literal["inner", "outer"]

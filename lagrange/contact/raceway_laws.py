@@ -1,4 +1,7 @@
-"""Contact laws that know the bearing: raceway radii, ring thickness, material; and the choice of a law by name."""
+"""Contact laws that know the bearing: raceway radii, ring thickness, material; and the choice of a law by name.
+
+Line contact of two circles is Hertz's. Source: Johnson, Contact Mechanics (1985), chapter 4.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,10 +13,6 @@ import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Material
 from lagrange.contact.laws import LAWS, PowerLaw, ball_law
-
-# Two circles pressed together along a line: which they are, and Hertz's theory of their contact.
-#
-# Source: Johnson, Contact Mechanics (1985), chapter 4.
 
 
 def line_compliance(material: Material, length: float) -> float:

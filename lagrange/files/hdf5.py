@@ -3,6 +3,11 @@
 HDF5 2.0 keeps what it could not write and crashes on it later, at the latest when the process ends. Here it never
 learns of a failure: the first one is kept, nothing more is written, and it is raised once HDF5 has closed the file.
 Variables with dimension scales, a unit and a meaning make such a file valid NetCDF-4.
+
+A file that is read may be damaged, or made to mislead or to harm. The HDF5 library itself may crash or never return, so
+`refusal_in_child` makes the first attempt in a child process. `read_numbers` takes nothing but plain arrays of the file
+at hand: no links into other files, no filters that the library would load code for, no chunks or shapes far beyond the
+data there are. Solver and checker both read result files and don't know each other.
 """
 
 import faulthandler
@@ -81,9 +86,7 @@ def dimension(file: "h5py.File", name: str, size: int) -> None:
     file.create_dataset(name, shape=(size,), dtype=">f4").make_scale(NO_VARIABLE.format(size))
 
 
-def variable(
-    file: "h5py.File", name: str, values: Any, dimensions: tuple[str, ...], unit: str, long_name: str
-) -> None:
+def variable(file: "h5py.File", name: str, values: Any, dimensions: tuple[str, ...], unit: str, long_name: str) -> None:
     """Add numbers, or words (dtype object), along dimensions that the file has; along its own name: a coordinate."""
     values = np.asarray(values)
     if values.dtype == object:
@@ -104,14 +107,6 @@ def label(file: "h5py.File", name: str, dimensions: tuple[str, ...], unit: str, 
         return
     for axis, each in enumerate(dimensions):
         data.dims[axis].attach_scale(file[each])
-
-
-# Numbers out of HDF5 files that may be anything: damaged, made to mislead, or made to harm.
-#
-# Stands on the ground floor, as the scene does: solver and checker both read result files and don't know each other.
-# The HDF5 library itself may crash or never return on a damaged file, so `refusal_in_child` makes the first attempt in
-# a child process. `read_numbers` takes nothing but plain arrays of the file at hand: no links into other files, no
-# filters that the library would load code for, no chunks or shapes far beyond the data there are.
 
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"  # an HDF5 file's first bytes

@@ -1,6 +1,9 @@
 """Files that users and other files name: read whole, or refused in a few words; tables of numbers in them.
 
-Stands on the ground floor: scenes, their tables, studies and what is kept on disk are read here.
+Stands on the ground floor: scenes, their tables, studies and what is kept on disk are read here. Columns of numbers
+have comma, tab, semicolon or blanks between them, as the header has; # begins a comment. Numbers are written with ASCII
+digits and without marks of thousands; their decimal sign is a key of whoever names the file, since
+1,5 and 1.500 are not the same number everywhere. Heights of a surface stand in columns angle_deg and height_um.
 """
 
 import csv
@@ -68,12 +71,6 @@ def plain_text(path: str | Path, most: int) -> str:
 
 def _without_waiting(path: str, flags: int) -> int:
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
-
-
-# Columns of numbers in a text: comma, tab, semicolon or blanks between them, as the header has; # begins a comment.
-#
-# Numbers are written with ASCII digits and without marks of thousands; their decimal sign is a key of whoever names the
-# file, since 1,5 and 1.500 are not the same number everywhere.
 
 
 LARGEST_FILE = 4 * 2**20  # bytes
@@ -206,11 +203,6 @@ def _rows(lines: list[str], delimiter: str | None) -> Iterator[list[str]]:
         yield from csv.reader(lines, delimiter=delimiter)
     except csv.Error as error:
         raise ValueError(f"a row can't be read: {error}") from None
-
-
-# Heights of a surface around its circle, as an instrument has measured them: a text table of angles and heights.
-#
-# One header line with the columns angle_deg and height_um: see `input`.
 
 
 ANGLE, HEIGHT = "angle_deg", "height_um"

@@ -2,7 +2,8 @@
 
 Stands on the ground floor, as `input` does: solver, checker and studies write by `replaced`. A file is made
 under a drawn name of this program's own beside its place, and then moved there. No name is foreseeable, so nothing can
-have been laid in its way; `remove_left` takes away what killed processes have left under such names.
+have been laid in its way; `remove_left` takes away what killed processes have left under such names. Meshes, assembled
+matrices and compiled kernels are sealed by a digest: a file that is cut, zeroed or has a flipped bit is known.
 """
 
 import errno
@@ -89,11 +90,6 @@ def remove_left(path: Path) -> None:
 def _start(path: Path) -> str:
     """What the names of its parts begin with, of one length, so that a name that the disk takes has parts."""
     return f".roller-bearing-{hashlib.sha256(os.fsencode(path.name)).hexdigest()[:8]}-"
-
-
-# Files that appear whole or not at all, sealed by a digest: one that is cut, zeroed or has a flipped bit is known.
-#
-# Stands on the ground floor, as `stored` does: meshes, assembled matrices and compiled kernels are kept in such files.
 
 
 _SIZE = hashlib.sha256().digest_size

@@ -32,12 +32,6 @@ def load_matplotlib() -> None:
                 os.environ[name] = value
 
 
-# What pages of the commands share: how a template becomes one file, their look, and uPlot, which draws what can be
-# looked into.
-#
-# Stands on the ground floor, as `messages` does: a report is the checker's, a live page the solver's.
-
-
 if TYPE_CHECKING:
     from markupsafe import Markup
 

@@ -221,9 +221,6 @@ class BodiesTable(Table):
         return tuple(name for name in type(self).model_fields if getattr(self, name) == "rigid")
 
 
-# The scene file's [lubricant]: a film between rollers and raceways.
-
-
 class LubricantTable(Table):
     """A film that takes up gap, as thick as Dowson and Higginson's under the largest static load of a raceway."""
 
@@ -240,9 +237,6 @@ class LubricantTable(Table):
             pressure_viscosity=self.pressure_viscosity_1_Pa,
             traction_coefficient=self.traction_coefficient,
         )
-
-
-# The scene's table [cage].
 
 
 MM = 1e-3

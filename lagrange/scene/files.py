@@ -88,9 +88,6 @@ def _text(named: _Named, path: Path) -> str:
         raise ValueError(f"{named.described}: {error}{hint}") from None
 
 
-# TOML text as nested tables, and values put under dotted keys of them, as --set and studies do.
-
-
 LONGEST_TEXT = 2**20  # characters of a scene
 
 

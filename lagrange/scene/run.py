@@ -116,9 +116,6 @@ class OutputTable(Table):
     )
 
 
-# The scene file's [damping]: what takes energy out of contacts and bodies beside friction.
-
-
 CONTACT_LAWS = ("contact_N_s_m", "contact_time_us", "hunt_crossley_s_m")
 FORMER = "damping_N_s_m"  # of [lagrange], before all models had dampers: scenes of older results have it
 

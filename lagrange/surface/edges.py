@@ -3,7 +3,7 @@
 Two half-planes are pressed together over the gap between the circle and the bare profile. The roller's approach is
 that of a sound contact under the same force, and the sinkage, and the force times a compliance A·ΔB, with the A of
 Hertz's law δ = A Q (B − ½ ln Q): on an edge of radius e alone ΔB = ½ ln(1 + R/e), where half the contact hangs over
-the edge ½.
+the edge ½. In series with a law the compliance c gives δ = δ_law(Q) + c Q.
 """
 
 from dataclasses import dataclass
@@ -145,9 +145,6 @@ def _press(gap: np.ndarray, influence: np.ndarray, closed: np.ndarray) -> tuple[
             break
         closed = changed if changed.any() else gap <= gap.min()
     return float(approach), closed
-
-
-# A contact law with a linear compliance in series: δ = δ_law(Q) + c Q, as at the edges of spalls.
 
 
 MOST_STEPS = 60  # of Newton's method; 3 to 6 are usual

@@ -147,9 +147,6 @@ def _near(angle: np.ndarray, reach: float) -> np.ndarray:
     return near
 
 
-# What happens when a roller passes a spall: entry, strike and exit.
-
-
 Kind = Literal["entry", "strike", "exit"]
 LARGE = 0.5  # a rise of the force: of the largest in the passage, and of the force on entry
 FROM, UNTIL = -0.1, 2.0  # half-widths from the middle, on the way out: where a strike's force may peak

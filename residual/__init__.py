@@ -29,15 +29,7 @@ _HOME = {
     "write_report": "store",
 }
 
-__all__ = [
-    "Evaluation",
-    "InputError",
-    "Record",
-    "evaluate",
-    "read_result",
-    "read_table",
-    "write_report",
-]
+__all__ = ["Evaluation", "InputError", "Record", "evaluate", "read_result", "read_table", "write_report"]
 
 
 def __getattr__(name: str):

@@ -177,7 +177,7 @@ def _cage_terms(record: Record, cage: CageMotion, circles: Overlaps, tractions) 
 
 
 def _split(error, terms: dict[str, np.ndarray], rest: str) -> DirectionBudget:
-    """Budget of one direction; its term `rest` is what the others leave of the error."""
+    """Budget of one direction; its term `rest` is the error less all others."""
     momentum = error
     for name in ACCOUNTED:
         if name in terms:

@@ -1,4 +1,4 @@
-"""What the checker raises for input it can't use."""
+"""Exception for input that the checker can't use."""
 
 
 class InputError(ValueError):

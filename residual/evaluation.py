@@ -52,7 +52,7 @@ SOUND = 0.01  # of the reference force: what the momentum balance of sound traje
 
 @dataclass(frozen=True, kw_only=True)
 class Direction:
-    """What the check found in one direction: of equation (22) in x, of (23) in y."""
+    """Findings in one direction: of equation (22) in x, of (23) in y."""
 
     name: str  # "x" or "y"
     budget: DirectionBudget
@@ -66,7 +66,7 @@ class Direction:
     resonance: float  # Hz, estimate of the inner ring on its contacts in this direction; 0 where they hold nothing
     envelope: Envelope | None  # around it
     term_spectra: dict[str, Spectrum]  # of each term of the budget
-    vibration: Vibration  # of sensor, housing or hub, by the run's own acceleration where the source tells it
+    vibration: Vibration  # of sensor, housing or hub, by the run's own acceleration where the source holds it
     orders: OrderSpectra | None  # where the shaft's speed changes
 
 
@@ -117,13 +117,13 @@ class Evaluation:
 
     @property
     def force(self) -> np.ndarray:
-        """Forces of the inner contacts, N, (n_times, n_rollers): the source's own where it tells them, or the law's."""
+        """Forces of the inner contacts, N, (n_times, n_rollers): the source's own where it holds them, or the law's."""
         told = self.record.inner_force
         return self.budget.law_force if told is None else told
 
     @property
     def hub_acceleration(self) -> tuple[np.ndarray, np.ndarray]:
-        """Along x and y, m/s²: the source's own where it tells them, else from positions."""
+        """Accelerations along x and y, m/s²: the source's own where it holds them, else from positions."""
         t = self.record
         pairs = ((t.inner_ax, t.inner_x), (t.inner_ay, t.inner_y))
         x, y = (derivative(place, t.interval, order=self.order) if own is None else own for own, place in pairs)
@@ -132,23 +132,23 @@ class Evaluation:
     @property
     def noise(self) -> float:
         """Force that is no more than round-off beside those at work, N."""
-        return NOISE * _largest_force(self.record, self.budget)
+        return NOISE * max(self.record.load, float(self.budget.law_force.max()))
 
     @property
     def within_noise(self) -> bool:
-        """Whether the errors that the verdict goes by matter, and may yet be the noise of the positions."""
+        """Whether the errors that the verdict goes by are not small, and may yet be noise of the positions."""
         noise, error = self.position_noise, hypot(*(error.rms for error in self.judged))
         return noise is not None and SOUND * self.reference[0] < error <= WITHIN * hypot(*noise.error)
 
     @property
     def balance(self) -> float | None:
-        """What Newton's law of the inner ring leaves with the run's own forces, N rms; None without them."""
+        """Rms of the momentum balance of the inner ring in both directions, N; None without the run's own forces."""
         found = [d.balance.rms for d in self.directions if d.balance is not None]
         return hypot(*found) if found else None
 
     @property
     def balance_within_noise(self) -> bool:
-        """Whether that is too much for sound trajectories, and may yet be the noise of the positions."""
+        """Whether the balance is too large for sound trajectories, and may yet be noise of the positions."""
         left, noise = self.balance, self.position_noise
         return left is not None and noise is not None and SOUND * self.reference[0] < left <= WITHIN * noise.balance
 
@@ -225,7 +225,7 @@ def evaluate(
     far = ~near_contact_change(budget.loaded, order // 2)
     own = identified.get("fitted")
     resonances = _resonances(used, law if own is None else own.law, budget)  # a law may be a tenth too soft
-    noise = NOISE * _largest_force(used, budget)
+    noise = NOISE * max(used.load, float(budget.law_force.max()))
     central = slice(max(0, order // 2 - first), used.time.size - order // 2)  # where stencils are
     bodies = measured(used, accelerations)
 
@@ -257,8 +257,7 @@ def evaluate(
     settled = stationarity(used, {"x": budget.x.error, "y": budget.y.error}, lines.get("BPFO", 0.0))
     notes += [] if settled is None or settled.note is None else [settled.note]
     floors = used.operation.inner_mass * x.floor.total, used.operation.inner_mass * y.floor.total
-    force = budget.law_force if used.inner_force is None else used.inner_force
-    reference = reference_force(used.load, force)
+    reference = reference_force(used.load, budget.law_force if used.inner_force is None else used.inner_force)
     coarse = too_coarse(used, law, budget, (x.balance, y.balance), floors, noise, SOUND * reference[0])
     notes += [coarse.note] if coarse is not None and coarse.seldom else []
     found = Evaluation(
@@ -274,7 +273,7 @@ def evaluate(
 
 
 def reference_force(load: float, force: np.ndarray) -> tuple[float, str]:
-    """What errors are compared with, N, and its name: the load, or the largest contact force where the load is small.
+    """Force that errors are compared with, N, and its name: the load, or the largest contact force beside a small load.
 
     0 where nothing pushes.
     """
@@ -337,11 +336,6 @@ def _identify(
                 raise
             reason = str(error)
     return identified, reason
-
-
-def _largest_force(record: Record, budget: Budget) -> float:
-    """Largest of the load and the contact forces, N."""
-    return max(record.load, float(budget.law_force.max()))
 
 
 def _resonances(record: Record, law: Law, budget: Budget) -> tuple[float, float]:

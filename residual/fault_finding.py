@@ -22,9 +22,9 @@ BIN = 5e-5  # m along the surface, a sixth of the narrowest spall looked for
 FEWEST_IN_BIN = 3  # of a bin that counts as seen
 SMOOTHED = 3  # bins
 OFF_RACEWAY = 3e-7  # m: rollers farther off a raceway say nothing about it
-PROBE = 1e-6  # m, of sinkage, whose effect is what others are told by
+PROBE = 1e-6  # m, of sinkage, whose effect scales all others
 LEAST_GAIN = 0.3  # of what three samples are changed by over the probe: below, rollers hardly touch
-MOST = 3e-5  # m, of sinkage that is told; deeper ones are not felt
+MOST = 3e-5  # m, largest sinkage that rollers reach
 LEAST = 3e-7  # m: maps of perfect bearings reach 0.2 µm
 MAP_BESIDE = 0.03, 2e-3  # of the circumference, and m: as far from the deepest place the rest of a map begins
 REST = 0.99  # quantile of the rest of a map that its deepest place is compared with
@@ -49,7 +49,7 @@ FARTHEST = 3e-4  # m from sample to sample
 NARROWEST = 1.5e-4  # m
 RESAMPLED = 200  # sets of passages drawn with replacement
 SIGMAS = 2.0
-MODEL_WIDTH, MODEL_PLACE = 0.03, 1.5e-5  # of the width, and m: scatter on known spalls beyond what passages tell
+MODEL_WIDTH, MODEL_PLACE = 0.03, 1.5e-5  # of the width, and m: scatter on known spalls beyond that of passages
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,7 +61,7 @@ class SinkageMap:
 
     @property
     def angle(self) -> np.ndarray:
-        """Of the bins' middles, rad."""
+        """Angles of the bins' middles, rad."""
         return 2.0 * np.pi * (np.arange(self.height.size) + 0.5) / self.height.size
 
     @property
@@ -156,7 +156,7 @@ class FoundSpall:
 
     @property
     def angle(self) -> float:
-        """Of its middle, rad."""
+        """Angle of its middle, rad."""
         return float(self.spall[0])
 
     @property
@@ -171,7 +171,7 @@ class FoundSpall:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FaultSearch:
-    """What a search found, the clearest spall first, and what it has seen."""
+    """Spalls found by a search, the clearest first, and the maps of all bodies."""
 
     motion: RollerMotion
     contact: Contact
@@ -191,7 +191,7 @@ def find_faults(record: Record) -> FaultSearch:
     Errors
     ------
     InputError: the bearing stands, or turns so far from sample to sample that the narrowest spall would not be met.
-    A spall that no roller presses on in the run is not seen; the maps tell which parts of a body are.
+    A spall that no roller presses on in the run is not seen; the maps show which parts of a body are.
     """
     motion = roller_motion(record)
     _check_sampling(record, motion)
@@ -249,9 +249,9 @@ class Near:
         self.samples = ThreeSamples(motion, contact, every[:, 0], every[:, 1])
 
     def misfit(self, spalls: np.ndarray) -> np.ndarray:
-        """What is missed with spalls, (n_spalls, n_passages), 0 for a perfect fit.
+        """Misfit with spalls, (n_spalls, n_passages), 0 for a perfect fit.
 
-        Sums of √(1 + z²) − 1, z what is missed over the usual: nearly its magnitude, because strikes shake all.
+        Sums of √(1 + z²) − 1, z the mismatch over the usual one: nearly its magnitude, because strikes shake all.
         """
         missed = self.samples.over([(self.place, spalls), *self.rest])
         cost = np.hypot(1.0, missed / UNREST) - 1.0
@@ -304,7 +304,7 @@ def _starts(motion: RollerMotion, contact: Contact, place: Place, angle: float, 
 def _refined(motion: RollerMotion, contact: Contact, place: Place, spall: np.ndarray, rest):
     """A spall's edges and depth made finer step by step; with spalls of other first and of other second edges.
 
-    What three samples miss tells of what lies between them: one edge at a time. None where no passage lies there.
+    The mismatch of three samples depends on the surface between them: one edge at a time. None without passages.
     """
     step, fit = FIRST_STEP * spall[1], None
     for ratio in DEPTH_RATIOS:

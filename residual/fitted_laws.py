@@ -43,7 +43,7 @@ ALIASES = ("tripp",)
 
 @dataclass(frozen=True, kw_only=True)
 class CoupledLaw(PowerLaw):
-    """Q_j = K max(δ_j − c (Q_{j−1} + Q_{j+1}), 0)^n: contacts of one ring feel their neighbours through the ring.
+    """Q_j = K max(δ_j − c (Q_{j−1} + Q_{j+1}), 0)^n: contacts of one ring are coupled to their neighbours by it.
 
     `force` and `slope` take the rollers along the last axis, in their order around the bearing.
     """

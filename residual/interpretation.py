@@ -1,4 +1,4 @@
-"""What a check found: its verdict in one sentence, and what a run's numbers say about the Lagrangian model."""
+"""Verdict of a check in one sentence, and the meaning of its numbers for the Lagrangian model."""
 
 from math import hypot
 
@@ -63,10 +63,8 @@ def _varying(evaluation: Evaluation) -> str:
 def _best(evaluation: Evaluation) -> str:
     best = evaluation.laws[0]
     named = next((score for score in evaluation.laws if score.name not in evaluation.identified), None)
-    words = (
-        f"Of the laws compared, {best.name} leaves least: {text(best.errors[0].rms, 2)} N rms in x, "
-        f"{text(best.errors[1].rms, 3)} N in y"
-    )
+    x, y = best.errors
+    words = f"Of the laws compared, {best.name} leaves least: {text(x.rms, 2)} N rms in x, {text(y.rms, 3)} N in y"
     if named is not None and named is not best:
         x, y = named.errors
         words += f"; of those not fitted to the run, {named.name}: {text(x.rms, 2)} N in x, {text(y.rms, 3)} N in y"
@@ -90,13 +88,11 @@ def _omitted(evaluation: Evaluation) -> str:
 
 
 def _used(evaluation: Evaluation, statics: QuasiStatic) -> str:
-    t = evaluation.record
-    force = t.inner_force if t.inner_force is not None else evaluation.budget.law_force
-    most, static = float(force.max()), float(statics.force.max())
+    most, static = float(evaluation.force.max()), float(statics.force.max())
     if most <= 0.0 or static <= 0.0:
         return ""
     deviation = static / most - 1.0
-    deep, found = -1e6 * float(statics.y.mean()), -1e6 * float(t.inner_y.mean())
+    deep, found = -1e6 * float(statics.y.mean()), -1e6 * float(evaluation.record.inner_y.mean())
     words = (
         f"Solved for itself, standing, the model puts {text(static)} N on the most loaded roller, the run at most "
         f"{text(most)} N ({text(100.0 * deviation, 2)} %), and the inner ring {text(deep)} µm down, the run "
@@ -105,9 +101,6 @@ def _used(evaluation: Evaluation, statics: QuasiStatic) -> str:
     if abs(deviation) < ALIKE and abs(deep - found) > ALIKE * abs(found):
         words += ": loads follow from equilibrium and hardly depend on the law, displacements are the law's"
     return words + "."
-
-
-# What a check found, in one plain sentence: are the trajectories sound, and what does the law miss.
 
 
 def verdict(evaluation: Evaluation, tolerance: float | None = None, equations: bool = True) -> str:

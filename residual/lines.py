@@ -19,7 +19,7 @@ CAGE_HARMONICS = (2, 3)
 SIDES = tuple((carrier, modulator) for carrier in CARRIERS for modulator in ("shaft", "FTF"))
 HUB = "hub on its contacts"
 NEAR_RESONANCE = 0.08  # of it: of rollers without mass, whose two contacts are taken as equally stiff
-MOST_PASSAGES = 4  # that are told of in a product with the hub's vibration: further ones are weak
+MOST_PASSAGES = 4  # named in a product with the hub's vibration: further ones are weak
 SURE = 0.999  # a line stands out where noise on the background would stay below with this probability
 # what passes a place of the outer ring, the inner ring, a roller, and what swells and fades its force
 PASSES = ("BPFO", 1, "FTF"), ("BPFI", 1, "shaft"), ("BSF", 2, "FTF")

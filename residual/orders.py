@@ -71,7 +71,7 @@ class Tracking:
 
 @dataclass(frozen=True, kw_only=True)
 class OrderSpectra:
-    """Of one direction; `frequency` of spectra, peaks and levels is an order, a density is per order."""
+    """Order spectra of one direction; `frequency` of spectra, peaks and levels is an order, a density is per order."""
 
     tracking: Tracking
     error: Spectrum  # of the error force, N²

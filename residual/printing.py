@@ -1,5 +1,6 @@
-"""What check-residual prints: a short table and the most telling sentences."""
+"""Summary on the terminal: a short table and the most important sentences."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from rich.console import Console
@@ -14,69 +15,52 @@ from residual.summary import ReportOptions
 from residual.tables import error_rows, fit_sentences, peak_name, ranking_rows, ranking_span, watched_rows
 from residual.vibration_tables import search_sentences
 
+ERROR_COLUMNS = ("N", "mean", "rms", "std", "largest")
+LAW_COLUMNS = ("law", "mean x", "rms x", "mean y", "rms y", "contact")
+
 
 def print_summary(evaluation: Evaluation, folder: Path, options: ReportOptions, compare_laws: bool) -> None:
-    """Print what was found, and where the report is."""
-    console = Console(highlight=False)
+    """Print the findings, and where the report is."""
+    console, other = Console(highlight=False), options.other
     if options.equations:
         _print_errors(console, evaluation)
     if options.search is not None:
         for sentence in search_sentences(options.search):
             console.print(sentence, soft_wrap=True, markup=False)
     if compare_laws:
-        _print_laws(console, evaluation)
-    if options.other is not None:
-        _print_differences(console, evaluation, options.other, options.equations)
+        span = f"{ranking_span(evaluation)}; contact: rms per contact"
+        _print_table(console, "Error force by contact law, N", LAW_COLUMNS, ranking_rows(evaluation), caption=span)
+    if other is not None:
+        names = ("", *map(shown, headings(evaluation, other)))
+        _print_table(console, "Beside each other", names, difference_rows(evaluation, other, options.equations))
     console.print(verdict(evaluation, options.tolerance, options.equations), soft_wrap=True)
     console.print(f"Report: {shown(folder / 'report.html')}", soft_wrap=True, markup=False)
 
 
-def _print_errors(console: Console, evaluation: Evaluation) -> None:
-    """Print the error forces, their peaks and what a fitted law is worth."""
-    table = Table(title=f"Residual of {shown(evaluation.record.name)}", title_justify="left")
-    table.add_column("N")
-    for heading in ("mean", "rms", "std", "largest"):
-        table.add_column(heading, justify="right")
-    for row in error_rows(evaluation):
+def _print_table(console: Console, title: str, columns: Iterable[str], rows: list[list[str]], caption=None) -> None:
+    """Print a table of names at the left and numbers at the right."""
+    table = Table(title=title, title_justify="left", caption=caption)
+    for i, column in enumerate(columns):
+        table.add_column(column, justify="right" if i else "left", no_wrap=column == "law")
+    for row in rows:
         table.add_row(*row)
     console.print(table)
+
+
+def _print_errors(console: Console, evaluation: Evaluation) -> None:
+    """Print the error forces, their peaks and what a fitted law is worth."""
+    _print_table(console, f"Residual of {shown(evaluation.record.name)}", ERROR_COLUMNS, error_rows(evaluation))
     low, high = evaluation.loaded_range
     console.print(f"Loaded rollers: {low} to {high}")
     for direction in evaluation.directions:
-        found = [
-            f"{hertz(p.frequency)} ({_told(peak_name(p))}{'' if p.resolved else ', not resolved'})"
-            for p in direction.peaks[:4]
-        ]
+        found = []
+        for peak in direction.peaks[:4]:
+            name = peak_name(peak)
+            told = ("no line" if name == "-" else name) + ("" if peak.resolved else ", not resolved")
+            found.append(f"{hertz(peak.frequency)} ({told})")
         console.print(f"Peaks of error_{direction.name}: {'; '.join(found) or 'none stands out'}", soft_wrap=True)
     for name, rms_x, rms_y, background, resolved in watched_rows(evaluation):
         told = "" if resolved == "yes" else ", not resolved"
         console.print(f"{name}: {rms_x} N rms in x, {rms_y} in y (background {background}){told}", soft_wrap=True)
     for sentence in fit_sentences(evaluation):
         console.print(sentence, soft_wrap=True, markup=False)
-
-
-def _told(name: str) -> str:
-    return "no line" if name == "-" else name
-
-
-def _print_laws(console: Console, evaluation: Evaluation) -> None:
-    """Print the ranking of the contact laws."""
-    span = f"{ranking_span(evaluation)}; contact: rms per contact"
-    table = Table(title="Error force by contact law, N", title_justify="left", caption=span)
-    table.add_column("law", no_wrap=True)
-    for heading in ("mean x", "rms x", "mean y", "rms y", "contact"):
-        table.add_column(heading, justify="right")
-    for row in ranking_rows(evaluation):
-        table.add_row(*row)
-    console.print(table)
-
-
-def _print_differences(console: Console, evaluation: Evaluation, other: Evaluation, equations: bool) -> None:
-    """Print two checks beside each other."""
-    table = Table(title="Beside each other", title_justify="left")
-    table.add_column("")
-    for heading in map(shown, headings(evaluation, other)):
-        table.add_column(heading, justify="right")
-    for row in difference_rows(evaluation, other, equations):
-        table.add_row(*row)
-    console.print(table)

@@ -25,17 +25,6 @@ SMALL_LOAD = 0.05  # of the largest contact force: rollers press by preload or r
 SAME_RUN = 0.2  # roller centres may lie off the pitch circle by this fraction of it
 
 
-COLUMNS = {  # of a result file, by what they are here
-    "cage_x": "x",
-    "cage_y": "y",
-    "cage_angle": "angle",
-    "cage_guidance_x": "guidance_x",
-    "cage_guidance_y": "guidance_y",
-    "cage_force": "force",
-    "cage_moment": "moment",
-}
-
-
 @dataclass(frozen=True, kw_only=True)
 class CageMotion:
     """A cage's samples."""
@@ -65,6 +54,9 @@ class CageMotion:
         """Mean angular speed of its centre about the bearing's, rad/s."""
         angle = np.unwrap(np.arctan2(self.y, self.x))
         return float((angle[-1] - angle[0]) / (interval * (self.angle.size - 1)))
+
+
+COLUMNS = {f"cage_{each.name}": each.name for each in fields(CageMotion)}  # of a result file, by what they are here
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,7 +175,7 @@ class Record:
 
     @property
     def turns(self) -> Turns:
-        """Of the inner ring, and of the rollers: told by the source, or those of rolling without slip."""
+        """Rotations of the inner ring and of the rollers: the source's own, or those of rolling without slip."""
         rolling = Turns.rolling(self.bearing, self.operation, self.time[:, None])
         return rolling if self.roller_turn is None else replace(rolling, rollers=self.roller_turn)
 
@@ -194,11 +186,7 @@ class Record:
 
     def samples(self, part: slice) -> "Record":
         """Restrict the record to some samples."""
-        cut: dict[str, Any] = {}
-        for f in fields(self):
-            value = getattr(self, f.name)
-            if isinstance(value, np.ndarray):
-                cut[f.name] = value[part]
+        cut: dict[str, Any] = {name: v[part] for name, v in vars(self).items() if isinstance(v, np.ndarray)}
         cage = None if self.cage is None else self.cage.samples(part)
         return replace(self, **cut, energies={k: v[part] for k, v in self.energies.items()}, cage=cage)
 
@@ -222,12 +210,9 @@ def relative(arrays: dict[str, np.ndarray], centre: Sequence[str]) -> dict[str, 
     called = dict(zip(centre, OF_OUTER_RING, strict=False))
     found = {called.get(name, name): array for name, array in arrays.items()}
     for axis in "xy":
-        moved = found.get(f"outer_ring_{axis}")
-        if moved is None:
-            continue
         for body in ("inner", "roller", "cage"):
-            place = arrays.get(f"{body}_{axis}")
-            if place is None:
+            moved, place = found.get(f"outer_ring_{axis}"), arrays.get(f"{body}_{axis}")
+            if moved is None or place is None:
                 continue
             if place.shape[0] != moved.shape[0]:
                 raise InputError(
@@ -253,9 +238,8 @@ def checked(record: Record) -> Record:
             f"{source}: {n_times} usable samples, at least {FEWEST_SAMPLES} are needed; simulate longer or "
             "store more often"
         )
-    arrays = {f.name: getattr(record, f.name) for f in fields(record)} | dict(record.energies)
-    arrays |= {} if record.cage is None else record.cage.by_column
-    for name, value in arrays.items():
+    cage = {} if record.cage is None else record.cage.by_column
+    for name, value in {**vars(record), **record.energies, **cage}.items():
         if isinstance(value, np.ndarray):
             _check_array(source, name, value, n_times, n_rollers)
     _check_time(source, time, record.interval)

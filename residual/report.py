@@ -14,6 +14,7 @@ from lagrange.files.pages import as_it_is, render_page
 from lagrange.kinematics import turned
 from lagrange.messages import shown
 from lagrange.scene.operation import RPM
+from residual import tables, vibration_tables
 from residual.evaluation import Evaluation
 from residual.figures.saved import LINE_COLOURS, SavedFigure, family
 from residual.formatting import text
@@ -23,38 +24,18 @@ from residual.record import Record
 from residual.run_comparison import difference_rows, headings, paper_rows
 from residual.spectrum import Spectrum, power_spectrum
 from residual.summary import ReportOptions
-from residual.tables import (
-    budget_rows,
-    error_rows,
-    fit_sentences,
-    honest_notes,
-    level_rows,
-    peak_rows,
-    quarter_rows,
-    ranking_rows,
-    ranking_span,
-    stated_error_rows,
-    watched_rows,
-)
-from residual.vibration_tables import (
-    envelope_rows,
-    search_sentences,
-    vibration_headings,
-    vibration_rows,
-    vibration_sentences,
-)
 
 TEMPLATES = Path(__file__).parent / "templates"
-GROUPS = (
-    "against",
-    "motion",
-    "spectra",
-    "vibration",
-    "search",
-    "budget",
-    "paper",
-)  # of figures, by their places on the page
+GROUPS = ("against", "motion", "spectra", "vibration", "search", "budget", "paper")  # of figures, by places on the page
 SMALLEST_SLIP = 1e-4  # % of the cage's speed: less is round-off
+LARGEST = 2_000_000  # bytes  # of a picture of the run
+MOST_POINTS = 6000  # of one curve; beyond, only a bin's highest neighbours are kept
+ALL_BELOW = 2000.0  # Hz: here every bin is kept
+DIGITS = 4
+MOST_FRAMES = 400
+MOST_NUMBERS = 16_000  # of all rollers and frames: some 100 kB
+FRAMES_PER_PASSAGE = 12.0  # rollers move by a twelfth of their pitch from frame to frame
+PATH_POINTS = 1500  # of the hub's path
 LARGEST_SVG = 120_000  # bytes; beyond, pixels are embedded where they take less room
 
 
@@ -76,27 +57,27 @@ def render_report(
         headings=() if other is None else headings(evaluation, other),
         outcome=None if tolerance is None else ("fails" if evaluation.fails(tolerance) else "passes"),
         facts=_facts(evaluation),
-        errors=error_rows(evaluation),
+        errors=tables.error_rows(evaluation),
         paper=paper_rows(evaluation),
-        budget=budget_rows(evaluation),
-        fit=fit_sentences(evaluation),
-        laws=ranking_rows(evaluation),
-        laws_span=ranking_span(evaluation),
+        budget=tables.budget_rows(evaluation),
+        fit=tables.fit_sentences(evaluation),
+        laws=tables.ranking_rows(evaluation),
+        laws_span=tables.ranking_span(evaluation),
         unfitted=evaluation.unfitted,
-        peaks=[(direction.name, peak_rows(direction.peaks)) for direction in evaluation.directions],
-        levels=level_rows(evaluation),
-        watched=watched_rows(evaluation),
+        peaks=[(direction.name, tables.peak_rows(direction.peaks)) for direction in evaluation.directions],
+        levels=tables.level_rows(evaluation),
+        watched=tables.watched_rows(evaluation),
         lines=[(name, text(f)) for name, f in evaluation.lines.items() if "×" not in name],
         body=evaluation.y.vibration.body,
-        vibration_headings=vibration_headings(evaluation),
-        vibration=vibration_rows(evaluation),
-        envelope=envelope_rows(evaluation),
-        vibration_sentences=vibration_sentences(evaluation),
-        search_sentences=[] if search is None else search_sentences(search),
-        notes=honest_notes(evaluation),
+        vibration_headings=vibration_tables.vibration_headings(evaluation),
+        vibration=vibration_tables.vibration_rows(evaluation),
+        envelope=vibration_tables.envelope_rows(evaluation),
+        vibration_sentences=vibration_tables.vibration_sentences(evaluation),
+        search_sentences=[] if search is None else vibration_tables.search_sentences(search),
+        notes=tables.honest_notes(evaluation),
         meaning=interpretation(evaluation, statics),
-        quarters=quarter_rows(evaluation),
-        stated_errors=stated_error_rows(evaluation),
+        quarters=tables.quarter_rows(evaluation),
+        stated_errors=tables.stated_error_rows(evaluation),
         picture=picture_of(t.source) if t.attributes else None,
         **{f"{group}_figures": [(f, embedded(f)) for f in figures.get(group, ())] for group in GROUPS},
         resolution=text(evaluation.x.spectrum.resolution),
@@ -125,13 +106,9 @@ def _facts(evaluation: Evaluation) -> list[tuple[str, str]]:
             f"{text(2e3 * bearing.outer_raceway_radius)} mm",
         ),
         ("Operation", _operation(t)),
-        (
-            "Record",
-            f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from {text(1e3 * evaluation.start)} ms",
-        ),
+        ("Record", f"{t.time.size} samples, every {text(1e6 * t.interval)} µs, from {text(1e3 * evaluation.start)} ms"),
         ("Contact law", f"{evaluation.law.name}: {evaluation.law.source}"),
         *_cage(evaluation),
-        *_ring_of_cage(evaluation),
         ("Loaded rollers", f"{low} to {high}"),
         ("Largest roller load by the law", f"{text(float(evaluation.budget.law_force.max()))} N"),
     ]
@@ -162,26 +139,22 @@ def _elements(bearing: Bearing) -> str:
 
 
 def _cage(evaluation: Evaluation) -> list[tuple[str, str]]:
-    """Row of the run's cage speed beside that of rolling without slip; none for a standing bearing."""
-    if "FTF" not in evaluation.lines:
-        return []
-    cage, ideal = evaluation.lines["FTF"], evaluation.ideal_cage
-    slower = 100.0 * (1.0 - cage / ideal)
-    slip = f"{text(abs(slower), 2, SMALLEST_SLIP)} % {'faster' if slower < -SMALLEST_SLIP else 'slower'}"
-    return [("Cage speed", f"{text(cage, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz ({slip})")]
-
-
-def _ring_of_cage(evaluation: Evaluation) -> list[tuple[str, str]]:
-    """Row of the cage's own motion; none for a run without one."""
-    t, cage = evaluation.record, evaluation.record.cage
+    """Rows of the rollers' speed around beside that of rolling without slip, and of the cage's own motion."""
+    t, cage, rows = evaluation.record, evaluation.record.cage, []
+    if "FTF" in evaluation.lines:
+        speed, ideal = evaluation.lines["FTF"], evaluation.ideal_cage
+        slower = 100.0 * (1.0 - speed / ideal)
+        slip = f"{text(abs(slower), 2, SMALLEST_SLIP)} % {'faster' if slower < -SMALLEST_SLIP else 'slower'}"
+        rows.append(("Cage speed", f"{text(speed, 5)} Hz; rolling without slip: {text(ideal, 5)} Hz ({slip})"))
     if cage is None:
-        return []
+        return rows
     off, force = 1e6 * float(np.hypot(cage.x, cage.y).max()), float(np.abs(cage.force).max())
     turns = cage.speed(t.interval) / (2.0 * np.pi), cage.whirl(t.interval) / (2.0 * np.pi)
     mean = f"turns at {text(turns[0], 5)} Hz, its centre whirls at {text(turns[1], 3)} Hz"
     if t.reverses:
         mean = "turns both ways, its centre moves"
-    return [("Cage", f"{mean} up to {text(off)} µm from the bearing's, pockets push with up to {text(force)} N")]
+    told = f"{mean} up to {text(off)} µm from the bearing's, pockets push with up to {text(force)} N"
+    return [*rows, ("Cage", told)]
 
 
 def embedded(figure: SavedFigure) -> str:
@@ -190,9 +163,6 @@ def embedded(figure: SavedFigure) -> str:
     small = vectors <= LARGEST_SVG or vectors <= pixels
     path, kind = (figure.svg, "svg+xml") if small else (figure.png, "png")
     return f"data:image/{kind};base64,{base64.b64encode(path.read_bytes()).decode('ascii')}"
-
-
-LARGEST = 2_000_000  # bytes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -219,14 +189,6 @@ def picture_of(run: Path) -> Picture | None:
     return Picture(address=f"data:image/png;base64,{data}", caption=told.get("Description", ""))
 
 
-# Data of the spectra for the page's own plot, which can be zoomed.
-
-
-MOST_POINTS = 6000  # of one curve; beyond, only a bin's highest neighbours are kept
-ALL_BELOW = 2000.0  # Hz: here every bin is kept
-DIGITS = 4
-
-
 def spectra_json(evaluation: Evaluation, equations: bool = True) -> str:
     """Write frequencies, Hz, densities and kinematic lines as JSON that may stand inside a script element.
 
@@ -250,7 +212,7 @@ def spectra_json(evaluation: Evaluation, equations: bool = True) -> str:
         "unit": "N²/Hz" if equations else "m²/s⁴/Hz",
         "resolution": float(f"{found[0].resolution:.6g}"),
     }
-    return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+    return _script(data)
 
 
 def _kept(x: Spectrum, y: Spectrum) -> np.ndarray:
@@ -265,17 +227,13 @@ def _kept(x: Spectrum, y: Spectrum) -> np.ndarray:
     return np.unique(np.concatenate([low, peaks]))
 
 
+def _script(data: dict) -> str:
+    """JSON that may stand inside a script element."""
+    return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
 def _rounded(values: np.ndarray, digits: int) -> list[float]:
     return [float(f"{value:.{digits}g}") for value in values]
-
-
-# Data of the page's player: where the hub and the rollers are and what rollers carry, frame by frame.
-
-
-MOST_FRAMES = 400
-MOST_NUMBERS = 16_000  # of all rollers and frames: some 100 kB
-FRAMES_PER_PASSAGE = 12.0  # rollers move by a twelfth of their pitch from frame to frame
-PATH_POINTS = 1500  # of the hub's path
 
 
 def player_json(evaluation: Evaluation) -> str:
@@ -285,12 +243,14 @@ def player_json(evaluation: Evaluation) -> str:
     """
     t, bearing, shown = evaluation.record, evaluation.record.bearing, _shown(evaluation)
     path = slice(None, None, -(-t.time.size // PATH_POINTS))
+    load = np.array(t.whole_load)  # of the hub, its weight included; written as shares of the largest
+    largest = float(np.hypot(*load).max())
     data = {
         "rings": [float(f"{1e3 * r:.6g}") for r in (
             bearing.bore_radius, bearing.inner_raceway_radius, bearing.outer_raceway_radius, bearing.outside_radius
         )],
         "roller": float(f"{1e3 * bearing.roller_radius:.6g}"),
-        "load": _load(t, shown),
+        "load": [_rounded(row, 4) for row in load[:, shown] / (largest if largest > 0.0 else 1.0)],
         "time": _rounded(1e3 * t.time[shown], 6),
         "turn": _rounded(np.mod(turned(bearing, t.operation, t.time[shown]).shaft, 2.0 * np.pi), 4),
         "hub": [_rounded(1e6 * t.inner_x[shown], 5), _rounded(1e6 * t.inner_y[shown], 5)],
@@ -298,14 +258,7 @@ def player_json(evaluation: Evaluation) -> str:
         "force": [_rounded(row, 4) for row in evaluation.force[shown]],
         "path": [_rounded(1e6 * t.inner_x[path], 5), _rounded(1e6 * t.inner_y[path], 5)],
     }  # fmt: skip
-    return json.dumps(data, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-
-
-def _load(record: Record, shown: np.ndarray) -> list[list[float]]:
-    """The hub's load and weight along x and y in each frame, shares of the largest; 0 where there is none."""
-    load = np.array(record.whole_load)
-    largest = float(np.hypot(*load).max())
-    return [_rounded(row, 4) for row in load[:, shown] / (largest if largest > 0.0 else 1.0)]
+    return _script(data)
 
 
 def _shown(evaluation: Evaluation) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""What a search for faults may see of a run: how hub and rollers move. No forces, and no surfaces of the scene."""
+"""Motion of hub and rollers, all that a search for faults sees of a run: no forces, and no surfaces of the scene."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -55,8 +55,6 @@ class RollerMotion:
     operation: Operation
     load: tuple[np.ndarray, np.ndarray]  # N, (n_times,), of the hub along x and y, its weight included
     interval: float  # s
-    inner_x: np.ndarray  # (n_times,), m
-    inner_y: np.ndarray
     rho: np.ndarray  # (n_times, n_rollers), m
     outer_angle: np.ndarray  # (n_times, n_rollers), rad, of the contacts in fixed axes
     inner_angle: np.ndarray
@@ -89,7 +87,7 @@ class RollerMotion:
 def roller_motion(record: Record) -> RollerMotion:
     """Take a record's trajectories alone: its contact forces and its scene's surfaces stay behind.
 
-    Rollers' own turns are the record's where it tells them, else those of rolling on the outer raceway without slip.
+    The rollers' rotations are the record's own, or else those of rolling on the outer raceway without slip.
     """
     bearing, operation = replace(record.bearing, faults=()), record.operation
     found = approaches(bearing, record.inner_x, record.inner_y, record.roller_x, record.roller_y)
@@ -102,7 +100,7 @@ def roller_motion(record: Record) -> RollerMotion:
         turn = first - (theta - theta[0]) * track / bearing.roller_radius
     return RollerMotion(
         bearing=bearing, operation=operation, load=record.whole_load, interval=record.interval,
-        inner_x=record.inner_x, inner_y=record.inner_y, rho=rho, outer_angle=theta,
+        rho=rho, outer_angle=theta,
         inner_angle=np.unwrap(np.arctan2(-found.direction_y, -found.direction_x), axis=0),
         inner_turn=np.asarray(turned(bearing, operation, record.time[:, None]).shaft), roller_turn=turn,
         inner=found.inner, outer=found.outer,
@@ -201,7 +199,7 @@ class ThreeSamples:
         return now, 0.5 * (after - before), 0.5 * (after + before) - now
 
     def angle(self, place: Place, side: Side) -> np.ndarray:
-        """Of the contacts at the middle samples, in the place's own frame, (n,), rad; of a roller its own contacts'."""
+        """Angles of the contacts at the middle samples in the place's own frame, (n,), rad; of a roller, its own."""
         column = self.roller if place.roller is None else np.zeros_like(self.roller)
         return self.motion.angles(place, side)[self.middle, column]
 
@@ -234,14 +232,14 @@ class ThreeSamples:
         return outer
 
     def _missed(self, sunk: Sunk, settled: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-        """What the outer samples' sum exceeds the equation's by, (..., n), m."""
+        """Excess of the outer samples' sum over that of the equation of motion, (..., n), m."""
         outer, apart, (velocity, slope) = self._outer(sunk), self._after - self._before, settled
         told = outer(velocity, 1) - outer(velocity, -1)
         velocity = velocity + _move(apart - told, slope, self.lapse)
         return self._after + self._before - outer(velocity, 1) - outer(velocity, -1)
 
     def over(self, spalled: Sequence[Spalled], more: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
-        """What is missed over spalls, (n_spalls, n), m; each place with as many spalls, or with one.
+        """Mismatch of three samples over spalls, (n_spalls, n), m; each place with as many spalls, or with one.
 
         Parameters
         ----------
@@ -304,7 +302,7 @@ def _velocity(outer, apart: np.ndarray, lapse: float) -> tuple[np.ndarray, np.nd
 
 
 def _move(short: np.ndarray, slope: np.ndarray, lapse: float) -> np.ndarray:
-    """What velocities have to change by for a difference of the outer samples, m/s."""
+    """Change of the velocities for a difference of the outer samples, m/s."""
     move = short * slope / (slope**2 + (INSENSITIVE * lapse) ** 2)
     return np.clip(move, -LONGEST_VELOCITY_STEP, LONGEST_VELOCITY_STEP)
 

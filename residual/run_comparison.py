@@ -84,7 +84,7 @@ def named(evaluation: Evaluation, other: Evaluation) -> tuple[str, str]:
 
 
 def headings(evaluation: Evaluation, other: Evaluation) -> tuple[str, str, str, str]:
-    """Of the columns beside the quantity: both names, their difference, and that in words."""
+    """Headings of the columns beside the quantity: both names, their difference, and that in words."""
     first, second = named(evaluation, other)
     return first, second, f"{first} − {second}", ""
 

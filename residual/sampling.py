@@ -15,8 +15,18 @@ from residual.record import Record
 from residual.spectrum import Statistics, power_spectrum, rms
 
 FOLDED = 5.0  # times what differentiation errs by: a momentum balance that leaves more holds folded vibration
-WELL_SAMPLED = 0.05  # of the sampling rate: below, twenty samples a period tell force and acceleration alike
+WELL_SAMPLED = 0.05  # of the sampling rate: below, twenty samples a period resolve force and acceleration alike
 STENCIL_GAIN = 0.95  # below this gain at the ring's resonance the record is too coarse to differentiate
+DIFFERENCES = 8  # order: of motion a hundred times slower than the sampling nothing is left, of white noise all
+NORMAL = 1.4826  # standard deviation over median magnitude
+WHOLE = 0.02  # of a step: gaps between rounded numbers are multiples of it but for their own round-off
+ENOUGH = 20_000  # samples that show a step
+ROUND_OFF = 64 * float(np.finfo(float).eps)  # relative: steps below are those of stored numbers
+WITHIN = 2.0  # times the noise floor: an error no larger may be noise, whose rms is estimated
+QUARTERS = 4
+PASSAGES = 2.0  # of rollers in a quarter: in less, what varies is the passage itself
+SETTLED = 1.5  # quarters alike differ by no more than this factor
+SMALLEST = 1e-9  # m: a hub that moves less stands still
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,8 +62,8 @@ class TooCoarse:
     @property
     def cause(self) -> str:
         """Why the balance fails, and the remedy."""
-        samples = f"samples every {1e6 * self.interval:.3g} µs do not follow the rollers' vibration"
-        samples += f"; {self.remedy} does" if self.seldom else "; a shorter interval does"
+        better = self.remedy if self.seldom else "a shorter interval"
+        samples = f"samples every {1e6 * self.interval:.3g} µs do not follow the rollers' vibration; {better} does"
         if 2.0 * self.own < self.left:
             return samples
         rings = "the elastic rings vibrate by themselves, with another inertia than that of M at the hub"
@@ -79,7 +89,7 @@ def too_coarse(
     least: float,
     most: float,
 ) -> TooCoarse | None:
-    """Find what a run of ours vibrates at beyond its samples; of a table from elsewhere forces may be missing.
+    """Find vibration of a run of ours beyond its samples; of a table from elsewhere forces may be missing.
 
     Parameters
     ----------
@@ -143,23 +153,13 @@ def rate_notes(resonance: float, interval: float, order: int) -> list[str]:
     return []
 
 
-# Resolution and noise of a table's positions, from the positions alone, and the error forces that they make.
-#
-# A second derivative multiplies noise by the squared sampling rate, a contact law by its stiffness; what they make of
-# it is no property of the bearing.
-
-
-DIFFERENCES = 8  # order: of motion a hundred times slower than the sampling nothing is left, of white noise all
-NORMAL = 1.4826  # standard deviation over median magnitude
-WHOLE = 0.02  # of a step: gaps between rounded numbers are multiples of it but for their own round-off
-ENOUGH = 20_000  # samples that show a step
-ROUND_OFF = 64 * float(np.finfo(float).eps)  # relative: steps below are those of stored numbers
-WITHIN = 2.0  # times the noise floor: an error no larger may be noise, whose rms is estimated
-
-
 @dataclass(frozen=True, kw_only=True)
 class PositionNoise:
-    """Errors of a table's positions, m rms of one coordinate, and of the forces computed from them, N rms."""
+    """Errors of a table's positions, m rms of one coordinate, and of the forces computed from them, N rms.
+
+    A second derivative multiplies noise by the squared sampling rate, a contact law by its stiffness; such forces are
+    no property of the bearing.
+    """
 
     step: float  # m, to which positions are rounded; 0: finer than shows
     hub: tuple[float, float]  # m, along x and y
@@ -199,30 +199,29 @@ class PositionNoise:
 
 
 def position_noise(record: Record, law: Law, budget: Budget, order: int) -> PositionNoise | None:
-    """Determine what positions of a table err by; None for a run of ours, which holds them to round-off.
+    """Estimate the errors of a table's positions; None for a run of ours, which holds them to round-off.
 
     Errors
     ------
-    Noise is told by the highest frequencies of the table, where vibration beyond its sampling stands too; noise whose
-    spectrum falls with frequency is underestimated. Rounding is taken as an error of step/√12, white unless positions
-    change more seldom than from sample to sample.
+    Noise is estimated from the highest frequencies of the table, where vibration beyond its sampling stands too; noise
+    whose spectrum falls with frequency is underestimated. Rounding is taken as an error of step/√12, white unless
+    positions change more seldom than from sample to sample.
     """
     if record.attributes:
         return None
-    x, y = record.roller_x, record.roller_y
+    x, y, hub = record.roller_x, record.roller_y, (record.inner_x, record.inner_y)
     rollers = max(rounding_step(x), rounding_step(y), rounding_step(np.hypot(x, y)))
-    steps = [rounding_step(place) if np.ptp(place) > 0.0 else rollers for place in (record.inner_x, record.inner_y)]
-    white = [float(noise_level(place)) for place in (record.inner_x, record.inner_y)]
+    steps = [rounding_step(place) if np.ptp(place) > 0.0 else rollers for place in hub]
+    white = [float(noise_level(place)) for place in hub]
     hub_x, hub_y = (max(noise, step / np.sqrt(12.0)) for noise, step in zip(white, steps, strict=True))
     roller = max(float(np.median(noise_level(place))) for place in (x, y))
     roller = max(roller, rollers / np.sqrt(12.0))
-    mass_rate = record.operation.inner_mass / record.interval**2  # N/m
-    weights = stencil(order)
+    mass_rate, weights = record.operation.inner_mass / record.interval**2, stencil(order)  # N/m
     gain = float(np.linalg.norm(weights))
     jump = float(np.linalg.norm(np.cumsum(weights)))  # of a step from one sample to the next
     inertia_x, inertia_y = (
         mass_rate * max(noise * gain, step * min(gain / np.sqrt(12.0), jump * np.sqrt(np.mean(np.diff(place) != 0.0))))
-        for place, noise, step in zip((record.inner_x, record.inner_y), white, steps, strict=True)
+        for place, noise, step in zip(hub, white, steps, strict=True)
     )
     slope = law.slope(budget.contacts.inner)
     along = budget.contacts.direction_x, budget.contacts.direction_y
@@ -260,15 +259,9 @@ def rounding_step(places: np.ndarray) -> float:
     return step if np.all(np.abs(counts - np.round(counts)) < WHOLE) else 0.0
 
 
-QUARTERS = 4
-PASSAGES = 2.0  # of rollers in a quarter: in less, what varies is the passage itself
-SETTLED = 1.5  # quarters alike differ by no more than this factor
-SMALLEST = 1e-9  # m: a hub that moves less stands still
-
-
 @dataclass(frozen=True, kw_only=True)
 class Stationarity:
-    """What varies in each quarter of a record, each (QUARTERS,)."""
+    """Motion and errors in each quarter of a record, each (QUARTERS,)."""
 
     start: np.ndarray  # s, of the run's time
     hub: dict[str, np.ndarray]  # m, standard deviations of x and y
@@ -277,7 +270,7 @@ class Stationarity:
 
     @property
     def note(self) -> str | None:
-        """What to do about a transient; None where there is none."""
+        """Remedy for a transient; None where there is none."""
         if self.settled == 0:
             return None
         widths = "; ".join(
@@ -290,7 +283,7 @@ class Stationarity:
 
 
 def stationarity(record: Record, errors: dict[str, np.ndarray], passing: float) -> Stationarity | None:
-    """Split a record; None where a quarter is too short to tell.
+    """Split a record; None where a quarter is too short.
 
     Parameters
     ----------
@@ -303,12 +296,9 @@ def stationarity(record: Record, errors: dict[str, np.ndarray], passing: float) 
     hub = {name: np.array([values[part].std() for part in parts]) for name, values in
            (("x", record.inner_x), ("y", record.inner_y))}  # fmt: skip
     swing = np.hypot(hub["x"], hub["y"])  # of both directions together: the lesser may wander as it likes
-    return Stationarity(
-        start=record.time[[part[0] for part in parts]],
-        hub=hub,
-        error={name: np.array([rms(values[part]) for part in parts]) for name, values in errors.items()},
-        settled=_settled(swing),
-    )
+    error = {name: np.array([rms(values[part]) for part in parts]) for name, values in errors.items()}
+    start = record.time[[part[0] for part in parts]]
+    return Stationarity(start=start, hub=hub, error=error, settled=_settled(swing))
 
 
 def _settled(swing: np.ndarray) -> int | None:

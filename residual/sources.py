@@ -30,8 +30,8 @@ OPTIONAL = ("inner_ax", "inner_ay", "inner_force", "outer_force", "inner_tractio
 DAMPERS = ("inner_damping_force", "outer_damping_force")  # where the scene has any
 OF_SUPPORT = "energy_support"  # where the scene has a housing
 SHAFT = ("inner_vx", "inner_vy", "energy_shaft")  # where springs and dashpots hold the shaft
-TURN = "roller_turn"  # of rollers, whose place at a time it tells
-SPIN = "roller_spin"  # tells the same, less exactly
+TURN = "roller_turn"  # rotation of the rollers
+SPIN = "roller_spin"  # its rate, less exact
 MOST_STATED_ERRORS, LONGEST_WORDS = 1000, 2000
 ATTRIBUTES = (
     "scene", "committed_samples", "format_version", "program", "program_version", "status", "warnings", "mesh_nodes",
@@ -46,7 +46,7 @@ def read_result(path: str | Path) -> Record:
 
     Errors
     ------
-    InputError: no such file, not HDF5, damaged (also where its checksums tell), another program's, another format
+    InputError: no such file, not HDF5, damaged (also by its checksums), another program's, another format
     version, variables missing, of the wrong shape, not finite or in another file, irregular time, too few samples,
     too large.
     """
@@ -94,15 +94,8 @@ def _from_file(path: Path, file) -> Record:
             f"{path}: format_version = {version!r}, this program reads {FORMAT_VERSION}; use matching versions"
         )
     scene = parse_scene_text(read_scene_text(file), f"{path}, attribute scene", read_scene_files(file))
-    mounting = scene.mounting()
-    centre, of_support = mounting.centre, () if mounting.housing is None else (OF_SUPPORT,)
-    shaft = SHAFT if mounting.shaft is not None else ()
-    shaken = tuple(name for name in mounting.columns if name.endswith(("_ax", "_ay")))
-    further = (*shaken, *of_support, *shaft)
-    needed = (*MOTION, *centre[:2])
-    promised = (*needed, *OPTIONAL, *further, *ENERGIES) if attributes.get("program") == SOLVER else needed
-    if scene.damping.acts and len(promised) > len(needed):
-        promised = (*promised, *DAMPERS)
+    needed, held = _variables(scene)
+    promised = [*needed, *held] if attributes.get("program") == SOLVER else needed
     missing = [name for name in promised if not has(file, name)]
     if missing:
         raise InputError(f"{path}: missing {', '.join(missing)}; is it a result file of run-fem?")
@@ -112,15 +105,15 @@ def _from_file(path: Path, file) -> Record:
     if n < FEWEST_SAMPLES:
         raise InputError(f"{path}: {n} committed samples, at least {FEWEST_SAMPLES} are needed; simulate longer")
     of_cage = tuple(COLUMNS) if scene.cage is not None and all(has(file, name) for name in COLUMNS) else ()
-    names = [name for name in (*needed, *OPTIONAL, *further, *ENERGIES, *DAMPERS, TURN, *of_cage) if has(file, name)]
+    names = [name for name in dict.fromkeys([*needed, *held, *DAMPERS, TURN, *of_cage]) if has(file, name)]
     _check_size(path, file, names, n, scene)
     arrays = {name: read_numbers(file, name, n) for name in names}
-    if TURN not in arrays and has(file, SPIN):  # of perfect surfaces: nobody shall see them by that
+    if TURN not in arrays and has(file, SPIN):  # of a run on perfect surfaces, so that its record looks like any other
         _check_size(path, file, [SPIN], n, scene)
         arrays[TURN] = _turned(arrays["time"], read_numbers(file, SPIN, n))
     coarsest = max(np.finfo(file[name].dtype).eps for name in ("inner_x", "inner_y"))
     energies = {name: arrays.pop(name) for name in (*ENERGIES, *OF_MOUNTING) if name in arrays}
-    arrays = relative(arrays, centre)
+    arrays = relative(arrays, scene.mounting().centre)
     cage = CageMotion(**{COLUMNS[name]: arrays.pop(name) for name in of_cage}) if of_cage else None
     status = attributes.setdefault("status", "unknown")
     notes = [warning for warning in attributes.get("warnings", "").splitlines() if warning]
@@ -132,6 +125,16 @@ def _from_file(path: Path, file) -> Record:
         name=shown(path.stem), source=path, scene=scene, energies=energies, cage=cage, attributes=attributes,
         stated_errors=_stated_errors(file), notes=tuple(notes), precision=float(coarsest), **arrays,
     )  # fmt: skip
+
+
+def _variables(scene: Scene) -> tuple[list[str], list[str]]:
+    """Names of the variables that a check of the scene's run needs, and of those that the solver's file holds too."""
+    mounting = scene.mounting()
+    held = [*OPTIONAL, *(name for name in mounting.columns if name.endswith(("_ax", "_ay")))]
+    held += [OF_SUPPORT] if mounting.housing is not None else []
+    held += SHAFT if mounting.shaft is not None else ()
+    held += [*ENERGIES, *(DAMPERS if scene.damping.acts else ())]
+    return [*MOTION, *mounting.centre[:2]], held
 
 
 def _turned(time: np.ndarray, spin: np.ndarray) -> np.ndarray:
@@ -188,7 +191,7 @@ def is_result(path: Path) -> bool:
 
 
 def check_readable(path: Path) -> None:
-    """Refuse what is plainly no result file or table: missing, empty, unreadable, misnamed."""
+    """Refuse a file that is plainly no result file or table: missing, empty, unreadable, misnamed."""
     if not path.exists():
         raise InputError(f"{path}: no such file; give the path of a result file or a table, or run run-fem first")
     if not path.is_file():

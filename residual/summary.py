@@ -27,7 +27,7 @@ Export = Literal["csv", "curves", "mat", "wav"]
 
 @dataclass(frozen=True, kw_only=True)
 class ReportOptions:
-    """What a report is to hold."""
+    """Content of a report."""
 
     tolerance: float | None = None  # N, on the rms of both errors; None: no verdict
     search: FaultSearch | None = None  # for spalls; None: none was made

@@ -3,6 +3,7 @@
 import csv
 import warnings
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -70,7 +71,7 @@ def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
                 raise InputError(f"{error}{header_below(head, names)}") from None
             check_decimal(delimiter, columns.decimal)
             order = [index for indices, _ in found.values() for index in indices]
-            rows = _Rows(lines, header, order, delimiter, columns.decimal)
+            rows = _Rows(lines=lines, header=header, order=order, delimiter=delimiter, decimal=columns.decimal)
             lines = _at_most(path, rows.checked(), LARGEST_READ // (8 * len(order)))
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", UserWarning)  # of an empty table, which is refused for want of samples
@@ -94,32 +95,34 @@ def _read_columns(path: Path, scene: Scene) -> dict[str, np.ndarray]:
     return arrays
 
 
+@dataclass(kw_only=True)
 class _Rows:
     """Rows on their way to be read, of as many cells as the header has names; the last one is known."""
 
-    def __init__(
-        self, lines: Iterable[str], header: list[str], order: list[int], delimiter: str | None, decimal: str
-    ) -> None:
-        self._lines, self._header, self._order = lines, header, order
-        self._delimiter, self._decimal = delimiter, decimal
-        self._number, self._line = 0, ""
+    lines: Iterable[str]
+    header: list[str]
+    order: list[int]  # numbers of the columns that are read
+    delimiter: str | None
+    decimal: str
+    number: int = 0  # of the last row, from 1
+    line: str = ""  # the last row
 
     def checked(self) -> Iterator[str]:
         """Yield them with decimal points. ValueError: more or fewer cells."""
-        points = str.maketrans({",": ".", ".": "?"}) if self._decimal == "," else None
-        n_names = len(self._header)
-        for number, line in enumerate(self._lines, 1):
-            self._number, self._line = number, line
-            cells = line.count(self._delimiter) + 1 if self._delimiter else len(line.split())
+        points = str.maketrans({",": ".", ".": "?"}) if self.decimal == "," else None
+        n_names = len(self.header)
+        for number, line in enumerate(self.lines, 1):
+            self.number, self.line = number, line
+            cells = line.count(self.delimiter) + 1 if self.delimiter else len(line.split())
             if cells != n_names and (fault := self.fault()):
                 raise ValueError(fault)
             yield line if points is None else line.translate(points)
 
     def fault(self) -> str | None:
         """Why the last row can't be read; None: it can."""
-        cells = self._line.rstrip("\r\n").split(self._delimiter)
-        reason = row_fault(cells, self._header, self._order, self._delimiter, self._decimal)
-        return reason and f"row {self._number} below the header: {reason}"
+        cells = self.line.rstrip("\r\n").split(self.delimiter)
+        reason = row_fault(cells, self.header, self.order, self.delimiter, self.decimal)
+        return reason and f"row {self.number} below the header: {reason}"
 
 
 def _lines(path: Path, file):

@@ -37,7 +37,7 @@ def yes_no(is_so: bool) -> str:
 
 
 def peak_name(peak: Peak) -> str:
-    """Say what a peak may be: a kinematic line, the hub on its contacts; "-" for neither."""
+    """Name a peak's possible causes: a kinematic line, the hub on its contacts; "-" for neither."""
     return " or ".join(([peak.line] if peak.line else []) + list(peak.also)) or "-"
 
 

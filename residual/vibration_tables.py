@@ -13,8 +13,8 @@ from residual.roller_motion import Place
 from residual.tables import marked, yes_no
 from residual.vibration import ENVELOPE_FROM, STANDS_OUT
 
-FROM_LOAD = 0.5 * pi  # rad, of +x from the load's direction, which rings' angles are told from
-SHORTEST_GAP = 1.0  # degrees of a ring that are told as not seen
+FROM_LOAD = 0.5 * pi  # rad, of +x from the load's direction, from which angles of rings are counted
+SHORTEST_GAP = 1.0  # degrees of a ring, listed as not seen
 EXPECTED = {  # the line that a spall of a body leaves in an envelope, and the family about it
     "outer_ring": ("BPFO", "BPFO and multiples"),
     "inner_ring": ("BPFI", "BPFI ± shaft"),
@@ -142,7 +142,7 @@ def _found(found: FoundSpall) -> str:
 
 
 def _left(search: FaultSearch) -> str:
-    """What stands out besides what was found."""
+    """Sentence on places that stand out besides the spalls found."""
     clearest = max(search.left, key=lambda m: m.deepest[1])
     times = clearest.deepest[1]
     if search.says_more:
@@ -179,9 +179,9 @@ def _seen(search: FaultSearch) -> str:
 
 
 def unseen(each: SinkageMap) -> list[tuple[float, float]]:
-    """Arcs that no roller has told of, by ascending angle as scenes count it, degrees."""
+    """Arcs that no roller has touched, by ascending angle as scenes count it, degrees."""
     n = each.height.size
-    first = -pi - (0.0 if each.place.roller is not None else FROM_LOAD)  # rad, told as −180 degrees
+    first = -pi - (0.0 if each.place.roller is not None else FROM_LOAD)  # rad, counted as −180 degrees
     shifted = np.roll(each.height, -round(n * (first % (2.0 * pi)) / (2.0 * pi)))
     edges = np.flatnonzero(np.diff(np.concatenate([[False], np.isnan(shifted), [False]]).astype(int)))
     arcs = [(360.0 * low / n - 180.0, 360.0 * high / n - 180.0) for low, high in edges.reshape(-1, 2)]

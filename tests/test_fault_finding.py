@@ -61,7 +61,7 @@ def flat_motion(rho, inner, outer, interval=1e-5):
     n, none = rho.size, np.zeros((rho.size, 1))
     return RollerMotion(
         bearing=Scene().ideal_bearing(), operation=replace(Scene().ideal_operation(), gravity=0.0),
-        load=(np.zeros(n), np.zeros(n)), interval=interval, inner_x=np.zeros(n), inner_y=np.zeros(n), rho=rho[:, None],
+        load=(np.zeros(n), np.zeros(n)), interval=interval, rho=rho[:, None],
         outer_angle=none, inner_angle=none, inner_turn=none, roller_turn=none, inner=inner[:, None],
         outer=outer[:, None],
     )  # fmt: skip
@@ -154,17 +154,11 @@ def test_the_search_sees_neither_the_scenes_surfaces_nor_forces():
     plain = read_scene(None, ("model=reduced", "numerics.duration_ms=30"))
     wrong = read_scene(None, ("model=reduced", "numerics.duration_ms=30", "spall.0.body=inner_ring"))
     forces = np.full_like(told.roller_x, 1e3)
-    searches = [
-        find_faults(record)
-        for record in (
-            told,
-            replace(told, scene=plain),
-            replace(told, scene=wrong, inner_force=forces, outer_force=forces, attributes={"faults": "[]"}),
-        )
-    ]
-    (first,) = searches[0].found
-    for search in searches[1:]:
-        (found,) = search.found
+    blind = replace(told, scene=plain)
+    misled = replace(told, scene=wrong, inner_force=forces, outer_force=forces, attributes={"faults": "[]"})
+    (first,) = find_faults(told).found
+    for record in (blind, misled):
+        (found,) = find_faults(record).found
         np.testing.assert_array_equal(found.spall, first.spall)
         assert (found.angle_error, found.width_error) == (first.angle_error, first.width_error)
     assert roller_motion(told).bearing == roller_motion(replace(told, scene=plain)).bearing
@@ -214,13 +208,8 @@ def test_a_standing_bearing_and_one_sampled_too_coarsely_are_refused():
 @pytest.mark.usefixtures("plain_report")
 def test_the_command_prints_and_writes_what_it_found(tmp_path, capsys):
     path = tmp_path / "run.nc"
-    settings = (
-        "model=reduced",
-        "numerics.duration_ms=20",
-        "numerics.output_interval_us=10",
-        "spall.0.width_mm=0.6",
-        "spall.0.angle_deg=20",
-    )
+    settings = ("model=reduced", "numerics.duration_ms=20", "numerics.output_interval_us=10")
+    settings += ("spall.0.width_mm=0.6", "spall.0.angle_deg=20")
     assert run_main([*(word for each in settings for word in ("--set", each)), "--output", str(path), "--quiet"]) == 0
     assert main([str(path), "--find-faults"]) == 0
     assert "Found a spall on the outer ring" in capsys.readouterr().out

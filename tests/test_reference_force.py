@@ -12,8 +12,7 @@ from lagrange.scene.scene import Scene
 from residual.cli import main
 from residual.evaluation import evaluate
 from residual.roller_motion import roller_motion, stiffness
-from residual.sources import read_result
-from tests.reference.synthetic_run import make_run, write_result
+from tests.reference.synthetic_run import make_run, recorded
 
 TURNS = 75.0  # Hz, of the shaft
 MASS, GRAVITY = 0.078, 9.81
@@ -72,7 +71,7 @@ def test_a_preloaded_bearing_is_judged_by_its_contact_forces(tmp_path):
     run = make_run(n_times=401)
     run = replace(run, scene=run.scene.model_copy(update={"operation": run.scene.operation.model_copy(
         update={"radial_load_N": 0.0})}))  # fmt: skip
-    found = evaluate(read_result(write_result(tmp_path / "idle.nc", run)))
+    found = evaluate(recorded(tmp_path / "idle.nc", run))
     assert found.record.load == pytest.approx(MASS * GRAVITY)
     assert found.reference == (found.force.max(), "largest contact force")
 
@@ -80,7 +79,7 @@ def test_a_preloaded_bearing_is_judged_by_its_contact_forces(tmp_path):
 @pytest.mark.parametrize("rate", [0.0, 50.0])
 def test_contacts_are_as_stiff_whatever_the_direction_of_the_load(tmp_path, rate):
     """All turned by an angle, constant or growing: nothing else in the bearing has a direction."""
-    motion = roller_motion(read_result(write_result(tmp_path / "run.nc", make_run(n_times=401))))
+    motion = roller_motion(recorded(tmp_path / "run.nc", make_run(n_times=401)))
     angle = 1.0 + rate * 1e-5 * np.arange(401)
     cosine, sine = np.cos(angle), np.sin(angle)
     x, y = motion.load

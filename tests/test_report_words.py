@@ -8,10 +8,9 @@ from residual.formatting import hertz, length, metres, text
 from residual.interpretation import verdict
 from residual.lines import HUB, named_peaks
 from residual.record import Record
-from residual.sources import read_result
 from residual.spectrum import find_peaks, power_spectrum
 from residual.tables import error_rows, peak_name
-from tests.reference.synthetic_run import make_run, run_variables, write_result
+from tests.reference.synthetic_run import make_run, recorded, run_variables
 
 STEP = 1e-5
 
@@ -86,18 +85,18 @@ def test_a_roller_that_barely_touches_is_not_loaded(tmp_path):
     run = make_run(n_times=401)
     variables = run_variables(run)
     most = variables["inner_force"].max()
-    before = evaluate(read_result(write_result(tmp_path / "a.nc", run, variables))).loaded_range
+    before = evaluate(recorded(tmp_path / "a.nc", run, variables)).loaded_range
     variables["inner_force"] = np.maximum(variables["inner_force"], 0.009 * most)
-    assert evaluate(read_result(write_result(tmp_path / "b.nc", run, variables))).loaded_range == before == (6, 7)
+    assert evaluate(recorded(tmp_path / "b.nc", run, variables)).loaded_range == before == (6, 7)
     variables["inner_force"] = np.maximum(variables["inner_force"], 0.011 * most)
-    assert evaluate(read_result(write_result(tmp_path / "c.nc", run, variables))).loaded_range == (13, 13)
+    assert evaluate(recorded(tmp_path / "c.nc", run, variables)).loaded_range == (13, 13)
 
 
 def test_the_first_sentence_tells_sound_trajectories_from_others_and_peak_from_rms(tmp_path):
     record, _ = damped_record(0.0)
     good = verdict(evaluate(record))
     assert good.startswith("The trajectories are") and "at most" in good
-    told = evaluate(read_result(write_result(tmp_path / "a.nc", make_run(n_times=401))))
+    told = evaluate(recorded(tmp_path / "a.nc", make_run(n_times=401)))
     found = verdict(told)
     assert found.startswith("The trajectories are not sound") and found.count(".") < 20
     worst, peak = max(e.rms for e in told.judged), max(e.max_abs for e in told.judged)

@@ -11,7 +11,7 @@ from residual.evaluation import evaluate
 from residual.record import COLUMNS, Record
 from residual.sources import read_result
 from residual.summary import ReportOptions, summarise
-from tests.reference.synthetic_run import make_run, run_variables, write_result
+from tests.reference.synthetic_run import make_run, recorded, run_variables, write_result
 
 FORWARD, MOMENT, GUIDED = 30.0, -0.02, (3.0, -4.0)  # N, N m, N: on every roller, on the cage
 CAGE = {"guidance": "inner_ring", "guidance_clearance_mm": 0.1}
@@ -88,7 +88,7 @@ def test_a_cage_of_a_shaft_that_turns_both_ways_has_no_mean_speed_whirl_or_slip(
 
 
 def test_a_run_without_a_cage_has_neither_term_nor_numbers(tmp_path):
-    evaluation = evaluate(read_result(write_result(tmp_path / "free.nc", make_run(n_times=3001))))
+    evaluation = evaluate(recorded(tmp_path / "free.nc", make_run(n_times=3001)))
     assert "cage" not in evaluation.budget.x.terms
     assert "cage" not in summarise(evaluation, ReportOptions(), "0")
 

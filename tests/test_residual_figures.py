@@ -8,9 +8,8 @@ from residual.figures.comparison import point_contact
 from residual.figures.saved import TERM_COLOURS
 from residual.figures.spectra import short_time_figure
 from residual.report import render_report
-from residual.sources import read_result
 from residual.summary import ReportOptions
-from tests.reference.synthetic_run import make_run, write_result
+from tests.reference.synthetic_run import make_run, recorded
 
 # the 209 bearing of Harris' examples
 BALLS = {
@@ -24,7 +23,7 @@ BALLS = {
 def ball_run(tmp_path_factory):
     scene = parse_scene({"bearing": BALLS, "operation": {"inner_ring_and_shaft_kg": 0.5}}, "test")
     path = tmp_path_factory.mktemp("balls") / "balls.nc"
-    return evaluate(read_result(write_result(path, make_run(n_times=1201, scene=scene))))
+    return evaluate(recorded(path, make_run(n_times=1201, scene=scene)))
 
 
 def test_figure_4_marks_the_bearings_own_contacts(ball_run, tmp_path):
@@ -41,7 +40,7 @@ def test_short_time_spectra_need_two_passages(ball_run, tmp_path):
     assert drawn.png.stat().st_size > 10_000
     assert "half a roller passage" in drawn.caption
     short = make_run(n_times=401)
-    assert short_time_figure(evaluate(read_result(write_result(tmp_path / "a.nc", short))), tmp_path) is None
+    assert short_time_figure(evaluate(recorded(tmp_path / "a.nc", short)), tmp_path) is None
 
 
 def test_terms_that_may_stand_in_one_figure_have_colours_of_their_own():

@@ -12,7 +12,7 @@ from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.fitted_laws import CoupledLaw, DampedLaw, fit_law, law_force, neighbours, passage_numbers
 from residual.sources import read_result
-from tests.reference.synthetic_run import make_run, run_variables, write_result
+from tests.reference.synthetic_run import make_run, recorded, run_variables, write_result
 
 STIFFNESS, EXPONENT = 1.1e9, 1.09
 
@@ -119,12 +119,8 @@ def test_intervals_cover_the_truth_though_samples_of_a_passage_are_correlated():
     for seed in range(150):
         factor = 1.0 + 0.02 * np.random.default_rng(seed).standard_normal(passage.max() + 2)
         found = fit_law(depth, power(depth) * factor[passage], bridge=5, samples=600)
-        covered.append(
-            [
-                found.stiffness.low <= STIFFNESS <= found.stiffness.high,
-                found.exponent.low <= EXPONENT <= found.exponent.high,
-            ]
-        )
+        known = ((found.stiffness, STIFFNESS), (found.exponent, EXPONENT))
+        covered.append([number.low <= true <= number.high for number, true in known])
     share = np.mean(covered, axis=0)
     assert np.all(share > 0.85) and np.all(share < 0.999)
 
@@ -154,7 +150,7 @@ def test_data_that_fix_no_exponent_are_refused(constant):
 
 def test_law_of_a_run_is_fitted_and_its_error_disappears(run, tmp_path):
     """The run's forces are 0.95 of Harris's: K is, n is Harris's, and no contact-law term is left."""
-    evaluation = evaluate(read_result(write_result(tmp_path / "a.nc", run)), "fitted")
+    evaluation = evaluate(recorded(tmp_path / "a.nc", run), "fitted")
     harris = roller_law("harris", run.scene.ideal_bearing().roller_length)
     assert evaluation.law.exponent == pytest.approx(10 / 9, rel=1e-7)
     assert evaluation.law.stiffness == pytest.approx(0.95 * harris.stiffness, rel=1e-5)
@@ -166,7 +162,7 @@ def test_law_of_a_run_is_fitted_and_its_error_disappears(run, tmp_path):
 
 @pytest.mark.parametrize("law", ["harris", "fitted", "fitted_coupled", "johnson", "teutsch_sauer"])
 def test_ranking_agrees_with_an_evaluation_under_each_law(law, run, tmp_path):
-    trajectory = read_result(write_result(tmp_path / "a.nc", run))
+    trajectory = recorded(tmp_path / "a.nc", run)
     ranked = evaluate(trajectory, "palmgren")
     late = slice(ranked.identified["fitted"].samples, None)
     alone = evaluate(trajectory, law).budget
@@ -194,7 +190,7 @@ def test_summary_and_terminal_tell_the_fit_and_the_ranking(run, tmp_path, capsys
 def test_verdict_on_a_fitted_law_goes_by_the_held_back_part(run, tmp_path):
     """Forces that follow another law in the second half pass on the half fitted and fail on the other."""
     variables = run_variables(run)
-    evaluation = evaluate(read_result(write_result(tmp_path / "a.nc", run, variables)), "fitted")
+    evaluation = evaluate(recorded(tmp_path / "a.nc", run, variables), "fitted")
     half = evaluation.identification.samples
     expected = np.sqrt(np.mean(evaluation.budget.y.error[half:] ** 2))
     assert evaluation.judged[1].rms == pytest.approx(expected, rel=1e-12)

@@ -8,23 +8,15 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from fem.commands.run_fem import run_main
-from lagrange.kinematics import kinematics
-from lagrange.scene.scene import Scene
 from residual.cli import main
 from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.lines import HUB, high_lines, line_levels, named_peaks, sidebands, watched_level
-from residual.sources import read_result
-from residual.spectrum import envelope, find_peaks, kinematic_lines, power_spectrum
-from tests.reference.synthetic_run import harris_force, make_run, run_variables, write_result
+from residual.spectrum import envelope, find_peaks, power_spectrum
+from tests.reference.synthetic_run import harris_force, make_run, paper_lines, recorded, run_variables, write_result
 
 STEP = 1e-5
 BPFO, SHAFT, CAGE = 381.52, 75.0, 29.348
-
-
-def paper_lines():
-    scene = Scene()
-    return kinematic_lines(kinematics(scene.ideal_bearing(), scene.ideal_operation().speed))
 
 
 def times(duration):
@@ -110,7 +102,7 @@ def test_the_hub_has_a_resonance_of_its_own_in_each_direction(tmp_path):
     The run's own forces are 0.9 of that law's, and so are its stiffnesses.
     """
     run = make_run(n_times=2001)
-    evaluation = evaluate(read_result(write_result(tmp_path / "a.nc", run, run_variables(run, force_factor=0.9))))
+    evaluation = evaluate(recorded(tmp_path / "a.nc", run, run_variables(run, force_factor=0.9)))
     depth, step = 2.05e-6 * -np.sin(run.angle), 1e-10
     slope = (harris_force(depth + step) - harris_force(depth - step)) / (2.0 * step)
     mass = run.scene.operation.inner_ring_and_shaft_kg
@@ -149,7 +141,7 @@ def test_lines_go_by_the_cage_speed_of_the_run(tmp_path):
         roller_y=run.inner_y[:, None] + distance * np.sin(angle),
         angle=angle,
     )
-    evaluation = evaluate(read_result(write_result(tmp_path / "a.nc", moved)))
+    evaluation = evaluate(recorded(tmp_path / "a.nc", moved))
     assert evaluation.lines["FTF"] == pytest.approx(slow, rel=1e-3)
     assert evaluation.ideal_cage == pytest.approx(ideal, rel=1e-4)
     assert evaluation.lines["BPFI"] == pytest.approx(13 * (SHAFT - slow), rel=1e-3)

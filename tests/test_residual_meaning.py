@@ -20,7 +20,7 @@ from residual.report import MOST_POINTS, picture_of, render_report, spectra_json
 from residual.sources import read_result
 from residual.summary import ReportOptions
 from residual.tables import stated_error_rows
-from tests.reference.synthetic_run import make_run, run_variables, write_result
+from tests.reference.synthetic_run import make_run, recorded, run_variables, write_result
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def made(tmp_path_factory):
     """A run whose forces are the law's times 1.25: the law carries a fifth less than the run."""
     run = make_run(n_times=1201)
     path = tmp_path_factory.mktemp("made") / "made.nc"
-    return read_result(write_result(path, run, run_variables(run, force_factor=1.25)))
+    return recorded(path, run, run_variables(run, force_factor=1.25))
 
 
 def test_statics_are_those_of_rigid_rings_on_harris_law(made):
@@ -64,7 +64,7 @@ def test_the_sentences_say_how_much_of_the_load_the_law_carries(made):
 def test_without_forces_the_sentences_blame_nobody(tmp_path):
     run = make_run(n_times=401)
     bare = {name: value for name, value in run_variables(run).items() if "force" not in name and "traction" not in name}
-    found = evaluate(read_result(write_result(tmp_path / "bare.nc", run, bare)))
+    found = evaluate(recorded(tmp_path / "bare.nc", run, bare))
     sentences = interpretation(found, None)
     assert "can't be told without contact forces" in verdict(found)
     assert not any("leaves out" in sentence for sentence in sentences)
@@ -72,7 +72,7 @@ def test_without_forces_the_sentences_blame_nobody(tmp_path):
 
 def test_an_unloaded_bearing_gets_no_share_of_its_load(tmp_path):
     run = make_run(n_times=401, scene=parse_scene({"operation": {"radial_load_N": 0.0}}, "test"))
-    found = evaluate(read_result(write_result(tmp_path / "idle.nc", run)))
+    found = evaluate(recorded(tmp_path / "idle.nc", run))
     assert not any("% less" in sentence or "% more" in sentence for sentence in interpretation(found, None))
 
 
@@ -87,7 +87,7 @@ def test_the_pages_spectra_are_those_of_the_evaluation(made):
 
 def test_of_a_long_record_every_peak_is_kept(tmp_path):
     run = make_run(n_times=40_001, tone=9_000.0)
-    found = evaluate(read_result(write_result(tmp_path / "long.nc", run)))
+    found = evaluate(recorded(tmp_path / "long.nc", run))
     directions = {d.name: replace(d, spectrum=_one_segment(d.budget.error)) for d in found.directions}
     found = replace(found, **directions)
     data = json.loads(spectra_json(found))

@@ -6,13 +6,9 @@ import pytest
 from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene
 from residual.spectrum import find_peaks, kinematic_lines, power_spectrum
+from tests.reference.synthetic_run import paper_lines
 
 STEP = 1e-5
-
-
-def paper_lines():
-    scene = Scene()
-    return kinematic_lines(kinematics(scene.ideal_bearing(), scene.ideal_operation().speed))
 
 
 def tone(frequency, amplitude=1.0, duration=0.06, phase=0.3):

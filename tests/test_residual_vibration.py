@@ -10,25 +10,19 @@ from scipy.signal.windows import hann
 
 from fem.commands.run_fem import run_main
 from fem.interface import check_quantities
-from lagrange.kinematics import kinematics
-from lagrange.scene.scene import Scene, parse_scene
+from lagrange.scene.scene import parse_scene
 from residual.cli import main
 from residual.evaluation import evaluate
 from residual.figures.vibration import vibration_figures
 from residual.sources import read_result
-from residual.spectrum import find_peaks, kinematic_lines
+from residual.spectrum import find_peaks
 from residual.vibration import fault_lines, vibration
 from residual.vibration_tables import vibration_sentences
-from tests.reference.synthetic_run import make_run, run_variables, write_result
+from tests.reference.synthetic_run import make_run, paper_lines, run_variables, write_result
 
 STEP = 1e-5
 TIME = STEP * np.arange(30_000)
 CARRIER = 12_345.0  # Hz
-
-
-def paper_lines():
-    scene = Scene()
-    return kinematic_lines(kinematics(scene.ideal_bearing(), scene.ideal_operation().speed))
 
 
 def tone(frequency, amplitude=1.0):

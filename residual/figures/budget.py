@@ -1,4 +1,4 @@
-"""Figures of what the errors are made of: their terms over time, stacked over a few roller passages, and as spectra."""
+"""Figures of the errors' terms: over time, stacked over a few roller passages, and as spectra."""
 
 from collections.abc import Iterable
 from pathlib import Path

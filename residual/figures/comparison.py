@@ -6,31 +6,11 @@ import numpy as np
 
 from lagrange.bearing import BallBearing
 from lagrange.contact.laws import Side, delta_star, raceway_curvature
+from residual import run_comparison as paper
 from residual.evaluation import Direction, Evaluation
 from residual.figures.saved import BLUE, ORANGE, RED, SavedFigure
-from residual.figures.style import (
-    DOTS,
-    beside_paper,
-    legend_above,
-    log_panel,
-    mark_lines,
-    panels,
-    panels_beside,
-    save,
-)
+from residual.figures.style import DOTS, beside_paper, legend_above, log_panel, mark_lines, panels, panels_beside, save
 from residual.load_zone import chosen_roller, load_zones, roller_radial
-from residual.run_comparison import (
-    ERROR_FORCE,
-    INNER_X,
-    INNER_Y,
-    PAPER_BAND,
-    PEAK,
-    ROLLER_ACCELERATION,
-    ROLLER_RHO,
-    ROLLER_VELOCITY,
-    is_paper,
-    named,
-)
 from residual.spectrum import power_spectrum
 
 MOST_POINTS = 6000  # of loads over the angle
@@ -44,7 +24,7 @@ def against_figures(evaluation: Evaluation, other: Evaluation, folder: Path) -> 
     figure, axes = panels((2, 1, 2), 12.0, shares=(1.0, 1.0, 1.3, 1.0, 1.0), x="frequency, Hz")
     curves = [*axes[:2], *axes[3:]]
     for each, name, colour, width in zip(
-        (evaluation, other), named(evaluation, other), (BLUE, RED), (1.4, 0.8), strict=True
+        (evaluation, other), paper.named(evaluation, other), (BLUE, RED), (1.4, 0.8), strict=True
     ):
         t, style = each.record, {"color": colour, "linewidth": width, "label": name}
         for axis, d, place in zip(axes[:2], each.directions, (t.inner_x, t.inner_y), strict=True):
@@ -97,7 +77,7 @@ def point_contact(bearing: BallBearing, folder: Path) -> SavedFigure:
 
 def _over_time(evaluation: Evaluation, height: float, names, values, ranges):
     """Draw quantities over time, each with the paper's range at its right where the run is of its bearing."""
-    make = panels_beside if is_paper(evaluation.record.scene) else panels
+    make = panels_beside if paper.is_paper(evaluation.record.scene) else panels
     figure, axes, *slim = make(len(values), height, x="time, ms", y=names)
     for k, value in enumerate(values):
         axes[k].plot(1e3 * evaluation.record.time, value, color=BLUE, linewidth=0.9 if len(values) == 1 else None)
@@ -110,10 +90,10 @@ def inner_ring_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
     """Draw figure 6: x and y of the inner ring's centre."""
     t = evaluation.record
     names = [f"{name} of the inner ring, µm" for name in "xy"]
-    ranges = [tuple(1e6 * np.array(read_off)) for read_off in (INNER_X, INNER_Y)]
-    figure, _, paper = _over_time(evaluation, 4.6, names, (1e6 * t.inner_x, 1e6 * t.inner_y), ranges)
+    ranges = [tuple(1e6 * np.array(read_off)) for read_off in (paper.INNER_X, paper.INNER_Y)]
+    figure, _, is_paper = _over_time(evaluation, 4.6, names, (1e6 * t.inner_x, 1e6 * t.inner_y), ranges)
     caption = "Centre of the inner ring."
-    if paper:
+    if is_paper:
         caption += " At the right the range of the paper's figure 6: x −80 … +60 µm, y −220 … −80 µm."
     return save(figure, folder, "fig06", "Fig. 6: motion of the inner ring", caption)
 
@@ -123,9 +103,11 @@ def roller_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
     time, loaded = 1e3 * evaluation.record.time, evaluation.budget.loaded
     j = chosen_roller(loaded, evaluation.chatter)
     values = [1e3 * value for value in roller_radial(evaluation.record, j, evaluation.order)]
-    ranges = [tuple(1e3 * np.array(each)) for each in (ROLLER_RHO, ROLLER_VELOCITY, ROLLER_ACCELERATION)]
+    ranges = [
+        tuple(1e3 * np.array(each)) for each in (paper.ROLLER_RHO, paper.ROLLER_VELOCITY, paper.ROLLER_ACCELERATION)
+    ]
     names = ("ρ, mm", "dρ/dt, mm/s", "d²ρ/dt², mm/s²")
-    figure, axes, paper = _over_time(evaluation, 6.2, names, values, ranges)
+    figure, axes, is_paper = _over_time(evaluation, 6.2, names, values, ranges)
     for first, last in load_zones(loaded[:, j], evaluation.chatter):
         for axis in axes:
             axis.axvspan(time[first], time[last], color=ORANGE, alpha=0.18, linewidth=0)
@@ -137,7 +119,7 @@ def roller_motion(evaluation: Evaluation, folder: Path) -> SavedFigure:
         f"Radial position ρ of roller {j} about the outer ring's centre, its velocity and acceleration; shaded: inner "
         "contact closed (load zone)."
     )
-    if paper:
+    if is_paper:
         caption += (
             " At the right the range of the paper's figure 7: ρ 22.98 … 23.08 mm, ±400 mm/s, ±5·10⁶ mm/s²; it marks "
             "the load zone twice."
@@ -156,9 +138,9 @@ def error_signal(evaluation: Evaluation, folder: Path, direction: Direction) -> 
         caption = (
             f"Left side of equation (23) with its sign flipped: the load W = {level:g} N for a perfect model (dashed)."
         )
-    paper_range = (level + ERROR_FORCE[0], level + ERROR_FORCE[1])
-    figure, (axis,), paper = _over_time(evaluation, 3.4, [label], [value], [paper_range])
-    if paper:
+    around = (level + paper.ERROR_FORCE[0], level + paper.ERROR_FORCE[1])
+    figure, (axis,), is_paper = _over_time(evaluation, 3.4, [label], [value], [around])
+    if is_paper:
         caption += f" At the right the range of the paper's figure {number}: ±3000 N around {level:g} N."
     mean = float(np.mean(value))
     axis.lines[0].set_label(f"equation ({equation})")
@@ -172,21 +154,21 @@ def spectrum_low(evaluation: Evaluation, folder: Path, direction: Direction) -> 
     """Draw figure 10 or 11: power spectral density up to 300 Hz, on linear axes."""
     spectrum, name, step = direction.spectrum, direction.name, direction.spectrum.resolution
     number, equation, height = (10, "22", "2.5·10¹⁰") if name == "x" else (11, "23", "1.5·10⁷")
-    inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= PAPER_BAND + step)
+    inside = (spectrum.frequency > 0.0) & (spectrum.frequency <= paper.PAPER_BAND + step)
     figure, (axis,) = panels(1, 3.6, lines=2, x="frequency, Hz", y=[f"PSD of error_{name}, N²/Hz"])
     axis.plot(spectrum.frequency[inside], spectrum.psd[inside], color=BLUE, marker="o", markersize=3.5)
-    axis.set_xlim(0.0, PAPER_BAND)
+    axis.set_xlim(0.0, paper.PAPER_BAND)
     axis.set_ylim(bottom=0.0)
     axis.yaxis.get_offset_text().set_x(-0.08)  # clear of the first line's name
-    mark_lines(axis, evaluation.lines, 0.0, PAPER_BAND, labels=True)
+    mark_lines(axis, evaluation.lines, 0.0, paper.PAPER_BAND, labels=True)
     caption = (
         f"One-sided power spectral density of the error force in {name}, equation ({equation}), 0-300 Hz; one dot "
         f"per frequency bin, Δf = {step:.4g} Hz, Hann window: two lines nearer than {2 * step:.3g} Hz are one peak, "
         f"and a peak below {2 * step:.3g} Hz can't be told from drift."
     )
-    if is_paper(evaluation.record.scene):
-        axis.axvspan(PEAK - 2.0, PEAK + 2.0, color=ORANGE, alpha=0.45, linewidth=0, zorder=0)
-        caption += f" Shaded: the paper's peak near {PEAK:g} Hz, of height {height} (unit not given)."
+    if paper.is_paper(evaluation.record.scene):
+        axis.axvspan(paper.PEAK - 2.0, paper.PEAK + 2.0, color=ORANGE, alpha=0.45, linewidth=0, zorder=0)
+        caption += f" Shaded: the paper's peak near {paper.PEAK:g} Hz, of height {height} (unit not given)."
     return save(figure, folder, f"fig{number}", f"Fig. {number}: spectrum of error_{name}, 0-300 Hz", caption)
 
 

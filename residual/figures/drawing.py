@@ -21,7 +21,7 @@ from residual.summary import ReportOptions
 def draw_figures(
     evaluation: Evaluation, statics: QuasiStatic | None, options: ReportOptions, folder: Path
 ) -> dict[str, list[SavedFigure]]:
-    """Draw what the run has the data for into a folder; by groups, in the page's order.
+    """Draw all figures for which the run has data into a folder; by groups, in the page's order.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def draw_figures(
             }
     told = {group: method_told(evaluation, options.other if group == "against" else None) for group in drawn}
     return {
-        group: [replace(figure, caption=f"{figure.caption}{told[group]}") for figure in found]
+        group: [replace(figure, caption=figure.caption + told[group]) for figure in found]
         for group, found in drawn.items()
     }
 

@@ -1,4 +1,4 @@
-"""Figures of spalls: passages of all rollers over one, and what a search for spalls has found."""
+"""Figures of spalls: passages of all rollers over one, and the findings of a search."""
 
 from pathlib import Path
 
@@ -24,7 +24,7 @@ MICRO = 1e6
 
 
 def passage_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
-    """Draw the passages over the scene's spalls, where the record tells contact forces and rollers pass any."""
+    """Draw the passages over the scene's spalls, where the record holds contact forces and rollers pass any."""
     record = evaluation.record
     if record.inner_force is None or record.outer_force is None:
         return []
@@ -126,7 +126,7 @@ def _middle(passage: Passage) -> int:
 
 
 def _angle_at(found: list[Passage], event: SpallEvent) -> float:
-    """Of an event from the middle, on the roller's way, rad."""
+    """Angle of an event from the middle, on the roller's way, rad."""
     passage = next(
         passage
         for passage in found
@@ -175,7 +175,7 @@ def _draw_map(axis, each: SinkageMap, colour: str) -> None:
 
 
 def _draw_passages(axis, search: FaultSearch, k: int) -> None:
-    """Draw what three samples differ from the equation of motion by, without and with the spalls found."""
+    """Draw the mismatch of three samples with the equation of motion, without and with the spalls found."""
     each, rest = search.found[k], [other.spalled for i, other in enumerate(search.found) if i != k]
     half, aside = 0.5 * each.width, 0.5 * each.width_error
     axis.axvspan(-1e3 * half, 1e3 * half, color=RED, alpha=0.12, linewidth=0)

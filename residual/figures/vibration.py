@@ -24,7 +24,7 @@ SHORTEST = 2e-3  # s, over which speeds of a cage are means
 
 
 def vibration_figures(evaluation: Evaluation, folder: Path) -> list[SavedFigure]:
-    """Draw the figure, if the record tells lines of envelopes."""
+    """Draw the figure, if the record resolves lines of envelopes."""
     return [envelope_figure(evaluation, folder)] if evaluation.x.vibration.tells_lines else []
 
 

@@ -10,7 +10,11 @@ from dataclasses import dataclass
 import h5py
 import numpy as np
 
+from lagrange.kinematics import kinematics
 from lagrange.scene.scene import Scene
+from residual.record import Record
+from residual.sources import read_result
+from residual.spectrum import kinematic_lines
 
 INTERVAL = 1e-5
 
@@ -140,3 +144,14 @@ def write_result(path, run, variables=None, committed=None, **attributes):
             if value is not None:
                 file.attrs[name] = value
     return path
+
+
+def recorded(path, run, variables=None, **more) -> Record:
+    """The record that the checker reads from a run's result file."""
+    return read_result(write_result(path, run, variables, **more))
+
+
+def paper_lines() -> dict[str, float]:
+    """Kinematic lines of the paper's bearing, Hz."""
+    scene = Scene()
+    return kinematic_lines(kinematics(scene.ideal_bearing(), scene.ideal_operation().speed))

@@ -77,7 +77,7 @@ def moving_quantities(samples: Mapping[str, np.ndarray]) -> list[Quantity]:
     found["largest_force"] = float(force.max())
     found["mean_largest_force"] = mean(force.max(axis=1))
     found["cage_speed"] = float(np.polyfit(time, samples["roller_theta"].mean(axis=1), 1)[0])
-    return [Quantity(name, *about, found[name]) for name, about in OF_MOTION.items()]
+    return quantities_of(OF_MOTION, found)
 
 
 def run_quantities(bearing: Bearing, speed: float | None, samples: Mapping[str, np.ndarray]) -> list[Quantity]:
@@ -94,11 +94,15 @@ def run_quantities(bearing: Bearing, speed: float | None, samples: Mapping[str, 
         "first_largest_force": float(first.max()),
         "first_loaded_rollers": float(np.count_nonzero(first > LOADED * first.max())),
     }
-    found = [Quantity(name, *about, start[name]) for name, about in OF_START.items()]
+    found = quantities_of(OF_START, start)
     if len(samples["time"]) < 2:
         return found
-    record = _of_record(bearing, speed, samples)
-    return [*found, *moving_quantities(samples), *(Quantity(n, *about, record[n]) for n, about in OF_RECORD.items())]
+    return [*found, *moving_quantities(samples), *quantities_of(OF_RECORD, _of_record(bearing, speed, samples))]
+
+
+def quantities_of(table: Mapping[str, tuple[str, str]], values: Mapping[str, float]) -> list[Quantity]:
+    """Quantities of a table of units and meanings, in its order."""
+    return [Quantity(name, *about, values[name]) for name, about in table.items()]
 
 
 def _of_record(bearing: Bearing, speed: float | None, samples: Mapping[str, np.ndarray]) -> dict[str, float]:

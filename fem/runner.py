@@ -95,10 +95,9 @@ def simulate(plan: Plan, setup_seconds: float, path: Path, options: RunOptions) 
         state, stored = load_checkpoint(path, plan) if options.resume else (plan.first_state(), None)
     except RunFailed as error:
         return _ended(Outcome.FAILED_AT_START, reason=error)
-    met = state.outcome_attributes
     with (
         stop_signals() as stopped,
-        ResultFile(path, plan, setup_seconds, stored, **met) as store,
+        ResultFile(path, plan, setup_seconds, stored, **state.outcome_attributes) as store,
         _explained(path, store),
     ):
         if not options.resume:

@@ -6,6 +6,7 @@ written or not the mesh asked for.
 
 import hashlib
 import io
+from contextlib import suppress
 from importlib import resources
 from pathlib import Path
 
@@ -26,15 +27,13 @@ def mesh_of(shape: Shape) -> Mesh:
     RuntimeError: it must be made and gmsh can't be loaded (the message says what to install).
     """
     name = file_name(shape)
-    for folder in (_shipped(), cache_folder()):
+    for folder in (Path(str(resources.files("meshes"))) / "data", cache_folder()):
         mesh = _read(folder / name, shape)
         if mesh is not None:
             return mesh
     mesh = make(shape)
-    try:
+    with suppress(OSError):  # a read-only home costs the next start a second of meshing, nothing else
         write(cache_folder() / name, mesh)
-    except OSError:
-        pass  # a read-only home costs the next start a second of meshing, nothing else
     return mesh
 
 
@@ -49,10 +48,6 @@ def cache_folder() -> Path:
     import platformdirs
 
     return Path(platformdirs.user_cache_dir("roller-bearing-fem")) / "meshes"
-
-
-def _shipped() -> Path:
-    return Path(str(resources.files("meshes"))) / "data"
 
 
 def write(path: Path, mesh: Mesh) -> None:

@@ -9,18 +9,13 @@ import numpy as np
 from lagrange.files.output import replaced
 from meshes.shapes import Mesh
 
-# those of meshio's formats that keep triangles beside quadrilaterals, and fields with any number of components
+# by a file name's ending: meshio's formats that keep triangles beside quadrilaterals, and fields of any width
 FORMATS = {
     ".vtu": {"file_format": "vtu"},
     ".vtk": {"file_format": "vtk"},
     ".xdmf": {"file_format": "xdmf", "data_format": "XML"},  # in one file
     ".med": {"file_format": "med"},
 }
-
-
-def known_suffixes() -> tuple[str, ...]:
-    """File name endings that `write_fields` takes."""
-    return tuple(FORMATS)
 
 
 def write_fields(
@@ -49,9 +44,6 @@ def write_fields(
     path.parent.mkdir(parents=True, exist_ok=True)
     with replaced(path) as part:
         meshio.write(part, mesh, **FORMATS[path.suffix.lower()])
-
-
-# Sizes and angles of a mesh.
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ from fem.commands.render_fem import render_main
 from fem.elastic.stress import von_mises
 from fem.pictures.export import fields
 from fem.pictures.recover import StoredRun
-from meshes.export import known_suffixes
+from meshes.export import FORMATS
 
 SAMPLES = [0, 200, 400]
 
@@ -97,7 +97,7 @@ def test_a_pvd_series_lists_files_that_meshio_reads(run, coarse_run, expected, t
             assert np.array_equal(mesh.point_data[name], values)
 
 
-@pytest.mark.parametrize("suffix", known_suffixes())
+@pytest.mark.parametrize("suffix", FORMATS)
 def test_an_instant_reads_back_in_meshio(run, coarse_run, expected, tmp_path, suffix):
     import meshio
 

@@ -131,12 +131,12 @@ def _check_kind(output: Path | None, animation: Path | None, export: Path | None
     if animation is not None and animation.suffix.lower() not in (".mp4", ".gif"):
         raise UsageError(f"--animation {animation}: must end in .mp4 or .gif")
     if export is not None and not _holds_series(export) and export.suffix.lower() not in SIGNALS:
-        from meshes.export import known_suffixes
+        from meshes.export import FORMATS
 
-        if export.suffix.lower() not in known_suffixes():
+        if export.suffix.lower() not in FORMATS:
             raise UsageError(
                 f"--export {export}: must end in .vtkhdf, .pvd, {', '.join(SIGNALS)} or a format of meshio: "
-                f"{', '.join(known_suffixes())}"
+                f"{', '.join(FORMATS)}"
             )
 
 

@@ -93,7 +93,7 @@ def _outer_spall(scene: Scene) -> int | None:
     return next((i for i, spall in enumerate(scene.spall) if spall.body == "outer_ring"), None)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Slider:
     """One of the page's sliders; what lies beyond its ends can still be typed."""
 
@@ -112,34 +112,22 @@ def sliders(scene: Scene) -> tuple[Slider, ...]:
     fastest = 2.0 * abs(values.speed_rpm) or 3000.0
     heaviest = max(5.0 * values.radial_load_N, 50.0 * b.roller_diameter_mm * b.roller_length_mm)
     tightest, widest = -2.0 * b.roller_diameter_mm, 10.0 * b.roller_diameter_mm
-    spall = 0.3 * b.roller_diameter_mm
+    spalled = max(0.3 * b.roller_diameter_mm, values.spall_width_mm)
+    rubbing = max(0.3, values.friction_coefficient)
+    slowest = -fastest if values.speed_rpm < 0.0 else 0.0
+    low, high = min(tightest, values.clearance_um), max(widest, values.clearance_um)
     return (
-        Slider(
-            key="speed_rpm", label="Speed", unit="rpm", step=10.0,
-            low=-fastest if values.speed_rpm < 0.0 else 0.0, high=fastest, hint="of the inner ring and the shaft",
-        ),
-        Slider(
-            key="radial_load_N", label="Radial load", unit="N", step=10.0, low=0.0, high=heaviest,
-            hint="on the shaft, downwards",
-        ),
-        Slider(
-            key="clearance_um", label="Clearance", unit="µm", step=1.0, low=min(tightest, values.clearance_um),
-            high=max(widest, values.clearance_um), hint="diametral; below 0 it is preload",
-        ),
-        Slider(
-            key="friction_coefficient", label="Friction", unit="", step=0.01, low=0.0,
-            high=max(0.3, values.friction_coefficient), hint="Coulomb's, in every contact",
-        ),
-        Slider(
-            key="spall_width_mm", label="Spall width", unit="mm", step=0.05, low=0.0,
-            high=max(spall, values.spall_width_mm), hint="of the outer raceway; 0: none",
-        ),
+        Slider("speed_rpm", "Speed", "rpm", slowest, fastest, 10.0, "of the inner ring and the shaft"),
+        Slider("radial_load_N", "Radial load", "N", 0.0, heaviest, 10.0, "on the shaft, downwards"),
+        Slider("clearance_um", "Clearance", "µm", low, high, 1.0, "diametral; below 0 it is preload"),
+        Slider("friction_coefficient", "Friction", "", 0.0, rubbing, 0.01, "Coulomb's, in every contact"),
+        Slider("spall_width_mm", "Spall width", "mm", 0.0, spalled, 0.05, "of the outer raceway; 0: none"),
         *(
-            Slider(key=key, label=label, unit=unit, step=0.01 * own, low=0.01 * own, high=_end(key, own), hint=hint)
+            Slider(key, label, unit, 0.01 * own, _end(key, own), 0.01 * own, hint)
             for key, (_, label, unit, hint) in FURTHER.items()
             if (own := getattr(values, key))
         ),
-    )  # fmt: skip
+    )
 
 
 def _end(key: str, own: float) -> float:

@@ -64,12 +64,11 @@ def variables_of(scene: Scene) -> Variables:
 class Places:
     """Where numbers stand in a result file: bytes from its start."""
 
-    data: dict[str, int]  # each variable's first sample
-    width: dict[str, int]  # bytes of one sample of it
+    start: dict[str, int]  # of each variable: its first sample, or frame of fields
+    width: dict[str, int]  # bytes of one sample, or frame, of it
     checksum: dict[str, int]  # two pairs of int64: samples, CRC-32
     committed: int  # int64
-    frames: dict[str, int]  # what each frame of fields holds: the first one's place
-    frame_width: dict[str, int]  # bytes of it in one frame
+    of_frames: list[str]  # variables that frames of fields are of
 
 
 def create(
@@ -108,12 +107,11 @@ def create(
         claim(file.fileno(), os.fstat(file.fileno()).st_size)
         marks = _marks(file, sorted((start[name], size[name]) for name in start), 1 + len(variables))
     return Places(
-        data={name: start[name] for name in variables},
-        width={name: size[name] // rows[name] for name in variables},
+        start=start,
+        width={name: size[name] // rows[name] for name in start},
         checksum={name: marks[number] for number, name in enumerate(variables, start=1)},
         committed=marks[0],
-        frames={name: start[name] for name in of_frames},
-        frame_width={name: size[name] // rows[name] for name in of_frames},
+        of_frames=of_frames,
     )
 
 

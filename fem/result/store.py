@@ -139,14 +139,14 @@ class ResultFile:
             for name in self._variables:
                 for start in range(0, count, BLOCK):
                     block = earlier[name][start : min(start + BLOCK, count)]
-                    write_at(handle, _doubles(block), places.data[name] + start * places.width[name])
+                    write_at(handle, _doubles(block), places.start[name] + start * places.width[name])
                     checksums[name] = checksum(block, checksums[name])
-            for name, place in places.frames.items():
-                frames, width = earlier[name], places.frame_width[name]
+            for name in places.of_frames:
+                frames, width = earlier[name], places.width[name]
                 if frames.dtype.itemsize * prod(frames.shape[1:]) != width:
                     raise UsageError(f"{self._path}: damaged: {name} is of another mesh; start again without --resume")
                 for index in range(frames_of(count, self._plan.frame_stride)):
-                    write_at(handle, frames[index].tobytes(), place + index * width)
+                    write_at(handle, frames[index].tobytes(), places.start[name] + index * width)
         return checksums
 
     def _further(self, capacity: int) -> Callable[[h5py.File], list[str]]:
@@ -173,7 +173,7 @@ class ResultFile:
         index = frame.sample // self._plan.frame_stride
         with self._named():
             for name, data in stored_values(self._plan.model, frame).items():
-                write_at(self._handle, data, self._places.frames[name] + index * self._places.frame_width[name])
+                write_at(self._handle, data, self._places.start[name] + index * self._places.width[name])
 
     @property
     def committed(self) -> int:
@@ -198,7 +198,7 @@ class ResultFile:
         samples = with_sinkages(self._bearing, self._operation, samples)
         with self._named():
             for name in self._variables:
-                place = self._places.data[name] + self._count * self._places.width[name]
+                place = self._places.start[name] + self._count * self._places.width[name]
                 write_at(self._handle, _doubles(samples[name]), place)
                 self._checksums[name] = checksum(samples[name], self._checksums[name])
             self._count += len(samples["time"])

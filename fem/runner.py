@@ -44,12 +44,7 @@ class RunOptions:
 
 
 def show_plan(scene: Scene) -> Outcome:
-    """Plan a scene and print the plan.
-
-    Errors
-    ------
-    UsageError: a solver can't take the scene.
-    """
+    """Plan a scene and print the plan. UsageError: a solver can't take the scene."""
     try:
         print_plan(_planned(scene, say))
     except RunFailed as error:

@@ -58,12 +58,7 @@ class Values(BaseModel):
         )
 
     def put_into(self, scene: Scene) -> Scene:
-        """The scene with these values; what is not changed keeps its digits.
-
-        Errors
-        ------
-        SceneError: it is none.
-        """
+        """The scene with these values; what is not changed keeps its digits. SceneError: it is none."""
         data, before = tomllib.loads(scene.to_toml()), Values.of(scene)
         data["operation"]["speed_rpm"] = self.speed_rpm
         data["operation"]["radial_load_N"] = self.radial_load_N

@@ -130,12 +130,7 @@ class Canvas:
             renderer.clear_actors()
 
     def image(self) -> np.ndarray:
-        """(height, width, 3) bytes.
-
-        Errors
-        ------
-        UsageError: the driver draws nothing.
-        """
+        """(height, width, 3) bytes. UsageError: the driver draws nothing."""
         self._plotter.render()
         pixels = np.ascontiguousarray(self._plotter.screenshot(return_img=True)[..., :3])
         if pixels.min() == pixels.max():

@@ -39,12 +39,7 @@ PATIENCE = 60.0  # s
 
 
 def check_rendering() -> None:
-    """Draw a small picture in a process of its own.
-
-    Errors
-    ------
-    UsageError: it failed, with what cures it.
-    """
+    """Draw a small picture in a process of its own. UsageError: it failed, with what cures it."""
     environment = {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow", **os.environ}
     try:
         probe = [sys.executable, "-P", "-c", PROBE]  # -P: nothing is imported from the current folder

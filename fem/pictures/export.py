@@ -24,12 +24,7 @@ VTK_TRIANGLE, VTK_QUAD = 5, 9
 
 
 def write_instant(run: StoredRun, target: Path, sample: int) -> None:
-    """One instant, in the format of the name's ending.
-
-    Errors
-    ------
-    UsageError: damaged run. OSError: it can't be written.
-    """
+    """One instant, in the format of the name's ending. UsageError: damaged run. OSError: it can't be written."""
     instant = run.instant(sample)
     points, data = fields(instant)
     blocks, bodies = _cells(instant)

@@ -10,7 +10,6 @@ from PIL import Image
 from fem.pictures.target import MARK
 from lagrange.files.output import replaced
 
-KINDS = (".mp4", ".gif")
 QUALITY = "18"  # x264's constant rate factor; text stays sharp
 
 

@@ -146,12 +146,7 @@ class StoredRun:
         return np.concatenate([np.zeros((1, spin.shape[1])), np.cumsum(steps, axis=0)])
 
     def nearest(self, time: float | None = None) -> int:
-        """The sample nearest to a time, s; None: the last one.
-
-        Errors
-        ------
-        UsageError: the time lies outside the run.
-        """
+        """The sample nearest to a time, s; None: the last one. UsageError: the time lies outside the run."""
         times = self.times
         if time is None:
             return len(times) - 1
@@ -164,12 +159,7 @@ class StoredRun:
         return int(np.argmin(np.abs(times - time)))
 
     def instant(self, sample: int) -> Instant:
-        """A sample with its fields, the run's own where the file has them.
-
-        Errors
-        ------
-        UsageError: damaged.
-        """
+        """A sample with its fields, the run's own where the file has them. UsageError: damaged."""
         values = {name: self._values.column(name)[sample] for name in (*PER_TIME, *PER_ROLLER)}
         time = float(self.times[sample])
         values |= {name: self._closed(values[name]) for name in FORCES}

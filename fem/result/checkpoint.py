@@ -36,12 +36,7 @@ def checkpoint_path(result: Path) -> Path:
 
 
 def refuse_no_place(result: Path) -> None:
-    """Refuse a result file beside which no checkpoint can stand.
-
-    Errors
-    ------
-    UsageError. OSError: its name is too long.
-    """
+    """Refuse a result file beside which no checkpoint can stand. UsageError. OSError: its name is too long."""
     path = checkpoint_path(result)
     if path.is_symlink() or (path.exists() and not path.is_file()):
         raise UsageError(f"{path}: is not a plain file, and the run's state is to be kept there; name another --output")

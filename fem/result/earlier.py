@@ -81,12 +81,7 @@ def refuse_another_run(path: Path, scene: Scene) -> None:
 
 
 def refuse_if_in_use(path: Path) -> None:
-    """Refuse to replace what is open elsewhere or no plain file.
-
-    Errors
-    ------
-    UsageError. OSError: a file that can't be written.
-    """
+    """Refuse to replace what is open elsewhere or no plain file. UsageError. OSError: a file that can't be written."""
     if not path.exists():
         return
     if not path.is_file():

@@ -110,12 +110,7 @@ def _attach(variable, *scales) -> None:
 
 
 def stored_samples(file: h5py.File, committed: int) -> np.ndarray:
-    """Samples whose fields the file holds, (n_frames,).
-
-    Errors
-    ------
-    Damaged: the group is not what a run writes.
-    """
+    """Samples whose fields the file holds, (n_frames,). Damaged: the group is not what a run writes."""
     if not has(file, GROUP):
         return np.zeros(0, dtype=int)
     check_array(file, GROUP, None)
@@ -143,12 +138,7 @@ def read_values(file: h5py.File, model: Model | None, index: int) -> dict[str, n
 
 
 def read_frame(file: h5py.File, model: Model, index: int, ring_turn: float) -> Frame:
-    """A stored frame.
-
-    Errors
-    ------
-    Damaged, KeyError, ValueError: the group is damaged or of another mesh.
-    """
+    """A stored frame. Damaged, KeyError, ValueError: the group is damaged or of another mesh."""
     values = read_values(file, model, index)
     written, sample = int(values.pop(CHECKSUM)), int(values["sample"])
     if written != _checksum(values):

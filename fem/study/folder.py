@@ -185,12 +185,7 @@ class Folder:
             raise UsageError(f"{self.path}: not empty and no study; choose another --output or empty it")
 
     def begin(self, points: Points) -> None:
-        """Write what the study is.
-
-        Errors
-        ------
-        OSError: it can't be written.
-        """
+        """Write what the study is. OSError: it can't be written."""
         study, design = points.study, points.design
         facts: dict[str, Any] = {"program": PROGRAM, "name": study.name, "study": study.text, "listed": study.listed}
         facts |= {"scene": study.scene.to_written_toml(), "files": study.scene.files}

@@ -17,12 +17,7 @@ TELLING = 0.05  # of a quantity's variance: parameters that explain less are not
 
 
 def write_page(points: Points, folder: Folder) -> None:
-    """Write a study's page from its dataset.
-
-    Errors
-    ------
-    OSError: it can't be written; an earlier page stays.
-    """
+    """Write a study's page from its dataset. OSError: it can't be written; an earlier page stays."""
     load_matplotlib()
     from fem.study.figures import study_figures
 

@@ -112,12 +112,7 @@ def _is_number(found: Any) -> bool:
 
 
 def read_parameter(key: str, spec: Any) -> Parameter:
-    """The parameter that a study's file states.
-
-    Errors
-    ------
-    UsageError: it is none, or no values follow from it.
-    """
+    """The parameter that a study's file states. UsageError: it is none, or no values follow from it."""
     if isinstance(spec, list):
         return Choice(key=key, values=_values(key, spec))
     if not isinstance(spec, dict):

@@ -18,7 +18,7 @@ from pathlib import Path
 from urllib.request import urlopen
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = ("README.md", "docs/first_bearing.md", "docs/recipes.md", "docs/studies.md", "docs/tables.md")
+PAGES = ("README.md", "docs/first_bearing.md", "docs/rating.md", "docs/recipes.md", "docs/studies.md", "docs/tables.md")
 PROGRAMS = ("run-fem", "check-residual", "render-fem", "run-live", "run-study", "rate-bearing")
 PLACEHOLDER = re.compile(r"\b(NAME|PATH)\b")
 SECONDS = 150  # that a command may take

@@ -42,7 +42,7 @@ REFERENCE = Source("ISO/TS 16281", "2008 (38) to (65): laminae, rigid rings", _P
 LOAD_SHARING = Source("ISO/TS 16281", "2008 (58) to (65) with the roller loads of elastic rings", _PROGRAMS)
 HERTZ = Source("Hertz", "Johnson, Contact Mechanics (1985), 4.2: line contact, stresses below it (4.49)")
 STRESS_LIMITS = Source("ISO 76, ISO 281", "4000 MPa at C0; 1500 MPa at C_u", _RECALLED)
-FILM = Source("Dowson", "and Higginson (1968), h = 2.65 R U^0.70 G^0.54 W^−0.13; λ = h/rms roughness", "book not read")
+FILM = Source("Dowson, Higginson", "1968, h = 2.65 R U^0.70 G^0.54 W^−0.13; λ = h/rms roughness", "book not read")
 SKF = Source(
     "SKF",
     "Rolling Bearings catalogue, model of the frictional moment, cylindrical roller bearings with cage",

@@ -7,7 +7,6 @@ differentiation is all that may be left.
 
 import tempfile
 from dataclasses import replace
-from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +15,10 @@ from rich.table import Table
 
 from benchmarks.measuring import new_table, timed
 from fem.commands.run_fem import run_main
-from fem.solver.lagrangian_steps import CompiledIntegration
-from lagrange import Trajectory, contact_laws, simulate
-from lagrange.contact.damping import ContactDamping
+from fem.solver.lagrangian import LagrangianPlan, make_plan
+from lagrange import simulate
 from lagrange.first_state import Problem
 from lagrange.scene.scene import read_scene
-from lagrange.step_size import steps_of
-from lagrange.stepping import Simulation, System
-from lagrange.surface.faults import Spall
 from residual import evaluate, read_result
 
 REPEATS = 7  # of which the fastest counts
@@ -32,61 +27,51 @@ SAMPLES = round(DURATION / INTERVAL) + 1
 JUDGED = 30  # samples that are compared with the reference
 CHECKED_MS = 10.0
 PRELOADED = "bearing.outer_raceway_diameter_mm=55.98"  # 20 µm: no contact opens
-FROM_REST = {"start": "rest", "load_ramp": 1e-3}
-SPALL = Spall(body="outer_ring", roller=None, angle=-0.5 * pi, width=1e-3, depth=1e-4, edge_radius=1e-4)
+FROM_REST = ("numerics.start=rest", "numerics.load_ramp_ms=1")
+SPALL = ('spall=[{body="outer_ring",width_mm=1.0,depth_mm=0.1,edge_radius_mm=0.1,angle_deg=270.0}]',)
 CASES = {
-    "harris": {},
-    "harris, free angles": {"angles": "free"},
-    "johnson": {},
+    "harris": (),
+    "harris, free angles": ("lagrange.angles=free",),
+    "johnson": ("lagrange.law=johnson",),
     "harris, from rest": FROM_REST,
-    "harris, from rest, 200 N s/m": FROM_REST | {"damping": ContactDamping(constant=200.0)},
-    "harris, 4000 N s/m": {"damping": ContactDamping(constant=4000.0)},
-    "harris, spall of 1 mm": {"faults": (SPALL,)},
-    "harris, spall of 1 mm, 200 N s/m": {"faults": (SPALL,), "damping": ContactDamping(constant=200.0)},
+    "harris, from rest, 200 N s/m": (*FROM_REST, "damping.contact_N_s_m=200"),
+    "harris, 4000 N s/m": ("damping.contact_N_s_m=4000",),
+    "harris, spall of 1 mm": SPALL,
+    "harris, spall of 1 mm, 200 N s/m": (*SPALL, "damping.contact_N_s_m=200"),
 }
 
 
-def problem_of(name: str, faults: tuple = (), **options) -> Problem:
-    """The paper's bearing under the law that a case's name begins with."""
-    scene = read_scene()
-    bearing = replace(scene.ideal_bearing(), faults=faults)
-    laws = contact_laws(name.partition(",")[0], bearing)
-    return Problem(bearing=bearing, operation=scene.ideal_operation(), laws=laws, **options)
-
-
-def solve(problem: Problem, samples: int = SAMPLES, time_step: float | None = None) -> Trajectory:
-    """The first samples by compiled steps, from the start to the energies."""
-    return Simulation(replace(problem), INTERVAL, CompiledIntegration, time_step).advance(samples)
-
-
-def steps_alone(problem: Problem) -> float:
-    """Processor time of the compiled steps of 60 ms, s."""
-    system = System(problem)
-    start, steps = system.pack(problem.first_state.state), steps_of(problem, INTERVAL)
-    return timed(CompiledIntegration(system, start, INTERVAL, steps, problem.damping).advance, SAMPLES)[0]
+def solve(plan: LagrangianPlan, count: int) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """The first samples and their energy errors, J."""
+    state, blocks = plan.first_state(), []
+    while state.done < count:
+        blocks.append(state.advance(count - state.done).samples)
+    values = {name: np.concatenate([block[name] for block in blocks]) for name in blocks[0].keys()}
+    return values, np.concatenate([block.imbalance for block in blocks])
 
 
 def solutions() -> Table:
     """Table with a row for each way to solve."""
     headings = (
-        "law and options", "steps", "seconds", "its steps, s", "steps than real time", "off the reference, m",
-        "with half the step", "energy error over the contacts' energy",
+        "law and options", "steps", "seconds", "than real time", "off the reference, m", "with half the step",
+        "energy error over the contacts' energy",
     )  # fmt: skip
     table = new_table("60 ms of the paper's bearing, a sample every 10 µs", headings)
-    for name, options in CASES.items():
-        problem = problem_of(name, **options)
-        options = {key: value for key, value in options.items() if key != "faults"}
-        fast, run = min((timed(solve, problem) for _ in range(REPEATS)), key=lambda found: found[0])
-        steps = min(steps_alone(problem) for _ in range(REPEATS))
-        exact = simulate(problem.bearing, problem.operation, problem.laws, JUDGED * INTERVAL, INTERVAL, **options)
+    for name, keys in CASES.items():
+        sampled = f"numerics.output_interval_us={1e6 * INTERVAL:g}", f"numerics.duration_ms={1e3 * DURATION:g}"
+        plan = make_plan(read_scene(None, ("model=lagrange", *sampled, *keys)))
+        given = {name: value for name, value in vars(plan.problem).items() if name in Problem.__dataclass_fields__}
+        exact = simulate(duration=JUDGED * INTERVAL, interval=INTERVAL, **given)
+        plan.prepare()
+        fast, (run, error) = min((timed(solve, plan, SAMPLES) for _ in range(REPEATS)), key=lambda found: found[0])
         off = [
-            np.abs(solve(problem, JUDGED + 1, step).inner_y - exact.inner_y).max()
-            for step in (None, 0.5 * run.time_step)
+            np.abs(solve(each, JUDGED + 1)[0]["inner_y"] - exact.inner_y).max()
+            for each in (plan, replace(plan, stride=2 * plan.stride))
         ]
-        drift = np.max(np.abs(run.energy_error)) / run.energy_contact[run.time > 1e-3].mean()
+        drift = np.max(np.abs(error)) / run["energy_contact"][run["time"] > 1e-3].mean()
         table.add_row(
-            name, str(run.steps), f"{fast:.3f}", f"{steps:.3f}", f"{DURATION / steps:.1f}",
-            *(f"{each:.0e}" for each in off), f"{drift:.1e}",
+            name, str(plan.steps), f"{fast:.3f}", f"{DURATION / fast:.1f}", *(f"{each:.0e}" for each in off),
+            f"{drift:.1e}",
         )  # fmt: skip
     return table
 

@@ -205,6 +205,29 @@ def critical_time_step(problem: Problem, *largest: float) -> float:
     return limit / max(fastest_mode(problem, *(largest or 2 * [_expected_force(problem)])), fastest_of_cage(problem))
 
 
+LEAP = 0.5  # of 1/ω of the stiffest mode, by forces a little ahead: its frequency is 0.01 % off
+KNOTS_PER_LEAP = 0.25  # of a surface's profile under a rolling contact
+
+
+def leapfrog_limit(problem: Problem, *largest: float) -> float:
+    """Step, s, at which leapfrog becomes unstable under the largest inner and outer force, N; default: expected."""
+    return 2.0 / max(fastest_mode(problem, *(largest or 2 * [_expected_force(problem)])), fastest_of_cage(problem))
+
+
+def longest_step(problem: Problem) -> float:
+    """The longest step of leapfrog, s, that resolves the stiffest mode, a cage's impacts and profiles of surfaces."""
+    cage, surfaces, speed = fastest_of_cage(problem), profiles(problem.bearing), contact_speed(problem)
+    longest = min(LEAP / _stiffest(problem), inf if cage == 0.0 else CAGE_STEP / cage)
+    if surfaces is not None and speed > 0.0:
+        longest = min(longest, KNOTS_PER_LEAP * surfaces.shortest / speed)
+    housing, bearing = problem.operation.mounting.housing, problem.bearing
+    if housing is not None and problem.damping.acts:  # it feels them after all else, each alone
+        force, law = _expected_force(problem), problem.laws.outer
+        coefficient = float(problem.damping.coefficient(force, law.slope(law.approach(force))))
+        longest = min(longest, 2.0 * (housing.mass + bearing.outer_ring_mass) / (bearing.n_rollers * coefficient))
+    return longest
+
+
 def _expected_force(problem: Problem) -> float:
     """The largest contact force to be expected, N."""
     bearing, operation = problem.bearing, problem.operation

@@ -102,14 +102,14 @@ def test_energy_balances_in_a_housing_that_swings(way, shaft):
 
 
 def test_the_work_of_held_angles_is_that_of_their_forces():
-    """Without rattling the balance closes to the scheme's fourth order: a preloaded bearing on undamped springs."""
+    """Without rattling the balance closes to the scheme's second order: a preloaded bearing on undamped springs."""
     scene = read_scene(None, ("bearing.outer_raceway_diameter_mm=55.98",))
     bearing, operation = replace(scene.ideal_bearing(), faults=wavy()), scene.ideal_operation()
     still = mounted(operation, replace(LIGHT, damping=0.0))
     problem = Problem(bearing=bearing, operation=still, laws=contact_laws("harris", bearing), **HIT)
     coarse, fine = (compiled(problem, 26, time_step=step) for step in (1e-6, 5e-7))
     errors = [np.abs(run.energy_error).max() for run in (coarse, fine)]
-    assert errors[1] < 0.1 * errors[0] and errors[1] < 1e-6 * np.ptp(fine.work_cage)
+    assert errors[1] < 0.3 * errors[0] and errors[1] < 1e-6 * np.ptp(fine.work_external)
 
 
 def test_contacts_springs_dashpots_and_weight_accelerate_the_housing():
@@ -214,11 +214,10 @@ def test_the_compiled_steps_make_the_references_motion(way, faults, shaft):
 def test_a_solution_in_parts_has_the_bits_of_the_whole():
     operation = mounted(RUNNING, replace(LIGHT, damping=0.0))
     problem = Problem(bearing=PAPER, operation=operation, laws=HARRIS, **HIT)
-    whole, first, second = compiled(problem, 90), simulation(problem), simulation(problem)
+    whole, first = compiled(problem, 90), simulation(problem)
     first.advance(70)
-    second.take_back({name: array.copy() for name, array in first.to_keep().items()}, first.done, 0)
-    rest = second.advance(20)
-    for name in ("inner_y", "housing_y", "sensor_ay", "work_cage", "energy_error"):
+    rest = first.gone_on().advance(20)
+    for name in ("inner_y", "housing_y", "sensor_ay", "work_external", "energy_error"):
         np.testing.assert_array_equal(getattr(rest, name), getattr(whole, name)[70:])
 
 

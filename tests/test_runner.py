@@ -232,13 +232,13 @@ def test_a_run_that_begins_again_says_so_and_starts_its_file_anew(tmp_path, monk
 
 
 def test_where_no_refinement_is_left_rattling_is_warned_of_and_too_long_a_step_fails(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("lagrange.stepping.REFINEMENTS", 0)
+    monkeypatch.setattr("fem.solver.lagrangian.REFINEMENTS", 0)
     path = tmp_path / "run.nc"
     for option in ((), ("--resume",)):
         assert run(CASES["Lagrangian that refines"], path, "--quiet", *option) == 0
         error = capsys.readouterr().err
         assert error.startswith("warning: contacts rattle: the step of 5e-06 s") and error.endswith("or add damping\n")
-    monkeypatch.setattr("lagrange.step_size.STEP", 12.0)
+    monkeypatch.setattr("lagrange.step_size.LEAP", 3.0)
     assert run(CASES["Lagrangian"], path, "--set", "numerics.output_interval_us=20") == 1
     assert "error: failed: the forces met make a mode of " in capsys.readouterr().err
     with h5py.File(path) as file:

@@ -148,10 +148,16 @@ def kick_force(before, Q_before, B_before, P_before, residual, now, Q, B, A, Q_l
 
     Source: Gonzalez, J. Nonlinear Sci. 6 (1996) 449 (discrete gradients).
     """
-    step, closed = now - before, smaller(before, now) > 0.0
-    plain = (before != before) | (larger(before, now) <= 0.0) | (closed & (magnitude(step) < STANDING * now))
     work = stored_energy(Q, now, A, Q_line) - stored_energy(Q_before, before, A, Q_line)
     level = 0.25 * A * (Q * Q + Q_before * Q_before) * (B - B_before)
+    return kick_by_energy(before, Q_before, P_before, residual, now, Q, work, level)
+
+
+@part
+def kick_by_energy(before, Q_before, P_before, residual, now, Q, work, level):
+    """`kick_force` of any law: its energy has grown by `work`, J, and would by `level` more had its level stayed."""
+    step, closed = now - before, smaller(before, now) > 0.0
+    plain = (before != before) | (larger(before, now) <= 0.0) | (closed & (magnitude(step) < STANDING * now))
     work = work + select(closed, level, 0.0)  # what the level's change has done is not this force's work
     due = residual - 0.5 * step * (P_before - Q_before)  # the last kick has its other half yet to give
     most = MOST_REPAID * Q

@@ -204,15 +204,7 @@ def _lowered(bodies, compliance, forces, group, where, inner, outer, slope):
     if not looks:
         return inner, outer
     columns = bodies.columns
-    ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
-    ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
-    c, s = cos(turn), sin(turn)
-    still = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-    ring = lowered_ring(compliance.ring_profiles[0], 1.0, still, c * ix + s * iy, c * iy - s * ix)
-    ring_o = lowered_ring(compliance.ring_profiles[1], 1.0, still, ox, oy)
-    c, s = cosine_and_sine(load(bodies.turn, group))
-    own = lowered_rollers(compliance.roller_profiles[0], group, still, -(c * ix + s * iy), s * ix - c * iy)
-    own_o = lowered_rollers(compliance.roller_profiles[1], group, still, c * ox + s * oy, c * oy - s * ox)
+    ring, own, ring_o, own_o = met_surfaces(slope, bodies, compliance, forces, group, turn)
     store_pair(slope, group, columns, ring[1] + own[1], own[1])
     store_pair(slope, 2 * columns + group, columns, ring_o[1] + own_o[1], own_o[1])
     store_pair(forces.softening, group, columns, ring[3] + own[3], own[3])
@@ -221,6 +213,27 @@ def _lowered(bodies, compliance, forces, group, where, inner, outer, slope):
     B_o = compliance.outer.B + (ring_o[2] + own_o[2]) * (1.0 / compliance.outer.A)
     store_pair(forces.bracket_now, group, columns, B_i, B_o)
     return inner + ring[0] + own[0], outer + ring_o[0] + own_o[0]
+
+
+@part
+def met_surfaces(slope, bodies, compliance, forces, group, turn):
+    """What eight rollers' contacts meet of inner ring, roller, outer ring and roller; on perfect circles nothing.
+
+    Each minus the sinkage, m, minus its slope per rad, the compliance of edges, m/N, and its slope.
+    """
+    still = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
+    if slope is None:
+        return still, still, still, still
+    columns = bodies.columns
+    ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
+    ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
+    c, s = cos(turn), sin(turn)
+    ring = lowered_ring(compliance.ring_profiles[0], 1.0, still, c * ix + s * iy, c * iy - s * ix)
+    ring_o = lowered_ring(compliance.ring_profiles[1], 1.0, still, ox, oy)
+    c, s = cosine_and_sine(load(bodies.turn, group))
+    own = lowered_rollers(compliance.roller_profiles[0], group, still, -(c * ix + s * iy), s * ix - c * iy)
+    own_o = lowered_rollers(compliance.roller_profiles[1], group, still, c * ox + s * oy, c * oy - s * ox)
+    return ring, own, ring_o, own_o
 
 
 @part

@@ -4,7 +4,7 @@ A damper's force is that at the middle of a kick, F = c·½ (δ̇ before + δ̇ 
 the hub: rollers are eliminated, two equations of the hub's velocity are left.
 """
 
-from fem.kernels.jit import part
+from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import larger, logarithm, smaller
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
@@ -30,6 +30,13 @@ def damping_coefficient(dampers, law, Q):
     soft = law.A * larger(law.B - 0.5 * logarithm(select(closed, smaller(Q, law.Q_line), 1.0)) - 0.5, STEEPEST)
     found = dampers.constant + dampers.time / soft + 1.5 * dampers.hunt_crossley * Q
     return select(closed, found, 0.0)
+
+
+@verb
+def damping_coefficients(compliance, dampers, forces, columns, group, there):
+    """The same of eight rollers' inner and outer contacts."""
+    c_i = damping_coefficient(dampers, compliance.inner, select(there, load(forces.force, group), 0.0))
+    return c_i, damping_coefficient(dampers, compliance.outer, select(there, load(forces.force, columns + group), 0.0))
 
 
 @part
@@ -60,7 +67,6 @@ def damp_contacts(dampers, bodies, compliance, forces, before, drive):
         dampers.work[0] += dampers.work[1]
         x, y = _find(dampers, bodies, compliance, forces, before, drive)
         _give(dampers, bodies, forces, drive, x, y)
-        _note_work(dampers, bodies, forces, before, drive)
 
 
 @part
@@ -95,8 +101,7 @@ def _find(dampers, bodies, compliance, forces, before, drive):
         there = count_from(group) < bodies.n
         ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
         ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
-        c_i = damping_coefficient(dampers, compliance.inner, select(there, load(forces.force, group), 0.0))
-        c_o = damping_coefficient(dampers, compliance.outer, select(there, load(forces.force, columns + group), 0.0))
+        c_i, c_o = damping_coefficients(compliance, dampers, forces, columns, group, there)
         was, now = _before_and_now(bodies, forces, before, drive, group)
         rate_i, rate_o = 0.5 * (was[0] + now[0]), 0.5 * (was[1] + now[1])
         facing, h_i, h_o = ix * ox + iy * oy, c_i * half, c_o * half
@@ -152,8 +157,14 @@ def _give(dampers, bodies, forces, drive, hub_x, hub_y):
 
 
 @part
-def _note_work(dampers, bodies, forces, before, drive):
+def note_damped(dampers, bodies, forces, before, drive):
     """What the dampers take: their forces, along what contacts close by between the velocities before and after."""
+    if dampers is not None:
+        _note_work(dampers, bodies, forces, before, drive)
+
+
+@part
+def _note_work(dampers, bodies, forces, before, drive):
     work, first = load(dampers.pair_work, 0), splat(0.0)
     store(dampers.pair_work, 0, splat(0.0))
     for group in range(0, bodies.n, WIDTH):

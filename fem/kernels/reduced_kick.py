@@ -8,6 +8,7 @@ from fem.kernels.lane_functions import larger, smaller
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, select, splat, total
 from fem.kernels.law import kick_force
+from fem.kernels.prescribed_rollers import along_ray
 from fem.kernels.reduced_contacts import both_forces, felt, level, store_pair, take_more, wrap
 from fem.kernels.reduced_friction import tractions
 from fem.kernels.reduced_housing import TWELFTH, ring_acceleration
@@ -52,18 +53,18 @@ def kick(bodies, compliance, forces, drive, before):
         ix, iy = load(forces.normal, group), load(forces.normal, columns + group)
         ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
         Q_i, Q_o = load(forces.estimate, group), load(forces.estimate, columns + group)
-        further_i, further_o = _ahead(bodies, forces, drive, before, group, Q_i, Q_o)
+        further_i, further_o = forces_ahead(bodies, forces, drive, before, group, Q_i, Q_o)
         ahead_i, ahead_o = _less_by_neighbours(forces.ahead, compliance, forces, columns, group, further_i, further_o)
         stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
         more_i, more_o = both_forces(stiff_i * ahead_i, stiff_o * ahead_o, stiff_i * across, stiff_o * across, 0.0, 0.0)
-        more_i, more_o = _no_less(Q_i, more_i), _no_less(Q_o, more_o)
+        more_i, more_o = no_less(Q_i, more_i), no_less(Q_o, more_o)
         Q_i, Q_o = Q_i + more_i, Q_o + more_o
         take_more(forces.taken, columns, group, across * more_o, across * more_i)
         P_i = _kicked(compliance.inner, forces, dt, group, ahead_i - across * more_o, (further_i, paid), Q_i, there)
         at = columns + group
         P_o = _kicked(compliance.outer, forces, dt, at, ahead_o - across * more_i, (further_o, paid), Q_o, there)
-        _note_ahead(forces.ahead, forces, group, further_i, P_i)
-        _note_ahead(forces.ahead, forces, columns + group, further_o, P_o)
+        note_ahead(forces.ahead, forces, group, further_i, P_i)
+        note_ahead(forces.ahead, forces, columns + group, further_o, P_o)
         _keep_brackets(forces, group, columns, forces.bracket)
         _grow(drive.course, drive, P_i, P_o)
         T_i, T_o = splat(0.0), splat(0.0)
@@ -107,13 +108,13 @@ def _shift(forces, drive, row, group, Q):
 
 
 @part
-def _no_less(Q, more):
+def no_less(Q, more):
     """What eight forces, N, >= 0, gain: open contacts nothing, others no less than what they have."""
     return select(Q > 0.0, larger(more, -Q), 0.0)
 
 
 @part
-def _ahead(bodies, forces, drive, before, group, Q_i, Q_o):
+def forces_ahead(bodies, forces, drive, before, group, Q_i, Q_o):
     """How much further eight rollers' contacts, under these forces, N, have approached where forces are taken, m."""
     columns, share = bodies.columns, TWELFTH * drive.dt * drive.dt
     there = count_from(group) < bodies.n
@@ -123,6 +124,7 @@ def _ahead(bodies, forces, drive, before, group, Q_i, Q_o):
     ring_ax, ring_ay = ring_acceleration(bodies.housing, before)
     ax = (Q_i * ix - Q_o * ox) * (1.0 / bodies.mass)
     ay = (Q_i * iy - Q_o * oy) * (1.0 / bodies.mass) - drive.gravity
+    ax, ay = along_ray(bodies.prescribed, ox, oy, ax, ay)
     store_pair(before.acceleration, group, columns, select(there, ax, 0.0), select(there, ay, 0.0))
     return share * (ix * (hub_ax - ax) + iy * (hub_ay - ay)), share * (ox * (ax - ring_ax) + oy * (ay - ring_ay))
 
@@ -140,12 +142,12 @@ def _tell_neighbours(asked, bodies, compliance, forces, drive, before):
     for group in range(0, n, WIDTH):
         there, at = count_from(group) < n, halo + group
         Q_i, Q_o = load(forces.estimate, group), load(forces.estimate, columns + group)
-        ahead_i, ahead_o = _ahead(bodies, forces, drive, before, group, Q_i, Q_o)
+        ahead_i, ahead_o = forces_ahead(bodies, forces, drive, before, group, Q_i, Q_o)
         stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
         more_i, more_o = both_forces(stiff_i * ahead_i, stiff_o * ahead_o, stiff_i * across, stiff_o * across, 0.0, 0.0)
         known_i = load(forces.guess, at) + load(forces.gained, at)
         known_o = load(forces.guess, width + at) + load(forces.gained, width + at)
-        more_i, more_o = Q_i + _no_less(Q_i, more_i) - known_i, Q_o + _no_less(Q_o, more_o) - known_o
+        more_i, more_o = Q_i + no_less(Q_i, more_i) - known_i, Q_o + no_less(Q_o, more_o) - known_o
         store_pair(forces.gained, at, width, select(there, more_i, 0.0), select(there, more_o, 0.0))
     wrap(forces.gained, INNER, n, halo)
     wrap(forces.gained, OUTER, n, halo)
@@ -166,7 +168,7 @@ def _less_by_neighbours(asked, compliance, forces, columns, group, inner, outer)
 def _kicked(law, forces, dt, at, ahead, opening, Q, there):
     """What a kick gives of eight contacts' forces, N, whose approach is so far ahead, m: see `law.kick_force`.
 
-    `opening` is for `_paid`: how much further the forces' bodies are there, m, and the share of debts.
+    `opening` is for `repay`: how much further the forces' bodies are there, m, and the share of debts.
     """
     approach = load(forces.first, at) + ahead
     free = approach
@@ -179,8 +181,8 @@ def _kicked(law, forces, dt, at, ahead, opening, Q, there):
     )  # fmt: skip
     P = select(there, P, 0.0)
     P, residual, grown = _bounded(forces, forces.taken, at, approach, P, Q, residual)
-    residual = residual + _cut_off(forces.cut, forces, at, free - approach, P)
-    P, residual = _paid(forces, at, approach, P, residual, grown, opening)
+    residual = residual + cut_off(forces.cut, forces, at, free - approach, P)
+    P, residual = repay(forces, at, approach, P, residual, grown, opening)
     store(forces.approach, at, select(there, approach, np.nan))
     store(forces.kick, at, P)
     store(forces.residual, at, residual)
@@ -194,7 +196,7 @@ def _share_paid(vibrations, drive):
 
 
 @part
-def _paid(forces, at, approach, P, residual, grown, opening):
+def repay(forces, at, approach, P, residual, grown, opening):
     """Kicks, N, of eight contacts, and their residual energies, J, with debts of those that open paid.
 
     Half of a kick works in the step behind, in which bodies have moved by `grown`, m, more than the approach, half in
@@ -214,7 +216,7 @@ def _paid(forces, at, approach, P, residual, grown, opening):
 
 
 @part
-def _cut_off(cut, forces, at, off, P):
+def cut_off(cut, forces, at, off, P):
     """What eight contacts have stored beyond kicks P, N, by approaches, m, that were cut to fit their forces, J.
 
     Bodies move by what is cut too, and the law does not see it.
@@ -227,7 +229,7 @@ def _cut_off(cut, forces, at, off, P):
 
 
 @part
-def _note_ahead(before, forces, at, ahead, P):
+def note_ahead(before, forces, at, ahead, P):
     """Residual energy of eight contacts, J, by how far their forces are taken ahead, m, under kicks P, N.
 
     A kick works along what bodies move, not along that. The energy of a step, dt²/24 Σ (m a − 2f)·a, makes up for it

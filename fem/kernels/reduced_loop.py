@@ -16,9 +16,11 @@ from fem.kernels.drive import (
     turn_at,
     with_aside,
 )
+from fem.kernels.isolated_contacts import Isolated, find_isolated, isolated_damping, kick_isolated
 from fem.kernels.jit import kernel, part, verb
+from fem.kernels.prescribed_rollers import hold, note_held, prescribe, write_held
 from fem.kernels.reduced_contacts import estimate_forces, set_right, sweep_again
-from fem.kernels.reduced_damping import damp_contacts, write_damping
+from fem.kernels.reduced_damping import damp_contacts, damping_coefficients, note_damped, write_damping
 from fem.kernels.reduced_friction import press_neighbours
 from fem.kernels.reduced_housing import (
     TWELFTH,
@@ -62,20 +64,16 @@ def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row
             time = (section * count + inside) * drive.dt
             _remember(bodies, before)
             follow(drive.course, time, drive.dt)
+            prescribe(bodies.prescribed, bodies, before, drive, time)
             _meet_cage(bodies.cage, drive)
-            if inside % AGAIN == 0:
-                follow_angles(bodies, compliance, forces)
-            estimate_forces(bodies, compliance, forces, drive, turn_at(drive.course, drive, time))
-            sweep_again(bodies.vibrations, bodies, compliance, forces)
-            hub_x, hub_y, ring_x, ring_y = set_right(bodies, compliance, forces)
+            hub_x, hub_y, ring_x, ring_y = _find_forces(compliance, bodies, forces, drive, time, inside)
             aside, radial_load = load_at(drive.course, drive, time)
             before.hub_acceleration[0] = with_aside(drive.course, hub_x, aside) / bodies.hub_mass
             before.hub_acceleration[1] = (hub_y - radial_load) / bodies.hub_mass - drive.gravity
             _hold_hub(bodies.shaft, before.hub_acceleration)
             accelerate_ring(bodies.housing, before, ring_x, ring_y, drive.gravity)
             given = drive.sums[1]
-            press_neighbours(bodies, compliance, forces, drive, before, 2.0 * bodies.radius * TOUCHING)
-            hub_x, hub_y, ring_x, ring_y = kick(bodies, compliance, forces, drive, before)
+            hub_x, hub_y, ring_x, ring_y = _kick_rollers(compliance, bodies, forces, drive, before)
             kick_rings(bodies.vibrations, drive, aside, radial_load)
             over = drive.dt / bodies.hub_mass
             bodies.hub_velocity[0] += over * with_aside(drive.course, hub_x, aside)
@@ -84,7 +82,9 @@ def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row
             kick_ring(bodies.housing, before, drive, ring_x, ring_y)
             _push_cage(bodies.cage, bodies, drive)
             radiate(forces.radiation, bodies, compliance, forces, before, drive)
-            damp_contacts(forces.dampers, bodies, compliance, forces, before, drive)
+            hold(bodies.prescribed, bodies, drive, time)
+            _damp(forces.dampers, bodies, compliance, forces, before, drive, time)
+            note_held(bodies.prescribed, bodies, forces, before, drive)
             note_radiated(forces.radiation, bodies, forces, before, drive)
             if inside == 0 and section % in_row == 0:
                 out = samples[place // in_row]
@@ -101,6 +101,7 @@ def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row
                 _write_cage(bodies.cage, drive, out)
                 _write_shaft(bodies.shaft, drive, out)
                 write_ring(bodies.housing, before, drive, out)
+                write_held(bodies.prescribed, bodies, drive, time, out)
             if inside == 0:
                 take_pace(paces, bodies, compliance, forces, drives, before, time, (aside, radial_load), given)
                 drive, count = drive_of(paces, drives), steps_of(paces, stride)
@@ -120,6 +121,37 @@ def advance_reduced(bodies, compliance, forces, drives, before, paces, first_row
             if body != -2:
                 return NOT_FINITE, short_steps(paces, stride, section, inside), body
     return DONE, 0, -2
+
+
+@verb
+def _find_forces(compliance, bodies, forces, drive, time, inside):
+    """Forces of all contacts of raceways; their sums on hub and outer ring, N."""
+    if inside % AGAIN == 0:
+        follow_angles(bodies, compliance, forces)
+    estimate_forces(bodies, compliance, forces, drive, turn_at(drive.course, drive, time))
+    sweep_again(bodies.vibrations, bodies, compliance, forces)
+    return set_right(bodies, compliance, forces)
+
+
+@verb
+def _kick_rollers(compliance, bodies, forces, drive, before):
+    """The rollers' kick by all contacts; what these give hub and outer ring, N."""
+    press_neighbours(bodies, compliance, forces, drive, before, 2.0 * bodies.radius * TOUCHING)
+    return kick(bodies, compliance, forces, drive, before)
+
+
+_find_forces.of(Isolated)(find_isolated)
+_kick_rollers.of(Isolated)(kick_isolated)
+damping_coefficients.of(Isolated)(isolated_damping)
+
+
+@part
+def _damp(dampers, bodies, compliance, forces, before, drive, time):
+    """The contacts' dampers, after which rays hold rollers once more."""
+    if dampers is not None:
+        damp_contacts(dampers, bodies, compliance, forces, before, drive)
+        hold(bodies.prescribed, bodies, drive, time)
+        note_damped(dampers, bodies, forces, before, drive)
 
 
 @verb
@@ -190,10 +222,20 @@ def _push_cage(cage, bodies, drive):
     for j in range(bodies.n):
         bodies.spin[j] += riders.turn_kick[j]
         riders.turn_kick[j] = 0.0
+    _turn_rollers(bodies.prescribed, cage, drive)
     _turn_drive(cage.ring, drive)
     if cage.ring is not None:
         settle(bodies.shaft, drive.dt)
         settle_ring(bodies.housing, drive.dt)
+
+
+@part
+def _turn_rollers(prescribed, pair, drive):
+    """The work of what keeps the rollers' spin against what rubs on them in the pockets."""
+    if prescribed is not None:
+        riders, pockets = pair.riders, pair.cage.pockets
+        for j in range(riders.n):
+            drive.sums[1] += drive.dt * pockets.given[1, j] * riders.radius * riders.spin[j]
 
 
 @part

@@ -35,10 +35,11 @@ def note_strikes(radiation, before, now, at, there, dt):
 @part
 def radiate(radiation, bodies, compliance, forces, before, drive):
     """Take from bodies what contacts that have closed in this step give to waves, or have given as they opened."""
-    radiation.work[0] += radiation.work[1]
-    radiation.work[1] = 0.0
-    if radiation.state[0] != QUIET:
-        _radiate(radiation, bodies, compliance, forces, before, drive)
+    if radiation is not None:
+        radiation.work[0] += radiation.work[1]
+        radiation.work[1] = 0.0
+        if radiation.state[0] != QUIET:
+            _radiate(radiation, bodies, compliance, forces, before, drive)
 
 
 @part(inlined=False)
@@ -97,8 +98,9 @@ def _push(bodies, forces, drive, row, j, impulse):
 @part
 def note_radiated(radiation, bodies, forces, before, drive):
     """Note what the impulses of a kick have taken, once all of it is known."""
-    if radiation.state[0] == KICKED:
-        _note_work(radiation, bodies, forces, before, drive)
+    if radiation is not None:
+        if radiation.state[0] == KICKED:
+            _note_work(radiation, bodies, forces, before, drive)
 
 
 @part(inlined=False)
@@ -138,6 +140,8 @@ def radiated_power(bodies, forces):
 @part
 def write_radiation(radiation, n, out):
     """Add what waves have been given, J, and the impulses over the step to the forces, N."""
+    if radiation is None:
+        return
     out[DISSIPATED] += radiation.work[0]
     if radiation.state[0] == KICKED:
         for j in range(n):

@@ -8,7 +8,8 @@ from math import sqrt
 
 from fem.kernels.cage import given_beyond
 from fem.kernels.drive import with_aside
-from fem.kernels.jit import part
+from fem.kernels.isolated_contacts import Isolated, isolated_energy
+from fem.kernels.jit import part, verb
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.law import stored_energy
@@ -142,7 +143,7 @@ def write_energies(bodies, compliance, forces, drive, before, out, acting):
     aside, radial_load = acting
     hub, n, columns = bodies.hub_velocity, bodies.n, bodies.columns
     moving, spinning, pushed, lifted, stored = splat(0.0), splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-    _repeat_forces(forces, n, columns)
+    _repeat_forces(compliance, forces, n, columns)
     for group in range(0, n, WIDTH):
         there, at = count_from(group) < n, columns + group
         square = load(before.velocity, group) * load(bodies.velocity, group)
@@ -152,18 +153,10 @@ def write_energies(bodies, compliance, forces, drive, before, out, acting):
         ax, ay = load(before.acceleration, group), load(before.acceleration, at)
         pushed += select(there, ax * ax + ay * ay + 2.0 * drive.gravity * ay, 0.0)
         lifted += select(there, load(bodies.centre, at), 0.0)
-        own = compliance.across * load(forces.force, group) * load(forces.force, at)
-        for row in range(2):
-            own += _curved(bodies, forces, drive, before, row, group) - _yet_to_give(bodies, forces, drive, row, group)
-            others = load(forces.lifted, row * columns + group)
-            others += 0.5 * felt(compliance, forces, forces.gained, row, group)
-            own += others * load(forces.force, row * columns + group)
-        own += _stored(compliance.inner, compliance, forces, INNER, columns, group)
-        own += _stored(compliance.outer, compliance, forces, OUTER, columns, group)
-        own += _stored(compliance.between, compliance, forces, NEXT, columns, group)
+        own = _contact_energy(compliance, bodies, forces, drive, before, group)
         stored += select(there, own, 0.0)
     kinetic = bodies.hub_mass * (before.hub_velocity[0] * hub[0] + before.hub_velocity[1] * hub[1])
-    kinetic += bodies.mass * total(moving) + bodies.inertia * total(spinning)
+    kinetic += bodies.mass * total(moving) + _turning(bodies.prescribed, bodies.inertia, total(spinning))
     ax, ay = before.hub_acceleration[0], before.hub_acceleration[1]
     pull = bodies.hub_mass * drive.gravity + radial_load
     pulled = bodies.hub_mass * (ax * ax + ay * ay) + 2.0 * pull * ay + bodies.mass * total(pushed)
@@ -177,13 +170,47 @@ def write_energies(bodies, compliance, forces, drive, before, out, acting):
 
 
 @part
-def _repeat_forces(forces, n, columns):
+def _turning(prescribed, inertia, squares):
+    """Twice the energy of rollers that turn by the forces on them, J."""
+    return inertia * squares if prescribed is None else 0.0
+
+
+@verb
+def _contact_energy(compliance, bodies, forces, drive, before, group):
+    """Energy of eight rollers' contacts, as steps conserve it, J."""
+    columns = bodies.columns
+    own = compliance.across * load(forces.force, group) * load(forces.force, columns + group)
+    for row in range(2):
+        own += _curved(bodies, forces, drive, before, row, group) - _yet_to_give(bodies, forces, drive, row, group)
+        others = load(forces.lifted, row * columns + group)
+        others += 0.5 * felt(compliance, forces, forces.gained, row, group)
+        own += others * load(forces.force, row * columns + group)
+    own += _stored(compliance.inner, compliance, forces, INNER, columns, group)
+    own += _stored(compliance.outer, compliance, forces, OUTER, columns, group)
+    return own + _stored(compliance.between, compliance, forces, NEXT, columns, group)
+
+
+@_contact_energy.of(Isolated)
+def _isolated_energy(compliance, bodies, forces, drive, before, group):
+    own = isolated_energy(compliance, forces, bodies.columns, group)
+    for row in range(2):
+        own += _curved(bodies, forces, drive, before, row, group) - _yet_to_give(bodies, forces, drive, row, group)
+    return own
+
+
+@verb
+def _repeat_forces(compliance, forces, n, columns):
     """Leave in `gained`, which the next step fills anew, the forces that raceways feel around."""
     for row in range(2):
         for group in range(0, n, WIDTH):
             Q = load(forces.force, row * columns + group)
             store(forces.gained, row * forces.gained.shape[1] + forces.halo + group, Q)
         wrap(forces.gained, row, n, forces.halo)
+
+
+@_repeat_forces.of(Isolated)
+def _repeat_nothing(compliance, forces, n, columns):
+    pass
 
 
 @part

@@ -10,6 +10,7 @@ import numpy as np
 
 from fem.kernels.cage import CagePair
 from fem.kernels.housing_kernels import Housing
+from fem.kernels.prescribed_rollers import Prescribed
 from fem.kernels.shaft import Shaft
 from fem.kernels.state import Course, Law
 
@@ -77,6 +78,7 @@ class RigidBodies(NamedTuple):
     cage: CagePair | None
     shaft: Shaft | None = None  # None: the bearing alone holds the hub
     housing: Housing | None = None  # None: the ground holds the outer ring
+    prescribed: Prescribed | None = None  # None: rollers turn and go round by the forces on them
 
 
 class Compliance(NamedTuple):
@@ -157,7 +159,7 @@ class ReducedForces(NamedTuple):
     bracket_now: np.ndarray | None  # (2, columns); room
     slope: np.ndarray | None  # (4, columns), m/rad; room
     softening: np.ndarray | None  # (4, columns), m/N/rad; room
-    radiation: Radiation
+    radiation: Radiation | None  # None: no waves are reckoned with
     pulled: np.ndarray  # (2, columns + 2 halo), N, tractions of the last step
     lifted: np.ndarray  # (2, 2, columns), m, how far they push the raceways back: now, at the last kick
     taken: np.ndarray | None  # (2, 2, columns), m, of approaches by other contacts' forces: now, at the last kick

@@ -5,6 +5,7 @@ from fem.kernels.jit import part
 from fem.kernels.lane_functions import arc_tangent, larger, smaller
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
+from fem.kernels.prescribed_rollers import take_moment
 from fem.kernels.reduced_housing import ring_place
 
 # What contacts of the reduced model give way by the forces on their neighbours, at the angles where these are.
@@ -88,6 +89,7 @@ def push_along(slope, bodies, forces, drive, group, P, Q):
     both_o = P[1] * load(slope, 2 * columns + group) - half_o * load(soft, 2 * columns + group)
     own_o = P[1] * load(slope, 3 * columns + group) - half_o * load(soft, 3 * columns + group)
     drive.sums[1] -= speed_of(drive.course, drive) * drive.dt * total(both - own)
+    take_moment(bodies.prescribed, drive, own + own_o)
     store(bodies.spin, group, load(bodies.spin, group) + (own + own_o) * (drive.dt / bodies.inertia))
     return -both / away, -both_o / out
 

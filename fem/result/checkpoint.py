@@ -96,11 +96,12 @@ def load_checkpoint(result: Path, plan: Plan) -> tuple[RunState, Stored]:
     if not path.is_file():
         raise UsageError(f"{path}: not found; there is nothing to resume, start again without --resume")
     state = plan.first_state()
-    expected, _ = state.to_keep()
     try:
         with zipfile.ZipFile(path) as archive:
             meta = json.loads(_read(archive, "meta", np.uint8, None).tobytes())
             _check(path, meta, plan)
+            state.done = int(meta["samples"])
+            expected, _ = state.to_keep()
             arrays = {name: _read(archive, name, value.dtype, value.shape) for name, value in expected.items()}
         for name, value in arrays.items():
             _check_numbers(name, value, expected[name])

@@ -1,207 +1,240 @@
-"""Compiled steps of the Lagrangian model; see `lagrange.stepping`."""
+"""The Lagrangian model's bodies and contacts for the time loop of rigid bodies: arrays, steps, samples."""
+
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.cage import CagePair, GuidingRing, Riders
-from fem.kernels.fields import lined_up
-from fem.kernels.lagrangian_loop import advance_lagrangian
-from fem.kernels.lagrangian_state import (
-    Clock,
-    Dampers,
-    IdealBearing,
-    IdealHousing,
-    IdealMotion,
-    PowerConstants,
-    Rows,
-    ShaftSprings,
-    Surfaces,
-)
+from fem.kernels.bodies import DONE
+from fem.kernels.isolated_contacts import Isolated, PowerConstants
 from fem.kernels.lanes import WIDTH
+from fem.kernels.prescribed_rollers import Prescribed
+from fem.kernels.reduced_loop import advance_reduced
+from fem.kernels.reduced_state import Before, ReducedDampers, ReducedDrive, ReducedForces, RigidBodies
+from fem.kernels.sample_kernels import CONTACT, KINETIC, N_SCALARS, WORK_DRIVE
 from fem.kernels.state import Law
-from fem.solver.cage_arrays import cage_state
-from fem.solver.part_arrays import course_arrays, raceway_profiles
+from fem.solver.cage_arrays import cage_state, pair_of_rigid
+from fem.solver.guards import good_rows
+from fem.solver.lagrangian_start import Beginning
+from fem.solver.part_arrays import course_arrays, housing_of, raceway_profiles, springs_on
 from fem.solver.run_arrays import changing_arrays
-from lagrange.bearing import Cage
+from fem.solver.samples import SampleReader, row_width
+from fem.solver.solver import Samples
+from lagrange import kinematics
 from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import LogarithmicLaw
 from lagrange.equations import touching_distances
-from lagrange.step_size import Steps
-from lagrange.stepping import MOTION, Integration, Packed
+from lagrange.first_state import Problem
+from lagrange.kinematics import turned
+from lagrange.motion import State, contact_state, hub_equations, rotation_energy
+from lagrange.mounting import from_outer_ring
+from lagrange.surface.deviation import Turns, profiles
+from lagrange.trajectory import loaded
+
+TWELFTH = 1.0 / 12.0  # of dt²·acceleration: how far ahead forces are taken, see `reduced_kick`
 
 
-class CompiledIntegration(Integration):
-    """Steps by a kernel."""
+class Machine(NamedTuple):
+    """All arguments of the time loop."""
 
-    def __init__(self, system, start: Packed, interval: float, steps: Steps, damping: ContactDamping):
-        super().__init__(system, start, interval, steps, damping)
-        columns = -(-system.n // WIDTH) * WIDTH
-        axes = 1 if system.holds_angles else 2
-        self._motion = lined_up(
-            IdealMotion(
-                hub=np.zeros((3, 2)),
-                elements=np.zeros((3, axes, columns)),
-                works=np.zeros(5),
-                force=np.zeros((2, columns)),
-                housing=_housing(system, [self._section / count for count in steps.counts]),
-            )
+    bodies: RigidBodies
+    compliance: Isolated
+    forces: ReducedForces
+    drive: ReducedDrive
+    before: Before
+
+
+class Steps:
+    """A motion under way, half a step behind in velocity; `plan` : a `LagrangianPlan`, of its steps' length."""
+
+    def __init__(self, plan, begin: Beginning):
+        self._plan, self._begin = plan, begin
+        self.machine = _machine(plan, begin)
+        self._reader = SampleReader(plan)
+        self._base: np.ndarray | None = None  # J, of rows: kinetic and contacts' energy to those of the first sample
+        self._width = row_width(plan.problem.bearing.n_rollers, plan.scene.ideal_cage(), plan.operation.mounting)
+
+    def named_arrays(self) -> dict[str, np.ndarray]:
+        """All that a run changes and the next steps need, as views."""
+        machine = self.machine
+        places = {"bodies": machine.bodies, "forces": machine.forces, "drive": machine.drive}
+        found: dict[str, np.ndarray] = {}
+        for place, group in places.items():
+            found |= changing_arrays(group, place)
+        return found
+
+    def to_keep(self) -> dict[str, np.ndarray]:
+        """What a checkpoint keeps; `take_back` takes it back."""
+        base = np.full(2, np.nan) if self._base is None else self._base
+        return self.named_arrays() | {f"reader.{k}": v for k, v in self._reader.to_keep().items()} | {"base": base}
+
+    def take_back(self, arrays: dict[str, np.ndarray], done: int) -> None:
+        """Go on where other steps of the same plan stood after so many samples."""
+        for name, own in self.named_arrays().items():
+            own[...] = arrays[name]
+        self._reader.take_back({name: arrays[f"reader.{name}"] for name in self._reader.to_keep()}, done)
+        self._base = arrays["base"]
+
+    def take(self, first: int, count: int) -> tuple[Samples | None, bool]:
+        """The samples from one on, and whether the motion goes on; fewer, or None, where velocities are no numbers."""
+        rows = np.zeros((count, self._width))
+        machine = self.machine
+        moving = machine.bodies, machine.compliance, machine.forces, (machine.drive,), machine.before
+        status, _, _ = advance_reduced(*moving, None, first, self._plan.stride, rows)
+        if status != DONE:
+            rows = rows[: good_rows(rows)]
+        return (self._read(rows, first) if len(rows) else None), status == DONE
+
+    def _read(self, rows: np.ndarray, first: int) -> Samples:
+        """Samples of rows: with the energy of what turns, and held rollers exactly on their rays."""
+        problem = self._plan.problem
+        time = self._plan.interval * np.arange(first, first + len(rows))
+        turning = rotation_energy(problem.bearing, problem.operation.at(time))
+        rows[:, KINETIC] += turning
+        rows[:, WORK_DRIVE] += turning
+        if self._base is None:
+            start = self._begin.samples
+            at_start = np.array([start["energy_kinetic"][0], start["energy_contact"][0]])
+            self._base = at_start - rows[0, [KINETIC, CONTACT]]
+        rows[:, KINETIC] += self._base[0]
+        rows[:, CONTACT] += self._base[1]
+        if problem.angles == "kinematic":
+            self._put_on_rays(rows, time)
+        samples = self._reader.read(rows)
+        if problem.angles == "kinematic":
+            samples["roller_theta"][:] = self._angles(time)
+        self._balance(samples)
+        return samples
+
+    def _balance(self, samples: Samples) -> None:
+        """Forces of the laws at the samples' own places, and the hub's accelerations by these.
+
+        Steps take forces a little ahead, and give the hub what keeps the energy where contacts open and close.
+        """
+        problem, time = self._plan.problem, samples["time"]
+        bearing, operation = problem.bearing, problem.operation
+        x, y = from_outer_ring(samples, "inner")
+        ring_x, ring_y = samples["inner_x"] - x, samples["inner_y"] - y
+        nothing = np.zeros(samples["roller_rho"].shape)
+        state = State(
+            x=x, y=y, rho=samples["roller_rho"], theta=samples["roller_theta"], x_rate=samples["inner_vx"],
+            y_rate=samples["inner_vy"], rho_rate=nothing, theta_rate=nothing, ring_x=ring_x, ring_y=ring_y,
+            turns=Turns.rolling(bearing, operation, time[:, None]),
+        )  # fmt: skip
+        touch = contact_state(bearing, problem.laws, state)
+        inner, outer = touch.inner_force > 0.0, touch.outer_force > 0.0
+        samples["inner_damping_force"][:] = np.where(
+            inner, np.maximum(samples["inner_damping_force"], -touch.inner_force), 0.0
         )
-        self._bearing = lined_up(_bearing(system, columns))
-        self._leaps = system.problem.is_damped
-        self._dampers = lined_up(_dampers(damping, axes, columns)) if damping.acts else None
-        cage = system.problem.free_cage
-        if cage is not None:
-            pair = _cage(system, cage, self._motion, self._bearing)
-            self._motion = self._motion._replace(cage=pair)
-            self.memory |= changing_arrays(pair.cage, "cage")
-
-    def _fill(
-        self, done: int, z: np.ndarray, q: np.ndarray, works: np.ndarray, sensor: np.ndarray, cage: np.ndarray
-    ) -> int:
-        motion, n = self._motion, self._system.n
-        hub, elements, sums, of_housing = (self.memory[name] for name in MOTION)
-        axes, housing = motion.elements.shape[1], motion.housing
-        if housing is None:
-            motion.hub[:] = _parts(hub, 2)
-        else:
-            motion.hub[:], housing.motion[:] = _parts(hub[:, 0], 2), _parts(hub[:, 1], 2)
-            housing.sensor[:], housing.shift[:] = of_housing[:2], of_housing[2:]
-        motion.elements[:, :, :n] = np.moveaxis(_parts(elements, axes), 2, 1)
-        motion.works[:] = sums
-        counts = self._steps.counts
-        kicks, drifts = self._scheme
-        clock = Clock(
-            lengths=np.array([self._section / count for count in counts]),
-            counts=np.array(counts),
-            sections=self._steps.sections,
-            near=self._near(done, z.shape[1]).astype(np.intp),
-            done=done,
-            kicks=None if self._leaps else np.array(kicks),
-            drifts=None if self._leaps else np.array(drifts),
+        samples["outer_damping_force"][:] = np.where(
+            outer, np.maximum(samples["outer_damping_force"], -touch.outer_force), 0.0
         )
-        rows = Rows(
-            hub=np.empty((z.shape[1], 2, 2)),
-            elements=np.empty((z.shape[1], *motion.elements[:2].shape)),
-            works=np.empty((z.shape[1], 4)),
-            cage=cage,
-            housing=np.zeros((z.shape[1], 2, 2)),
-            sensor=np.zeros((z.shape[1], 2)),
-        )
-        there = advance_lagrangian(motion, self._bearing, self._dampers, clock, rows)
-        if housing is None:
-            z[:, :there], hub[:] = _whole(rows.hub[:there]).T, _whole(motion.hub)
-        else:
-            z[:, :there] = np.stack([_whole(rows.hub[:there]), _whole(rows.housing[:there])], axis=-1).swapaxes(0, 1)
-            hub[:] = np.stack([_whole(motion.hub), _whole(housing.motion)], axis=-1)
-            of_housing[:2], of_housing[2:] = housing.sensor, housing.shift
-            sensor[:there] = rows.sensor[:there]
-        q[:, :there] = np.moveaxis(_whole(np.moveaxis(rows.elements[:there, :, :, :n], 2, 3)), 0, 1)
-        works[:, :there] = rows.works[:there].T
-        elements[:] = _whole(np.moveaxis(motion.elements[:, :, :n], 1, 2))
-        sums[:] = motion.works
-        return there
+        samples["inner_force"][:] = touch.inner_force + samples["inner_damping_force"]
+        samples["outer_force"][:] = touch.outer_force + samples["outer_damping_force"]
+        touch = replace(touch, inner_force=samples["inner_force"])
+        left = hub_equations(loaded(problem, time), state, touch, 0.0, 0.0)
+        for axis, without in zip("xy", left, strict=True):
+            of_cage = 0.0
+            if problem.free_cage is not None and problem.free_cage.guidance == "inner_ring":
+                of_cage = samples[f"cage_guidance_{axis}"]
+            samples[f"inner_a{axis}"][:] = -(without + of_cage) / operation.inner_mass
+
+    def _angles(self, time: np.ndarray) -> np.ndarray:
+        problem = self._plan.problem
+        return self._begin.angle + np.reshape(turned(problem.bearing, problem.operation, time).cage, (-1, 1))
+
+    def _put_on_rays(self, rows: np.ndarray, time: np.ndarray) -> None:
+        n = self._plan.problem.bearing.n_rollers
+        ring = np.zeros((2, len(rows), 1))
+        if self.machine.bodies.housing is not None:
+            column = self.machine.bodies.housing.column
+            ring[:] = rows[:, [column, column + 1]].T[:, :, None]
+        x, y = rows[:, N_SCALARS : N_SCALARS + n], rows[:, N_SCALARS + n : N_SCALARS + 2 * n]
+        rho, theta = np.hypot(x - ring[0], y - ring[1]), self._angles(time)
+        x[:], y[:] = ring[0] + rho * np.cos(theta), ring[1] + rho * np.sin(theta)
 
 
-def _parts(values: np.ndarray, axes: int) -> np.ndarray:
-    """Numbers, complex where there are two axes, along these: one dimension more, the last."""
-    return np.stack((values.real, values.imag)[:axes], axis=-1)
+def _machine(plan, begin: Beginning) -> Machine:
+    problem: Problem = plan.problem
+    n = problem.bearing.n_rollers
+    columns = -(-n // WIDTH) * WIDTH
+    bodies = _bodies(plan, begin, columns)
+    before = Before(
+        hub_velocity=np.zeros(2),
+        velocity=np.zeros((2, columns)),
+        spin=np.zeros(columns),
+        acceleration=np.zeros((2, columns)),
+        hub_acceleration=np.zeros(2),
+        ring_acceleration=np.zeros(2),
+    )
+    return Machine(bodies, _contacts(problem, columns), _forces(problem, begin, columns), _drive(plan), before)
 
 
-def _whole(parts: np.ndarray) -> np.ndarray:
-    """The numbers again."""
-    return parts[..., 0] if parts.shape[-1] == 1 else np.ascontiguousarray(parts).view(complex)[..., 0]
+def _bodies(plan, begin: Beginning, columns: int) -> RigidBodies:
+    """Everything that moves: half a step behind in velocity, and where forces a little ahead are those of the start."""
+    problem: Problem = plan.problem
+    bearing, operation, dt = problem.bearing, problem.operation, plan.time_step
+    n, half, ahead = bearing.n_rollers, 0.5 * dt, TWELFTH * dt**2
+    centre, velocity = np.zeros((2, 2, columns))
+    centre[:, :n] = begin.centre - ahead * begin.pushed
+    velocity[:, :n] = begin.velocity - half * begin.acceleration
+    ring, ring_velocity = begin.ring - ahead * begin.ring_acceleration, -half * begin.ring_acceleration
+    hub, hub_velocity = begin.hub - ahead * begin.hub_acceleration, begin.hub_velocity - half * begin.hub_acceleration
+    mass = float(operation.inner_mass)
+    housing = housing_of(operation.mounting, bearing.outer_ring_mass, None, ring, dt, row_width(n, None))
+    if housing is not None:
+        housing.velocity[:] = ring_velocity
+    of_cage, cage = row_width(n, None, operation.mounting), plan.scene.ideal_cage()
+    held, ideal = problem.angles == "kinematic", kinematics(bearing, 1.0)
+    bodies = RigidBodies(
+        hub=hub,
+        hub_velocity=hub_velocity,
+        centre=centre,
+        velocity=velocity,
+        turn=np.zeros(columns),
+        spin=np.zeros(columns),
+        hub_mass=mass,
+        mass=float(bearing.roller_mass),
+        inertia=np.inf,  # their spin is prescribed
+        radius=float(bearing.roller_radius),
+        vibrations=None,
+        n=n,
+        columns=columns,
+        cage=None,
+        shaft=springs_on(operation.mounting, hub, hub_velocity, np.zeros((2, 2)), mass, n),
+        housing=housing,
+        prescribed=Prescribed(
+            spin=float(ideal.roller),
+            cage=float(ideal.cage),
+            first=_padded(np.array([np.cos(begin.angle), np.sin(begin.angle)]), columns) if held else None,
+            force=np.zeros(columns),
+            work=np.zeros(2),
+            column=of_cage if held and cage is not None else -1,
+        ),
+    )
+    if problem.free_cage is None:
+        return bodies
+    state = cage_state(bearing, cage, begin.angle, kinematics(bearing, operation.speed).cage, of_cage)
+    state.motion[0, :2] = begin.ring
+    state.motion[1, 1] = half * operation.gravity
+    return bodies._replace(cage=pair_of_rigid(state, cage, bodies, float(operation.speed)))
 
 
-def _bearing(system, columns: int) -> IdealBearing:
-    problem, ideal = system.problem, system.ideal
-    bearing, operation, shaft = problem.bearing, problem.operation, problem.operation.mounting.shaft
-    reach, track = touching_distances(bearing)
-    inner, outer = raceway_profiles(bearing, columns)
-    surfaces = first = None
-    if bearing.faults:
-        surfaces = Surfaces(
-            rings=(inner["profile"], outer["profile"]),
-            rollers=(inner["roller_profiles"], outer["roller_profiles"]),
-            near=np.ones(1, dtype=np.intp),
-        )
-    if system.holds_angles:
-        angle = np.zeros(columns)
-        angle[: system.n] = system.angles
-        first = np.array([np.cos(angle), np.sin(angle)])
-    return IdealBearing(
-        laws=tuple(_constants(law) for law in problem.laws),
-        surfaces=surfaces,
-        first=first,
+def _padded(values: np.ndarray, columns: int) -> np.ndarray:
+    return np.concatenate([values, np.zeros((2, columns - values.shape[1]))], axis=1)
+
+
+def _contacts(problem: Problem, columns: int) -> Isolated:
+    reach, track = touching_distances(problem.bearing)
+    inner, outer = raceway_profiles(problem.bearing, columns)
+    return Isolated(
+        inner=_constants(problem.laws.inner),
+        outer=_constants(problem.laws.outer),
         reach=float(reach),
         track=float(track),
-        mass=float(bearing.roller_mass),
-        hub_mass=float(operation.inner_mass),
-        gravity=float(operation.gravity),
-        radial_load=float(operation.radial_load),
-        ramp=float(problem.load_ramp),
-        turning=float(ideal.cage) if system.holds_angles else 0.0,
-        shaft=float(ideal.shaft),
-        spin=float(ideal.roller),
-        n=bearing.n_rollers,
-        columns=columns,
-        course=course_arrays(bearing, operation, held=system.holds_angles),
-        springs=None if shaft is None else ShaftSprings(float(shaft.stiffness), float(shaft.damping)),
-    )
-
-
-def _cage(system, cage: Cage, motion: IdealMotion, bearing: IdealBearing) -> CagePair:
-    """A free cage; its riders and its guide are the motion's own arrays."""
-    columns, ideal = bearing.columns, system.problem.bearing
-    riders = Riders(
-        centre=motion.elements[0],
-        velocity=motion.elements[1],
-        spin=np.zeros(columns),
-        node_impulse=np.zeros((2, columns)),
-        body_impulse=np.zeros((2, columns)),
-        turn_kick=np.zeros(columns),
-        n=bearing.n,
-        mass=bearing.mass,
-        inertia=np.inf,  # their spin is prescribed
-        radius=float(ideal.roller_radius),
-        swelling=None,
-    )
-    body = cage_state(ideal, cage, system.angles, float(system.ideal.cage))
-    return CagePair(cage=body, riders=riders, ring=_guiding(cage, motion, bearing))
-
-
-def _guiding(cage: Cage, motion: IdealMotion, bearing: IdealBearing) -> GuidingRing | None:
-    """The ring that guides a cage, if it moves: the hub, or the outer ring in a housing, where it is the origin."""
-    inner = cage.guidance == "inner_ring"
-    if not inner and (cage.guidance == "rollers" or motion.housing is None):
-        return None
-    return GuidingRing(
-        place=motion.hub[0] if inner else np.zeros(2),
-        velocity=motion.hub[1] if inner else np.zeros(2),
-        impulse=np.zeros(2),
-        rubbed=np.zeros(3),
-        mass=bearing.hub_mass if inner else motion.housing.mass,
-        speed=np.array([bearing.shaft if inner else 0.0]),
-        turns=inner,
-    )
-
-
-def _housing(system, steps: list[float]) -> IdealHousing | None:
-    """The housing and a sensor on it, None where the ground holds the outer ring; `steps`, s: far from faults, near."""
-    mounting = system.problem.operation.mounting
-    if mounting.housing is None:
-        return None
-    sensors = [np.zeros((2, 3)) if mounting.sensor is None else mounting.sensor.step(step) for step in steps]
-    return IdealHousing(
-        motion=np.zeros((3, 2)),
-        sensor=np.zeros(2),
-        sensor_step=np.array(sensors),
-        shift=np.zeros(2),
-        lever=np.zeros(2),
-        damped=np.zeros(2),
-        turned=np.array([1.0, 0.0]),
-        mass=float(system.ring_mass),
-        stiffness=float(mounting.housing.stiffness),
-        damping=float(mounting.housing.damping),
+        ring_profiles=(inner["profile"], outer["profile"]),
+        roller_profiles=(inner["roller_profiles"], outer["roller_profiles"]),
     )
 
 
@@ -212,18 +245,74 @@ def _constants(law) -> PowerConstants | Law:
     if isinstance(law, LogarithmicLaw):  # S Q (B − ln Q) is 2S Q (½B − ½ ln Q); widths play no part
         A, B = float(2.0 * law.compliance), float(0.5 * law.level)
         return Law(A=A, B=B, Q_line=float(law.largest_force), half_width_factor=0.0, curvature=0.0)
-    raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `lagrangian_forces.spring_force`")
+    raise TypeError(f"{type(law).__name__}: no compiled form of such a law; see `isolated_contacts.law_force`")
 
 
-def _dampers(damping: ContactDamping, axes: int, columns: int) -> Dampers:
-    return Dampers(
+def _forces(problem: Problem, begin: Beginning, columns: int) -> ReducedForces:
+    """Contacts under the start's forces; what neighbours tell each other has no room."""
+    nothing, uneven = np.zeros((2, 0)), profiles(problem.bearing) is not None
+    found = ReducedForces(
+        force=np.zeros((3, columns)),
+        approach=np.full((3, columns), np.nan),
+        kick=np.zeros((3, columns)),
+        residual=np.zeros((3, columns)),
+        traction=np.zeros((3, columns)),
+        fastest=np.zeros(WIDTH),
+        beyond=np.zeros(1),
+        guess=nothing,
+        gained=nothing,
+        first=np.full((2, columns), np.nan),
+        estimate=np.zeros((2, columns)),
+        stiffness=np.zeros((2, columns)),
+        normal=np.zeros((2, 2, columns)),
+        strayed=np.zeros(0),
+        along=np.zeros((2, 0, columns)),
+        steep=np.zeros((2, 0, columns)),
+        tilt=nothing,
+        bracket=np.zeros((2, columns)) if uneven else None,
+        bracket_now=np.zeros((2, columns)) if uneven else None,
+        slope=np.zeros((4, columns)) if uneven else None,
+        softening=np.zeros((4, columns)) if uneven else None,
+        radiation=None,
+        pulled=nothing,
+        lifted=np.zeros((2, 2, 0)),
+        taken=None,
+        halo=0,
+        dampers=_dampers(problem.damping, columns),
+        ahead=np.full((2, 2, columns), np.nan),
+        cut=np.zeros((2, columns)),
+    )
+    for row, force in enumerate((begin.samples["inner_force"], begin.samples["outer_force"])):
+        found.force[row, : problem.bearing.n_rollers] = found.estimate[row, : problem.bearing.n_rollers] = force[0]
+    return found
+
+
+def _dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:
+    if not damping.acts:
+        return None
+    return ReducedDampers(
         constant=float(damping.constant),
         time=float(damping.time),
         hunt_crossley=float(damping.hunt_crossley),
+        force=np.zeros((3, columns)),
+        rate=np.zeros((2, columns)),
+        gain=np.zeros((1, columns)),
         coefficient=np.zeros((2, columns)),
-        axes=np.zeros((2, columns)),
-        normal=np.zeros((2, 2, columns)),
-        closing=np.zeros((2, columns)),
-        hub=np.zeros(2),
-        elements=np.zeros((axes, columns)),
+        pair_work=np.zeros(WIDTH),
+        work=np.zeros(2),
+    )
+
+
+def _drive(plan) -> ReducedDrive:
+    problem: Problem = plan.problem
+    return ReducedDrive(
+        sums=np.zeros(3),
+        speed=float(problem.operation.speed),
+        gravity=float(problem.operation.gravity),
+        dt=float(plan.time_step),
+        radial_load=float(problem.operation.radial_load),
+        ramp=float(problem.load_ramp),
+        friction=0.0,
+        inner_radius=float(problem.bearing.inner_raceway_radius),
+        course=course_arrays(problem.bearing, problem.operation),
     )

@@ -53,6 +53,10 @@ class Samples:
         """The first samples of the block."""
         return self._at(slice(count))
 
+    def after(self, count: int) -> "Samples":
+        """All but the first so many."""
+        return self._at(slice(count, None))
+
     def every(self, looks: int) -> "Samples":
         """The first of each so many."""
         return self._at(slice(None, None, looks))

@@ -1,0 +1,136 @@
+"""Rollers that roll without slip: their spin is prescribed, and rays that turn with the cage may hold their angles.
+
+A held roller's centre stays on its ray about the outer ring's centre. Each step gives it the impulse along the pitch
+circle with which it drifts onto the ray of the next instant; its power is what the cage works.
+
+Source: SHAKE and RATTLE; Hairer, Lubich and Wanner, Geometric Numerical Integration (2006), chapter VII.1.4.
+"""
+
+from math import cos, sin
+from typing import NamedTuple
+
+import numpy as np
+
+from fem.kernels.cage import N_CAGE_SCALARS
+from fem.kernels.drive import speed_of, step_of, turn_at
+from fem.kernels.jit import part
+from fem.kernels.lane_memory import load, store
+from fem.kernels.lanes import WIDTH, splat, total
+from fem.kernels.reduced_housing import ring_place, ring_rates
+from fem.kernels.sample_kernels import WORK_DRIVE
+
+
+class Prescribed(NamedTuple):
+    """Rotation of rollers by the shaft's, and the rays that hold them."""
+
+    spin: float  # turns of a roller about its own centre in one of the shaft
+    cage: float  # turns of the rays
+    first: np.ndarray | None  # (2, columns), cosine and sine of the rays' angles at t = 0; None: rollers are free
+    force: np.ndarray  # (columns,), N, of the last kick on the rollers along +θ
+    work: np.ndarray  # (2,), J, done by these up to the last kick; and after it in that step
+    column: int  # of a sample's row, the cage's first; < 0: no cage is reported
+
+
+@part
+def prescribe(prescribed, bodies, before, drive, time):
+    """Turn the rollers as they roll, at the beginning of a step."""
+    if prescribed is not None:
+        turn = splat(prescribed.spin * turn_at(drive.course, drive, time))
+        spin = splat(prescribed.spin * speed_of(drive.course, drive))
+        for group in range(0, bodies.n, WIDTH):
+            store(bodies.turn, group, turn)
+            store(bodies.spin, group, spin)
+            store(before.spin, group, spin)
+            store(prescribed.force, group, splat(0.0))
+
+
+@part
+def take_moment(prescribed, drive, moment):
+    """The work of what keeps eight rollers' spin against a moment, N m, in a step."""
+    if prescribed is not None:
+        drive.sums[1] -= prescribed.spin * speed_of(drive.course, drive) * drive.dt * total(moment)
+
+
+@part
+def along_ray(prescribed, ox, oy, ax, ay):
+    """Accelerations of eight rollers, m/s², less what the rays take of them; `ox`, `oy`: outward along the rays."""
+    if prescribed is None:
+        return ax, ay
+    return _along(prescribed.first, ox, oy, ax, ay)
+
+
+@part
+def _along(first, ox, oy, ax, ay):
+    if first is None:
+        return ax, ay
+    out = ax * ox + ay * oy
+    return out * ox, out * oy
+
+
+@part
+def hold(prescribed, bodies, drive, time):
+    """Give rollers the impulse along the pitch circle that lets them drift onto the rays of the next instant."""
+    if prescribed is not None:
+        _hold(prescribed.first, prescribed, bodies, drive, time)
+
+
+@part
+def _hold(first, prescribed, bodies, drive, time):
+    if first is None:
+        return
+    columns, dt, step = bodies.columns, drive.dt, prescribed.cage * step_of(drive.course, drive)
+    angle = prescribed.cage * turn_at(drive.course, drive, time)
+    c, s, c_step, s_step = cos(angle), sin(angle), cos(step), sin(step)
+    ring_x, ring_y = ring_place(bodies.housing)
+    ring_vx, ring_vy = ring_rates(bodies.housing)[1]
+    ring_x, ring_y, over = ring_x + dt * ring_vx, ring_y + dt * ring_vy, -1.0 / (dt * c_step)
+    for group in range(0, bodies.n, WIDTH):
+        first_c, first_s = load(first, group), load(first, columns + group)
+        ex, ey = c * first_c - s * first_s, s * first_c + c * first_s
+        next_x, next_y = c_step * ex - s_step * ey, s_step * ex + c_step * ey
+        vx, vy = load(bodies.velocity, group), load(bodies.velocity, columns + group)
+        x = load(bodies.centre, group) + dt * vx - ring_x
+        y = load(bodies.centre, columns + group) + dt * vy - ring_y
+        gained = over * (y * next_x - x * next_y)
+        store(bodies.velocity, group, vx - gained * ey)
+        store(bodies.velocity, columns + group, vy + gained * ex)
+        store(prescribed.force, group, load(prescribed.force, group) + gained * (bodies.mass / dt))
+
+
+@part
+def note_held(prescribed, bodies, forces, before, drive):
+    """Note what the rays work, by the velocities before and after the whole kick."""
+    if prescribed is not None:
+        _note(prescribed.first, prescribed, bodies, forces, before, drive)
+
+
+@part
+def _note(first, prescribed, bodies, forces, before, drive):
+    if first is None:
+        return
+    columns, half = bodies.columns, 0.5 * drive.dt
+    earlier, later = splat(0.0), splat(0.0)
+    for group in range(0, bodies.n, WIDTH):
+        ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
+        F = load(prescribed.force, group)
+        vx, vy = load(before.velocity, group), load(before.velocity, columns + group)
+        earlier += F * (vy * ox - vx * oy)
+        vx, vy = load(bodies.velocity, group), load(bodies.velocity, columns + group)
+        later += F * (vy * ox - vx * oy)
+    prescribed.work[0] += prescribed.work[1] + half * total(earlier)
+    prescribed.work[1] = half * total(later)
+
+
+@part
+def write_held(prescribed, bodies, drive, time, out):
+    """The rays' work, and a cage that they stand for: its place, turn, speed and forces."""
+    if prescribed is None:
+        return
+    out[WORK_DRIVE] += prescribed.work[0]
+    if prescribed.column >= 0:
+        at = prescribed.column
+        out[at], out[at + 1] = ring_place(bodies.housing)
+        out[at + 2] = prescribed.cage * turn_at(drive.course, drive, time)
+        out[at + 3] = prescribed.cage * speed_of(drive.course, drive)
+        for j in range(bodies.n):
+            out[at + N_CAGE_SCALARS + j] = prescribed.force[j]

@@ -1,0 +1,94 @@
+"""The start of the Lagrangian model: its sample, and the accelerations that its first steps need. No compiler."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lagrange.cage_motion import CageRows, first_row
+from lagrange.first_state import Problem
+from lagrange.kinematics import kinematics
+from lagrange.motion import State, contact_state, housing_accelerations, hub_equations, radial_equations
+from lagrange.surface.deviation import Turns
+from lagrange.trajectory import loaded, quantities
+
+PER_TIME = ("time", "inner_x", "inner_y", "inner_vx", "inner_vy", "inner_ax", "inner_ay", "energy_kinetic",
+            "energy_contact")  # fmt: skip
+PER_ROLLER = "roller_rho", "roller_theta", "inner_force", "outer_force"
+WORKS = "energy_elastic", "work_external", "work_dissipated", "work_damping_contact", "work_damping_bodies"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Beginning:
+    """Motion at t = 0 in the fixed frame, m, m/s, m/s², and its sample, by the result file's names."""
+
+    angle: np.ndarray  # (n_rollers,), rad
+    hub: np.ndarray  # (2,)
+    hub_velocity: np.ndarray  # (2,)
+    hub_acceleration: np.ndarray  # (2,)
+    centre: np.ndarray  # (2, n_rollers)
+    velocity: np.ndarray  # (2, n_rollers)
+    acceleration: np.ndarray  # (2, n_rollers)
+    pushed: np.ndarray  # (2, n_rollers), by contacts and weight, of held rollers along their rays
+    ring: np.ndarray  # (2,), of the outer ring
+    ring_acceleration: np.ndarray  # (2,)
+    samples: dict[str, np.ndarray]  # (1,) and (1, n_rollers)
+
+
+def beginning(problem: Problem) -> Beginning:
+    """The start of a problem.
+
+    Errors
+    ------
+    RuntimeError: no equilibrium.
+    """
+    bearing, operation, held = problem.bearing, problem.operation, problem.angles == "kinematic"
+    state = replace(problem.first_state.state, turns=Turns.rolling(bearing, operation, 0.0))
+    touch = contact_state(bearing, problem.laws, state, problem.damping)
+    hub_acceleration = -np.array(hub_equations(loaded(problem, 0.0), state, touch, 0.0, 0.0)) / operation.inner_mass
+    ring = np.array([state.ring_x, state.ring_y])
+    ring_acceleration = np.array(housing_accelerations(bearing, operation, state, touch))
+    radial = np.array([np.cos(state.theta), np.sin(state.theta)])
+    around = np.array([-radial[1], radial[0]])
+    m = bearing.roller_mass
+    outwards = -radial_equations(bearing, operation, state, touch, state.rho * state.theta_rate**2) / m
+    aside = touch.inner_force * touch.tangential + touch.outer_force * touch.outer_slope
+    along = aside / m - operation.gravity * np.cos(state.theta)
+    course = operation.course
+    gain = 0.0 if course is None else kinematics(bearing, float(course.speed(0.0, 1))).cage
+    if held:
+        along = ring_acceleration @ around + 2.0 * state.rho_rate * state.theta_rate + state.rho * gain
+    pushed = outwards * radial + (0.0 if held else 1.0) * along * around
+    return Beginning(
+        angle=state.theta,
+        hub=np.array([state.x, state.y]) + ring,
+        hub_velocity=np.array([state.x_rate, state.y_rate]),
+        hub_acceleration=hub_acceleration,
+        centre=ring[:, None] + state.rho * radial,
+        velocity=state.rho_rate * radial + state.rho * state.theta_rate * around,
+        acceleration=outwards * radial + along * around,
+        pushed=pushed,
+        ring=ring,
+        ring_acceleration=ring_acceleration,
+        samples=_samples(problem, state),
+    )
+
+
+def _samples(problem: Problem, state: State) -> dict[str, np.ndarray]:
+    """The first sample."""
+    n, zero = problem.bearing.n_rollers, np.zeros(1)
+    ideal, per_roller = kinematics(problem.bearing, problem.operation.speed), np.zeros((1, n))
+    alone = replace(state, **{name: np.asarray(value)[None] for name, value in vars(state).items() if name != "turns"})
+    rows = None if problem.free_cage is None else CageRows.of(first_row(n, ideal.cage)[None])
+    part, _, _ = quantities(problem, zero, alone, zero, zero, np.zeros((1, 2)), rows)
+    cage = part.pop("cage")
+    x, y = alone.rho * np.cos(alone.theta), alone.rho * np.sin(alone.theta)
+    found = {name: zero + part[name] for name in (*PER_TIME, *problem.operation.mounting.columns)}
+    found |= {name: per_roller + part[name] for name in PER_ROLLER}
+    found |= {
+        "roller_x": x + part["housing_x"][:, None], "roller_y": y + part["housing_y"][:, None],
+        "roller_spin": per_roller + ideal.roller,
+        "inner_damping_force": part["inner_damper"], "outer_damping_force": part["outer_damper"],
+    }  # fmt: skip
+    found |= dict.fromkeys(("inner_traction", "outer_traction", "roller_roller_force", "roller_turn"), per_roller)
+    found |= dict.fromkeys(WORKS, zero)
+    return found | ({} if cage is None else {f"cage_{name}": value for name, value in vars(cage).items()})

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lagrange.bearing import Bearing, Operation
-from lagrange.surface.deviation import Met, Profiles, Turns, profiles
+from lagrange.surface.deviation import Profiles, SurfaceDeviation, Turns, profiles
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +32,7 @@ class Overlaps:
     inner_compliance: np.ndarray | float = 0.0  # m/N, of edges, in series with the contact's law
     inner_softening: np.ndarray | float = 0.0  # 1/N, its slope over 2χ
 
-    def under(self, inner_force) -> "Overlaps":
+    def at_force(self, inner_force) -> "Overlaps":
         """With the directions that forces, N, >= 0, have on soft edges."""
         if isinstance(self.inner_softening, float):
             return self
@@ -113,14 +113,16 @@ def sunk(bearing: Bearing, found: Overlaps, turns: Turns, outer_direction) -> Ov
     )
 
 
-def polar_sunk(surfaces: Profiles, found: PolarOverlaps, turns: Turns, theta) -> tuple[PolarOverlaps, Met, Met]:
+def polar_deviated(
+    surfaces: Profiles, found: PolarOverlaps, turns: Turns, theta
+) -> tuple[PolarOverlaps, SurfaceDeviation, SurfaceDeviation]:
     """The overlaps with such surfaces, and what the contacts meet there; directions are still those of circles."""
     inner = surfaces.inner(theta + np.arctan2(found.tangential, found.radial), turns)
     outer = surfaces.outer(theta, turns)
     return replace(found, inner=found.inner - inner.sinkage, outer=found.outer - outer.sinkage), inner, outer
 
 
-def polar_turned(found: PolarOverlaps, inner: Met, outer: Met, rho) -> PolarOverlaps:
+def polar_at_force(found: PolarOverlaps, inner: SurfaceDeviation, outer: SurfaceDeviation, rho) -> PolarOverlaps:
     """The overlaps with their derivatives turned by the slopes that contacts meet."""
     aside = inner.slope / found.distance
     return replace(

@@ -13,7 +13,7 @@ import numpy as np
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.damping import UNDAMPED, ContactDamping, damper_force
 from lagrange.contact.raceway_laws import ContactLaws
-from lagrange.equations import PolarOverlaps, polar_overlaps, polar_sunk, polar_turned
+from lagrange.equations import PolarOverlaps, polar_at_force, polar_deviated, polar_overlaps
 from lagrange.kinematics import kinematics
 from lagrange.surface.deviation import UNTURNED, Turns, profiles
 from lagrange.surface.edges import SoftenedLaws, softened
@@ -88,13 +88,13 @@ def contact_state(
     inner_damper: np.ndarray | float = 0.0
     outer_damper: np.ndarray | float = 0.0
     if surfaces is not None:
-        found, inner, outer = polar_sunk(surfaces, found, turns, state.theta)
+        found, inner, outer = polar_deviated(surfaces, found, turns, state.theta)
         inner_soft, outer_soft = inner.compliance, outer.compliance
     inner_law, outer_law = softened(laws.inner, inner_soft), softened(laws.outer, outer_soft)
     inner_force, outer_force = inner_law.force(found.inner), outer_law.force(found.outer)
     if surfaces is not None:
-        inner, outer = inner.under(inner_force), outer.under(outer_force)
-        found = polar_turned(found, inner, outer, state.rho)
+        inner, outer = inner.at_force(inner_force), outer.at_force(outer_force)
+        found = polar_at_force(found, inner, outer, state.rho)
         passing_in = inner.passing(turns.inner_ring_speed, turns.roller_speed)
         passing_out = outer.passing(0.0, turns.roller_speed)
     radial, tangential = found.radial, found.tangential

@@ -211,7 +211,7 @@ class _System:
             return chi, c, d, self.reach - chi, rho - self.track, self.inner_law
         inner = self.surfaces.inner(self.theta - np.arctan2(t, along), self.turns)
         law, depth = softened(self.inner_law, inner.compliance), self.reach - chi - inner.sinkage
-        aside = inner.under(law.force(depth)).slope / chi
+        aside = inner.at_force(law.force(depth)).slope / chi
         return chi, c + aside * d, d - aside * c, depth, rho - self.track, law
 
     def _radial(self, rho, s, t):

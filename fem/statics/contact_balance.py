@@ -300,7 +300,7 @@ def geometry(bearing: Bearing, radial, position, turns: Turns = UNTURNED, forces
     found = overlaps(bearing, position[0], position[1], *(radial * position[2:, None]).T, position[2:])
     found = sunk(bearing, found, turns, np.arctan2(radial[:, 1], radial[:, 0]))
     if forces is not None:
-        found = found.under(forces[:n])
+        found = found.at_force(forces[:n])
     normal = -np.column_stack([found.direction_x, found.direction_y])
     directions = np.zeros((2 * n, n + 2))
     directions[:n, :2] = normal

@@ -29,7 +29,7 @@ SUPPORT = 2  # knots that a coefficient is felt over, on either side
 RINGING = 10  # knots beyond a kink after which a spline through it is off by a millionth of what it is at the kink
 
 
-class Along(NamedTuple):
+class BodyDeviation(NamedTuple):
     """What contacts meet along one body, each (..., n_rollers), and its slopes as the angle grows."""
 
     sinkage: np.ndarray  # m
@@ -50,7 +50,7 @@ class Profile:
     waves: float = inf  # m, between the knots that all but spalls would need; infinite: between spalls circles are
     # perfect
 
-    def at(self, angle: np.ndarray) -> Along:
+    def at(self, angle: np.ndarray) -> BodyDeviation:
         """At angles of the rollers' contacts, (..., n_rollers), rad."""
         n = self.coefficients.shape[1]
         place = np.asarray(angle) * (n / (2.0 * pi))
@@ -59,9 +59,9 @@ class Profile:
         near = [first + (knot + k) % n for k in (-1, 0, 1, 2)]
         sunk = _cubic([self.coefficients.take(at) for at in near], t, 0.5 * n / pi)
         if self.compliance is None:
-            return Along(*sunk)
+            return BodyDeviation(*sunk)
         soft = [self.compliance.take(at) for at in near]
-        return Along(*sunk, *_cubic(soft, t, 0.5 * n / pi)) if np.any(soft) else Along(*sunk)
+        return BodyDeviation(*sunk, *_cubic(soft, t, 0.5 * n / pi)) if np.any(soft) else BodyDeviation(*sunk)
 
     @cached_property
     def arcs(self) -> list[tuple[int, float, float]]:
@@ -117,7 +117,7 @@ UNTURNED = Turns()
 
 
 @dataclass(frozen=True, kw_only=True)
-class Met:
+class SurfaceDeviation:
     """What the contacts with one raceway meet, and its slopes as the angle grows, (..., n_rollers)."""
 
     sinkage: np.ndarray  # m, of ring and roller together
@@ -137,7 +137,7 @@ class Met:
         """Whether a contact is near an edge."""
         return not isinstance(self.compliance, float)
 
-    def under(self, force: np.ndarray) -> "Met":
+    def at_force(self, force: np.ndarray) -> "SurfaceDeviation":
         """With the slopes that the surfaces have for contacts under these forces, N."""
         if not self.soft:
             return self
@@ -161,13 +161,15 @@ class Profiles:
     rollers_inside: Profile | None  # the rollers', where they meet the inner raceway
     rollers_outside: Profile | None
 
-    def inner(self, direction, turns: Turns) -> Met:
+    def inner(self, direction, turns: Turns) -> SurfaceDeviation:
         """At the inner raceway; `direction` from the inner ring's centre to the rollers', (..., n_rollers), rad."""
-        return _met(self.inner_ring, direction - turns.inner_ring, self.rollers_inside, direction + pi - turns.rollers)
+        return _deviation(
+            self.inner_ring, direction - turns.inner_ring, self.rollers_inside, direction + pi - turns.rollers
+        )
 
-    def outer(self, direction, turns: Turns) -> Met:
+    def outer(self, direction, turns: Turns) -> SurfaceDeviation:
         """At the outer raceway; `direction` from the outer ring's centre to the rollers', (..., n_rollers), rad."""
-        return _met(self.outer_ring, direction, self.rollers_outside, direction - turns.rollers)
+        return _deviation(self.outer_ring, direction, self.rollers_outside, direction - turns.rollers)
 
     @property
     def highest(self) -> float:
@@ -202,13 +204,13 @@ class Profiles:
         return min(profile.waves for profile in vars(self).values() if profile is not None)
 
 
-def _met(ring: Profile | None, on_ring, roller: Profile | None, on_roller) -> Met:
+def _deviation(ring: Profile | None, on_ring, roller: Profile | None, on_roller) -> SurfaceDeviation:
     """Of contacts at angles on the ring and on the rollers, rad."""
     one, other = (
-        Along(np.zeros_like(angle), np.zeros_like(angle)) if profile is None else profile.at(angle)
+        BodyDeviation(np.zeros_like(angle), np.zeros_like(angle)) if profile is None else profile.at(angle)
         for profile, angle in ((ring, on_ring), (roller, on_roller))
     )
-    return Met(
+    return SurfaceDeviation(
         sinkage=one.sinkage + other.sinkage,
         ring_slope=one.slope,
         roller_slope=other.slope,

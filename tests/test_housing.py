@@ -1,19 +1,15 @@
 """The housing of the outer ring and the sensor on it: ring-down, sag, energy, and what the checker makes of them."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from numba import njit
 from scipy.linalg import expm
 
-from fem.elastic.reciprocal_mass import SECOND
 from fem.kernels.bodies import add_motion, drift_body, kick_body
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.jit import OPTIONS
 from fem.kernels.sample_kernels import DISSIPATED, WORK_GRAVITY
 from fem.kernels.shaft import late_mass
-from fem.kernels.state import Drive
 from fem.solver.simulate import make_plan, run
 from lagrange.mounting import Sensor, from_outer_ring
 from lagrange.scene.scene import SceneError, parse_scene, parse_scene_text
@@ -21,9 +17,10 @@ from residual.errors import InputError
 from residual.evaluation import evaluate
 from residual.figures.motion import energy_imbalance
 from residual.sources import read_result
+from tests.reference.swinging import PEDESTAL, drive, ring_down
 from tests.reference.synthetic_run import make_run, run_variables, write_result
 
-PEDESTAL, SENSOR = {"kind": "housing"}, {}  # their defaults: 12.638 kg, 15.1e6 N/m, 2210.7 N s/m; 15 kHz, 5 %
+SENSOR: dict = {}  # its defaults: 15 kHz, 5 %
 
 
 def housing(dt: float, mass=12.638, stiffness=15.1e6, damping=2210.7) -> Housing:
@@ -36,15 +33,6 @@ def housing(dt: float, mass=12.638, stiffness=15.1e6, damping=2210.7) -> Housing
     )  # fmt: skip
 
 
-def drive(dt: float, gravity: float = 0.0) -> Drive:
-    arrays = {name: np.zeros(6) for name in ("hub", "velocity", "frame", "impulse", "moment", "sums")}
-    numbers = {name: 0.0 for name in ("speed", "radial_load", "ramp")}
-    return Drive(
-        **arrays, **numbers, slowed=np.zeros((2, 2)), mass=1.0, late_mass=1.0, gravity=gravity, dt=dt,
-        slowing=SECOND.at(dt).waves, calming=0.0,
-    )  # fmt: skip
-
-
 @njit(**OPTIONS)
 def swing(body, drive, rows):
     """The housing alone: a row a step, as samples have them."""
@@ -52,17 +40,6 @@ def swing(body, drive, rows):
         kick_body(body, drive)
         add_motion(body, drive, rows[i], 0)
         drift_body(body, drive)
-
-
-def ring_down(values: np.ndarray, dt: float) -> tuple[float, float]:
-    """Undamped frequency, Hz, and damping ratio of a decaying oscillation, by its crossings of 0 and its peaks."""
-    at = np.flatnonzero((values[:-1] < 0.0) & (values[1:] >= 0.0))
-    crossings = (at + values[at] / (values[at] - values[at + 1])) * dt
-    damped = (len(crossings) - 1) / (crossings[-1] - crossings[0])
-    peaks = [values[a:b].max() for a, b in pairwise(at)]
-    decrement = np.log(peaks[0] / peaks[-1]) / (len(peaks) - 1)
-    zeta = decrement / np.hypot(2.0 * np.pi, decrement)
-    return damped / np.sqrt(1.0 - zeta**2), zeta
 
 
 def test_the_housing_rings_down_at_its_frequency_and_damping():

@@ -22,7 +22,7 @@ from tests.reference.compiled_motion import assert_right, compiled, simulation, 
 from tests.reference.going_on import assert_same_bits, rest_of_run
 from tests.reference.ideal import HARRIS, PAPER, RUNNING, wavy
 from tests.reference.operation_tables import LOADS, RAMP, record_of, scene_with
-from tests.test_housing import PEDESTAL, ring_down
+from tests.reference.swinging import PEDESTAL, ring_down
 
 LIGHT = Housing(mass=0.5, stiffness=2e8, damping=4000.0)
 SENSOR = Sensor(frequency=15e3, damping_ratio=0.05)

@@ -27,8 +27,8 @@ from residual.evaluation import evaluate
 from tests.reference.compiled_motion import assert_right, compiled, solved
 from tests.reference.ideal import HARRIS, PAPER, RUNNING
 from tests.reference.operation_tables import record_of
+from tests.reference.swinging import drive, ring_down
 from tests.reference.unloaded_stiffness import stiffness_without_load
-from tests.test_housing import drive, ring_down
 
 STIFFNESS, DAMPING = 2e8, 400.0
 SPRINGS = {"shaft": "springs", "shaft_stiffness_N_per_m": STIFFNESS, "shaft_damping_N_s_m": DAMPING}

@@ -246,7 +246,7 @@ def test_no_dashpot_is_too_stiff_for_a_step():
 @pytest.mark.parametrize("damping", [0.0, DAMPING])
 def test_the_compiled_steps_make_the_references_motion(choices, damping):
     operation = held(RUNNING, damping=damping)
-    assert_right(Problem(bearing=PAPER, operation=operation, laws=HARRIS, **choices), share=5e-3)
+    assert_right(Problem(bearing=PAPER, operation=operation, laws=HARRIS, **choices), share=5e-3, finer=8.0)
 
 
 @pytest.mark.slow

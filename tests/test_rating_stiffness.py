@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq, root
+from scipy.optimize import brentq, least_squares, root
 
+from fem.interface import simulate
 from fem.rating.elastic import elastic_pitch
 from fem.statics.contact_balance import HubSpring, Loads, balance, closed_forces, first_guess, hub_stiffness
 from fem.statics.reduced_bearing import reduced_bearing
@@ -192,6 +193,38 @@ def test_dampers_in_proportion_to_stiffness(solve):
     )
     ratio = found.damping.mean(axis=0)[1, 1] / (1e-5 * found.mean[1, 1])
     assert ratio == pytest.approx(1.0, rel=2e-3) if solve == "law" else 1.0 < ratio < 2.0
+
+
+def ringing(folder, step):
+    """A run of the reduced model at rest, under 2000 N and from 50 µs on a step more, N; a heavy hub."""
+    rows = "".join(f"{0.05 * k:.4g},0,{-2000.0 - step}\n" for k in range(1, 100))
+    (folder / "load.csv").write_text(f"time_ms,x_N,y_N\n0,0,-2000\n{rows}", encoding="utf-8")
+    text = (
+        'model = "reduced"\noperation.load_table = "load.csv"\noperation.speed_rpm = 0.0\n'
+        "operation.gravity_m_s2 = 0.0\n"
+        "operation.inner_ring_and_shaft_kg = 50.0\ncontact.friction_coefficient = 0.0\nnumerics.duration_ms = 3.0\n"
+        "numerics.output_interval_us = 10.0\n"
+    )
+    (folder / "scene.toml").write_text(text, encoding="utf-8")
+    return simulate(read_scene(folder / "scene.toml"))
+
+
+def test_hub_that_rings_down_has_the_frequency_of_the_matrix(tmp_path):
+    """Of the difference of two runs, as free rollers drift out of the load zone in both."""
+    bearing, operation = paper()
+    expected = np.sqrt(elastic_pitch(bearing, operation, samples=1).stiffness[0, 1, 1] / 50.0)
+    still, struck = (ringing(tmp_path, step) for step in (0.0, 1.0))
+    time = still["time"][10:]
+    path = 1e9 * (struck["inner_y"] - still["inner_y"])[10:]
+
+    def misfit(parts):
+        mean, slope, bend, cosine, sine, ratio = parts
+        angle = ratio * expected * time
+        return mean + slope * time + 1e3 * bend * time**2 + cosine * np.cos(angle) + sine * np.sin(angle) - path
+
+    found = least_squares(misfit, [path.mean(), 0.0, 0.0, 1.0, 0.0, 1.0])
+    assert np.std(found.fun) < 1e-3 * np.ptp(path)
+    assert found.x[-1] == pytest.approx(1.0, abs=1e-3)
 
 
 def test_springs_in_series():

@@ -70,6 +70,8 @@ def test_elastic_rings_change_the_life_and_not_by_an_order(rated):
     ("overrides", "missing", "word"),
     [
         (["operation.radial_load_N=0", "operation.gravity_m_s2=0"], "L10_Mrev", "load"),
+        (["operation.radial_load_N=0", "operation.gravity_m_s2=0", OIL], "a_ISO", "load"),
+        (["material.roller.youngs_modulus_GPa=310"], "C_N", "steel"),
         (["operation.speed_rpm=0"], "L10_h", "turn"),
         ([], "kappa", "viscosity"),
         ([], "tilt_stiffness_N_m_per_rad", "plane"),
@@ -118,6 +120,7 @@ def test_duty_cycle_of_a_file(tmp_path, monkeypatch):
     cycle = DutyCycle(loads=np.array([1e3, 2e3]), speeds=np.array([600.0, 1200.0]), shares=np.array([2.0, 1.0]))
     assert told["P_N"] == pytest.approx(cycle.load) and told["P0_N"] == 2000.0
     assert told["speed_rpm"] == pytest.approx(800.0)
+    assert 0.3 < told["L10r_elastic_Mrev"] / told["L10r_pitch_Mrev"] < 3.0  # of the same load
 
 
 @pytest.mark.parametrize(

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from lagrange import Bearing, Operation, contact_laws
+from lagrange import BallBearing, Bearing, Operation, contact_laws
 from lagrange.catalogue import listed, width_of
-from lagrange.contact.raceway_laws import contact_pairs
+from lagrange.contact.raceway_laws import Pair, contact_pairs
 from lagrange.first_state import equilibrium_state
 from lagrange.mounting import HELD
 from lagrange.rating import sources
@@ -198,33 +198,36 @@ class Case:
 
     @cached_property
     def a_iso(self) -> float:
-        return life_modification(self.kappa, self.contamination * fatigue_load_limit(self.row) / self.load)
+        return life_modification(self.kappa, self.contamination * fatigue_load_limit(self.row) / self.some_load)
 
     @cached_property
     def rigid(self) -> LaminaLoads:
         """The standard's load distribution."""
-        return rigid_loads(self.row, self.rigid_load, 2e3 * self.bearing.radial_clearance)
+        return rigid_loads(self.row, self.some_load, 2e3 * self.bearing.radial_clearance)
 
     @property
-    def rigid_load(self) -> float:
-        """P, N; some."""
-        return positive(self.load, "there is no load distribution")
+    def some_load(self) -> float:
+        """P, N, above 0."""
+        return positive(self.load, "there is nothing to share among rollers and no life to modify")
 
     @cached_property
     def rigid_pitch(self) -> np.ndarray:
         """The same at further angles of the cage, (n_rollers · POSITIONS, n_laminae), N."""
         pitch, clearance = 2.0 * pi / self.row.rollers, 2e3 * self.bearing.radial_clearance
         firsts = pitch * np.arange(POSITIONS) / POSITIONS
-        return np.concatenate([rigid_loads(self.row, self.rigid_load, clearance, first=at).loads for at in firsts])
+        return np.concatenate([rigid_loads(self.row, self.some_load, clearance, first=at).loads for at in firsts])
 
     @cached_property
     def elastic(self) -> Pitch:
+        return self.elastic_under(self.on_bearing)
+
+    def elastic_under(self, operation: Operation) -> Pitch:
         mounting = self.scene.mounting()
         if mounting.points is not None or mounting.bore is not None:
             raise Unavailable("[support]: elastic rings are rated with the outer ring held all around")
         from fem.rating.elastic import elastic_pitch
 
-        return elastic_pitch(self.bearing, self.on_bearing, self.scene.damping.contacts)
+        return elastic_pitch(self.bearing, operation, self.scene.damping.contacts)
 
     @cached_property
     def lagrangian(self) -> Pitch:
@@ -244,19 +247,24 @@ class Case:
         law = f"rigid rings on the contact law {self.scene.lagrange.law}"
         return law if self.scene.model == "lagrange" else "elastic rings and rollers"
 
+    @property
+    def line_contacts(self) -> tuple[Pair, Pair, Pair]:
+        if isinstance(self.bearing, BallBearing):
+            raise Unavailable("stresses and films are those of line contacts; this bearing has balls")
+        return contact_pairs(self.bearing)
+
     @cached_property
     def stressed(self) -> dict[str, LineContact]:
         """The most loaded contact of each raceway over the pitch."""
-        _ = self.row  # of rollers
+        pairs = self.line_contacts
         forces = self.pitch.inner_force.max(), self.pitch.outer_force.max()
-        pairs = contact_pairs(self.bearing)
         return {pair.kind: line_contact(pair, float(q)) for pair, q in zip(pairs, forces, strict=False)}
 
     @cached_property
     def films(self) -> Films:
         if self.scene.lubricant is None:
             raise Unavailable("no film: the scene has no [lubricant]")
-        _ = self.row
+        _ = self.line_contacts
         forces = float(self.pitch.inner_force.max()), float(self.pitch.outer_force.max())
         return films(self.bearing, self.operation.speed, self.scene.lubricant.lubricant(), *forces)
 
@@ -326,7 +334,11 @@ class Case:
         return 1e6 * self.films.thinner / self.options.roughness
 
     def elastic_life(self) -> float:
-        inner, outer = (shared_out(self.row, q) for q in (self.elastic.inner_force, self.elastic.outer_force))
+        pitch = self.elastic
+        if self.cycle is not None:
+            weight = self.operation.inner_mass * self.operation.gravity
+            pitch = self.elastic_under(replace(self.on_bearing, side_load=0.0, radial_load=self.load - weight))
+        inner, outer = (shared_out(self.row, q) for q in (pitch.inner_force, pitch.outer_force))
         return reference_life(self.row, dynamic_capacity(self.row), inner, outer)
 
     def modified_life(self) -> float:

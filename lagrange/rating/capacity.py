@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from lagrange.bearing import BallBearing, Bearing
+from lagrange.contact.raceway_laws import STEEL
 from lagrange.rating.sources import Unavailable
 
 OF_CAGED = 1.1  # b_m of cylindrical, tapered and machined needle roller bearings, ISO 281 table 6
@@ -26,9 +27,14 @@ class Dimensions:
 
     @classmethod
     def of(cls, bearing: Bearing) -> "Dimensions":
-        """Of a bearing. Unavailable: it has balls."""
+        """Of a bearing. Unavailable: it has balls, or is not of steel."""
         if isinstance(bearing, BallBearing):
             raise Unavailable("ratings are those of roller bearings; this one has balls")
+        for material in (bearing.roller, bearing.inner_ring, bearing.outer_ring):
+            if not STEEL[0] <= material.youngs_modulus <= STEEL[1]:
+                raise Unavailable(
+                    f"ratings are those of bearing steel; a body has {1e-9 * material.youngs_modulus:.4g} GPa"
+                )
         return cls(
             rollers=bearing.n_rollers,
             diameter=2e3 * bearing.roller_radius,

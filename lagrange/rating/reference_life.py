@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lagrange.rating.capacity import REDUCTION, Dimensions
+from lagrange.rating.sources import Unavailable
 
 LAMINAE = 40  # n_s; the standard asks for 30 at least
 EXPONENT = 10.0 / 9.0  # of the load of a lamina over its approach
@@ -131,6 +132,10 @@ def reference_life(
     inner, outer : (..., laminae), N, of all rollers, and of further cage angles where these are averaged over;
         outer None: as inner
     turning : the ring that turns against the load
+
+    Errors
+    ------
+    Unavailable: there is no load.
     """
     factor, laminae = edge_factor(inner.shape[-1]), inner.shape[-1]
     life = 0.0
@@ -140,7 +145,9 @@ def reference_life(
         stressed = (factor * loads[ring]).reshape(-1, laminae)
         equivalent = np.mean(stressed**exponent, axis=0) ** (1.0 / exponent)
         life += float(np.sum((equivalent / limit) ** 4.5))
-    return life ** (-8 / 9) if life > 0.0 else np.inf
+    if not life > 0.0:
+        raise Unavailable("without load the rating life is infinite")
+    return life ** (-8 / 9)
 
 
 def reference_load(capacity: float, life: float) -> float:

@@ -148,3 +148,21 @@ def test_confusion_matrix_of_drawn_records():
             matrix["deep", found.verdict == true] += 1
     assert matrix["deep", True] >= 0.9 * (matrix["deep", True] + matrix["deep", False])
     assert matrix["deep", True] >= 8
+
+
+def test_skirt_of_a_line_beyond_the_tolerance_accuses_nobody():
+    """A comb just outside the range of 2×BSF, nearer than the record resolves."""
+    geometry = Geometry(elements=13, element_diameter=9e-3, pitch_diameter=46.5e-3)
+    expected = geometry.lines(2000.0 / 60.0)["2×BSF"]
+    pulses = comb(1.024 * expected)[: int(0.3 * 25_600)]
+    assert diagnose(signal(pulses), geometry, 2000.0 / 60.0).verdict in ("none", "uncertain")
+
+
+def test_strikes_with_sidebands_of_the_cage_alone_are_an_outer_rings():
+    """A simulated run repeats nearly once a turn of the cage: most lines beside the fault's are its sidebands."""
+    geometry, rng = Geometry(elements=13, element_diameter=9e-3, pitch_diameter=46.5e-3), np.random.default_rng(8)
+    lines = geometry.lines(45.0)
+    time = np.arange(25_600) / 25_600.0
+    swell = 1.0 + 0.5 * np.cos(2.0 * np.pi * lines["FTF"] * time)
+    values = rng.standard_normal(time.size) * (0.2 + 3.0 * swell * (np.mod(time * lines["BPFO"], 1.0) < 0.1))
+    assert diagnose(signal(values), geometry, 45.0).verdict == "outer_ring"

@@ -17,6 +17,7 @@ from lagrange.kinematics import Kinematics
 from residual.errors import InputError
 from residual.measured.envelope import HARMONICS, EnvelopeSpectrum, best_comb, envelope_spectrum
 from residual.measured.signals import Signal
+from residual.spectrum import MAIN_LOBE
 
 Verdict = Literal["outer_ring", "inner_ring", "rolling_element", "trace", "uncertain", "none"]
 BODIES: dict[str, Verdict] = {"BPFO": "outer_ring", "BPFI": "inner_ring", "2×BSF": "rolling_element"}
@@ -89,17 +90,18 @@ class Finding:
     depth: float  # of all harmonics together
     lines: tuple[Line, ...]  # harmonics
     sidebands: float | None  # amplitude of the first sidebands over that of the first line; None: none, or not resolved
+    beyond: float | None = None  # Hz, of a line beyond the tolerance of which this is the skirt
 
     @property
     def stands_out(self) -> bool:
         """Whether chance does not explain it."""
-        return self.p <= SURE and self.clear >= VISIBLE
+        return self.p <= SURE and self.clear >= VISIBLE and self.beyond is None
 
     @property
     def accuses(self) -> bool:
         """Whether it passes every gate of an accusation."""
         several = sum(line.level**2 >= STANDS_OUT for line in self.lines) >= FEWEST_LINES
-        return self.p <= SURE and self.clear >= CLEAR and self.depth >= DEEP and several
+        return self.stands_out and self.clear >= CLEAR and self.depth >= DEEP and several
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -138,26 +140,34 @@ def diagnose(signal: Signal, geometry: Geometry, shaft: float, tolerance: float 
     waiting, rest = list(BODIES), spectrum
     while waiting:  # the most prominent first; the others without its lines
         tried = [_finding(spectrum, rest, name, nominal, reach, rng) for name in waiting]
-        tried.sort(key=lambda each: (-each.clear, each.p))
+        tried.sort(key=lambda each: (each.beyond is not None, -each.clear, each.p))
         best = _among_rivals(tried, spectrum, nominal)
         findings.append(best)
         waiting.remove(best.name)
         if not best.stands_out:
             findings += [each for each in tried if each.name != best.name]
             break
-        rest = rest.without(best.found, nominal.get(SIDES[best.name], 0.0) * best.found / best.expected)
+        scale = best.found / best.expected
+        own = scale * nominal.get(SIDES[best.name], 0.0)
+        modulators = rest.modulators(best.found, own, scale * nominal["shaft"], scale * nominal["FTF"])
+        rest = rest.without(best.found, *modulators)
     prominent = findings[0]
-    others = spectrum.without(prominent.found, 0.0) if prominent.stands_out else spectrum
+    others = spectrum.without(prominent.found) if prominent.stands_out else spectrum
     turning = _shaft(others, shaft, tolerance, rng)
     doubts = _doubts(prominent, geometry, turning, spectrum, nominal, reach)
     verdict, reasons = _judge(prominent, doubts)
+    notes = _unresolved(spectrum, nominal, reach)
+    notes += [
+        f"A line at {each.beyond:.4g} Hz lies just beyond the tolerance of {each.name}." for each in findings
+        if each.beyond is not None and each.clear >= CLEAR and verdict == "none"
+    ]  # fmt: skip
     speed, source = shaft, "as given"
     if turning is not None:
         speed, source = turning, "lines of the shaft"
     elif findings[0].stands_out:
         speed, source = shaft * findings[0].found / findings[0].expected, f"{findings[0].name}, slip neglected"
     return Diagnosis(
-        verdict=verdict, reasons=tuple(reasons), notes=tuple(_unresolved(spectrum, nominal, reach)),
+        verdict=verdict, reasons=tuple(reasons), notes=tuple(notes),
         findings=tuple(findings), shaft=speed, shaft_from=source, lines=geometry.lines(speed), spectrum=spectrum,
     )  # fmt: skip
 
@@ -187,7 +197,7 @@ def _shaft(spectrum: EnvelopeSpectrum, shaft: float, tolerance: float, rng: np.r
     first, *more = spectrum.ratio[spectrum.at(comb.frequency * np.arange(1, HARMONICS))]
     if first < STANDS_OUT or max(more) < STANDS_OUT:
         return None
-    masked = spectrum.without(comb.frequency, 0.0)
+    masked = spectrum.without(comb.frequency)
     decoys = shaft * np.exp(rng.uniform(np.log(0.6), np.log(3.0), DECOYS))
     null = np.array([best_comb(masked, each, tolerance, 0.0).score for each in decoys])
     clear = (comb.score - null.mean()) / null.std()
@@ -201,7 +211,8 @@ def _among_rivals(tried: list[Finding], spectrum: EnvelopeSpectrum, nominal: dic
     those of an outer ring.
     """
     best = tried[0]
-    rivals = [each for each in tried if abs(each.found - best.found) < spectrum.resolution]
+    near = MAIN_LOBE * spectrum.resolution
+    rivals = [each for each in tried if abs(each.found - best.found) < near and each.beyond is None]
     marked = [each for each in rivals if SIDES[each.name] and _sidebands(each, spectrum, nominal) > MARKED]
     if marked:
         return max(marked, key=lambda each: _sidebands(each, spectrum, nominal))
@@ -222,8 +233,11 @@ def _finding(
     """The comb of one part in what others have left, with its chance by combs of the record elsewhere."""
     expected, sides = nominal[name], nominal.get(SIDES[name], 0.0)
     comb = best_comb(rest, expected, reach, sides)
+    wider = best_comb(rest, expected, reach + MAIN_LOBE * whole.resolution / expected, sides).frequency
     side = sides * comb.frequency / expected
-    masked = rest.without(comb.frequency, side)
+    scale = comb.frequency / expected
+    modulators = rest.modulators(comb.frequency, side, scale * nominal["shaft"], scale * nominal["FTF"])
+    masked = rest.without(comb.frequency, *modulators)
     low = max(2.2 * nominal["FTF"], 10.0 * whole.resolution, 0.3 * nominal["BPFO"])
     decoys = np.exp(rng.uniform(np.log(low), np.log(max(1.6 * nominal["BPFI"], 1.1 * low)), DECOYS))
     null = np.array([best_comb(masked, each, reach, sides).score for each in decoys])
@@ -243,6 +257,7 @@ def _finding(
         name=name, expected=expected, found=comb.frequency, p=float((1 + np.sum(null >= comb.score)) / (1 + DECOYS)),
         clear=float((comb.score - null.mean()) / null.std()), depth=float(np.linalg.norm(own)),
         lines=lines, sidebands=float(beside.mean() / whole.depth[index[0]]) if resolved else None,
+        beyond=wider if abs(wider / expected - 1.0) > reach else None,
     )  # fmt: skip
 
 
@@ -259,7 +274,7 @@ def _judge(best: Finding, doubts: list[str]) -> tuple[Verdict, list[str]]:
         f"place): {best.clear:.1f} standard deviations above {DECOYS} other frequencies of this record, depth of "
         f"modulation {best.depth:.2f}"
     )
-    if best.p > DOUBTFUL or (not best.stands_out and best.clear < 3.0):
+    if best.beyond is not None or best.p > DOUBTFUL or (not best.stands_out and best.clear < 3.0):
         return "none", [f"No line of the bearing stands out of the record. Nearest: {said}."]
     if not best.stands_out:
         return "uncertain", [f"A line stands out, but not clearly: {said}.", *doubts]
@@ -290,18 +305,14 @@ def _doubts(
                 f"{100.0 * (best.found / place - 1.0):+.1f} % is more than slip."
             )
         return doubts
-    for name in BODIES:
-        if name != best.name and abs(best.found / nominal[name] - 1.0) <= reach:
-            if best.name != "BPFO" and _sidebands(best, spectrum, nominal) > MARKED:
-                continue
-            if (
-                best.name == "BPFO"
-                and _sidebands(replace(best, name=name, expected=nominal[name]), spectrum, nominal) < UNMARKED
-            ):
-                continue
-            doubts.append(
-                f"With this tolerance of speed it may be {name} too, at {nominal[name]:.4g} Hz by kinematics."
-            )
+    for name, place in ((name, nominal[name]) for name in BODIES if name != best.name):
+        if abs(best.found - place) > reach * place + MAIN_LOBE * spectrum.resolution:
+            continue
+        of_other = replace(best, name=name, expected=place)
+        told = _sidebands(of_other, spectrum, nominal) < UNMARKED if not SIDES[best.name] else (
+            _sidebands(best, spectrum, nominal) > MARKED)  # fmt: skip
+        if not told:
+            doubts.append(f"With this tolerance and length it may be {name} too, at {place:.4g} Hz by kinematics.")
     return doubts
 
 

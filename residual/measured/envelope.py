@@ -21,6 +21,8 @@ HARMONICS = 5
 STEPS = 4  # of a comb's search for one bin of its highest harmonic
 SIDEBAND = 0.5  # a sideband's weight in a comb's score
 MASKED_SIDEBANDS = 2  # on either side
+MASK = MAIN_LOBE + 0.5  # of the resolution, half of what is taken out around a line
+MOST_MASKED = 0.5  # of a spectrum, beyond which nothing would be left to compare with
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,12 +49,21 @@ class EnvelopeSpectrum:
         share = 1.0 - 1.0 / np.maximum(self.ratio[index], 1.0)
         return np.where(index > 0, self.depth[index] * np.sqrt(share), 0.0)
 
-    def without(self, frequency: float, sides: float) -> "EnvelopeSpectrum":
-        """This spectrum with a comb and its sidebands lowered to the background; `sides`: 0 for none."""
+    def modulators(self, frequency: float, own: float, *others: float) -> tuple[float, ...]:
+        """Spacings of sidebands, Hz, that can be taken out with a comb: `others` where enough is left, else `own`."""
+        masked = (1 + 2 * MASKED_SIDEBANDS * len(others)) * 2.0 * MASK * self.resolution
+        if masked <= MOST_MASKED * frequency:
+            return others
+        return (own,) if own else ()
+
+    def without(self, frequency: float, *sides: float) -> "EnvelopeSpectrum":
+        """This spectrum with a comb and its sidebands, spaced by each of `sides`, Hz, lowered to the background."""
         ratio = self.ratio.copy()
         harmonics = np.arange(1, int(self.frequency[-1] / frequency) + 1) * frequency
-        shifts = np.arange(-MASKED_SIDEBANDS, MASKED_SIDEBANDS + 1) * sides if sides else np.zeros(1)
-        reach = (MAIN_LOBE + 0.5) * self.resolution
+        shifts = np.append(
+            np.multiply.outer([k for k in range(-MASKED_SIDEBANDS, MASKED_SIDEBANDS + 1) if k], sides), 0.0
+        )
+        reach = MASK * self.resolution
         for centre in np.add.outer(harmonics, shifts).ravel():
             low, high = int(max(0.0, centre - reach) / self.step), int(max(0.0, centre + reach) / self.step) + 1
             np.minimum(ratio[low:high], np.log(2.0), out=ratio[low:high])

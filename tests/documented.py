@@ -18,8 +18,16 @@ from pathlib import Path
 from urllib.request import urlopen
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = ("README.md", "docs/first_bearing.md", "docs/rating.md", "docs/recipes.md", "docs/studies.md", "docs/tables.md")
-PROGRAMS = ("run-fem", "check-residual", "render-fem", "run-live", "run-study", "rate-bearing")
+PAGES = (
+    "README.md",
+    "docs/first_bearing.md",
+    "docs/measured.md",
+    "docs/rating.md",
+    "docs/recipes.md",
+    "docs/studies.md",
+    "docs/tables.md",
+)
+PROGRAMS = ("run-fem", "check-residual", "check-vibration", "render-fem", "run-live", "run-study", "rate-bearing")
 PLACEHOLDER = re.compile(r"\b(NAME|PATH)\b")
 SECONDS = 150  # that a command may take
 FENCED = re.compile(r"^```(\w*)\n(.*?)^```", re.M | re.S)

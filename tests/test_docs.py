@@ -15,6 +15,7 @@ from fem.commands.run_live import live_app
 from fem.commands.run_study import study_app
 from lagrange.scene.keys import key_tables
 from lagrange.scene.scene import parse_scene_text
+from residual.check_vibration import app as vibration_app
 from residual.cli import app as check_app
 from residual.cli import main as check_main
 from tests.documented import blocks
@@ -24,6 +25,7 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *s
 APPS = {
     "run-fem": run_app,
     "check-residual": check_app,
+    "check-vibration": vibration_app,
     "render-fem": render_app,
     "run-live": live_app,
     "run-study": study_app,

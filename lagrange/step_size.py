@@ -1,15 +1,14 @@
-"""How long steps and sampling intervals may be: from the stiffest mode, and from when contacts are near faults."""
+"""How long steps and sampling intervals may be: from the stiffest mode, a cage's impacts and profiles of surfaces."""
 
-from dataclasses import dataclass, replace
-from math import ceil, inf, pi, sqrt
+from math import inf, pi, sqrt
 
 import numpy as np
 
 from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.raceway_laws import contact_laws
 from lagrange.first_state import Problem
-from lagrange.kinematics import kinematics, turned
-from lagrange.surface.deviation import Profile, Turns, profiles
+from lagrange.kinematics import kinematics
+from lagrange.surface.deviation import profiles
 from lagrange.surface.faults import Waviness, own_radius
 
 INTERVALS = (1e-5, 8e-6, 5e-6, 4e-6, 2.5e-6, 2e-6, 1.6e-6, 1.25e-6, 1e-6, 5e-7, 2e-7, 1e-7)  # s; rates of whole kHz
@@ -73,75 +72,12 @@ def _stiffness(bearing: Bearing, operation: Operation) -> tuple[float, float]:
     return inner, outer
 
 
-STEP = 2.0  # of 1/ω of the stiffest mode: its frequency then is 0.05 % off, the hub's 1e-6
-DAMPED_STEP = 0.3
-OVERLOAD = 2.0  # the stiffest mode is estimated at this many times the largest static force
-LIMIT, DAMPED_LIMIT = 3.05, 2.0  # ω·step at which the six-stage scheme and the leapfrog become unstable
-STABLE, DAMPED_STABLE = 2.8, 1.0  # ω·step that they may reach
-LARGEST_DAMPING = 0.5  # of a step times the rate of the damper on an element
-# of a surface's profile under a rolling contact, with dampers; energy over spalls is off by their square
-KNOTS_PER_STEP, KNOTS_PER_UNDAMPED_STEP = 0.25, 0.08
+LEAP = 0.5  # of 1/ω of the stiffest mode, by forces a little ahead: its frequency is 0.01 % off
+KNOTS_PER_LEAP = 0.25  # of a surface's profile under a rolling contact
 CAGE_STEP = 0.8  # of 1/ω of a cage with all contacts closed
+OVERLOAD = 2.0  # the stiffest mode is estimated at this many times the largest static force
 TOGETHER = 2.0  # a spring between two bodies counts so often on each
 SMALLEST_FORCE = 1e-3  # N, for the frequency of an unloaded element
-
-
-@dataclass(frozen=True, kw_only=True)
-class Steps:
-    """Equal steps in each section of a sample.
-
-    Where sections are looked at, those without a contact near a fault are on perfect circles: their steps are cheap
-    and, where dampers end what faults begin, longer. Undamped contacts rattle after a fault as they do over it.
-    """
-
-    sections: int  # of a sample
-    near: int  # steps of a section with a contact near a fault, or of every one that is not looked at
-    far: int  # of another
-    looks: bool
-    leaps: bool  # whether undamped steps are so short that a scheme of second order is better for its costs
-
-    @classmethod
-    def equal(cls, count: int) -> "Steps":
-        """So many from sample to sample, by the scheme of fourth order where nothing is damped."""
-        return cls(sections=1, near=count, far=count, looks=False, leaps=False)
-
-    @property
-    def per_sample(self) -> int:
-        """At most."""
-        return self.sections * self.near
-
-    @property
-    def counts(self) -> tuple[int, int]:
-        """Of steps in a section far from faults, and near."""
-        return self.far, self.near
-
-    def finer(self, times: int) -> "Steps":
-        """So many times as many."""
-        return replace(self, near=times * self.near, far=times * self.far)
-
-
-def steps_of(problem: Problem, interval: float, time_step: float | None = None) -> Steps:
-    """Steps from sample to sample, `interval` s, before any refinement; `time_step`: s, at most."""
-    smooth, passage, omega = _longest_step(problem), _passage(problem), _stiffest(problem)
-    if time_step is not None:
-        smooth = min(smooth, time_step)
-    surfaces = profiles(problem.bearing)
-    looks = problem.angles == "kinematic" and surfaces is not None and surfaces.leave_perfect_arcs
-    sections = _count(interval, STEP / omega) if looks else 1
-    section = interval / sections
-    near = _count(section, min(smooth, passage))
-    return Steps(
-        sections=sections,
-        near=near,
-        far=_count(section, smooth) if looks and problem.is_damped else near,
-        looks=looks,
-        leaps=not problem.is_damped and passage < min(smooth, DAMPED_STEP / omega),
-    )
-
-
-def _count(whole: float, longest: float) -> int:
-    """Equal steps of a time, s."""
-    return max(1, ceil(whole / longest * (1.0 - 1e-12)))
 
 
 def fastest_mode(problem: Problem, inner_force: float, outer_force: float) -> float:
@@ -200,16 +136,6 @@ def fastest_in_machine(bearing: Bearing, operation: Operation, inner: float, out
 
 
 def critical_time_step(problem: Problem, *largest: float) -> float:
-    """Step, s, at which the scheme becomes unstable under the largest inner and outer force, N; default: expected."""
-    limit = DAMPED_LIMIT if problem.is_damped else LIMIT
-    return limit / max(fastest_mode(problem, *(largest or 2 * [_expected_force(problem)])), fastest_of_cage(problem))
-
-
-LEAP = 0.5  # of 1/ω of the stiffest mode, by forces a little ahead: its frequency is 0.01 % off
-KNOTS_PER_LEAP = 0.25  # of a surface's profile under a rolling contact
-
-
-def leapfrog_limit(problem: Problem, *largest: float) -> float:
     """Step, s, at which leapfrog becomes unstable under the largest inner and outer force, N; default: expected."""
     return 2.0 / max(fastest_mode(problem, *(largest or 2 * [_expected_force(problem)])), fastest_of_cage(problem))
 
@@ -217,12 +143,13 @@ def leapfrog_limit(problem: Problem, *largest: float) -> float:
 def longest_step(problem: Problem) -> float:
     """The longest step of leapfrog, s, that resolves the stiffest mode, a cage's impacts and profiles of surfaces."""
     cage, surfaces, speed = fastest_of_cage(problem), profiles(problem.bearing), contact_speed(problem)
-    longest = min(LEAP / _stiffest(problem), inf if cage == 0.0 else CAGE_STEP / cage)
+    force = _expected_force(problem)
+    longest = min(LEAP / fastest_mode(problem, force, force), inf if cage == 0.0 else CAGE_STEP / cage)
     if surfaces is not None and speed > 0.0:
         longest = min(longest, KNOTS_PER_LEAP * surfaces.shortest / speed)
     housing, bearing = problem.operation.mounting.housing, problem.bearing
     if housing is not None and problem.damping.acts:  # it feels them after all else, each alone
-        force, law = _expected_force(problem), problem.laws.outer
+        law = problem.laws.outer
         coefficient = float(problem.damping.coefficient(force, law.slope(law.approach(force))))
         longest = min(longest, 2.0 * (housing.mass + bearing.outer_ring_mass) / (bearing.n_rollers * coefficient))
     return longest
@@ -237,74 +164,7 @@ def _expected_force(problem: Problem) -> float:
     return OVERLOAD * (squeeze + spin + bearing.roller_mass * operation.gravity + 5.0 * weight / bearing.n_rollers)
 
 
-def _stiffest(problem: Problem) -> float:
-    """Angular frequency, rad/s, of the stiffest mode under the largest force to be expected."""
-    force = _expected_force(problem)
-    return fastest_mode(problem, force, force)
-
-
-def _longest_step(problem: Problem) -> float:
-    """On perfect circles, s."""
-    force, omega, cage = _expected_force(problem), _stiffest(problem), fastest_of_cage(problem)
-    longest = inf if cage == 0.0 else CAGE_STEP / cage
-    if not problem.is_damped:
-        return min(STEP / omega, longest)
-    if not problem.damping.acts:  # dashpots of shaft and housing are exact at any step
-        return min(DAMPED_STEP / omega, longest)
-    dampers = sum(float(problem.damping.coefficient(force, law.slope(law.approach(force)))) for law in problem.laws)
-    return min(DAMPED_STEP / omega, LARGEST_DAMPING * problem.bearing.roller_mass / dampers, longest)
-
-
-def _passage(problem: Problem) -> float:
-    """Time in which contacts roll over as many knots of a profile as a step may, s."""
-    surfaces, speed = profiles(problem.bearing), contact_speed(problem)
-    if surfaces is None or speed == 0.0:
-        return inf
-    return (KNOTS_PER_STEP if problem.is_damped else KNOTS_PER_UNDAMPED_STEP) * surfaces.shortest / speed
-
-
 def contact_speed(problem: Problem) -> float:
     """Of contacts along the surfaces at the highest speed of the run, m/s."""
     ideal = kinematics(problem.bearing, problem.operation.fastest)
     return abs(ideal.roller - ideal.cage) * problem.bearing.roller_radius
-
-
-GIVE = 0.05  # of a roller's radius: further than twice the clearance and this no elastic contact lets a hub go
-
-
-def near_faults(problem: Problem, first: int, count: int, section: float) -> np.ndarray:
-    """Whether a contact comes near a fault in each of so many sections of time from the first on, (count,).
-
-    Elements are held at kinematic angles; `section` in s. A hub that is out of the middle sees them under other angles:
-    that is in the margin, with the way of contacts in half a section.
-    """
-    bearing, operation, surfaces = problem.bearing, problem.operation, profiles(problem.bearing)
-    found = np.zeros(count, dtype=bool)
-    if surfaces is None:
-        return found
-    time = (first + np.arange(count) + 0.5) * section
-    turns = Turns.rolling(bearing, operation, time[:, None])
-    spacing = 2.0 * pi * np.arange(bearing.n_rollers) / bearing.n_rollers
-    at = operation.first_roller_angle + spacing + turned(bearing, operation, time[:, None]).cage
-    margin = 0.5 * section * contact_speed(problem) + GIVE * bearing.roller_radius + surfaces.deepest
-    margin += 2.0 * abs(bearing.radial_clearance)
-    met = (
-        (surfaces.inner_ring, at - turns.inner_ring, bearing.inner_raceway_radius),
-        (surfaces.rollers_inside, at + pi - turns.rollers, bearing.roller_radius),
-        (surfaces.outer_ring, at, bearing.outer_raceway_radius),
-        (surfaces.rollers_outside, at - turns.rollers, bearing.roller_radius),
-    )
-    for profile, angle, radius in met:
-        if profile is not None:
-            found |= _near(profile, angle, margin / radius)
-    return found
-
-
-def _near(profile: Profile, angle: np.ndarray, margin: float) -> np.ndarray:
-    """Whether any contact at angles along a body, (n_times, n_rollers), rad, is within a margin, rad, of an arc."""
-    found = np.zeros(len(angle), dtype=bool)
-    for row, middle, half in profile.arcs:
-        met = angle[:, profile.row == row]
-        away = np.abs(np.mod(met - middle + pi, 2.0 * pi) - pi)
-        found |= np.any(away < half + margin, axis=1)
-    return found

@@ -29,7 +29,7 @@ from lagrange.first_state import Problem
 from lagrange.mounting import HELD
 from lagrange.scene.scene import Scene
 from lagrange.scene.tables import MODEL_NAMES
-from lagrange.step_size import fastest_mode, leapfrog_limit, longest_step
+from lagrange.step_size import critical_time_step, fastest_mode, longest_step
 
 if TYPE_CHECKING:  # needs a compiler
     from fem.solver.lagrangian_steps import Steps
@@ -93,7 +93,7 @@ class LagrangianPlan(CompiledPlan):
     @property
     def critical_time_step(self) -> float:
         """Under the largest forces that can be expected, s."""
-        return leapfrog_limit(self.problem)
+        return critical_time_step(self.problem)
 
     @cached_property
     def begin(self) -> Beginning:
@@ -203,6 +203,8 @@ def make_plan(scene: Scene) -> LagrangianPlan:
 
 class LagrangianState(RunState):
     """A simulation under way. At its end it begins again with half the step where contacts have rattled."""
+
+    plan: LagrangianPlan
 
     def __init__(self, plan: LagrangianPlan):
         super().__init__(plan)
@@ -379,7 +381,7 @@ class LagrangianState(RunState):
     @property
     def outcome_attributes(self) -> dict[str, float | str]:
         largest = (self._met["inner_force"], self._met["outer_force"]) if self.done else ()
-        critical = leapfrog_limit(self.plan.problem, *largest)
+        critical = critical_time_step(self.plan.problem, *largest)
         return super().outcome_attributes | {"time_step": self.plan.time_step, "critical_time_step": critical}
 
     @property

@@ -77,7 +77,8 @@ def _samples(problem: Problem, state: State) -> dict[str, np.ndarray]:
     """The first sample."""
     n, zero = problem.bearing.n_rollers, np.zeros(1)
     ideal, per_roller = kinematics(problem.bearing, problem.operation.speed), np.zeros((1, n))
-    alone = replace(state, **{name: np.asarray(value)[None] for name, value in vars(state).items() if name != "turns"})
+    coordinates = {name: np.asarray(value)[None] for name, value in vars(state).items() if name != "turns"}
+    alone = State(**coordinates, turns=state.turns)
     rows = None if problem.free_cage is None else CageRows.of(first_row(n, ideal.cage)[None])
     part, _, _ = quantities(problem, zero, alone, zero, zero, np.zeros((1, 2)), rows)
     cage = part.pop("cage")

@@ -1,7 +1,7 @@
 """The Lagrangian model's bodies and contacts for the time loop of rigid bodies: arrays, steps, samples."""
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -114,7 +114,7 @@ class Steps:
         """
         problem, time = self._plan.problem, samples["time"]
         bearing, operation = problem.bearing, problem.operation
-        x, y = from_outer_ring(samples, "inner")
+        x, y = from_outer_ring(samples.values, "inner")
         ring_x, ring_y = samples["inner_x"] - x, samples["inner_y"] - y
         nothing = np.zeros(samples["roller_rho"].shape)
         state = State(
@@ -135,7 +135,7 @@ class Steps:
         touch = replace(touch, inner_force=samples["inner_force"])
         left = hub_equations(loaded(problem, time), state, touch, 0.0, 0.0)
         for axis, without in zip("xy", left, strict=True):
-            of_cage = 0.0
+            of_cage: Any = 0.0
             if problem.free_cage is not None and problem.free_cage.guidance == "inner_ring":
                 of_cage = samples[f"cage_guidance_{axis}"]
             samples[f"inner_a{axis}"][:] = -(without + of_cage) / operation.inner_mass

@@ -8,7 +8,7 @@ import pytest
 from numba import njit
 
 from fem.kernels.bodies import add_motion, drift_body, kick_body
-from fem.kernels.contact_kernels import press
+from fem.kernels.contact_kernels import normal_forces
 from fem.kernels.jit import OPTIONS
 from fem.kernels.sample_kernels import BLOCKS, CONTACT, KINETIC, N_SCALARS, add_energy
 from fem.kernels.time_loop import DONE, advance
@@ -31,7 +31,7 @@ class Spring(NamedTuple):
     stiffness: float
 
 
-@press.of(Spring)
+@normal_forces.of(Spring)
 def _press(spring, rollers, disc, contacts, drive):
     spring.body.motion[2] -= spring.stiffness * spring.body.motion[0] * drive.dt
 

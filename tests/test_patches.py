@@ -13,7 +13,7 @@ from fem.kernels.law import ripple_at, with_seam
 from fem.kernels.patches import N_NODES, ONE, weights
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import DiscSurface, Patches, RingSurface
-from fem.kernels.surfaces import put_down, read
+from fem.kernels.surfaces import interpolate_displacement, locate_patch
 from tests.reference.bearings import disc, ring
 from tests.reference.compiled import place, weight_slopes
 
@@ -88,8 +88,8 @@ GROUP, COLUMNS = 8, 16
 def read_group(surface, patches, bx, by, out):
     for component, b in enumerate((bx, by)):
         store(patches.outward, (2 + component) * COLUMNS + GROUP, load(b, 0))
-    put_down(surface, patches, 1, GROUP)
-    found = read(surface, patches, 1, GROUP, count_from(GROUP))
+    locate_patch(surface, patches, 1, GROUP)
+    found = interpolate_displacement(surface, patches, 1, GROUP, count_from(GROUP))
     for k in range(5):
         store(out, 8 * k, found[k])
 
@@ -101,7 +101,7 @@ def some_patches():
         normal=np.zeros((1, 2, COLUMNS)), start=np.zeros((2, COLUMNS), dtype=np.int64), position=position,
         beyond=beyond, motion=np.zeros((2, 5, COLUMNS)), place=np.zeros((2, N_NODES, COLUMNS), dtype=np.int64),
         weight=weight, outward=np.zeros((2, 2, COLUMNS)), along=along, across=across, traction_x=traction_x,
-        traction_y=traction_y, lightness=lightness, columns=COLUMNS, units=ONE,
+        traction_y=traction_y, inverse_mass=lightness, columns=COLUMNS, units=ONE,
     )  # fmt: skip
 
 
@@ -117,7 +117,7 @@ def test_kernels_and_matrices_use_the_same_roller_patches():
     u = np.random.default_rng(1).standard_normal((body.n_nodes, 2, COLUMNS))
     ripples = np.random.default_rng(2).standard_normal(3 * 8)
     surface = DiscSurface(
-        u=u.ravel(), w=u.ravel(), v=u.ravel(), points=body.points.ravel(), lightness=np.ones(body.n_nodes + 8),
+        u=u.ravel(), w=u.ravel(), v=u.ravel(), points=body.points.ravel(), inverse_mass=np.ones(body.n_nodes + 8),
         impulse=np.zeros((2, COLUMNS)), ripple=with_seam(ripples), first=body.first_surface_node,
         n_nodes=body.shape.surface_nodes, columns=COLUMNS, radius=RADIUS,
     )  # fmt: skip

@@ -8,7 +8,7 @@ import numpy as np
 from fem.kernels.fields import given, state
 from fem.kernels.jit import part
 from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, magnitude, root
+from fem.kernels.lanes import WIDTH, absolute, square_root
 from fem.kernels.law import kick_force
 
 DASHPOTS, FRICTION, DRAG = 0, 1, 2  # of `Cage.lost`
@@ -318,8 +318,8 @@ def _off_middle(cage, guide, x, y, ex, ey):
     """Of eight rollers at x, y from the cage's centre, whose pockets lie in these directions."""
     if guide is None:
         x, y = x - cage.pitch_radius * ex, y - cage.pitch_radius * ey
-        return root(x * x + y * y)
-    return magnitude(y * ex - x * ey)
+        return square_root(x * x + y * y)
+    return absolute(y * ex - x * ey)
 
 
 @part

@@ -28,14 +28,14 @@ from fem.kernels.cage import (
     rub_guide,
     rub_pockets,
 )
-from fem.kernels.contact_kernels import press
+from fem.kernels.contact_kernels import normal_forces
 from fem.kernels.drive import speed_of
 from fem.kernels.jit import part
 from fem.kernels.lane_functions import cosine_and_sine
 from fem.kernels.sample_kernels import CONTACT, DISSIPATED, WORK_GRAVITY
 
 
-@press.of(CagePair)
+@normal_forces.of(CagePair)
 def _press(pair, rollers, disc, contacts, drive):
     meet(pair, speed_of(drive.course, drive), drive.dt)
 

@@ -15,33 +15,33 @@ import numpy as np
 
 from fem.kernels.jit import every, part, verb
 from fem.kernels.lane_memory import gather, load, scatter_add, store
-from fem.kernels.lanes import WIDTH, any_lane, count_from, root, select, splat, total
+from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, square_root, total
 from fem.kernels.law import kick_force, next_force
 from fem.kernels.state import CONTACTS, Neighbours, Raceway
 from fem.kernels.surfaces import (
-    gather_seam,
+    accumulate_ghost_nodes,
+    clear_ghost_nodes,
+    interpolate_displacement,
     keep_motion,
     kept_motion,
+    locate_patch,
     lowered_ring,
     lowered_rollers,
-    push,
-    put_down,
-    read,
-    unseal,
+    scatter_normal_force,
 )
 
 
 @verb
-def press(pair, rollers, disc, contacts, drive):
+def normal_forces(pair, rollers, disc, contacts, drive):
     """Normal forces of a pair's contacts by the law below the grid, and their impulses in a step on whole bodies."""
 
 
 @verb
-def push_nodes(pair, rollers, disc, contacts, dampers, dt):
+def scatter_normal_forces(pair, rollers, disc, contacts, dampers, dt):
     """Give the surface nodes of a pair the impulses of its normal forces in a step, and of the dampers' if not None."""
 
 
-push_patches, push_neighbours = every(push_nodes), every(push_nodes, Neighbours)
+push_patches, push_neighbours = every(scatter_normal_forces), every(scatter_normal_forces, Neighbours)
 
 
 @part
@@ -97,11 +97,11 @@ def _open(forces, row):
 
 
 @verb
-def meet(pair, rollers, disc, contacts):
+def contact_kinematics(pair, rollers, disc, contacts):
     """Overlaps of a pair's undeformed circles, normals and outward directions on both sides."""
 
 
-@meet.of(Raceway)
+@contact_kinematics.of(Raceway)
 def _meet_raceway(raceway, rollers, disc, contacts):
     forces, patches, centre, columns, n = contacts.forces, contacts.patches, rollers.centre, rollers.columns, rollers.n
     sign, ring_c, ring_s = raceway.sign, raceway.frame[1], raceway.frame[2]
@@ -109,7 +109,7 @@ def _meet_raceway(raceway, rollers, disc, contacts):
     for group in range(0, n, WIDTH):
         row = raceway.row * columns + group
         x, y = load(centre, group) - ring_x, load(centre, columns + group) - ring_y
-        distance = root(x * x + y * y)
+        distance = square_root(x * x + y * y)
         overlap = sign * (raceway.radius - distance) + rollers.radius
         near = (overlap >= -contacts.reach) & (count_from(group) < n)
         store(forces.overlap, row, select(near, overlap, np.nan))
@@ -127,7 +127,7 @@ def _meet_raceway(raceway, rollers, disc, contacts):
         _store_pair(patches.outward, 2 * (side + 1) * columns + group, columns, bx, by)
 
 
-@meet.of(Neighbours)
+@contact_kinematics.of(Neighbours)
 def _meet_neighbours(pair, rollers, disc, contacts):
     forces, patches, centre, columns, n = contacts.forces, contacts.patches, rollers.centre, rollers.columns, rollers.n
     cosine, sine, side = rollers.cosine, rollers.sine, 2 * pair.row
@@ -142,7 +142,7 @@ def _meet_neighbours(pair, rollers, disc, contacts):
             store(forces.overlap, row, splat(np.nan))
             _open(forces, row)
             continue
-        distance = select(near, root(square), 1.0)
+        distance = select(near, square_root(square), 1.0)
         scale = 1.0 / distance
         store(forces.overlap, row, select(near, 2.0 * rollers.radius - distance, np.nan))
         store(forces.nearness, row, scale)
@@ -160,8 +160,8 @@ def _place(pair, rollers, disc, contacts):
     surface, patches, columns = first_surface(pair, disc), contacts.patches, rollers.columns
     for group in range(0, rollers.n, WIDTH):
         if any_lane(_met(contacts, pair.row * columns + group)[1]):
-            put_down(surface, patches, 2 * pair.row, group)
-            put_down(disc, patches, 2 * pair.row + 1, group)
+            locate_patch(surface, patches, 2 * pair.row, group)
+            locate_patch(disc, patches, 2 * pair.row + 1, group)
 
 
 @part
@@ -170,15 +170,22 @@ def _read(pair, rollers, disc, contacts):
     surface, patches, columns = first_surface(pair, disc), contacts.patches, rollers.columns
     for group in range(0, rollers.n, WIDTH):
         if any_lane(_met(contacts, pair.row * columns + group)[1]):
-            keep_motion(patches, 2 * pair.row, group, read(surface, patches, 2 * pair.row, group, count_from(group)))
+            keep_motion(
+                patches,
+                2 * pair.row,
+                group,
+                interpolate_displacement(surface, patches, 2 * pair.row, group, count_from(group)),
+            )
     for group in range(0, rollers.n, WIDTH):
         if any_lane(_met(contacts, pair.row * columns + group)[1]):
-            found = read(disc, patches, 2 * pair.row + 1, group, second_rollers(pair, group, rollers.n))
+            found = interpolate_displacement(
+                disc, patches, 2 * pair.row + 1, group, second_rollers(pair, group, rollers.n)
+            )
             keep_motion(patches, 2 * pair.row + 1, group, found)
 
 
-meet_all, place_all, read_all = every(meet), every(_place, *CONTACTS), every(_read, *CONTACTS)
-press_all = every(press)
+meet_all, place_all, read_all = every(contact_kinematics), every(_place, *CONTACTS), every(_read, *CONTACTS)
+press_all = every(normal_forces)
 
 
 @verb
@@ -247,7 +254,7 @@ def _load_pair(array, at, columns):
     return load(array, at), load(array, at + columns)
 
 
-@press.of(Raceway)
+@normal_forces.of(Raceway)
 def _press_raceway(raceway, rollers, disc, contacts, drive):
     forces, patches, columns, dt, sign = contacts.forces, contacts.patches, rollers.columns, drive.dt, raceway.sign
     away_x, away_y = raceway.counted_from[0], raceway.counted_from[1]
@@ -287,7 +294,7 @@ def _press_raceway(raceway, rollers, disc, contacts, drive):
     raceway.moment[0] += total(moment)
 
 
-@press.of(Neighbours)
+@normal_forces.of(Neighbours)
 def _press_neighbours(pair, rollers, disc, contacts, drive):
     forces, patches, columns, dt = contacts.forces, contacts.patches, rollers.columns, drive.dt
     impulse, body_impulse, turn_kick = rollers.node_impulse, rollers.body_impulse, rollers.turn_kick
@@ -320,26 +327,26 @@ def _press_neighbours(pair, rollers, disc, contacts, drive):
         scatter_add(turn_kick, group, (P * rate - half * ripple_rate) * over)
 
 
-@push_nodes.of(Raceway)
+@scatter_normal_forces.of(Raceway)
 def _push_raceway(raceway, rollers, disc, contacts, dampers, dt):
     patches, kick, side, moment = contacts.patches, contacts.forces.kick, 2 * raceway.row, splat(0.0)
-    unseal(raceway.surface)
+    clear_ghost_nodes(raceway.surface)
     for group in range(0, rollers.n, WIDTH):
         row = raceway.row * rollers.columns + group
         given = with_dampers(dampers, row, load(kick, row)) * -dt
         if any_lane(given != 0.0):
-            moment += push(raceway.surface, patches, side, group, given * raceway.sign)
-            push(disc, patches, side + 1, group, given)
-    gather_seam(raceway.surface)
+            moment += scatter_normal_force(raceway.surface, patches, side, group, given * raceway.sign)
+            scatter_normal_force(disc, patches, side + 1, group, given)
+    accumulate_ghost_nodes(raceway.surface)
     raceway.moment[1] += total(moment)
 
 
-@push_nodes.of(Neighbours)
+@scatter_normal_forces.of(Neighbours)
 def _push_neighbours(pair, rollers, disc, contacts, dampers, dt):
     patches, kick, side = contacts.patches, contacts.forces.kick, 2 * pair.row
     for group in range(0, rollers.n, WIDTH):
         row = pair.row * rollers.columns + group
         given = with_dampers(dampers, row, load(kick, row)) * -dt
         if any_lane(given != 0.0):
-            push(disc, patches, side, group, given)
-            push(disc, patches, side + 1, group, given)
+            scatter_normal_force(disc, patches, side, group, given)
+            scatter_normal_force(disc, patches, side + 1, group, given)

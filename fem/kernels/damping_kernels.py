@@ -18,16 +18,24 @@ is what c would give, the rest makes up for what the law below the grid gives le
 import numpy as np
 
 from fem.kernels.bodies import take_all_late
-from fem.kernels.contact_kernels import next_roller, push_nodes
+from fem.kernels.contact_kernels import next_roller, scatter_normal_forces
 from fem.kernels.jit import every, part, verb
-from fem.kernels.lane_functions import larger, smaller
+from fem.kernels.lane_functions import maximum, minimum
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, any_lane, count_from, select, splat, total
 from fem.kernels.law import STEEPEST
 from fem.kernels.patches import N_NODES
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import CONTACTS, DiscSurface, Hub, Neighbours, Raceway, RigidDisc, RingSurface
-from fem.kernels.surfaces import gather_seam, next_node, out_of_surface, push, push_body, seal, unseal
+from fem.kernels.surfaces import (
+    accumulate_ghost_nodes,
+    clear_ghost_nodes,
+    fill_ghost_nodes,
+    next_node,
+    out_of_surface,
+    push_body,
+    scatter_normal_force,
+)
 
 
 @verb
@@ -66,7 +74,7 @@ def _of_roller(disc, patches, side, j, column):
         i, share = disc.first + node, patches.weight[side, k, j]
         at = i * 2 * columns + column
         out += share * (bx * disc.w[at] + by * disc.w[at + columns])
-        light += share * share * disc.lightness[i]
+        light += share * share * disc.inverse_mass[i]
         node = next_node(node, disc.n_nodes)
     return out, light
 
@@ -85,16 +93,16 @@ def _alone(j, impulse):
 
 @verb
 def push_late(surface, patches, side, j, column, impulse, x, y):
-    """`push` once bodies have had their kick; (x, y) is the impulse in fixed axes, N s. Returns its moment, N m s."""
+    """`scatter_normal_force` once bodies have had their kick; (x, y): fixed axes, N s. Returns its moment."""
     return 0.0
 
 
 @push_late.of(RingSurface)
 def _push_ring(ring, patches, side, j, column, impulse, x, y):
     group, given = _alone(j, impulse)
-    unseal(ring)
-    moment = total(push(ring, patches, side, group, given))
-    gather_seam(ring)
+    clear_ghost_nodes(ring)
+    moment = total(scatter_normal_force(ring, patches, side, group, given))
+    accumulate_ghost_nodes(ring)
     return moment
 
 
@@ -103,7 +111,7 @@ def _push_disc(disc, patches, side, j, column, impulse, x, y):
     disc.impulse[0, column] += x
     disc.impulse[1, column] += y
     group, given = _alone(j, impulse)
-    return push(disc, patches, side, group, given)
+    return scatter_normal_force(disc, patches, side, group, given)
 
 
 @push_late.of(Hub, RigidDisc)
@@ -124,7 +132,7 @@ def _damp_raceway(raceway, rollers, disc, contacts, dampers, dt, whole, later):
     if whole is None:
         _damp_eights(raceway, rollers, disc, contacts, dampers, dt)
         if not later:
-            push_nodes(raceway, rollers, disc, contacts, dampers, dt)
+            scatter_normal_forces(raceway, rollers, disc, contacts, dampers, dt)
     else:
         _damp_in_turn(raceway, rollers, disc, contacts, dampers, dt)
 
@@ -135,7 +143,7 @@ def _damp_eights(raceway, rollers, disc, contacts, dampers, dt):
     forces, patches, columns, sign = contacts.forces, contacts.patches, rollers.columns, raceway.sign
     side, impulse, velocity = 2 * raceway.row, rollers.node_impulse, rollers.velocity
     taken, ring_x, ring_y, moment = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
-    seal(raceway.surface)
+    fill_ghost_nodes(raceway.surface)
     for group in range(0, rollers.n, WIDTH):
         row = raceway.row * columns + group
         Q, P, left = load(forces.force, row), load(forces.kick, row), load(dampers.left, row)
@@ -151,8 +159,8 @@ def _damp_eights(raceway, rollers, disc, contacts, dampers, dt):
         passing = behind - left
         passing = select(passing == passing, passing, 0.0)
         level = _level(raceway.law, select(closed, Q, 1.0), load(forces.approach, row), load(forces.bracket, row))
-        c, felt = _coefficient(raceway, dampers, smaller(Q, raceway.law.Q_line), level)
-        F = select(closed, larger(c * (rate + passing) / (1.0 + c * mobility), -P), 0.0)
+        c, felt = _coefficient(raceway, dampers, minimum(Q, raceway.law.Q_line), level)
+        F = select(closed, maximum(c * (rate + passing) / (1.0 + c * mobility), -P), 0.0)
         taken += select(behind == behind, (last + F) * behind, 0.0)
         store(dampers.force, row, F)
         store(dampers.felt, row, felt * F)
@@ -280,8 +288,8 @@ def _coefficient(pair, dampers, Q, level):
 
     `level` : B − ½ ln Q; of forces beyond the law's line whatever is below that at its beginning.
     """
-    law, below = pair.law, larger(level - 0.5, STEEPEST)
-    whole = larger(below + (dampers.whole[pair.row] - law.B), STEEPEST)
+    law, below = pair.law, maximum(level - 0.5, STEEPEST)
+    whole = maximum(below + (dampers.whole[pair.row] - law.B), STEEPEST)
     over = 1.0 / (below * whole)
     softer, stiffness = whole * whole * over, below * over * (1.0 / law.A)
     c = dampers.constant + dampers.time * stiffness + 1.5 * dampers.hunt_crossley * Q

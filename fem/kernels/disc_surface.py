@@ -11,15 +11,15 @@ from fem.kernels.state import DiscSurface
 from fem.kernels.surfaces import (
     count_impulse,
     first_weight,
-    grip,
+    interpolate_displacement,
+    locate_patch,
     out_of_surface,
     place_patch,
-    push,
-    push_along,
-    push_both_ways,
-    put_down,
-    read,
-    sideways,
+    scatter_force,
+    scatter_normal_force,
+    scatter_tangential_force,
+    tangential_mobility,
+    tangential_velocity,
 )
 
 
@@ -36,16 +36,21 @@ def _take_pairs(array, patches, at):
     return (x0, x1, x2, x3, x4, x5), (y0, y1, y2, y3, y4, y5)
 
 
-@put_down.of(DiscSurface)
+@locate_patch.of(DiscSurface)
 def _put_down(disc, patches, side, group):
     place_patch(patches, side, group, disc.n_nodes)
 
 
-@read.of(DiscSurface)
+@interpolate_displacement.of(DiscSurface)
 def _read(disc, patches, side, group, column):
     columns = patches.columns
     at, stride = first_weight(patches, side, group), 2 * columns
-    put(patches.lightness, at, columns, gather_rows(disc.lightness, patches.start, side * columns + group, disc.first))
+    put(
+        patches.inverse_mass,
+        at,
+        columns,
+        gather_rows(disc.inverse_mass, patches.start, side * columns + group, disc.first),
+    )
     around, place = disc.n_nodes * stride, (load(patches.start, side * columns + group) + disc.first) * stride + column
     for k in range(N_NODES):
         store(patches.place, at + k * columns, place)
@@ -63,14 +68,14 @@ def _read(disc, patches, side, group, column):
     return ux * bx + uy * by, uy * bx - ux * by, (sx * bx + sy * by) * per_radian, ripple, ripple_slope * per_radian
 
 
-@push.of(DiscSurface)
+@scatter_normal_force.of(DiscSurface)
 def _push(disc, patches, side, group, impulse):
     at, columns = first_weight(patches, side, group), patches.columns
     out = 2 * side * columns + group
     x, y = impulse * load(patches.outward, out), impulse * load(patches.outward, out + columns)
     for k in range(N_NODES * len(patches.units)):
         i = at + k * columns
-        share = load(patches.weight, i) * load(patches.lightness, i)
+        share = load(patches.weight, i) * load(patches.inverse_mass, i)
         add_at_places(disc.w, patches.place, i, columns, share * x, share * y)
     return 0.0
 
@@ -86,7 +91,7 @@ def _out_of_surface(disc, patches, side, group):
         x, y = _take_pairs(disc.w, patches, i)
         along_x += dot(share, x)
         along_y += dot(share, y)
-        light += dot(products(share, share), take(patches.lightness, i, columns))
+        light += dot(products(share, share), take(patches.inverse_mass, i, columns))
     return along_x * load(patches.outward, out) + along_y * load(patches.outward, out + columns), light
 
 
@@ -106,7 +111,7 @@ def _turned(disc, k, first_x, first_y):
     return first_x * c - first_y * s, first_y * c + first_x * s
 
 
-@grip.of(DiscSurface)
+@tangential_mobility.of(DiscSurface)
 def _grip(disc, patches, side, group):
     at, columns = first_weight(patches, side, group), patches.columns
     out = 2 * side * columns + group
@@ -125,7 +130,7 @@ def _grip(disc, patches, side, group):
     x, y, mobility = slope * bx - by, slope * by + bx, splat(0.0)
     for k in range(N_NODES * len(patches.units)):
         i = at + k * columns
-        weight, light = load(patches.weight, i), load(patches.lightness, i)
+        weight, light = load(patches.weight, i), load(patches.inverse_mass, i)
         share = scale * weight
         along_x = share * (x - load(patches.traction_y, i))
         along_y = share * (y + load(patches.traction_x, i))
@@ -135,7 +140,7 @@ def _grip(disc, patches, side, group):
     return mobility
 
 
-@sideways.of(DiscSurface)
+@tangential_velocity.of(DiscSurface)
 def _sideways(disc, patches, side, group, column, nx, ny):
     at, columns = first_weight(patches, side, group), patches.columns
     found = splat(0.0)
@@ -146,25 +151,25 @@ def _sideways(disc, patches, side, group, column, nx, ny):
     return found
 
 
-@push_along.of(DiscSurface)
+@scatter_tangential_force.of(DiscSurface)
 def _push_along(disc, patches, side, group, impulse):
     at, columns = first_weight(patches, side, group), patches.columns
     for k in range(N_NODES * len(patches.units)):
         i = at + k * columns
-        speed = impulse * load(patches.lightness, i)
+        speed = impulse * load(patches.inverse_mass, i)
         x, y = speed * load(patches.traction_x, i), speed * load(patches.traction_y, i)
         add_at_places(disc.w, patches.place, i, columns, x, y)
     return 0.0
 
 
-@push_both_ways.of(DiscSurface)
+@scatter_force.of(DiscSurface)
 def _push_both_ways(disc, patches, side, group, impulse, around):
     at, columns = first_weight(patches, side, group), patches.columns
     out = 2 * side * columns + group
     bx, by = impulse * load(patches.outward, out), impulse * load(patches.outward, out + columns)
     for k in range(N_NODES * len(patches.units)):
         i = at + k * columns
-        weight, light = load(patches.weight, i), load(patches.lightness, i)
+        weight, light = load(patches.weight, i), load(patches.inverse_mass, i)
         x = (weight * bx + around * load(patches.traction_x, i)) * light
         y = (weight * by + around * load(patches.traction_y, i)) * light
         add_at_places(disc.w, patches.place, i, columns, x, y)

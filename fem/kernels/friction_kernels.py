@@ -7,23 +7,23 @@ what T dissipates is exactly what it takes from the bodies. Where a contact has 
 
 from fem.kernels.contact_kernels import first_surface, next_roller, next_rollers, with_dampers
 from fem.kernels.jit import part, verb
-from fem.kernels.lane_functions import larger
+from fem.kernels.lane_functions import maximum
 from fem.kernels.lane_memory import gather, load, store
-from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, real, root, select, splat, total, whole
+from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, to_float, to_int, total
 from fem.kernels.law import SLIP_FLOOR, creep_traction
 from fem.kernels.shear_kernels import let_go, pull
 from fem.kernels.state import Neighbours, Raceway
 from fem.kernels.surfaces import (
+    accumulate_ghost_nodes,
     body_mobility,
+    clear_ghost_nodes,
     count_impulse,
-    gather_seam,
-    grip,
-    push_along,
+    fill_ghost_nodes,
     push_body,
-    push_both_ways,
-    seal,
-    sideways,
-    unseal,
+    scatter_force,
+    scatter_tangential_force,
+    tangential_mobility,
+    tangential_velocity,
 )
 
 EVEN, ODD, ALL = 0, 1, 2  # contacts of a pair that are solved for at once
@@ -49,8 +49,10 @@ def grip_pair(pair, rollers, disc, contacts):
     for group in range(0, rollers.n, WIDTH):
         row, side = pair.row * rollers.columns + group, 2 * pair.row
         if _closed(contacts, row):
-            mobility = grip(first_surface(pair, disc), contacts.patches, side, group)
-            store(contacts.friction.mobility, row, mobility + grip(disc, contacts.patches, side + 1, group))
+            mobility = tangential_mobility(first_surface(pair, disc), contacts.patches, side, group)
+            store(
+                contacts.friction.mobility, row, mobility + tangential_mobility(disc, contacts.patches, side + 1, group)
+            )
 
 
 @verb
@@ -71,7 +73,7 @@ def _without_dampers(pair, contacts, row):
 
 
 @verb
-def slip_pair(pair, rollers, disc, contacts, turn_kick, out):
+def slip_velocity(pair, rollers, disc, contacts, turn_kick, out):
     """Sideways velocity of side 1 less that of side 0 along t = Jn for closed contacts, m/s, to `out`, (3, columns).
 
     `grip_pair` must have been called at the present positions. `turn_kick`, (columns,), rad/s: what the rollers are
@@ -79,23 +81,23 @@ def slip_pair(pair, rollers, disc, contacts, turn_kick, out):
     """
 
 
-@slip_pair.of(Raceway)
+@slip_velocity.of(Raceway)
 def _slip_raceway(raceway, rollers, disc, contacts, turn_kick, out):
     velocity, columns, side = rollers.velocity, rollers.columns, 2 * raceway.row
-    seal(raceway.surface)
+    fill_ghost_nodes(raceway.surface)
     for group in range(0, rollers.n, WIDTH):
         row = raceway.row * columns + group
         if _closed(contacts, row):
             nx, ny = normals(contacts, raceway, group)
             own = load(turn_kick, group) * rollers.radius
-            own += sideways(disc, contacts.patches, side + 1, group, count_from(group), nx, ny)
+            own += tangential_velocity(disc, contacts.patches, side + 1, group, count_from(group), nx, ny)
             slip = load(velocity, columns + group) * nx - load(velocity, group) * ny
             slip = slip - own if raceway.sign > 0.0 else slip + own
-            slip -= sideways(raceway.surface, contacts.patches, side, group, 0, nx, ny)
+            slip -= tangential_velocity(raceway.surface, contacts.patches, side, group, 0, nx, ny)
             store(out, row, slip)
 
 
-@slip_pair.of(Neighbours)
+@slip_velocity.of(Neighbours)
 def _slip_neighbours(pair, rollers, disc, contacts, turn_kick, out):
     velocity, columns, side = rollers.velocity, rollers.columns, 2 * pair.row
     for group in range(0, rollers.n, WIDTH):
@@ -104,10 +106,10 @@ def _slip_neighbours(pair, rollers, disc, contacts, turn_kick, out):
             nx, ny = normals(contacts, pair, group)
             i = next_rollers(group, rollers.n)
             own = gather(turn_kick, i) * rollers.radius
-            own += sideways(disc, contacts.patches, side + 1, group, i, nx, ny)
+            own += tangential_velocity(disc, contacts.patches, side + 1, group, i, nx, ny)
             slip = gather(velocity, i + columns) * nx - gather(velocity, i) * ny
             slip -= own + load(turn_kick, group) * rollers.radius
-            slip -= sideways(disc, contacts.patches, side, group, count_from(group), nx, ny)
+            slip -= tangential_velocity(disc, contacts.patches, side, group, count_from(group), nx, ny)
             slip -= load(velocity, columns + group) * nx - load(velocity, group) * ny
             store(out, row, slip)
 
@@ -137,7 +139,7 @@ def find_tractions(pair, rollers, disc, contacts, dt, some, again):
                 taken = splat(whole_mobility(pair, disc) * dt)
         if some != ALL:
             number = count_from(group + some)
-            chosen = chosen & (number - whole(real(number) * 0.5) * 2 == 0)
+            chosen = chosen & (number - to_int(to_float(number) * 0.5) * 2 == 0)
         T, left = creep_traction(found - taken * given, friction.coefficient * Q, full_slip, mobility)
         T = select(chosen, -T, select(Q > 0.0, given, 0.0))  # on side 1, along t
         store(friction.slip_left, row, select(chosen, left, found))
@@ -166,9 +168,9 @@ def spring_tractions(pair, rollers, contacts, dt):
 @part
 def _full_slip(pair, rollers, contacts, group, Q):
     """Creep speeds, m/s, beyond which eight contacts slide."""
-    half_width = root(pair.law.half_width_factor * Q)
+    half_width = square_root(pair.law.half_width_factor * Q)
     rolling = _rolling_speed(pair, rollers, contacts, group)
-    return larger(contacts.friction.coefficient * pair.law.curvature * half_width * rolling, SLIP_FLOOR)
+    return maximum(contacts.friction.coefficient * pair.law.curvature * half_width * rolling, SLIP_FLOOR)
 
 
 @verb
@@ -182,7 +184,7 @@ def _on_raceway(raceway, rollers, contacts, group):
     nx, ny = normals(contacts, raceway, group)
     velocity = rollers.velocity
     turning = (load(velocity, rollers.columns + group) * nx - load(velocity, group) * ny) * (1.0 / raceway.orbit)
-    return magnitude(load(rollers.spin, group) - turning) * rollers.radius
+    return absolute(load(rollers.spin, group) - turning) * rollers.radius
 
 
 @verb
@@ -201,40 +203,40 @@ def _mobility_of_neighbours(pair, disc):
 
 
 @verb
-def drag(pair, rollers, disc, contacts, share, dt):
+def apply_friction(pair, rollers, disc, contacts, share, dt):
     """Give the bodies of a pair the impulses of its tractions in a step.
 
     Bodies with nodes get those of `share`, (3, columns), N, rigid ones those of the changes of tractions.
     """
 
 
-@drag.of(Raceway)
+@apply_friction.of(Raceway)
 def _drag_raceway(raceway, rollers, disc, contacts, share, dt):
     patches, side, moment = contacts.patches, 2 * raceway.row, splat(0.0)
-    unseal(raceway.surface)
+    clear_ghost_nodes(raceway.surface)
     for group in range(0, rollers.n, WIDTH):
         given = load(share, raceway.row * rollers.columns + group) * dt  # along t on side 1
         if any_lane(given != 0.0):
             nx, ny = normals(contacts, raceway, group)
-            push_along(disc, patches, side + 1, group, given * -raceway.sign)
+            scatter_tangential_force(disc, patches, side + 1, group, given * -raceway.sign)
             count_impulse(disc, group, -given * ny, given * nx)
-            moment += push_along(raceway.surface, patches, side, group, -given)
-    gather_seam(raceway.surface)
+            moment += scatter_tangential_force(raceway.surface, patches, side, group, -given)
+    accumulate_ghost_nodes(raceway.surface)
     raceway.moment[1] += total(moment)
     if contacts.friction.whole is not None:
         drag_bodies(raceway, rollers, disc, contacts, dt)
 
 
-@drag.of(Neighbours)
+@apply_friction.of(Neighbours)
 def _drag_neighbours(pair, rollers, disc, contacts, share, dt):
     patches, side = contacts.patches, 2 * pair.row
     for group in range(0, rollers.n, WIDTH):
         given = load(share, pair.row * rollers.columns + group) * dt
         if any_lane(given != 0.0):
             nx, ny = normals(contacts, pair, group)
-            push_along(disc, patches, side + 1, group, -given)
+            scatter_tangential_force(disc, patches, side + 1, group, -given)
             count_impulse(disc, next_rollers(group, rollers.n), -given * ny, given * nx)
-            push_along(disc, patches, side, group, -given)
+            scatter_tangential_force(disc, patches, side, group, -given)
             count_impulse(disc, group, given * ny, -given * nx)
     if contacts.friction.whole is not None:
         drag_bodies(pair, rollers, disc, contacts, dt)
@@ -248,16 +250,16 @@ def push_and_drag(pair, rollers, disc, contacts, dt):
 @push_and_drag.of(Raceway)
 def _push_and_drag_raceway(raceway, rollers, disc, contacts, dt):
     patches, side, moment, sign = contacts.patches, 2 * raceway.row, splat(0.0), raceway.sign
-    unseal(raceway.surface)
+    clear_ghost_nodes(raceway.surface)
     for group in range(0, rollers.n, WIDTH):
         row = raceway.row * rollers.columns + group
         pushed, rubbed = still_to_push(raceway, contacts, row) * -dt, load(contacts.friction.change, row) * dt
         if any_lane((pushed != 0.0) | (rubbed != 0.0)):
             nx, ny = normals(contacts, raceway, group)
-            push_both_ways(disc, patches, side + 1, group, pushed, rubbed * -sign)
+            scatter_force(disc, patches, side + 1, group, pushed, rubbed * -sign)
             count_impulse(disc, group, -rubbed * ny, rubbed * nx)
-            moment += push_both_ways(raceway.surface, patches, side, group, pushed * sign, -rubbed)
-    gather_seam(raceway.surface)
+            moment += scatter_force(raceway.surface, patches, side, group, pushed * sign, -rubbed)
+    accumulate_ghost_nodes(raceway.surface)
     raceway.moment[1] += total(moment)
 
 
@@ -269,9 +271,9 @@ def _push_and_drag_neighbours(pair, rollers, disc, contacts, dt):
         pushed, rubbed = still_to_push(pair, contacts, row) * -dt, load(contacts.friction.change, row) * dt
         if any_lane((pushed != 0.0) | (rubbed != 0.0)):
             nx, ny = normals(contacts, pair, group)
-            push_both_ways(disc, patches, side + 1, group, pushed, -rubbed)
+            scatter_force(disc, patches, side + 1, group, pushed, -rubbed)
             count_impulse(disc, next_rollers(group, rollers.n), -rubbed * ny, rubbed * nx)
-            push_both_ways(disc, patches, side, group, pushed, -rubbed)
+            scatter_force(disc, patches, side, group, pushed, -rubbed)
             count_impulse(disc, group, rubbed * ny, -rubbed * nx)
 
 

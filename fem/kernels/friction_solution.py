@@ -3,13 +3,13 @@
 from fem.kernels.contact_kernels import next_rollers
 from fem.kernels.friction_kernels import (
     ALL,
-    drag,
+    apply_friction,
     drag_bodies,
     find_tractions,
     grip_pair,
     normals,
     push_and_drag,
-    slip_pair,
+    slip_velocity,
     spring_tractions,
     whole_mobility,
 )
@@ -23,7 +23,7 @@ from fem.kernels.surfaces import body_motion
 WHERE_ROLLERS_TOUCH, ALWAYS = 0, 1  # when patches of neighbouring contacts overlap
 
 grip_all = every(grip_pair, *CONTACTS)
-slip_all = every(slip_pair, *CONTACTS)
+slip_all = every(slip_velocity, *CONTACTS)
 
 
 @part
@@ -113,14 +113,14 @@ def _rollers_touch(contacts, rollers):
 def _creep(pair, rollers, disc, contacts, drive):
     """Tractions of a pair's contacts from slips without any, and their impulses."""
     find_tractions(pair, rollers, disc, contacts, drive.dt, ALL, False)
-    drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
+    apply_friction(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
 
 
 @part
 def _pull(pair, rollers, disc, contacts, drive):
     """Tractions of the springs of a pair's contacts, and their impulses."""
     spring_tractions(pair, rollers, contacts, drive.dt)
-    drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
+    apply_friction(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
 
 
 @part
@@ -134,16 +134,16 @@ def _pull_and_push(pair, rollers, disc, contacts, drive):
 def _creep_in_turn(pair, rollers, disc, contacts, drive):
     """Every other one of a pair's contacts, and then the others, each with all the others' tractions."""
     for some in range(2):
-        slip_pair(pair, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
+        slip_velocity(pair, rollers, disc, contacts, rollers.turn_kick, contacts.friction.slip_left)
         find_tractions(pair, rollers, disc, contacts, drive.dt, some, True)
-        drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
+        apply_friction(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
 
 
 @part
 def _drag_as_before(pair, rollers, disc, contacts, drive):
     """The last tractions of a pair's contacts that are still closed."""
     _take_last(pair, rollers, contacts)
-    drag(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
+    apply_friction(pair, rollers, disc, contacts, contacts.friction.change, drive.dt)
 
 
 _pull_all, _pull_all_and_push = every(_pull, *CONTACTS), every(_pull_and_push, *CONTACTS)
@@ -197,7 +197,7 @@ def _with_bodies(pair, rollers, disc, contacts, drive):
 @part
 def _drag_nodes(pair, rollers, disc, contacts, drive):
     """The bodies with nodes have been given nothing yet, the rigid ones the last tractions."""
-    drag(pair, rollers, disc, contacts, contacts.friction.traction, drive.dt)
+    apply_friction(pair, rollers, disc, contacts, contacts.friction.traction, drive.dt)
 
 
 _drag_all_bodies, _creep_all_beside = every(_drag_bodies_as_before, *CONTACTS), every(_creep_beside, *CONTACTS)

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 from fem.kernels.drive import turn_at
 from fem.kernels.jit import part, verb
-from fem.kernels.lane_functions import exponential, larger, logarithm, smaller
+from fem.kernels.lane_functions import exponential, logarithm, maximum, minimum
 from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
+from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, total
 from fem.kernels.law import kick_by_energy, next_force, stored_energy
 from fem.kernels.reduced_contacts import met_surfaces, store_pair
 from fem.kernels.reduced_housing import ring_place
@@ -50,7 +50,7 @@ def law_force(law, depth, soft, last):
     B, B_before = _level(law, soft), _level(law, soft_before)
     Q = next_force(depth, law.A, B, law.Q_line, Q_before, before, B_before)
     closed = Q > 0.0
-    give = select(closed, depth - 0.5 * law.A * smaller(Q, law.Q_line), 1.0)  # Q dδ/dQ
+    give = select(closed, depth - 0.5 * law.A * minimum(Q, law.Q_line), 1.0)  # Q dδ/dQ
     return Q, select(closed, Q / give, 0.0)
 
 
@@ -88,8 +88,8 @@ def _less_yielding(law, depth, soft):
     for _ in range(MOST_STEPS):
         force = _power(law, own)
         step = (own + soft * force - depth) / (1.0 + soft * law.exponent * force / own)
-        own = larger(own - step, 0.1 * own)
-        if not any_lane(magnitude(step) > SETTLED * own):
+        own = maximum(own - step, 0.1 * own)
+        if not any_lane(absolute(step) > SETTLED * own):
             break
     return own
 
@@ -142,7 +142,7 @@ def find_isolated(compliance, bodies, forces, drive, time, inside):
 @part
 def _direction(x, y, there):
     """Lengths and unit vectors of eight ways; of spare lanes numbers."""
-    length = root(select(there, x * x + y * y, 1.0))
+    length = square_root(select(there, x * x + y * y, 1.0))
     over = 1.0 / length
     return length, select(there, x * over, 1.0), select(there, y * over, 0.0)
 
@@ -200,7 +200,7 @@ def kick_isolated(compliance, bodies, forces, drive, before):
 def _kicked(law, forces, at, ahead, Q, there):
     """What a kick gives of eight contacts' forces, N, whose approach is so far ahead, m: see `law.kick_by_energy`."""
     free = load(forces.first, at) + ahead
-    approach = select(Q > 0.0, larger(free, 1e-30), select(free > 0.0, 0.0, free))
+    approach = select(Q > 0.0, maximum(free, 1e-30), select(free > 0.0, 0.0, free))
     before, Q_before = load(forces.approach, at), load(forces.force, at)
     work, eased = _stored_more(forces.bracket, law, forces, at, Q, approach)
     last = load(forces.kick, at), load(forces.residual, at)

@@ -7,7 +7,7 @@ coefficients.
 from math import log, pi
 
 from fem.kernels.jit import part
-from fem.kernels.lanes import exponent_and_mantissa, magnitude, power_of_two, real, select, whole, with_sign
+from fem.kernels.lanes import absolute, exponent_and_mantissa, power_of_two, select, to_float, to_int, with_sign
 
 TAN_EIGHTH = 0.41421356237309503  # tan(π/8)
 LN_2 = log(2.0)
@@ -20,7 +20,7 @@ HALF_PI_1, HALF_PI_2, HALF_PI_3 = 1.57079632673412561417e00, 6.07710050630396597
 @part
 def arc_tangent(y, x):
     """Angle of (x, y) in (−π, π], rad."""
-    wide, high = magnitude(x), magnitude(y)
+    wide, high = absolute(x), absolute(y)
     steep = high > wide
     small, large = select(steep, wide, high), select(steep, high, wide)
     upper = small > TAN_EIGHTH * large
@@ -85,8 +85,8 @@ def logarithm(x):
 @part
 def exponential(x):
     """e to the power of numbers from −700 to 700."""
-    power = whole(x * (1.0 / LN_2) + select(x < 0.0, -0.5, 0.5))
-    twos = real(power)
+    power = to_int(x * (1.0 / LN_2) + select(x < 0.0, -0.5, 0.5))
+    twos = to_float(power)
     high, low = x - twos * LN_2_HIGH, twos * LN_2_LOW
     r = high - low
     z = r * r
@@ -104,9 +104,9 @@ def exponential(x):
 @part
 def cosine_and_sine(angle):
     """Of angles of any sign up to some 10⁶ rad."""
-    size = magnitude(angle)
-    quarter = whole(size * (2.0 / pi) + 0.5)
-    turns = real(quarter)
+    size = absolute(angle)
+    quarter = to_int(size * (2.0 / pi) + 0.5)
+    turns = to_float(quarter)
     r = ((size - turns * HALF_PI_1) - turns * HALF_PI_2) - turns * HALF_PI_3
     z = r * r
     s = r + r * z * (
@@ -140,7 +140,7 @@ def cosine_and_sine(angle):
             )
         )
     )
-    beyond = turns - 4.0 * real(whole(0.25 * turns))  # quarters past a whole turn: 0, 1, 2, 3
+    beyond = turns - 4.0 * to_float(to_int(0.25 * turns))  # quarters past a whole turn: 0, 1, 2, 3
     odd = (beyond == 1.0) | (beyond == 3.0)
     cosine, sine = select(odd, s, c), select(odd, c, s)
     cosine = select((beyond == 1.0) | (beyond == 2.0), -cosine, cosine)
@@ -149,12 +149,12 @@ def cosine_and_sine(angle):
 
 
 @part
-def smaller(a, b):
+def minimum(a, b):
     """The smaller of two, lane by lane; the second where one is not a number."""
     return select(a < b, a, b)
 
 
 @part
-def larger(a, b):
+def maximum(a, b):
     """The larger of two, lane by lane; the second where one is not a number."""
     return select(a > b, a, b)

@@ -118,7 +118,7 @@ def count_from(typingctx, first):
 
 
 @intrinsic
-def whole(typingctx, lanes):
+def to_int(typingctx, lanes):
     """Whole part of lanes that are not negative."""
 
     def codegen(context, builder, signature, arguments):
@@ -128,7 +128,7 @@ def whole(typingctx, lanes):
 
 
 @intrinsic
-def real(typingctx, lanes):
+def to_float(typingctx, lanes):
     """Whole numbers as floats."""
 
     def codegen(context, builder, signature, arguments):
@@ -268,7 +268,7 @@ def _negate(lanes):
 
 
 @intrinsic
-def root(typingctx, lanes):
+def square_root(typingctx, lanes):
     """Square root."""
 
     def codegen(context, builder, signature, arguments):
@@ -278,7 +278,7 @@ def root(typingctx, lanes):
 
 
 @intrinsic
-def magnitude(typingctx, lanes):
+def absolute(typingctx, lanes):
     """Absolute value."""
 
     def codegen(context, builder, signature, arguments):

@@ -8,9 +8,9 @@ from math import log
 import numpy as np
 
 from fem.kernels.jit import kernel, part
-from fem.kernels.lane_functions import larger, logarithm, smaller
+from fem.kernels.lane_functions import logarithm, maximum, minimum
 from fem.kernels.lane_memory import gather, gather_quads
-from fem.kernels.lanes import any_lane, magnitude, real, root, select, whole, with_sign
+from fem.kernels.lanes import absolute, any_lane, select, square_root, to_float, to_int, with_sign
 from fem.kernels.state import STEEPEST as STEEPEST
 
 SLIP_FLOOR = 1e-4  # m/s, creep speed of full slip where nothing rolls (Carter's law would make it 0)
@@ -29,12 +29,12 @@ def creep_traction(slip, limit, full_slip, mobility_dt):
 
     Source: Carter, On the action of a locomotive driving wheel (1926); Johnson, Contact Mechanics (1985), chapter 8.
     """
-    v = magnitude(slip)
+    v = absolute(slip)
     k = mobility_dt * limit / full_slip
     x = v / full_slip
     sliding = x >= 1.0 + k
     b = 1.0 + 2.0 * k
-    x = 2.0 * x / (b + root(select(sliding, 0.0, b * b - 4.0 * k * x)))
+    x = 2.0 * x / (b + square_root(select(sliding, 0.0, b * b - 4.0 * k * x)))
     traction = select(sliding, limit, limit * x * (2.0 - x))
     left = select(sliding, v - mobility_dt * limit, x * full_slip)
     return with_sign(traction, slip), with_sign(left, slip)
@@ -62,20 +62,20 @@ def contact_force(approach, A, B, Q_line, guess):
     """
     apart = approach <= 0.0
     known = (guess > 0.0) & (guess <= Q_line)
-    Q = select(known, guess, smaller(approach / (A * (magnitude(B) + 10.0)), Q_line))
+    Q = select(known, guess, minimum(approach / (A * (absolute(B) + 10.0)), Q_line))
     Q = select(apart, Q_line, Q)
     for _ in range(60):
         bracket = B - 0.5 * logarithm(Q)
         step = (approach - A * Q * bracket) / (A * (bracket - 0.5))
-        new = select(apart, Q, smaller(larger(Q + step, 0.1 * Q), Q_line))
-        moving = magnitude(new - Q) > 1e-8 * new  # the error left is a tenth of the square of the relative step
+        new = select(apart, Q, minimum(maximum(Q + step, 0.1 * Q), Q_line))
+        moving = absolute(new - Q) > 1e-8 * new  # the error left is a tenth of the square of the relative step
         Q = new
         if not any_lane(moving):
             break
     if any_lane((Q >= Q_line) & (approach > 0.0)):
         # the ripple in B tilts the line as well: with another slope than this place's energy would not be conserved
         line = (approach * (1.0 / A) - 0.5 * Q_line) / _slope_of_line(B, Q_line)
-        Q = select(Q >= Q_line, larger(line, Q_line), Q)
+        Q = select(Q >= Q_line, maximum(line, Q_line), Q)
     return select(apart, 0.0, Q + (approach - approach))
 
 
@@ -93,9 +93,9 @@ def next_force(approach, A, B, Q_line, before, approach_before, B_before):
     level = B + select(known, approach_before / (A * guess) - B_before, 0.0)
     delta = approach * (1.0 / A)
     Q = guess + _third_order(delta, guess, level)
-    Q = smaller(larger(Q, 0.5 * guess), 2.0 * guess)
+    Q = minimum(maximum(Q, 0.5 * guess), 2.0 * guess)
     step = _third_order(delta, Q, B - 0.5 * logarithm(Q))
-    sure = known & (magnitude(step) < NEAR * Q) & (Q < 0.99 * Q_line)
+    sure = known & (absolute(step) < NEAR * Q) & (Q < 0.99 * Q_line)
     Q = select(apart, 0.0, Q + step)
     if any_lane(select(apart, 0.0, select(sure, 0.0, 1.0)) != 0.0):  # what is not a number is neither
         return distant_force(approach, A, B, Q_line, before)
@@ -156,12 +156,12 @@ def kick_force(before, Q_before, B_before, P_before, residual, now, Q, B, A, Q_l
 @part
 def kick_by_energy(before, Q_before, P_before, residual, now, Q, work, level):
     """`kick_force` of any law: its energy has grown by `work`, J, and would by `level` more had its level stayed."""
-    step, closed = now - before, smaller(before, now) > 0.0
-    plain = (before != before) | (larger(before, now) <= 0.0) | (closed & (magnitude(step) < STANDING * now))
+    step, closed = now - before, minimum(before, now) > 0.0
+    plain = (before != before) | (maximum(before, now) <= 0.0) | (closed & (absolute(step) < STANDING * now))
     work = work + select(closed, level, 0.0)  # what the level's change has done is not this force's work
     due = residual - 0.5 * step * (P_before - Q_before)  # the last kick has its other half yet to give
     most = MOST_REPAID * Q
-    back = larger(smaller(REPAID * due / step, most), -most)
+    back = maximum(minimum(REPAID * due / step, most), -most)
     P = select(plain, Q, 0.5 * (Q - Q_before) + work / step + select(closed, back, 0.0))
     left = residual + work - 0.5 * step * (P_before + P)
     return P, select(before != before, residual, left)
@@ -170,7 +170,7 @@ def kick_by_energy(before, Q_before, P_before, residual, now, Q, work, level):
 @part
 def stored_energy(Q, approach, A, Q_line):
     """`contact_energy` by way of the approach; scalars or lanes."""
-    q = smaller(Q, Q_line)
+    q = minimum(Q, Q_line)
     return 0.5 * Q * approach - 0.125 * A * q * (2.0 * Q - q)
 
 
@@ -198,9 +198,9 @@ def seamless(position, coefficients):
     """`ripple_at` of eight positions with the coefficients of `with_seam`."""
     n = coefficients.size - 3
     x = position * (1.0 * KNOTS_PER_NODE)
-    base = whole(x)
-    t = x - real(base)
-    base = base - whole(real(base) * (1.0 / n)) * n
+    base = to_int(x)
+    t = x - to_float(base)
+    base = base - to_int(to_float(base) * (1.0 / n)) * n
     base = select((base >= 0) & (base < n), base, 0)  # round-off may leave it n
     value, slope = _spline(t, gather_quads(coefficients, base))
     return value, slope * (1.0 * KNOTS_PER_NODE)
@@ -226,9 +226,9 @@ def _spline(t, coefficients):
 @part
 def spline_at(x, coefficients, first, n):
     """A periodic cubic B-spline and its slope per knot at x knots, >= 0; its n coefficients stand from `first` on."""
-    base = whole(x)
-    t = x - real(base)
-    base = base - whole(real(base) * (1.0 / n)) * n  # round-off may leave it n or −1
+    base = to_int(x)
+    t = x - to_float(base)
+    base = base - to_int(to_float(base) * (1.0 / n)) * n  # round-off may leave it n or −1
     base = select(base >= n, base - n, select(base < 0, base + n, base))
     before = select(base < 1, base + (n - 1), base - 1)
     after = select(base >= n - 1, base + (1 - n), base + 1)

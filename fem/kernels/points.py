@@ -57,8 +57,8 @@ def _push_ring(ring, node, column, mx, my, impulse):
 def _push_disc(disc, node, column, mx, my, impulse):
     k = node + disc.first
     at = k * 2 * disc.columns + column
-    disc.w[at] += impulse * mx * disc.lightness[k]
-    disc.w[at + disc.columns] += impulse * my * disc.lightness[k]
+    disc.w[at] += impulse * mx * disc.inverse_mass[k]
+    disc.w[at + disc.columns] += impulse * my * disc.inverse_mass[k]
     return 0.0
 
 

@@ -5,19 +5,20 @@ A raceway's contact gives way by its own law and by the forces on other contacts
     approach = overlap of the circles − across·(force on the roller's other contact) − Σ along_k·(force k rollers away)
                − Σ crossed_k·(traction k rollers away)
 
-Those forces are guessed from the last steps, the law gives force and stiffness, and two linear sweeps set them right:
-what is left is the square of a few hundredths of what the guess was off by. In rings of soft material with many rollers
-neighbours give way by as much as a contact itself, and whole load zones would gain and lose force together, by turns:
-there others are told of a share only of what a force gains (`fem.solver.reduced.share_told`).
+Those forces are extrapolated from the last steps (predictor), the law gives force and stiffness, and two linear sweeps
+correct them (corrector): the error left is the square of a few hundredths of the predictor's. In rings of soft material
+with many rollers a neighbour's compliance is as large as a contact's own, and whole load zones would gain and lose
+force alternately: there the increments that neighbours use are multiplied by a relaxation factor
+(`fem.solver.reduced.relaxation_factor`).
 """
 
 from math import cos, sin
 
 from fem.kernels.drive import SPEED
 from fem.kernels.jit import part, verb
-from fem.kernels.lane_functions import cosine_and_sine, larger, logarithm
+from fem.kernels.lane_functions import cosine_and_sine, logarithm, maximum
 from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
+from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, total
 from fem.kernels.law import STEEPEST, distant_force
 from fem.kernels.reduced_housing import ring_place
 from fem.kernels.reduced_modes import gather_waves, less_vibration
@@ -38,7 +39,7 @@ def wrap(array, row, n, halo):
 
 
 @part
-def felt(compliance, forces, array, row, group):
+def coupled_approach(compliance, forces, array, row, group):
     """Approach of eight contacts, m, that forces along their ring take away."""
     found, to, columns = splat(0.0), _place(forces, row, group), forces.normal.shape[2]
     for k in range(compliance.felt[row, 1]):
@@ -80,7 +81,7 @@ def _stiffness(law, force, approach):
     """dQ/dδ, N/m; 0 of open contacts."""
     closed = force > 0.0
     soft = select(closed, approach, 1.0) / select(closed, force, 1.0) - 0.5 * law.A
-    return select(closed, 1.0 / larger(soft, STEEPEST * law.A), 0.0)
+    return select(closed, 1.0 / maximum(soft, STEEPEST * law.A), 0.0)
 
 
 @part
@@ -99,10 +100,10 @@ def _force(law, B, approach, guess):
     """
     known = guess > 0.0
     Q, stiffness, step = _nearer(law, B, approach, select(known, guess, 1.0))
-    rough = known & ((magnitude(step) >= NEAR) | (Q >= law.Q_line))
+    rough = known & ((absolute(step) >= NEAR) | (Q >= law.Q_line))
     if any_lane(rough):
-        Q, stiffness, step = _nearer(law, B, approach, select(known, larger(Q, 0.1 * guess), 1.0))
-        rough = known & ((magnitude(step) >= NEAR) | (Q >= law.Q_line))
+        Q, stiffness, step = _nearer(law, B, approach, select(known, maximum(Q, 0.1 * guess), 1.0))
+        rough = known & ((absolute(step) >= NEAR) | (Q >= law.Q_line))
     found, stiffness = select(known, Q, 0.0), select(known, stiffness, 0.0)
     if any_lane(rough | ((guess <= 0.0) & (approach > 0.0))):
         found = distant_force(approach, law.A, B, law.Q_line, guess)
@@ -145,19 +146,19 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
         there = count_from(group) < n
         x, y = load(bodies.centre, group), load(bodies.centre, columns + group)
         from_x, from_y = x - ring_x, y - ring_y + compliance.sag[1]
-        out = root(select(there, from_x * from_x + from_y * from_y, 1.0))
+        out = square_root(select(there, from_x * from_x + from_y * from_y, 1.0))
         over_o = 1.0 / out
         from_x, from_y = select(there, from_x * over_o, 1.0), select(there, from_y * over_o, 0.0)
         store_pair(forces.normal, 2 * columns + group, columns, from_x, from_y)
         x, y = x - bodies.hub[0], y - bodies.hub[1] + compliance.sag[0]
-        away = root(select(there, x * x + y * y, 1.0))
+        away = square_root(select(there, x * x + y * y, 1.0))
         over_i = 1.0 / away
         store_pair(forces.normal, group, columns, select(there, x * over_i, 1.0), select(there, y * over_i, 0.0))
         at = halo + group
         guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
         guess_i, guess_o = select(there, guess_i, 0.0), select(there, guess_o, 0.0)
-        first_i = reach - away - across * guess_o - felt(compliance, forces, forces.guess, INNER, group)
-        first_o = out - track - across * guess_i - felt(compliance, forces, forces.guess, OUTER, group)
+        first_i = reach - away - across * guess_o - coupled_approach(compliance, forces, forces.guess, INNER, group)
+        first_o = out - track - across * guess_i - coupled_approach(compliance, forces, forces.guess, OUTER, group)
         first_i -= _lift(compliance, forces, drive, INNER, group)
         first_o -= _lift(compliance, forces, drive, OUTER, group)
         tilt_i, tilt_o = _tilted(compliance, forces, INNER, group), _tilted(compliance, forces, OUTER, group)
@@ -175,7 +176,13 @@ def estimate_forces(bodies, compliance, forces, drive, turn):
         store_pair(forces.estimate, group, columns, Q_i, Q_o)
         store_pair(forces.stiffness, group, columns, stiff_i, stiff_o)
         Q_i, Q_o = both_forces(Q_i, Q_o, stiff_i * across, stiff_o * across, guess_i, guess_o)
-        store_pair(forces.gained, at, width, compliance.told * (Q_i - guess_i), compliance.told * (Q_o - guess_o))
+        store_pair(
+            forces.gained,
+            at,
+            width,
+            compliance.relaxation_factor * (Q_i - guess_i),
+            compliance.relaxation_factor * (Q_o - guess_o),
+        )
     wrap(forces.gained, INNER, n, halo)
     wrap(forces.gained, OUTER, n, halo)
 
@@ -243,11 +250,11 @@ def store_pair(array, at, apart, one, other):
 
 
 @part
-def sweep_again(vibrations, bodies, compliance, forces):
-    """Tell what forces gain by each other's gains, as `set_right` does, before it does.
+def gauss_seidel_sweeps(vibrations, bodies, compliance, forces):
+    """Extra Gauss-Seidel sweeps over the coupled force increments; only where bodies have modes.
 
-    Where bodies vibrate a guess is off by as much as a vibration bends in a step; what two sweeps leave of that lags
-    behind, and would feed the fastest vibrations.
+    There the predictor's error is as large as a vibration's curvature over a step; what two sweeps leave of it lags
+    behind, and would excite the fastest modes.
     """
     if vibrations is None:
         return
@@ -258,14 +265,14 @@ def sweep_again(vibrations, bodies, compliance, forces):
             at = halo + group
             stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
             guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
-            less_i = felt(compliance, forces, forces.gained, INNER, group)
-            less_o = felt(compliance, forces, forces.gained, OUTER, group)
+            less_i = coupled_approach(compliance, forces, forces.gained, INNER, group)
+            less_o = coupled_approach(compliance, forces, forces.gained, OUTER, group)
             Q_i = load(forces.estimate, group) - stiff_i * less_i
             Q_o = load(forces.estimate, columns + group) - stiff_o * less_o
             Q_i, Q_o = both_forces(Q_i, Q_o, stiff_i * across, stiff_o * across, guess_i, guess_o)
             known_i, known_o = load(forces.gained, at), load(forces.gained, width + at)
-            gained_i = known_i + compliance.told * (larger(Q_i, 0.0) - guess_i - known_i)
-            gained_o = known_o + compliance.told * (larger(Q_o, 0.0) - guess_o - known_o)
+            gained_i = known_i + compliance.relaxation_factor * (maximum(Q_i, 0.0) - guess_i - known_i)
+            gained_o = known_o + compliance.relaxation_factor * (maximum(Q_o, 0.0) - guess_o - known_o)
             there = count_from(group) < n
             store_pair(forces.gained, at, width, select(there, gained_i, 0.0), select(there, gained_o, 0.0))
         wrap(forces.gained, INNER, n, halo)
@@ -273,7 +280,7 @@ def sweep_again(vibrations, bodies, compliance, forces):
 
 
 @part
-def set_right(bodies, compliance, forces):
+def corrected_forces(bodies, compliance, forces):
     """The forces with what all others have gained; their sums on hub and outer ring, N.
 
     Leaves approaches in `first`.
@@ -283,14 +290,14 @@ def set_right(bodies, compliance, forces):
     hub_x, hub_y, ring_x, ring_y = splat(0.0), splat(0.0), splat(0.0), splat(0.0)
     for group in range(0, n, WIDTH):
         at = halo + group
-        less_i = felt(compliance, forces, forces.gained, INNER, group)
-        less_o = felt(compliance, forces, forces.gained, OUTER, group)
+        less_i = coupled_approach(compliance, forces, forces.gained, INNER, group)
+        less_o = coupled_approach(compliance, forces, forces.gained, OUTER, group)
         stiff_i, stiff_o = load(forces.stiffness, group), load(forces.stiffness, columns + group)
         guess_i, guess_o = load(forces.guess, at), load(forces.guess, width + at)
         Q_i = load(forces.estimate, group) - stiff_i * less_i
         Q_o = load(forces.estimate, columns + group) - stiff_o * less_o
         Q_i, Q_o = both_forces(Q_i, Q_o, stiff_i * across, stiff_o * across, guess_i, guess_o)
-        Q_i, Q_o = larger(Q_i, 0.0), larger(Q_o, 0.0)
+        Q_i, Q_o = maximum(Q_i, 0.0), maximum(Q_o, 0.0)
         store_pair(forces.estimate, group, columns, Q_i, Q_o)
         first_i, first_o = load(forces.first, group), load(forces.first, columns + group)
         take_more(forces.taken, columns, group, less_i + across * (Q_o - guess_o), less_o + across * (Q_i - guess_i))

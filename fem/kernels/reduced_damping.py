@@ -5,7 +5,7 @@ the hub: rollers are eliminated, two equations of the hub's velocity are left.
 """
 
 from fem.kernels.jit import part, verb
-from fem.kernels.lane_functions import larger, logarithm, smaller
+from fem.kernels.lane_functions import logarithm, maximum, minimum
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.law import STEEPEST
@@ -27,7 +27,7 @@ from fem.kernels.shaft import give_way, mobility
 def damping_coefficient(dampers, law, Q):
     """N s/m, of eight contacts under forces of their laws, N; 0 of open ones."""
     closed = Q > 0.0
-    soft = law.A * larger(law.B - 0.5 * logarithm(select(closed, smaller(Q, law.Q_line), 1.0)) - 0.5, STEEPEST)
+    soft = law.A * maximum(law.B - 0.5 * logarithm(select(closed, minimum(Q, law.Q_line), 1.0)) - 0.5, STEEPEST)
     found = dampers.constant + dampers.time / soft + 1.5 * dampers.hunt_crossley * Q
     return select(closed, found, 0.0)
 
@@ -53,7 +53,7 @@ def damped_neighbours(dampers, law, at, Q, P, rate, mobility_dt):
         return P
     c = damping_coefficient(dampers, law, Q)
     half = 0.5 * mobility_dt
-    F = larger(c * (rate - half * P) / (1.0 + c * half), -P)
+    F = maximum(c * (rate - half * P) / (1.0 + c * half), -P)
     F = select(Q > 0.0, F, 0.0)
     store(dampers.force, at, F)
     store(dampers.pair_work, 0, load(dampers.pair_work, 0) + F * (rate - half * (P + F)))
@@ -134,9 +134,9 @@ def _give(dampers, bodies, forces, drive, hub_x, hub_y):
         ox, oy = load(forces.normal, 2 * columns + group), load(forces.normal, 3 * columns + group)
         facing, c_o = ix * ox + iy * oy, load(dampers.coefficient, at)
         F_i = load(dampers.force, group) + load(dampers.gain, group) * (hub_x * ix + hub_y * iy)
-        F_i = select(there & (load(forces.force, group) > 0.0), larger(F_i, -load(forces.kick, group)), 0.0)
+        F_i = select(there & (load(forces.force, group) > 0.0), maximum(F_i, -load(forces.kick, group)), 0.0)
         F_o = c_o * (load(dampers.rate, at) + half * facing * F_i) / (1.0 + c_o * half)
-        F_o = select(there & (load(forces.force, at) > 0.0), larger(F_o, -load(forces.kick, at)), 0.0)
+        F_o = select(there & (load(forces.force, at) > 0.0), maximum(F_o, -load(forces.kick, at)), 0.0)
         store(dampers.force, group, F_i)
         store(dampers.force, at, F_o)
         T_i, T_o = push_along(forces.slope, bodies, forces, drive, group, (F_i, F_o), (splat(0.0), splat(0.0)))

@@ -8,9 +8,9 @@ import numpy as np
 from fem.kernels.contact_kernels import next_rollers
 from fem.kernels.drive import speed_of
 from fem.kernels.jit import part
-from fem.kernels.lane_functions import larger
+from fem.kernels.lane_functions import maximum
 from fem.kernels.lane_memory import gather, load, scatter_add, store
-from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, root, select, splat, total
+from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, square_root, total
 from fem.kernels.law import SLIP_FLOOR, contact_force, creep_traction, kick_force
 from fem.kernels.reduced_damping import damped_neighbours, no_dampers
 from fem.kernels.reduced_housing import ring_velocity
@@ -32,11 +32,11 @@ def tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o):
     along = vy * ix - vx * iy
     slip = along - (hub_y * ix - hub_x * iy)
     slip -= spin * bodies.radius + speed_of(drive.course, drive) * drive.inner_radius
-    rolling = magnitude(spin - along * (1.0 / compliance.reach)) * bodies.radius
+    rolling = absolute(spin - along * (1.0 / compliance.reach)) * bodies.radius
     T_i = creep(compliance.inner, compliance, forces, drive, INNER, columns * INNER + group, Q_i, slip, rolling)
     ring_x, ring_y = ring_velocity(bodies.housing)
     along = (vy - ring_y) * ox - (vx - ring_x) * oy
-    rolling = magnitude(spin - along * (1.0 / compliance.track)) * bodies.radius
+    rolling = absolute(spin - along * (1.0 / compliance.track)) * bodies.radius
     slip = along + spin * bodies.radius
     T_o = creep(compliance.outer, compliance, forces, drive, OUTER, columns * OUTER + group, Q_o, slip, rolling)
     drive.sums[1] += speed_of(drive.course, drive) * drive.inner_radius * drive.dt * total(T_i)
@@ -47,7 +47,7 @@ def tractions(bodies, compliance, forces, drive, before, group, Q_i, Q_o):
 def creep(law, compliance, forces, drive, row, at, Q, slip, rolling):
     """Tractions of eight contacts, N, and what they dissipate. Nine arguments: registers of one contact."""
     last, soft, dt = load(forces.traction, at), compliance.tangential[row], drive.dt
-    full_slip = larger(drive.friction * law.curvature * root(law.half_width_factor * Q) * rolling, SLIP_FLOOR)
+    full_slip = maximum(drive.friction * law.curvature * square_root(law.half_width_factor * Q) * rolling, SLIP_FLOOR)
     free = slip - last * (soft / dt)
     T, left = creep_traction(free, drive.friction * Q, full_slip, soft / dt)
     T, left = select(Q > 0.0, -T, 0.0), select(Q > 0.0, left, free)
@@ -73,7 +73,7 @@ def press_neighbours(bodies, compliance, forces, drive, before, reach):
             store(forces.traction, at, splat(0.0))
             no_dampers(forces.dampers, at)
             continue
-        distance = select(near, root(square), 1.0)
+        distance = select(near, square_root(square), 1.0)
         nx, ny = x / distance, y / distance
         approach = select(near, 2.0 * bodies.radius - distance, -1.0)
         Q = contact_force(approach, law.A, law.B, law.Q_line, load(forces.force, at))
@@ -88,7 +88,7 @@ def press_neighbours(bodies, compliance, forces, drive, before, reach):
             slip -= (gather(before.velocity, i) - load(before.velocity, group)) * ny
             slip -= (gather(before.spin, i) + load(before.spin, group)) * bodies.radius
             T = creep(law, compliance, forces, drive, NEXT, at, Q, slip, splat(0.0))
-        store(forces.fastest, 0, larger(load(forces.fastest, 0), magnitude(Q - load(forces.force, at))))
+        store(forces.fastest, 0, maximum(load(forces.fastest, 0), absolute(Q - load(forces.force, at))))
         store(forces.force, at, Q)
         store(forces.approach, at, select(near, approach, np.nan))
         store(forces.kick, at, P)

@@ -4,12 +4,12 @@ import numpy as np
 
 from fem.kernels.drive import GAIN, SPEED
 from fem.kernels.jit import part, verb
-from fem.kernels.lane_functions import larger, smaller
+from fem.kernels.lane_functions import maximum, minimum
 from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import WIDTH, any_lane, count_from, magnitude, select, splat, total
+from fem.kernels.lanes import WIDTH, absolute, any_lane, count_from, select, splat, total
 from fem.kernels.law import kick_force
 from fem.kernels.prescribed_rollers import along_ray
-from fem.kernels.reduced_contacts import both_forces, felt, level, store_pair, take_more, wrap
+from fem.kernels.reduced_contacts import both_forces, coupled_approach, level, store_pair, take_more, wrap
 from fem.kernels.reduced_friction import tractions
 from fem.kernels.reduced_housing import TWELFTH, ring_acceleration
 from fem.kernels.reduced_modes import push_modes
@@ -110,7 +110,7 @@ def _shift(forces, drive, row, group, Q):
 @part
 def no_less(Q, more):
     """What eight forces, N, >= 0, gain: open contacts nothing, others no less than what they have."""
-    return select(Q > 0.0, larger(more, -Q), 0.0)
+    return select(Q > 0.0, maximum(more, -Q), 0.0)
 
 
 @part
@@ -158,8 +158,8 @@ def _less_by_neighbours(asked, compliance, forces, columns, group, inner, outer)
     """Changes of eight rollers' approaches, m, less what `_tell_neighbours` has said that neighbours take."""
     if asked is None:
         return inner, outer
-    felt_i = felt(compliance, forces, forces.gained, INNER, group)
-    felt_o = felt(compliance, forces, forces.gained, OUTER, group)
+    felt_i = coupled_approach(compliance, forces, forces.gained, INNER, group)
+    felt_o = coupled_approach(compliance, forces, forces.gained, OUTER, group)
     take_more(forces.taken, columns, group, felt_i, felt_o)
     return inner - felt_i, outer - felt_o
 
@@ -172,7 +172,7 @@ def _kicked(law, forces, dt, at, ahead, opening, Q, there):
     """
     approach = load(forces.first, at) + ahead
     free = approach
-    approach = select(Q > 0.0, larger(approach, 1e-30), select(approach > 0.0, 0.0, approach))
+    approach = select(Q > 0.0, maximum(approach, 1e-30), select(approach > 0.0, 0.0, approach))
     note_strikes(forces.radiation, load(forces.approach, at), approach, at, there, dt)
     B_before, B = level(law, forces.bracket, at), level(law, forces.bracket_now, at)
     P, residual = kick_force(
@@ -210,8 +210,8 @@ def repay(forces, at, approach, P, residual, grown, opening):
     behind = select(opens, approach - before + grown, -1.0)
     ahead = behind + further * (1.0 / TWELFTH)
     most = load(forces.force, at)
-    more = (2.0 * residual - ahead * P) / smaller(ahead + behind, behind)
-    more = select(opens, share * larger(smaller(more, most), -most), 0.0)
+    more = (2.0 * residual - ahead * P) / minimum(ahead + behind, behind)
+    more = select(opens, share * maximum(minimum(more, most), -most), 0.0)
     return P + more, residual - 0.5 * behind * more
 
 
@@ -264,8 +264,8 @@ def _bounded(forces, taken, at, approach, P, Q, residual):
     if taken is None:
         return P, residual, splat(0.0)
     before, Q_before, last = load(forces.approach, at), load(forces.force, at), at + taken.size // 2
-    most = larger(Q, Q_before)
-    given = larger(smaller(P, Q + most), Q - most)
+    most = maximum(Q, Q_before)
+    given = maximum(minimum(P, Q + most), Q - most)
     grown = load(taken, at) - load(taken, last)
     store(taken, last, load(taken, at))
     owed = 0.5 * (approach - before) * (P - given) + 0.5 * grown * (Q - given + Q_before - load(forces.kick, at))
@@ -276,6 +276,6 @@ def _bounded(forces, taken, at, approach, P, Q, residual):
 def _expect(forces, at, row, Q):
     """Guess the next step's forces, in a straight line from the last two; they become the last ones."""
     last = load(forces.force, row)
-    store(forces.fastest, 0, larger(load(forces.fastest, 0), magnitude(Q - last)))
-    store(forces.guess, at, select((Q > 0.0) & (last > 0.0), larger(2.0 * Q - last, 0.0), Q))
+    store(forces.fastest, 0, maximum(load(forces.fastest, 0), absolute(Q - last)))
+    store(forces.guess, at, select((Q > 0.0) & (last > 0.0), maximum(2.0 * Q - last, 0.0), Q))
     store(forces.force, row, Q)

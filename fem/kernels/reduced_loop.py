@@ -19,7 +19,7 @@ from fem.kernels.drive import (
 from fem.kernels.isolated_contacts import Isolated, find_isolated, isolated_damping, kick_isolated
 from fem.kernels.jit import kernel, part, verb
 from fem.kernels.prescribed_rollers import hold, note_held, prescribe, write_held
-from fem.kernels.reduced_contacts import estimate_forces, set_right, sweep_again
+from fem.kernels.reduced_contacts import corrected_forces, estimate_forces, gauss_seidel_sweeps
 from fem.kernels.reduced_damping import damp_contacts, damping_coefficients, note_damped, write_damping
 from fem.kernels.reduced_friction import press_neighbours
 from fem.kernels.reduced_housing import (
@@ -129,8 +129,8 @@ def _find_forces(compliance, bodies, forces, drive, time, inside):
     if inside % AGAIN == 0:
         follow_angles(bodies, compliance, forces)
     estimate_forces(bodies, compliance, forces, drive, turn_at(drive.course, drive, time))
-    sweep_again(bodies.vibrations, bodies, compliance, forces)
-    return set_right(bodies, compliance, forces)
+    gauss_seidel_sweeps(bodies.vibrations, bodies, compliance, forces)
+    return corrected_forces(bodies, compliance, forces)
 
 
 @verb

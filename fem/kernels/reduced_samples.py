@@ -13,7 +13,7 @@ from fem.kernels.jit import part, verb
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.law import stored_energy
-from fem.kernels.reduced_contacts import felt, wrap
+from fem.kernels.reduced_contacts import coupled_approach, wrap
 from fem.kernels.reduced_housing import TWELFTH, ring_place, ring_rates
 from fem.kernels.reduced_modes import carried_by, vibration_energies
 from fem.kernels.reduced_state import INNER, NEXT, OUTER
@@ -183,7 +183,7 @@ def _contact_energy(compliance, bodies, forces, drive, before, group):
     for row in range(2):
         own += _curved(bodies, forces, drive, before, row, group) - _yet_to_give(bodies, forces, drive, row, group)
         others = load(forces.lifted, row * columns + group)
-        others += 0.5 * felt(compliance, forces, forces.gained, row, group)
+        others += 0.5 * coupled_approach(compliance, forces, forces.gained, row, group)
         own += others * load(forces.force, row * columns + group)
     own += _stored(compliance.inner, compliance, forces, INNER, columns, group)
     own += _stored(compliance.outer, compliance, forces, OUTER, columns, group)

@@ -91,7 +91,7 @@ class Compliance(NamedTuple):
     track: float  # m, and the outer ring
     sag: tuple[float, float]  # m, by which the raceways' centres lie below hub and outer ring, by the rings' own weight
     across: float  # m/N, approach of a roller's contact by the force on its other one
-    told: float  # share of what forces gain by their own contacts that others are told of: see `reduced_contacts`
+    relaxation_factor: float  # of the force increments that neighbours use: see `reduced_contacts`
     distance: np.ndarray  # (neighbours,), in rollers, of contacts that are felt along a ring: −1, 1, −2 ...
     felt: np.ndarray  # (2, 2), whole: by row, of how many of these compliances follow angles, and how many count
     along: np.ndarray  # (2, neighbours), m/N, at equal angles

@@ -2,7 +2,7 @@
 
 from fem.kernels.drive import speed_of
 from fem.kernels.jit import part
-from fem.kernels.lane_functions import arc_tangent, larger, smaller
+from fem.kernels.lane_functions import arc_tangent, maximum, minimum
 from fem.kernels.lane_memory import load, store
 from fem.kernels.lanes import WIDTH, count_from, select, splat, total
 from fem.kernels.prescribed_rollers import take_moment
@@ -31,7 +31,7 @@ def follow_angles(bodies, compliance, forces):
             for group in range(0, bodies.n, WIDTH):
                 at, to = forces.halo + group, (row * neighbours + k) * columns + group
                 off = load(strayed, at + distance) - load(strayed, at)
-                x = larger(smaller(off, most), -most)
+                x = maximum(minimum(off, most), -most)
                 store(forces.along, to, along + x * (steep + x * (a + x * (b + x * (c + x * d)))))
                 slope = steep + x * (2.0 * a + x * (3.0 * b + x * (4.0 * c + x * (5.0 * d))))
                 store(forces.steep, to, select(x == off, slope, 0.0))

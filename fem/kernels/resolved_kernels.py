@@ -20,7 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.kernels.contact_kernels import first_surface, next_roller, press
+from fem.kernels.contact_kernels import first_surface, next_roller, normal_forces
 from fem.kernels.jit import every, part, verb
 from fem.kernels.law import MOST_REPAID, REPAID
 from fem.kernels.patches import chord
@@ -71,8 +71,8 @@ def _meet_neighbours(pair, j, rollers):
 
 @verb
 def press_points(pair, rollers, disc, contacts, drive):
-    """Forces of a pair at the present positions, and their impulses in a step; of other pairs than contacts `press`."""
-    press(pair, rollers, disc, contacts, drive)
+    """Forces of a pair at the present positions and their impulses in a step; of no contacts `normal_forces`."""
+    normal_forces(pair, rollers, disc, contacts, drive)
 
 
 @press_points.of(*CONTACTS)
@@ -387,7 +387,7 @@ def _share_disc(disc, patches, side, j, total):
     for k in range(patches.weight.shape[1]):
         node = disc.first + (side.start + k) % disc.n_nodes
         patches.place[side.patch, k, j] = node * 2 * disc.columns + side.column
-        patches.lightness[side.patch, k, j] = disc.lightness[node]
+        patches.inverse_mass[side.patch, k, j] = disc.inverse_mass[node]
 
 
 @_share.of(RingSurface)

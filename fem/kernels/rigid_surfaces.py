@@ -10,10 +10,17 @@ from fem.kernels.jit import verb
 from fem.kernels.lane_memory import gather, load, store
 from fem.kernels.lanes import WIDTH, splat, total
 from fem.kernels.state import Hub, RigidDisc
-from fem.kernels.surfaces import body_mobility, body_motion, grip, push, push_body, sideways
+from fem.kernels.surfaces import (
+    body_mobility,
+    body_motion,
+    push_body,
+    scatter_normal_force,
+    tangential_mobility,
+    tangential_velocity,
+)
 
 
-@push.of(Hub)
+@scatter_normal_force.of(Hub)
 def _push_hub(hub, patches, side, group, impulse):
     at = side * patches.columns + group  # of the pair's normals: the hub is on side 0
     hub.impulse[0] += total(impulse * load(patches.normal, at))
@@ -21,12 +28,12 @@ def _push_hub(hub, patches, side, group, impulse):
     return 0.0
 
 
-@grip.of(Hub)
+@tangential_mobility.of(Hub)
 def _grip_hub(hub, patches, side, group):
     return splat(body_mobility(hub))
 
 
-@sideways.of(Hub)
+@tangential_velocity.of(Hub)
 def _sideways_hub(hub, patches, side, group, column, nx, ny):
     return hub.velocity[1] * nx - hub.velocity[0] * ny + speed_of(hub.course, hub) * hub.radius
 
@@ -53,12 +60,12 @@ def _hub_motion(hub, column, nx, ny):
     return hub.velocity[1] * nx - hub.velocity[0] * ny, splat(0.0)
 
 
-@grip.of(RigidDisc)
+@tangential_mobility.of(RigidDisc)
 def _grip_disc(disc, patches, side, group):
     return splat(body_mobility(disc))
 
 
-@sideways.of(RigidDisc)
+@tangential_velocity.of(RigidDisc)
 def _sideways_disc(disc, patches, side, group, column, nx, ny):
     return gather(disc.spin, column) * disc.radius
 

@@ -10,19 +10,19 @@ from fem.kernels.patches import N_NODES, combined, dot, products, put, take, tim
 from fem.kernels.ring_kernels import HALO
 from fem.kernels.state import RingSurface
 from fem.kernels.surfaces import (
+    accumulate_ghost_nodes,
+    clear_ghost_nodes,
+    fill_ghost_nodes,
     first_weight,
-    gather_seam,
-    grip,
+    interpolate_displacement,
+    locate_patch,
     out_of_surface,
     place_patch,
-    push,
-    push_along,
-    push_both_ways,
-    put_down,
-    read,
-    seal,
-    sideways,
-    unseal,
+    scatter_force,
+    scatter_normal_force,
+    scatter_tangential_force,
+    tangential_mobility,
+    tangential_velocity,
 )
 
 
@@ -38,12 +38,12 @@ def _ahead(ring, bx, by, node):
     return combined(c, steps_c, s, steps_s), combined(s, steps_c, -c, steps_s)
 
 
-@put_down.of(RingSurface)
+@locate_patch.of(RingSurface)
 def _put_down(ring, patches, side, group):
     place_patch(patches, side, group, ring.n_nodes)
 
 
-@read.of(RingSurface)
+@interpolate_displacement.of(RingSurface)
 def _read(ring, patches, side, group, column):
     columns, width = patches.columns, ring.cosines.size
     at, out = first_weight(patches, side, group), 2 * side * columns + group
@@ -87,7 +87,7 @@ def _give_all(ring, patches, side, group, radial, around, impulse):
     return moment
 
 
-@push.of(RingSurface)
+@scatter_normal_force.of(RingSurface)
 def _push(ring, patches, side, group, impulse):
     return _give_all(ring, patches, side, group, patches.along, patches.across, impulse)
 
@@ -105,7 +105,7 @@ def _out_of_surface(ring, patches, side, group):
     return out, light * (1.0 / ring.node_mass)
 
 
-@grip.of(RingSurface)
+@tangential_mobility.of(RingSurface)
 def _grip(ring, patches, side, group):
     at, columns = first_weight(patches, side, group), patches.columns
     x, slope, mobility = splat(0.0), splat(0.0), splat(0.0)
@@ -124,7 +124,7 @@ def _grip(ring, patches, side, group):
     return mobility * (1.0 / ring.node_mass)
 
 
-@sideways.of(RingSurface)
+@tangential_velocity.of(RingSurface)
 def _sideways(ring, patches, side, group, column, nx, ny):
     at, columns, width = first_weight(patches, side, group), patches.columns, ring.cosines.size
     found = splat(0.0)
@@ -135,12 +135,12 @@ def _sideways(ring, patches, side, group, column, nx, ny):
     return found
 
 
-@push_along.of(RingSurface)
+@scatter_tangential_force.of(RingSurface)
 def _push_along(ring, patches, side, group, impulse):
     return _give_all(ring, patches, side, group, patches.traction_x, patches.traction_y, impulse)
 
 
-@push_both_ways.of(RingSurface)
+@scatter_force.of(RingSurface)
 def _push_both_ways(ring, patches, side, group, impulse, around):
     at, columns, moment = first_weight(patches, side, group), patches.columns, splat(0.0)
     for unit in range(len(patches.units)):
@@ -151,7 +151,7 @@ def _push_both_ways(ring, patches, side, group, impulse, around):
     return moment
 
 
-@seal.of(RingSurface)
+@fill_ghost_nodes.of(RingSurface)
 def _seal(ring):
     w, width = ring.w, ring.cosines.size
     for component in range(2):
@@ -159,7 +159,7 @@ def _seal(ring):
         store(w, line + width - HALO, load(w, line + HALO))
 
 
-@unseal.of(RingSurface)
+@clear_ghost_nodes.of(RingSurface)
 def _unseal(ring):
     w, width = ring.w, ring.cosines.size
     for component in range(2):
@@ -167,7 +167,7 @@ def _unseal(ring):
         store(w, line + width - HALO, splat(0.0))
 
 
-@gather_seam.of(RingSurface)
+@accumulate_ghost_nodes.of(RingSurface)
 def _gather_seam(ring):
     w, width = ring.w, ring.cosines.size
     for component in range(2):

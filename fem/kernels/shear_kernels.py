@@ -19,9 +19,9 @@ Source: Hairer, Lubich and Wanner, Acta Numerica 12 (2003) 399, on leapfrog; Ela
 """
 
 from fem.kernels.jit import part
-from fem.kernels.lane_functions import larger, smaller
+from fem.kernels.lane_functions import maximum, minimum
 from fem.kernels.lane_memory import gather, load, store
-from fem.kernels.lanes import WIDTH, magnitude, select, splat
+from fem.kernels.lanes import WIDTH, absolute, select, splat
 from fem.kernels.law import STEEPEST, creep_traction
 
 
@@ -59,7 +59,7 @@ def pull(shear, contacts, pair, row, dt, limit, full_slip):
     stretch = compliance * force
     slid = (stretched - stretch) * (1.0 / dt) + 0.5 * load(shear.creep, row)
     store(shear.stretch, row, stretch)
-    store(shear.creep, row, select(closed, select(magnitude(force) >= limit, slid, creep), 0.0))
+    store(shear.creep, row, select(closed, select(absolute(force) >= limit, slid, creep), 0.0))
     store(shear.since, row, select(closed, splat(dt), 0.0))
     return force
 
@@ -72,8 +72,8 @@ def _follow(shear, forces, pair, row):
     level = gather(shear.level, pair.row) - load(forces.bracket, row)
     # approach over force is A (bracket − ½ ln Q): saves a logarithm
     soft = select(closed, load(forces.approach, row), 0.0) / select(closed, Q, 1.0) + law.A * level
-    soft = larger(soft, STEEPEST * law.A)
-    kept = select(closed, smaller(soft / load(shear.compliance, row), 1.0), 0.0)
+    soft = maximum(soft, STEEPEST * law.A)
+    kept = select(closed, minimum(soft / load(shear.compliance, row), 1.0), 0.0)
     store(shear.compliance, row, soft)
     store(shear.stretch, row, kept * load(shear.stretch, row))
     return soft

@@ -84,7 +84,7 @@ class DiscSurface(NamedTuple):
     w: np.ndarray
     v: np.ndarray
     points: np.ndarray
-    lightness: given("n_nodes + 8")  # 1/kg, inverse masses; the surface's first eight once more
+    inverse_mass: given("n_nodes + 8")  # 1/kg, inverse masses; the surface's first eight once more
     impulse: np.ndarray  # (2, columns), N s, of this step, through nodes
     ripple: given("n_knots")  # of the law below the grid, `law.with_seam`; empty without one
     first: int
@@ -230,7 +230,7 @@ class Patches(NamedTuple):
     start: state("2 * pairs, columns", dtype=np.int64)  # first surface node or sector
     position: state("2 * pairs, columns")  # in node spacings
     beyond: state("2 * pairs, columns")  # of it past a node
-    motion: state("2 * pairs, 5, columns")  # see `surfaces.read`
+    motion: state("2 * pairs, 5, columns")  # see `surfaces.interpolate_displacement`
     # of nodes in the bodies' arrays; of a ring the first of every six
     place: state("2 * pairs, entries, columns", dtype=np.int64)
     weight: state("2 * pairs, entries, columns")
@@ -241,7 +241,7 @@ class Patches(NamedTuple):
     # what a unit traction does to nodes, W g: radial on a ring, else x
     traction_x: state("2 * pairs, entries, columns")
     traction_y: state("2 * pairs, entries, columns")  # tangential or y
-    lightness: state("2 * pairs, entries, columns")  # of a roller's nodes, 1/kg
+    inverse_mass: state("2 * pairs, entries, columns")  # of a roller's nodes, 1/kg
     columns: int
     units: tuple[int, ...]  # m entries: what nodes carry of a contact is kept for 6 m of them
 

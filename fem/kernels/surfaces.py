@@ -21,18 +21,18 @@ from math import pi
 from fem.kernels.jit import part, verb
 from fem.kernels.lane_functions import arc_tangent
 from fem.kernels.lane_memory import load, store
-from fem.kernels.lanes import real, select, splat, whole
+from fem.kernels.lanes import select, splat, to_float, to_int
 from fem.kernels.law import spline_at
 from fem.kernels.patches import N_NODES, first_node
 
 
 @verb
-def put_down(surface, patches, side, group):
+def locate_patch(surface, patches, side, group):
     """Put patches around their outward directions b, of a ring radial ones: positions and first nodes."""
 
 
 @verb
-def read(surface, patches, side, group, column):
+def interpolate_displacement(surface, patches, side, group, column):
     """Weights of patches that have been put down, and the motion there.
 
     Returns outward motion U·b, sideways motion U·Jb, dU/ds·b per rad, ripple of A·B, its slope per rad. That is the
@@ -44,7 +44,7 @@ def read(surface, patches, side, group, column):
 
 @part
 def keep_motion(patches, side, group, found):
-    """Keep what `read` has found."""
+    """Keep what `interpolate_displacement` has found."""
     out, sideways, rate, ripple, ripple_rate = found
     at, columns = 5 * side * patches.columns + group, patches.columns
     store(patches.motion, at, out)
@@ -63,7 +63,7 @@ def kept_motion(patches, side, group):
 
 
 @verb
-def push(surface, patches, side, group, impulse):
+def scatter_normal_force(surface, patches, side, group, impulse):
     """Spread impulses, N s, along b over patches; returns their moments about the origin, N m s."""
     return 0.0
 
@@ -76,26 +76,26 @@ def out_of_surface(surface, patches, side, group):
 
 
 @verb
-def grip(surface, patches, side, group):
+def tangential_mobility(surface, patches, side, group):
     """Mobilities of patches, 1/kg; keeps what a unit traction does to their nodes, W g, for what follows."""
     return splat(0.0)
 
 
 @verb
-def sideways(surface, patches, side, group, column, nx, ny):
+def tangential_velocity(surface, patches, side, group, column, nx, ny):
     """Velocity of surfaces along t = Jn, m/s; of a roller relative to its centre of mass and against a clock."""
     return splat(0.0)
 
 
 @verb
-def push_along(surface, patches, side, group, impulse):
+def scatter_tangential_force(surface, patches, side, group, impulse):
     """Spread impulses, N s, counter-clockwise along surfaces over patches; their moments about the origin, N m s."""
     return 0.0
 
 
 @verb
-def push_both_ways(surface, patches, side, group, impulse, around):
-    """`push` and `push_along` in one pass."""
+def scatter_force(surface, patches, side, group, impulse, around):
+    """`scatter_normal_force` and `scatter_tangential_force` in one pass."""
     return 0.0
 
 
@@ -106,17 +106,17 @@ def count_impulse(surface, column, x, y):
 
 
 @verb
-def seal(surface):
+def fill_ghost_nodes(surface):
     """Repeat the velocities of a raceway's first nodes behind its last."""
 
 
 @verb
-def unseal(surface):
+def clear_ghost_nodes(surface):
     """Empty the room behind a raceway's last node, where impulses on its first ones may go."""
 
 
 @verb
-def gather_seam(surface):
+def accumulate_ghost_nodes(surface):
     """Give the first nodes of a raceway what has gone behind its last."""
 
 
@@ -167,11 +167,11 @@ def place_patch(patches, side, group, n_nodes):
     columns = patches.columns
     out = 2 * side * columns + group
     position = place(load(patches.outward, out), load(patches.outward, out + columns), n_nodes)
-    base = whole(position)
+    base = to_int(position)
     base = select((base >= 0) & (base < n_nodes), base, 0)  # where it is not a number memory would be read elsewhere
     node = first_node(base)
     store(patches.position, side * columns + group, position)
-    store(patches.beyond, side * columns + group, position - real(base))
+    store(patches.beyond, side * columns + group, position - to_float(base))
     store(patches.start, side * columns + group, select(node < 0, node + n_nodes, node))
 
 

@@ -131,7 +131,9 @@ def disc_surface(model: "Model", rollers: Rollers, disc: Disc, data: "KernelData
         w=disc.w,
         v=disc.v,
         points=disc.points,
-        lightness=at_line(1.0 / np.append(disc.mass, np.resize(disc.mass[model.roller.first_surface_node :], WIDTH))),
+        inverse_mass=at_line(
+            1.0 / np.append(disc.mass, np.resize(disc.mass[model.roller.first_surface_node :], WIDTH))
+        ),
         impulse=rollers.node_impulse,
         ripple=at_line(with_seam(data.ripples[ROLLER])),
         first=model.roller.first_surface_node,

@@ -50,7 +50,7 @@ class ReducedPlan(CompiledPlan):
     model: ReducedBearing
     operation: Operation
     tangential: np.ndarray  # (3,), m/N, of contacts that stick under the largest static force
-    told: float  # share of what forces gain at first, that other contacts are told of
+    relaxation_factor: float  # share of what forces gain at first, that other contacts are told of
     waves: UnseenWaves
     strikes: bool  # whether bodies may strike each other: then accounts of energy are kept that others need not
     start: ReducedStart
@@ -190,7 +190,7 @@ def make_plan(scene: Scene) -> ReducedPlan:
         model=model,
         operation=operation,
         tangential=tangential,
-        told=share_told(strongest_coupling(model, LOAD_MARGIN * largest)),
+        relaxation_factor=relaxation_factor(strongest_coupling(model, LOAD_MARGIN * largest)),
         waves=unseen_waves(bearing, operation.inner_mass, modes),
         strikes=scene.cage is not None or may_strike(scene, operation),
         start=start,
@@ -262,7 +262,7 @@ def strongest_coupling(model: ReducedBearing, force: float) -> float:
     return max(float(np.linalg.eigvals(stiff[:, :, None].T * along.T[:, None, :]).real.max()), 0.0)
 
 
-def share_told(coupling: float) -> float:
+def relaxation_factor(coupling: float) -> float:
     """Share of what forces gain by their own contact that others are told of, by their `strongest_coupling`.
 
     All of it, which leaves −λ³ of what a guess was off by, and grows by turns from a third on; or, of strong couplings,

@@ -88,7 +88,7 @@ def contact_compliance(plan: "ReducedPlan", columns: int) -> Compliance:
         track=float(track - model.roller_growth),
         sag=model.sag,
         across=model.across,
-        told=plan.told,
+        relaxation_factor=plan.relaxation_factor,
         **vars(model.rings),
         apart=np.array([np.cos(apart), np.sin(apart)]),
         tangential=plan.tangential,

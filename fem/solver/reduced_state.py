@@ -233,7 +233,7 @@ class ReducedState(RowState):
             c.track,
             *c.sag,
             c.across,
-            c.told,
+            c.relaxation_factor,
             *c.tangential,
             *c.distance,
             *c.felt.flat,

@@ -153,7 +153,7 @@ def press_groups(state: Arrays, groups: tuple) -> None:
 
 
 def find_slips(state: Arrays, turn_kick: np.ndarray, out: np.ndarray) -> None:
-    """How a state's patches grip and slip; see `fem.kernels.friction_kernels.slip_pair`."""
+    """How a state's patches grip and slip; see `fem.kernels.friction_kernels.slip_velocity`."""
     _slips(state.groups, state.bodies.rollers, state.bodies.surface, state.contacts, turn_kick, out)
 
 

@@ -17,6 +17,7 @@ ENGINEERING = {  # by the SI unit: the factor, and the unit that numbers printed
     "rad/s": (1.0 / tau, "Hz"),
     "m/s2": (1.0 / G, "g"),
     "N/m": (1e-6, "N/µm"),
+    "Pa": (1e-6, "MPa"),
     "1": (1.0, ""),
 }
 

@@ -88,6 +88,9 @@ def _run(
     bearing: Annotated[str | None, Parameter(help="a standard bearing in place of the scene's: NU204 to NU216")] = None,
     set: Annotated[list[str] | None, Parameter(help="any scene key: table.key=value; repeatable", negative="")] = None,
     dry_run: Annotated[bool, Parameter(negative="", help="check, show the plan and run nothing")] = False,
+    converge: Annotated[
+        bool, Parameter(negative="", help="show statics on three meshes with Richardson's value and run nothing")
+    ] = False,
     resume: Annotated[bool, Parameter(negative="", help="go on from the output file's checkpoint")] = False,
     force: Annotated[bool, Parameter(negative="", help="replace a complete run of another scene")] = False,
     estimate_error: Annotated[
@@ -121,6 +124,8 @@ def _run(
         raise UsageError(f"--output {path}: is a folder; name a file in it")
     if checkpoint is not None and not checkpoint >= 0.0:
         raise UsageError(f"--checkpoint {checkpoint:g}: must be a number of seconds >= 0")
+    if converge:
+        return _show_meshes(chosen)
     from fem.result.earlier import refuse_another_run
     from fem.runner import RunOptions, run_scene, show_plan
 
@@ -130,6 +135,17 @@ def _run(
         refuse_another_run(path, chosen)
     options = RunOptions(resume=resume, quiet=quiet, estimate_error=estimate_error, checkpoint_seconds=checkpoint)
     return run_scene(chosen, path, options).code
+
+
+def _show_meshes(scene) -> int:
+    from fem.commands.summary import print_meshes
+    from fem.solver.mesh_convergence import mesh_table
+    from lagrange.messages import telling
+
+    found = mesh_table(scene)
+    with telling():
+        print_meshes(scene.name, found)
+    return Outcome.COMPLETE.code
 
 
 def _write_example(name: str, path: Path | None, force: bool) -> int:

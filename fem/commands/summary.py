@@ -21,6 +21,7 @@ from lagrange.scene.scene import Scene
 
 if TYPE_CHECKING:
     from fem.solver.error_estimate import Estimate
+    from fem.solver.mesh_convergence import MeshTable
 
 LEAST_ERROR = 1e-5  # relative; less is the round-off of two solutions
 
@@ -42,6 +43,27 @@ def print_plan(plan: Plan) -> None:
         console.print(f"{name + ':':30s} {value}", soft_wrap=True)
     _print_choices(console, plan, seconds)
     _print_cautions(console, (*plan.remarks, *plan.cautions))
+
+
+def print_meshes(name: str, found: "MeshTable") -> None:
+    """Statics on meshes, Richardson's values and those of the exact series."""
+    console = Console(highlight=False)
+    told = found.meshes[0].quantities
+    table = Table(title=f"Statics of {escape(shown(name))} by mesh", title_justify="left")
+    for heading in ("mesh, mm", "nodes", *(quantity.meaning for quantity in told)):
+        table.add_column(heading, justify="right")
+    units = [engineering(quantity.unit) for quantity in told]
+
+    def row(values: Iterable[float | None]) -> list[str]:
+        pairs = zip(values, units, strict=True)
+        return ["" if value is None else f"{factor * value:.6g} {unit}" for value, (factor, unit) in pairs]
+
+    for mesh in found.meshes:
+        table.add_row(f"{mesh.size:.3g}", str(mesh.nodes), *row(q.value for q in mesh.quantities))
+    table.add_row("Richardson", "", *row(found.extrapolated))
+    if any(value is not None for value in found.exact):
+        table.add_row("exact series", "", *row(found.exact))
+    console.print(table)
 
 
 def _of_the_bearing(scene: Scene) -> dict[str, str]:

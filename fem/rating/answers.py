@@ -392,7 +392,7 @@ DECLARED: tuple[_Declared, ...] = (
     ("operating_clearance_um", "µm", "diametral clearance in operation", s.CLEARANCE,
      lambda c: sum(part for part in c.clearance_parts.values() if part is not None)),
     ("operating_clearance_parts_um", "µm", "parts of that clearance", s.CLEARANCE, lambda c: c.clearance_parts),
-    ("stiffness_N_per_m", "N/m", "stiffness [[kxx, kxy], [kyx, kyy]], mean over a pitch", s.LINEARISED,
+    ("stiffness_N_per_m", "N/m", "stiffness kxx, kxy; kyx, kyy, mean over a pitch", s.LINEARISED,
      lambda c: c.pitch.mean),
     ("stiffness_range_N_per_m", "N/m", "stiffness, lowest and highest by entry", s.LINEARISED, lambda c: c.pitch.range),
     ("stiffness_harmonics_N_per_m", "N/m", "stiffness, amplitudes at 1, 2 ... rollers' passages", s.LINEARISED,

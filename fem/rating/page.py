@@ -32,11 +32,13 @@ def write_page(path: Path, rating: Rating) -> None:
             if answer.value is not None and not isinstance(answer.value, dict)
         ],
         parts=[
-            (f"{answer.meaning}, {name}" if name else answer.meaning, value, answer.source)
+            (f"{answer.meaning}, {name.replace('_', ' ')}", _part(value, answer.unit), answer.source)
             for answer in rating.answers
-            if isinstance(answer.value, dict)
-            for name, value in _parts(answer.value, answer.unit)
+            if isinstance(answer.value, dict) and answer.name != "contacts"
+            for name, value in answer.value.items()
         ],
+        contacts=_contacts(rating["contacts"]),
+        stresses=rating.answer("contacts").source,
         missing=[(answer.meaning, answer.reason) for answer in rating.answers if answer.reason],
         figures=rating_figures(rating.case),
         version=VERSION,
@@ -45,15 +47,20 @@ def write_page(path: Path, rating: Rating) -> None:
     write_whole(path, text.encode())
 
 
-def _parts(value: dict, unit: str) -> list[tuple[str, str]]:
-    """Names and words of what belongs together, one level of groups deep."""
-    found = []
-    for name, each in value.items():
-        if isinstance(each, dict):
-            found += [(f"{name} raceway, {part}", f"{number:.4g}") for part, number in each.items()]
-        else:
-            found.append((name.replace("_", " "), "not in the scene" if each is None else f"{each:.4g} {unit}"))
-    return found
+def _part(value: float | None, unit: str) -> str:
+    return "not in the scene" if value is None else f"{value:.4g} {unit}"
+
+
+def _contacts(found: dict[str, dict[str, float]] | None) -> list[tuple[str, ...]]:
+    """Rows of the table of contact stress: quantity, value on each raceway."""
+    if found is None:
+        return []
+    rows = []
+    for key in next(iter(found.values())):
+        name, _, unit = key.rpartition("_")
+        words = f"{name.replace('_', ' ').replace('von mises', 'von Mises stress')}, {unit.replace('um', 'µm')}"
+        rows.append((words, *(f"{values[key]:.4g}" for values in found.values())))
+    return rows
 
 
 def _verdict(rating: Rating) -> str:

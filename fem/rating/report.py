@@ -43,8 +43,14 @@ def _number(value: Any, factor: float) -> str:
         return f"{scaled:.4g}" if abs(scaled) < 1e4 or abs(scaled) >= 1e7 else f"{scaled:.0f}"
     if np.ndim(value) == 3:
         return " to ".join(_number(each, factor) for each in value)
-    least = 1e-9 * float(np.max(np.abs(value)))  # round-off of what symmetry makes 0
-    return f"[{', '.join(_number(0.0 if np.ndim(e) == 0 and abs(e) < least else e, factor) for e in value)}]"
+    if np.shape(value) == (2, 2):
+        return "; ".join(", ".join(_number(each, factor) for each in _rounded(row, value)) for row in value)
+    return ", ".join(_number(each, factor) for each in _rounded(value, value))
+
+
+def _rounded(values: Any, all_values: Any) -> np.ndarray:
+    """Values with 0 in place of the round-off of what symmetry makes 0."""
+    return np.where(np.abs(values) < 1e-9 * np.max(np.abs(all_values)), 0.0, values)
 
 
 def print_rating(rating: Rating) -> None:

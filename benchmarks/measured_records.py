@@ -22,6 +22,7 @@ from residual.measured.diagnosis import BODIES, DEEP, Diagnosis, Geometry, diagn
 from residual.measured.envelope import HARMONICS
 from residual.measured.signals import Signal
 from residual.measured.synthetic import Truth, drawn, synthetic_record
+from residual.measured.width import damage_width
 
 SPEEDS_OFF = 0.05  # of synthetic records, at most
 NEAR = np.linspace(-3e-3, 3e-3, 31)  # of a line, where its depth is looked for
@@ -29,13 +30,13 @@ NEAR = np.linspace(-3e-3, 3e-3, 31)  # of a line, where its depth is looked for
 
 def measured(folder: Path, tolerance: float, wide: dict[str, float]) -> None:
     """Print the table of a folder."""
-    print("| record | true | verdict | line found / kinematic, Hz | above others, σ | depth | seconds |")
-    print("|---|---|---|---|---|---|---|")
+    print("| record | true | verdict | line found / kinematic, Hz | above others, σ | depth | width, mm | seconds |")
+    print("|---|---|---|---|---|---|---|---|")
     for path in sorted(folder.glob("*.npz")):
         with np.load(path) as file:
             values, rate, shaft = file["x"] * float(file["scale"]), float(file["rate"]), float(file["shaft"])
             count, diameter, pitch, angle = map(float, file["geometry"])
-            label, width = str(file["label"]), float(file["width_mm"])
+            label, known = str(file["label"]), float(file["width_mm"])
         own = next((t for start, t in wide.items() if path.name.startswith(start)), tolerance)
         signal = Signal(name=path.stem, values=values - values.mean(), rate=rate, unit="")
         geometry = Geometry(
@@ -44,10 +45,12 @@ def measured(folder: Path, tolerance: float, wide: dict[str, float]) -> None:
         )  # fmt: skip
         begun = time.process_time()
         found = diagnose(signal, geometry, shaft, 1e-2 * own)
+        width = damage_width(signal, geometry, found)
         best, spent = found.findings[0], time.process_time() - begun
-        true = label + ("" if label == "none" or not width > 0.0 else f", {width:.2f} mm")
+        told = "-" if width.value is None else f"{1e3 * width.value:.2f} ({1e3 * width.low:.2f}–{1e3 * width.high:.2f})"
+        true = label + ("" if label == "none" or not known > 0.0 else f", {known:.2f} mm")
         print(f"| {path.stem} | {true} | {found.verdict} | {best.name} {best.found:.2f} / {best.expected:.2f} | "
-              f"{best.clear:.1f} | {best.depth:.2f} | {spent:.2f} |")  # fmt: skip
+              f"{best.clear:.1f} | {best.depth:.2f} | {told} | {spent:.2f} |")  # fmt: skip
 
 
 def depth_of(truth: Truth, found: Diagnosis) -> float:

@@ -11,6 +11,7 @@ from lagrange.scene.scene import Scene, parse_scene, read_scene
 from residual.errors import InputError
 from residual.measured.diagnosis import Diagnosis, Geometry, diagnose
 from residual.measured.signals import Signal, read_signal
+from residual.measured.width import Width, damage_width
 from residual.record import Record
 from residual.spectrum import Spectrum, power_spectrum, rms
 
@@ -51,6 +52,7 @@ class Judged:
     diagnosis: Diagnosis
     geometry: Geometry
     shaft: float  # Hz, nominal
+    width: Width
     rms: float
     crest: float  # largest magnitude over rms
     kurtosis: float
@@ -110,6 +112,7 @@ def _judged(path: Path, question: Question, options: Options, beside: Judged | N
     spectrum = power_spectrum(signal.values, 1.0 / signal.rate, diagnosis.lines["FTF"])
     return Judged(
         signal=signal, spectrum=spectrum, diagnosis=diagnosis, geometry=geometry, shaft=shaft, rms=level,
+        width=damage_width(signal, geometry, diagnosis),
         crest=float(np.max(np.abs(signal.values))) / level, kurtosis=float(np.mean((signal.values / level) ** 4)),
         velocity=_velocity(spectrum) if signal.unit == "m/s²" else None,
     )  # fmt: skip

@@ -10,6 +10,7 @@ from lagrange.version import VERSION
 from residual.formatting import hertz, text
 from residual.measured.checks import Check, Judged
 from residual.measured.diagnosis import BODIES, CLEAR, DECOYS, DEEP, Finding
+from residual.measured.width import Width
 from residual.store import write_folder
 
 PROGRAM = "check-vibration"
@@ -22,8 +23,6 @@ HEADLINES = {
     "uncertain": "Uncertain: what stands out does not carry a verdict.",
     "none": "No sign of damage.",
 }
-NO_WIDTH = "the width of a damage is not estimated from an envelope: pulses of 0.3 and 3 mm can leave the same lines"
-NOT_ASKED = "no ring is accused"
 
 
 def write_check(check: Check, folder: Path, figures: bool = True) -> dict:
@@ -96,13 +95,15 @@ def facts(check: Check) -> list[tuple[str, str]]:
         ("Level", level),
         ("Speed", f"{text(60.0 * found.shaft, 5)} rpm, {found.shaft_from}; nominal {text(60.0 * judged.shaft, 5)} rpm"),
         ("Lines, Hz", f"{lines}; resolution {text(found.spectrum.resolution, 3)}"),
-        ("Width", f"not measurable: {width_reason(judged)}"),
+        ("Width", width_in_words(judged.width)),
     ]
 
 
-def width_reason(judged: Judged) -> str:
-    """Why no width is told."""
-    return NO_WIDTH if judged.diagnosis.verdict in ("outer_ring", "inner_ring") else NOT_ASKED
+def width_in_words(width: Width) -> str:
+    """A width with its interval, or why there is none."""
+    if width.value is None or width.low is None or width.high is None:
+        return f"not measurable: {width.reason}"
+    return f"{1e3 * width.value:.2f} mm ({1e3 * width.low:.2f} … {1e3 * width.high:.2f} mm)"
 
 
 def findings(check: Check) -> list[tuple[str, ...]]:
@@ -160,15 +161,15 @@ def _second(finding: Finding) -> float | None:
 
 def summarise(check: Check) -> dict:
     """Content of summary.json."""
-    judged, found = check.record, check.record.diagnosis
+    found, width = check.record.diagnosis, check.record.width
     return {
         "program": PROGRAM,
         "program_version": VERSION,
         "record": shown(check.path.name),
-        **_told(judged),
-        "width_mm": None,
-        "width_interval_mm": None,
-        "width_reason": width_reason(judged),
+        **_told(check.record),
+        "width_mm": None if width.value is None else 1e3 * width.value,
+        "width_interval_mm": None if width.low is None or width.high is None else [1e3 * width.low, 1e3 * width.high],
+        "width_reason": width.reason,
         "resolution_Hz": found.spectrum.resolution,
         "against": None if check.other is None else {"record": shown(check.other.signal.name), **_told(check.other)},
     }

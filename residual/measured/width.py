@@ -1,0 +1,119 @@
+"""The width of a ring's damage, from the lag between a rolling element's entry into it and its strike on the far edge.
+
+The lag shows as a side peak of the envelope's autocorrelation. It is sought in three bands of the prewhitened record,
+three parts of it and with two smoothings. A width is told only where these agree, with each other and with the same of
+the record as it is: in that an inverter's tones beat, and prewhitening echoes strong strikes, but each only in its own.
+The lag is a share of the time in which the element would roll across, because it strikes before its centre is over the
+far edge: 0.83 in measured records of known widths, 0.70 to 0.96, which gives the interval.
+
+Source of the principle: N. Sawalhi, R. B. Randall, Vibration response of spalled rolling element bearings, Mech. Syst.
+Signal Process. 25 (2011) 846-870.
+"""
+
+from dataclasses import dataclass
+from math import cos, pi
+
+import numpy as np
+
+from residual.measured.diagnosis import Diagnosis, Geometry
+from residual.measured.envelope import prewhitened
+from residual.measured.signals import Signal
+
+RINGS = {"outer_ring": 1.0, "inner_ring": -1.0}  # sign of an element's radius in its raceway's
+SHARE, LEAST_SHARE, MOST_SHARE = 0.83, 0.70, 0.96  # of the rolling time, until the strike
+BANDS, PARTS = 3, 3
+SMOOTHINGS = (0.01, 0.02)  # of the time between strikes, standard deviation of a Gaussian
+LOWEST, PASSES_IN_BAND = 500.0, 8.0  # Hz, where bands begin: at least, and times the line
+TOP = 0.45  # of the rate
+PROMINENCE = 0.02  # of a side peak, over the autocorrelation at no lag
+LONGEST = 0.5  # of the time between strikes
+NEAREST = 3.0  # smoothings from no lag
+AGREE, FEWEST_AGREEING = 0.08, 7  # of the median, and of the nine bands and parts
+AGREE_RAW, FEWEST_RAW = 0.1, 4  # the same of the record that is not prewhitened: true lags show in both
+NARROWEST = 1.3e-3  # m: lags of narrower damage drown in the ringing
+
+
+@dataclass(frozen=True, kw_only=True)
+class Width:
+    """A width, or the reason why there is none."""
+
+    value: float | None  # m
+    low: float | None  # m
+    high: float | None  # m
+    reason: str | None
+
+
+def damage_width(signal: Signal, geometry: Geometry, diagnosis: Diagnosis) -> Width:
+    """The width of the damage of an accused ring, along its raceway.
+
+    Errors
+    ------
+    Measured records of 2.05 to 3.28 mm are told within a tenth; the interval is that of the share, not of this record.
+    """
+    sign = RINGS.get(diagnosis.verdict)
+    if sign is None:
+        return _none("no ring is accused")
+    line = diagnosis.findings[0].found
+    lags = _lags(prewhitened(signal.values), signal.rate, line)
+    found = np.isfinite(lags)
+    if not found.any():
+        return _none("no second pulse follows a strike, as of an entry and an exit")
+    median = float(np.median(lags[found]))
+    agree = found & (np.abs(lags / median - 1.0) <= AGREE)
+    places = int(agree.any(axis=2).sum())
+    if places < FEWEST_AGREEING:
+        return _none(
+            f"lags between entry and strike do not agree: in {places} of {BANDS * PARTS} bands and parts of the record "
+            f"they are within {100.0 * AGREE:g} % of each other, and {FEWEST_AGREEING} are needed"
+        )
+    raw = np.abs(_lags(signal.values, signal.rate, line) / median - 1.0) <= AGREE_RAW
+    if raw.any(axis=2).sum() < FEWEST_RAW:
+        return _none(
+            "the lag that the prewhitened record shows is not in the record itself: an echo of the prewhitening"
+        )
+    raceway = geometry.pitch_diameter + sign * geometry.element_diameter * cos(geometry.contact_angle)
+    speed = pi * raceway * line / geometry.elements  # m/s, of the contact along the raceway
+    value = float(np.median(lags[agree])) * speed / SHARE
+    if value < NARROWEST:
+        return _none(f"lags tell {1e3 * value:.2g} mm, and below {1e3 * NARROWEST:g} mm they may be those of ringing")
+    return Width(value=value, low=value * SHARE / MOST_SHARE, high=value * SHARE / LEAST_SHARE, reason=None)
+
+
+def _none(reason: str) -> Width:
+    return Width(value=None, low=None, high=None, reason=reason)
+
+
+def _lags(values: np.ndarray, rate: float, line: float) -> np.ndarray:
+    """Lags of the envelope's most prominent side peaks, s, (BANDS, PARTS, smoothings); nan where there is none."""
+    from scipy import fft
+
+    lags = np.full((BANDS, PARTS, len(SMOOTHINGS)), np.nan)
+    low, high = max(LOWEST, PASSES_IN_BAND * line), TOP * rate
+    if low >= high:
+        return lags
+    edges = np.geomspace(low, high, BANDS + 1)
+    transform = fft.fft(values[: fft.prev_fast_len(values.size)])
+    frequency = fft.fftfreq(transform.size, 1.0 / rate)
+    for i in range(BANDS):
+        inside = (frequency >= edges[i]) & (frequency < edges[i + 1])
+        envelope = np.abs(fft.ifft(np.where(inside, transform, 0.0)))
+        for j, part in enumerate(np.array_split(envelope, PARTS)):
+            for k, smoothing in enumerate(SMOOTHINGS):
+                lags[i, j, k] = _side_peak(part, smoothing / line * rate, LONGEST / line * rate)
+    return lags / rate
+
+
+def _side_peak(envelope: np.ndarray, smoothing: float, longest: float) -> float:
+    """Lag of the most prominent side peak of an envelope's autocorrelation, samples; nan: none."""
+    from scipy import fft
+    from scipy.signal import find_peaks
+
+    size = fft.next_fast_len(2 * envelope.size, real=True)
+    transform = fft.rfft(envelope - envelope.mean(), size)
+    gauss = np.exp(-0.5 * (2.0 * np.pi * fft.rfftfreq(size) * smoothing) ** 2)
+    correlation = fft.irfft(np.abs(transform * gauss) ** 2, size)[: int(longest)]
+    if correlation.size < 3 or not correlation[0] > 0.0:
+        return float("nan")
+    at, facts = find_peaks(correlation / correlation[0], prominence=PROMINENCE)
+    far = at > NEAREST * smoothing
+    return float(at[far][np.argmax(facts["prominences"][far])]) if far.any() else float("nan")

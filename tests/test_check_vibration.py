@@ -42,7 +42,7 @@ def checked(tmp_path_factory):
 
 def test_summary_holds_what_is_promised(checked):
     folder, truth = checked
-    summary = json.loads((folder / "summary.json").read_text())
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     assert set(summary) >= CONTRACT
     assert all(set(line) == OF_LINES for line in summary["lines"])
     assert summary["verdict"] == "outer_ring"
@@ -57,7 +57,7 @@ def test_summary_holds_what_is_promised(checked):
 
 
 def test_page_says_the_verdict_first_and_fetches_nothing(checked):
-    page = (checked[0] / "vibration.html").read_text()
+    page = (checked[0] / "vibration.html").read_text(encoding="utf-8")
     body = page[page.index("<body>") :]
     assert body.index("The outer ring is damaged.") < body.index("Evidence") < body.index("Comparison")
     assert body.count("data:image/") == 2
@@ -66,7 +66,7 @@ def test_page_says_the_verdict_first_and_fetches_nothing(checked):
 
 def test_level_is_in_the_unit_of_the_record(checked):
     folder, truth = checked
-    summary = json.loads((folder / "summary.json").read_text())
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     assert summary["rms_m_s2"] == pytest.approx(9.80665 * float(np.std(truth.signal.values)), rel=1e-9)
 
 
@@ -76,7 +76,7 @@ def test_velocity_of_one_tone_is_its_acceleration_over_its_frequency(tmp_path):
     tone = 3.0 * np.cos(2.0 * np.pi * 100.0 * time) + 1e-3 * rng.standard_normal(time.size)  # m/s²
     np.savez(tmp_path / "tone.npz", acc=tone, rate=25_600.0)
     assert main([str(tmp_path / "tone.npz"), *NU206, "--unit", "m/s2", "--no-figures", "--quiet"]) == 0
-    summary = json.loads((tmp_path / "tone-vibration" / "summary.json").read_text())
+    summary = json.loads((tmp_path / "tone-vibration" / "summary.json").read_text(encoding="utf-8"))
     assert summary["velocity_mm_s"] == pytest.approx(1e3 * 3.0 / np.sqrt(2.0) / (2.0 * np.pi * 100.0), rel=5e-3)
 
 
@@ -95,16 +95,20 @@ def test_sizes_of_a_bearing_do_as_well_as_its_name(tmp_path):
     sizes = ["--elements", "13", "--element-diameter", "9", "--pitch-diameter", "46.5", "--speed", "1480"]
     for options in (NU206, sizes):
         assert main([str(tmp_path / "record.npz"), *options, "--no-figures", "--quiet"]) == 0
-        found.append(json.loads((tmp_path / "record-vibration" / "summary.json").read_text())["lines"][0]["found_Hz"])
+        found.append(
+            json.loads((tmp_path / "record-vibration" / "summary.json").read_text(encoding="utf-8"))["lines"][0][
+                "found_Hz"
+            ]
+        )
     assert found[0] == pytest.approx(found[1], rel=2e-3)
 
 
 def test_scene_gives_bearing_and_speed(tmp_path):
     written(tmp_path / "record.npz")
     scene = tmp_path / "motor.toml"
-    scene.write_text('bearing.designation = "NU206"\noperation.speed_rpm = -1480.0\n')
+    scene.write_text('bearing.designation = "NU206"\noperation.speed_rpm = -1480.0\n', encoding="utf-8")
     assert main([str(tmp_path / "record.npz"), "--scene", str(scene), "--no-figures", "--quiet"]) == 0
-    summary = json.loads((tmp_path / "record-vibration" / "summary.json").read_text())
+    summary = json.loads((tmp_path / "record-vibration" / "summary.json").read_text(encoding="utf-8"))
     assert summary["verdict"] == "outer_ring"
 
 
@@ -140,10 +144,10 @@ def test_unusable_input_is_refused_in_one_line(case, tmp_path, monkeypatch, caps
 def test_foreign_folder_is_not_touched(tmp_path, capsys):
     written(tmp_path / "record.npz")
     (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "letter.txt").write_text("dear")
+    (tmp_path / "mine" / "letter.txt").write_text("dear", encoding="utf-8")
     assert main([str(tmp_path / "record.npz"), *NU206, "--output", str(tmp_path / "mine")]) == 2
     assert "no report of check-vibration" in capsys.readouterr().err
-    assert (tmp_path / "mine" / "letter.txt").read_text() == "dear"
+    assert (tmp_path / "mine" / "letter.txt").read_text(encoding="utf-8") == "dear"
 
 
 def test_help_loads_no_heavy_library():

@@ -153,7 +153,7 @@ def test_file_is_refused_in_a_sentence(name, tmp_path, monkeypatch):
 def told(tmp_path, values, time=TIME):
     """Sentences on a record of these values."""
     path = tmp_path / "record.csv"
-    path.write_text(rows(head=HEAD, columns=(time, values)).replace("nan", ""))
+    path.write_text(rows(head=HEAD, columns=(time, values)).replace("nan", ""), encoding="utf-8")
     return read_signal(path)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from lagrange.files.hdf5 import SIGNATURE, Damaged, check_array, refusal_in_child
 from lagrange.files.input import read_plain
-from residual.measured.text import Channels, read_text
+from residual.measured.text import Channels, text_channels
 
 LARGEST = 1 << 30  # bytes of a file, and of what is packed in it
 MOST_CHANNELS = 256
@@ -46,7 +46,7 @@ def read_channels(path: Path) -> Channels:
         return _guarded("a universal file (UFF58)", _universal, data, path)
     if path.suffix.lower() == ".mat":  # version 4 has no mark of its own
         return _tried_in_child(lambda: _guarded("a MATLAB file", _matlab, data, path))
-    return read_text(data)
+    return text_channels(data)
 
 
 def _guarded(kind: str, read: Callable[[bytes, Path], Channels], data: bytes, path: Path) -> Channels:

@@ -48,7 +48,7 @@ def decoded(data: bytes) -> str:
         return data.decode("cp1252", errors="replace")
 
 
-def read_text(data: bytes) -> Channels:
+def text_channels(data: bytes) -> Channels:
     """Columns of a text's numbers.
 
     Errors

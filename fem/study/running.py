@@ -124,7 +124,8 @@ def solve_points(
             count()
 
         if options.scheduler is not None or workers:
-            solve_on_cluster(options.scheduler or workers, ((i, points.scene(i)) for i in pending), wanted, add, stop)
+            where = workers if options.scheduler is None else options.scheduler
+            solve_on_cluster(where, ((i, points.scene(i)) for i in pending), wanted, add, stop)
         else:
             _solve_here(points, pending, wanted, add, stop)
     for i, solved in lost.items():

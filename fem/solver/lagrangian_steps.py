@@ -179,12 +179,13 @@ def _bodies(plan, begin: Beginning, columns: int) -> RigidBodies:
     centre, velocity = np.zeros((2, 2, columns))
     centre[:, :n] = begin.centre - ahead * begin.pushed
     velocity[:, :n] = begin.velocity - half * begin.acceleration
-    ring, ring_velocity = begin.ring - ahead * begin.ring_acceleration, -half * begin.ring_acceleration
-    hub, hub_velocity = begin.hub - ahead * begin.hub_acceleration, begin.hub_velocity - half * begin.hub_acceleration
-    mass = float(operation.inner_mass)
+    mass, mounting = float(operation.inner_mass), operation.mounting
+    ring = begin.ring - ahead * begin.ring_acceleration
+    hub = begin.hub - ahead * begin.hub_acceleration
+    hub_velocity = begin.hub_velocity - _gained(begin.hub_acceleration, half, mass, mounting.shaft)
     housing = housing_of(operation.mounting, bearing.outer_ring_mass, None, ring, dt, row_width(n, None))
     if housing is not None:
-        housing.velocity[:] = ring_velocity
+        housing.velocity[:] = -_gained(begin.ring_acceleration, half, housing.mass, mounting.housing)
     of_cage, cage = row_width(n, None, operation.mounting), plan.scene.ideal_cage()
     held, ideal = problem.angles == "kinematic", kinematics(bearing, 1.0)
     bodies = RigidBodies(
@@ -219,6 +220,11 @@ def _bodies(plan, begin: Beginning, columns: int) -> RigidBodies:
     state.motion[0, :2] = begin.ring
     state.motion[1, 1] = half * operation.gravity
     return bodies._replace(cage=pair_of_rigid(state, cage, bodies, float(operation.speed)))
+
+
+def _gained(acceleration: np.ndarray, half: float, mass: float, springs) -> np.ndarray:
+    """Velocity that a body gains in half a step, s, with its dashpot's share at the end of it."""
+    return half * acceleration / (1.0 + half * (0.0 if springs is None else springs.damping) / mass)
 
 
 def _padded(values: np.ndarray, columns: int) -> np.ndarray:

@@ -70,6 +70,7 @@ def test_strikes_are_those_of_short_steps_throughout(body):
     assert found["work_external"][-1] == pytest.approx(wanted["work_external"][-1], rel=1e-4)
 
 
+@pytest.mark.slow
 def test_all_around_a_bearing_changes_its_steps_with_it():
     """Cage, shaft, housing, sensor, unbalance, waves between the spalls; later the cage's hits part the paths."""
     plan = plan_of(**AROUND, numerics=NU206["numerics"] | {"duration_ms": 8.0})
@@ -100,6 +101,7 @@ def test_a_run_cut_anywhere_makes_the_same_bits():
     assert cut.progress.steps == whole.progress.steps
 
 
+@pytest.mark.slow
 def test_a_roller_that_rolls_over_its_own_spall_and_many_at_once():
     spalls = [SPALL, {"body": "roller", "roller": 3, "width_mm": 0.8}, {"body": "inner_ring", "width_mm": 1.0}]
     plan = plan_of(spall=spalls, numerics=NU206["numerics"] | {"duration_ms": 10.0})

@@ -1,5 +1,6 @@
 """What planning keeps in memory: a plan made after others is, bit for bit, the one that is made first."""
 
+import json
 from collections.abc import Iterator
 
 import numpy as np
@@ -24,7 +25,8 @@ def start_of(scene: Scene) -> Iterator[np.ndarray]:
     """All numbers that a run begins with."""
     plan = make_plan(scene)
     arrays, numbers = plan.first_state().to_keep()
-    yield np.hstack([plan.time_step, plan.critical_time_step, *numbers.values()])
+    text = json.dumps([plan.time_step, plan.critical_time_step, numbers])
+    yield np.frombuffer(text.encode(), dtype=np.uint8)
     yield from arrays.values()
 
 

@@ -170,13 +170,6 @@ class Problem:
         """The cage, where it moves by the forces on it."""
         return self.cage if self.angles == "free" else None
 
-    @property
-    def is_damped(self) -> bool:
-        """Whether contacts, a free cage or what holds shaft and housing take energy."""
-        mounting = self.operation.mounting
-        dashpots = (part.damping > 0.0 for part in (mounting.shaft, mounting.housing) if part is not None)
-        return self.damping.acts or self.free_cage is not None or any(dashpots)
-
     @cached_property
     def first_state(self) -> FirstState:
         """The state at t = 0, and what to say of it.

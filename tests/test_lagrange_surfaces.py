@@ -8,7 +8,7 @@ import pytest
 from lagrange import simulate, static_equilibrium
 from lagrange.first_state import Problem
 from lagrange.motion import State, accelerations, contact_energy, contact_state
-from lagrange.surface.deviation import Turns, profiles
+from lagrange.surface.deviation import Turns
 from tests.reference.compiled_motion import compiled, simulation
 from tests.reference.ideal import DOWN, HARRIS, PAPER, RUNNING, spall, wavy
 
@@ -129,9 +129,3 @@ def test_a_run_in_parts_has_the_same_bits(angles):
     found = first.gone_on().advance(5)
     for name in ("inner_y", "roller_rho", "work_external", "energy_error"):
         assert np.array_equal(getattr(found, name), getattr(whole, name)[3:])
-
-
-def test_waves_leave_no_perfect_arcs_and_spalls_do():
-    assert not profiles(replace(PAPER, faults=wavy())).leave_perfect_arcs
-    across = profiles(replace(PAPER, faults=(spall("outer_ring", 0.0),)))  # from the last knots to the first
-    assert across.leave_perfect_arcs and len(across.outer_ring.arcs) == 1

@@ -148,8 +148,3 @@ def reference_life(
     if not life > 0.0:
         raise Unavailable("without load the rating life is infinite")
     return life ** (-8 / 9)
-
-
-def reference_load(capacity: float, life: float) -> float:
-    """P_ref, N: the load of which the basic rating life is L10r."""
-    return capacity * life ** (-3 / 10)

@@ -8,7 +8,7 @@ by −Q σ' − ½ Q² c': in all that asks for slopes, c adds ½ Q c' to that o
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from math import ceil, inf, pi
 from typing import NamedTuple
 
@@ -24,8 +24,6 @@ from lagrange.surface.rolling_envelope import Meeting, measured_sinkage, points_
 KNOTS_PER_SPALL = 200  # along its width; the kink in its middle is rounded within two of them, 0.3 % too low
 KNOTS_PER_WAVE = 64  # the spline misses a wave by 1e-7 of its amplitude
 FEWEST_KNOTS = 8
-FAINT = 1e-9  # of a profile's largest coefficient: what is less is a perfect circle's
-SUPPORT = 2  # knots that a coefficient is felt over, on either side
 RINGING = 10  # knots beyond a kink after which a spline through it is off by a millionth of what it is at the kink
 
 
@@ -62,26 +60,6 @@ class Profile:
             return BodyDeviation(*sunk)
         soft = [self.compliance.take(at) for at in near]
         return BodyDeviation(*sunk, *_cubic(soft, t, 0.5 * n / pi)) if np.any(soft) else BodyDeviation(*sunk)
-
-    @cached_property
-    def arcs(self) -> list[tuple[int, float, float]]:
-        """Where the circles are not perfect: row, middle and half of each arc, rad."""
-        return [(row, *arc) for row in range(len(self.coefficients)) for arc in self._arcs(row)]
-
-    def _arcs(self, row: int) -> list[tuple[float, float]]:
-        felt = np.zeros(self.coefficients.shape[1], dtype=bool)
-        for values in (self.coefficients, self.compliance):
-            if values is not None:
-                felt |= np.abs(values[row]) > FAINT * np.abs(values).max(initial=1e-300)
-        for _ in range(SUPPORT):
-            felt = felt | np.roll(felt, 1) | np.roll(felt, -1)
-        if felt.all():
-            return [(0.0, pi)]
-        begins, ends = (np.flatnonzero(felt & ~np.roll(felt, by)) for by in (1, -1))
-        if felt[0] and felt[-1]:
-            ends = np.roll(ends, -1) + felt.size * (np.arange(len(ends)) == len(ends) - 1)
-        knot = 2.0 * pi / felt.size
-        return [(0.5 * knot * (a + b), 0.5 * knot * (b - a)) for a, b in zip(begins, ends, strict=True)]
 
 
 def _cubic(near: list[np.ndarray], t: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
@@ -182,16 +160,6 @@ class Profiles:
         """How far a contact may sink below where the circles touch, m."""
         high = [0.0 if profile is None else profile.coefficients.max() for profile in vars(self).values()]
         return max(0.0, max(high[:2]) + max(high[2:]))
-
-    @property
-    def leave_perfect_arcs(self) -> bool:
-        """Whether every circle is perfect along more than half of it, as with a few spalls."""
-        found = [profile for profile in vars(self).values() if profile is not None]
-        return all(
-            sum(half for row, _, half in profile.arcs if row == at) < 0.5 * pi
-            for profile in found
-            for at in range(len(profile.coefficients))
-        )
 
     @property
     def shortest(self) -> float:

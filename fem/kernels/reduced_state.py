@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.kernels.cage import CagePair
+from fem.kernels.fields import state
 from fem.kernels.housing_kernels import Housing
 from fem.kernels.prescribed_rollers import Prescribed
 from fem.kernels.shaft import Shaft
@@ -16,6 +17,7 @@ from fem.kernels.state import Course, Law
 
 # rows of contact arrays: of a roller with the inner and the outer raceway, and of roller j with j + 1
 INNER, OUTER, NEXT = 0, 1, 2
+UNEVEN = "bracket", "bracket_now", "slope", "softening"  # of `ReducedForces`: None on perfect circles
 
 
 class RollerModes(NamedTuple):
@@ -62,12 +64,12 @@ class Vibrations(NamedTuple):
 class RigidBodies(NamedTuple):
     """The hub with the inner ring, and the rollers."""
 
-    hub: np.ndarray  # (2,), m; with vibrations the centre of mass of hub and ring
-    hub_velocity: np.ndarray  # (2,), m/s, at t − dt/2
-    centre: np.ndarray  # (2, columns), m
-    velocity: np.ndarray  # (2, columns), m/s, at t − dt/2
-    turn: np.ndarray  # (columns,), rad
-    spin: np.ndarray  # (columns,), rad/s, at t − dt/2
+    hub: state("2")  # m; with vibrations the centre of mass of hub and ring
+    hub_velocity: state("2")  # m/s, at t − dt/2
+    centre: state("2, columns")  # m
+    velocity: state("2, columns")  # m/s, at t − dt/2
+    turn: state("columns")  # rad
+    spin: state("columns")  # rad/s, at t − dt/2
     hub_mass: float  # kg
     mass: float  # kg, of a roller
     inertia: float  # kg m²
@@ -112,12 +114,12 @@ class ReducedDampers(NamedTuple):
     constant: float  # N s/m
     time: float  # s, of the contact's stiffness
     hunt_crossley: float  # s/m
-    force: np.ndarray  # (3, columns), N
-    rate: np.ndarray  # (2, columns), m/s, at which contacts close; room
-    gain: np.ndarray  # (1, columns), N s/m, of inner forces by the hub's velocity; room
-    coefficient: np.ndarray  # (2, columns), N s/m; room
-    pair_work: np.ndarray  # (WIDTH,), W, by lane, of rollers that touch; room
-    work: np.ndarray  # (2,), J, dissipated up to the last kick; and after it in that step
+    force: state("3, columns")  # N
+    rate: state("2, columns")  # m/s, at which contacts close; room
+    gain: state("1, columns")  # N s/m, of inner forces by the hub's velocity; room
+    coefficient: state("2, columns")  # N s/m; room
+    pair_work: state("lanes")  # W, by lane, of rollers that touch; room
+    work: state("2")  # J, dissipated up to the last kick; and after it in that step
 
 
 class Radiation(NamedTuple):
@@ -125,56 +127,57 @@ class Radiation(NamedTuple):
 
     inertia: tuple[float, float]  # s⁴/kg, of both raceways' contacts, Σ s²/ω⁴ of all modes that the model lacks
     settling: float  # s, 1/ω of the slowest of them
-    owed: np.ndarray  # (2, columns), J, lost by contacts that have opened, and not yet taken from what moves
-    speed: np.ndarray  # (2, columns), m/s, at which contacts have closed, or < 0 opened, in this step; room
-    kick: np.ndarray  # (2, columns), N, what the last step's impulses are over a step
-    work: np.ndarray  # (2,), J, given up to the last kick; and after it in that step
+    owed: state("2, columns")  # J, lost by contacts that have opened, and not yet taken from what moves
+    speed: state("2, columns")  # m/s, at which contacts have closed, or < 0 opened, in this step; room
+    kick: state("2, columns")  # N, what the last step's impulses are over a step
+    work: state("2")  # J, given up to the last kick; and after it in that step
     state: np.ndarray  # (1,), whole: whether a contact has been struck in this step, or kicked in the last
 
 
 class ReducedForces(NamedTuple):
     """Contacts by row and roller. Arrays with a halo repeat a ring's other end on either side."""
 
-    force: np.ndarray  # (3, columns), N
-    approach: np.ndarray  # (3, columns), m, of the law; NaN: not known
-    kick: np.ndarray  # (3, columns), N, what the last kick gave
-    residual: np.ndarray  # (3, columns), J, stored beyond what kicks have taken: see `law.kick_force`
-    traction: np.ndarray  # (3, columns), N, on the roller along +θ, or on the next roller
-    fastest: np.ndarray  # (WIDTH,), N, by lane, the most that a force has changed in a step
-    beyond: np.ndarray  # (1,), N, the most that kicks have given the hub beyond the forces of the same sample
-    guess: np.ndarray  # (2, columns + 2 halo), N, the forces expected of this step
-    gained: np.ndarray  # (2, columns + 2 halo), N, what they turn out beyond that
-    first: np.ndarray  # (2, columns), m, approach by the guess; room
-    estimate: np.ndarray  # (2, columns), N, its force; room
-    stiffness: np.ndarray  # (2, columns), N/m; room
-    normal: np.ndarray  # (2, 2, columns), outward; room
+    force: state("3, columns")  # N
+    approach: state("3, columns", np.nan)  # m, of the law; NaN: not known
+    kick: state("3, columns")  # N, what the last kick gave
+    residual: state("3, columns")  # J, stored beyond what kicks have taken: see `law.kick_force`
+    traction: state("3, columns")  # N, on the roller along +θ, or on the next roller
+    fastest: state("lanes")  # N, by lane, the most that a force has changed in a step
+    beyond: state("1")  # N, the most that kicks have given the hub beyond the forces of the same sample
+    guess: state("2, haloed")  # N, the forces expected of this step
+    gained: state("2, haloed")  # N, what they turn out beyond that
+    first: state("2, columns")  # m, approach by the guess; room
+    estimate: state("2, columns")  # N, its force; room
+    stiffness: state("2, columns")  # N/m; room
+    normal: state("2, 2, columns")  # outward; room
     # at the angles where rollers are: see `reduced_surfaces`
-    strayed: np.ndarray  # (columns + 2 halo,), rad, by how much rollers are ahead of equal angles; room
-    along: np.ndarray  # (2, neighbours, columns), m/N
-    steep: np.ndarray  # (2, neighbours, columns), m/N per rad
-    tilt: np.ndarray  # (2, columns), of the raceways under contacts by forces on others; room
+    strayed: state("haloed")  # rad, by how much rollers are ahead of equal angles; room
+    along: state("2, neighbours, columns")  # m/N
+    steep: state("2, neighbours, columns")  # m/N per rad
+    tilt: state("2, columns")  # of the raceways under contacts by forces on others; room
     # of surfaces that are not perfect circles, or None: laws' B with the edges' compliance; slopes of approaches and of
     # compliances along the inner raceway, the roller's share of that, the outer raceway, the roller's share
-    bracket: np.ndarray | None  # (2, columns), in the last kick
-    bracket_now: np.ndarray | None  # (2, columns); room
-    slope: np.ndarray | None  # (4, columns), m/rad; room
-    softening: np.ndarray | None  # (4, columns), m/N/rad; room
+    bracket: state("2, columns")  # in the last kick
+    bracket_now: state("2, columns")  # room
+    slope: state("4, columns")  # m/rad; room
+    softening: state("4, columns")  # m/N/rad; room
     radiation: Radiation | None  # None: no waves are reckoned with
-    pulled: np.ndarray  # (2, columns + 2 halo), N, tractions of the last step
-    lifted: np.ndarray  # (2, 2, columns), m, how far they push the raceways back: now, at the last kick
-    taken: np.ndarray | None  # (2, 2, columns), m, of approaches by other contacts' forces: now, at the last kick
+    pulled: state("2, haloed")  # N, tractions of the last step
+    lifted: state("2, 2, columns")  # m, how far they push the raceways back: now, at the last kick
+    # of approaches, m, by other contacts' forces: now, at the last kick; None: not asked for
+    taken: state("2, 2, columns")
     halo: int
-    dampers: ReducedDampers | None = None  # None: contacts without
-    # (2, 2, columns), where bodies may strike each other, of the last kick: how far forces were ahead, m (NaN: not
-    # known), and what the kick gave beyond forces that are not, N; None: not asked for
-    ahead: np.ndarray | None = None
-    cut: np.ndarray | None = None  # (2, columns), m, there too, what the last kick's approaches were cut by
+    dampers: ReducedDampers | None  # None: contacts without
+    # where bodies may strike each other, of the last kick, else None: how far forces were ahead, m (NaN: not known),
+    # and what the kick gave beyond forces that are not, N
+    ahead: state("2, 2, columns", np.nan)
+    cut: state("2, columns")  # m, there too, what the last kick's approaches were cut by
 
 
 class ReducedDrive(NamedTuple):
     """What acts from outside, and works so far."""
 
-    sums: np.ndarray  # (3,), J: work of the load, of the drive, dissipated work
+    sums: state("3")  # J: work of the load, of the drive, dissipated work
     speed: float  # rad/s
     gravity: float  # m/s²
     dt: float
@@ -189,9 +192,9 @@ class ReducedDrive(NamedTuple):
 class Before(NamedTuple):
     """Velocities before a kick, and accelerations by conservative forces in it: what a sample needs of a step."""
 
-    hub_velocity: np.ndarray  # (2,)
-    velocity: np.ndarray  # (2, columns)
-    spin: np.ndarray  # (columns,)
-    acceleration: np.ndarray  # (2, columns), m/s²
-    hub_acceleration: np.ndarray  # (2,)
-    ring_acceleration: np.ndarray  # (2,), of the outer ring in a housing
+    hub_velocity: state("2")
+    velocity: state("2, columns")
+    spin: state("columns")
+    acceleration: state("2, columns")  # m/s²
+    hub_acceleration: state("2")
+    ring_acceleration: state("2")  # of the outer ring in a housing

@@ -6,22 +6,22 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fem.kernels.bodies import DONE
+from fem.kernels.fields import filled
 from fem.kernels.isolated_contacts import Isolated, PowerConstants
 from fem.kernels.lanes import WIDTH
 from fem.kernels.prescribed_rollers import Prescribed
 from fem.kernels.reduced_loop import advance_reduced
-from fem.kernels.reduced_state import Before, ReducedDampers, ReducedDrive, ReducedForces, RigidBodies
+from fem.kernels.reduced_state import UNEVEN, Before, ReducedDrive, ReducedForces, RigidBodies
 from fem.kernels.sample_kernels import CONTACT, KINETIC, N_SCALARS, WORK_DRIVE
 from fem.kernels.state import Law
 from fem.solver.cage_arrays import cage_state, pair_of_rigid
 from fem.solver.guards import good_rows
 from fem.solver.lagrangian_start import Beginning
-from fem.solver.part_arrays import course_arrays, housing_of, raceway_profiles, springs_on
+from fem.solver.part_arrays import course_arrays, housing_of, raceway_profiles, rigid_dampers, springs_on
 from fem.solver.run_arrays import changing_arrays
 from fem.solver.samples import SampleReader, row_width
 from fem.solver.solver import Samples
 from lagrange import kinematics
-from lagrange.contact.damping import ContactDamping
 from lagrange.contact.laws import PowerLaw
 from lagrange.contact.raceway_laws import LogarithmicLaw
 from lagrange.equations import touching_distances
@@ -160,14 +160,7 @@ def _machine(plan, begin: Beginning) -> Machine:
     n = problem.bearing.n_rollers
     columns = -(-n // WIDTH) * WIDTH
     bodies = _bodies(plan, begin, columns)
-    before = Before(
-        hub_velocity=np.zeros(2),
-        velocity=np.zeros((2, columns)),
-        spin=np.zeros(columns),
-        acceleration=np.zeros((2, columns)),
-        hub_acceleration=np.zeros(2),
-        ring_acceleration=np.zeros(2),
-    )
+    before = filled(Before, {"columns": columns})
     return Machine(bodies, _contacts(problem, columns), _forces(problem, begin, columns), _drive(plan), before)
 
 
@@ -256,63 +249,29 @@ def _constants(law) -> PowerConstants | Law:
 
 def _forces(problem: Problem, begin: Beginning, columns: int) -> ReducedForces:
     """Contacts under the start's forces; what neighbours tell each other has no room."""
-    nothing, uneven = np.zeros((2, 0)), profiles(problem.bearing) is not None
-    found = ReducedForces(
-        force=np.zeros((3, columns)),
-        approach=np.full((3, columns), np.nan),
-        kick=np.zeros((3, columns)),
-        residual=np.zeros((3, columns)),
-        traction=np.zeros((3, columns)),
-        fastest=np.zeros(WIDTH),
-        beyond=np.zeros(1),
-        guess=nothing,
-        gained=nothing,
+    uneven, nothing = profiles(problem.bearing) is not None, np.zeros((2, 0))
+    found = filled(
+        ReducedForces,
+        {"columns": columns, "haloed": 0, "lanes": WIDTH, "neighbours": 0},
         first=np.full((2, columns), np.nan),
-        estimate=np.zeros((2, columns)),
-        stiffness=np.zeros((2, columns)),
-        normal=np.zeros((2, 2, columns)),
-        strayed=np.zeros(0),
-        along=np.zeros((2, 0, columns)),
-        steep=np.zeros((2, 0, columns)),
         tilt=nothing,
-        bracket=np.zeros((2, columns)) if uneven else None,
-        bracket_now=np.zeros((2, columns)) if uneven else None,
-        slope=np.zeros((4, columns)) if uneven else None,
-        softening=np.zeros((4, columns)) if uneven else None,
-        radiation=None,
-        pulled=nothing,
         lifted=np.zeros((2, 2, 0)),
+        radiation=None,
         taken=None,
         halo=0,
-        dampers=_dampers(problem.damping, columns),
-        ahead=np.full((2, 2, columns), np.nan),
-        cut=np.zeros((2, columns)),
+        dampers=rigid_dampers(problem.damping, columns),
+        **dict.fromkeys(() if uneven else UNEVEN),
     )
     for row, force in enumerate((begin.samples["inner_force"], begin.samples["outer_force"])):
         found.force[row, : problem.bearing.n_rollers] = found.estimate[row, : problem.bearing.n_rollers] = force[0]
     return found
 
 
-def _dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:
-    if not damping.acts:
-        return None
-    return ReducedDampers(
-        constant=float(damping.constant),
-        time=float(damping.time),
-        hunt_crossley=float(damping.hunt_crossley),
-        force=np.zeros((3, columns)),
-        rate=np.zeros((2, columns)),
-        gain=np.zeros((1, columns)),
-        coefficient=np.zeros((2, columns)),
-        pair_work=np.zeros(WIDTH),
-        work=np.zeros(2),
-    )
-
-
 def _drive(plan) -> ReducedDrive:
     problem: Problem = plan.problem
-    return ReducedDrive(
-        sums=np.zeros(3),
+    return filled(
+        ReducedDrive,
+        {},
         speed=float(problem.operation.speed),
         gravity=float(problem.operation.gravity),
         dt=float(plan.time_step),

@@ -11,6 +11,7 @@ from fem.kernels.drive import N_NOW
 from fem.kernels.fields import at_line, filled
 from fem.kernels.housing_kernels import Housing, Resonator
 from fem.kernels.lanes import WIDTH
+from fem.kernels.reduced_state import ReducedDampers
 from fem.kernels.shaft import Shaft, late_mass
 from fem.kernels.state import BodyDamping, Course, Dampers, Drive, Ring, RingProfile, RollerProfiles
 from fem.solver.run_arrays import Arrays
@@ -229,3 +230,16 @@ def _roller_profiles(profile: Profile, columns: int) -> RollerProfiles:
     first[: profile.row.size] = profile.row * profile.coefficients.shape[1]
     soft = np.zeros_like(profile.coefficients) if profile.compliance is None else profile.compliance
     return RollerProfiles(sinkage=at_line(profile.coefficients), compliance=at_line(soft), first=at_line(first))
+
+
+def rigid_dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:
+    """Dampers of contacts between rigid bodies, at rest; None where a scene has none."""
+    if not damping.acts:
+        return None
+    return filled(
+        ReducedDampers,
+        {"columns": columns, "lanes": WIDTH},
+        constant=float(damping.constant),
+        time=float(damping.time),
+        hunt_crossley=float(damping.hunt_crossley),
+    )

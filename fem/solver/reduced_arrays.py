@@ -4,24 +4,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.kernels.fields import filled
 from fem.kernels.lanes import WIDTH
 from fem.kernels.reduced_state import (
     INNER,
     OUTER,
+    UNEVEN,
     Compliance,
     Radiation,
-    ReducedDampers,
     ReducedDrive,
     ReducedForces,
     RigidBodies,
 )
 from fem.solver.cage_arrays import cage_state, pair_of_rigid
-from fem.solver.part_arrays import course_arrays, housing_of, raceway_profiles, springs_on
+from fem.solver.part_arrays import course_arrays, housing_of, raceway_profiles, rigid_dampers, springs_on
 from fem.solver.samples import row_width
 from fem.solver.vibrations import vibrations
 from fem.statics.reduced_bearing import growths
 from lagrange import Bearing, kinematics
-from lagrange.contact.damping import ContactDamping
 from lagrange.equations import touching_distances
 from lagrange.surface.deviation import profiles
 
@@ -42,13 +42,11 @@ def rigid_bodies(plan: "ReducedPlan") -> RigidBodies:
     carried = (
         np.zeros(2) if vibrating is None else np.einsum("ln,ltn->t", vibrating.inner.carried, vibrating.inner.amplitude)
     )
-    bodies = RigidBodies(
+    bodies = filled(
+        RigidBodies,
+        {"columns": columns},
         hub=start.hub + start.ring - carried,
         hub_velocity=start.hub_velocity.copy(),
-        centre=np.zeros((2, columns)),
-        velocity=np.zeros((2, columns)),
-        turn=np.zeros(columns),
-        spin=np.zeros(columns),
         hub_mass=float(plan.operation.inner_mass),
         mass=float(bearing.roller_mass),
         inertia=float(0.5 * bearing.roller_mass * bearing.roller_radius**2),
@@ -103,36 +101,16 @@ def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
     rings = plan.model.rings
     halo = int(np.abs(rings.distance).max(initial=0))
     uneven = profiles(plan.model.bearing) is not None
-    found = ReducedForces(
-        force=np.zeros((3, columns)),
-        approach=np.full((3, columns), np.nan),
-        kick=np.zeros((3, columns)),
-        residual=np.zeros((3, columns)),
-        traction=np.zeros((3, columns)),
-        fastest=np.zeros(WIDTH),
-        beyond=np.zeros(1),
-        guess=np.zeros((2, columns + 2 * halo)),
-        gained=np.zeros((2, columns + 2 * halo)),
-        first=np.zeros((2, columns)),
-        estimate=np.zeros((2, columns)),
-        stiffness=np.zeros((2, columns)),
-        normal=np.zeros((2, 2, columns)),
-        strayed=np.zeros(columns + 2 * halo),
+    absent = () if uneven else UNEVEN
+    absent += () if plan.strikes else ("ahead", "cut") if plan.model.modes is not None else ("ahead", "cut", "taken")
+    found = filled(
+        ReducedForces,
+        {"columns": columns, "haloed": columns + 2 * halo, "lanes": WIDTH, "neighbours": rings.distance.size},
         along=np.repeat(rings.along[:, :, None], columns, axis=2),
-        steep=np.zeros((2, rings.distance.size, columns)),
-        tilt=np.zeros((2, columns)),
-        bracket=np.zeros((2, columns)) if uneven else None,
-        bracket_now=np.zeros((2, columns)) if uneven else None,
-        slope=np.zeros((4, columns)) if uneven else None,
-        softening=np.zeros((4, columns)) if uneven else None,
         radiation=_radiation(plan, columns),
-        pulled=np.zeros((2, columns + 2 * halo)),
-        lifted=np.zeros((2, 2, columns)),
-        taken=None if plan.model.modes is None and not plan.strikes else np.zeros((2, 2, columns)),
         halo=halo,
-        dampers=_dampers(plan.scene.damping.contacts, columns),
-        ahead=np.full((2, 2, columns), np.nan) if plan.strikes else None,
-        cut=np.zeros((2, columns)) if plan.strikes else None,
+        dampers=rigid_dampers(plan.scene.damping.contacts, columns),
+        **dict.fromkeys(absent),
     )
     for row, force in ((INNER, start.inner_force), (OUTER, start.outer_force)):
         found.force[row, :n] = force
@@ -142,30 +120,12 @@ def contact_forces(plan: "ReducedPlan", columns: int) -> ReducedForces:
 
 
 def _radiation(plan: "ReducedPlan", columns: int) -> Radiation:
-    return Radiation(
+    return filled(
+        Radiation,
+        {"columns": columns},
         inertia=plan.waves.inertia,
         settling=1.0 / plan.waves.slowest,
-        owed=np.zeros((2, columns)),
-        speed=np.zeros((2, columns)),
-        kick=np.zeros((2, columns)),
-        work=np.zeros(2),
         state=np.zeros(1, dtype=np.intp),
-    )
-
-
-def _dampers(damping: ContactDamping, columns: int) -> ReducedDampers | None:
-    if not damping.acts:
-        return None
-    return ReducedDampers(
-        constant=float(damping.constant),
-        time=float(damping.time),
-        hunt_crossley=float(damping.hunt_crossley),
-        force=np.zeros((3, columns)),
-        rate=np.zeros((2, columns)),
-        gain=np.zeros((1, columns)),
-        coefficient=np.zeros((2, columns)),
-        pair_work=np.zeros(WIDTH),
-        work=np.zeros(2),
     )
 
 
@@ -174,8 +134,9 @@ def outer_drive(plan: "ReducedPlan") -> ReducedDrive:
     bearing: Bearing = plan.model.bearing
     numerics, operation = plan.scene.numerics, plan.operation
     inner, roller = growths(bearing, kinematics(bearing, 1.0))
-    return ReducedDrive(
-        sums=np.zeros(3),
+    return filled(
+        ReducedDrive,
+        {},
         speed=float(operation.speed),
         gravity=float(operation.gravity),
         dt=float(plan.time_step),

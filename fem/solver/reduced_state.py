@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem.kernels.fields import filled
 from fem.kernels.reduced_loop import advance_reduced
 from fem.kernels.reduced_state import Before, RingModes, RollerModes
 from fem.solver.paces import paces_of
@@ -67,14 +68,7 @@ class ReducedState(RowState):
         self.compliance = contact_compliance(plan, columns)
         self.forces, self.drive = contact_forces(plan, columns), outer_drive(plan)
         self.drives, self.paces = paces_of(plan, self.drive)
-        self._before = Before(
-            hub_velocity=np.zeros(2),
-            velocity=np.zeros((2, columns)),
-            spin=np.zeros(columns),
-            acceleration=np.zeros((2, columns)),
-            hub_acceleration=np.zeros(2),
-            ring_acceleration=np.zeros(2),
-        )
+        self._before = filled(Before, {"columns": columns})
 
     def advance(self, most: int) -> Block:
         block = super().advance(most)

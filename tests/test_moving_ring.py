@@ -91,7 +91,7 @@ def test_statics_carry_load_and_weights_by_the_springs_of_both_sides(shaft):
         assert state.ring_y == pytest.approx(start.ring[1], rel=1e-3)
 
 
-@pytest.mark.parametrize("shaft", [None, SHAFT])
+@pytest.mark.parametrize("shaft", [pytest.param(None, marks=pytest.mark.slow), SHAFT])
 @pytest.mark.parametrize("way", WAYS)
 def test_energy_balances_in_a_housing_that_swings(way, shaft):
     """Of what swings; held angles take up work with the housing's velocity, and dashpots take what they should."""

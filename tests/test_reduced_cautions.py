@@ -138,6 +138,7 @@ def test_a_run_whose_energy_is_off_says_so():
     assert not any(sentence.startswith("the energy") for sentence in ran(plan)[0].cautions)
 
 
+@pytest.mark.slow
 def test_a_soft_ring_vibrates_faster_by_its_modes():
     """By what the warning says; 19 periods show it to some per cent of itself."""
     plan = plan_of(161)

@@ -26,7 +26,7 @@ ABSENT = {  # what engineers ask for and the program lacks, by words of a key
     "a turning outer ring": ("outer_ring_speed", "outer_speed"),
     "fits of the inner ring (clearance_um is the mounted one)": ("fit", "fits", "interference"),
     "grease": ("grease",),
-    "life and ratings": ("life", "l10", "rating", "ratings", "c0"),
+    "keys of life and ratings (rate-bearing computes them)": ("life", "l10", "rating", "ratings", "c0"),
     "shapes of cage pockets": ("pocket", "pocket_shape"),
 }
 Check = Callable[[], Iterator[str]]

@@ -28,7 +28,7 @@ JUDGED = 30  # samples that are compared with the reference
 CHECKED_MS = 10.0
 PRELOADED = "bearing.outer_raceway_diameter_mm=55.98"  # 20 µm: no contact opens
 FROM_REST = ("numerics.start=rest", "numerics.load_ramp_ms=1")
-SPALL = ('spall=[{body="outer_ring",width_mm=1.0,depth_mm=0.1,edge_radius_mm=0.1,angle_deg=270.0}]',)
+SPALL = ('spall=[{body="outer_ring",width_mm=1.0,depth_um=100.0,edge_radius_mm=0.1,angle_deg=270.0}]',)
 CASES = {
     "harris": (),
     "harris, free angles": ("lagrange.angles=free",),

@@ -1,7 +1,7 @@
 """Speed and load that change while a bearing runs: smooth functions of time, from tables and ramps.
 
 A table's points are joined by polynomials of fifth degree with the slopes of PCHIP and no curvature at the points. That
-is twice continuously differentiable, so that forces never jump in their rate and steps of fourth order keep it; and
+is twice continuously differentiable, so that forces never jump in their rate; and
 between two points nothing lies beyond them: slopes are at most 1.25 times those of the straight lines on either side,
 with which the polynomial's Bernstein coefficients rise (or fall) from one point to the next. A cubic spline, as smooth,
 would overshoot; PCHIP alone has jumps of curvature.

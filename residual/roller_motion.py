@@ -6,12 +6,13 @@ from typing import Literal
 
 import numpy as np
 
-from lagrange.bearing import Bearing, Operation
-from lagrange.contact.raceway_laws import contact_laws, contact_pairs
+from lagrange.bearing import BallBearing, Bearing, Operation
+from lagrange.contact.raceway_laws import Pair, contact_laws, contact_pairs
 from lagrange.equations import approaches
 from lagrange.kinematics import turned
 from lagrange.surface.edges import softening
 from lagrange.surface.faults import Spall
+from lagrange.surface.rolling_envelope import Meeting
 from residual.record import SMALL_LOAD, Record
 
 Side = Literal["inner", "outer"]
@@ -146,10 +147,15 @@ class Contact:
         wide = Spall(body="outer_ring", roller=None, angle=0.0, width=0.4 * r, depth=r, edge_radius=EDGE_ROUNDING * r)
         edge = wide.half_opening(r) - self._way
         inside, outside, _ = contact_pairs(bearing)
-        self._soft: dict[Side, np.ndarray] = {
-            "inner": inside.line_compliance * softening(wide, r, inner, r, "outside", np.arcsin(edge / inner)),
-            "outer": outside.line_compliance * softening(wide, r, outer, r, "bore", np.arcsin(edge / outer)),
+        pairs: dict[Side, tuple[Pair, float, Meeting]] = {
+            "inner": (inside, inner, "outside"),
+            "outer": (outside, outer, "bore"),
         }
+        self._soft = {
+            side: np.zeros_like(self._way) if isinstance(bearing, BallBearing)
+            else pair.line_compliance * softening(wide, r, own, r, meeting, np.arcsin(edge / own))
+            for side, (pair, own, meeting) in pairs.items()
+        }  # fmt: skip
 
     def stride(self, interval: float) -> int:
         """Samples that are about half a period of the roller's vibration apart."""

@@ -100,7 +100,7 @@ def test_overrides_that_miss_are_refused(override, word):
         ("[[unequal_roller]]\ndiameter_deviation_um = -51.0", ["= -51", "at most 50"]),
         ('[[spall]]\n[contact]\nmodel = "resolved"', ["[[spall]]", '"resolved"']),
         ('[[waviness]]\n[contact]\nmodel = "penalty"', ["[[waviness]]", '"penalty"']),
-        ('[[spall]]\n[bearing]\ntype = "ball"', ["[[spall]]", "only for rollers"]),
+        ('[lubricant]\n[bearing]\ntype = "ball"', ["[lubricant]", "of line contacts"]),
         ("[[spall]]\n" * 201, ["spall = [", "at most 200"]),
     ],
 )

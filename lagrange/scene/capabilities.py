@@ -33,6 +33,7 @@ GIVEN: dict[str, Callable[[SceneTables], str | None]] = {
     "contacts' damping": lambda scene: "[damping] of contacts" if scene.damping.contacts.acts else None,
     "load history": lambda scene: f"operation.{key}" if (key := scene.operation.changes) else None,
     "surfaces": _surfaces,
+    "lubricant": lambda scene: "[lubricant]" if scene.lubricant else None,
 }
 # what scenes are, by what keeps them from a feature
 KINDS: dict[str, Callable[[SceneTables], bool]] = {
@@ -70,7 +71,7 @@ REFUSED = (
      f"{SUBGRID}, whose points of pressure stand for part of a contact{EITHER}"),
     ("contacts' damping", "modes", f"{{modes}}: not together with {{given}}, which would feed the modes{EITHER}"),
     ("load history", "other contacts on meshes", COMPARES),
-    ("surfaces", "balls", '{given}: only for rollers, not with bearing.type = "ball"; leave it out'),
+    ("lubricant", "balls", '{given}: films are those of line contacts, not with bearing.type = "ball"; leave it out'),
     ("surfaces", "other contacts on meshes", f"{SUBGRID}, whose points of pressure lie on perfect circles{EITHER}"),
 )  # fmt: skip
 

@@ -2,9 +2,10 @@
 
 This sinkage is a smooth periodic function of where on a body the contact lies: a cubic spline, the same for rigid
 and elastic bodies, equations and checker. It is subtracted from the overlap of the circles, and its slope turns the
-force: all forces stay the gradient of one potential. At the edges of spalls contacts are softer: a compliance c, a
-spline as well, stands in series with the contact's law. The potential at a given overlap then changes along a surface
-by −Q σ' − ½ Q² c': in all that asks for slopes, c adds ½ Q c' to that of σ.
+force: all forces stay the gradient of one potential. At the edges of spalls line contacts are softer: a compliance c,
+a spline as well, stands in series with the contact's law; balls meet edges with their groove's law. The potential at
+a given overlap then changes along a surface by −Q σ' − ½ Q² c': in all that asks for slopes, c adds ½ Q c' to that
+of σ.
 """
 
 from dataclasses import dataclass, replace
@@ -14,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lagrange.bearing import Bearing, Operation
+from lagrange.bearing import BallBearing, Bearing, Operation
 from lagrange.contact.raceway_laws import Pair, contact_pairs
 from lagrange.kinematics import kinematics, turned
 from lagrange.surface.edges import reach, softening
@@ -215,7 +216,7 @@ def _profile(bearing: Bearing, body: Body, pair: Pair, meeting: Meeting) -> Prof
     for k, number in enumerate(rollers, 1):
         row[number] = k
     compliance = None
-    if any(isinstance(fault, Spall) for fault in faults):
+    if any(isinstance(fault, Spall) for fault in faults) and not isinstance(bearing, BallBearing):
         softer = [_softening(some, roller, own, other, meeting, n) for some in rows]
         compliance = _spline(pair.line_compliance * np.array(softer))
     smooth = [_knots(fault, own, other, meeting) for fault in faults if not isinstance(fault, Spall)]

@@ -50,6 +50,17 @@ class Material:
 
 
 @dataclass(frozen=True, kw_only=True)
+class OwnLaw:
+    """A contact law Q = K δ^n of the user's own; SI."""
+
+    inner_stiffness: float  # K of one contact, N/m^n
+    outer_stiffness: float
+    exponent: float  # n
+    range: str = "given"  # where it comes from, and how far it goes
+    misfit: float = 0.0  # largest difference of its forces from those that it is fitted to, relative
+
+
+@dataclass(frozen=True, kw_only=True)
 class Bearing:
     """Cross-section of a cylindrical roller bearing. Lengths in m.
 
@@ -67,6 +78,7 @@ class Bearing:
     inner_ring: Material
     outer_ring: Material
     faults: tuple[Fault, ...] = ()  # of surfaces; () are perfect circles
+    own_law: OwnLaw | None = None  # of its contacts, beside the published ones
 
     def __post_init__(self):
         if not 0.0 < self.bore_radius < self.inner_raceway_radius:

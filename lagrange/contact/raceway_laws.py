@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from lagrange.bearing import BallBearing, Bearing, Material
+from lagrange.bearing import BallBearing, Bearing, Material, OwnLaw
 from lagrange.contact.laws import LAWS, PowerLaw, ball_law
 
 
@@ -251,16 +251,45 @@ ROLLER_LAWS: dict[str, Callable[[Bearing, Side], PowerLaw | LogarithmicLaw]] = {
 BALL_LAWS = {"hertz": ball_law}
 
 
+OWN = "power"  # name of the bearing's own law
+MISFIT = 0.05  # of a force, above which a fitted law is no good
+
+
 def law_names(bearing: Bearing) -> tuple[str, ...]:
     """Names of all laws for a bearing's rolling elements, the usual one first."""
-    return tuple(BALL_LAWS if isinstance(bearing, BallBearing) else ROLLER_LAWS)
+    return tuple(_known_laws(bearing))
+
+
+def _known_laws(bearing: Bearing) -> dict[str, Callable[[Side], PowerLaw | LogarithmicLaw]]:
+    """All laws for a bearing's rolling elements, its own too."""
+    found: dict[str, Callable[[Side], PowerLaw | LogarithmicLaw]]
+    if isinstance(bearing, BallBearing):
+        found = {name: partial(law, bearing) for name, law in BALL_LAWS.items()}
+    else:
+        found = {name: partial(law, bearing) for name, law in ROLLER_LAWS.items()}
+    return found if bearing.own_law is None else found | {OWN: partial(own_law, bearing.own_law)}
+
+
+def own_law(law: OwnLaw, side: Side) -> PowerLaw:
+    """A bearing's own law on one raceway."""
+    stiffness = law.inner_stiffness if side == "inner" else law.outer_stiffness
+    return PowerLaw(
+        name=OWN,
+        stiffness=stiffness,
+        exponent=law.exponent,
+        source=f"the scene's own, Q = {stiffness:.4g} N/m^n · δ^n, n = {law.exponent:.4g}",
+        range=f"K = {law.inner_stiffness:.4g} and {law.outer_stiffness:.4g} N/m^n, n = {law.exponent:.4g}, {law.range}",
+    )
 
 
 def caution(name: str, bearing: Bearing) -> str | None:
-    """Why a law is no good for a bearing's materials; None where it is.
+    """Why a law is no good for a bearing; None where it is.
 
-    The empirical laws know the roller's length alone: they are measurements on steel.
+    The empirical laws know the roller's length alone: they are measurements on steel. A fitted law may be far from its
+    table.
     """
+    if name == OWN and bearing.own_law is not None and bearing.own_law.misfit > MISFIT:
+        return f"the contact law power is {bearing.own_law.range}: no power law is near that table"
     if name not in LAWS:
         return None
     bodies = {"roller": bearing.roller, "inner ring": bearing.inner_ring, "outer ring": bearing.outer_ring}
@@ -280,18 +309,21 @@ def contact_laws(name: str, bearing: Bearing) -> ContactLaws:
 
     Parameters
     ----------
-    name : a key of ROLLER_LAWS, or of BALL_LAWS ("hertz") for a `BallBearing`; "tripp" is "johnson"
+    name : a key of ROLLER_LAWS, or of BALL_LAWS ("hertz") for a `BallBearing`; "tripp" is "johnson", "power" the
+        bearing's own
 
     Errors
     ------
     ValueError: an unknown name, or a law that isn't for this bearing's rolling elements; the message lists the known.
     """
-    known: dict[str, Callable[[Side], PowerLaw | LogarithmicLaw]]
-    if isinstance(bearing, BallBearing):
-        kind, known = "balls", {key: partial(law_of, bearing) for key, law_of in BALL_LAWS.items()}
-    else:
-        kind, known = "rollers", {key: partial(law_of, bearing) for key, law_of in ROLLER_LAWS.items()}
+    known = _known_laws(bearing)
+    kind = "balls" if isinstance(bearing, BallBearing) else "rollers"
     law = known.get("johnson" if name == "tripp" else name)
+    if law is None and name == OWN:
+        raise ValueError(
+            'law = "power": the scene has no law of its own, or its file is not at hand; give '
+            "lagrange.contact_stiffness_N_per_m_n and contact_exponent, or law_table"
+        )
     if law is None:
         raise ValueError(f"unknown contact law {name!r} for {kind}; known: {', '.join(sorted(known))}")
     return ContactLaws(inner=law("inner"), outer=law("outer"))

@@ -6,7 +6,7 @@ Of what models take see `capabilities`.
 from collections.abc import Callable, Iterator
 from math import pi
 
-from lagrange.contact.raceway_laws import law_names
+from lagrange.contact.raceway_laws import OWN, law_names
 from lagrange.scene.bearing import cage_faults
 from lagrange.scene.capabilities import bore_given, refusals
 from lagrange.scene.surfaces import SURFACES, profile_faults, roller_faults, size_faults, spall_faults
@@ -19,7 +19,7 @@ LARGEST_FIT = 2e-3  # of the outside diameter: strains of a press fit, and slope
 
 def _law(scene: SceneTables) -> Iterator[str]:
     known = law_names(scene.perfect_bearing())
-    if scene.lagrange.law not in known:
+    if scene.lagrange.law not in (*known, OWN):
         yield (
             f"lagrange.law = {scene.lagrange.law!r}: unknown for bearing.type = {scene.bearing.type!r}; known are "
             f"{', '.join(known)}"

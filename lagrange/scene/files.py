@@ -31,7 +31,7 @@ class _Named:
 
 
 def content_in_place(data: dict[str, Any], folder: Path) -> None:
-    """Put the files of [[profile]] and [operation] into the tables of a scene that lies in a folder.
+    """Put the files of [[profile]], [operation] and [lagrange] into the tables of a scene that lies in a folder.
 
     Errors
     ------
@@ -63,12 +63,17 @@ def content_of(data: dict[str, Any], files: Mapping[str, str] | None) -> None:
 
 def _named(data: dict[str, Any]) -> Iterator[_Named]:
     """The files that a scene names; tables of other forms are left to the scene's own checks."""
+    table: Any
     profiles = data.get("profile")
     for i, table in enumerate(profiles if isinstance(profiles, list) else ()):
         yield from _file(_Named(f"profile.{i}", table, "file", "sha256", "content", "heights"))
-    for name, kind in (("speed_table", "speeds"), ("load_table", "loads")):
-        operation: Any = data.get("operation")
-        yield from _file(_Named("operation", operation, name, f"{name}_sha256", f"{name}_content", kind))
+    for place, name, kind in (
+        ("operation", "speed_table", "speeds"),
+        ("operation", "load_table", "loads"),
+        ("lagrange", "law_table", "forces"),
+    ):
+        table = data.get(place)
+        yield from _file(_Named(place, table, name, f"{name}_sha256", f"{name}_content", kind))
 
 
 def _file(named: _Named) -> Iterator[_Named]:

@@ -1,12 +1,17 @@
 """Tables of the scene that say how the run is computed: [contact], [damping], [numerics], [output], models' own."""
 
 from collections.abc import Iterator
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
+from pydantic.json_schema import SkipJsonSchema
 
+from lagrange.bearing import OwnLaw
 from lagrange.contact.damping import ContactDamping
+from lagrange.contact.raceway_laws import OWN
+from lagrange.scene.columns import DECIMAL
 from lagrange.scene.faults import Check, Table
+from lagrange.scene.law_table import fitted_law
 
 COMPARISONS = ("penalty", "faceted")  # contact models that are only there to be compared with
 STIFF_PENALTY = 1e9  # N/m, three times a contact of the paper's bearing; the mesh's nodes are no stiffer
@@ -87,11 +92,69 @@ class LagrangeTable(Table):
 
     law: str = Field(
         "harris",
-        description="harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; of balls hertz",
+        description="harris, palmgren, iso16281, braendlein, johnson, houpert, teutsch_sauer; of balls hertz; power: "
+        "the scene's own",
     )
+    contact_stiffness_N_per_m_n: list[Annotated[float, Field(gt=0.0, le=1e25)]] | None = Field(
+        None,
+        min_length=2,
+        max_length=2,
+        description="K of an inner and of an outer contact of the own law Q = K δⁿ, SI",
+    )
+    contact_exponent: float | None = Field(None, ge=1.0, le=3.0, description="n of the own law")
+    law_table: str | None = Field(
+        None, min_length=1, max_length=1000,
+        description="file beside the scene, CSV with the columns force [N], approach [um] of one contact, to which the "
+        "own law is fitted, in place of K and n",
+    )  # fmt: skip
+    law_table_sha256: str | None = Field(
+        None, pattern=r"^[0-9a-f]{64}$", description="digest of its text, to be sure that it is the one meant"
+    )
+    law_table_decimal: Literal[".", ","] | None = Field(None, description=DECIMAL)
+    law_table_content: SkipJsonSchema[str | None] = Field(None, exclude=True, repr=False)
     angles: Literal["kinematic", "free"] = Field(
         "kinematic", description="rollers in a cage that rolls without slip, or free ones (solved only)"
     )
+
+    @classmethod
+    def completed(cls, data: dict[str, Any]) -> dict[str, Any]:
+        """The own law is meant where it is given and none is named."""
+        given = any(data.get(key) is not None for key in ("contact_stiffness_N_per_m_n", "law_table"))
+        return {"law": OWN} | data if given else data
+
+    def checks(self) -> tuple[Check, ...]:
+        return (self._own_law,)
+
+    def _own_law(self) -> Iterator[str]:
+        stiffness, exponent = self.contact_stiffness_N_per_m_n, self.contact_exponent
+        for key in ("law_table_sha256", "law_table_decimal"):
+            if getattr(self, key) is not None and self.law_table is None:
+                yield f"{key}: of what? give law_table, or leave it out"
+        if self.law_table is not None and (stiffness is not None or exponent is not None):
+            yield (
+                f'law_table = "{self.law_table}": K and n are fitted to it; leave it out, or '
+                "contact_stiffness_N_per_m_n and contact_exponent"
+            )
+        if (stiffness is None) != (exponent is None):
+            yield "contact_stiffness_N_per_m_n and contact_exponent make one law Q = K δⁿ; give both, or neither"
+        if self.law == OWN and stiffness is None and self.law_table is None:
+            yield (
+                'law = "power": which? give contact_stiffness_N_per_m_n = [inner, outer] and contact_exponent, or '
+                "law_table"
+            )
+        try:
+            self.own_law()
+        except ValueError as error:
+            yield f'law_table = "{self.law_table}": {error}'
+
+    def own_law(self) -> OwnLaw | None:
+        """The scene's own law; None: it has none, or its table is not at hand. ValueError: a table of another kind."""
+        if self.law_table_content is not None:
+            return fitted_law(self.law_table_content, self.law_table_decimal or ".")
+        if self.contact_stiffness_N_per_m_n is None or self.contact_exponent is None:
+            return None
+        inner, outer = self.contact_stiffness_N_per_m_n
+        return OwnLaw(inner_stiffness=inner, outer_stiffness=outer, exponent=self.contact_exponent)
 
 
 class ReducedTable(Table):

@@ -21,15 +21,17 @@ from lagrange.scene.columns import Columns
 from lagrange.scene.combinations import COMBINATIONS
 from lagrange.scene.faults import Check, SceneError, all_faults, likely_of, plain, printable
 from lagrange.scene.files import LONGEST_TEXT, apply_override, content_in_place, content_of, load, set_key
-from lagrange.scene.run import DampingTable, with_former_name
+from lagrange.scene.run import DampingTable, LagrangeTable, with_former_name
 from lagrange.scene.surfaces import SURFACES
 from lagrange.scene.tables import SceneTables
 from lagrange.step_size import fitting_interval, wave_interval
 from lagrange.surface.passages import strike_interval
 
 MESH_SHARE = 0.1  # of a roller's diameter, between surface nodes where the scene gives no mesh size
-CONTENTS = ("content", "speed_table_content", "load_table_content")  # texts of files, in the tables that name them
-FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table")  # of tables that name a file
+CONTENTS = (  # texts of files, in the tables that name them
+    "content", "speed_table_content", "load_table_content", "law_table_content",
+)  # fmt: skip
+FILE_KEYS = ("file", "sha256", "content", "speed_table", "load_table", "law_table")  # of tables that name a file
 
 
 class Scene(SceneTables):
@@ -84,7 +86,7 @@ class Scene(SceneTables):
         ):
             data = data | {"numerics": {"mesh_size_mm": round(MESH_SHARE * diameter, 6)} | numerics}
         if bearing.get("type") == "ball" and isinstance(options, dict):
-            data = data | {"lagrange": {"law": "hertz"} | options}
+            data = data | {"lagrange": {"law": "hertz"} | LagrangeTable.completed(options)}
         standard = listed(bearing.get("designation"))
         if standard is not None and isinstance(operation, dict):
             mass = {"inner_ring_and_shaft_kg": inner_ring_and_shaft(standard[0])}
@@ -121,7 +123,7 @@ class Scene(SceneTables):
     def _as_written(self) -> dict[str, Any]:
         """The tables before they were completed, without the texts of the files that they name."""
         data = self.model_dump(exclude_none=True) if self._written is None else deepcopy(self._written)
-        for table in (*data.get("profile", []), data.get("operation", {})):
+        for table in (*data.get("profile", []), data.get("operation", {}), data.get("lagrange", {})):
             for key in CONTENTS:
                 table.pop(key, None)
         return data

@@ -95,6 +95,7 @@ class SceneTables(Table):
             roller=replace(self.material.of("roller"), rigid=self.bodies.rollers == "rigid"),
             inner_ring=replace(self.material.of("inner_ring"), rigid=self.bodies.inner_ring == "rigid"),
             outer_ring=replace(self.material.of("outer_ring"), rigid=self.bodies.outer_ring == "rigid"),
+            own_law=self.lagrange.own_law(),
         )
         if b.type == "roller":
             return Bearing(**shape)
@@ -129,4 +130,6 @@ class SceneTables(Table):
         """Texts of the files that it names, by their digests, as far as they are at hand."""
         profiles = {table.sha256: table.content for table in self.profile
                     if table.sha256 is not None and table.content is not None}  # fmt: skip
-        return profiles | self.operation.files
+        law = self.lagrange.law_table_sha256, self.lagrange.law_table_content
+        laws = {} if law[0] is None or law[1] is None else {law[0]: law[1]}
+        return profiles | self.operation.files | laws
